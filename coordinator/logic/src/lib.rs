@@ -1,0 +1,1 @@
+//! The coordinator's decisions: control mode, leases and refusals

@@ -1,0 +1,1 @@
+//! The coordinator's ROS 2 node: mode, console and CAN gateway

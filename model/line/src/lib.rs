@@ -1,0 +1,10 @@
+//! The line description: text → checked [`Line`] → nets.
+//!
+//! This crate knows what a line is and how its description is written. It knows nothing of time passing, messages or
+//! devices beyond their names and numbers: those are the business of the crates that take a [`Line`].
+
+mod line;
+mod time;
+
+pub use line::*;
+pub use time::Tick;

@@ -1,0 +1,497 @@
+//! The checked line: what every other crate may rely on without asking again.
+//!
+//! A [`Line`] exists only after [`crate::parse`] has resolved every name and checked every rule, so its ids index
+//! without a `Result`. It knows nothing of files, spans or spelling: those stay with the text it came from. The
+//! fields are public because a `Line` is data; building one by hand is for generators and tests, which pass it
+//! through [`crate::parse`] by writing it as text first.
+
+use std::fmt;
+use std::time::Duration;
+
+macro_rules! index_id {
+    ($(#[$doc:meta])* $name:ident) => {
+        $(#[$doc])*
+        #[derive(Clone, Copy, Debug, PartialEq, Eq, PartialOrd, Ord, Hash)]
+        pub struct $name(pub u16);
+
+        impl $name {
+            /// The id as an index into the vector it belongs to.
+            pub const fn index(self) -> usize {
+                self.0 as usize
+            }
+
+            /// The id of the element at `index`.
+            ///
+            /// # Panics
+            /// When `index` exceeds `u16::MAX`, far above any bound the parser accepts.
+            pub fn at(index: usize) -> Self {
+                $name(u16::try_from(index).expect("the parser bounds every list below u16::MAX"))
+            }
+        }
+    };
+}
+
+index_id! {
+    /// A station, by its place in [`Line::stations`].
+    StationId
+}
+index_id! {
+    /// An operation of one station, by its place in [`Station::operations`], which is the chart's order.
+    OpId
+}
+index_id! {
+    /// A digital input of one station, by its place in [`Station::inputs`]: bit `i` of its input image.
+    InputId
+}
+index_id! {
+    /// A digital output of one station, by its place in [`Station::outputs`]: bit `i` of its output image.
+    OutputId
+}
+index_id! {
+    /// A hand-mode push button of the main console, by its place in [`Line::buttons`].
+    ButtonId
+}
+index_id! {
+    /// A mechanism's axis of one station, by its place in [`Station::axes`].
+    AxisId
+}
+index_id! {
+    /// A CAN device, by its place in [`Line::devices`].
+    DeviceId
+}
+
+/// At most this many inputs, and as many outputs, in one station's process image.
+pub const IMAGE_BITS: usize = 128;
+/// At most this many hand-mode buttons on the main console.
+pub const BUTTONS_MAX: usize = 32;
+/// At most this many operations in one station.
+pub const OPERATIONS_MAX: usize = 64;
+/// At most this many operations side by side in one concurrent group.
+pub const BRANCHES_MAX: usize = 8;
+
+/// A production line, checked.
+#[derive(Clone, Debug, PartialEq)]
+pub struct Line {
+    /// The ROS namespace: lower-case letters, digits and `_`, starting with a letter.
+    pub name: String,
+    /// What a person calls it.
+    pub title: String,
+    /// The stations in the order of the timing bar chart.
+    pub stations: Vec<Station>,
+    /// The causal arrows of the timing bar chart.
+    pub arrows: Vec<Arrow>,
+    /// Pairs of station states that must never hold together.
+    pub conflicts: Vec<Conflict>,
+    /// The CAN devices.
+    pub devices: Vec<Device>,
+    /// The hand-mode push buttons of the main console, by name.
+    pub buttons: Vec<String>,
+    /// The main console's own signals.
+    pub console: Console,
+    /// How long things may take.
+    pub timing: Timing,
+}
+
+/// One station: an ordered cycle of operations.
+#[derive(Clone, Debug, PartialEq)]
+pub struct Station {
+    /// The ROS node name: lower-case letters, digits and `_`, starting with a letter.
+    pub name: String,
+    /// What a person calls it.
+    pub title: String,
+    /// The operations in the order the chart lists them. The first starts a new cycle.
+    pub operations: Vec<Operation>,
+    /// The operation that brings the station to its home position.
+    pub home: OpId,
+    /// The steps of the cycle, in chart order: one operation each, or several that run side by side (seed 002,
+    /// Appendix). Neither the first step nor the one of the home operation has more than one.
+    pub steps: Vec<Vec<OpId>>,
+    /// The mechanisms, for the simulated plant and for drawing.
+    pub axes: Vec<Axis>,
+    /// Names of the digital inputs: bit `i` of the input image is `inputs[i]`.
+    pub inputs: Vec<String>,
+    /// Names of the digital outputs: bit `i` of the output image is `outputs[i]`.
+    pub outputs: Vec<String>,
+    /// The operator's panel at the station.
+    pub panel: Panel,
+    /// The bus its devices hang on.
+    pub bus: Bus,
+}
+
+/// Which CAN bus a device hangs on.
+#[derive(Clone, Debug, PartialEq, Eq, Hash)]
+pub enum Bus {
+    /// The coordinator's bus; the coordinator is the gateway of the process images.
+    Line,
+    /// A bus of the station's own, by the CAN interface's name.
+    Own(String),
+}
+
+/// The operator's panel at a station: inputs of that station's own image.
+#[derive(Clone, Debug, Default, PartialEq, Eq)]
+pub struct Panel {
+    /// Selector: on is station-manual, off is station-auto.
+    pub manual: Option<InputId>,
+    /// Manual advance, `m_a`: hold to run.
+    pub advance: Option<InputId>,
+    /// Manual return, `m_r`: hold to run.
+    pub retract: Option<InputId>,
+}
+
+/// One mechanism's axis, in millimetres (or degrees; only differences matter).
+#[derive(Clone, Debug, PartialEq)]
+pub struct Axis {
+    /// Its name.
+    pub name: String,
+    /// Where it stands when the station is at home.
+    pub home: f64,
+}
+
+/// One operation of a station.
+#[derive(Clone, Debug, PartialEq)]
+pub struct Operation {
+    /// The name as the chart prints it, e.g. `advance clamp`.
+    pub name: String,
+    /// Reversible or irreversible (seed 002 §4.5.1).
+    pub module: Module,
+    /// What the normal motion takes when nothing is wrong.
+    pub duration: Duration,
+    /// After this long the normal motion counts as failed.
+    pub watchdog: Duration,
+    /// What the operation moves.
+    pub motion: Motion,
+    /// Signals of the normal motion.
+    pub normal: Signals,
+    /// Hand-mode type and its operator commands (seed 002 Figure 21, Table 3).
+    pub hand: Hand,
+}
+
+/// The motion of an operation along one axis, for the simulated plant: from where to where.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct Motion {
+    /// The axis it moves.
+    pub axis: AxisId,
+    /// Where a normal motion starts and a recovery motion ends.
+    pub from: f64,
+    /// Where a normal motion ends.
+    pub to: f64,
+}
+
+/// The operation module (seed 002 §4.5.2).
+#[derive(Clone, Debug, PartialEq)]
+pub enum Module {
+    /// R-module: a fault is recovered by resuming, or by returning and redoing.
+    Reversible {
+        /// Signals of the recovery motion.
+        recovery: Signals,
+        /// What the recovery motion takes.
+        recovery_duration: Duration,
+        /// After this long the recovery motion counts as failed.
+        recovery_watchdog: Duration,
+    },
+    /// I-module: a fault is recovered by resuming, or by going home along a path.
+    Irreversible {
+        /// The reversible operations whose recovery motions lead home, in the order they are run; the home
+        /// operation's normal motion follows (seed 002 §5.2.1 step 4). Never empty.
+        recovery_path: Vec<OpId>,
+    },
+}
+
+/// The signals of one motion.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub struct Signals {
+    /// `a`: the output that drives it.
+    pub actuator: OutputId,
+    /// `s`: the input that is on when the motion has arrived.
+    pub complete: InputId,
+    /// `f`: the input that is on when the motion has failed, where the mechanism has such a sensor; every motion
+    /// has its watchdog besides.
+    pub fault: Option<InputId>,
+    /// `d`: the lamp that announces its fault, if there is one.
+    pub lamp: Option<OutputId>,
+}
+
+/// Hand mode of one operation: its type and operator commands.
+///
+/// The types are those of seed 002 Figure 21. In a *sequence* one held button runs several operations one after the
+/// other; a *reversed* sequence can be run backwards by a second button.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub enum Hand {
+    /// Type 1: first or intermediate operation of a sequence that is never reversed.
+    Sequence {
+        /// `h_a`: held to run.
+        forward: ButtonId,
+    },
+    /// Type 2: last operation of a sequence that is never reversed.
+    SequenceEnd {
+        /// `h_a`: held to run.
+        forward: ButtonId,
+        /// `h_c`: pressed to start what follows.
+        next: ButtonId,
+    },
+    /// Type 3: first operation of a reversed sequence.
+    ReversedStart {
+        /// `h_a`: held to run.
+        forward: ButtonId,
+        /// `h_b`: held to run back.
+        back: ButtonId,
+    },
+    /// Type 4: intermediate operation of a reversed sequence.
+    ReversedMiddle {
+        /// `h_a`: held to run.
+        forward: ButtonId,
+        /// `h_b`: held to run back.
+        back: ButtonId,
+    },
+    /// Type 5: last operation of a reversed sequence.
+    ReversedEnd {
+        /// `h_a`: held to run.
+        forward: ButtonId,
+        /// `h_b`: held to run back.
+        back: ButtonId,
+        /// `h_c`: pressed to start what follows.
+        next: ButtonId,
+    },
+    /// Type 6: started by one command and reversed by another.
+    Single {
+        /// `h_a`: held to run.
+        forward: ButtonId,
+        /// `h_b`: held to run back.
+        back: ButtonId,
+        /// `h_c`: pressed to start what follows.
+        next: ButtonId,
+    },
+}
+
+impl Hand {
+    /// The seed's number of the type, 1 to 6.
+    pub fn number(&self) -> u8 {
+        match self {
+            Hand::Sequence { .. } => 1,
+            Hand::SequenceEnd { .. } => 2,
+            Hand::ReversedStart { .. } => 3,
+            Hand::ReversedMiddle { .. } => 4,
+            Hand::ReversedEnd { .. } => 5,
+            Hand::Single { .. } => 6,
+        }
+    }
+
+    /// `h_a`, the button that runs the operation.
+    pub fn forward(&self) -> ButtonId {
+        match *self {
+            Hand::Sequence { forward }
+            | Hand::SequenceEnd { forward, .. }
+            | Hand::ReversedStart { forward, .. }
+            | Hand::ReversedMiddle { forward, .. }
+            | Hand::ReversedEnd { forward, .. }
+            | Hand::Single { forward, .. } => forward,
+        }
+    }
+
+    /// `h_b`, the button that runs it back, where the type has one.
+    pub fn back(&self) -> Option<ButtonId> {
+        match *self {
+            Hand::Sequence { .. } | Hand::SequenceEnd { .. } => None,
+            Hand::ReversedStart { back, .. }
+            | Hand::ReversedMiddle { back, .. }
+            | Hand::ReversedEnd { back, .. }
+            | Hand::Single { back, .. } => Some(back),
+        }
+    }
+
+    /// `h_c`, the button that starts what follows, where it is not `h_a`.
+    pub fn next(&self) -> Option<ButtonId> {
+        match *self {
+            Hand::Sequence { .. } | Hand::ReversedStart { .. } | Hand::ReversedMiddle { .. } => None,
+            Hand::SequenceEnd { next, .. } | Hand::ReversedEnd { next, .. } | Hand::Single { next, .. } => Some(next),
+        }
+    }
+}
+
+/// A causal arrow: `to` may start in its cycle c iff `from` is done in cycle c − `lag`.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub struct Arrow {
+    /// The operation that must be done.
+    pub from: (StationId, OpId),
+    /// The operation that waits for it; never of the same station.
+    pub to: (StationId, OpId),
+    /// 0 within the same cycle, 1 when carried over from the previous one.
+    pub lag: u32,
+    /// Holds in auto mode.
+    pub auto: bool,
+    /// Holds in manual mode. Hand mode observes the arrows of both (seed 002 §5.5.2).
+    pub manual: bool,
+}
+
+/// Two states that must never hold together.
+#[derive(Clone, Debug, PartialEq)]
+pub struct Conflict {
+    /// Why: printed with a counterexample.
+    pub why: String,
+    /// One state.
+    pub a: Span,
+    /// The other, of another station.
+    pub b: Span,
+}
+
+/// A state of a station as a stretch of its cycle: it begins when operation `from` starts (or the undoing of `until`
+/// starts) and ends when `until` is complete (or `from` has been undone).
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub struct Span {
+    /// The station.
+    pub station: StationId,
+    /// Its first operation.
+    pub from: OpId,
+    /// Its last operation; it may lie before `from` in the chart: the stretch then crosses the cycle boundary.
+    pub until: OpId,
+}
+
+/// A CAN device with digital inputs and outputs (CiA 401 default mapping: one PDO of up to 64 bits each way).
+#[derive(Clone, Debug, PartialEq)]
+pub struct Device {
+    /// Its name.
+    pub name: String,
+    /// CAN node id, 1 to 127, unique on its bus.
+    pub node_id: u8,
+    /// Whose image it carries.
+    pub owner: Owner,
+    /// The bus it hangs on.
+    pub bus: Bus,
+    /// For each bit of its input PDO (TPDO1, 0x180 + id), the input of its owner's image it carries.
+    pub inputs: Vec<Option<InputId>>,
+    /// For each bit of its output PDO (RPDO1, 0x200 + id), the output of its owner's image it carries.
+    pub outputs: Vec<Option<OutputId>>,
+}
+
+/// Whose process image a device carries.
+#[derive(Clone, Copy, Debug, PartialEq, Eq, Hash)]
+pub enum Owner {
+    /// A station's.
+    Station(StationId),
+    /// The main console's, which the coordinator reads itself.
+    Console,
+}
+
+/// The main console (seed 002 §5.4, Figures 18 and 23). Its image has its own input and output numbering.
+#[derive(Clone, Debug, Default, PartialEq, Eq)]
+pub struct Console {
+    /// Names of its inputs: bit `i` of the console's input image.
+    pub inputs: Vec<String>,
+    /// Names of its outputs: bit `i` of the console's output image.
+    pub outputs: Vec<String>,
+    /// Master start push button.
+    pub start: Option<InputId>,
+    /// Master stop push button.
+    pub stop: Option<InputId>,
+    /// Auto push button.
+    pub auto: Option<InputId>,
+    /// Hand push button.
+    pub hand: Option<InputId>,
+    /// Emergency stop, latching mushroom button: on is pressed.
+    pub estop: Option<InputId>,
+    /// Reset push button.
+    pub reset: Option<InputId>,
+    /// For each of [`Line::buttons`], its input; `None` for a button that exists on ROS topics alone.
+    pub buttons: Vec<Option<InputId>>,
+    /// Lamps: on while the line is in that mode, in the order auto, hand, manual, fault (any incomplete operation).
+    pub lamps: [Option<OutputId>; 4],
+}
+
+/// How long things may take, for the whole line.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub struct Timing {
+    /// How often a station's or the coordinator's whole state is sent when nothing changes.
+    pub refresh: Duration,
+    /// A view, a process image or a held button older than this is unknown.
+    pub stale: Duration,
+    /// A mode not refreshed within this time has run out: stand-by.
+    pub lease: Duration,
+    /// How often a CAN device or manager sends its heartbeat.
+    pub heartbeat: Duration,
+    /// A CAN device or manager not heard for this long is lost.
+    pub heartbeat_timeout: Duration,
+}
+
+impl Default for Timing {
+    /// Refresh 50 ms, stale 250 ms, lease 500 ms, heartbeat 50 ms, lost after 200 ms.
+    ///
+    /// Each limit is at least four times the period it watches: three lost messages in a row are noise on a loaded
+    /// machine, a fourth is a fault.
+    fn default() -> Self {
+        Timing {
+            refresh: Duration::from_millis(50),
+            stale: Duration::from_millis(250),
+            lease: Duration::from_millis(500),
+            heartbeat: Duration::from_millis(50),
+            heartbeat_timeout: Duration::from_millis(200),
+        }
+    }
+}
+
+impl Line {
+    /// The station with this id.
+    pub fn station(&self, id: StationId) -> &Station {
+        &self.stations[id.index()]
+    }
+
+    /// The operation with this id.
+    pub fn operation(&self, (station, op): (StationId, OpId)) -> &Operation {
+        &self.station(station).operations[op.index()]
+    }
+
+    /// The station with this name.
+    pub fn station_named(&self, name: &str) -> Option<StationId> {
+        self.stations.iter().position(|s| s.name == name).map(StationId::at)
+    }
+
+    /// All station ids, in chart order.
+    pub fn station_ids(&self) -> impl Iterator<Item = StationId> + use<> {
+        (0..self.stations.len()).map(StationId::at)
+    }
+
+    /// The devices that carry `owner`'s image, in the order of the description.
+    pub fn devices_of(&self, owner: Owner) -> impl Iterator<Item = &Device> {
+        self.devices.iter().filter(move |d| d.owner == owner)
+    }
+}
+
+impl Station {
+    /// The operation with this name.
+    pub fn operation_named(&self, name: &str) -> Option<OpId> {
+        self.operations.iter().position(|o| o.name == name).map(OpId::at)
+    }
+
+    /// All operation ids, in chart order.
+    pub fn op_ids(&self) -> impl Iterator<Item = OpId> + use<> {
+        (0..self.operations.len()).map(OpId::at)
+    }
+
+    /// The step an operation belongs to, as an index into [`Station::steps`].
+    pub fn step_of(&self, op: OpId) -> usize {
+        self.steps.iter().position(|step| step.contains(&op)).expect("every operation belongs to a step")
+    }
+
+    /// What every operation counts when the station stands at home at the end of round `n` (the home operation done
+    /// `n` times): the operations listed up to home count `n`, everything after it `n` − 1.
+    ///
+    /// With home listed last that is `n` for all of them; a station that has never moved stands at
+    /// [`Station::initial_round`].
+    pub fn home_count(&self, op: OpId, n: u32) -> u32 {
+        if op <= self.home { n } else { n.saturating_sub(1) }
+    }
+
+    /// The round a station that has never moved stands at the end of: 0 if the home operation is the last one
+    /// listed, else 1 (so that the operations listed up to it count cycle 1 and everything else counts 0).
+    pub fn initial_round(&self) -> u32 {
+        u32::from(self.home.index() + 1 < self.operations.len())
+    }
+}
+
+impl fmt::Display for Bus {
+    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
+        match self {
+            Bus::Line => f.write_str("the coordinator's bus"),
+            Bus::Own(interface) => f.write_str(interface),
+        }
+    }
+}

@@ -1,0 +1,1 @@
+//! Petri nets: structure, marking, token game and structural analysis

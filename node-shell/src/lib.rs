@@ -1,0 +1,1 @@
+//! What both nodes share of ROS 2: arguments, environment, participant and topics

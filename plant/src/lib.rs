@@ -1,0 +1,1 @@
+//! The simulated plant: mechanisms and the CAN devices they hang on

@@ -1,0 +1,1 @@
+//! One station's controller: process image in, outputs and events out

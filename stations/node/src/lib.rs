@@ -1,0 +1,1 @@
+//! One station's ROS 2 node: a thin shell around its logic
