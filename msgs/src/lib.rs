@@ -1,1 +1,26 @@
-//! ROS 2 interfaces of a line: message types held to their .msg files
+//! The ROS 2 interfaces of a line.
+//!
+//! Each message exists twice: as a `.msg` file under `msg/`, from which a ROS 2 workspace generates
+//! C++ and Python, and as the Rust struct of the same name here. The struct is written once, with the
+//! [`message!`](macros) macro, which also records its fields and constants; `tests/msg_files.rs`
+//! compares that record with the parsed `.msg` file, and `tests/golden.rs` compares the bytes with
+//! checked-in ones. So the two cannot drift apart unnoticed.
+//!
+//! This crate knows nothing of DDS: it holds data, its structure and its [bounds](Invalid). What
+//! decodes is not yet believable; [`RosMessage::validate`] is called on everything that arrives.
+
+mod describe;
+mod invalid;
+mod line;
+mod macros;
+mod station;
+mod std_types;
+
+pub use describe::{Bounded, Constant, Field, RosField, RosMessage};
+pub use invalid::{ITEMS_MAX, Invalid, TEXT_BYTES_MAX};
+pub use line::{LineState, ModeOrder};
+pub use station::{Answer, ProcessImage, StationEvent, StationState};
+pub use std_types::{Flag, Header, Text, Time};
+
+/// Package that the messages of this crate belong to on the ROS 2 side.
+pub const PACKAGE: &str = "linewright_msgs";

@@ -1,1 +1,30 @@
-//! What both nodes share of ROS 2: arguments, environment, participant and topics
+//! What the station's and the coordinator's node share of ROS 2.
+//!
+//! The client library speaks DDS; what a ROS 2 user expects around it is here: command line and
+//! environment ([`RosArgs`]), names and remaps ([`names`]), a participant that stays on this machine
+//! unless told otherwise ([`Participant`]), one named quality of service per kind of topic ([`qos`]),
+//! publishers that never wait ([`Publisher`]), subscriptions that survive anything sent to them
+//! ([`Subscription`]) and the order of whole-state messages ([`NewestBySequence`]).
+//!
+//! This crate knows nothing of lines and modes. It decides nothing a controller cares about: a
+//! message arrives with its source, or it does not arrive.
+
+mod args;
+mod environment;
+mod identity;
+mod logging;
+pub mod names;
+mod newest;
+mod participant;
+mod publisher;
+pub mod qos;
+mod subscription;
+
+pub use args::{ArgsError, LogLevel, ParamValue, RosArgs};
+pub use environment::{EnvironmentError, Range};
+pub use identity::{boot_id, fresh_boot_id, stamp};
+pub use logging::{LoggingError, init as init_logging};
+pub use newest::{Counts, NewestBySequence, Verdict};
+pub use participant::{Node, OpenError, Participant, TopicError};
+pub use publisher::{Publisher, SendError};
+pub use subscription::{Forward, RecvError, Source, Subscription, forward};

@@ -1,0 +1,51 @@
+//! Who this process is, and what time it is.
+
+use linewright_msgs::{Header, Time};
+use std::hash::{BuildHasher, Hasher, RandomState};
+use std::sync::OnceLock;
+use std::time::{SystemTime, UNIX_EPOCH};
+
+/// A number that is new with every start of the process and never 0. Readers use it to tell a
+/// restarted writer from a late message.
+pub fn boot_id() -> u64 {
+    static BOOT_ID: OnceLock<u64> = OnceLock::new();
+    *BOOT_ID.get_or_init(fresh_boot_id)
+}
+
+/// A new boot id with every call, for several nodes in one process and for tests.
+pub fn fresh_boot_id() -> u64 {
+    loop {
+        // The standard library seeds this hasher from the operating system's random numbers.
+        let mut hasher = RandomState::new().build_hasher();
+        hasher.write_u128(since_epoch().as_nanos());
+        hasher.write_u32(std::process::id());
+        match hasher.finish() {
+            0 => continue,
+            id => return id,
+        }
+    }
+}
+
+/// A header that says "now". The wire format's seconds end in 2038; later times stay there.
+pub fn stamp() -> Header {
+    let now = since_epoch();
+    let sec = i32::try_from(now.as_secs()).unwrap_or(i32::MAX);
+    Header { stamp: Time { sec, nanosec: now.subsec_nanos() }, frame_id: String::new() }
+}
+
+fn since_epoch() -> std::time::Duration {
+    SystemTime::now().duration_since(UNIX_EPOCH).unwrap_or_default()
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn boot_ids_are_kept_and_fresh_ones_differ() {
+        assert_eq!(boot_id(), boot_id());
+        assert_ne!(boot_id(), 0);
+        assert_ne!(fresh_boot_id(), fresh_boot_id());
+        assert!(stamp().stamp.sec > 1_700_000_000);
+    }
+}

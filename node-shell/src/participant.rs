@@ -1,0 +1,183 @@
+//! The DDS participant and the nodes on it.
+//!
+//! One participant per process is the rule: each costs a thread, two sockets and a place among the
+//! participants a host can discover (see `docs/ros.md`). Several nodes may share it.
+//!
+//! Unless the environment says otherwise the participant stays on this machine. ROS 2's own default is
+//! the whole subnet; a machine that moves should not obey whoever happens to be on it. "Stays" means
+//! that it announces itself and sends on the loopback address only; its sockets still listen on all,
+//! so this is a habit, not a firewall.
+
+use crate::names::{self, NameError};
+use crate::{Publisher, Range, RosArgs, Subscription};
+use linewright_msgs::RosMessage;
+use ros2_client::{Context, MessageTypeName, Name, NodeName, NodeOptions, QosProfile};
+use rustdds::DomainParticipantBuilder;
+use std::net::Ipv4Addr;
+use thiserror::Error;
+
+/// The participant or a node could not be made.
+#[derive(Debug, Error)]
+pub enum OpenError {
+    /// DDS refused.
+    #[error("cannot open ROS domain {domain_id}: {reason}")]
+    Participant {
+        /// Domain.
+        domain_id: u16,
+        /// The middleware's words.
+        reason: String,
+    },
+    /// The node's name or namespace, as given or as remapped.
+    #[error("node name: {0}")]
+    Name(#[from] NameError),
+    /// DDS refused the node.
+    #[error("cannot create node {name}: {reason}")]
+    Node {
+        /// Full name.
+        name: String,
+        /// The middleware's words.
+        reason: String,
+    },
+}
+
+/// A topic could not be opened.
+#[derive(Debug, Error)]
+pub enum TopicError {
+    /// The topic's name, as given or as remapped.
+    #[error("topic name: {0}")]
+    Name(#[from] NameError),
+    /// DDS refused.
+    #[error("cannot open topic {topic}: {reason}")]
+    Middleware {
+        /// Absolute name.
+        topic: String,
+        /// The middleware's words.
+        reason: String,
+    },
+}
+
+/// This process in a ROS domain.
+pub struct Participant {
+    context: Context,
+    args: RosArgs,
+    range: Range,
+}
+
+impl Participant {
+    /// Joins the domain of `args`, on this machine only unless `args.range` says otherwise.
+    pub fn open(args: &RosArgs) -> Result<Self, OpenError> {
+        let failed = |reason: String| OpenError::Participant { domain_id: args.domain_id, reason };
+        let range = args.range.unwrap_or(Range::Localhost);
+        let builder = DomainParticipantBuilder::new(args.domain_id);
+        let builder = match range {
+            Range::Subnet => builder,
+            Range::Localhost => builder.with_only_networks([Ipv4Addr::LOCALHOST]),
+            // No interface has this address, so nothing is announced anywhere.
+            Range::Off => builder.with_only_networks([Ipv4Addr::UNSPECIFIED]).same_host_loopback(false),
+        };
+        let domain_participant = builder.build().map_err(|e| failed(e.to_string()))?;
+        let context = Context::from_domain_participant(domain_participant).map_err(|e| failed(e.to_string()))?;
+        for warning in &args.warnings {
+            tracing::warn!("{warning}");
+        }
+        Ok(Self { context, args: args.clone(), range })
+    }
+
+    /// Creates a node; remap rules may rename it.
+    pub fn node(&self, namespace: &str, name: &str) -> Result<Node, OpenError> {
+        let (namespace, name) = names::identify(&self.args.remaps, namespace, name)?;
+        let full = names::expand(&name, &namespace, &name)?;
+        let failed = |reason: String| OpenError::Node { name: full.clone(), reason };
+        let node_name = NodeName::new(&namespace, &name).map_err(|e| failed(e.to_string()))?;
+        let options = NodeOptions::new().start_parameter_services(false);
+        let inner = self.context.new_node(node_name, options).map_err(|e| failed(e.to_string()))?;
+        Ok(Node { inner, args: self.args.clone(), namespace, name })
+    }
+
+    /// The domain joined.
+    pub fn domain_id(&self) -> u16 {
+        self.args.domain_id
+    }
+
+    /// How far it reaches.
+    pub fn range(&self) -> Range {
+        self.range
+    }
+
+    /// The number of this participant among those of this machine and domain, from 0. Without
+    /// multicast only the first [`PARTICIPANTS_PROBED`](Self::PARTICIPANTS_PROBED) are found by all.
+    pub fn number(&self) -> u16 {
+        self.context.domain_participant().participant_id()
+    }
+
+    /// Participants that the library probes for on the loopback address.
+    pub const PARTICIPANTS_PROBED: u16 = 12;
+}
+
+/// A ROS 2 node.
+pub struct Node {
+    inner: ros2_client::Node,
+    args: RosArgs,
+    namespace: String,
+    name: String,
+}
+
+impl Node {
+    /// Namespace after remaps.
+    pub fn namespace(&self) -> &str {
+        &self.namespace
+    }
+
+    /// Base name after remaps.
+    pub fn name(&self) -> &str {
+        &self.name
+    }
+
+    /// The parameter given on the command line for this node.
+    pub fn param(&self, name: &str) -> Option<&crate::ParamValue> {
+        self.args.param(&self.name, name)
+    }
+
+    /// The absolute name of a topic after expansion and remaps.
+    pub fn resolve(&self, topic: &str) -> Result<String, NameError> {
+        names::resolve(&self.args.remaps, topic, &self.namespace, &self.name)
+    }
+
+    /// Opens a topic for sending. `topic` may be absolute, relative or private (`~/…`).
+    pub fn publisher<T: RosMessage>(&mut self, topic: &str, qos: QosProfile) -> Result<Publisher<T>, TopicError> {
+        let (dds_topic, full) = self.topic::<T>(topic, &qos)?;
+        match self.inner.create_publisher(&dds_topic, Some(qos)) {
+            Ok(inner) => Ok(Publisher::new(inner, full)),
+            Err(e) => Err(TopicError::Middleware { topic: full, reason: e.to_string() }),
+        }
+    }
+
+    /// Opens a topic for receiving.
+    pub fn subscription<T: RosMessage>(&mut self, topic: &str, qos: QosProfile) -> Result<Subscription<T>, TopicError> {
+        let (dds_topic, full) = self.topic::<T>(topic, &qos)?;
+        match self.inner.create_subscription(&dds_topic, Some(qos)) {
+            Ok(inner) => Ok(Subscription::new(inner, full)),
+            Err(e) => Err(TopicError::Middleware { topic: full, reason: e.to_string() }),
+        }
+    }
+
+    /// Publishers now known on a topic, this process's own included. For displays and tests: a dead
+    /// one is counted until its lease runs out.
+    pub fn publisher_count(&self, topic: &str) -> Result<usize, NameError> {
+        Ok(self.inner.publisher_count(&self.resolve(topic)?))
+    }
+
+    /// Subscriptions now known on a topic, likewise.
+    pub fn subscription_count(&self, topic: &str) -> Result<usize, NameError> {
+        Ok(self.inner.subscription_count(&self.resolve(topic)?))
+    }
+
+    fn topic<T: RosMessage>(&self, topic: &str, qos: &QosProfile) -> Result<(rustdds::Topic, String), TopicError> {
+        let full = self.resolve(topic)?;
+        let failed = |reason: String| TopicError::Middleware { topic: full.clone(), reason };
+        let name = Name::parse(&full).map_err(|e| failed(e.to_string()))?;
+        let type_name = MessageTypeName::new(T::PACKAGE, T::NAME);
+        let dds_topic = self.inner.create_topic(&name, type_name, qos).map_err(|e| failed(e.to_string()))?;
+        Ok((dds_topic, full))
+    }
+}

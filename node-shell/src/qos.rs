@@ -1,0 +1,48 @@
+//! The four qualities of service a line uses. Always named, never defaulted.
+//!
+//! The client library's default subscription is best effort with depth 1, which silently loses what
+//! rclcpp's default would not. So every topic takes one of these, and writer and reader of a topic
+//! take the same. None of them waits: a full send window is a counted error
+//! ([`SendError::WindowFull`](crate::SendError)), not a stalled controller.
+//!
+//! | | reliability | durability | history | for |
+//! |---|---|---|---|---|
+//! | [`latched_state`] | reliable | transient local | keep last 1 | whole states |
+//! | [`command`] | reliable | volatile | keep last 1 | what an operator or the coordinator wants now |
+//! | [`event`] | reliable | volatile | keep last 100 | what happened |
+//! | [`image`] | best effort | volatile | keep last 1 | process images at the scan rate |
+//!
+//! A reliable writer keeps every sample for a reader that stopped answering, up to 8192 of them or
+//! until the reader's lease (50 s) runs out; then it refuses new ones. At 100 messages a second the
+//! lease comes first, at 200 the window does. That is why images, the one topic that may be sent at
+//! scan rate, are best effort; on one machine nothing gets lost that the next image would not repeat.
+
+use ros2_client::QosProfile;
+use ros2_client::qos::{Durability, History, WhenFull};
+
+const fn reliable(durability: Durability, depth: usize) -> QosProfile {
+    QosProfile::publisher_default()
+        .reliability_reliable(WhenFull::Fail)
+        .durability(durability)
+        .history(History::KeepLast { depth })
+}
+
+/// Whole states, kept for readers that come late.
+pub const fn latched_state() -> QosProfile {
+    reliable(Durability::TransientLocal, 1)
+}
+
+/// Commands. Never latched: a restart must not repeat "auto".
+pub const fn command() -> QosProfile {
+    reliable(Durability::Volatile, 1)
+}
+
+/// Events, with room for a burst.
+pub const fn event() -> QosProfile {
+    reliable(Durability::Volatile, 100)
+}
+
+/// Process images: the newest counts, nothing is repeated.
+pub const fn image() -> QosProfile {
+    QosProfile::subscription_default().reliability_best_effort()
+}
