@@ -1,0 +1,67 @@
+//! The bytes on the wire, checked in.
+//!
+//! DO NOT change a file under `golden/` to make this test pass. A difference means that nodes of two
+//! versions no longer understand each other: give the changed message a new name or add a new version
+//! directory beside `v1`, and keep this one passing for as long as `v1` is spoken.
+//!
+//! `LINEWRIGHT_WRITE_GOLDEN=1` writes files that do not exist yet, and only those.
+
+mod samples;
+
+use byteorder::LittleEndian;
+use linewright_msgs::RosMessage;
+use std::fmt::{Debug, Write};
+use std::path::Path;
+
+fn holds<T: RosMessage + PartialEq + Debug>(version: &str, message: T) {
+    message.validate().expect("a sample is valid");
+    let name = format!("{}-{}.hex", T::PACKAGE, T::NAME);
+    let path = Path::new(env!("CARGO_MANIFEST_DIR")).join("tests/golden").join(version).join(&name);
+    let bytes = cdr_encoding::to_vec::<T, LittleEndian>(&message).expect("encodes");
+    if !path.exists() && std::env::var_os("LINEWRIGHT_WRITE_GOLDEN").is_some() {
+        std::fs::write(&path, file(&bytes)).expect("written");
+    }
+    let text = std::fs::read_to_string(&path).unwrap_or_else(|e| panic!("{}: {e}", path.display()));
+    let golden = unhex(&text);
+    assert_eq!(hex(&bytes), hex(&golden), "{name}: read the head of tests/golden.rs before you change anything");
+    let (decoded, consumed) = cdr_encoding::from_bytes::<T, LittleEndian>(&golden).expect("decodes");
+    assert_eq!((decoded, consumed), (message, golden.len()), "{name}");
+}
+
+const HEAD: &str = "\
+# CDR, little endian, without the encapsulation header.
+# Do not change this file to make a test pass: add a version beside it.
+";
+
+fn file(bytes: &[u8]) -> String {
+    format!("{HEAD}{}", hex(bytes))
+}
+
+fn hex(bytes: &[u8]) -> String {
+    let mut text = String::new();
+    for row in bytes.chunks(16) {
+        let digits: Vec<String> = row.iter().map(|byte| format!("{byte:02x}")).collect();
+        writeln!(text, "{}", digits.join(" ")).expect("a string takes it");
+    }
+    text
+}
+
+fn unhex(text: &str) -> Vec<u8> {
+    text.lines()
+        .filter(|line| !line.starts_with('#'))
+        .flat_map(str::split_whitespace)
+        .map(|digits| u8::from_str_radix(digits, 16).expect("two hex digits"))
+        .collect()
+}
+
+#[test]
+fn version_1() {
+    holds("v1", samples::answer());
+    holds("v1", samples::station_state());
+    holds("v1", samples::station_event());
+    holds("v1", samples::process_image());
+    holds("v1", samples::mode_order());
+    holds("v1", samples::line_state());
+    holds("v1", samples::text());
+    holds("v1", samples::flag());
+}

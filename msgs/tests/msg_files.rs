@@ -1,0 +1,92 @@
+//! Holds the Rust structs to the `.msg` files: same fields, same order, same types, same constants.
+//!
+//! The Rust side is what the `message!` macro recorded; the other side is parsed here from the files
+//! that a ROS 2 workspace builds. The standard messages' files belong to ROS 2, so their text, as
+//! published, stands at the end.
+
+use linewright_msgs::{
+    Answer, Constant, Flag, Header, LineState, ModeOrder, PACKAGE, ProcessImage, RosMessage, StationEvent,
+    StationState, Text, Time,
+};
+use std::collections::BTreeSet;
+use std::path::PathBuf;
+
+/// `(type, name)` of each field and `(type, name, value)` of each constant.
+#[derive(Debug, Default, PartialEq, Eq)]
+struct MsgFile {
+    fields: Vec<(String, String)>,
+    constants: Vec<(String, String, String)>,
+}
+
+fn parse(text: &str) -> MsgFile {
+    let mut file = MsgFile::default();
+    for line in text.lines() {
+        let line = line.split('#').next().unwrap_or_default().trim();
+        if line.is_empty() {
+            continue;
+        }
+        let (ros_type, rest) = line.split_once(' ').unwrap_or_else(|| panic!("'{line}' has no name"));
+        match rest.split_once('=') {
+            Some((name, value)) => {
+                file.constants.push((ros_type.to_owned(), name.trim().to_owned(), value.trim().to_owned()));
+            }
+            None => file.fields.push((ros_type.to_owned(), rest.trim().to_owned())),
+        }
+    }
+    file
+}
+
+fn recorded<T: RosMessage>() -> MsgFile {
+    let constant = |c: Constant| (c.ros_type, c.name.to_owned(), c.value);
+    MsgFile {
+        fields: T::fields().into_iter().map(|f| (f.ros_type, f.name.to_owned())).collect(),
+        constants: T::constants().into_iter().map(constant).collect(),
+    }
+}
+
+fn directory() -> PathBuf {
+    PathBuf::from(env!("CARGO_MANIFEST_DIR")).join("msg")
+}
+
+fn same<T: RosMessage>(checked: &mut BTreeSet<String>) {
+    assert_eq!(T::PACKAGE, PACKAGE);
+    let path = directory().join(format!("{}.msg", T::NAME));
+    let text = std::fs::read_to_string(&path).unwrap_or_else(|e| panic!("{}: {e}", path.display()));
+    assert_eq!(recorded::<T>(), parse(&text), "{}", T::NAME);
+    checked.insert(format!("{}.msg", T::NAME));
+}
+
+#[test]
+fn every_msg_file_has_a_struct_that_says_the_same() {
+    let mut checked = BTreeSet::new();
+    same::<Answer>(&mut checked);
+    same::<LineState>(&mut checked);
+    same::<ModeOrder>(&mut checked);
+    same::<ProcessImage>(&mut checked);
+    same::<StationEvent>(&mut checked);
+    same::<StationState>(&mut checked);
+    let files: BTreeSet<String> = std::fs::read_dir(directory())
+        .expect("msg directory")
+        .map(|entry| entry.expect("entry").file_name().to_string_lossy().into_owned())
+        .collect();
+    assert_eq!(checked, files);
+    let cmake = include_str!("../CMakeLists.txt");
+    for file in &files {
+        assert!(cmake.contains(&format!("\"msg/{file}\"")), "{file} is not listed in CMakeLists.txt");
+    }
+}
+
+#[test]
+fn standard_messages_are_as_published() {
+    let cases = [
+        ("builtin_interfaces", "Time", recorded::<Time>(), "int32 sec\nuint32 nanosec"),
+        ("std_msgs", "Header", recorded::<Header>(), "builtin_interfaces/Time stamp\nstring frame_id"),
+        ("std_msgs", "String", recorded::<Text>(), "string data"),
+        ("std_msgs", "Bool", recorded::<Flag>(), "bool data"),
+    ];
+    for (package, name, rust, published) in cases {
+        assert_eq!(rust, parse(published), "{package}/{name}");
+    }
+    assert_eq!((Text::PACKAGE, Text::NAME), ("std_msgs", "String"));
+    assert_eq!((Flag::PACKAGE, Flag::NAME), ("std_msgs", "Bool"));
+}

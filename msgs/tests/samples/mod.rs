@@ -1,0 +1,110 @@
+#![allow(dead_code, missing_docs)] // Each test uses some of them.
+
+//! One message of each kind with every field set, so that a swapped or dropped field shows.
+
+use linewright_msgs::{
+    Answer, Bounded, Flag, Header, LineState, ModeOrder, ProcessImage, StationEvent, StationState, Text, Time,
+};
+
+pub fn header() -> Header {
+    Header { stamp: Time { sec: 1_700_000_000, nanosec: 123_456_789 }, frame_id: "line".into() }
+}
+
+pub fn answer() -> Answer {
+    Answer {
+        station: "s2".into(),
+        boot_id: 0x1122_3344_5566_7788,
+        request_number: 41,
+        agreed: false,
+        in_the_way: "lift bar".into(),
+    }
+}
+
+pub fn station_state() -> StationState {
+    StationState {
+        header: header(),
+        boot_id: 0x0102_0304_0506_0708,
+        sequence: 9,
+        station: "s1".into(),
+        mode_epoch: 10,
+        mode: StationState::MODE_HAND,
+        cycle: 3,
+        done: vec![3, 2, 2],
+        started: vec![3, 3, 2],
+        places: vec![StationState::PLACE_COMPLETED, StationState::PLACE_INCOMPLETE, StationState::PLACE_NONE],
+        recovering_home: false,
+        at_home: false,
+        stopped: true,
+        selector_manual: false,
+        devices_valid: true,
+        incomplete: vec![1],
+        operation: "drill".into(),
+        fault: "drill: not down after 2 s".into(),
+        blocked_by: vec!["s2 unknown".into(), "ä".into()],
+        request_number: 42,
+        request_operations: vec![0, 2],
+        answers: vec![answer()],
+    }
+}
+
+pub fn station_event() -> StationEvent {
+    StationEvent {
+        header: header(),
+        station: "s1".into(),
+        sequence: 77,
+        kind: StationEvent::KIND_FAULT,
+        operation: "drill".into(),
+        cycle: 3,
+        text: "not down".into(),
+    }
+}
+
+pub fn process_image() -> ProcessImage {
+    ProcessImage {
+        header: header(),
+        boot_id: 5,
+        sequence: 6,
+        valid: true,
+        bits: Bounded::new((0..16).collect()).expect("sixteen fit"),
+    }
+}
+
+pub fn mode_order() -> ModeOrder {
+    ModeOrder {
+        header: header(),
+        boot_id: 5,
+        sequence: 6,
+        epoch: 7,
+        mode: StationState::MODE_AUTO,
+        enabled: true,
+        master_stop: false,
+        buttons: 0x8000_0001,
+        lease_ms: 500,
+    }
+}
+
+pub fn line_state() -> LineState {
+    LineState {
+        header: header(),
+        boot_id: 5,
+        sequence: 6,
+        epoch: 7,
+        mode: StationState::MODE_AUTO,
+        enabled: false,
+        master_stop: true,
+        text: "auto".into(),
+        refusal: "s2 stands on manual".into(),
+        refusals: 2,
+        stations: vec!["s1".into(), "s2".into()],
+        station_heard: vec![LineState::HEARD_FRESH, LineState::HEARD_STALE],
+        waiting_for: vec!["s2".into()],
+    }
+}
+
+pub fn text() -> Text {
+    Text::from("auto")
+}
+
+pub fn flag() -> Flag {
+    Flag { data: true }
+}
