@@ -1,0 +1,257 @@
+//! Playing a net out: every marking that can be reached, and what follows from seeing them all.
+//!
+//! This is the slow and obvious way to the truth. It stores each marking, stops at a bound, and then says that it does
+//! not know, never "no". Its purpose is to confirm what [`crate::structure`] claims, and to decide small nets that
+//! belong to no class. It does not recognise an unbounded net, and does not reduce or compress: the checker of whole
+//! lines, with their conditions and counts, is not this.
+
+use std::collections::{HashMap, HashSet};
+
+use thiserror::Error;
+
+use crate::components::Components;
+use crate::{FireError, Marking, Net, PlaceId, TransitionId};
+
+/// A reachable marking, numbered in the order of discovery: breadth first, the initial marking is 0.
+#[derive(Clone, Copy, Debug, PartialEq, Eq, PartialOrd, Ord, Hash)]
+pub struct StateId(pub u32);
+
+impl StateId {
+    /// The initial marking.
+    pub const INITIAL: StateId = StateId(0);
+
+    /// The position in tables that have one entry per state.
+    pub const fn index(self) -> usize {
+        self.0 as usize
+    }
+}
+
+/// M₁[t⟩M₂ as an arc of the reachability graph.
+#[derive(Clone, Copy, Debug, PartialEq, Eq, PartialOrd, Ord, Hash)]
+pub struct Step {
+    /// M₁.
+    pub from: StateId,
+    /// t.
+    pub transition: TransitionId,
+    /// M₂.
+    pub to: StateId,
+}
+
+/// The exploration did not come to an end: nothing is known about the net as a whole.
+#[derive(Clone, Debug, PartialEq, Eq, Error)]
+#[error("undecided after {states} states: {cause}")]
+pub struct Undecided {
+    /// The states found until then.
+    pub states: usize,
+    /// What stopped it.
+    pub cause: Cause,
+}
+
+/// What stops an exploration.
+#[derive(Clone, Debug, PartialEq, Eq, Error)]
+pub enum Cause {
+    /// There are more states than allowed.
+    #[error("there are more than allowed")]
+    Limit,
+    /// A place gets more tokens than can be counted.
+    #[error("{0}")]
+    Overflow(FireError),
+}
+
+/// R(N, M₀) and the steps within it (seed 002 §3.1).
+#[derive(Clone, Debug)]
+pub struct Reachability {
+    states: Vec<Marking>,
+    /// Ordered by `from`, then by transition.
+    steps: Vec<Step>,
+    /// The step by which each state was found; none for the initial one.
+    found_by: Vec<Option<Step>>,
+    /// Per transition, a state from which it can never be enabled again, if there is one.
+    lost: Vec<Option<StateId>>,
+    /// A state from which the initial one cannot be reached.
+    no_return: Option<StateId>,
+}
+
+/// Finds all reachable markings, unless there are more than `limit_states`.
+pub fn explore(net: &Net, limit_states: usize) -> Result<Reachability, Undecided> {
+    // State numbers have 32 bits; memory ends long before.
+    let limit = limit_states.min(u32::MAX as usize);
+    if limit == 0 {
+        return Err(Undecided { states: 0, cause: Cause::Limit });
+    }
+    let mut states = vec![net.initial_marking()];
+    let mut number_of = HashMap::from([(net.initial_marking(), StateId::INITIAL)]);
+    let mut found_by = vec![None];
+    let mut steps = Vec::new();
+    let mut next = 0;
+    while next < states.len() {
+        let from = StateId(next as u32);
+        let here = states[next].clone();
+        for transition in net.enabled(&here) {
+            let mut marking = here.clone();
+            let overflow = |error| Undecided { states: states.len(), cause: Cause::Overflow(error) };
+            net.fire(&mut marking, transition).map_err(overflow)?;
+            let step = |to| Step { from, transition, to };
+            if let Some(&known) = number_of.get(&marking) {
+                steps.push(step(known));
+                continue;
+            }
+            if states.len() == limit {
+                return Err(Undecided { states: limit, cause: Cause::Limit });
+            }
+            let new = step(StateId(states.len() as u32));
+            number_of.insert(marking.clone(), new.to);
+            states.push(marking);
+            found_by.push(Some(new));
+            steps.push(new);
+        }
+        next += 1;
+    }
+    let parts = Components::new(states.len(), steps.iter().map(|step| (step.from.index(), step.to.index())));
+    let lost = lost_transitions(net, &steps, &parts);
+    let no_return = (parts.count() > 1).then(|| StateId(parts.members(0)[0] as u32));
+    Ok(Reachability { states, steps, found_by, lost, no_return })
+}
+
+/// A transition is live iff it can fire in every terminal component: all states lead into one of them, none leads out.
+fn lost_transitions(net: &Net, steps: &[Step], parts: &Components) -> Vec<Option<StateId>> {
+    let fires: HashSet<(usize, TransitionId)> =
+        steps.iter().map(|step| (parts.of(step.from.index()), step.transition)).collect();
+    let missing = |t| parts.terminal().find(|&component| !fires.contains(&(component, t)));
+    net.transitions().map(|t| missing(t).map(|component| StateId(parts.members(component)[0] as u32))).collect()
+}
+
+impl Reachability {
+    /// The reachable markings, by state number.
+    pub fn states(&self) -> &[Marking] {
+        &self.states
+    }
+
+    /// The steps between them, ordered by where they start, then by transition.
+    pub fn steps(&self) -> &[Step] {
+        &self.steps
+    }
+
+    /// The marking of a state.
+    pub fn marking(&self, state: StateId) -> &Marking {
+        &self.states[state.index()]
+    }
+
+    /// The steps that start at a state.
+    pub fn steps_from(&self, state: StateId) -> &[Step] {
+        let start = self.steps.partition_point(|step| step.from < state);
+        let end = self.steps.partition_point(|step| step.from <= state);
+        &self.steps[start..end]
+    }
+
+    /// A shortest firing sequence from the initial marking to a state.
+    pub fn path_to(&self, state: StateId) -> Vec<TransitionId> {
+        let mut path = Vec::new();
+        let mut at = state;
+        while let Some(step) = self.found_by[at.index()] {
+            path.push(step.transition);
+            at = step.from;
+        }
+        path.reverse();
+        path
+    }
+
+    /// The states in which nothing is enabled.
+    pub fn deadlocks(&self) -> impl Iterator<Item = StateId> + '_ {
+        (0..self.states.len() as u32).map(StateId).filter(|&state| self.steps_from(state).is_empty())
+    }
+
+    /// The most tokens that any place ever holds.
+    pub fn bound(&self) -> u32 {
+        self.states.iter().flat_map(|marking| marking.as_slice()).copied().max().unwrap_or(0)
+    }
+
+    /// The most tokens that a place ever holds.
+    pub fn bound_of(&self, place: PlaceId) -> u32 {
+        self.states.iter().map(|marking| marking.tokens(place)).max().unwrap_or(0)
+    }
+
+    /// Whether every transition is live (seed 002 §3.1, Definition 1).
+    pub fn is_live(&self) -> bool {
+        self.lost.iter().all(Option::is_none)
+    }
+
+    /// Whether one transition is live, or a state from which it can never be enabled again.
+    pub fn is_transition_live(&self, transition: TransitionId) -> Result<(), StateId> {
+        self.lost[transition.index()].map_or(Ok(()), Err)
+    }
+
+    /// Whether no place ever holds more than one token (Definition 1).
+    pub fn is_safe(&self) -> bool {
+        self.bound() <= 1
+    }
+
+    /// Whether the initial marking can be reached from every state, or a state from which it cannot (Definition 1).
+    pub fn is_reversible(&self) -> Result<(), StateId> {
+        self.no_return.map_or(Ok(()), Err)
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::NetBuilder;
+
+    /// Two stations that need two tools each and pick them up one by one, in opposite order.
+    fn two_tools() -> Net {
+        let mut b = NetBuilder::new("two tools");
+        let [wrench, driver] = ["wrench", "driver"].map(|name| b.place(name, 1));
+        for (station, first, second) in [("left", wrench, driver), ("right", driver, wrench)] {
+            let idle = b.place(format!("{station} idle"), 1);
+            let half = b.place(format!("{station} has one"), 0);
+            let work = b.place(format!("{station} works"), 0);
+            let [one, two, done] = ["one", "two", "done"].map(|name| b.transition(format!("{station} {name}")));
+            b.input(one, idle, 1).input(one, first, 1).output(one, half, 1);
+            b.input(two, half, 1).input(two, second, 1).output(two, work, 1);
+            b.input(done, work, 1).output(done, idle, 1).output(done, first, 1).output(done, second, 1);
+        }
+        b.build().unwrap()
+    }
+
+    #[test]
+    fn the_deadlock_of_two_tools_is_found_with_a_shortest_way_into_it() {
+        let net = two_tools();
+        let r = explore(&net, 100).unwrap();
+        let deadlocks: Vec<_> = r.deadlocks().collect();
+        assert_eq!(deadlocks.len(), 1);
+        assert_eq!(net.describe(r.marking(deadlocks[0])), "left has one, right has one");
+        let way: Vec<_> = r.path_to(deadlocks[0]).into_iter().map(|t| net.transition_name(t)).collect();
+        assert_eq!(way, ["left one", "right one"]);
+        assert!(!r.is_live() && r.is_safe());
+        assert_eq!(r.is_reversible(), Err(deadlocks[0]));
+        assert!(net.transitions().all(|t| r.is_transition_live(t) == Err(deadlocks[0])));
+    }
+
+    #[test]
+    fn an_endless_net_is_undecided_not_wrong() {
+        let mut b = NetBuilder::new("spring");
+        let (pool, spring) = (b.place("pool", 0), b.transition("spring"));
+        b.output(spring, pool, 1);
+        let error = explore(&b.build().unwrap(), 10).unwrap_err();
+        assert_eq!(error, Undecided { states: 10, cause: Cause::Limit });
+
+        let mut b = NetBuilder::new("flood");
+        let (pool, spring) = (b.place("pool", 1), b.transition("spring"));
+        b.output(spring, pool, u32::MAX);
+        let error = explore(&b.build().unwrap(), 10).unwrap_err();
+        assert_eq!(
+            error.to_string(),
+            "undecided after 1 states: transition `spring` cannot fire: \
+             place `pool` has 1 tokens, and 4294967295 more cannot be counted"
+        );
+    }
+
+    #[test]
+    fn the_limit_is_the_number_of_states_that_is_still_decided() {
+        let net = two_tools();
+        let states = explore(&net, 100).unwrap().states().len();
+        assert!(explore(&net, states).is_ok());
+        assert_eq!(explore(&net, states - 1).unwrap_err().states, states - 1);
+        assert_eq!(explore(&net, 0).unwrap_err().states, 0);
+    }
+}

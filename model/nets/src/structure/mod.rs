@@ -1,0 +1,21 @@
+//! What a net is, without playing it.
+//!
+//! Everything here is decided on the arcs (and, for the verdict on state machines, on the initial marking) in time
+//! linear in the size of the net. Nothing here knows which markings are reachable; that is [`crate::reach`].
+//!
+//! Each question is a method of [`crate::Net`] that answers `Ok(())` or the counterexample, so that a caller who
+//! wanted "yes" can print why not:
+//! - classes: [`crate::Net::is_state_machine`], [`crate::Net::is_marked_graph`], [`crate::Net::is_free_choice`]
+//! - connection: [`crate::Net::is_strongly_connected`]
+//! - conserved sums: [`crate::Net::is_conservative`], [`crate::Net::incidence`]
+//! - and all of it put to use: [`state_machine_verdict`].
+
+mod classes;
+mod connected;
+mod incidence;
+mod state_machine;
+
+pub use classes::{HeavyArc, NotFreeChoice, NotMarkedGraph, NotStateMachine};
+pub use connected::NotConnected;
+pub use incidence::{Incidence, NotConservative, NotPlaceInvariant, NotTransitionInvariant};
+pub use state_machine::{NotLive, NotReversible, NotSafe, Verdict, state_machine_verdict};
