@@ -1,1 +1,32 @@
-//! Process image to CANopen over SocketCAN, or over a virtual bus between processes
+//! The CAN field bus: a process image at one end, CANopen frames at the other.
+//!
+//! From the inside out:
+//! - [`Frame`]: one classic CAN frame, as the kernel lays it out, and its [`candump`] text;
+//! - [`codec`]: frame ↔ CANopen [`Message`], total and pure;
+//! - [`Manager`]: the CANopen manager of one bus, pure: it is called with the time and a frame, and answers with
+//!   frames to send and events to report;
+//! - [`Bus`]: the wire: SocketCAN where the kernel has it, else a virtual bus between processes;
+//! - [`Driver`]: the thin shell that joins a bus and a manager for a node.
+//!
+//! Only this crate knows COB-IDs and byte layouts. It does not know what a signal means, when a motion may start or
+//! which mode a line is in; it moves bits between devices and images, says whether they can be trusted, and lets go
+//! of every output it cannot vouch for.
+//!
+//! Clauses cited as "CiA 301" are those of the CANopen application layer, version 4.2.0; "CiA 401" is the profile of
+//! generic I/O devices, version 3.0.
+
+pub mod bus;
+pub mod candump;
+mod clock;
+pub mod codec;
+mod driver;
+mod frame;
+pub mod manager;
+pub mod sdo_client;
+
+pub use bus::{Bus, BusError, Options, Transport};
+pub use clock::Clock;
+pub use codec::{DecodeError, Message, NodeId};
+pub use driver::Driver;
+pub use frame::{Frame, FrameError, Kind};
+pub use manager::{Event, IgnoreReason, InputImage, MANAGER_NODE, Manager, ManagerError, Outbox};

@@ -1,0 +1,92 @@
+//! SocketCAN: the kernel's CAN interfaces.
+
+use std::io;
+use std::path::Path;
+use std::time::Duration;
+
+use embedded_can::Frame as _;
+use socketcan::frame::Frame as _;
+use socketcan::tokio::CanSocket;
+use socketcan::{CanDataFrame, CanFrame, CanRemoteFrame, SocketOptions};
+
+use super::BusStats;
+use crate::frame::{Frame, Kind};
+
+/// After a failed read: an interface that is down fails at once, and again at once.
+const READ_PAUSE: Duration = Duration::from_millis(50);
+
+pub(super) struct KernelBus {
+    socket: CanSocket,
+}
+
+impl KernelBus {
+    pub(super) fn open(name: &str) -> io::Result<Self> {
+        let socket = CanSocket::open(name)?;
+        // The kernel's reports about the bus come as frames; without them a bus that is off looks like a quiet one.
+        socket.set_error_filter_accept_all()?;
+        Ok(KernelBus { socket })
+    }
+
+    pub(super) fn send(&mut self, frame: &Frame, stats: &mut BusStats) {
+        let Some(frame) = to_kernel(frame) else {
+            stats.send_errors += 1;
+            return;
+        };
+        match self.socket.try_write_frame(frame) {
+            Ok(()) => stats.sent += 1,
+            // ENOBUFS: the interface's transmit queue is full.
+            Err(e) if e.kind() == io::ErrorKind::WouldBlock || e.raw_os_error() == Some(libc::ENOBUFS) => {
+                stats.overruns += 1;
+            }
+            Err(error) => {
+                tracing::debug!(%error, "CAN frame not sent");
+                stats.send_errors += 1;
+            }
+        }
+    }
+
+    pub(super) async fn recv(&mut self, stats: &mut BusStats) -> Frame {
+        loop {
+            match self.socket.read_frame().await {
+                Ok(frame) => match from_kernel(&frame) {
+                    Some(frame) => return frame,
+                    None => stats.malformed += 1,
+                },
+                Err(error) => {
+                    tracing::debug!(%error, "CAN socket not readable");
+                    stats.receive_errors += 1;
+                    tokio::time::sleep(READ_PAUSE).await;
+                }
+            }
+        }
+    }
+}
+
+/// Whether opening failed because there is no CAN interface of that name, or no CAN in the kernel at all.
+pub(super) fn means_no_interface(error: &io::Error) -> bool {
+    let absent = [libc::ENODEV, libc::ENXIO, libc::EAFNOSUPPORT, libc::EPROTONOSUPPORT, libc::ESOCKTNOSUPPORT];
+    error.raw_os_error().is_some_and(|code| absent.contains(&code))
+}
+
+/// Whether the kernel speaks CAN, as far as can be told without opening a socket: the protocol registers itself here.
+pub(super) fn has_can() -> bool {
+    Path::new("/proc/net/can").exists()
+}
+
+fn to_kernel(frame: &Frame) -> Option<CanFrame> {
+    let id = embedded_can::Frame::id(frame);
+    match frame.kind() {
+        Kind::Data => CanDataFrame::new(id, frame.data()).map(CanFrame::Data),
+        Kind::Remote => CanRemoteFrame::new_remote(id, frame.len()).map(CanFrame::Remote),
+        // The kernel makes error frames; nobody can send one.
+        Kind::Error(_) => None,
+    }
+}
+
+fn from_kernel(frame: &CanFrame) -> Option<Frame> {
+    match frame {
+        CanFrame::Data(f) => Frame::from_word(f.id_word(), f.data()).ok(),
+        CanFrame::Remote(f) => Frame::remote_from_word(f.id_word(), u8::try_from(f.dlc()).ok()?).ok(),
+        CanFrame::Error(f) => Frame::from_word(f.id_word(), f.data()).ok(),
+    }
+}

@@ -1,0 +1,226 @@
+//! CANopen messages: frame ↔ [`Message`], total in both directions.
+//!
+//! Pure translation by the predefined connection set (CiA 301 §7.3.5, table 40): which COB-ID means what, and how its
+//! bytes are laid out (§7.2). Unknown codes survive as values; whatever else does not fit is a [`DecodeError`] that
+//! says what was expected. What a message is good for, and whether it comes at the right moment, is decided elsewhere.
+
+mod emcy;
+mod nmt;
+mod pdo;
+mod sdo;
+
+use std::fmt;
+
+use thiserror::Error;
+
+pub use emcy::{Emergency, HEARTBEAT_LOST, NO_ERROR};
+pub use nmt::{NmtCommand, NmtState};
+pub use pdo::Payload;
+pub use sdo::{Abort, SdoData, SdoRequest, SdoResponse};
+
+use crate::frame::{Frame, Kind};
+
+/// A CANopen node id, 1 to 127 (CiA 301 §7.3.5).
+#[derive(Clone, Copy, Debug, PartialEq, Eq, PartialOrd, Ord, Hash)]
+pub struct NodeId(u8);
+
+impl NodeId {
+    /// The node id `id`, or `None` outside 1 to 127.
+    pub const fn new(id: u8) -> Option<Self> {
+        if id >= 1 && id <= 127 { Some(NodeId(id)) } else { None }
+    }
+
+    /// The number, 1 to 127.
+    pub const fn get(self) -> u8 {
+        self.0
+    }
+}
+
+impl fmt::Display for NodeId {
+    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
+        self.0.fmt(f)
+    }
+}
+
+/// One message of the predefined connection set, as far as Linewright speaks it.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub enum Message {
+    /// Network management order, COB-ID 0x000 (CiA 301 §7.2.8.3.1). `node` `None` addresses all.
+    Nmt {
+        /// What to do.
+        command: NmtCommand,
+        /// Who is to do it.
+        node: Option<NodeId>,
+    },
+    /// Synchronisation, COB-ID 0x080 (CiA 301 §7.2.5), with its counter where the producer sends one.
+    Sync {
+        /// 1 to 240, where sent.
+        counter: Option<u8>,
+    },
+    /// Emergency, COB-ID 0x080 + node (CiA 301 §7.2.7).
+    Emergency {
+        /// Who reports it.
+        node: NodeId,
+        /// What is reported.
+        emergency: Emergency,
+    },
+    /// First transmit PDO, COB-ID 0x180 + node: the device's inputs (default mapping of CiA 401).
+    Tpdo1 {
+        /// Whose inputs.
+        node: NodeId,
+        /// Bit `i` is input `i`.
+        payload: Payload,
+    },
+    /// First receive PDO, COB-ID 0x200 + node: the device's outputs (default mapping of CiA 401).
+    Rpdo1 {
+        /// Whose outputs.
+        node: NodeId,
+        /// Bit `i` is output `i`.
+        payload: Payload,
+    },
+    /// SDO answer, COB-ID 0x580 + node (CiA 301 §7.2.4), expedited transfers only.
+    SdoResponse {
+        /// The server.
+        node: NodeId,
+        /// Its answer.
+        response: SdoResponse,
+    },
+    /// SDO request, COB-ID 0x600 + node (CiA 301 §7.2.4), expedited transfers only.
+    SdoRequest {
+        /// The server.
+        node: NodeId,
+        /// What is asked of it.
+        request: SdoRequest,
+    },
+    /// Heartbeat, or boot-up in state [`NmtState::BootUp`], COB-ID 0x700 + node (CiA 301 §7.2.8.3.2, §7.2.8.3.3).
+    Heartbeat {
+        /// Who is alive.
+        node: NodeId,
+        /// In which state.
+        state: NmtState,
+    },
+}
+
+/// Why a frame is not one of the messages.
+#[derive(Clone, Copy, Debug, Error, PartialEq, Eq)]
+pub enum DecodeError {
+    /// An extended identifier: CANopen's predefined connections use standard ones.
+    #[error("identifier {id:08X}h is extended, CANopen uses 11-bit identifiers")]
+    Extended {
+        /// The 29-bit identifier.
+        id: u32,
+    },
+    /// A remote request: PDOs here are sent by change and by time, never asked for.
+    #[error("{id:03X}h is a remote request")]
+    Remote {
+        /// The identifier.
+        id: u32,
+    },
+    /// The kernel's report about the bus, not a frame from it.
+    #[error("error frame, classes {class:#X}")]
+    ErrorFrame {
+        /// Class bits of `linux/can/error.h`.
+        class: u32,
+    },
+    /// No message of ours has this COB-ID.
+    #[error("COB-ID {cob_id:03X}h has no meaning here")]
+    UnknownCobId {
+        /// The COB-ID.
+        cob_id: u16,
+    },
+    /// The frame is too short or too long for what its COB-ID says it is.
+    #[error("COB-ID {cob_id:03X}h: {actual} data bytes, expected {expected}")]
+    Length {
+        /// The COB-ID.
+        cob_id: u16,
+        /// What the standard asks for.
+        expected: &'static str,
+        /// What came.
+        actual: usize,
+    },
+    /// A field has a value the standard rules out.
+    #[error("COB-ID {cob_id:03X}h: {field} is {actual:#04X}, expected {expected}")]
+    Field {
+        /// The COB-ID.
+        cob_id: u16,
+        /// Which field.
+        field: &'static str,
+        /// What the standard asks for.
+        expected: &'static str,
+        /// What came.
+        actual: u8,
+    },
+}
+
+const NMT: u16 = 0x000;
+const SYNC: u16 = 0x080;
+const EMERGENCY: u16 = 0x080;
+const TPDO1: u16 = 0x180;
+const RPDO1: u16 = 0x200;
+const SDO_RESPONSE: u16 = 0x580;
+const SDO_REQUEST: u16 = 0x600;
+const HEARTBEAT: u16 = 0x700;
+
+impl Message {
+    /// The message `frame` carries.
+    pub fn decode(frame: &Frame) -> Result<Message, DecodeError> {
+        let word = frame.id_word();
+        let cob_id = match (frame.cob_id(), frame.kind()) {
+            (Some(cob_id), _) => cob_id,
+            (None, Kind::Error(class)) => return Err(DecodeError::ErrorFrame { class }),
+            (None, Kind::Remote) => return Err(DecodeError::Remote { id: word & 0x1FFF_FFFF }),
+            (None, Kind::Data) => return Err(DecodeError::Extended { id: word & 0x1FFF_FFFF }),
+        };
+        let data = frame.data();
+        match (cob_id & 0x780, NodeId::new((cob_id & 0x7F) as u8)) {
+            (NMT, None) => nmt::decode(data),
+            (SYNC, None) => decode_sync(data),
+            (EMERGENCY, Some(node)) => emcy::decode(cob_id, node, data),
+            (TPDO1, Some(node)) => Ok(Message::Tpdo1 { node, payload: Payload::of(data) }),
+            (RPDO1, Some(node)) => Ok(Message::Rpdo1 { node, payload: Payload::of(data) }),
+            (SDO_RESPONSE, Some(node)) => {
+                sdo::decode_response(cob_id, data).map(|response| Message::SdoResponse { node, response })
+            }
+            (SDO_REQUEST, Some(node)) => {
+                sdo::decode_request(cob_id, data).map(|request| Message::SdoRequest { node, request })
+            }
+            (HEARTBEAT, Some(node)) => {
+                let state = nmt::decode_state(cob_id, data)?;
+                Ok(Message::Heartbeat { node, state })
+            }
+            _ => Err(DecodeError::UnknownCobId { cob_id }),
+        }
+    }
+
+    /// The frame that carries this message.
+    pub fn encode(&self) -> Frame {
+        match self {
+            Message::Nmt { command, node } => frame(NMT, None, &[command.code(), node.map_or(0, NodeId::get)]),
+            Message::Sync { counter } => frame(SYNC, None, counter.as_ref().map_or(&[], std::slice::from_ref)),
+            Message::Emergency { node, emergency } => frame(EMERGENCY, Some(*node), &emergency.to_bytes()),
+            Message::Tpdo1 { node, payload } => frame(TPDO1, Some(*node), payload.bytes()),
+            Message::Rpdo1 { node, payload } => frame(RPDO1, Some(*node), payload.bytes()),
+            Message::SdoResponse { node, response } => frame(SDO_RESPONSE, Some(*node), &response.to_bytes()),
+            Message::SdoRequest { node, request } => frame(SDO_REQUEST, Some(*node), &request.to_bytes()),
+            Message::Heartbeat { node, state } => frame(HEARTBEAT, Some(*node), &[state.code()]),
+        }
+    }
+}
+
+/// A frame of at most eight bytes with an identifier of at most 0x77F: both hold by construction of the callers.
+fn frame(base: u16, node: Option<NodeId>, data: &[u8]) -> Frame {
+    let cob_id = base | u16::from(node.map_or(0, NodeId::get));
+    Frame::data_frame(cob_id, data).expect("every message fits an 11-bit identifier and eight bytes")
+}
+
+/// CiA 301 §7.2.5.3.1: no data, or a counter of one byte.
+fn decode_sync(data: &[u8]) -> Result<Message, DecodeError> {
+    match data {
+        [] => Ok(Message::Sync { counter: None }),
+        [counter] => Ok(Message::Sync { counter: Some(*counter) }),
+        _ => Err(DecodeError::Length { cob_id: SYNC, expected: "0 or 1", actual: data.len() }),
+    }
+}
+
+#[cfg(test)]
+mod tests;

@@ -1,0 +1,98 @@
+//! The thin shell around a [`Manager`]: its bus, and the clock its node shares.
+//!
+//! Nothing is decided here. A frame that comes in goes to the manager, a deadline that comes up polls it, what it
+//! wants sent is sent at once.
+
+use linewright_line::{Owner, Tick};
+
+use crate::bus::Bus;
+use crate::clock::Clock;
+use crate::manager::{Event, InputImage, Manager, Outbox};
+
+/// A manager at work on its bus.
+pub struct Driver {
+    bus: Bus,
+    manager: Manager,
+    clock: Clock,
+    outbox: Outbox,
+}
+
+impl Driver {
+    /// Joins a manager and its bus. Nothing is sent before [`Driver::next`] or [`Driver::set_outputs`] is called.
+    pub fn new(bus: Bus, manager: Manager, clock: Clock) -> Self {
+        Driver { bus, manager, clock, outbox: Outbox::default() }
+    }
+
+    /// Runs the bus until there is something to report; never returns an empty list.
+    ///
+    /// It returns after the first frame or deadline that reports anything, so that a loss is seen before the recovery
+    /// that may follow in the very next frame. Must be called again without much delay: between two calls no
+    /// heartbeat is sent, and after [`heartbeat_timeout`](linewright_line::Timing::heartbeat_timeout) the devices let
+    /// go of their outputs. Cancel safe.
+    pub async fn next(&mut self) -> Vec<Event> {
+        loop {
+            // The clock first: under a flood of frames, and after this process was held up, silence still counts.
+            let now = self.clock.now();
+            if self.manager.next_deadline().is_none_or(|due| due <= now) {
+                self.manager.poll(now, &mut self.outbox);
+                self.flush();
+            }
+            if !self.outbox.events.is_empty() {
+                return std::mem::take(&mut self.outbox.events);
+            }
+            tokio::select! {
+                biased;
+                frame = self.bus.recv() => {
+                    self.manager.handle(self.clock.now(), &frame, &mut self.outbox);
+                    self.flush();
+                }
+                () = self.clock.sleep_until(self.manager.next_deadline()) => {}
+            }
+        }
+    }
+
+    /// Sets the output image of `owner`; see [`Manager::set_outputs`]. Sent before this returns.
+    ///
+    /// After a loss ([`InputImage::losses`] has grown) an image must be set again: the one from before is forgotten.
+    pub fn set_outputs(&mut self, owner: Owner, image: u128) {
+        self.manager.set_outputs(self.clock.now(), owner, image, &mut self.outbox);
+        self.flush();
+    }
+
+    /// Lets go of every output, for an orderly end.
+    pub fn release_outputs(&mut self) {
+        self.manager.release_outputs(self.clock.now(), &mut self.outbox);
+        self.flush();
+    }
+
+    /// The inputs of `owner` now.
+    pub fn inputs(&self, owner: Owner) -> InputImage {
+        self.manager.inputs(self.clock.now(), owner)
+    }
+
+    /// The manager, for its counters and states.
+    pub fn manager(&self) -> &Manager {
+        &self.manager
+    }
+
+    /// The bus, for its description and counters.
+    pub fn bus(&self) -> &Bus {
+        &self.bus
+    }
+
+    /// The bus, to record it.
+    pub fn bus_mut(&mut self) -> &mut Bus {
+        &mut self.bus
+    }
+
+    /// The present moment of the clock it was given.
+    pub fn now(&self) -> Tick {
+        self.clock.now()
+    }
+
+    fn flush(&mut self) {
+        for frame in self.outbox.frames.drain(..) {
+            self.bus.send(&frame);
+        }
+    }
+}

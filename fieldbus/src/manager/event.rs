@@ -1,0 +1,166 @@
+//! What the manager reports, and where it puts what it wants sent.
+
+use std::fmt;
+use std::time::Duration;
+
+use linewright_line::Owner;
+
+use crate::codec::{Abort, Emergency, NmtState, NodeId};
+use crate::frame::Frame;
+
+/// Frames to send, in order, and events to report, in order.
+#[derive(Clone, Debug, Default, PartialEq, Eq)]
+pub struct Outbox {
+    /// To be sent on the manager's bus.
+    pub frames: Vec<Frame>,
+    /// To be reported.
+    pub events: Vec<Event>,
+}
+
+/// Something the owner of a manager should know.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub enum Event {
+    /// The device is configured and operational; it exchanges process data from here on.
+    DeviceUp {
+        /// Which.
+        node: NodeId,
+    },
+    /// The device has not sent a heartbeat for too long.
+    DeviceLost {
+        /// Which.
+        node: NodeId,
+        /// For how long.
+        silent_for: Duration,
+    },
+    /// The device has booted while it was thought to be running.
+    DeviceRebooted {
+        /// Which.
+        node: NodeId,
+    },
+    /// The device has left the operational state without booting.
+    DeviceLeft {
+        /// Which.
+        node: NodeId,
+        /// Its state now.
+        state: NmtState,
+    },
+    /// The device refuses to be configured, and is therefore not started: a device that does not watch the manager's
+    /// heartbeat would keep its outputs when the manager is gone.
+    ConfigurationRefused {
+        /// Which.
+        node: NodeId,
+        /// Index of the object refused.
+        index: u16,
+        /// Its subindex.
+        sub: u8,
+        /// The device's reason.
+        code: Abort,
+    },
+    /// The device reports an error, or that its errors are gone.
+    Emergency {
+        /// Which.
+        node: NodeId,
+        /// What it reports.
+        emergency: Emergency,
+    },
+    /// An owner's input image has changed, or whether it can be trusted has.
+    InputsChanged {
+        /// Whose.
+        owner: Owner,
+    },
+    /// Somebody else sends the manager's heartbeat: two managers drive this bus.
+    AnotherManager,
+    /// The kernel reports trouble on the bus.
+    BusError {
+        /// Class bits of `linux/can/error.h`; 0x40 is bus-off.
+        class: u32,
+    },
+    /// A frame was ignored.
+    Ignored {
+        /// Why.
+        reason: IgnoreReason,
+        /// The frame.
+        frame: Frame,
+    },
+}
+
+/// Why a frame was ignored.
+#[derive(Clone, Copy, Debug, PartialEq, Eq, Hash)]
+pub enum IgnoreReason {
+    /// It has a 29-bit identifier.
+    Extended,
+    /// It is a remote request.
+    Remote,
+    /// It is the kernel's report about the bus; reported as [`Event::BusError`].
+    ErrorFrame,
+    /// Its COB-ID has no meaning here.
+    UnknownCobId,
+    /// Its bytes do not fit its COB-ID.
+    Malformed,
+    /// Its sender is not in the description.
+    UnknownNode,
+    /// Process data from a device that was not started by this manager.
+    NotOperational,
+    /// Process data shorter than the device's inputs.
+    ShortPdo,
+    /// Addressed to others; counted without an event.
+    NotForManager,
+}
+
+pub(super) const IGNORE_REASONS: usize = IgnoreReason::NotForManager as usize + 1;
+
+impl IgnoreReason {
+    /// All reasons, for counters on a page or a topic.
+    pub const ALL: [IgnoreReason; IGNORE_REASONS] = [
+        IgnoreReason::Extended,
+        IgnoreReason::Remote,
+        IgnoreReason::ErrorFrame,
+        IgnoreReason::UnknownCobId,
+        IgnoreReason::Malformed,
+        IgnoreReason::UnknownNode,
+        IgnoreReason::NotOperational,
+        IgnoreReason::ShortPdo,
+        IgnoreReason::NotForManager,
+    ];
+}
+
+impl fmt::Display for IgnoreReason {
+    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
+        f.write_str(match self {
+            IgnoreReason::Extended => "extended identifier",
+            IgnoreReason::Remote => "remote request",
+            IgnoreReason::ErrorFrame => "error frame",
+            IgnoreReason::UnknownCobId => "unknown COB-ID",
+            IgnoreReason::Malformed => "malformed",
+            IgnoreReason::UnknownNode => "node not in the description",
+            IgnoreReason::NotOperational => "process data from a device that was not started",
+            IgnoreReason::ShortPdo => "process data too short",
+            IgnoreReason::NotForManager => "not addressed to the manager",
+        })
+    }
+}
+
+impl fmt::Display for Event {
+    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
+        match self {
+            Event::DeviceUp { node } => write!(f, "node {node} is operational"),
+            Event::DeviceLost { node, silent_for } => {
+                write!(f, "node {node} is lost: silent for {} ms", silent_for.as_millis())
+            }
+            Event::DeviceRebooted { node } => write!(f, "node {node} has rebooted"),
+            Event::DeviceLeft { node, state } => {
+                write!(f, "node {node} has left the operational state (now {:02X}h)", state.code())
+            }
+            Event::ConfigurationRefused { node, index, sub, code } => {
+                write!(f, "node {node} refuses object {index:04X}h:{sub:02X}: {code}; it is not started")
+            }
+            Event::Emergency { node, emergency } => write!(f, "node {node} reports {emergency}"),
+            Event::InputsChanged { owner: Owner::Station(id) } => write!(f, "inputs of station {} changed", id.0),
+            Event::InputsChanged { owner: Owner::Console } => f.write_str("inputs of the console changed"),
+            Event::AnotherManager => f.write_str("another manager (node 127) drives this bus"),
+            Event::BusError { class } if class & 0x40 != 0 => f.write_str("the bus is off"),
+            Event::BusError { class } => write!(f, "bus error, classes {class:#X}"),
+            Event::Ignored { reason, frame } => write!(f, "ignored {frame}: {reason}"),
+        }
+    }
+}

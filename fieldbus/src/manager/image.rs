@@ -1,0 +1,39 @@
+//! Bits of a PDO ↔ bits of an owner's process image.
+
+use linewright_line::{InputId, OutputId};
+
+/// The image bits a device's input bits stand for.
+pub(super) fn gather(bits: u64, map: &[Option<InputId>]) -> u128 {
+    let on = map.iter().take(64).enumerate().filter(|(at, _)| bits >> at & 1 == 1);
+    on.fold(0, |image, (_, input)| image | input.map_or(0, |id| image_bit(id.index())))
+}
+
+/// The device's output bits for an image. A bit that carries no output of the owner stays off.
+pub(super) fn scatter(image: u128, map: &[Option<OutputId>]) -> u64 {
+    let on = map
+        .iter()
+        .take(64)
+        .enumerate()
+        .filter(|(_, output)| output.is_some_and(|id| image & image_bit(id.index()) != 0));
+    on.fold(0, |bits, (at, _)| bits | 1 << at)
+}
+
+/// Bit `index` of an image, nothing beyond its width.
+fn image_bit(index: usize) -> u128 {
+    u32::try_from(index).ok().and_then(|index| 1u128.checked_shl(index)).unwrap_or(0)
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn bits_go_where_the_map_says() {
+        let map = [Some(InputId(5)), None, Some(InputId(127))];
+        assert_eq!(gather(0b111, &map), 1 << 5 | 1 << 127);
+        assert_eq!(gather(0b010, &map), 0);
+        let map = [Some(OutputId(3)), None, Some(OutputId(0))];
+        assert_eq!(scatter(u128::MAX, &map), 0b101);
+        assert_eq!(scatter(1, &map), 0b100);
+    }
+}

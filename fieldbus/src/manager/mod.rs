@@ -1,0 +1,324 @@
+//! The CANopen manager of one bus.
+//!
+//! Pure: it is called with the time and a frame, and fills an [`Outbox`] with frames to send and events to report. It
+//! brings every device of the description up (configure, start), watches its heartbeat, and moves bits between the
+//! devices' PDOs and their owners' process images. It does not know what a bit means or whether a motion is allowed;
+//! it knows which bits can be trusted.
+//!
+//! One rule stands above the others: **an output is energised only by an image that its owner set after the last time
+//! one of the owner's devices was lost.** When a device is lost, reboots or leaves the operational state, the image is
+//! forgotten and the owner's other devices get zero at once; what is then set again is set by a controller that could
+//! know.
+
+mod event;
+mod image;
+mod peer;
+
+use std::time::Duration;
+
+use linewright_line::{Device, Owner, Tick, Timing};
+use thiserror::Error;
+
+pub use event::{Event, IgnoreReason, Outbox};
+
+use crate::codec::{DecodeError, Message, NmtState, NodeId};
+use crate::frame::Frame;
+use event::IGNORE_REASONS;
+use peer::{Outcome, Peer};
+
+/// The manager's own node id: the highest one, so that every device's traffic wins arbitration against it except its
+/// network management orders, which have COB-ID 0.
+pub const MANAGER_NODE: NodeId = match NodeId::new(127) {
+    Some(node) => node,
+    None => panic!("127 is a node id"),
+};
+
+/// Why a manager cannot be built from a set of devices.
+#[derive(Clone, Debug, Error, PartialEq, Eq)]
+pub enum ManagerError {
+    /// Not a node id, or the manager's own.
+    #[error("device `{device}` has node id {node}; devices have 1 to 126, the manager itself is 127")]
+    NodeId {
+        /// The device.
+        device: String,
+        /// Its number.
+        node: u8,
+    },
+    /// Two devices of one bus with the same id.
+    #[error("devices `{first}` and `{second}` share node id {node}")]
+    Duplicate {
+        /// The device described first.
+        first: String,
+        /// The other.
+        second: String,
+        /// Their number.
+        node: u8,
+    },
+    /// More bits than one PDO carries.
+    #[error("device `{device}` has {bits} bits in one direction; one PDO carries 64")]
+    TooWide {
+        /// The device.
+        device: String,
+        /// Its bits.
+        bits: usize,
+    },
+}
+
+/// An owner's inputs, as its devices last reported them.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub struct InputImage {
+    /// Bit `i` is the owner's input `i`. The last known values where `valid` is false: for showing, not for deciding.
+    pub bits: u128,
+    /// Every device of the owner is operational, was heard within the heartbeat timeout, and has sent its inputs
+    /// since it last booted. False for an owner without devices on this bus.
+    pub valid: bool,
+    /// Since when `valid` is what it is.
+    pub since: Tick,
+    /// When the owner's devices last sent any inputs; [`Tick::ZERO`] if never.
+    pub updated: Tick,
+    /// How often the image has become invalid: a loss shorter than the reader's scan still shows.
+    pub losses: u32,
+}
+
+struct Image {
+    owner: Owner,
+    /// What the owner last set; zero from the start and after every loss.
+    outputs: u128,
+    inputs: InputImage,
+}
+
+/// The manager of one bus.
+pub struct Manager {
+    timing: Timing,
+    peers: Vec<Peer>,
+    images: Vec<Image>,
+    /// `None` until the first poll: nothing has been sent yet.
+    next_heartbeat: Option<Tick>,
+    ignored: [u64; IGNORE_REASONS],
+}
+
+impl Manager {
+    /// The manager of the bus that carries these devices. Nothing is sent before the first [`Manager::poll`].
+    pub fn new<'a>(devices: impl IntoIterator<Item = &'a Device>, timing: Timing) -> Result<Self, ManagerError> {
+        let mut peers: Vec<Peer> = Vec::new();
+        let mut images: Vec<Image> = Vec::new();
+        for device in devices {
+            let node = NodeId::new(device.node_id).filter(|node| *node != MANAGER_NODE);
+            let node =
+                node.ok_or_else(|| ManagerError::NodeId { device: device.name.clone(), node: device.node_id })?;
+            if let Some(other) = peers.iter().find(|p| p.node == node) {
+                let (first, second) = (other.name.clone(), device.name.clone());
+                return Err(ManagerError::Duplicate { first, second, node: device.node_id });
+            }
+            let bits = device.inputs.len().max(device.outputs.len());
+            if bits > 64 {
+                return Err(ManagerError::TooWide { device: device.name.clone(), bits });
+            }
+            if !images.iter().any(|i| i.owner == device.owner) {
+                let inputs = InputImage { bits: 0, valid: false, since: Tick::ZERO, updated: Tick::ZERO, losses: 0 };
+                images.push(Image { owner: device.owner, outputs: 0, inputs });
+            }
+            peers.push(Peer::new(node, device, &timing));
+        }
+        Ok(Manager { timing, peers, images, next_heartbeat: None, ignored: [0; IGNORE_REASONS] })
+    }
+
+    /// Takes one frame heard on the bus at `now`.
+    pub fn handle(&mut self, now: Tick, frame: &Frame, out: &mut Outbox) {
+        let message = match Message::decode(frame) {
+            Ok(message) => message,
+            Err(error) => return self.undecodable(error, *frame, out),
+        };
+        match message {
+            Message::Heartbeat { node, .. } if node == MANAGER_NODE => out.events.push(Event::AnotherManager),
+            Message::Heartbeat { node, state } => {
+                self.with_peer(now, node, frame, out, |peer, out| peer.heartbeat(now, state, out));
+            }
+            Message::Tpdo1 { node, payload } => {
+                self.with_peer(now, node, frame, out, |peer, out| peer.inputs_heard(now, payload, out));
+            }
+            Message::Emergency { node, emergency } => {
+                self.with_peer(now, node, frame, out, |peer, out| peer.emergency(now, emergency, out));
+            }
+            Message::SdoResponse { node, response } => {
+                self.with_peer(now, node, frame, out, |peer, out| peer.sdo_answer(now, response, out));
+            }
+            // Orders and outputs from a technician's tool or another client; the devices answer for themselves.
+            Message::Nmt { .. } | Message::Sync { .. } | Message::Rpdo1 { .. } | Message::SdoRequest { .. } => {
+                self.ignored[IgnoreReason::NotForManager as usize] += 1;
+            }
+        }
+    }
+
+    /// Does what is due at `now`: own heartbeat, probing, retries, refreshing outputs, noticing silence.
+    pub fn poll(&mut self, now: Tick, out: &mut Outbox) {
+        if self.next_heartbeat.is_none() {
+            self.first_poll(out);
+        }
+        // A beat missed by a late caller is not made up for: the next one counts from now.
+        if self.next_heartbeat.is_none_or(|due| due <= now) {
+            let state = NmtState::Operational;
+            out.frames.push(Message::Heartbeat { node: MANAGER_NODE, state }.encode());
+            self.next_heartbeat = Some(now + self.timing.heartbeat);
+        }
+        for at in 0..self.peers.len() {
+            let image = image_of(&self.images, self.peers[at].owner).outputs;
+            let outcome = self.peers[at].poll(now, image, out);
+            self.settle(now, at, outcome, out);
+        }
+    }
+
+    /// When [`Manager::poll`] has something to do next. `None` before the first poll, which is due at once.
+    pub fn next_deadline(&self) -> Option<Tick> {
+        let heartbeat = self.next_heartbeat?;
+        Some(self.peers.iter().map(Peer::deadline).fold(heartbeat, Tick::min))
+    }
+
+    /// Sets the output image of `owner`: bit `i` is its output `i`. Sent at once where it differs from what a device
+    /// has, and repeated every [`Timing::refresh`].
+    ///
+    /// A device that is not operational gets nothing, and once it is operational again the image set *since*. An
+    /// owner unknown on this bus is ignored.
+    pub fn set_outputs(&mut self, now: Tick, owner: Owner, image: u128, out: &mut Outbox) {
+        let Some(known) = self.images.iter_mut().find(|i| i.owner == owner) else { return };
+        known.outputs = image;
+        for peer in self.peers.iter_mut().filter(|p| p.owner == owner) {
+            peer.send_outputs_if_changed(now, image, out);
+        }
+    }
+
+    /// Lets go of every output of every device: for an orderly end. (After any other end the devices' own heartbeat
+    /// consumers do it.)
+    pub fn release_outputs(&mut self, now: Tick, out: &mut Outbox) {
+        for image in &mut self.images {
+            image.outputs = 0;
+        }
+        for peer in &mut self.peers {
+            peer.send_outputs_if_changed(now, 0, out);
+        }
+    }
+
+    /// The inputs of `owner` as they stand at `now`.
+    pub fn inputs(&self, now: Tick, owner: Owner) -> InputImage {
+        let never = InputImage { bits: 0, valid: false, since: Tick::ZERO, updated: Tick::ZERO, losses: 0 };
+        let image = self.images.iter().find(|i| i.owner == owner).map_or(never, |i| i.inputs);
+        // Looked at again here, so that a caller who polls late does not read a dead device as a live one.
+        let fresh = self.peers.iter().filter(|p| p.owner == owner).all(|p| p.trusted(now));
+        InputImage { valid: image.valid && fresh, ..image }
+    }
+
+    /// The state of the device with this node id.
+    pub fn device_state(&self, node: NodeId) -> Option<&'static str> {
+        self.peers.iter().find(|p| p.node == node).map(Peer::state_name)
+    }
+
+    /// How many frames were ignored for `reason`.
+    pub fn ignored(&self, reason: IgnoreReason) -> u64 {
+        self.ignored[reason as usize]
+    }
+
+    /// The owners whose images this bus carries.
+    pub fn owners(&self) -> impl Iterator<Item = Owner> {
+        self.images.iter().map(|i| i.owner)
+    }
+
+    /// Before anything else every output is let go: a manager that ended a moment ago may have left some energised
+    /// that this one knows nothing of. Zero is the safe value, so it needs no state of the device.
+    fn first_poll(&mut self, out: &mut Outbox) {
+        out.frames.push(Message::Heartbeat { node: MANAGER_NODE, state: NmtState::BootUp }.encode());
+        for peer in &self.peers {
+            peer.send_zero(out);
+        }
+    }
+
+    fn with_peer(
+        &mut self,
+        now: Tick,
+        node: NodeId,
+        frame: &Frame,
+        out: &mut Outbox,
+        act: impl FnOnce(&mut Peer, &mut Outbox) -> Outcome,
+    ) {
+        match self.peers.iter().position(|p| p.node == node) {
+            Some(at) => match act(&mut self.peers[at], out) {
+                Outcome::Ignored(reason) => self.ignore(reason, *frame, out),
+                outcome => self.settle(now, at, outcome, out),
+            },
+            None => self.ignore(IgnoreReason::UnknownNode, *frame, out),
+        }
+    }
+
+    /// What a change of one device means for its owner's images.
+    fn settle(&mut self, now: Tick, at: usize, outcome: Outcome, out: &mut Outbox) {
+        let owner = self.peers[at].owner;
+        match outcome {
+            Outcome::Unchanged | Outcome::Ignored(_) => return,
+            Outcome::Inputs => {}
+            Outcome::Up => {
+                // Operational at last: it starts from zero and gets what the owner has set since its last loss.
+                let image = image_of(&self.images, owner).outputs;
+                self.peers[at].send_outputs(now, image, out);
+            }
+            Outcome::Lost => {
+                // The owner's controller decided without knowing of this loss: none of its outputs is vouched for.
+                if let Some(image) = self.images.iter_mut().find(|i| i.owner == owner) {
+                    image.outputs = 0;
+                }
+                for peer in self.peers.iter_mut().filter(|p| p.owner == owner) {
+                    peer.send_outputs_if_changed(now, 0, out);
+                }
+            }
+        }
+        self.gather(now, owner, out);
+    }
+
+    /// Recomputes an owner's input image, and reports a change.
+    fn gather(&mut self, now: Tick, owner: Owner, out: &mut Outbox) {
+        let peers = || self.peers.iter().filter(|p| p.owner == owner);
+        let bits = peers().fold(0, |bits, peer| bits | peer.input_bits());
+        let valid = peers().all(|peer| peer.trusted(now));
+        let updated = peers().filter_map(Peer::updated).max();
+        let Some(image) = self.images.iter_mut().find(|i| i.owner == owner) else { return };
+        let before = image.inputs;
+        let since = if before.valid == valid { before.since } else { now };
+        let losses = before.losses + u32::from(before.valid && !valid);
+        image.inputs = InputImage { bits, valid, since, updated: updated.unwrap_or(before.updated), losses };
+        if (before.bits, before.valid) != (bits, valid) {
+            out.events.push(Event::InputsChanged { owner });
+        }
+    }
+
+    fn undecodable(&mut self, error: DecodeError, frame: Frame, out: &mut Outbox) {
+        let reason = match error {
+            DecodeError::Extended { .. } => IgnoreReason::Extended,
+            DecodeError::Remote { .. } => IgnoreReason::Remote,
+            DecodeError::ErrorFrame { class } => {
+                self.ignored[IgnoreReason::ErrorFrame as usize] += 1;
+                return out.events.push(Event::BusError { class });
+            }
+            DecodeError::UnknownCobId { .. } => IgnoreReason::UnknownCobId,
+            DecodeError::Length { .. } | DecodeError::Field { .. } => IgnoreReason::Malformed,
+        };
+        self.ignore(reason, frame, out);
+    }
+
+    fn ignore(&mut self, reason: IgnoreReason, frame: Frame, out: &mut Outbox) {
+        self.ignored[reason as usize] += 1;
+        // An answer to somebody else's question is everyday traffic, not worth an event.
+        if reason != IgnoreReason::NotForManager {
+            out.events.push(Event::Ignored { reason, frame });
+        }
+    }
+}
+
+/// Every peer's owner has an image: [`Manager::new`] makes them together.
+fn image_of(images: &[Image], owner: Owner) -> &Image {
+    images.iter().find(|i| i.owner == owner).expect("an image is made for every owner of a device")
+}
+
+/// How long an unanswered order waits before it is repeated, and how often an absent device is asked for. Twice a
+/// second is soon enough for a person who plugs it in, and no load for the bus.
+const RETRY: Duration = Duration::from_millis(500);
+
+#[cfg(test)]
+mod tests;
