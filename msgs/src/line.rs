@@ -22,6 +22,8 @@ message! {
         enabled: bool,
         /// Each station halts at its home place.
         master_stop: bool,
+        /// Every station's panel counts as switched to manual.
+        manual_all: bool,
         /// Held hand buttons, one bit each.
         buttons: u32,
         /// A station that hears nothing for this long falls to stand-by.

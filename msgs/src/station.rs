@@ -71,12 +71,12 @@ message! {
         mode_epoch: u64,
         /// Mode in force here (`MODE_`).
         mode: u8,
-        /// Cycle the station is in.
-        cycle: u32,
+        /// Cycle the station is in. Signed: undoing the home operation of a station that never ran leads below zero.
+        cycle: i32,
         /// Per operation: the cycle in which it was last completed.
-        done: Vec<u32>,
+        done: Vec<i32>,
         /// Per operation: the cycle in which it was last started.
-        started: Vec<u32>,
+        started: Vec<i32>,
         /// Per operation: its marked place (`PLACE_`).
         places: Vec<u8>,
         /// On the way home along a recovery path.
@@ -160,7 +160,7 @@ message! {
         /// Which operation, or empty.
         operation: String,
         /// In which cycle.
-        cycle: u32,
+        cycle: i32,
         /// In words.
         text: String,
     }
@@ -179,6 +179,9 @@ message! {
         sequence: u64,
         /// False: not all devices are heard, every bit is unknown.
         valid: bool,
+        /// Inputs: how often the devices behind them have been lost since the gateway started. Outputs: that number
+        /// in the inputs they were decided on; outputs decided before a loss are not obeyed after it.
+        losses: u64,
         /// Bit n is bit `n % 8` of byte `n / 8`.
         bits: Bounded<u8, 16>,
     }

@@ -1,1 +1,15 @@
-//! The coordinator's decisions: control mode, leases and refusals
+//! The coordinator's decisions: which control mode the line is in, who may change it, and why not.
+//!
+//! The mode decision is a net of six places (seed 002 §5.4, Figure 18). [`decision`] is that net with its conditions
+//! as data; [`Coordinator`] plays it: it takes operator commands, the console's image and what the stations report,
+//! and gives the order that goes out to every station. There is no clock and no message format here.
+
+mod coordinator;
+pub mod decision;
+mod gateway;
+mod refusal;
+
+pub use coordinator::{Coordinator, Heard, Input, Order, Outbox};
+pub use decision::Command;
+pub use gateway::{Gateway, OutputImage};
+pub use refusal::{Reason, Refusal};

@@ -64,6 +64,7 @@ pub fn process_image() -> ProcessImage {
         header: header(),
         boot_id: 5,
         sequence: 6,
+        losses: 3,
         valid: true,
         bits: Bounded::new((0..16).collect()).expect("sixteen fit"),
     }
@@ -78,6 +79,7 @@ pub fn mode_order() -> ModeOrder {
         mode: StationState::MODE_AUTO,
         enabled: true,
         master_stop: false,
+        manual_all: true,
         buttons: 0x8000_0001,
         lease_ms: 500,
     }

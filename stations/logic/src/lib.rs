@@ -1,1 +1,25 @@
-//! One station's controller: process image in, outputs and events out
+//! One station's controller: process image, views of other stations and commands in; outputs and events out.
+//!
+//! [`Controller::handle`] takes what has arrived, [`Controller::step`] plays the station's net one image further and
+//! gives the output image, [`Controller::next_deadline`] says when to step again if nothing arrives. There is no
+//! clock, no thread and no message format here: the same code runs in a node, in a simulation and under a checker.
+//!
+//! The net comes from [`linewright_line::net`]; here it is compiled to tables ([`program`](mod@program)) and played.
+//! What the paper does not have — counted internal variables, and taking a count back only when every station that
+//! could build on it has agreed — is in [`views`](mod@views) and [`withdraw`](mod@withdraw).
+
+mod controller;
+mod event;
+mod explain;
+mod fire;
+mod panel;
+mod program;
+mod report;
+mod views;
+mod withdraw;
+
+pub use controller::{Controller, Input, Outbox};
+pub use event::{Cause, Event, Happening};
+pub use panel::{ModeOrder, PanelCommand};
+pub use program::{CompileError, Program};
+pub use report::{Answer, Report, Request, Restore, Snapshot};

@@ -1,0 +1,510 @@
+//! Playing the mode decision: commands, console and reports in; the order for every station out.
+//!
+//! The order carries an epoch, which grows with every change of mode, and a lease. A mode that enables motion is
+//! *enabled* only when every station has acknowledged its epoch, so no station moves while another still acts on the
+//! mode before. Everything unknown counts against motion: a station that is not heard is trouble, a console that was
+//! heard and is no longer counts as a pressed emergency stop.
+
+use std::time::Duration;
+
+use linewright_line::net::ControlMode;
+use linewright_line::{InputId, Line, StationId, Tick};
+
+use crate::decision::{Command, Facts, next};
+use crate::refusal::{Reason, Refusal};
+
+/// What the coordinator needs of a station's report.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
+pub struct Heard {
+    /// Which life of the station.
+    pub boot_id: u64,
+    /// The newest epoch it has heard.
+    pub mode_epoch: u64,
+    /// At its home place.
+    pub at_home: bool,
+    /// Nothing moves.
+    pub stopped: bool,
+    /// Some operation was stopped before its end.
+    pub incomplete: bool,
+    /// Its selector stands at manual.
+    pub selector_manual: bool,
+    /// Its devices are heard and operational.
+    pub devices_valid: bool,
+}
+
+/// What the coordinator is told.
+#[derive(Clone, Copy, Debug)]
+pub enum Input {
+    /// An operator's command, by message.
+    Command(Command),
+    /// The console's input image, and whether its devices vouch for it.
+    Console {
+        /// Bit `i` is input `i` of the console.
+        bits: u128,
+        /// False when a device is lost or has not yet spoken.
+        valid: bool,
+    },
+    /// Hand-mode buttons held, by message, a bit each; replaces what was held before. Must be refreshed.
+    Buttons(u32),
+    /// A newer report of a station.
+    Station(StationId, Heard),
+}
+
+/// The order for every station.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub struct Order {
+    /// Grows with every change of mode.
+    pub epoch: u64,
+    /// The mode.
+    pub mode: ControlMode,
+    /// Every station has acknowledged the epoch.
+    pub enabled: bool,
+    /// Halt at the home place.
+    pub master_stop: bool,
+    /// Every station's panel counts as switched to manual.
+    pub manual_all: bool,
+    /// Hand-mode buttons held.
+    pub buttons: u32,
+    /// How long the order holds after it is heard.
+    pub lease: Duration,
+}
+
+/// What a step gives.
+#[derive(Clone, Debug, Default)]
+pub struct Outbox {
+    /// Send the order and the state now.
+    pub changed: bool,
+    /// The console's output image: the lamps.
+    pub lamps: u128,
+    /// Modes entered, in order. The caller drains it.
+    pub modes: Vec<ControlMode>,
+    /// Commands refused, in order. The caller drains it.
+    pub refusals: Vec<Refusal>,
+}
+
+#[derive(Clone, Debug, Default)]
+struct Station {
+    heard: Heard,
+    known_until: Tick,
+    /// Came up anew while the line was in a mode that enables motion.
+    restarted: bool,
+}
+
+/// The coordinator.
+#[derive(Clone, Debug)]
+pub struct Coordinator {
+    line: Line,
+    now: Tick,
+    mode: ControlMode,
+    epoch: u64,
+    enabled: bool,
+    stopping: bool,
+    estop: bool,
+    /// "Manual" was commanded: as if every selector stood at manual.
+    manual_all: bool,
+    stations: Vec<Station>,
+    console: (u128, bool),
+    console_was_heard: bool,
+    buttons: u32,
+    buttons_until: Tick,
+    changed: bool,
+    modes: Vec<ControlMode>,
+    refusals: Vec<Refusal>,
+}
+
+impl Coordinator {
+    /// A coordinator for `line` whose epochs start above `last_epoch`, the highest one its predecessor is known to
+    /// have used (0 if none). It comes up at the home place of the decision, in which nothing moves.
+    pub fn new(line: Line, last_epoch: u64) -> Self {
+        Coordinator {
+            stations: vec![Station::default(); line.stations.len()],
+            line,
+            now: Tick::ZERO,
+            mode: ControlMode::Home,
+            epoch: last_epoch + 1,
+            enabled: false,
+            stopping: false,
+            estop: false,
+            manual_all: false,
+            console: (0, false),
+            console_was_heard: false,
+            buttons: 0,
+            buttons_until: Tick::ZERO,
+            changed: true,
+            modes: Vec::new(),
+            refusals: Vec::new(),
+        }
+    }
+
+    /// The mode of the line.
+    pub fn mode(&self) -> ControlMode {
+        self.mode
+    }
+
+    /// The epoch of that mode.
+    pub fn epoch(&self) -> u64 {
+        self.epoch
+    }
+
+    /// The order as it stands.
+    pub fn order(&self) -> Order {
+        let by_message = if self.now < self.buttons_until { self.buttons } else { 0 };
+        Order {
+            epoch: self.epoch,
+            mode: self.mode,
+            enabled: self.enabled || !self.mode.enables_motion(),
+            master_stop: self.stopping,
+            manual_all: self.manual_all,
+            buttons: by_message | self.wired_buttons(),
+            lease: self.line.timing.lease,
+        }
+    }
+
+    fn wired_buttons(&self) -> u32 {
+        let wired = self.line.console.buttons.iter().enumerate();
+        wired.fold(0, |bits, (i, input)| bits | u32::from(self.wired(*input)) << i)
+    }
+
+    fn wired(&self, input: Option<InputId>) -> bool {
+        let (bits, valid) = self.console;
+        valid && input.is_some_and(|input| bits & (1 << input.0) != 0)
+    }
+
+    /// Takes what has arrived and acts on it. Follow with [`Coordinator::step`].
+    pub fn handle(&mut self, now: Tick, input: Input) {
+        self.now = self.now.max(now);
+        match input {
+            Input::Command(command) => self.command(command),
+            Input::Console { bits, valid } => self.hear_console(bits, valid),
+            Input::Buttons(held) => {
+                self.changed |= held != self.buttons || self.now >= self.buttons_until;
+                self.buttons = held;
+                self.buttons_until = self.now + self.line.timing.stale;
+            }
+            Input::Station(id, heard) => self.hear_station(id, heard),
+        }
+    }
+
+    fn hear_console(&mut self, bits: u128, valid: bool) {
+        let before = self.console;
+        if before == (bits, valid) {
+            return;
+        }
+        let lost = before.1 && !valid;
+        self.console = (bits, valid);
+        self.changed = true;
+        let console = self.line.console.clone();
+        // An emergency stop that cannot be heard counts as pressed.
+        if self.wired(console.estop) || (lost && console.estop.is_some()) {
+            self.estop = true;
+        }
+        // A button that was already down when the console came up was not pressed now.
+        let first = !before.1;
+        if valid && !first {
+            let pressed = |input: Option<InputId>| input.is_some_and(|input| bits & !before.0 & (1 << input.0) != 0);
+            let buttons = [
+                (console.start, Command::Start),
+                (console.stop, Command::Stop),
+                (console.auto, Command::Auto),
+                (console.hand, Command::Hand),
+                (console.reset, Command::Reset),
+            ];
+            for (input, command) in buttons {
+                if pressed(input) {
+                    self.command(command);
+                }
+            }
+        }
+        self.console_was_heard |= valid;
+    }
+
+    fn hear_station(&mut self, id: StationId, heard: Heard) {
+        let now = self.now;
+        let Some(station) = self.stations.get_mut(id.index()) else { return };
+        let rebooted = station.heard.boot_id != 0 && station.heard.boot_id != heard.boot_id;
+        let news = station.heard != heard || now >= station.known_until;
+        station.restarted |= rebooted && self.mode.enables_motion();
+        station.heard = heard;
+        station.known_until = now + self.line.timing.stale;
+        self.changed |= news;
+        // The stations have obeyed a later epoch than ours: somebody coordinated them before us. Go above it, and to
+        // a mode in which nothing starts.
+        if heard.mode_epoch > self.epoch {
+            self.epoch = heard.mode_epoch + 1;
+            self.enabled = false;
+            self.changed = true;
+            if self.mode.enables_motion() {
+                self.enter(ControlMode::StandBy);
+            }
+        }
+    }
+
+    fn is_known(&self, station: &Station) -> bool {
+        self.now < station.known_until
+    }
+
+    fn all(&self, what: impl Fn(&Heard) -> bool) -> bool {
+        self.stations.iter().all(|s| self.is_known(s) && what(&s.heard))
+    }
+
+    fn facts(&self, command: Option<Command>) -> Facts {
+        Facts {
+            command,
+            estop: self.estop,
+            trouble: !self.troubles().is_empty(),
+            stopping: self.stopping,
+            all_home: self.all(|h| h.at_home),
+            all_stopped: self.all(|h| h.stopped),
+            any_manual: self.manual_all || self.any_selector(),
+        }
+    }
+
+    fn any_selector(&self) -> bool {
+        self.stations.iter().any(|s| self.is_known(s) && s.heard.selector_manual)
+    }
+
+    /// What speaks against motion in auto and hand.
+    fn troubles(&self) -> Vec<Reason> {
+        let mut reasons = Vec::new();
+        if self.console_was_heard && !self.console.1 {
+            reasons.push(Reason::ConsoleLost);
+        }
+        for (id, station) in self.line.station_ids().zip(&self.stations) {
+            if !self.is_known(station) {
+                reasons.push(Reason::NotHeard(id));
+                continue;
+            }
+            if !station.heard.devices_valid {
+                reasons.push(Reason::DevicesLost(id));
+            }
+            if station.heard.incomplete {
+                reasons.push(Reason::Incomplete(id));
+            }
+            if station.restarted {
+                reasons.push(Reason::Restarted(id));
+            }
+        }
+        reasons
+    }
+
+    fn which(&self, what: impl Fn(&Heard) -> bool, reason: impl Fn(StationId) -> Reason) -> Vec<Reason> {
+        let stations = self.line.station_ids().zip(&self.stations);
+        stations.filter(|(_, s)| self.is_known(s) && what(&s.heard)).map(|(id, _)| reason(id)).collect()
+    }
+
+    fn command(&mut self, command: Command) {
+        self.changed = true;
+        let reasons = self.obey(command);
+        if !reasons.is_empty() {
+            self.refusals.push(Refusal { command, mode: self.mode, reasons });
+        }
+    }
+
+    /// Obeys a command or says why not. Every pair of mode and command is decided here.
+    fn obey(&mut self, command: Command) -> Vec<Reason> {
+        use Command as C;
+        use ControlMode as M;
+        match (self.mode, command) {
+            (_, C::EStop) => {
+                self.estop = true;
+                self.decide(None);
+                Vec::new()
+            }
+            (M::EStop, C::Reset) => self.reset(),
+            (M::EStop, C::Manual) if self.estop => vec![Reason::EStop],
+            (M::EStop, C::Manual) | (M::StandBy, C::Manual) => self.go_manual(),
+            (M::EStop, C::Start | C::Stop | C::Auto | C::Hand) => vec![Reason::EStop],
+            (M::Home, C::Start) => self.ask(command, Vec::new()),
+            (M::Home, C::Stop) => vec![Reason::Already],
+            (M::Home, C::Auto | C::Hand | C::Manual | C::Reset) => vec![Reason::WrongMode(vec![C::Start])],
+            (M::StandBy, C::Start) => {
+                // Start in stand-by is the operator's word that a restarted station has been looked at.
+                self.acknowledge_restarts()
+            }
+            (M::StandBy, C::Stop) => {
+                let mut reasons = self.which(|h| !h.at_home, Reason::NotAtHome);
+                reasons.extend(self.which(|h| !h.stopped, Reason::Moving));
+                self.ask(command, reasons)
+            }
+            (M::StandBy | M::Hand, C::Auto) => self.ask(command, self.against_motion()),
+            (M::StandBy, C::Hand) => {
+                let mut reasons = self.against_motion();
+                reasons.extend(self.which(|h| !h.stopped, Reason::Moving));
+                self.ask(command, reasons)
+            }
+            (M::StandBy | M::Auto | M::Hand | M::Manual, C::Reset) => Vec::new(),
+            (M::Auto, C::Start) => {
+                self.stopping = false;
+                Vec::new()
+            }
+            (M::Auto, C::Stop) => {
+                self.stopping = true;
+                self.decide(None);
+                Vec::new()
+            }
+            (M::Auto, C::Auto) | (M::Hand, C::Hand) | (M::Manual, C::Manual) => vec![Reason::Already],
+            (M::Auto, C::Hand | C::Manual) => vec![Reason::WrongMode(vec![C::Stop, C::EStop])],
+            (M::Hand, C::Stop) => self.ask(command, Vec::new()),
+            (M::Hand, C::Start | C::Manual) => vec![Reason::WrongMode(vec![C::Auto, C::Stop, C::EStop])],
+            (M::Manual, C::Auto | C::Hand | C::Start | C::Stop) => self.leave_manual(command),
+        }
+    }
+
+    /// Gives the command to the net; if no arc takes it, these are the reasons.
+    fn ask(&mut self, command: Command, reasons: Vec<Reason>) -> Vec<Reason> {
+        let before = self.mode;
+        self.decide(Some(command));
+        if self.mode != before {
+            return Vec::new();
+        }
+        if reasons.is_empty() { vec![Reason::WrongMode(Vec::new())] } else { reasons }
+    }
+
+    fn against_motion(&self) -> Vec<Reason> {
+        let mut reasons = self.troubles();
+        reasons.extend(self.which(|h| h.selector_manual, Reason::SelectorManual));
+        reasons
+    }
+
+    fn reset(&mut self) -> Vec<Reason> {
+        if self.wired(self.line.console.estop) {
+            return vec![Reason::EStopPressed];
+        }
+        if self.line.console.estop.is_some() && self.console_was_heard && !self.console.1 {
+            return vec![Reason::ConsoleLost];
+        }
+        self.estop = false;
+        self.decide(None);
+        Vec::new()
+    }
+
+    fn go_manual(&mut self) -> Vec<Reason> {
+        let mut reasons = self.which(|h| !h.stopped, Reason::Moving);
+        let unheard = self.line.station_ids().zip(&self.stations).filter(|(_, s)| !self.is_known(s));
+        reasons.extend(unheard.map(|(id, _)| Reason::NotHeard(id)));
+        if reasons.is_empty() {
+            self.manual_all = true;
+            self.decide(None);
+        }
+        reasons
+    }
+
+    /// Out of manual by command, if only a command led in: back to stand-by and, in the same breath, further.
+    fn leave_manual(&mut self, command: Command) -> Vec<Reason> {
+        let selectors = self.which(|h| h.selector_manual, Reason::SelectorManual);
+        if !selectors.is_empty() {
+            return selectors;
+        }
+        if matches!(command, Command::Auto | Command::Hand) {
+            let reasons = self.against_motion();
+            if !reasons.is_empty() {
+                return reasons;
+            }
+        }
+        self.manual_all = false;
+        self.decide(None);
+        if command == Command::Start { Vec::new() } else { self.obey(command) }
+    }
+
+    fn acknowledge_restarts(&mut self) -> Vec<Reason> {
+        if !self.stations.iter().any(|s| s.restarted) {
+            return vec![Reason::Already];
+        }
+        for station in &mut self.stations {
+            station.restarted = false;
+        }
+        Vec::new()
+    }
+
+    /// Plays the net until no arc is allowed. A command is used by the first arc that takes it.
+    fn decide(&mut self, mut command: Option<Command>) {
+        // Six places and exclusive arcs: more hops than places would be a loop among conditions that hold together.
+        for _ in ControlMode::ALL {
+            let Some(mode) = next(self.mode, &self.facts(command)) else { break };
+            command = None;
+            self.enter(mode);
+        }
+    }
+
+    fn enter(&mut self, mode: ControlMode) {
+        self.mode = mode;
+        self.epoch += 1;
+        self.enabled = false;
+        self.changed = true;
+        self.modes.push(mode);
+        if mode != ControlMode::Auto {
+            self.stopping = false;
+        }
+        if mode == ControlMode::Manual {
+            for station in &mut self.stations {
+                station.restarted = false;
+            }
+        }
+        if mode != ControlMode::Manual && mode != ControlMode::StandBy {
+            self.manual_all = false;
+        }
+    }
+
+    /// Brings the decision up to `now`. Call it after every [`Coordinator::handle`] and at every deadline.
+    pub fn step(&mut self, now: Tick, out: &mut Outbox) {
+        self.now = self.now.max(now);
+        self.decide(None);
+        if self.mode.enables_motion() && !self.enabled && self.all(|h| h.mode_epoch >= self.epoch) {
+            self.enabled = true;
+            self.changed = true;
+        }
+        out.lamps = self.lamps();
+        out.changed = std::mem::take(&mut self.changed);
+        out.modes.append(&mut self.modes);
+        out.refusals.append(&mut self.refusals);
+    }
+
+    /// When to step again if nothing arrives before.
+    pub fn next_deadline(&self) -> Option<Tick> {
+        let views = self.stations.iter().map(|s| s.known_until);
+        views.chain([self.buttons_until]).filter(|&t| t > self.now).min()
+    }
+
+    fn lamps(&self) -> u128 {
+        let fault = self.stations.iter().any(|s| self.is_known(s) && s.heard.incomplete);
+        let on = [
+            self.mode == ControlMode::Auto,
+            self.mode == ControlMode::Hand,
+            self.mode == ControlMode::Manual,
+            fault || self.estop,
+        ];
+        let lamps = self.line.console.lamps.iter().zip(on);
+        lamps.fold(0, |bits, (lamp, on)| bits | lamp.filter(|_| on).map_or(0, |lamp| 1 << lamp.0))
+    }
+
+    /// Stations that have not acknowledged the epoch of a mode that enables motion.
+    pub fn waiting_for(&self) -> Vec<StationId> {
+        if !self.mode.enables_motion() || self.enabled {
+            return Vec::new();
+        }
+        let stations = self.line.station_ids().zip(&self.stations);
+        stations.filter(|(_, s)| !self.is_known(s) || s.heard.mode_epoch < self.epoch).map(|(id, _)| id).collect()
+    }
+
+    /// Whether a station is heard.
+    pub fn hears(&self, station: StationId) -> bool {
+        self.stations.get(station.index()).is_some_and(|s| self.is_known(s))
+    }
+
+    /// The mode in words, with what keeps it: `auto`, `auto, stopping at home`, `stand-by: mill_1 is not heard`.
+    pub fn text(&self) -> String {
+        let mut text = self.mode.name().to_owned();
+        if self.stopping {
+            text.push_str(", stopping at home");
+        }
+        let waiting: Vec<&str> = self.waiting_for().iter().map(|&s| self.line.station(s).name.as_str()).collect();
+        if !waiting.is_empty() {
+            text.push_str(&format!(", waiting for {}", waiting.join(", ")));
+        }
+        let troubles: Vec<String> = self.troubles().iter().map(|reason| reason.text(&self.line)).collect();
+        if !troubles.is_empty() {
+            text.push_str(&format!(": {}", troubles.join("; ")));
+        }
+        text
+    }
+}

@@ -1,0 +1,213 @@
+//! The mode decision net: six places, one token, and the condition of every arc.
+//!
+//! The arcs of Figure 18 are lost. They follow from the seed's §2.3, §2.4 and §5.4:
+//!
+//! ```text
+//!            start              auto
+//!   home ──────────▶ stand-by ────────▶ auto ──(master stop, all at home)──▶ home
+//!     ▲  stop, all     │  ▲ ▲  ◀────────  │ ▲
+//!     └── at home ─────┘  │ │ trouble     │ │ auto
+//!                     hand│ │             │ │
+//!                         ▼ │ trouble     │ │
+//!                        hand ────────────┼─┘
+//!      selector manual  ┌──────────┐      │
+//!   stand-by ─────────▶ │  manual  │ ◀────┼── e-stop, once reset and a selector stands at manual
+//!            ◀───────── └──────────┘      │
+//!      all selectors auto                 └──▶ (any place) ── e-stop ──▶ e-stop
+//! ```
+//!
+//! Every condition is a conjunction over [`Facts`], so that a test can try all of them: out of each place at most one
+//! arc is ever allowed. Emergency stop comes before trouble, trouble before what the operator asks for.
+
+use linewright_line::net::ControlMode;
+use linewright_nets::{Net, NetBuilder};
+
+/// What an operator may ask for.
+#[derive(Clone, Copy, Debug, PartialEq, Eq, Hash)]
+pub enum Command {
+    /// Master start: from home to stand-by; also takes a master stop back.
+    Start,
+    /// Master stop: halt at home.
+    Stop,
+    /// Run the chart.
+    Auto,
+    /// Step by step.
+    Hand,
+    /// As if every station's selector stood at manual.
+    Manual,
+    /// Emergency stop.
+    EStop,
+    /// Ends the emergency stop, once its button is out.
+    Reset,
+}
+
+impl Command {
+    /// All seven.
+    pub const ALL: [Command; 7] =
+        [Command::Start, Command::Stop, Command::Auto, Command::Hand, Command::Manual, Command::EStop, Command::Reset];
+
+    /// The word an operator types: `start`, `stop`, `auto`, `hand`, `manual`, `estop`, `reset`.
+    pub const fn name(self) -> &'static str {
+        match self {
+            Command::Start => "start",
+            Command::Stop => "stop",
+            Command::Auto => "auto",
+            Command::Hand => "hand",
+            Command::Manual => "manual",
+            Command::EStop => "estop",
+            Command::Reset => "reset",
+        }
+    }
+
+    /// The command with this name; blanks around it and letter case do not matter, nor does a dash in `e-stop`.
+    pub fn parse(word: &str) -> Option<Self> {
+        let word = word.trim().to_ascii_lowercase().replace('-', "");
+        Command::ALL.into_iter().find(|command| command.name() == word)
+    }
+}
+
+/// Everything the decision depends on.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
+pub struct Facts {
+    /// The command being judged.
+    pub command: Option<Command>,
+    /// The emergency stop is latched.
+    pub estop: bool,
+    /// A fault, an incomplete operation, or a station or device that is not heard.
+    pub trouble: bool,
+    /// Master stop has been given.
+    pub stopping: bool,
+    /// Every station is at home.
+    pub all_home: bool,
+    /// No operation is moving.
+    pub all_stopped: bool,
+    /// Some selector stands at manual.
+    pub any_manual: bool,
+}
+
+/// An arc of the mode decision net.
+#[derive(Clone, Copy, Debug)]
+pub struct Arc {
+    /// From this mode.
+    pub from: ControlMode,
+    /// To this mode.
+    pub to: ControlMode,
+    /// If this holds.
+    pub when: fn(&Facts) -> bool,
+}
+
+/// Every arc of the net.
+pub const ARCS: [Arc; 16] = [
+    Arc { from: ControlMode::Home, to: ControlMode::EStop, when: |f| f.estop },
+    Arc { from: ControlMode::StandBy, to: ControlMode::EStop, when: |f| f.estop },
+    Arc { from: ControlMode::Auto, to: ControlMode::EStop, when: |f| f.estop },
+    Arc { from: ControlMode::Hand, to: ControlMode::EStop, when: |f| f.estop },
+    Arc { from: ControlMode::Manual, to: ControlMode::EStop, when: |f| f.estop },
+    Arc { from: ControlMode::Home, to: ControlMode::StandBy, when: |f| !f.estop && f.command == Some(Command::Start) },
+    Arc {
+        from: ControlMode::StandBy,
+        to: ControlMode::Home,
+        when: |f| !f.estop && !f.any_manual && f.command == Some(Command::Stop) && f.all_home && f.all_stopped,
+    },
+    Arc {
+        from: ControlMode::StandBy,
+        to: ControlMode::Auto,
+        when: |f| !f.estop && !f.any_manual && !f.trouble && f.command == Some(Command::Auto),
+    },
+    Arc {
+        from: ControlMode::StandBy,
+        to: ControlMode::Hand,
+        when: |f| !f.estop && !f.any_manual && !f.trouble && f.all_stopped && f.command == Some(Command::Hand),
+    },
+    Arc { from: ControlMode::StandBy, to: ControlMode::Manual, when: |f| !f.estop && f.any_manual && f.all_stopped },
+    Arc { from: ControlMode::Auto, to: ControlMode::StandBy, when: |f| !f.estop && (f.trouble || f.any_manual) },
+    Arc {
+        from: ControlMode::Auto,
+        to: ControlMode::Home,
+        when: |f| !f.estop && !f.trouble && !f.any_manual && f.stopping && f.all_home && f.all_stopped,
+    },
+    Arc {
+        from: ControlMode::Hand,
+        to: ControlMode::StandBy,
+        when: |f| !f.estop && (f.trouble || f.any_manual || f.command == Some(Command::Stop)),
+    },
+    Arc {
+        from: ControlMode::Hand,
+        to: ControlMode::Auto,
+        when: |f| !f.estop && !f.trouble && !f.any_manual && f.command == Some(Command::Auto),
+    },
+    Arc { from: ControlMode::Manual, to: ControlMode::StandBy, when: |f| !f.estop && !f.any_manual },
+    Arc { from: ControlMode::EStop, to: ControlMode::Manual, when: |f| !f.estop && f.any_manual && f.all_stopped },
+];
+
+/// The mode the net goes to from `mode`, if an arc allows it.
+pub fn next(mode: ControlMode, facts: &Facts) -> Option<ControlMode> {
+    let mut allowed = ARCS.iter().filter(|arc| arc.from == mode && (arc.when)(facts));
+    let first = allowed.next()?;
+    debug_assert!(allowed.next().is_none(), "the arcs out of {mode} are exclusive");
+    Some(first.to)
+}
+
+/// The decision as a Petri net: its initial marking is the home position (seed 002 Definition 7).
+pub fn net() -> Net {
+    let mut builder = NetBuilder::new("mode decision");
+    let places = ControlMode::ALL.map(|mode| builder.place(mode.name(), u32::from(mode == ControlMode::Home)));
+    for arc in ARCS {
+        let transition = builder.transition(format!("{} -> {}", arc.from, arc.to));
+        builder.input(transition, places[arc.from as usize], 1);
+        builder.output(transition, places[arc.to as usize], 1);
+    }
+    match builder.build() {
+        Ok(net) => net,
+        Err(errors) => unreachable!("six places and their arcs have distinct names: {errors:?}"),
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    fn all_facts() -> impl Iterator<Item = Facts> {
+        (0..1u32 << 6).flat_map(|bits| {
+            let on = move |bit: u32| bits & (1 << bit) != 0;
+            std::iter::once(None).chain(Command::ALL.map(Some)).map(move |command| Facts {
+                command,
+                estop: on(0),
+                trouble: on(1),
+                stopping: on(2),
+                all_home: on(3),
+                all_stopped: on(4),
+                any_manual: on(5),
+            })
+        })
+    }
+
+    #[test]
+    fn at_most_one_arc_is_allowed_out_of_every_place_under_all_facts() {
+        for mode in ControlMode::ALL {
+            for facts in all_facts() {
+                let allowed: Vec<_> = ARCS.iter().filter(|a| a.from == mode && (a.when)(&facts)).collect();
+                assert!(allowed.len() <= 1, "{mode} under {facts:?}: {allowed:?}");
+            }
+        }
+    }
+
+    #[test]
+    fn every_arc_is_allowed_under_some_facts() {
+        for arc in ARCS {
+            assert!(all_facts().any(|facts| (arc.when)(&facts)), "{arc:?}");
+        }
+    }
+
+    #[test]
+    fn the_net_is_a_live_safe_reversible_state_machine() {
+        let verdict = linewright_nets::structure::state_machine_verdict(&net()).expect("a state machine");
+        assert!(verdict.holds(), "{verdict}");
+    }
+
+    #[test]
+    fn only_manual_leads_out_of_the_emergency_stop() {
+        let out: Vec<_> = ARCS.iter().filter(|a| a.from == ControlMode::EStop).map(|a| a.to).collect();
+        assert_eq!(out, [ControlMode::Manual]);
+    }
+}

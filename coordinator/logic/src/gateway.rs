@@ -1,0 +1,96 @@
+//! The gateway's rule for outputs: whose image is put on the bus, and for how long.
+//!
+//! Stations whose devices hang on the coordinator's bus send their output images by message. An image is energised
+//! only while it is fresh, comes from the newest life of its station, and was decided on inputs that the same devices
+//! still vouch for: outputs decided before a device was lost are not put on after it has come back, because the
+//! station may not yet know that the device started over.
+
+use std::time::Duration;
+
+use linewright_line::{StationId, Tick};
+
+/// An output image as a station sent it.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub struct OutputImage {
+    /// Bit `i` is output `i` of the station.
+    pub bits: u128,
+    /// The station vouches for it.
+    pub valid: bool,
+    /// How often the devices had been lost when the inputs it was decided on were sent.
+    pub losses: u64,
+}
+
+#[derive(Clone, Copy, Debug)]
+struct Held {
+    image: OutputImage,
+    until: Tick,
+}
+
+/// The output images of all stations behind the gateway.
+#[derive(Clone, Debug)]
+pub struct Gateway {
+    stations: Vec<Option<Held>>,
+    stale: Duration,
+}
+
+impl Gateway {
+    /// A gateway that has heard nothing: every output is off. `stale` is how long an image lasts.
+    pub fn new(stations: usize, stale: Duration) -> Self {
+        Gateway { stations: vec![None; stations], stale }
+    }
+
+    /// Takes a newer image of a station.
+    pub fn hear(&mut self, now: Tick, station: StationId, image: OutputImage) {
+        if let Some(held) = self.stations.get_mut(station.index()) {
+            *held = Some(Held { image, until: now + self.stale });
+        }
+    }
+
+    /// What to energise for a station whose devices have been lost `losses` times: its image, or all off.
+    pub fn outputs(&self, now: Tick, station: StationId, losses: u64) -> u128 {
+        match self.stations.get(station.index()).copied().flatten() {
+            Some(held) if now < held.until && held.image.valid && held.image.losses == losses => held.image.bits,
+            // Silence, an image nobody vouches for, or one decided before a loss: off is the safe state.
+            Some(_) | None => 0,
+        }
+    }
+
+    /// When the next image runs out.
+    pub fn next_deadline(&self, now: Tick) -> Option<Tick> {
+        self.stations.iter().flatten().map(|held| held.until).filter(|&until| until > now).min()
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    const STATION: StationId = StationId(0);
+
+    fn heard_at_zero(image: OutputImage) -> Gateway {
+        let mut gateway = Gateway::new(1, Duration::from_millis(250));
+        gateway.hear(Tick::ZERO, STATION, image);
+        gateway
+    }
+
+    const ON: OutputImage = OutputImage { bits: 5, valid: true, losses: 2 };
+
+    #[test]
+    fn a_fresh_image_is_energised_and_a_stale_one_is_not() {
+        let gateway = heard_at_zero(ON);
+        assert_eq!(gateway.outputs(Tick::from_millis(249), STATION, 2), 5);
+        assert_eq!(gateway.outputs(Tick::from_millis(250), STATION, 2), 0);
+        assert_eq!(gateway.next_deadline(Tick::ZERO), Some(Tick::from_millis(250)));
+    }
+
+    #[test]
+    fn an_image_decided_before_a_loss_is_not_energised_after_it() {
+        assert_eq!(heard_at_zero(ON).outputs(Tick::ZERO, STATION, 3), 0);
+    }
+
+    #[test]
+    fn an_image_nobody_vouches_for_and_a_station_never_heard_are_off() {
+        assert_eq!(heard_at_zero(OutputImage { valid: false, ..ON }).outputs(Tick::ZERO, STATION, 2), 0);
+        assert_eq!(Gateway::new(1, Duration::from_secs(1)).outputs(Tick::ZERO, STATION, 0), 0);
+    }
+}

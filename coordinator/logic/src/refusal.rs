@@ -1,0 +1,78 @@
+//! Refusals: a command that is not obeyed is answered with every reason, never kept for later.
+
+use linewright_line::net::ControlMode;
+use linewright_line::{Line, StationId};
+
+use crate::decision::Command;
+
+/// Why a command is not obeyed now.
+#[derive(Clone, Debug, PartialEq, Eq)]
+pub enum Reason {
+    /// The mode has no use for it; these commands it would take.
+    WrongMode(Vec<Command>),
+    /// The line is already in that mode.
+    Already,
+    /// The emergency stop is latched.
+    EStop,
+    /// The emergency stop button is still pressed.
+    EStopPressed,
+    /// The console's devices are not heard.
+    ConsoleLost,
+    /// A station is not heard.
+    NotHeard(StationId),
+    /// A station has lost its devices.
+    DevicesLost(StationId),
+    /// A station has an operation that was stopped before its end.
+    Incomplete(StationId),
+    /// A station was restarted and has not been looked at since.
+    Restarted(StationId),
+    /// A station's selector stands at manual.
+    SelectorManual(StationId),
+    /// A station is still moving.
+    Moving(StationId),
+    /// A station is not at home.
+    NotAtHome(StationId),
+}
+
+/// A command that was not obeyed.
+#[derive(Clone, Debug, PartialEq, Eq)]
+pub struct Refusal {
+    /// The command.
+    pub command: Command,
+    /// The mode that refused it.
+    pub mode: ControlMode,
+    /// All reasons, at least one.
+    pub reasons: Vec<Reason>,
+}
+
+impl Refusal {
+    /// The refusal in words, e.g. `auto refused in stand-by: mill_1 has an incomplete operation: recover it in manual`.
+    pub fn text(&self, line: &Line) -> String {
+        let reasons: Vec<String> = self.reasons.iter().map(|reason| reason.text(line)).collect();
+        format!("{} refused in {}: {}", self.command.name(), self.mode, reasons.join("; "))
+    }
+}
+
+impl Reason {
+    /// The reason in words.
+    pub fn text(&self, line: &Line) -> String {
+        let name = |station: &StationId| line.station(*station).name.as_str();
+        match self {
+            Reason::WrongMode(takes) => {
+                let takes: Vec<&str> = takes.iter().map(|command| command.name()).collect();
+                format!("this mode takes {}", takes.join(", "))
+            }
+            Reason::Already => "the line is in that mode already".to_owned(),
+            Reason::EStop => "the emergency stop is on: reset it, then only manual leads out".to_owned(),
+            Reason::EStopPressed => "the emergency stop button is pressed: pull it out first".to_owned(),
+            Reason::ConsoleLost => "the console's devices are not heard".to_owned(),
+            Reason::NotHeard(s) => format!("{} is not heard", name(s)),
+            Reason::DevicesLost(s) => format!("{} has lost its devices", name(s)),
+            Reason::Incomplete(s) => format!("{} has an incomplete operation: recover it in manual", name(s)),
+            Reason::Restarted(s) => format!("{} was restarted: give start or go through manual first", name(s)),
+            Reason::SelectorManual(s) => format!("the selector of {} stands at manual", name(s)),
+            Reason::Moving(s) => format!("{} is still moving", name(s)),
+            Reason::NotAtHome(s) => format!("{} is not at home", name(s)),
+        }
+    }
+}

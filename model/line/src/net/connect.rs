@@ -1,0 +1,291 @@
+//! The transitions of a station: inside its operation modules and between them (seed 002 §5.2.1, steps 1 to 4).
+//!
+//! Numbers in comments are those of Figures 12, 13, 20 and 22. Where this departs from the figures it says so:
+//!
+//! * A fault stops a motion in every mode. The figures look for it in hand mode only while the button is held, and
+//!   not at all in manual mode.
+//! * Released buttons are conditions on the level, not on the falling edge: an edge can be lost with a message, a
+//!   level that stays off cannot.
+//! * t9 also has an auto condition, so that auto resumes from wherever a recovery ended; p6 of an operation is the
+//!   same position as p3 of the one before it, and t9 waits for the same arrows as t11 would.
+//! * Running motions finish in stand-by as they would in auto, and every motion stops on the emergency stop.
+
+use crate::net::condition::{ControlMode, Literal, Term, Var, off, on};
+use crate::net::module::{Block, Place, is_reversible};
+use crate::{Module, OpId, Station};
+
+/// What a transition does to the operation it belongs to.
+#[derive(Clone, Copy, Debug, PartialEq, Eq, Hash)]
+pub enum Kind {
+    /// t1, t6: a motion stops before its end.
+    Stop(OpId, Block),
+    /// t2, t7: a stopped motion goes on.
+    Resume(OpId, Block),
+    /// t3, t8: a motion is complete.
+    Complete(OpId, Block),
+    /// t4: a completed operation starts to be taken back. Withdraws its count.
+    Undo(OpId),
+    /// t5: a stopped operation starts to be taken back.
+    Retract(OpId),
+    /// t9: an operation that has been undone starts again.
+    Restart(OpId),
+    /// t10: a stopped recovery turns forward again.
+    Again(OpId),
+    /// t11: from one step of the cycle to the next.
+    Next {
+        /// Index of the completed step.
+        from: usize,
+        /// Index of the step that starts.
+        to: usize,
+    },
+    /// t12: from an undone step to undoing the one before it. Withdraws the latter's counts.
+    Back {
+        /// Index of the undone step.
+        from: usize,
+        /// Index of the step to be undone.
+        to: usize,
+    },
+    /// t5 of an I-module: onto its recovery path. Withdraws every count of the round.
+    EnterPath(OpId),
+    /// From one operation of a recovery path to the next; the last one leads to the home operation's normal motion.
+    FollowPath {
+        /// The operation whose recovery motion has ended.
+        from: OpId,
+        /// The operation that moves next.
+        to: OpId,
+    },
+}
+
+/// One transition of a station's net with its conditions.
+#[derive(Clone, Debug, PartialEq, Eq)]
+pub struct Transition {
+    /// What it does.
+    pub kind: Kind,
+    /// Places it takes a token from.
+    pub from: Vec<Place>,
+    /// Places it puts a token into.
+    pub to: Vec<Place>,
+    /// For each mode of [`ControlMode::ALL`], the terms any one of which lets it fire; none: never in that mode.
+    pub conditions: [Vec<Term>; 6],
+}
+
+impl Transition {
+    /// The terms for one mode.
+    pub fn terms(&self, mode: ControlMode) -> &[Term] {
+        &self.conditions[mode as usize]
+    }
+}
+
+/// The modes in which running motions finish by themselves.
+const UNATTENDED: [ControlMode; 3] = [ControlMode::Home, ControlMode::StandBy, ControlMode::Auto];
+
+struct Builder<'a> {
+    station: &'a Station,
+    out: Vec<Transition>,
+}
+
+/// All transitions of a station.
+pub(super) fn transitions_of(station: &Station) -> Vec<Transition> {
+    let mut builder = Builder { station, out: Vec::new() };
+    // Step 1: an operation module for each operation.
+    for op in station.op_ids() {
+        builder.normal_block(op);
+        if is_reversible(station, op) {
+            builder.recovery_block(op);
+        }
+    }
+    // Step 2: the normal cycle. Step 3: the reverse sequences.
+    for step in 0..station.steps.len() {
+        builder.next(step);
+        builder.back(step);
+    }
+    // Step 4: the recovery paths of the irreversible operations.
+    for op in station.op_ids() {
+        builder.recovery_path(op);
+    }
+    builder.out
+}
+
+impl Builder<'_> {
+    fn add(&mut self, kind: Kind, from: Vec<Place>, to: Vec<Place>) -> &mut Transition {
+        self.out.push(Transition { kind, from, to, conditions: Default::default() });
+        self.out.last_mut().expect("just pushed")
+    }
+
+    fn following(&self, step: usize) -> usize {
+        (step + 1) % self.station.steps.len()
+    }
+
+    fn preceding(&self, step: usize) -> usize {
+        (step + self.station.steps.len() - 1) % self.station.steps.len()
+    }
+
+    fn neighbours(&self, op: OpId) -> Vec<Literal> {
+        let step = &self.station.steps[self.station.step_of(op)];
+        step.iter().filter(|&&n| n != op).map(|&n| on(Var::NeighbourSettled(n))).collect()
+    }
+
+    /// Master stop holds the station at its home place: the condition of that place's output transition.
+    fn unless_stopped(&self, from_step: usize) -> Option<Literal> {
+        let home = self.station.step_of(self.station.home);
+        (from_step == home).then_some(off(Var::MasterStop))
+    }
+
+    fn normal_block(&mut self, op: OpId) {
+        let hand = self.station.operations[op.index()].hand;
+        let (p1, p2, p3) = (Place::operating(op), Place::incomplete(op), Place::completed(op));
+        let fault = Var::Fault(op, Block::Normal);
+        let arrived = Var::Arrived(op, Block::Normal);
+
+        let t1 = self.add(Kind::Stop(op, Block::Normal), vec![p1], vec![p2]);
+        t1.stops_on(fault);
+        t1.when(
+            ControlMode::Manual,
+            [
+                vec![off(Var::Advance), off(Var::OnAnyPath)],
+                // On a recovery path the home operation's normal motion is held by the return button that led to it.
+                vec![off(Var::Advance), off(Var::Retract), on(Var::OnAnyPath)],
+            ],
+        );
+
+        let t2 = self.add(Kind::Resume(op, Block::Normal), vec![p2], vec![p1]);
+        t2.when(
+            ControlMode::Manual,
+            [vec![on(Var::AdvancePressed)], vec![on(Var::RetractPressed), on(Var::OnAnyPath)]],
+        );
+
+        let t3 = self.add(Kind::Complete(op, Block::Normal), vec![p1], vec![p3]);
+        t3.completes_on(arrived, fault);
+        t3.when(ControlMode::Hand, [vec![on(arrived), off(fault), off(Var::HoldLost), on(Var::Held(hand.forward()))]]);
+        t3.when(
+            ControlMode::Manual,
+            [
+                vec![on(arrived), off(fault), on(Var::Advance)],
+                vec![on(arrived), off(fault), on(Var::Retract), on(Var::OnAnyPath)],
+            ],
+        );
+    }
+
+    fn recovery_block(&mut self, op: OpId) {
+        let hand = self.station.operations[op.index()].hand;
+        let step = self.station.step_of(op);
+        let next = self.following(step);
+        let settled = self.neighbours(op);
+        let held_at_home = self.unless_stopped(self.preceding(step));
+        let (p1, p2, p3) = (Place::operating(op), Place::incomplete(op), Place::completed(op));
+        let (p4, p5, p6) = (Place::undoing(op), Place::undo_incomplete(op), Place::undone(op));
+        let fault = Var::Fault(op, Block::Recovery);
+        let arrived = Var::Arrived(op, Block::Recovery);
+
+        let t4 = self.add(Kind::Undo(op), vec![p3], vec![p4]);
+        t4.when(ControlMode::Hand, hand.reverse(next).map(|term| and(term, &settled)));
+        t4.when(ControlMode::Manual, [and(vec![on(Var::RetractPressed)], &settled)]);
+
+        let t5 = self.add(Kind::Retract(op), vec![p2], vec![p4]);
+        t5.when(ControlMode::Manual, [vec![on(Var::RetractPressed), off(Var::OnAnyPath)]]);
+
+        let t6 = self.add(Kind::Stop(op, Block::Recovery), vec![p4], vec![p5]);
+        t6.stops_on(fault);
+        t6.when(ControlMode::Manual, [vec![off(Var::Retract)]]);
+
+        let t7 = self.add(Kind::Resume(op, Block::Recovery), vec![p5], vec![p4]);
+        t7.when(ControlMode::Manual, [vec![on(Var::RetractPressed)]]);
+
+        let t8 = self.add(Kind::Complete(op, Block::Recovery), vec![p4], vec![p6]);
+        t8.completes_on(arrived, fault);
+        let mut by_hand = vec![on(arrived), off(fault), off(Var::HoldLost)];
+        by_hand.extend(hand.back().map(|back| on(Var::Held(back))));
+        t8.when(ControlMode::Hand, [by_hand]);
+        t8.when(ControlMode::Manual, [vec![on(arrived), off(fault), on(Var::Retract)]]);
+
+        let t9 = self.add(Kind::Restart(op), vec![p6], vec![p1]);
+        let may_start = [on(Var::Causal(step)), off(Var::OnAnyPath)];
+        let mut by_itself = may_start.to_vec();
+        by_itself.extend(held_at_home);
+        t9.when(ControlMode::Auto, [by_itself]);
+        t9.when(ControlMode::Hand, hand.restart().map(|term| and(and(term, &may_start), &settled)));
+        t9.when(ControlMode::Manual, [and(and(vec![on(Var::AdvancePressed)], &may_start), &settled)]);
+
+        // On a recovery path the only way is home: turning forward half-way would leave operations done that have
+        // been taken back for the line.
+        let t10 = self.add(Kind::Again(op), vec![p5], vec![p1]);
+        t10.when(ControlMode::Manual, [vec![on(Var::AdvancePressed), off(Var::OnAnyPath)]]);
+    }
+
+    /// t11 (t4 of an I-module): a fork where the next step has several operations, a join where this one has.
+    fn next(&mut self, step: usize) {
+        let next = self.following(step);
+        let ops = &self.station.steps[step];
+        let hand = self.station.operations[ops[0].index()].hand;
+        let held_at_home = self.unless_stopped(step);
+        let from = ops.iter().copied().map(Place::completed).collect();
+        let to = self.station.steps[next].iter().copied().map(Place::operating).collect();
+
+        let t11 = self.add(Kind::Next { from: step, to: next }, from, to);
+        let mut by_itself = vec![on(Var::Causal(next))];
+        by_itself.extend(held_at_home);
+        t11.when(ControlMode::Auto, [by_itself]);
+        t11.when(ControlMode::Hand, [hand.lead_on(next)]);
+        t11.when(ControlMode::Manual, [vec![on(Var::AdvancePressed), on(Var::Causal(next))]]);
+    }
+
+    /// t12, where the hand-mode type continues a reverse sequence.
+    fn back(&mut self, step: usize) {
+        let ops = &self.station.steps[step];
+        let Some(back) = self.station.operations[ops[0].index()].hand.reverse_on() else { return };
+        let previous = self.preceding(step);
+        let from = ops.iter().copied().map(Place::undone).collect();
+        let to = self.station.steps[previous].iter().copied().map(Place::undoing).collect();
+
+        let t12 = self.add(Kind::Back { from: step, to: previous }, from, to);
+        t12.when(ControlMode::Hand, [vec![on(Var::Held(back)), off(Var::OnAnyPath)]]);
+        t12.when(ControlMode::Manual, [vec![on(Var::RetractPressed), off(Var::OnAnyPath)]]);
+    }
+
+    fn recovery_path(&mut self, failed: OpId) {
+        let Module::Irreversible { recovery_path } = &self.station.operations[failed.index()].module else { return };
+        let Some(&first) = recovery_path.first() else { return };
+        let enter = self.add(Kind::EnterPath(failed), vec![Place::incomplete(failed)], vec![Place::undoing(first)]);
+        enter.when(ControlMode::Manual, [vec![on(Var::RetractPressed), off(Var::OnAnyPath)]]);
+
+        let home = self.station.home;
+        let hops = recovery_path.windows(2).map(|pair| (pair[0], pair[1], Place::undoing(pair[1])));
+        let last = recovery_path.last().map(|&last| (last, home, Place::operating(home)));
+        for (from, to, place) in hops.chain(last) {
+            let term = vec![on(Var::RetractPressed), on(Var::OnPath(failed))];
+            let kind = Kind::FollowPath { from, to };
+            // Irreversible operations usually share their way home; a shared hop is one transition.
+            match self.out.iter_mut().find(|t| t.kind == kind) {
+                Some(shared) => shared.when(ControlMode::Manual, [term]),
+                None => self.add(kind, vec![Place::undone(from)], vec![place]).when(ControlMode::Manual, [term]),
+            }
+        }
+    }
+}
+
+impl Transition {
+    fn when(&mut self, mode: ControlMode, terms: impl IntoIterator<Item = Term>) {
+        self.conditions[mode as usize].extend(terms);
+    }
+
+    /// t1 and t6: the conditions that stop a motion whatever else holds.
+    fn stops_on(&mut self, fault: Var) {
+        for mode in UNATTENDED.into_iter().chain([ControlMode::Hand]) {
+            self.when(mode, [vec![on(fault)], vec![on(Var::HoldLost)]]);
+        }
+        self.when(ControlMode::Manual, [vec![on(fault)]]);
+        self.when(ControlMode::EStop, [vec![]]);
+    }
+
+    /// t3 and t8: a motion nobody needs to hold is complete when it has arrived. A fault in the same image wins.
+    fn completes_on(&mut self, arrived: Var, fault: Var) {
+        for mode in UNATTENDED {
+            self.when(mode, [vec![on(arrived), off(fault), off(Var::HoldLost)]]);
+        }
+    }
+}
+
+fn and(mut term: Term, more: &[Literal]) -> Term {
+    term.extend_from_slice(more);
+    term
+}

@@ -1,0 +1,49 @@
+//! Are the output transitions of every place mutually exclusive, mode by mode?
+//!
+//! The seed requires it (§6.2.1: a net with exclusive transitions can be run as it stands). Here it is decided on the
+//! conditions as written: two terms exclude each other if some literal of one contradicts some literal of the other.
+//! That is sound — terms found exclusive are — and complete for terms whose variables are otherwise independent,
+//! which sensors and buttons are.
+
+use crate::net::condition::{ControlMode, Term};
+use crate::net::connect::Kind;
+use crate::net::module::Place;
+use crate::net::station::StationNet;
+
+/// Two transitions of one place that could both be allowed to fire.
+#[derive(Clone, Debug, PartialEq, Eq)]
+pub struct Overlap {
+    /// The place they share.
+    pub place: Place,
+    /// The mode in which it happens.
+    pub mode: ControlMode,
+    /// One transition and the term that lets it fire.
+    pub a: (Kind, Term),
+    /// The other.
+    pub b: (Kind, Term),
+}
+
+/// Every pair of output transitions of a place that is not exclusive. Empty for every net the connection algorithm
+/// builds; a caller checks it all the same.
+pub fn overlaps(net: &StationNet) -> Vec<Overlap> {
+    let mut found = Vec::new();
+    for &place in net.places() {
+        let outgoing: Vec<_> = net.transitions().iter().filter(|t| t.from.contains(&place)).collect();
+        for (i, a) in outgoing.iter().enumerate() {
+            for b in &outgoing[i + 1..] {
+                for mode in ControlMode::ALL {
+                    for ta in a.terms(mode) {
+                        for tb in b.terms(mode).iter().filter(|tb| !exclude(ta, tb)) {
+                            found.push(Overlap { place, mode, a: (a.kind, ta.clone()), b: (b.kind, tb.clone()) });
+                        }
+                    }
+                }
+            }
+        }
+    }
+    found
+}
+
+fn exclude(a: &Term, b: &Term) -> bool {
+    a.iter().any(|la| b.iter().any(|lb| la.excludes(*lb)))
+}

@@ -1,0 +1,111 @@
+//! A station's net: the connected modules as a Petri net, with what each place and transition means beside it.
+
+use linewright_nets::{Net, NetBuilder};
+
+use crate::net::connect::{Kind, Transition, transitions_of};
+use crate::net::module::{Block, Place, Stage, places_of};
+use crate::{Line, Station, StationId};
+
+/// The Petri net of one station controller, and the meaning of its places and transitions.
+///
+/// The `i`-th place of the net is `places()[i]`, the `i`-th transition is `transitions()[i]`. One token per
+/// concurrent branch; the initial marking is the completed home operation.
+#[derive(Clone, Debug)]
+pub struct StationNet {
+    net: Net,
+    places: Vec<Place>,
+    transitions: Vec<Transition>,
+}
+
+impl StationNet {
+    /// Builds the net of a station of a checked line.
+    pub fn of(line: &Line, station: StationId) -> Self {
+        let station = line.station(station);
+        let places = places_of(station);
+        let transitions = transitions_of(station);
+        let net = assemble(station, &places, &transitions);
+        StationNet { net, places, transitions }
+    }
+
+    /// The bare Petri net.
+    pub fn net(&self) -> &Net {
+        &self.net
+    }
+
+    /// What each place means, in the net's order.
+    pub fn places(&self) -> &[Place] {
+        &self.places
+    }
+
+    /// What each transition means and waits for, in the net's order.
+    pub fn transitions(&self) -> &[Transition] {
+        &self.transitions
+    }
+
+    /// The index of a place.
+    pub fn place_index(&self, place: Place) -> Option<usize> {
+        self.places.iter().position(|&p| p == place)
+    }
+}
+
+fn assemble(station: &Station, places: &[Place], transitions: &[Transition]) -> Net {
+    let home = Place::completed(station.home);
+    let mut builder = NetBuilder::new(station.name.clone());
+    let ids: Vec<_> =
+        places.iter().map(|&p| builder.place(place_name(station, p), u32::from(p == home))).collect();
+    let id_of = |place: &Place| {
+        let index = places.iter().position(|p| p == place).expect("transitions join places of their own station");
+        ids[index]
+    };
+    for transition in transitions {
+        let id = builder.transition(transition_name(station, transition.kind));
+        for place in &transition.from {
+            builder.input(id, id_of(place), 1);
+        }
+        for place in &transition.to {
+            builder.output(id, id_of(place), 1);
+        }
+    }
+    match builder.build() {
+        Ok(net) => net,
+        Err(errors) => unreachable!("a checked station has unique operation names: {errors:?}"),
+    }
+}
+
+fn place_name(station: &Station, place: Place) -> String {
+    let stage = match place.stage {
+        Stage::Operating => "O",
+        Stage::Incomplete => "IC",
+        Stage::Completed => "C",
+    };
+    let block = match place.block {
+        Block::Normal => "N",
+        Block::Recovery => "F",
+    };
+    format!("{} {stage}^{block}", station.operations[place.op.index()].name)
+}
+
+fn transition_name(station: &Station, kind: Kind) -> String {
+    let op = |id: crate::OpId| station.operations[id.index()].name.as_str();
+    let step = |index: usize| {
+        let names: Vec<_> = station.steps[index].iter().map(|&id| op(id)).collect();
+        names.join(" + ")
+    };
+    let block = |block: Block| match block {
+        Block::Normal => "",
+        Block::Recovery => "undoing ",
+    };
+    match kind {
+        Kind::Stop(id, b) => format!("stop {}{}", block(b), op(id)),
+        Kind::Resume(id, b) => format!("resume {}{}", block(b), op(id)),
+        Kind::Complete(id, b) => format!("complete {}{}", block(b), op(id)),
+        Kind::Undo(id) => format!("undo {}", op(id)),
+        Kind::Retract(id) => format!("retract {}", op(id)),
+        Kind::Restart(id) => format!("restart {}", op(id)),
+        Kind::Again(id) => format!("turn forward {}", op(id)),
+        Kind::Next { from, to } => format!("{} -> {}", step(from), step(to)),
+        Kind::Back { from, to } => format!("back from {} to {}", step(from), step(to)),
+        Kind::EnterPath(id) => format!("recover {} by going home", op(id)),
+        Kind::FollowPath { from, to } => format!("on the way home, {} then {}", op(from), op(to)),
+    }
+}

@@ -1,0 +1,88 @@
+//! What happened in a step, as values: the node logs and publishes them, a test compares them.
+
+use linewright_line::net::{Block, ControlMode};
+use linewright_line::{OpId, StationId};
+
+/// Why a motion stopped before its end.
+#[derive(Clone, Copy, Debug, PartialEq, Eq, Hash)]
+pub enum Cause {
+    /// Its fault input came on.
+    Signal,
+    /// It took longer than its watchdog allows.
+    Watchdog,
+    /// It took longer than its watchdog allows, and its completion signal was on from the start: the switch is stuck.
+    SwitchStuck,
+    /// The station lost its devices.
+    Devices,
+    /// The button that held it was released, or manual mode ended under it.
+    Released,
+    /// Emergency stop.
+    EStop,
+    /// The controller was restarted in the middle of it.
+    Restart,
+    /// The station was switched on away from its home position.
+    NotAtHome,
+    /// Two exclusive transitions were both allowed: a bug of the controller, stopped rather than guessed at.
+    Ambiguous,
+}
+
+impl Cause {
+    /// Whether it is a fault to the mode decision, or merely a stop the operator asked for.
+    pub const fn is_fault(self) -> bool {
+        !matches!(self, Cause::Released)
+    }
+
+    /// A few words for the operator.
+    pub const fn text(self) -> &'static str {
+        match self {
+            Cause::Signal => "fault signal",
+            Cause::Watchdog => "took too long",
+            Cause::SwitchStuck => "took too long; its switch was already on when it started",
+            Cause::Devices => "devices lost",
+            Cause::Released => "button released",
+            Cause::EStop => "emergency stop",
+            Cause::Restart => "controller restarted",
+            Cause::NotAtHome => "not at home when switched on",
+            Cause::Ambiguous => "controller stopped itself: two exclusive transitions were both allowed",
+        }
+    }
+}
+
+/// What happened.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub enum Happening {
+    /// A motion started or went on.
+    Started(OpId, Block),
+    /// A motion is complete.
+    Completed(OpId, Block),
+    /// A motion stopped before its end.
+    Stopped(OpId, Block, Cause),
+    /// The counts of these operations (a bit each) were taken back.
+    Withdrawn(u64),
+    /// The station is home after a recovery path: at the end of the previous cycle.
+    HomeAgain,
+    /// Agreement to take counts back was asked for, under this number.
+    Asked(u64),
+    /// A station did not agree, because this operation of its own has started.
+    NotAgreed {
+        /// Who.
+        by: StationId,
+        /// Its operation.
+        in_the_way: OpId,
+    },
+    /// A command had no effect in this state.
+    Refused,
+    /// The mode in force changed.
+    Mode(ControlMode),
+    /// The station's devices came back (true) or were lost (false).
+    Devices(bool),
+}
+
+/// A happening and the cycle it belongs to.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub struct Event {
+    /// The station's cycle after it.
+    pub cycle: i32,
+    /// What happened.
+    pub what: Happening,
+}

@@ -1,0 +1,239 @@
+//! Why nothing happens: for every state in which the station waits, the conditions it waits for, in words.
+//!
+//! Called when a state is published, never in the step; it reads the same tables the step reads, so it cannot give a
+//! reason the controller does not have.
+
+use linewright_line::net::{Block, ControlMode, Place, Stage};
+use linewright_line::{Line, OpId, StationId, Tick};
+
+use crate::controller::Controller;
+use crate::event::{Cause as StopCause, Event, Happening};
+use crate::program::Cause;
+
+impl Controller {
+    /// What each branch of the station is doing, e.g. `advance clamp` or `undoing 1st lift (stopped)`.
+    pub fn operation_text(&self, line: &Line) -> String {
+        let parts: Vec<String> = self.marking().map(|place| self.place_text(line, place)).collect();
+        parts.join(" + ")
+    }
+
+    fn place_text(&self, line: &Line, place: Place) -> String {
+        let name = self.op_name(line, place.op);
+        match (place.block, place.stage) {
+            (Block::Normal, Stage::Operating) => name.to_owned(),
+            (Block::Normal, Stage::Incomplete) => format!("{name} (stopped)"),
+            (Block::Normal, Stage::Completed) => format!("{name} (done)"),
+            (Block::Recovery, Stage::Operating) => format!("undoing {name}"),
+            (Block::Recovery, Stage::Incomplete) => format!("undoing {name} (stopped)"),
+            (Block::Recovery, Stage::Completed) => format!("{name} (undone)"),
+        }
+    }
+
+    /// The fault to announce, e.g. `advance clamp: took too long`; empty when there is none.
+    pub fn fault_text(&self, line: &Line) -> String {
+        let mut parts = Vec::new();
+        for place in self.marking().filter(|place| place.is_incomplete()) {
+            let cause = self.causes_of_stop[place.op.index()];
+            if cause.is_fault() {
+                parts.push(format!("{}: {}", self.op_name(line, place.op), cause.text()));
+            }
+        }
+        parts.join("; ")
+    }
+
+    /// What the station waits for. Empty while something moves.
+    pub fn blocked_by(&self, line: &Line, now: Tick) -> Vec<String> {
+        let mut reasons = Vec::new();
+        if !self.devices_valid {
+            reasons.push("its devices: not heard, or not operational".to_owned());
+        }
+        for place in self.marking() {
+            self.explain_place(line, place, now, &mut reasons);
+        }
+        if let Some(pending) = &self.pending {
+            self.explain_request(line, pending.request.ops, pending.needs, now, &mut reasons);
+        }
+        if let Some((by, in_the_way, ops)) = self.refusal {
+            reasons.push(format!(
+                "{} cannot be taken back: {}: {} has started on it",
+                self.op_names(line, ops),
+                line.station(by).name,
+                line.operation((by, in_the_way)).name
+            ));
+        }
+        reasons.dedup();
+        reasons
+    }
+
+    fn explain_place(&self, line: &Line, place: Place, now: Tick, reasons: &mut Vec<String>) {
+        let name = self.op_name(line, place.op);
+        match place.stage {
+            Stage::Operating => self.explain_motion(line, place, reasons),
+            Stage::Incomplete => reasons.push(match self.causes_of_stop[place.op.index()] {
+                StopCause::Released => format!("{name} to be finished or taken back in manual"),
+                cause => format!("recovery of {name} in manual ({})", cause.text()),
+            }),
+            Stage::Completed => self.explain_next(line, place, now, reasons),
+        }
+    }
+
+    fn explain_motion(&self, line: &Line, place: Place, reasons: &mut Vec<String>) {
+        let held_by_hand = self.tokens().iter().any(|t| self.place(t) == place && !t.driven);
+        if held_by_hand && self.devices_valid && self.mode() != ControlMode::EStop {
+            let hand = line.operation((self.program.station, place.op)).hand;
+            let button = match place.block {
+                Block::Normal => Some(hand.forward()),
+                Block::Recovery => hand.back(),
+            };
+            if let Some(button) = button {
+                reasons.push(format!("{} to be held", line.buttons[usize::from(button.0)]));
+            }
+        }
+    }
+
+    fn explain_next(&self, line: &Line, place: Place, now: Tick, reasons: &mut Vec<String>) {
+        let steps = self.program.causes.len();
+        let step = usize::from(self.program.step_of[place.op.index()]);
+        let next = if place.block == Block::Normal { (step + 1) % steps } else { step };
+        if self.marking().any(|other| !other.is_operating() && other.is_incomplete()) {
+            return;
+        }
+        if let Some(other) = self.marking().find(|other| other.is_operating()) {
+            reasons.push(format!("{} beside it", self.op_name(line, other.op)));
+            return;
+        }
+        match self.mode() {
+            ControlMode::Auto => {
+                if self.is_at_home() && self.master_stop() {
+                    reasons.push("master stop: halted at home".to_owned());
+                }
+                self.explain_causes(line, next, now, reasons);
+            }
+            ControlMode::Hand => {
+                reasons.push(format!("a button: {}", self.hand_choices(line, place)));
+                self.explain_causes(line, next, now, reasons);
+            }
+            ControlMode::Manual => {
+                if self.panel_is_live() {
+                    reasons.push("advance or return at its panel".to_owned());
+                    self.explain_causes(line, next, now, reasons);
+                } else {
+                    reasons.push("its selector to be switched to manual".to_owned());
+                }
+            }
+            ControlMode::Home | ControlMode::StandBy => reasons.push(format!("a mode (now {})", self.mode())),
+            ControlMode::EStop => reasons.push("the emergency stop to be reset".to_owned()),
+        }
+    }
+
+    fn hand_choices(&self, line: &Line, place: Place) -> String {
+        let hand = line.operation((self.program.station, place.op)).hand;
+        let name = |button: linewright_line::ButtonId| line.buttons[usize::from(button.0)].clone();
+        let onward = match place.block {
+            Block::Normal => Some(hand.next().unwrap_or(hand.forward())),
+            Block::Recovery if matches!(hand.number(), 3 | 6) => Some(hand.forward()),
+            Block::Recovery => None,
+        };
+        let back = match place.block {
+            Block::Normal if hand.number() >= 5 => hand.back(),
+            Block::Recovery if matches!(hand.number(), 4 | 5) => hand.back(),
+            Block::Normal | Block::Recovery => None,
+        };
+        match (onward, back) {
+            (Some(on), Some(back)) if on == back => name(on),
+            (Some(on), Some(back)) => format!("{} to go on, {} to go back", name(on), name(back)),
+            (Some(on), None) => format!("{} to go on", name(on)),
+            (None, Some(back)) => format!("{} to go back", name(back)),
+            (None, None) => "none leads on from here; use manual or auto".to_owned(),
+        }
+    }
+
+    fn explain_causes(&self, line: &Line, step: usize, now: Tick, reasons: &mut Vec<String>) {
+        let cycle = self.cycle_of_start(step as u8);
+        let mode = self.mode() as usize;
+        for cause in self.program.causes[step].iter().filter(|c| c.modes[mode]) {
+            if !self.views.holds(cause, cycle, now) {
+                reasons.push(self.cause_text(line, cause, cycle, now));
+            }
+        }
+    }
+
+    fn cause_text(&self, line: &Line, cause: &Cause, cycle: i32, now: Tick) -> String {
+        let peer = self.program.peers[cause.peer as usize];
+        let (station, op) = (&line.station(peer).name, &line.operation((peer, cause.from)).name);
+        let own = self.op_name(line, cause.to);
+        let view = &self.views.peers[cause.peer as usize];
+        if now >= view.known_until {
+            return format!("{station} to be heard, for {own}");
+        }
+        if view.request.is_some_and(|request| request.ops & (1 << cause.from.0) != 0) {
+            return format!("{station}: {op}, which is being taken back, for {own}");
+        }
+        format!("{station}: {op} (cycle {}), for {own}", cycle.saturating_sub(cause.lag))
+    }
+
+    fn explain_request(&self, line: &Line, ops: u64, needs: u64, now: Tick, reasons: &mut Vec<String>) {
+        for (index, view) in self.views.peers.iter().enumerate().filter(|&(i, _)| needs & (1 << i) != 0) {
+            let heard = if now < view.known_until { "" } else { " (not heard)" };
+            let agreed = matches!(view.verdict, Some((_, number, None)) if Some(number) == self.pending.map(|p| p.request.number));
+            if !agreed {
+                let station = &line.station(self.program.peers[index]).name;
+                reasons.push(format!("{station}{heard} to agree that {} is taken back", self.op_names(line, ops)));
+            }
+        }
+    }
+
+    fn op_name<'a>(&self, line: &'a Line, op: OpId) -> &'a str {
+        &line.operation((self.program.station, op)).name
+    }
+
+    fn op_names(&self, line: &Line, ops: u64) -> String {
+        op_names(line, self.program.station, ops)
+    }
+
+    /// An event of this station in words, as the operator would say it.
+    pub fn event_text(&self, line: &Line, event: &Event) -> String {
+        event.text(line, self.program.station)
+    }
+}
+
+fn op_names(line: &Line, station: StationId, ops: u64) -> String {
+    let described = line.station(station);
+    let named = described.op_ids().filter(|op| ops & (1 << op.0) != 0);
+    let names: Vec<&str> = named.map(|op| described.operations[op.index()].name.as_str()).collect();
+    names.join(", ")
+}
+
+impl Event {
+    /// The event in words, for the station it belongs to.
+    pub fn text(&self, line: &Line, station: StationId) -> String {
+        let name = |op: OpId| line.operation((station, op)).name.as_str();
+        let undoing = |block: Block| match block {
+            Block::Normal => "",
+            Block::Recovery => "undoing ",
+        };
+        match self.what {
+            Happening::Started(op, block) => format!("starts {}{}", undoing(block), name(op)),
+            Happening::Completed(op, Block::Normal) => format!("has done {}", name(op)),
+            Happening::Completed(op, Block::Recovery) => format!("has undone {}", name(op)),
+            Happening::Stopped(op, block, cause) => {
+                format!("stops {}{}: {}", undoing(block), name(op), cause.text())
+            }
+            Happening::Withdrawn(0) => "takes nothing back".to_owned(),
+            Happening::Withdrawn(ops) => format!("takes back {}", op_names(line, station, ops)),
+            Happening::HomeAgain => "is home; the cycle will be done again".to_owned(),
+            Happening::Asked(number) => format!("asks to go back (request {number})"),
+            Happening::NotAgreed { by, in_the_way } => {
+                format!(
+                    "may not go back: {}: {} has started",
+                    line.station(by).name,
+                    line.operation((by, in_the_way)).name
+                )
+            }
+            Happening::Refused => "refuses the command".to_owned(),
+            Happening::Mode(mode) => format!("obeys {mode}"),
+            Happening::Devices(true) => "has its devices".to_owned(),
+            Happening::Devices(false) => "has lost its devices".to_owned(),
+        }
+    }
+}

@@ -1,0 +1,184 @@
+//! What firing a transition does: the token, the counts, the cycle.
+//!
+//! This is the whole of the bookkeeping (compare seed 002 §5.3, which keeps one Boolean per operation):
+//!
+//! | transition | done | started | cycle |
+//! |---|---|---|---|
+//! | t11, t9 into an operation | | := cycle | + 1 first, if it is the first one listed |
+//! | t3 complete | := started | | |
+//! | t4, t12, onto a recovery path | − 1, before the motion | | |
+//! | t8 undone | | := done | − 1, if it is the first one listed |
+//! | t3 of home, on a recovery path | of the previous round's end | := done | of the previous round's end |
+//!
+//! Undoing the first operation listed thus leads back into the cycle before, and doing it again into the same cycle
+//! as the first time: reset and undo agree across the cycle boundary.
+
+use std::time::Duration;
+
+use linewright_line::net::{Block, ControlMode, Kind, Place, Stage};
+use linewright_line::{OpId, Tick};
+
+use crate::controller::{Controller, Run, Token};
+use crate::event::{Cause, Happening};
+
+impl Controller {
+    /// Fires a transition whose places are marked and whose condition holds.
+    pub(crate) fn fire(&mut self, transition: u16) {
+        let kind = self.program.actions[transition as usize].kind;
+        match kind {
+            Kind::Stop(op, block) => {
+                let index = self.token_of(op);
+                let cause = self.cause_of_stop(index);
+                debug_assert_eq!(self.place(&self.tokens[index]).block, block);
+                self.stop(index, cause);
+            }
+            Kind::Resume(op, block) => self.go(op, Place { op, block, stage: Stage::Operating }, true),
+            Kind::Retract(op) => self.go(op, Place::undoing(op), true),
+            Kind::Again(op) => self.go(op, Place::operating(op), true),
+            Kind::Complete(op, Block::Normal) => self.completed(op),
+            Kind::Complete(op, Block::Recovery) => self.undone(op),
+            Kind::Undo(op) => {
+                self.withdraw(1 << op.0);
+                self.go(op, Place::undoing(op), false);
+            }
+            Kind::Restart(op) => {
+                self.begin_cycle_with(op);
+                self.started[op.index()] = self.cycle;
+                self.go(op, Place::operating(op), false);
+            }
+            Kind::Next { to, .. } => {
+                self.cycle = self.cycle_of_start(to as u8);
+                self.spread(transition, |controller, op| controller.started[op.index()] = controller.cycle);
+            }
+            Kind::Back { .. } => {
+                self.withdraw(self.taken_back(kind));
+                self.spread(transition, |_, _| {});
+            }
+            Kind::EnterPath(failed) => {
+                self.withdraw(self.taken_back(kind));
+                self.path = Some(failed);
+                self.spread(transition, |_, _| {});
+                self.refresh_path();
+            }
+            Kind::FollowPath { .. } => self.spread(transition, |_, _| {}),
+        }
+    }
+
+    fn token_of(&self, op: OpId) -> usize {
+        let of_op = |t: &Token| self.place(t).op == op;
+        self.tokens().iter().position(of_op).expect("a transition fires only from a marked place")
+    }
+
+    /// Puts the token of `op` into an operating place. `from_between` is true when the motion does not start at its
+    /// other end: its completion signal then counts as it stands.
+    fn go(&mut self, op: OpId, place: Place, from_between: bool) {
+        let index = self.token_of(op);
+        self.put(index, place, from_between);
+    }
+
+    fn put(&mut self, index: usize, place: Place, from_between: bool) {
+        let table = self.program.index_of(place);
+        let run = match self.commands.mode() {
+            ControlMode::Hand => Run::Hand,
+            ControlMode::Manual => Run::Manual,
+            ControlMode::Home | ControlMode::StandBy | ControlMode::Auto | ControlMode::EStop => Run::Auto,
+        };
+        self.tokens[index] = Token {
+            place: table,
+            run,
+            left_start: from_between,
+            driven: false,
+            deadline: Tick::NEVER,
+            remaining: self.program.places[table as usize].watchdog,
+        };
+        self.note(Happening::Started(place.op, place.block));
+    }
+
+    /// A fork, a join or a plain hop: tokens leave all places of one step and enter all of another.
+    fn spread(&mut self, transition: u16, mut started: impl FnMut(&mut Self, OpId)) {
+        let count = self.program.actions[transition as usize].to.len();
+        for index in 0..count {
+            let place = self.program.places[self.program.actions[transition as usize].to[index] as usize].place;
+            started(self, place.op);
+            // Motions on a recovery path start wherever the fault left the mechanism.
+            self.put(index, place, self.path.is_some());
+        }
+        self.token_count = count;
+    }
+
+    fn begin_cycle_with(&mut self, op: OpId) {
+        if op == self.program.first {
+            self.cycle += 1;
+        }
+    }
+
+    fn arrive(&mut self, index: usize, place: Place) {
+        let token = &mut self.tokens[index];
+        token.place = self.program.index_of(place);
+        token.driven = false;
+        token.deadline = Tick::NEVER;
+        token.remaining = Duration::ZERO;
+    }
+
+    fn completed(&mut self, op: OpId) {
+        let index = self.token_of(op);
+        self.arrive(index, Place::completed(op));
+        if self.path.take().is_some() {
+            // Home by a recovery path: this is the end of the previous round, and the cycle will be done again.
+            let round = self.done[self.program.home.index()];
+            for (op, home) in self.home_counts.iter().enumerate() {
+                self.started[op] = home + round;
+            }
+            self.cycle = round;
+            self.refresh_path();
+            self.note(Happening::HomeAgain);
+        } else {
+            self.done[op.index()] = self.started[op.index()];
+            self.note(Happening::Completed(op, Block::Normal));
+        }
+    }
+
+    fn undone(&mut self, op: OpId) {
+        let index = self.token_of(op);
+        self.arrive(index, Place::undone(op));
+        if self.path.is_none() {
+            self.started[op.index()] = self.done[op.index()];
+            if op == self.program.first {
+                self.cycle -= 1;
+            }
+        }
+        self.note(Happening::Completed(op, Block::Recovery));
+    }
+
+    fn withdraw(&mut self, ops: u64) {
+        for (op, done) in self.done.iter_mut().enumerate() {
+            if ops & (1 << op) != 0 {
+                *done -= 1;
+            }
+        }
+        self.note(Happening::Withdrawn(ops));
+    }
+
+    pub(crate) fn stop(&mut self, index: usize, cause: Cause) {
+        let place = self.place(&self.tokens[index]).stopped();
+        self.arrive(index, place);
+        self.causes_of_stop[place.op.index()] = cause;
+        self.note(Happening::Stopped(place.op, place.block, cause));
+    }
+
+    fn cause_of_stop(&self, index: usize) -> Cause {
+        let token = &self.tokens[index];
+        let table = &self.program.places[token.place as usize];
+        if self.commands.mode() == ControlMode::EStop {
+            Cause::EStop
+        } else if !self.devices_valid {
+            Cause::Devices
+        } else if self.inputs & table.fault != 0 {
+            Cause::Signal
+        } else if token.driven && self.now >= token.deadline {
+            if token.left_start { Cause::Watchdog } else { Cause::SwitchStuck }
+        } else {
+            Cause::Released
+        }
+    }
+}

@@ -1,0 +1,207 @@
+//! Commands: the coordinator's order and the station's own panel, with their leases.
+//!
+//! Buttons are hold-to-run. A level counts only while it is refreshed, and only after it has been seen *off* in the
+//! mode in force: a button that was already down when the mode changed, or when its sender came back, moves nothing
+//! until it is released and pressed again.
+
+use std::time::Duration;
+
+use linewright_line::Tick;
+use linewright_line::net::ControlMode;
+
+use crate::program::bit;
+
+/// The coordinator's order of the mode.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub struct ModeOrder {
+    /// Which life of the coordinator gives it.
+    pub boot_id: u64,
+    /// Grows with every change of mode; an older one is refused.
+    pub epoch: u64,
+    /// The mode.
+    pub mode: ControlMode,
+    /// Every station has acknowledged the epoch: a mode that enables motion may be acted on.
+    pub enabled: bool,
+    /// Halt at the home place.
+    pub master_stop: bool,
+    /// Every station's panel counts as switched to manual.
+    pub manual_all: bool,
+    /// Hand-mode buttons held, a bit each.
+    pub buttons: u32,
+    /// The order holds for this long after it was heard.
+    pub lease: Duration,
+}
+
+/// A command of the station's panel that came by message instead of by wire.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub enum PanelCommand {
+    /// Advance held or released. Held must be refreshed.
+    Advance(bool),
+    /// Return held or released. Held must be refreshed.
+    Retract(bool),
+    /// The selector: true is station-manual. Stays as it was set.
+    Selector(bool),
+}
+
+/// A button held by message: it counts while it is refreshed.
+///
+/// A refresh that comes late finds the motion stopped. It must not start it again: the finger never left the button,
+/// so nobody decided to. Only a release that was heard, or a silence long enough to have been one, makes the next
+/// message a new press.
+#[derive(Clone, Copy, Debug, Default)]
+struct Hold {
+    until: Tick,
+    heard: Tick,
+    /// Ran out while it was held; not released since.
+    lapsed: bool,
+}
+
+/// A silence this many times as long as a button's term counts as its release.
+const SILENCE_IS_RELEASE: u32 = 4;
+
+impl Hold {
+    fn hear(&mut self, now: Tick, held: bool, term: Duration) {
+        let was_held = self.until != Tick::ZERO;
+        let silence = now.since(self.heard);
+        self.lapsed = held && (self.lapsed || (was_held && now >= self.until)) && silence < term * SILENCE_IS_RELEASE;
+        self.heard = now;
+        self.until = if held { now + term } else { Tick::ZERO };
+    }
+
+    fn is_held(&self, now: Tick) -> bool {
+        now < self.until && !self.lapsed
+    }
+}
+
+/// The commands in force.
+#[derive(Clone, Debug)]
+pub(crate) struct Commands {
+    order: Option<ModeOrder>,
+    order_until: Tick,
+    advance: Hold,
+    retract: Hold,
+    selector: bool,
+    /// From the station's own inputs: manual, advance, return.
+    wired: (bool, bool, bool),
+    /// Levels that have been seen off in the mode in force.
+    armed: u128,
+    mode: ControlMode,
+    panel_is_live: bool,
+}
+
+impl Commands {
+    pub(crate) fn new() -> Self {
+        Commands {
+            order: None,
+            order_until: Tick::ZERO,
+            advance: Hold::default(),
+            retract: Hold::default(),
+            selector: false,
+            wired: (false, false, false),
+            armed: 0,
+            mode: ControlMode::StandBy,
+            panel_is_live: false,
+        }
+    }
+
+    /// Takes an order unless it is older than the one in force. A new coordinator's epochs start above all it heard,
+    /// so the epoch alone decides.
+    pub(crate) fn order(&mut self, now: Tick, order: ModeOrder) -> bool {
+        if self.order.is_some_and(|current| order.epoch < current.epoch) {
+            return false;
+        }
+        self.order = Some(order);
+        self.order_until = now + order.lease;
+        true
+    }
+
+    pub(crate) fn epoch(&self) -> u64 {
+        self.order.map_or(0, |order| order.epoch)
+    }
+
+    /// A held level lasts until `now + stale`.
+    pub(crate) fn panel(&mut self, now: Tick, command: PanelCommand, stale: Duration) {
+        match command {
+            PanelCommand::Advance(held) => self.advance.hear(now, held, stale),
+            PanelCommand::Retract(held) => self.retract.hear(now, held, stale),
+            PanelCommand::Selector(manual) => self.selector = manual,
+        }
+    }
+
+    pub(crate) fn wired(&mut self, manual: bool, advance: bool, retract: bool) {
+        self.wired = (manual, advance, retract);
+    }
+
+    pub(crate) fn selector_manual(&self) -> bool {
+        self.selector || self.wired.0
+    }
+
+    /// Every button must be seen off again before it counts.
+    pub(crate) fn disarm(&mut self) {
+        self.armed = 0;
+    }
+
+    pub(crate) fn panel_is_live(&self) -> bool {
+        self.panel_is_live
+    }
+
+    pub(crate) fn mode(&self) -> ControlMode {
+        self.mode
+    }
+
+    /// Whether a lease is running, and the mode it grants.
+    fn granted(&self, now: Tick) -> ControlMode {
+        match self.order {
+            Some(order) if now < self.order_until => {
+                if order.mode.enables_motion() && !order.enabled {
+                    ControlMode::StandBy
+                } else {
+                    order.mode
+                }
+            }
+            // The lease has run out, or no coordinator was ever heard: finish what runs, start nothing. An emergency
+            // stop outlives its lease: it ends by order only.
+            Some(order) if order.mode == ControlMode::EStop => ControlMode::EStop,
+            Some(_) | None => ControlMode::StandBy,
+        }
+    }
+
+    /// Brings mode and levels up to `now`; gives the word of command levels.
+    pub(crate) fn refresh(&mut self, now: Tick) -> u128 {
+        let mode = self.granted(now);
+        let live = now < self.order_until;
+        let panel_is_live =
+            mode == ControlMode::Manual && (self.selector_manual() || self.order.is_some_and(|o| o.manual_all));
+        // Nothing new starts in a mode that enables no motion, so what was armed may stay: a motion of hand mode that
+        // is to finish in stand-by goes on while its button is held.
+        if (mode != self.mode && mode.enables_motion()) || panel_is_live != self.panel_is_live || !live {
+            self.armed = 0;
+        }
+        self.mode = mode;
+        self.panel_is_live = panel_is_live;
+
+        let mut raw = 0;
+        if let Some(order) = self.order.filter(|_| live) {
+            raw |= u128::from(order.buttons) << bit::HELD_0;
+        }
+        let advance = self.wired.1 || self.advance.is_held(now);
+        let retract = self.wired.2 || self.retract.is_held(now);
+        raw |= if advance && !retract { bit::ADVANCE } else { 0 };
+        raw |= if retract && !advance { bit::RETRACT } else { 0 };
+        if live {
+            self.armed |= !raw;
+        }
+        let in_force = if panel_is_live { bit::PANEL | bit::HELD } else { bit::HELD };
+        let stop = self.order.is_some_and(|order| order.master_stop);
+        (raw & self.armed & in_force) | if stop { bit::MASTER_STOP } else { 0 }
+    }
+
+    /// When something in here runs out, if nothing is heard until then.
+    pub(crate) fn deadline(&self, now: Tick) -> Tick {
+        [self.order_until, self.advance.until, self.retract.until]
+            .into_iter()
+            .filter(|&t| t > now)
+            .min()
+            .unwrap_or(Tick::NEVER)
+    }
+}

@@ -1,0 +1,385 @@
+//! A station's net compiled to tables.
+//!
+//! For every place and mode there is a row per term of each outgoing transition, and a row is two bit masks over one
+//! word of condition variables: the bits that must be on and those that must be off. What does not fit a mask — the
+//! causal arrows, the neighbours of a concurrent operation — is looked at only once the masks match. The conditions
+//! themselves are [`linewright_line::net`]'s; this module changes their form and nothing else.
+
+use std::fmt;
+use std::time::Duration;
+
+use linewright_line::net::{Block, ControlMode, Kind, Literal, Place, StationNet, Term, Var};
+use linewright_line::{ButtonId, Line, Module, OpId, Signals, StationId};
+
+/// The bits of the word of condition variables.
+pub(crate) mod bit {
+    /// The token's own motion has failed.
+    pub const FAULT: u128 = 1 << 0;
+    /// The token's own motion has arrived.
+    pub const ARRIVED: u128 = 1 << 1;
+    /// The token's own motion was held in manual mode, which has ended.
+    pub const HOLD_LOST: u128 = 1 << 2;
+    pub const ADVANCE: u128 = 1 << 3;
+    pub const RETRACT: u128 = 1 << 5;
+    pub const ANY_PATH: u128 = 1 << 7;
+    pub const MASTER_STOP: u128 = 1 << 8;
+    /// One bit for each recovery path.
+    pub const PATH_0: u32 = 16;
+    pub const PATHS_MAX: usize = 16;
+    pub const PATHS: u128 = 0xFFFF << PATH_0;
+    /// One bit for each hand-mode button held.
+    pub const HELD_0: u32 = 32;
+    pub const HELD: u128 = 0xFFFF_FFFF << HELD_0;
+    /// The rising edges of ADVANCE and RETRACT stand one bit above their levels, those of HELD 32 bits above.
+    pub const PANEL: u128 = ADVANCE | RETRACT;
+
+    /// The rising edges that belong to a word of levels that have just come on.
+    pub const fn edges(risen: u128) -> u128 {
+        ((risen & PANEL) << 1) | ((risen & HELD) << 32)
+    }
+
+    /// The levels that belong to a word of edges and levels: what a command must keep holding.
+    pub const fn levels(word: u128) -> u128 {
+        (word & (PANEL | HELD)) | ((word >> 1) & PANEL) | ((word >> 32) & HELD)
+    }
+}
+
+/// What a row asks of the causal arrows.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub(crate) enum Causal {
+    /// Nothing.
+    Free,
+    /// The arrows into this step hold.
+    Holds(u8),
+    /// They do not, or it is not known whether they do.
+    Fails(u8),
+}
+
+/// One term of one transition, in one mode.
+#[derive(Clone, Copy, Debug)]
+pub(crate) struct Row {
+    pub need: u128,
+    pub forbid: u128,
+    /// Concurrent neighbours that must be settled, a bit per operation.
+    pub settled: u64,
+    pub transition: u16,
+    pub causal: Causal,
+    /// Fires only when every token of the station stands in the same stage and block (a join).
+    pub join: bool,
+    /// Takes counts back: needs the agreement of the stations that build on them.
+    pub withdraws: bool,
+}
+
+/// What a place does and watches.
+#[derive(Clone, Copy, Debug)]
+pub(crate) struct PlaceTable {
+    pub place: Place,
+    /// Where its rows lie, for each mode.
+    pub rows: [(u16, u16); 6],
+    /// The actuator, while operating.
+    pub actuator: u128,
+    /// The fault lamp, while incomplete.
+    pub lamp: u128,
+    /// The completion input, while operating.
+    pub complete: u128,
+    /// The fault input, while operating.
+    pub fault: u128,
+    /// How long the motion may take.
+    pub watchdog: Duration,
+    /// The hand-mode button that must be held for the actuator to be driven in hand mode; 0 where no type has one.
+    pub hold: u128,
+}
+
+/// An arrow into an operation of this station.
+#[derive(Clone, Copy, Debug)]
+pub(crate) struct Cause {
+    pub peer: u16,
+    pub from: OpId,
+    pub to: OpId,
+    pub lag: i32,
+    /// For each mode of [`ControlMode::ALL`], whether it is observed.
+    pub modes: [bool; 6],
+}
+
+/// A transition, compiled.
+#[derive(Clone, Debug)]
+pub(crate) struct Action {
+    pub kind: Kind,
+    /// Place indices the tokens come from.
+    pub from: Vec<u16>,
+    /// Place indices the tokens stand in afterwards.
+    pub to: Vec<u16>,
+}
+
+/// Why a station cannot be compiled.
+#[derive(Clone, Debug, PartialEq, Eq)]
+pub enum CompileError {
+    /// More irreversible operations than a station's word of variables has room for.
+    TooManyPaths {
+        /// The station.
+        station: String,
+        /// How many it has.
+        has: usize,
+        /// How many there may be.
+        most: usize,
+    },
+}
+
+impl fmt::Display for CompileError {
+    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
+        match self {
+            CompileError::TooManyPaths { station, has, most } => {
+                write!(f, "station {station} has {has} irreversible operations; a controller holds {most} at most")
+            }
+        }
+    }
+}
+
+impl std::error::Error for CompileError {}
+
+/// The compiled controller of one station. Immutable; a [`crate::Controller`] plays it.
+#[derive(Clone, Debug)]
+pub struct Program {
+    pub(crate) station: StationId,
+    pub(crate) places: Vec<PlaceTable>,
+    pub(crate) rows: Vec<Row>,
+    pub(crate) actions: Vec<Action>,
+    /// Arrows into the operations of each step.
+    pub(crate) causes: Vec<Vec<Cause>>,
+    /// For each operation, the peers with an arrow from it, a bit per entry of `peers`.
+    pub(crate) dependents: Vec<u64>,
+    /// Stations this one reads or is read by, in chart order.
+    pub(crate) peers: Vec<StationId>,
+    /// Irreversible operations, in chart order: path `i` is that of `paths[i]`.
+    pub(crate) paths: Vec<OpId>,
+    pub(crate) first: OpId,
+    pub(crate) home: OpId,
+    pub(crate) home_place: u16,
+    pub(crate) step_of: Vec<u8>,
+    /// Place index by operation and the seed's number of the place, 0 where the module has no such place.
+    place_of: Vec<[u16; 7]>,
+    /// The hand-mode buttons that mean anything to this station.
+    pub(crate) buttons: u128,
+}
+
+impl Program {
+    /// Compiles the controller of `station`.
+    ///
+    /// # Errors
+    /// When the station has more irreversible operations than fit.
+    pub fn compile(line: &Line, station: StationId) -> Result<Self, CompileError> {
+        let described = line.station(station);
+        let net = StationNet::of(line, station);
+        let paths: Vec<OpId> = described.op_ids().filter(|&op| !is_reversible(line, station, op)).collect();
+        if paths.len() > bit::PATHS_MAX {
+            return Err(CompileError::TooManyPaths {
+                station: described.name.clone(),
+                has: paths.len(),
+                most: bit::PATHS_MAX,
+            });
+        }
+        let peers = peers_of(line, station);
+        let index_of = |place: Place| {
+            let index = net.place_index(place).expect("a net's transitions join its own places");
+            u16::try_from(index).expect("OPERATIONS_MAX keeps places far below u16::MAX")
+        };
+        let mut rows = Vec::new();
+        let places =
+            net.places().iter().map(|&place| compile_place(line, station, &net, &paths, place, &mut rows)).collect();
+        let actions = net
+            .transitions()
+            .iter()
+            .map(|t| Action {
+                kind: t.kind,
+                from: t.from.iter().map(|&p| index_of(p)).collect(),
+                to: t.to.iter().map(|&p| index_of(p)).collect(),
+            })
+            .collect();
+        Ok(Program {
+            station,
+            places,
+            rows,
+            actions,
+            causes: described.steps.iter().map(|step| causes_of(line, station, step, &peers)).collect(),
+            dependents: described.op_ids().map(|op| dependents_of(line, (station, op), &peers)).collect(),
+            first: OpId(0),
+            home: described.home,
+            home_place: index_of(Place::completed(described.home)),
+            step_of: described.op_ids().map(|op| described.step_of(op) as u8).collect(),
+            place_of: described
+                .op_ids()
+                .map(|op| {
+                    std::array::from_fn(|n| {
+                        Place::from_number(op, n as u8).and_then(|p| net.place_index(p)).unwrap_or(0) as u16
+                    })
+                })
+                .collect(),
+            buttons: described.operations.iter().fold(0, |bits, operation| {
+                let hand = operation.hand;
+                let all = [Some(hand.forward()), hand.back(), hand.next()];
+                all.into_iter().flatten().fold(bits, |bits, button| bits | held(button))
+            }),
+            peers,
+            paths,
+        })
+    }
+
+    /// The station it controls.
+    pub fn station(&self) -> StationId {
+        self.station
+    }
+
+    /// The stations whose state this one needs to hear: those with an arrow to or from it.
+    pub fn peers(&self) -> &[StationId] {
+        &self.peers
+    }
+
+    /// The index of a place of this station.
+    #[inline]
+    pub(crate) fn index_of(&self, place: Place) -> u16 {
+        let index = self.place_of[place.op.index()][place.number() as usize];
+        debug_assert_eq!(self.places[index as usize].place, place, "the place is one of this station's");
+        index
+    }
+}
+
+fn is_reversible(line: &Line, station: StationId, op: OpId) -> bool {
+    matches!(line.operation((station, op)).module, Module::Reversible { .. })
+}
+
+fn peers_of(line: &Line, station: StationId) -> Vec<StationId> {
+    let mut peers: Vec<StationId> = line
+        .arrows
+        .iter()
+        .filter_map(|arrow| match (arrow.from.0 == station, arrow.to.0 == station) {
+            (true, false) => Some(arrow.to.0),
+            (false, true) => Some(arrow.from.0),
+            (true, true) | (false, false) => None,
+        })
+        .collect();
+    peers.sort_unstable();
+    peers.dedup();
+    peers
+}
+
+fn peer_index(peers: &[StationId], station: StationId) -> u16 {
+    peers.iter().position(|&p| p == station).expect("both ends of an arrow are peers") as u16
+}
+
+fn causes_of(line: &Line, station: StationId, step: &[OpId], peers: &[StationId]) -> Vec<Cause> {
+    let into = line.arrows.iter().filter(|a| a.to.0 == station && step.contains(&a.to.1));
+    into.map(|arrow| {
+        let mut modes = [false; 6];
+        modes[ControlMode::Auto as usize] = arrow.auto;
+        modes[ControlMode::Manual as usize] = arrow.manual;
+        // The steps of hand mode satisfy the conditions of both other modes (seed 002 §5.5.2).
+        modes[ControlMode::Hand as usize] = true;
+        Cause {
+            peer: peer_index(peers, arrow.from.0),
+            from: arrow.from.1,
+            to: arrow.to.1,
+            lag: i32::try_from(arrow.lag).unwrap_or(i32::MAX),
+            modes,
+        }
+    })
+    .collect()
+}
+
+fn dependents_of(line: &Line, from: (StationId, OpId), peers: &[StationId]) -> u64 {
+    let out = line.arrows.iter().filter(|a| a.from == from);
+    out.fold(0, |bits, arrow| bits | 1 << peer_index(peers, arrow.to.0))
+}
+
+fn compile_place(
+    line: &Line,
+    station: StationId,
+    net: &StationNet,
+    paths: &[OpId],
+    place: Place,
+    rows: &mut Vec<Row>,
+) -> PlaceTable {
+    let operation = line.operation((station, place.op));
+    let (signals, watchdog, hold) = match (&operation.module, place.block) {
+        (_, Block::Normal) => (operation.normal, operation.watchdog, Some(operation.hand.forward())),
+        (Module::Reversible { recovery, recovery_watchdog, .. }, Block::Recovery) => {
+            (*recovery, *recovery_watchdog, operation.hand.back())
+        }
+        (Module::Irreversible { .. }, Block::Recovery) => unreachable!("an I-module has no recovery block"),
+    };
+    let ranges = ControlMode::ALL.map(|mode| {
+        let start = rows.len() as u16;
+        for (number, transition) in net.transitions().iter().enumerate() {
+            // A join is looked at from its first place alone.
+            if transition.from.first() == Some(&place) {
+                let join = transition.from.len() > 1;
+                rows.extend(
+                    transition.terms(mode).iter().map(|t| compile_term(t, number, transition.kind, join, paths)),
+                );
+            }
+        }
+        (start, rows.len() as u16)
+    });
+    let operating = |bits: u128| if place.is_operating() { bits } else { 0 };
+    PlaceTable {
+        place,
+        rows: ranges,
+        actuator: operating(output(&signals)),
+        lamp: if place.is_incomplete() { signals.lamp.map_or(0, |lamp| 1 << lamp.0) } else { 0 },
+        complete: operating(1 << signals.complete.0),
+        fault: operating(signals.fault.map_or(0, |fault| 1 << fault.0)),
+        watchdog,
+        hold: operating(hold.map_or(0, held)),
+    }
+}
+
+fn output(signals: &Signals) -> u128 {
+    1 << signals.actuator.0
+}
+
+pub(crate) fn held(button: ButtonId) -> u128 {
+    1 << (bit::HELD_0 + u32::from(button.0))
+}
+
+fn compile_term(term: &Term, transition: usize, kind: Kind, join: bool, paths: &[OpId]) -> Row {
+    let mut row = Row {
+        need: 0,
+        forbid: 0,
+        settled: 0,
+        transition: transition as u16,
+        causal: Causal::Free,
+        join,
+        withdraws: matches!(kind, Kind::Undo(_) | Kind::Back { .. } | Kind::EnterPath(_)),
+    };
+    for &Literal { var, on } in term {
+        let mask = match var {
+            Var::Fault(..) => bit::FAULT,
+            Var::Arrived(..) => bit::ARRIVED,
+            Var::HoldLost => bit::HOLD_LOST,
+            Var::Advance => bit::ADVANCE,
+            Var::AdvancePressed => bit::edges(bit::ADVANCE),
+            Var::Retract => bit::RETRACT,
+            Var::RetractPressed => bit::edges(bit::RETRACT),
+            Var::Held(button) => held(button),
+            Var::Pressed(button) => bit::edges(held(button)),
+            Var::OnPath(op) => path_bit(paths, op),
+            Var::OnAnyPath => bit::ANY_PATH,
+            Var::MasterStop => bit::MASTER_STOP,
+            Var::Causal(step) => {
+                row.causal = if on { Causal::Holds(step as u8) } else { Causal::Fails(step as u8) };
+                continue;
+            }
+            Var::NeighbourSettled(op) => {
+                debug_assert!(on, "no condition asks for an unsettled neighbour");
+                row.settled |= 1 << op.0;
+                continue;
+            }
+        };
+        if on { row.need |= mask } else { row.forbid |= mask }
+    }
+    row
+}
+
+pub(crate) fn path_bit(paths: &[OpId], op: OpId) -> u128 {
+    let path = paths.iter().position(|&p| p == op).expect("a path belongs to an irreversible operation");
+    1 << (bit::PATH_0 + path as u32)
+}

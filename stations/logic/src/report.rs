@@ -1,0 +1,91 @@
+//! A station's whole state, as it tells it to others and as it keeps it for itself.
+//!
+//! The whole state goes out each time, never a difference: a lost message then costs one period and nothing else.
+
+use linewright_line::net::{ControlMode, Place};
+use linewright_line::{OpId, StationId};
+
+use crate::event::Cause;
+
+/// A station's state for others to read.
+#[derive(Clone, Debug, Default, PartialEq, Eq)]
+pub struct Report {
+    /// Which life of the station this is: different after every start.
+    pub boot_id: u64,
+    /// The newest mode epoch it has heard; hearing it is acknowledging it.
+    pub mode_epoch: u64,
+    /// The mode it acts on.
+    pub mode: Option<ControlMode>,
+    /// The cycle it is in.
+    pub cycle: i32,
+    /// For each operation, the cycle in which it was last completed.
+    pub done: Vec<i32>,
+    /// For each operation, the cycle in which it was last started and not undone.
+    pub started: Vec<i32>,
+    /// For each operation, the seed's number of its marked place, 0 for none.
+    pub places: Vec<u8>,
+    /// On its way home from a fault in an irreversible operation.
+    pub recovering_home: bool,
+    /// At its home place.
+    pub at_home: bool,
+    /// Nothing moves.
+    pub stopped: bool,
+    /// Its selector stands at station-manual.
+    pub selector_manual: bool,
+    /// Its devices are heard and operational.
+    pub devices_valid: bool,
+    /// Operations stopped before their end, with the cause.
+    pub incomplete: Vec<(OpId, Cause)>,
+    /// The request to take counts back that is open.
+    pub request: Option<Request>,
+    /// Its answers to the requests of others.
+    pub answers: Vec<Answer>,
+}
+
+/// A request to take back the counts of some operations.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub struct Request {
+    /// Never used again by this station; an agreement counts for this number alone.
+    pub number: u64,
+    /// The operations, a bit each.
+    pub ops: u64,
+}
+
+/// An answer to a request of another station.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub struct Answer {
+    /// Who asked.
+    pub to: StationId,
+    /// In which life.
+    pub boot_id: u64,
+    /// The number of the request.
+    pub number: u64,
+    /// The operation that is in the way; `None` is agreement.
+    pub in_the_way: Option<OpId>,
+}
+
+/// What a station keeps so that it can be restarted where it was.
+#[derive(Clone, Debug, PartialEq, Eq)]
+pub struct Snapshot {
+    /// The marked places.
+    pub marking: Vec<Place>,
+    /// The cycle.
+    pub cycle: i32,
+    /// Counts of completion, per operation.
+    pub done: Vec<i32>,
+    /// Counts of starts, per operation.
+    pub started: Vec<i32>,
+    /// The irreversible operation whose recovery path it is on.
+    pub path: Option<OpId>,
+    /// The next number for a request.
+    pub next_request: u64,
+}
+
+/// How a controller comes up.
+#[derive(Clone, Debug, PartialEq, Eq)]
+pub enum Restore {
+    /// For the first time: at home, if the devices confirm it.
+    Fresh,
+    /// From what it kept.
+    From(Snapshot),
+}

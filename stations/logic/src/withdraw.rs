@@ -1,0 +1,103 @@
+//! Taking a count back: only by agreement, and before the motion starts.
+//!
+//! A command that would take counts back does not fire at once. It opens a request under a fresh number, and fires
+//! when every station with an arrow from one of the operations has agreed to *that* number — provided its button is
+//! still held, the mode is the same and the token has not moved. The count goes back in the same step in which the
+//! recovery motion starts, so nobody can start on it while the mechanism is already moving back.
+//!
+//! Numbers are kept across restarts and never used twice: with reused numbers a stale agreement to a request that
+//! was given up could be taken for an agreement to a later one.
+
+use linewright_line::net::ControlMode;
+
+use crate::controller::Controller;
+use crate::event::Happening;
+use crate::program::Row;
+use crate::report::Request;
+
+/// A request that is open, and the command behind it.
+#[derive(Clone, Copy, Debug)]
+pub(crate) struct Pending {
+    pub request: Request,
+    /// Transitions to fire once agreed, a bit per token that has one; see `transitions`.
+    pub transitions: [u16; linewright_line::BRANCHES_MAX],
+    pub count: usize,
+    /// Levels the command must keep holding.
+    pub hold: u128,
+    pub mode: ControlMode,
+    /// Peers that must agree, a bit per entry of the program's peers.
+    pub needs: u64,
+}
+
+/// What has become of a request.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub(crate) enum Standing {
+    Waiting,
+    Agreed,
+    GivenUp,
+}
+
+impl Controller {
+    /// The peers that could build on one of these operations.
+    pub(crate) fn dependents(&self, ops: u64) -> u64 {
+        let program = &self.program;
+        program
+            .dependents
+            .iter()
+            .enumerate()
+            .fold(0, |all, (op, &peers)| if ops & (1 << op) != 0 { all | peers } else { all })
+    }
+
+    /// Remembers a transition that waits for agreement; several of one step (concurrent neighbours) are one request.
+    pub(crate) fn ask(&mut self, row: &Row, ops: u64, mode: ControlMode) {
+        let needs = self.dependents(ops);
+        let pending = self.pending.get_or_insert_with(|| {
+            let number = self.next_request;
+            self.next_request += 1;
+            self.changed = true;
+            Pending {
+                request: Request { number, ops: 0 },
+                transitions: [0; linewright_line::BRANCHES_MAX],
+                count: 0,
+                hold: 0,
+                mode,
+                needs: 0,
+            }
+        });
+        if pending.count < pending.transitions.len() {
+            pending.transitions[pending.count] = row.transition;
+            pending.count += 1;
+            pending.request.ops |= ops;
+            pending.needs |= needs;
+            pending.hold |= crate::program::bit::levels(row.need);
+        }
+    }
+
+    /// Where the open request stands. A refusal closes it and says who is in the way.
+    pub(crate) fn standing(&mut self, pending: &Pending, levels: u128, mode: ControlMode) -> Standing {
+        if mode != pending.mode || levels & pending.hold != pending.hold || !self.devices_valid {
+            return Standing::GivenUp;
+        }
+        let mut missing = false;
+        for (index, view) in self.views.peers.iter().enumerate() {
+            if pending.needs & (1 << index) == 0 {
+                continue;
+            }
+            match view.verdict {
+                Some((boot, number, None)) if boot == self.boot_id && number == pending.request.number => {
+                    // "Unknown" blocks here too, though the answer itself could not have changed.
+                    missing |= self.now >= view.known_until;
+                }
+                Some((boot, number, Some(in_the_way))) if boot == self.boot_id && number == pending.request.number => {
+                    let by = view.station;
+                    self.note(Happening::NotAgreed { by, in_the_way });
+                    self.note(Happening::Refused);
+                    self.refusal = Some((by, in_the_way, pending.request.ops));
+                    return Standing::GivenUp;
+                }
+                Some(_) | None => missing = true,
+            }
+        }
+        if missing { Standing::Waiting } else { Standing::Agreed }
+    }
+}
