@@ -18,6 +18,7 @@ mod newest;
 mod participant;
 mod publisher;
 pub mod qos;
+mod relay;
 mod subscription;
 
 pub use args::{ArgsError, LogLevel, ParamValue, RosArgs};

@@ -9,11 +9,13 @@
 //! so this is a habit, not a firewall.
 
 use crate::names::{self, NameError};
+use crate::relay::{self, Relay};
 use crate::{Publisher, Range, RosArgs, Subscription};
 use linewright_msgs::RosMessage;
 use ros2_client::{Context, MessageTypeName, Name, NodeName, NodeOptions, QosProfile};
 use rustdds::DomainParticipantBuilder;
 use std::net::Ipv4Addr;
+use std::sync::Arc;
 use thiserror::Error;
 
 /// The participant or a node could not be made.
@@ -61,6 +63,7 @@ pub struct Participant {
     context: Context,
     args: RosArgs,
     range: Range,
+    relay: Option<Arc<Relay>>,
 }
 
 impl Participant {
@@ -75,12 +78,17 @@ impl Participant {
             // No interface has this address, so nothing is announced anywhere.
             Range::Off => builder.with_only_networks([Ipv4Addr::UNSPECIFIED]).same_host_loopback(false),
         };
+        // Before the participant, see there.
+        let relay = match range {
+            Range::Localhost => Some(Arc::new(Relay::start(args.domain_id).map_err(|e| failed(e.to_string()))?)),
+            Range::Subnet | Range::Off => None,
+        };
         let domain_participant = builder.build().map_err(|e| failed(e.to_string()))?;
         let context = Context::from_domain_participant(domain_participant).map_err(|e| failed(e.to_string()))?;
         for warning in &args.warnings {
             tracing::warn!("{warning}");
         }
-        Ok(Self { context, args: args.clone(), range })
+        Ok(Self { context, args: args.clone(), range, relay })
     }
 
     /// Creates a node; remap rules may rename it.
@@ -91,7 +99,7 @@ impl Participant {
         let node_name = NodeName::new(&namespace, &name).map_err(|e| failed(e.to_string()))?;
         let options = NodeOptions::new().start_parameter_services(false);
         let inner = self.context.new_node(node_name, options).map_err(|e| failed(e.to_string()))?;
-        Ok(Node { inner, args: self.args.clone(), namespace, name })
+        Ok(Node { inner, args: self.args.clone(), namespace, name, _relay: self.relay.clone() })
     }
 
     /// The domain joined.
@@ -104,14 +112,14 @@ impl Participant {
         self.range
     }
 
-    /// The number of this participant among those of this machine and domain, from 0. Without
-    /// multicast only the first [`PARTICIPANTS_PROBED`](Self::PARTICIPANTS_PROBED) are found by all.
+    /// The number of this participant among those of this machine and domain, from 0. One number is
+    /// taken by the discovery relay.
     pub fn number(&self) -> u16 {
         self.context.domain_participant().participant_id()
     }
 
-    /// Participants that the library probes for on the loopback address.
-    pub const PARTICIPANTS_PROBED: u16 = 12;
+    /// Most participants of one machine and domain that find each other on the loopback address.
+    pub const MAX_ON_LOCALHOST: u16 = relay::PORTS - 1;
 }
 
 /// A ROS 2 node.
@@ -120,6 +128,8 @@ pub struct Node {
     args: RosArgs,
     namespace: String,
     name: String,
+    // A node keeps working when its participant's handle is dropped, so it keeps the relay too.
+    _relay: Option<Arc<Relay>>,
 }
 
 impl Node {
