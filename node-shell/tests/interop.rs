@@ -1,0 +1,133 @@
+//! A peer that shares no code with us: Cyclone DDS (the PyPI package `cyclonedds`) in Python.
+//!
+//! Foreign middleware would look for peers on every network. So the test starts itself again inside a
+//! network namespace that has nothing but a loopback interface, and both speak only there. Without the
+//! package, or without the right to make a namespace, it says that it was skipped, on the terminal.
+//!
+//! `LINEWRIGHT_INTEROP_PYTHON` names the interpreter that has the package (default `python3`).
+
+use linewright_msgs::{Answer, StationState, Text};
+use linewright_node_shell::{Participant, RosArgs, qos, stamp};
+use std::io::{BufRead, BufReader, Write};
+use std::process::{Command, Stdio};
+use std::time::{Duration, Instant};
+use tokio::time::{sleep, timeout};
+
+const INSIDE: &str = "inside_the_namespace";
+
+fn python() -> String {
+    std::env::var("LINEWRIGHT_INTEROP_PYTHON").unwrap_or_else(|_| "python3".to_owned())
+}
+
+/// Writes past the test harness, which would swallow it.
+fn skip(why: &str) {
+    let _ = writeln!(std::io::stderr(), "SKIPPED interop with Cyclone DDS: {why}");
+}
+
+fn succeeds(command: &mut Command) -> bool {
+    command.stdout(Stdio::null()).stderr(Stdio::null()).status().is_ok_and(|status| status.success())
+}
+
+#[test]
+fn cyclone_dds_and_we_understand_each_other() {
+    if !succeeds(Command::new(python()).args(["-c", "import cyclonedds.core"])) {
+        return skip(&format!("'{}' has no package cyclonedds", python()));
+    }
+    if !succeeds(Command::new("unshare").args(["-rn", "ip", "link", "set", "lo", "up"])) {
+        return skip("no right to make a network namespace");
+    }
+    let script = "ip link set lo up && ip link set lo multicast on && ip route add 239.0.0.0/8 dev lo \
+                  && exec \"$0\" --exact \"$1\" --ignored --nocapture";
+    let own = std::env::current_exe().expect("own path");
+    let status = Command::new("unshare").args(["-rn", "sh", "-c", script]).arg(own).arg(INSIDE).status();
+    assert!(status.expect("started").success(), "see above");
+}
+
+/// Only the loopback interface may be there, whoever started this.
+fn alone() -> bool {
+    let devices = std::fs::read_to_string("/proc/net/dev").unwrap_or_default();
+    let up = devices.lines().skip(2).filter_map(|line| line.split_once(':')).map(|(name, _)| name.trim().to_owned());
+    up.eq(["lo".to_owned()])
+}
+
+#[ignore = "started by cyclone_dds_and_we_understand_each_other"]
+#[test]
+fn inside_the_namespace() {
+    if !alone() {
+        return skip("not in a namespace of its own");
+    }
+    let runtime = tokio::runtime::Builder::new_multi_thread().worker_threads(1).enable_all().build().expect("runtime");
+    runtime.block_on(both_ways());
+}
+
+async fn both_ways() {
+    let participant = Participant::open(&RosArgs::default()).expect("participant");
+    let mut node = participant.node("/transfer_line", "coordinator").expect("node");
+    let mut commands = node.subscription::<Text>("mode_cmd", qos::command()).expect("subscription");
+    let text = node.publisher::<Text>("mode_text", qos::latched_state()).expect("publisher");
+    let states = node.publisher::<StationState>("s1/state", qos::latched_state()).expect("publisher");
+    text.send(Text::from("stand-by"));
+    states.send(state());
+
+    let script = concat!(env!("CARGO_MANIFEST_DIR"), "/tests/interop/peer.py");
+    let started = Instant::now();
+    let mut peer = Command::new(python()).args([script, "0"]).stdout(Stdio::piped()).spawn().expect("the peer starts");
+    let lines = BufReader::new(peer.stdout.take().expect("piped")).lines();
+    let heard = tokio::task::spawn_blocking(move || wait_for_all(lines));
+
+    let (command, source) =
+        timeout(Duration::from_secs(15), commands.recv()).await.expect("in time").expect("received");
+    assert_eq!(command.data, "auto");
+    println!("Cyclone DDS -> us: 'auto' after {} ms, {source:?}", started.elapsed().as_millis());
+    // The volatile reader hears what is sent from now on.
+    while !heard.is_finished() {
+        text.send(Text::from("auto"));
+        sleep(Duration::from_millis(100)).await;
+    }
+    let all = heard.await.expect("the peer's output");
+    peer.kill().expect("killed");
+    peer.wait().expect("ended");
+    assert!(all, "the peer did not hear everything");
+    assert_eq!(commands.rejected(), 0);
+}
+
+fn state() -> StationState {
+    StationState {
+        header: stamp(),
+        boot_id: u64::MAX - 1,
+        sequence: 1,
+        station: "s1".into(),
+        done: vec![3, 2],
+        started: vec![3, 3],
+        places: vec![StationState::PLACE_COMPLETED, StationState::PLACE_INCOMPLETE],
+        incomplete: vec![1],
+        blocked_by: vec!["s2 is unknown".into()],
+        request_number: 42,
+        answers: vec![Answer {
+            station: "s2".into(),
+            boot_id: 7,
+            request_number: 41,
+            agreed: false,
+            in_the_way: "lift".into(),
+        }],
+        ..Default::default()
+    }
+}
+
+/// Reads until the peer has heard everything, or has ended.
+fn wait_for_all(lines: impl Iterator<Item = std::io::Result<String>>) -> bool {
+    let mut missing = vec![
+        "latched-text stand-by".to_owned(),
+        "volatile-text auto".to_owned(),
+        format!("state s1 {} [3, 2] [3, 2] [1] ['s2 is unknown'] 42 [('s2', 7, False, 'lift')]", u64::MAX - 1),
+    ];
+    for line in lines.map_while(Result::ok) {
+        println!("Cyclone DDS heard: {line}");
+        missing.retain(|expected| *expected != line);
+        if missing.is_empty() {
+            return true;
+        }
+    }
+    println!("missing: {missing:?}");
+    false
+}
