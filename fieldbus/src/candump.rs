@@ -109,7 +109,7 @@ impl FromStr for Frame {
             return Frame::remote_from_word(word, len);
         }
         let digits: String = data.chars().filter(|c| *c != '.').collect();
-        if !digits.is_ascii() || digits.len() % 2 != 0 {
+        if !digits.is_ascii() || !digits.len().is_multiple_of(2) {
             return Err(bad("two hex digits per byte"));
         }
         let bytes: Option<Vec<u8>> =
