@@ -3,18 +3,19 @@
 //!
 //! Each test takes a domain of its own, away from the ones people use.
 
-use linewright_msgs::{ProcessImage, RosMessage, StationState, Text};
-use linewright_node_shell::{Node, Participant, RosArgs, Subscription, forward, fresh_boot_id, qos, stamp};
+use linewright_msgs::{Constant, Field, Invalid, ProcessImage, RosMessage, StationState, Text};
+use linewright_node_shell::{Node, Participant, Range, RosArgs, Subscription, forward, fresh_boot_id, qos, stamp};
+use serde::{Deserialize, Serialize};
 use std::time::Duration;
 use tokio::sync::mpsc;
 use tokio::time::{sleep, timeout};
 
 const PATIENCE: Duration = Duration::from_secs(20);
 
-/// Domains 40 to 93, different for tests of one process and mostly so for concurrent processes. Above 101
+/// Domains 33 to 88, different for tests of one process and mostly so for concurrent processes. Above 101
 /// the ports are in the range from which Linux gives ports to anybody who asks for any.
 fn args(test: u16) -> RosArgs {
-    let domain_id = 40 + (std::process::id() % 9) as u16 * 6 + test;
+    let domain_id = 33 + (std::process::id() % 8) as u16 * 7 + test;
     RosArgs { domain_id, ..RosArgs::default() }
 }
 
@@ -73,20 +74,56 @@ async fn a_command_is_not_repeated_to_a_late_reader() {
     assert_eq!(next(&mut commands).await.data, "hand");
 }
 
+/// Says it is a process image and is one byte long.
+#[derive(Serialize, Deserialize)]
+struct Impostor(u8);
+
+impl RosMessage for Impostor {
+    const PACKAGE: &'static str = ProcessImage::PACKAGE;
+    const NAME: &'static str = ProcessImage::NAME;
+    fn fields() -> Vec<Field> {
+        Vec::new()
+    }
+    fn constants() -> Vec<Constant> {
+        Vec::new()
+    }
+    fn bounds(&self, _path: &str) -> Result<(), Invalid> {
+        Ok(())
+    }
+    fn validate(&self) -> Result<(), Invalid> {
+        Ok(())
+    }
+}
+
 #[tokio::test]
 async fn rubbish_is_counted_and_the_next_message_arrives() {
     let mut writer = node(2, "writer");
-    // Boot id 0 decodes but is invalid.
     let publisher = writer.publisher::<ProcessImage>("s1/inputs", qos::command()).expect("publisher");
+    let impostor = writer.publisher::<Impostor>("s1/inputs", qos::command()).expect("publisher");
     let mut reader = node(2, "reader");
     let mut images = reader.subscription::<ProcessImage>("s1/inputs", qos::command()).expect("subscription");
     until_matched(&writer, "s1/inputs").await;
+    // Does not decode.
+    impostor.send(Impostor(1));
+    sleep(Duration::from_millis(100)).await;
+    // Decodes, but no writer has boot id 0.
     publisher.send(ProcessImage::default());
     let mut good = ProcessImage { boot_id: 1, ..Default::default() };
     good.set_word(5);
     publisher.send(good.clone());
     assert_eq!(next(&mut images).await, good);
-    assert_eq!((images.received(), images.rejected()), (1, 1));
+    assert_eq!((images.received(), images.rejected()), (1, 2));
+}
+
+#[tokio::test]
+async fn with_discovery_off_nobody_is_found() {
+    let mut reader = node(6, "reader");
+    let off = RosArgs { range: Some(Range::Off), ..args(6) };
+    let mut alone = Participant::open(&off).expect("participant").node("/line", "alone").expect("node");
+    let publisher = alone.publisher::<Text>("t", qos::latched_state()).expect("publisher");
+    publisher.send(Text::from("anybody?"));
+    let mut texts = reader.subscription::<Text>("t", qos::latched_state()).expect("subscription");
+    assert!(timeout(Duration::from_millis(1500), texts.recv()).await.is_err(), "heard through discovery that is off");
 }
 
 #[tokio::test]
