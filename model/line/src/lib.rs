@@ -4,7 +4,12 @@
 //! devices beyond their names and numbers: those are the business of the crates that take a [`Line`].
 
 mod line;
+pub mod net;
+mod parse;
 mod time;
+mod transfer_line;
 
 pub use line::*;
+pub use parse::{Parsed, Problem, Problems, parse};
 pub use time::Tick;
+pub use transfer_line::TransferLine;

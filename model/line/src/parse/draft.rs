@@ -1,0 +1,156 @@
+//! The description with its names resolved, as far as they could be.
+//!
+//! A draft has the shape of the [`crate::Line`] it may become, but every part may be missing where the text was wrong,
+//! and every part knows its place. The rules read a draft, so that one unknown name does not hide what else is wrong.
+
+use std::ops::Range;
+
+use super::names::Names;
+use super::raw::{At, Kind, RawLine, RawOperation, RawStation, Where};
+use crate::{Axis, Bus, Hand, InputId, Motion, OpId, OutputId, Owner, StationId};
+
+pub(super) struct Draft<'a> {
+    pub raw: &'a RawLine,
+    pub names: Names<'a>,
+    pub stations: Vec<DraftStation<'a>>,
+    pub arrows: Vec<DraftArrow>,
+    pub conflicts: Vec<DraftConflict>,
+    pub devices: Vec<DraftDevice>,
+    pub console: DraftConsole,
+}
+
+pub(super) struct DraftStation<'a> {
+    pub raw: &'a RawStation,
+    /// Its name for messages; `?` where it has none.
+    pub name: &'a str,
+    pub operations: Vec<DraftOperation<'a>>,
+    pub home: Option<At<OpId>>,
+    pub steps: Vec<Vec<OpId>>,
+    pub axes: Vec<Axis>,
+    pub bus: Bus,
+    pub wiring: Wiring,
+    /// Manual, advance, return.
+    pub panel: [Option<At<InputId>>; 3],
+}
+
+pub(super) struct DraftOperation<'a> {
+    pub raw: &'a RawOperation,
+    /// Its name for messages; `?` where it has none.
+    pub name: &'a str,
+    pub motion: Option<At<Motion>>,
+    pub normal: DraftSignals,
+    pub recovery: Option<DraftSignals>,
+    pub hand: Option<At<Hand>>,
+    pub path: Vec<At<OpId>>,
+}
+
+#[derive(Clone, Default)]
+pub(super) struct DraftSignals {
+    pub actuator: Option<At<OutputId>>,
+    pub complete: Option<At<InputId>>,
+    pub fault: Option<At<InputId>>,
+    pub lamp: Option<At<OutputId>>,
+}
+
+/// The image of one owner: the names of its bits, in the order of the devices.
+#[derive(Default)]
+pub(super) struct Wiring {
+    pub inputs: Vec<At<String>>,
+    pub outputs: Vec<At<String>>,
+}
+
+pub(super) type End = At<(StationId, OpId)>;
+
+pub(super) struct DraftArrow {
+    pub at: Where,
+    pub from: Option<End>,
+    pub to: Option<End>,
+    pub lag: u32,
+    pub auto: bool,
+    pub manual: bool,
+}
+
+pub(super) struct DraftConflict {
+    pub at: Where,
+    pub a: Option<At<crate::Span>>,
+    pub b: Option<At<crate::Span>>,
+}
+
+pub(super) struct DraftDevice {
+    pub owner: Option<Owner>,
+    pub bus: Bus,
+    pub inputs: Vec<Option<InputId>>,
+    pub outputs: Vec<Option<OutputId>>,
+}
+
+#[derive(Default)]
+pub(super) struct DraftConsole {
+    pub wiring: Wiring,
+    /// Start, stop, auto, hand, estop, reset.
+    pub inputs: [Option<At<InputId>>; 6],
+    pub buttons: Vec<Option<InputId>>,
+    /// Auto, hand, manual, fault.
+    pub lamps: [Option<At<OutputId>>; 4],
+}
+
+impl DraftOperation<'_> {
+    /// Reversible or not; `None` where the text does not say.
+    pub fn kind(&self) -> Option<Kind> {
+        self.raw.kind.as_ref().map(|kind| kind.value)
+    }
+
+    /// Where it is named, or else its header.
+    pub fn place(&self) -> Where {
+        self.raw.name.as_ref().map_or_else(|| self.raw.at.clone(), |name| name.at.clone())
+    }
+
+    /// Its motions' signals, normal and recovery, each with the position it drives to.
+    pub fn motions(&self) -> impl Iterator<Item = (&DraftSignals, Option<f64>)> {
+        let ends = self.motion.as_ref().map(|m| (m.value.to, m.value.from));
+        let normal = (&self.normal, ends.map(|(to, _)| to));
+        std::iter::once(normal).chain(self.recovery.as_ref().map(|r| (r, ends.map(|(_, from)| from))))
+    }
+}
+
+impl DraftStation<'_> {
+    pub fn operation(&self, op: OpId) -> &DraftOperation<'_> {
+        &self.operations[op.index()]
+    }
+
+    pub fn op_ids(&self) -> Range<usize> {
+        0..self.operations.len()
+    }
+
+    /// Where it is named, or else its header.
+    pub fn place(&self) -> Where {
+        self.raw.name.as_ref().map_or_else(|| self.raw.at.clone(), |name| name.at.clone())
+    }
+
+    /// The step an operation belongs to.
+    pub fn step_of(&self, op: OpId) -> usize {
+        self.steps.iter().position(|step| step.contains(&op)).unwrap_or(0)
+    }
+
+    /// How many steps after the home operation this one comes, going round: 1 for the first, the number of steps for
+    /// the home operation itself.
+    pub fn steps_since_home(&self, op: OpId) -> Option<usize> {
+        let home = self.step_of(self.home.as_ref()?.value);
+        let count = self.steps.len();
+        Some((self.step_of(op) + count - home - 1) % count.max(1) + 1)
+    }
+
+    /// The operations in the order they are done after home; the home operation comes last.
+    pub fn round_from_home(&self) -> Option<Vec<OpId>> {
+        let home = self.home.as_ref()?.value.index();
+        let count = self.operations.len();
+        Some((1..=count).map(|i| OpId::at((home + i) % count)).collect())
+    }
+}
+
+impl Draft<'_> {
+    /// `station: operation`, for messages.
+    pub fn full_name(&self, (station, op): (StationId, OpId)) -> String {
+        let station = &self.stations[station.index()];
+        format!("{}: {}", station.name, station.operation(op).name)
+    }
+}

@@ -1,0 +1,145 @@
+//! Draft → [`Line`]: the last step, taken only when no rule has found an error.
+//!
+//! Every `?` here is a part that some earlier pass must have reported missing. Should that ever not be so, the caller
+//! says that much instead of panicking: a description is a user's input, whatever the mistake is.
+
+use std::time::Duration;
+
+use super::draft::{Draft, DraftConsole, DraftOperation, DraftSignals, DraftStation};
+use super::raw::{At, Kind, RawConsole, RawTiming};
+use super::rules::node_id;
+use crate::{Arrow, Conflict, Console, Device, InputId, Line, Module, Operation, Panel, Signals, Station, Timing};
+
+/// The line a draft describes; `None` if a part is missing.
+pub(super) fn finish(draft: &Draft<'_>) -> Option<Line> {
+    let raw = draft.raw;
+    let name = raw.name.as_ref()?.value.clone();
+    Some(Line {
+        title: raw.title.as_ref().map_or_else(|| name.clone(), |title| title.value.clone()),
+        name,
+        stations: draft.stations.iter().map(station).collect::<Option<_>>()?,
+        arrows: draft
+            .arrows
+            .iter()
+            .map(|arrow| {
+                let (from, to) = (arrow.from.as_ref()?.value, arrow.to.as_ref()?.value);
+                Some(Arrow { from, to, lag: arrow.lag, auto: arrow.auto, manual: arrow.manual })
+            })
+            .collect::<Option<_>>()?,
+        conflicts: draft
+            .conflicts
+            .iter()
+            .zip(&raw.conflicts)
+            .map(|(conflict, raw)| {
+                let why = raw.why.as_ref()?.value.clone();
+                Some(Conflict { why, a: conflict.a.as_ref()?.value, b: conflict.b.as_ref()?.value })
+            })
+            .collect::<Option<_>>()?,
+        devices: devices(draft)?,
+        buttons: raw.buttons.iter().map(|button| button.value.clone()).collect(),
+        console: console(&draft.console, raw.console.as_ref()),
+        timing: timing(&raw.timing),
+    })
+}
+
+fn texts(names: &[At<String>]) -> Vec<String> {
+    names.iter().map(|name| name.value.clone()).collect()
+}
+
+fn station(draft: &DraftStation<'_>) -> Option<Station> {
+    let name = draft.raw.name.as_ref()?.value.clone();
+    let [manual, advance, retract] = draft.panel.each_ref().map(|input| input.as_ref().map(|i| i.value));
+    Some(Station {
+        title: draft.raw.title.as_ref().map_or_else(|| name.clone(), |title| title.value.clone()),
+        name,
+        operations: draft.operations.iter().map(operation).collect::<Option<_>>()?,
+        home: draft.home.as_ref()?.value,
+        steps: draft.steps.clone(),
+        axes: draft.axes.clone(),
+        inputs: texts(&draft.wiring.inputs),
+        outputs: texts(&draft.wiring.outputs),
+        panel: Panel { manual, advance, retract },
+        bus: draft.bus.clone(),
+    })
+}
+
+fn operation(draft: &DraftOperation<'_>) -> Option<Operation> {
+    let raw = draft.raw;
+    let (duration, watchdog) = (raw.duration.as_ref()?.value, raw.watchdog.as_ref()?.value);
+    let module = match draft.kind()? {
+        Kind::Reversible => {
+            let recovery = raw.recovery.as_ref()?;
+            let or = |own: &Option<At<Duration>>, normal| own.as_ref().map_or(normal, |own| own.value);
+            Module::Reversible {
+                recovery: signals(draft.recovery.as_ref()?)?,
+                recovery_duration: or(&recovery.duration, duration),
+                recovery_watchdog: or(&recovery.watchdog, watchdog),
+            }
+        }
+        Kind::Irreversible => {
+            Module::Irreversible { recovery_path: draft.path.iter().map(|step| step.value).collect() }
+        }
+    };
+    Some(Operation {
+        name: raw.name.as_ref()?.value.clone(),
+        module,
+        duration,
+        watchdog,
+        motion: draft.motion.as_ref()?.value,
+        normal: signals(&draft.normal)?,
+        hand: draft.hand.as_ref()?.value,
+    })
+}
+
+fn signals(draft: &DraftSignals) -> Option<Signals> {
+    Some(Signals {
+        actuator: draft.actuator.as_ref()?.value,
+        complete: draft.complete.as_ref()?.value,
+        fault: draft.fault.as_ref().map(|fault| fault.value),
+        lamp: draft.lamp.as_ref().map(|lamp| lamp.value),
+    })
+}
+
+fn devices(draft: &Draft<'_>) -> Option<Vec<Device>> {
+    let devices = draft.devices.iter().zip(&draft.raw.devices).map(|(device, raw)| {
+        Some(Device {
+            name: raw.name.as_ref()?.value.clone(),
+            node_id: node_id(raw.node.as_ref()?.value)?,
+            owner: device.owner?,
+            bus: device.bus.clone(),
+            inputs: device.inputs.clone(),
+            outputs: device.outputs.clone(),
+        })
+    });
+    devices.collect()
+}
+
+fn console(draft: &DraftConsole, raw: Option<&RawConsole>) -> Console {
+    let [start, stop, auto, hand, estop, reset]: [Option<InputId>; 6] =
+        draft.inputs.each_ref().map(|input| input.as_ref().map(|i| i.value));
+    debug_assert!(raw.is_some() || start.is_none(), "only a written console has signals");
+    Console {
+        inputs: texts(&draft.wiring.inputs),
+        outputs: texts(&draft.wiring.outputs),
+        start,
+        stop,
+        auto,
+        hand,
+        estop,
+        reset,
+        buttons: draft.buttons.clone(),
+        lamps: draft.lamps.each_ref().map(|lamp| lamp.as_ref().map(|l| l.value)),
+    }
+}
+
+fn timing(raw: &RawTiming) -> Timing {
+    let or = |written: &Option<At<Duration>>, default| written.as_ref().map_or(default, |w| w.value);
+    let default = Timing::default();
+    Timing {
+        refresh: or(&raw.refresh, default.refresh),
+        stale: or(&raw.stale, default.stale),
+        lease: or(&raw.lease, default.lease),
+        heartbeat: or(&raw.heartbeat, default.heartbeat),
+        heartbeat_timeout: or(&raw.heartbeat_timeout, default.heartbeat_timeout),
+    }
+}

@@ -1,0 +1,78 @@
+//! Text → checked [`Line`], or everything that is wrong with the text at once.
+//!
+//! The text goes through five passes, each of which knows only its own question:
+//!
+//! 1. `read`: is it TOML, and has each key the right type? → `raw`, values with their places
+//! 2. `names`: are the names well formed and unique?
+//! 3. `resolve`: what does each name stand for? → `draft`, the line as far as it can be understood
+//! 4. `rules`: does it hold together? One function per rule
+//! 5. `finish`: draft → [`Line`]
+//!
+//! No pass stops at a mistake. What could not be read is absent in the later passes and is passed over there, so that
+//! one run reports all that can be known, and none of it twice. The passes know nothing of nets or of running lines.
+
+mod draft;
+mod finish;
+mod hand;
+mod names;
+mod problem;
+mod raw;
+mod read;
+mod resolve;
+mod rules;
+mod suggest;
+mod wiring;
+
+pub use problem::{Problem, Problems};
+
+use crate::Line;
+use problem::Report;
+
+/// Longest description, in bytes: the shipped line has 16 KiB, a thousand stations fit in one.
+const TEXT_MAX: usize = 1 << 20;
+
+/// A sound description.
+#[derive(Clone, Debug)]
+pub struct Parsed {
+    /// The line it describes.
+    pub line: Line,
+    /// What is suspicious about it, in the order of the text; [`Problems::new`] has them drawn.
+    pub warnings: Vec<Problem>,
+}
+
+/// Reads the description `text` of a line; `file_name` is for messages.
+///
+/// # Errors
+/// All problems of the text at once, warnings included, each with its place.
+pub fn parse(file_name: &str, text: &str) -> Result<Parsed, Problems> {
+    let mut report = Report::default();
+    let line = understand(text, &mut report);
+    let has_errors = report.has_errors();
+    match line {
+        Some(line) if !has_errors => Ok(Parsed { line, warnings: report.into_problems(file_name, text).into_vec() }),
+        _ => {
+            if !has_errors {
+                report.add(
+                    Problem::error(0..0, "this description is incomplete in a way that no rule explains")
+                        .hint("this is a mistake of the program: please report it, with the file"),
+                );
+            }
+            Err(report.into_problems(file_name, text))
+        }
+    }
+}
+
+fn understand(text: &str, report: &mut Report) -> Option<Line> {
+    if text.len() > TEXT_MAX {
+        report.add(
+            Problem::error(0..0, format!("the description has {} bytes", text.len()))
+                .hint(format!("at most {TEXT_MAX}; is this the right file?")),
+        );
+        return None;
+    }
+    let raw = read::read(text, report)?;
+    let names = names::names(&raw, report);
+    let draft = resolve::resolve(&raw, names, report);
+    rules::check(&draft, report);
+    if report.has_errors() { None } else { finish::finish(&draft) }
+}

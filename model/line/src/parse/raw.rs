@@ -1,0 +1,180 @@
+//! The description as written: every value with the place it was written at, no name resolved yet.
+//!
+//! A field is `None` when it is missing or could not be read; whoever read it has reported that, so that no later rule
+//! has to. This is the only form that knows how the text is laid out; [`super::draft`] is the first that knows what the
+//! names mean.
+
+use std::ops::Range;
+use std::time::Duration;
+
+/// A stretch of the text, in bytes.
+pub(super) type Where = Range<usize>;
+
+/// A value and the place it was written at.
+#[derive(Clone, Debug, PartialEq)]
+pub(super) struct At<T> {
+    pub value: T,
+    pub at: Where,
+}
+
+impl<T> At<T> {
+    pub fn new(value: T, at: Where) -> Self {
+        At { value, at }
+    }
+}
+
+pub(super) type Name = At<String>;
+
+#[derive(Debug)]
+pub(super) struct RawLine {
+    pub name: Option<Name>,
+    pub title: Option<Name>,
+    pub buttons: Vec<Name>,
+    pub timing: RawTiming,
+    pub stations: Vec<RawStation>,
+    pub arrows: Vec<RawArrow>,
+    pub conflicts: Vec<RawConflict>,
+    pub devices: Vec<RawDevice>,
+    pub console: Option<RawConsole>,
+}
+
+#[derive(Debug, Default)]
+pub(super) struct RawTiming {
+    pub refresh: Option<At<Duration>>,
+    pub stale: Option<At<Duration>>,
+    pub lease: Option<At<Duration>>,
+    pub heartbeat: Option<At<Duration>>,
+    pub heartbeat_timeout: Option<At<Duration>>,
+}
+
+#[derive(Debug)]
+pub(super) struct RawStation {
+    /// Its header, for problems that are about the station as a whole.
+    pub at: Where,
+    pub name: Option<Name>,
+    pub title: Option<Name>,
+    pub home: Option<Name>,
+    pub bus: Option<Name>,
+    pub axes: Vec<(Name, f64)>,
+    pub panel: Option<RawPanel>,
+    pub operations: Vec<RawOperation>,
+}
+
+#[derive(Debug, Default)]
+pub(super) struct RawPanel {
+    pub manual: Option<Name>,
+    pub advance: Option<Name>,
+    pub retract: Option<Name>,
+}
+
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub(super) enum Kind {
+    Reversible,
+    Irreversible,
+}
+
+#[derive(Debug)]
+pub(super) struct RawOperation {
+    /// Its header.
+    pub at: Where,
+    pub name: Option<Name>,
+    pub kind: Option<At<Kind>>,
+    pub moves: Option<RawMoves>,
+    pub duration: Option<At<Duration>>,
+    pub watchdog: Option<At<Duration>>,
+    pub normal: Option<RawSignals>,
+    pub recovery: Option<RawRecovery>,
+    pub hand: Option<RawHand>,
+    pub recovery_path: Option<At<Vec<Name>>>,
+    pub with: Option<Name>,
+}
+
+#[derive(Debug)]
+pub(super) struct RawMoves {
+    pub at: Where,
+    pub axis: Option<Name>,
+    pub from: Option<At<f64>>,
+    pub to: Option<At<f64>>,
+}
+
+#[derive(Debug)]
+pub(super) struct RawSignals {
+    pub actuator: Option<Name>,
+    pub complete: Option<Name>,
+    pub fault: Option<Name>,
+    pub lamp: Option<Name>,
+}
+
+#[derive(Debug)]
+pub(super) struct RawRecovery {
+    pub at: Where,
+    pub signals: RawSignals,
+    pub duration: Option<At<Duration>>,
+    pub watchdog: Option<At<Duration>>,
+}
+
+#[derive(Debug)]
+pub(super) struct RawHand {
+    pub at: Where,
+    pub number: Option<At<i64>>,
+    pub forward: Option<Name>,
+    pub back: Option<Name>,
+    pub next: Option<Name>,
+}
+
+/// An end of an arrow, `station: operation`, taken apart; each half with its own place.
+#[derive(Clone, Debug)]
+pub(super) struct RawEnd {
+    pub station: Name,
+    pub operation: Name,
+}
+
+#[derive(Debug)]
+pub(super) struct RawArrow {
+    pub at: Where,
+    pub from: Option<RawEnd>,
+    pub to: Option<RawEnd>,
+    pub lag: u32,
+    pub auto: bool,
+    pub manual: bool,
+}
+
+#[derive(Debug)]
+pub(super) struct RawConflict {
+    pub at: Where,
+    pub why: Option<Name>,
+    pub a: Option<RawSpan>,
+    pub b: Option<RawSpan>,
+}
+
+#[derive(Debug)]
+pub(super) struct RawSpan {
+    pub at: Where,
+    pub station: Option<Name>,
+    pub from: Option<Name>,
+    pub until: Option<Name>,
+}
+
+#[derive(Debug)]
+pub(super) struct RawDevice {
+    pub at: Where,
+    pub name: Option<Name>,
+    pub node: Option<At<i64>>,
+    pub station: Option<Name>,
+    pub console: Option<At<bool>>,
+    pub inputs: Vec<Name>,
+    pub outputs: Vec<Name>,
+}
+
+#[derive(Debug)]
+pub(super) struct RawConsole {
+    pub at: Where,
+    pub start: Option<Name>,
+    pub stop: Option<Name>,
+    pub auto: Option<Name>,
+    pub hand: Option<Name>,
+    pub estop: Option<Name>,
+    pub reset: Option<Name>,
+    /// In the order of [`crate::Console::lamps`].
+    pub lamps: [Option<Name>; 4],
+}

@@ -1,0 +1,293 @@
+//! Reading one table, key by key, without losing a problem.
+//!
+//! A [`Fields`] wraps any TOML table, written as a block, inline or with dotted keys: to the rest of the parser they
+//! are the same. It remembers which keys were asked for, so the list of known keys exists only once, as the code that
+//! reads them; [`Fields::finish`] reports the others.
+
+use std::time::Duration;
+
+use toml_edit::{Item, TableLike, Value};
+
+use crate::parse::problem::{Problem, Report};
+use crate::parse::raw::{At, Name, Where};
+use crate::parse::suggest;
+
+/// No duration of a mechanism or message is sensibly longer.
+const DURATION_MAX_S: f64 = 24.0 * 3600.0;
+/// Nothing a controller can watch is shorter.
+const DURATION_MIN_S: f64 = 1e-6;
+/// Longest text of a title or a reason, in bytes.
+const TEXT_MAX: usize = 500;
+/// Largest coordinate: a kilometre in millimetres.
+const COORDINATE_MAX: f64 = 1e6;
+
+/// One table being read.
+pub(super) struct Fields<'a> {
+    table: &'a dyn TableLike,
+    /// Where the table is: its header, or the whole of it when inline.
+    pub at: Where,
+    /// What it is, for messages: "a station", "`moves`".
+    what: &'static str,
+    asked: Vec<&'static str>,
+}
+
+impl<'a> Fields<'a> {
+    pub fn new(table: &'a dyn TableLike, at: Where, what: &'static str) -> Self {
+        Fields { table, at, what, asked: Vec::new() }
+    }
+
+    /// The item at `key` with its place.
+    fn item(&mut self, key: &'static str) -> Option<(&'a Item, Where)> {
+        self.asked.push(key);
+        let (found, item) = self.table.get_key_value(key)?;
+        let at = item.span().or_else(|| found.span()).unwrap_or_else(|| self.at.clone());
+        (!item.is_none()).then_some((item, at))
+    }
+
+    fn read<T>(
+        &mut self,
+        report: &mut Report,
+        key: &'static str,
+        expected: &str,
+        get: impl FnOnce(&'a Item) -> Option<T>,
+    ) -> Option<At<T>> {
+        let (item, at) = self.item(key)?;
+        match get(item) {
+            Some(value) => Some(At::new(value, at)),
+            None => {
+                report.add(wrong_type(at, key, expected, item));
+                None
+            }
+        }
+    }
+
+    /// Reports that a required key is missing.
+    fn require<T>(&self, report: &mut Report, key: &'static str, found: Option<T>) -> Option<T> {
+        if found.is_none() && self.table.get(key).is_none_or(Item::is_none) {
+            report.add(
+                Problem::error(self.at.clone(), format!("{} needs `{key}`", self.what))
+                    .label(format!("no `{key}` here")),
+            );
+        }
+        found
+    }
+
+    /// Any text.
+    pub fn text(&mut self, report: &mut Report, key: &'static str) -> Option<Name> {
+        let text = self.read(report, key, "text in quotes", |item| item.as_str().map(str::to_owned))?;
+        if text.value.len() > TEXT_MAX {
+            report.add(
+                Problem::error(text.at, format!("`{key}` has {} bytes", text.value.len()))
+                    .hint(format!("at most {TEXT_MAX}")),
+            );
+            return None;
+        }
+        Some(text)
+    }
+
+    pub fn required_text(&mut self, report: &mut Report, key: &'static str) -> Option<Name> {
+        let found = self.text(report, key);
+        self.require(report, key, found)
+    }
+
+    pub fn flag(&mut self, report: &mut Report, key: &'static str) -> Option<At<bool>> {
+        self.read(report, key, "true or false", Item::as_bool)
+    }
+
+    pub fn integer(&mut self, report: &mut Report, key: &'static str) -> Option<At<i64>> {
+        self.read(report, key, "a whole number", Item::as_integer)
+    }
+
+    pub fn required_integer(&mut self, report: &mut Report, key: &'static str) -> Option<At<i64>> {
+        let found = self.integer(report, key);
+        self.require(report, key, found)
+    }
+
+    /// A required coordinate in millimetres.
+    pub fn coordinate(&mut self, report: &mut Report, key: &'static str) -> Option<At<f64>> {
+        let found = self.read(report, key, "a number", number);
+        let number = self.require(report, key, found)?;
+        checked_coordinate(report, number, key)
+    }
+
+    /// A positive duration in seconds.
+    pub fn seconds(&mut self, report: &mut Report, key: &'static str) -> Option<At<Duration>> {
+        let seconds = self.read(report, key, "a number of seconds", number)?;
+        if !(DURATION_MIN_S..=DURATION_MAX_S).contains(&seconds.value) {
+            report.add(
+                Problem::error(seconds.at, format!("`{key}` is {} seconds", seconds.value))
+                    .label("not a usable duration")
+                    .hint("a duration is positive and at most a day (86400 s)"),
+            );
+            return None;
+        }
+        Some(At::new(Duration::from_secs_f64(seconds.value), seconds.at))
+    }
+
+    pub fn required_seconds(&mut self, report: &mut Report, key: &'static str) -> Option<At<Duration>> {
+        let found = self.seconds(report, key);
+        self.require(report, key, found)
+    }
+
+    /// A period in whole milliseconds.
+    pub fn millis(&mut self, report: &mut Report, key: &'static str) -> Option<At<Duration>> {
+        let millis = self.read(report, key, "a whole number of milliseconds", Item::as_integer)?;
+        match u64::try_from(millis.value) {
+            Ok(value @ 1..=60_000) => Some(At::new(Duration::from_millis(value), millis.at)),
+            _ => {
+                report.add(
+                    Problem::error(millis.at, format!("`{key}` is {} ms", millis.value))
+                        .hint("between 1 ms and one minute (60000)"),
+                );
+                None
+            }
+        }
+    }
+
+    /// A list of texts, at most `max` long.
+    pub fn texts(&mut self, report: &mut Report, key: &'static str, max: usize) -> Option<At<Vec<Name>>> {
+        let array = self.read(report, key, "a list of texts", Item::as_array)?;
+        if array.value.len() > max {
+            report.add(
+                Problem::error(array.at, format!("`{key}` has {} entries", array.value.len()))
+                    .hint(format!("at most {max}")),
+            );
+            return None;
+        }
+        let mut texts = Vec::with_capacity(array.value.len());
+        for value in array.value {
+            let at = value.span().unwrap_or_else(|| array.at.clone());
+            match value.as_str() {
+                Some(text) if text.len() <= TEXT_MAX => texts.push(At::new(text.to_owned(), at)),
+                Some(_) => report.add(Problem::error(at, format!("an entry of `{key}` has over {TEXT_MAX} bytes"))),
+                None => report.add(wrong_value(at, &format!("an entry of `{key}`"), "text in quotes", value)),
+            }
+        }
+        Some(At::new(texts, array.at))
+    }
+
+    /// A table inside this one.
+    pub fn table(&mut self, report: &mut Report, key: &'static str, what: &'static str) -> Option<Fields<'a>> {
+        let table = self.read(report, key, "a table, `{ … }`", Item::as_table_like)?;
+        Some(Fields::new(table.value, table.at, what))
+    }
+
+    pub fn required_table(&mut self, report: &mut Report, key: &'static str, what: &'static str) -> Option<Fields<'a>> {
+        let found = self.table(report, key, what);
+        self.require(report, key, found)
+    }
+
+    /// A list of tables, `[[key]]` blocks or `[{ … }, …]`, at most `max` long.
+    pub fn tables(
+        &mut self,
+        report: &mut Report,
+        key: &'static str,
+        what: &'static str,
+        max: usize,
+    ) -> Vec<Fields<'a>> {
+        let Some((item, at)) = self.item(key) else { return Vec::new() };
+        let mut tables: Vec<Fields<'a>> = Vec::new();
+        match item {
+            Item::ArrayOfTables(blocks) => {
+                for block in blocks {
+                    let at = block.span().unwrap_or_else(|| at.clone());
+                    tables.push(Fields::new(block, at, what));
+                }
+            }
+            Item::Value(Value::Array(array)) => {
+                for value in array {
+                    let at = value.span().unwrap_or_else(|| at.clone());
+                    match value.as_inline_table() {
+                        Some(table) => tables.push(Fields::new(table, at, what)),
+                        None => report.add(wrong_value(at, &format!("an entry of `{key}`"), "a table", value)),
+                    }
+                }
+            }
+            other => {
+                let problem = wrong_type(at, key, "a list of tables", other);
+                report.add(problem.hint(format!("write each one under a header `[[{key}]]`, with two brackets")));
+            }
+        }
+        if tables.len() > max {
+            let problem = Problem::error(tables[max].at.clone(), format!("{} times `{key}`", tables.len()));
+            report.add(problem.label("one too many").hint(format!("at most {max}")));
+            tables.truncate(max);
+        }
+        tables
+    }
+
+    /// Every key of this table with a coordinate: names are the user's own.
+    pub fn coordinates(self, report: &mut Report, max: usize) -> Vec<(Name, f64)> {
+        if self.table.len() > max {
+            let problem = Problem::error(self.at.clone(), format!("{} has {} entries", self.what, self.table.len()));
+            report.add(problem.hint(format!("at most {max}")));
+            return Vec::new();
+        }
+        let mut entries = Vec::new();
+        for (key, item) in self.table.iter() {
+            let key_at = self.table.key(key).and_then(|k| k.span()).unwrap_or_else(|| self.at.clone());
+            let at = item.span().unwrap_or_else(|| key_at.clone());
+            match number(item) {
+                Some(value) => {
+                    if let Some(value) = checked_coordinate(report, At::new(value, at), key) {
+                        entries.push((At::new(key.to_owned(), key_at), value.value));
+                    }
+                }
+                None => report.add(wrong_type(at, key, "a number", item)),
+            }
+        }
+        entries
+    }
+
+    /// Reports every key that nobody asked for.
+    pub fn finish(self, report: &mut Report) {
+        for (key, item) in self.table.iter() {
+            if item.is_none() || self.asked.contains(&key) {
+                continue;
+            }
+            let key_at = self.table.key(key).and_then(|k| k.span());
+            let at = key_at.or_else(|| item.span()).unwrap_or_else(|| self.at.clone());
+            report.add(
+                Problem::error(at, format!("unknown key `{key}` in {}", self.what))
+                    .label("unknown key")
+                    .maybe_hint(suggest::hint(key, self.asked.iter().copied())),
+            );
+        }
+    }
+}
+
+/// A whole number will do where a number is wanted.
+fn number(item: &Item) -> Option<f64> {
+    item.as_float().or_else(|| item.as_integer().map(|whole| whole as f64))
+}
+
+fn checked_coordinate(report: &mut Report, number: At<f64>, key: &str) -> Option<At<f64>> {
+    if number.value.abs() <= COORDINATE_MAX {
+        return Some(number);
+    }
+    let problem = Problem::error(number.at, format!("`{key}` is {}", number.value));
+    report.add(problem.label("not a usable coordinate").hint("between -1000000 and 1000000 mm"));
+    None
+}
+
+fn wrong_type(at: Where, key: &str, expected: &str, found: &Item) -> Problem {
+    Problem::error(at, format!("`{key}` must be {expected}")).label(format!("this is {}", described(found.type_name())))
+}
+
+fn wrong_value(at: Where, what: &str, expected: &str, found: &Value) -> Problem {
+    Problem::error(at, format!("{what} must be {expected}")).label(format!("this is {}", described(found.type_name())))
+}
+
+fn described(type_name: &str) -> &str {
+    match type_name {
+        "string" => "text",
+        "integer" => "a whole number",
+        "float" => "a number with a decimal point",
+        "boolean" => "true or false",
+        "datetime" => "a date",
+        "array" => "a list",
+        "array of tables" => "a list of tables",
+        "table" | "inline table" => "a table",
+        other => other,
+    }
+}

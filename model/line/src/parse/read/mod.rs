@@ -1,0 +1,41 @@
+//! Text → [`RawLine`]: TOML, keys and types, and nothing about meaning.
+//!
+//! Every list is bounded here, so that whatever a file contains, the later passes work on something of known size.
+
+mod fields;
+mod line;
+mod station;
+
+use toml_edit::Document;
+
+use super::problem::{Problem, Report};
+use super::raw::RawLine;
+use fields::Fields;
+
+/// At most this many stations: far more than one line has, and few enough to explore a mistake quickly.
+const STATIONS_MAX: usize = 1000;
+/// At most this many arrows.
+const ARROWS_MAX: usize = 10_000;
+/// At most this many conflicts.
+const CONFLICTS_MAX: usize = 10_000;
+/// At most this many devices.
+const DEVICES_MAX: usize = 4000;
+/// At most this many axes in one station.
+const AXES_MAX: usize = 64;
+/// Bits of one device each way: one PDO of 8 bytes (CiA 401's default mapping).
+const DEVICE_BITS: usize = 64;
+
+/// Reads `text`; `None` when it is not TOML at all.
+pub(super) fn read(text: &str, report: &mut Report) -> Option<RawLine> {
+    let document = match Document::parse(text) {
+        Ok(document) => document,
+        Err(error) => {
+            let at = error.span().unwrap_or(0..0);
+            let message = format!("this is not TOML: {}", error.message().trim_end().replace('\n', ", "));
+            report.add(Problem::error(at, message).label("reading stopped here"));
+            return None;
+        }
+    };
+    let top = Fields::new(document.as_table(), 0..0, "the description");
+    Some(line::line(top, report))
+}

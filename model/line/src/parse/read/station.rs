@@ -1,0 +1,117 @@
+//! A station's table and its operations.
+
+use super::AXES_MAX;
+use super::fields::Fields;
+use super::line::each;
+use crate::OPERATIONS_MAX;
+use crate::parse::problem::{Problem, Report};
+use crate::parse::raw::{At, Kind, RawHand, RawMoves, RawOperation, RawPanel, RawRecovery, RawSignals, RawStation};
+
+pub(super) fn station(mut f: Fields<'_>, report: &mut Report) -> RawStation {
+    let raw = RawStation {
+        at: f.at.clone(),
+        name: f.required_text(report, "name"),
+        title: f.text(report, "title"),
+        home: f.required_text(report, "home"),
+        bus: f.text(report, "bus"),
+        axes: f
+            .required_table(report, "axes", "`axes`")
+            .map(|axes| axes.coordinates(report, AXES_MAX))
+            .unwrap_or_default(),
+        panel: f.table(report, "panel", "`panel`").map(|f| panel(f, report)),
+        operations: each(f.tables(report, "operation", "an operation", OPERATIONS_MAX), report, operation),
+    };
+    f.finish(report);
+    raw
+}
+
+fn panel(mut f: Fields<'_>, report: &mut Report) -> RawPanel {
+    let raw = RawPanel {
+        manual: f.text(report, "manual"),
+        advance: f.text(report, "advance"),
+        retract: f.text(report, "return"),
+    };
+    f.finish(report);
+    raw
+}
+
+fn operation(mut f: Fields<'_>, report: &mut Report) -> RawOperation {
+    let raw = RawOperation {
+        at: f.at.clone(),
+        name: f.required_text(report, "name"),
+        kind: kind(&mut f, report),
+        moves: f.required_table(report, "moves", "`moves`").map(|f| moves(f, report)),
+        duration: f.required_seconds(report, "duration_s"),
+        watchdog: f.required_seconds(report, "watchdog_s"),
+        normal: f.required_table(report, "normal", "`normal`").map(|mut f| {
+            let signals = signals(&mut f, report);
+            f.finish(report);
+            signals
+        }),
+        recovery: f.table(report, "recovery", "`recovery`").map(|f| recovery(f, report)),
+        hand: f.required_table(report, "hand", "`hand`").map(|f| hand(f, report)),
+        recovery_path: f.texts(report, "recovery_path", OPERATIONS_MAX),
+        with: f.text(report, "with"),
+    };
+    f.finish(report);
+    raw
+}
+
+fn kind(f: &mut Fields<'_>, report: &mut Report) -> Option<At<Kind>> {
+    let module = f.required_text(report, "module")?;
+    let kind = match module.value.as_str() {
+        "R" => Kind::Reversible,
+        "I" => Kind::Irreversible,
+        other => {
+            report.add(
+                Problem::error(module.at, format!("unknown module `{other}`"))
+                    .hint("`R` for a reversible operation, `I` for an irreversible one"),
+            );
+            return None;
+        }
+    };
+    Some(At::new(kind, module.at))
+}
+
+fn moves(mut f: Fields<'_>, report: &mut Report) -> RawMoves {
+    let raw = RawMoves {
+        at: f.at.clone(),
+        axis: f.required_text(report, "axis"),
+        from: f.coordinate(report, "from"),
+        to: f.coordinate(report, "to"),
+    };
+    f.finish(report);
+    raw
+}
+
+fn signals(f: &mut Fields<'_>, report: &mut Report) -> RawSignals {
+    RawSignals {
+        actuator: f.required_text(report, "actuator"),
+        complete: f.required_text(report, "complete"),
+        fault: f.text(report, "fault"),
+        lamp: f.text(report, "lamp"),
+    }
+}
+
+fn recovery(mut f: Fields<'_>, report: &mut Report) -> RawRecovery {
+    let raw = RawRecovery {
+        at: f.at.clone(),
+        signals: signals(&mut f, report),
+        duration: f.seconds(report, "duration_s"),
+        watchdog: f.seconds(report, "watchdog_s"),
+    };
+    f.finish(report);
+    raw
+}
+
+fn hand(mut f: Fields<'_>, report: &mut Report) -> RawHand {
+    let raw = RawHand {
+        at: f.at.clone(),
+        number: f.required_integer(report, "type"),
+        forward: f.required_text(report, "forward"),
+        back: f.text(report, "back"),
+        next: f.text(report, "next"),
+    };
+    f.finish(report);
+    raw
+}

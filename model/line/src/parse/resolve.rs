@@ -1,0 +1,231 @@
+//! Names → numbers: from the description as written to a [`Draft`].
+//!
+//! The only pass that looks names up. Each reference either becomes a number or is reported with what it could have
+//! been; what the numbers may be combined to is for the rules.
+
+use super::draft::{Draft, DraftArrow, DraftConflict, DraftConsole, DraftOperation, DraftSignals, DraftStation, End};
+use super::names::Names;
+use super::problem::{Problem, Report};
+use super::raw::{At, Name, RawArrow, RawConflict, RawEnd, RawLine, RawMoves, RawOperation, RawSpan, RawStation};
+use super::{hand, rules, suggest, wiring};
+use crate::{Axis, Bus, InputId, Motion, OpId, OutputId, StationId};
+use wiring::{Owned, Wires};
+
+/// Resolves everything that can be.
+pub(super) fn resolve<'a>(raw: &'a RawLine, names: Names<'a>, report: &mut Report) -> Draft<'a> {
+    let buses: Vec<Bus> = raw.stations.iter().map(bus).collect();
+    let (devices, mut owned) = wiring::wire(raw, &names, &buses, report);
+    let mut stations = Vec::new();
+    for (id, station) in raw.stations.iter().enumerate() {
+        let wires = std::mem::take(&mut owned.stations[id]);
+        stations.push(self::station(StationId::at(id), station, &names, &owned, wires, buses[id].clone(), report));
+    }
+    let arrows = raw.arrows.iter().map(|a| arrow(a, &names, report)).collect();
+    let conflicts = raw.conflicts.iter().map(|c| conflict(c, &names, report)).collect();
+    let console = console(raw, owned.console, report);
+    Draft { raw, names, stations, arrows, conflicts, devices, console }
+}
+
+fn bus(station: &RawStation) -> Bus {
+    station.bus.as_ref().map_or(Bus::Line, |bus| Bus::Own(bus.value.clone()))
+}
+
+fn station<'a>(
+    id: StationId,
+    raw: &'a RawStation,
+    names: &Names<'a>,
+    owned: &Owned<'a>,
+    wires: Wires<'a>,
+    bus: Bus,
+    report: &mut Report,
+) -> DraftStation<'a> {
+    let inside = &names.inside[id.index()];
+    let name = raw.name.as_ref().map_or("?", |n| n.value.as_str());
+    let mut scope = Scope { name, wires: &wires, owned };
+    let operations = raw.operations.iter().map(|op| operation(op, id, names, &mut scope, report)).collect();
+    let panel = match &raw.panel {
+        None => [None, None, None],
+        Some(panel) => [&panel.manual, &panel.advance, &panel.retract].map(|name| scope.input(name.as_ref(), report)),
+    };
+    let home = raw.home.as_ref().and_then(|home| {
+        let op = inside.operations.find(home, "operation", report)?;
+        Some(At::new(OpId::at(op), home.at.clone()))
+    });
+    DraftStation {
+        raw,
+        name,
+        operations,
+        home,
+        steps: rules::steps::steps(raw, inside, report),
+        axes: raw.axes.iter().map(|(name, home)| Axis { name: name.value.clone(), home: *home }).collect(),
+        bus,
+        wiring: wires.wiring,
+        panel,
+    }
+}
+
+fn operation<'a>(
+    raw: &'a RawOperation,
+    station: StationId,
+    names: &Names<'a>,
+    scope: &mut Scope<'a, '_>,
+    report: &mut Report,
+) -> DraftOperation<'a> {
+    let inside = &names.inside[station.index()];
+    let mut path = Vec::new();
+    for step in raw.recovery_path.iter().flat_map(|path| &path.value) {
+        if let Some(op) = inside.operations.find(step, "operation", report) {
+            path.push(At::new(OpId::at(op), step.at.clone()));
+        }
+    }
+    DraftOperation {
+        raw,
+        name: raw.name.as_ref().map_or("?", |n| n.value.as_str()),
+        motion: raw.moves.as_ref().and_then(|moves| motion(moves, inside, report)),
+        normal: raw.normal.as_ref().map(|s| scope.signals(s, report)).unwrap_or_default(),
+        recovery: raw.recovery.as_ref().map(|r| scope.signals(&r.signals, report)),
+        hand: raw.hand.as_ref().and_then(|raw| hand::hand(raw, &names.buttons, report)),
+        path,
+    }
+}
+
+fn motion(raw: &RawMoves, inside: &super::names::StationNames<'_>, report: &mut Report) -> Option<At<Motion>> {
+    let axis = inside.axes.find(raw.axis.as_ref()?, "axis", report);
+    let motion = Motion { axis: crate::AxisId::at(axis?), from: raw.from.as_ref()?.value, to: raw.to.as_ref()?.value };
+    Some(At::new(motion, raw.at.clone()))
+}
+
+/// What a signal name may refer to inside one station.
+struct Scope<'a, 's> {
+    name: &'a str,
+    wires: &'s Wires<'a>,
+    owned: &'s Owned<'a>,
+}
+
+impl Scope<'_, '_> {
+    fn signals(&mut self, raw: &super::raw::RawSignals, report: &mut Report) -> DraftSignals {
+        DraftSignals {
+            actuator: self.output(raw.actuator.as_ref(), report),
+            complete: self.input(raw.complete.as_ref(), report),
+            fault: self.input(raw.fault.as_ref(), report),
+            lamp: self.output(raw.lamp.as_ref(), report),
+        }
+    }
+
+    fn input(&mut self, name: Option<&Name>, report: &mut Report) -> Option<At<InputId>> {
+        let name = name?;
+        let found = self.wires.inputs.get(&name.value);
+        match found {
+            Some(id) => Some(At::new(InputId::at(id), name.at.clone())),
+            None => {
+                report.add(self.unbound(name, "input"));
+                None
+            }
+        }
+    }
+
+    fn output(&mut self, name: Option<&Name>, report: &mut Report) -> Option<At<OutputId>> {
+        let name = name?;
+        let found = self.wires.outputs.get(&name.value);
+        match found {
+            Some(id) => Some(At::new(OutputId::at(id), name.at.clone())),
+            None => {
+                report.add(self.unbound(name, "output"));
+                None
+            }
+        }
+    }
+
+    fn unbound(&self, name: &Name, direction: &str) -> Problem {
+        let (other, place) = match direction {
+            "input" => ("output", self.wires.outputs.place(&name.value)),
+            _ => ("input", self.wires.inputs.place(&name.value)),
+        };
+        if let Some(place) = place {
+            return Problem::error(name.at.clone(), format!("`{}` is an {other}, not an {direction}", name.value))
+                .label(format!("used as an {direction}"))
+                .also(place, format!("bound as an {other}"));
+        }
+        let table = if direction == "input" { &self.wires.inputs } else { &self.wires.outputs };
+        let hint = match suggest::nearest(&name.value, table.names()) {
+            Some(near) => format!("did you mean `{near}`?"),
+            None => match self.owned.elsewhere(&name.value) {
+                Some(elsewhere) => format!("{elsewhere} has a signal of that name, but stations do not share signals"),
+                None => format!("add it to the {direction}s of a [[device]] with station = \"{}\"", self.name),
+            },
+        };
+        let message = format!("no device of station `{}` has an {direction} `{}`", self.name, name.value);
+        Problem::error(name.at.clone(), message).label("not bound").hint(hint)
+    }
+}
+
+fn arrow(raw: &RawArrow, names: &Names<'_>, report: &mut Report) -> DraftArrow {
+    DraftArrow {
+        at: raw.at.clone(),
+        from: raw.from.as_ref().and_then(|end| self::end(end, names, report)),
+        to: raw.to.as_ref().and_then(|end| self::end(end, names, report)),
+        lag: raw.lag,
+        auto: raw.auto,
+        manual: raw.manual,
+    }
+}
+
+fn end(raw: &RawEnd, names: &Names<'_>, report: &mut Report) -> Option<End> {
+    let station = names.stations.find(&raw.station, "station", report)?;
+    let op = station_operation(station, &raw.operation, names, report)?;
+    Some(At::new((StationId::at(station), op), raw.station.at.start..raw.operation.at.end))
+}
+
+/// An operation that is named together with its station: it may be another station's by mistake.
+fn station_operation(station: usize, name: &Name, names: &Names<'_>, report: &mut Report) -> Option<OpId> {
+    let operations = &names.inside[station].operations;
+    if let Some(op) = operations.get(&name.value) {
+        return Some(OpId::at(op));
+    }
+    let owner = names.stations.names().find(|other| {
+        names.stations.get(other).is_some_and(|id| names.inside[id].operations.get(&name.value).is_some())
+    });
+    let hint = match (suggest::nearest(&name.value, operations.names()), owner) {
+        (None, Some(owner)) => Some(format!("that is an operation of station `{owner}`")),
+        _ => suggest::hint(&name.value, operations.names()),
+    };
+    report.add(
+        Problem::error(name.at.clone(), format!("unknown operation `{}` of this station", name.value)).maybe_hint(hint),
+    );
+    None
+}
+
+fn conflict(raw: &RawConflict, names: &Names<'_>, report: &mut Report) -> DraftConflict {
+    let mut span = |raw: &Option<RawSpan>| raw.as_ref().and_then(|span| self::span(span, names, report));
+    let (a, b) = (span(&raw.a), span(&raw.b));
+    DraftConflict { at: raw.at.clone(), a, b }
+}
+
+fn span(raw: &RawSpan, names: &Names<'_>, report: &mut Report) -> Option<At<crate::Span>> {
+    let station = names.stations.find(raw.station.as_ref()?, "station", report)?;
+    let from = raw.from.as_ref().and_then(|name| station_operation(station, name, names, report));
+    let until = raw.until.as_ref().and_then(|name| station_operation(station, name, names, report));
+    let span = crate::Span { station: StationId::at(station), from: from?, until: until? };
+    Some(At::new(span, raw.at.clone()))
+}
+
+fn console(raw: &RawLine, wires: Wires<'_>, report: &mut Report) -> DraftConsole {
+    let mut console = DraftConsole {
+        buttons: raw.buttons.iter().map(|b| wires.inputs.get(&b.value).map(InputId::at)).collect(),
+        ..DraftConsole::default()
+    };
+    if let Some(raw) = &raw.console {
+        console.inputs = [&raw.start, &raw.stop, &raw.auto, &raw.hand, &raw.estop, &raw.reset].map(|name| {
+            let name = name.as_ref()?;
+            let id = wires.inputs.find(name, "input of the console's devices:", report)?;
+            Some(At::new(InputId::at(id), name.at.clone()))
+        });
+        console.lamps = raw.lamps.each_ref().map(|name| {
+            let name = name.as_ref()?;
+            let id = wires.outputs.find(name, "output of the console's devices:", report)?;
+            Some(At::new(OutputId::at(id), name.at.clone()))
+        });
+    }
+    console.wiring = wires.wiring;
+    console
+}

@@ -1,0 +1,77 @@
+//! Devices on their buses.
+
+use std::collections::HashMap;
+
+use crate::Bus;
+use crate::parse::draft::Draft;
+use crate::parse::problem::{Problem, Report};
+
+/// CANopen node ids are 1 to 127 (CiA 301); the highest is the bus manager's own, which by convention it is.
+const NODE_MAX: i64 = 126;
+const MANAGER: i64 = 127;
+
+/// A device's node id, where it is usable.
+pub(in crate::parse) fn node_id(value: i64) -> Option<u8> {
+    u8::try_from(value).ok().filter(|_| (1..=NODE_MAX).contains(&value))
+}
+
+pub(super) fn node_ids_are_usable(draft: &Draft<'_>, report: &mut Report) {
+    for node in draft.raw.devices.iter().filter_map(|device| device.node.as_ref()) {
+        if node_id(node.value).is_some() {
+            continue;
+        }
+        let problem = if node.value == MANAGER {
+            Problem::error(node.at.clone(), format!("node id {MANAGER} is the bus manager's own")).label("reserved")
+        } else {
+            Problem::error(node.at.clone(), format!("{} is not a node id", node.value))
+        };
+        report.add(problem.hint(format!("devices have node ids from 1 to {NODE_MAX}")));
+    }
+}
+
+pub(super) fn node_ids_are_unique_on_a_bus(draft: &Draft<'_>, report: &mut Report) {
+    let mut seen = HashMap::new();
+    for (device, raw) in draft.devices.iter().zip(&draft.raw.devices) {
+        let Some(node) = raw.node.as_ref().filter(|_| device.owner.is_some()) else { continue };
+        if let Some(earlier) = seen.insert((&device.bus, node.value), &node.at) {
+            report.add(
+                Problem::error(
+                    node.at.clone(),
+                    format!("two devices with node id {:#04x} ({}) on {}", node.value, node.value, device.bus),
+                )
+                .label("again")
+                .also(earlier, "first here")
+                .hint("a node id is unique on its bus"),
+            );
+        }
+    }
+}
+
+pub(super) fn devices_carry_something(draft: &Draft<'_>, report: &mut Report) {
+    for device in &draft.raw.devices {
+        if device.inputs.iter().chain(&device.outputs).all(|bit| bit.value.is_empty()) {
+            let at = device.name.as_ref().map_or(&device.at, |name| &name.at);
+            report.add(
+                Problem::warning(at.clone(), "this device has no connected input or output")
+                    .hint("name its bits in `inputs` and `outputs`"),
+            );
+        }
+    }
+}
+
+pub(super) fn own_buses_are_not_shared(draft: &Draft<'_>, report: &mut Report) {
+    let mut seen = HashMap::new();
+    for station in &draft.stations {
+        let (Bus::Own(name), Some(raw)) = (&station.bus, &station.raw.bus) else { continue };
+        if let Some((other, earlier)) = seen.insert(name, (station.name, &raw.at)) {
+            report.add(
+                Problem::warning(
+                    raw.at.clone(),
+                    format!("stations `{other}` and `{}` both have bus `{name}`", station.name),
+                )
+                .also(earlier, "first here")
+                .hint("a station is the manager of its own bus: this is right only on two computers"),
+            );
+        }
+    }
+}

@@ -1,0 +1,66 @@
+//! What a description must hold beyond being readable: one named function per rule, one file per subject.
+//!
+//! Every rule reads the whole draft and reports on its own; where a part is missing because it could not be read or
+//! resolved, a rule passes over it in silence, since the reason has been reported already.
+
+mod arrows;
+mod causality;
+mod conflicts;
+mod console;
+mod devices;
+mod hand;
+mod motion;
+mod operations;
+mod recovery;
+mod signals;
+mod stations;
+pub(super) mod steps;
+mod timing;
+
+pub(super) use devices::node_id;
+
+use super::draft::Draft;
+use super::problem::Report;
+
+/// Applies every rule.
+pub(super) fn check(draft: &Draft<'_>, report: &mut Report) {
+    timing::limits_exceed_their_periods(draft, report);
+    stations::line_has_stations(draft, report);
+    devices::node_ids_are_usable(draft, report);
+    devices::node_ids_are_unique_on_a_bus(draft, report);
+    devices::devices_carry_something(draft, report);
+    devices::own_buses_are_not_shared(draft, report);
+    for station in &draft.stations {
+        stations::station_has_operations(station, report);
+        stations::panel_is_complete(station, report);
+        stations::bus_is_an_interface(station, report);
+        for operation in &station.operations {
+            operations::motion_goes_somewhere(operation, report);
+            operations::watchdog_outlasts_duration(operation, report);
+            operations::module_has_its_recovery(operation, report);
+        }
+        steps::groups_are_allowed(station, report);
+        steps::groups_move_different_axes(station, report);
+        motion::motions_chain(station, report);
+        motion::axes_are_moved(station, report);
+        recovery::paths_are_reversible_and_earlier(station, report);
+        recovery::paths_lead_home(station, report);
+        hand::modules_suit_their_types(station, report);
+        hand::groups_share_one_entry(station, report);
+        hand::sequences_continue(station, report);
+        hand::sequences_begin(station, report);
+        hand::sequences_end(station, report);
+        hand::next_is_the_following_forward(station, report);
+        signals::inputs_mean_one_thing(station, report);
+        signals::outputs_mean_one_thing(station, report);
+    }
+    console::console_exists(draft, report);
+    console::buttons_are_used(draft, report);
+    console::signals_mean_one_thing(draft, report);
+    arrows::arrows_join_stations(draft, report);
+    arrows::arrows_are_unique(draft, report);
+    arrows::arrows_hold_at_home(draft, report);
+    causality::no_operation_waits_for_itself(draft, report);
+    conflicts::conflicts_join_stations(draft, report);
+    conflicts::conflicts_do_not_hold_at_home(draft, report);
+}

@@ -1,0 +1,76 @@
+//! Do the motions of a station fit together? Each must start where the last one on its axis ended, all the way round.
+//!
+//! This needs no plant: positions in a description are exact, and a gap is a slip of the pen or a forgotten operation.
+
+use std::ops::Range;
+
+use super::operations::same_place;
+use crate::AxisId;
+use crate::parse::draft::DraftStation;
+use crate::parse::problem::{Problem, Report};
+
+/// An axis on its way round the cycle.
+struct Position {
+    at: f64,
+    /// The operation that left it there, with the place of its motion.
+    left_by: Option<(String, Range<usize>)>,
+}
+
+pub(super) fn motions_chain(station: &DraftStation<'_>, report: &mut Report) {
+    let Some(round) = station.round_from_home() else { return };
+    // One unknown motion leaves every later position of an unknown axis in doubt.
+    if station.operations.iter().any(|op| op.motion.is_none()) {
+        return;
+    }
+    let mut axes: Vec<Position> = station.axes.iter().map(|axis| Position { at: axis.home, left_by: None }).collect();
+    for op in round {
+        let operation = station.operation(op);
+        let Some(motion) = &operation.motion else { continue };
+        let position = &mut axes[motion.value.axis.index()];
+        if !same_place(position.at, motion.value.from) {
+            let axis = &station.axes[motion.value.axis.index()].name;
+            let from = operation.raw.moves.as_ref().and_then(|m| m.from.as_ref()).map_or(&motion.at, |f| &f.at);
+            report.add(gap(operation.name, motion.value.from, from, axis, position));
+        }
+        *position = Position { at: motion.value.to, left_by: Some((operation.name.to_owned(), motion.at.clone())) };
+    }
+    for (index, position) in axes.iter().enumerate() {
+        let (axis, raw) = (&station.axes[index], &station.raw.axes[index].0);
+        let Some((name, at)) = &position.left_by else { continue };
+        if !same_place(position.at, axis.home) {
+            let message =
+                format!("`{name}` leaves `{}` at {}, but at home it stands at {}", axis.name, position.at, axis.home);
+            report.add(
+                Problem::error(at.clone(), message)
+                    .also(&raw.at, "its home position")
+                    .hint("a cycle ends where it began"),
+            );
+        }
+    }
+}
+
+fn gap(name: &str, from: f64, at: &Range<usize>, axis: &str, position: &Position) -> Problem {
+    let problem = |message| Problem::error(at.clone(), message).hint("a motion starts where the one before it ended");
+    match &position.left_by {
+        None => problem(format!("`{name}` starts at {from}, but at home `{axis}` stands at {}", position.at)),
+        Some((before, place)) => {
+            problem(format!("`{name}` starts at {from}, but `{before}` leaves `{axis}` at {}", position.at))
+                .also(place, "left here")
+        }
+    }
+}
+
+pub(super) fn axes_are_moved(station: &DraftStation<'_>, report: &mut Report) {
+    if station.operations.iter().any(|op| op.motion.is_none()) {
+        return;
+    }
+    for (index, (name, _)) in station.raw.axes.iter().enumerate() {
+        let axis = AxisId::at(index);
+        if !station.operations.iter().any(|op| op.motion.as_ref().is_some_and(|m| m.value.axis == axis)) {
+            report.add(
+                Problem::warning(name.at.clone(), format!("no operation moves axis `{}`", name.value))
+                    .hint("remove it, or let an operation move it"),
+            );
+        }
+    }
+}

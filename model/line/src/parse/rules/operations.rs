@@ -1,0 +1,92 @@
+//! One operation by itself.
+
+use std::time::Duration;
+
+use crate::parse::draft::DraftOperation;
+use crate::parse::problem::{Problem, Report};
+use crate::parse::raw::{At, Kind};
+
+/// Coordinates nearer than this are the same place: a micrometre below anything a switch can tell apart.
+pub(super) const SAME_PLACE: f64 = 1e-6;
+
+pub(super) fn same_place(a: f64, b: f64) -> bool {
+    (a - b).abs() < SAME_PLACE
+}
+
+pub(super) fn motion_goes_somewhere(operation: &DraftOperation<'_>, report: &mut Report) {
+    let Some(moves) = &operation.raw.moves else { return };
+    let (Some(from), Some(to)) = (&moves.from, &moves.to) else { return };
+    if same_place(from.value, to.value) {
+        report.add(
+            Problem::error(to.at.clone(), format!("`{}` moves from {} to {}", operation.name, from.value, to.value))
+                .label("does not move")
+                .hint("an operation that moves nothing has no switch to tell its beginning from its end"),
+        );
+    }
+}
+
+pub(super) fn watchdog_outlasts_duration(operation: &DraftOperation<'_>, report: &mut Report) {
+    let raw = operation.raw;
+    let what = format!("`{}`", operation.name);
+    if let (Some(duration), Some(watchdog)) = (&raw.duration, &raw.watchdog) {
+        outlasts(&what, duration, watchdog, report);
+    }
+    let Some(recovery) = &raw.recovery else { return };
+    if recovery.duration.is_none() && recovery.watchdog.is_none() {
+        return;
+    }
+    let duration = recovery.duration.as_ref().or(raw.duration.as_ref());
+    let watchdog = recovery.watchdog.as_ref().or(raw.watchdog.as_ref());
+    if let (Some(duration), Some(watchdog)) = (duration, watchdog) {
+        outlasts(&format!("the recovery of {what}"), duration, watchdog, report);
+    }
+}
+
+fn outlasts(what: &str, duration: &At<Duration>, watchdog: &At<Duration>, report: &mut Report) {
+    if watchdog.value <= duration.value {
+        let (limit, takes) = (watchdog.value.as_secs_f64(), duration.value.as_secs_f64());
+        report.add(
+            Problem::error(watchdog.at.clone(), format!("the watchdog of {what} is {limit} s, but it takes {takes} s"))
+                .label("too short")
+                .also(&duration.at, "takes this long")
+                .hint("a watchdog must be longer than the motion it watches; twice as long is usual"),
+        );
+    }
+}
+
+pub(super) fn module_has_its_recovery(operation: &DraftOperation<'_>, report: &mut Report) {
+    let (raw, name) = (operation.raw, operation.name);
+    match operation.kind() {
+        Some(Kind::Reversible) => {
+            if raw.recovery.is_none() {
+                report.add(
+                    Problem::error(operation.place(), format!("reversible operation `{name}` has no `recovery`"))
+                        .hint("say which actuator takes it back and which switch says so, or make it module \"I\""),
+                );
+            }
+            if let Some(path) = &raw.recovery_path {
+                report.add(
+                    Problem::error(path.at.clone(), format!("reversible operation `{name}` has a `recovery_path`"))
+                        .hint("only an irreversible operation goes home along a path; this one has its `recovery`"),
+                );
+            }
+        }
+        Some(Kind::Irreversible) => {
+            if let Some(recovery) = &raw.recovery {
+                report.add(
+                    Problem::error(recovery.at.clone(), format!("irreversible operation `{name}` has a `recovery`"))
+                        .hint("it is never run backwards; say how to get home from it with `recovery_path = […]`"),
+                );
+            }
+            if raw.recovery_path.as_ref().is_none_or(|path| path.value.is_empty()) {
+                let at = raw.recovery_path.as_ref().map_or_else(|| operation.place(), |path| path.at.clone());
+                report.add(
+                    Problem::error(at, format!("irreversible operation `{name}` has no recovery path")).hint(
+                        "list in `recovery_path` the operations to take back, in order, before the home operation",
+                    ),
+                );
+            }
+        }
+        None => {}
+    }
+}

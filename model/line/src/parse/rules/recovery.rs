@@ -1,0 +1,101 @@
+//! Recovery paths of irreversible operations (seed 002 §5.2.1 step 4).
+//!
+//! A path is run after a fault: the listed operations are taken back in order, then the home operation follows. So
+//! each of them must be one that can be taken back and has been done since the station left home, and together they
+//! must bring every axis home.
+
+use super::operations::same_place;
+use crate::OpId;
+use crate::parse::draft::{DraftOperation, DraftStation};
+use crate::parse::problem::{Problem, Report};
+use crate::parse::raw::Kind;
+
+fn irreversible<'s>(station: &'s DraftStation<'s>) -> impl Iterator<Item = (OpId, &'s DraftOperation<'s>)> {
+    station
+        .op_ids()
+        .map(OpId::at)
+        .map(|op| (op, station.operation(op)))
+        .filter(|(_, operation)| operation.kind() == Some(Kind::Irreversible))
+}
+
+pub(super) fn paths_are_reversible_and_earlier(station: &DraftStation<'_>, report: &mut Report) {
+    for (op, operation) in irreversible(station) {
+        let mut seen: Vec<OpId> = Vec::new();
+        for step in &operation.path {
+            let other = station.operation(step.value);
+            let problem = |message: String| Problem::error(step.at.clone(), message);
+            let is_home = station.home.as_ref().is_some_and(|home| home.value == step.value);
+            if step.value == op {
+                report.add(
+                    problem(format!("the recovery path of `{}` names the operation itself", operation.name))
+                        .hint("name the reversible operations before it that lead home"),
+                );
+            } else if is_home {
+                report.add(
+                    problem(format!("the recovery path of `{}` names the home operation", operation.name))
+                        .hint("leave it out: it always follows at the end of the path"),
+                );
+            } else if other.kind() == Some(Kind::Irreversible) {
+                report.add(
+                    problem(format!("`{}` is irreversible and cannot be taken back", other.name))
+                        .hint("a recovery path consists of reversible operations"),
+                );
+            } else if seen.contains(&step.value) {
+                report.add(problem(format!("`{}` is twice on one recovery path", other.name)).label("again"));
+            } else if let (Some(this), Some(that)) =
+                (station.steps_since_home(op), station.steps_since_home(step.value))
+                && that >= this
+            {
+                report.add(
+                    problem(format!("`{}` does not come before `{}`", other.name, operation.name))
+                        .label("not done yet when the fault happens")
+                        .hint("a recovery path takes back what has been done since the station left home"),
+                );
+            }
+            seen.push(step.value);
+        }
+    }
+}
+
+pub(super) fn paths_lead_home(station: &DraftStation<'_>, report: &mut Report) {
+    let Some(home) = &station.home else { return };
+    if station.operations.iter().any(|op| op.motion.is_none()) {
+        return;
+    }
+    for (op, operation) in irreversible(station) {
+        let Some(path) = &operation.raw.recovery_path else { continue };
+        // An unknown name has been reported, and an empty path too.
+        if path.value.is_empty() || operation.path.len() != path.value.len() {
+            continue;
+        }
+        for (index, axis) in station.axes.iter().enumerate() {
+            let is_on_axis =
+                |other: &DraftOperation<'_>| other.motion.as_ref().is_some_and(|m| m.value.axis.index() == index);
+            let has_moved = station.op_ids().map(OpId::at).any(|other| {
+                station.steps_since_home(other) <= station.steps_since_home(op) && is_on_axis(station.operation(other))
+            });
+            if !has_moved {
+                continue;
+            }
+            let taken_back = operation.path.iter().map(|step| station.operation(step.value)).rfind(|o| is_on_axis(o));
+            let home_operation = Some(station.operation(home.value)).filter(|o| is_on_axis(o));
+            let end = match (home_operation, taken_back) {
+                (Some(last), _) => last.motion.as_ref().map(|m| m.value.to),
+                (None, Some(last)) => last.motion.as_ref().map(|m| m.value.from),
+                (None, None) => None,
+            };
+            if end.is_some_and(|end| same_place(end, axis.home)) {
+                continue;
+            }
+            let where_it_is = end.map_or("where the fault found it".to_owned(), |end| format!("at {end}"));
+            report.add(
+                Problem::error(
+                    path.at.clone(),
+                    format!("the recovery path of `{}` leaves `{}` {where_it_is}", operation.name, axis.name),
+                )
+                .label("does not lead home")
+                .hint(format!("at home `{}` stands at {}: add the operation to take back", axis.name, axis.home)),
+            );
+        }
+    }
+}

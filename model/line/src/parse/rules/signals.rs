@@ -1,0 +1,145 @@
+//! What a station's signals mean: one thing each.
+//!
+//! An input is a limit switch at one position, a fault sensor, or part of the panel; an output drives one axis to one
+//! position, or is a lamp. A name that would mean two of these is a slip that no test run shows before the plant does.
+
+use std::collections::BTreeMap;
+use std::fmt;
+use std::ops::Range;
+
+use super::operations::same_place;
+use crate::parse::draft::DraftStation;
+use crate::parse::problem::{Problem, Report};
+use crate::parse::raw::At;
+
+/// What a signal means.
+#[derive(Clone, Debug)]
+pub(super) enum Meaning {
+    /// On while this axis stands here.
+    Switch(String, f64),
+    Fault,
+    /// A key of `panel` or `[console]`, or a button.
+    Control(String),
+    /// Moves this axis to here.
+    Drive(String, f64),
+    Lamp,
+    /// A lamp of the console, by its key.
+    ModeLamp(&'static str),
+}
+
+impl Meaning {
+    fn agrees_with(&self, other: &Meaning) -> bool {
+        match (self, other) {
+            (Meaning::Switch(a, x), Meaning::Switch(b, y)) | (Meaning::Drive(a, x), Meaning::Drive(b, y)) => {
+                a == b && same_place(*x, *y)
+            }
+            (Meaning::Fault, Meaning::Fault) | (Meaning::Lamp, Meaning::Lamp) => true,
+            _ => false,
+        }
+    }
+}
+
+impl fmt::Display for Meaning {
+    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
+        match self {
+            Meaning::Switch(axis, at) => write!(f, "`{axis}` has arrived at {at}"),
+            Meaning::Fault => f.write_str("a motion has failed"),
+            Meaning::Control(key) => write!(f, "the operator's `{key}`"),
+            Meaning::Drive(axis, to) => write!(f, "drive `{axis}` to {to}"),
+            Meaning::Lamp => f.write_str("a fault lamp"),
+            Meaning::ModeLamp(key) => write!(f, "the lamp for `{key}`"),
+        }
+    }
+}
+
+/// The uses of one image's bits, in the order of the text.
+pub(super) struct Uses<'d> {
+    names: &'d [At<String>],
+    by_bit: BTreeMap<usize, Vec<(Meaning, Range<usize>)>>,
+}
+
+impl<'d> Uses<'d> {
+    pub fn of(names: &'d [At<String>]) -> Self {
+        Uses { names, by_bit: BTreeMap::new() }
+    }
+
+    /// Notes that bit `bit` is used as `meaning` at `at`.
+    pub fn note(&mut self, bit: usize, meaning: Meaning, at: &Range<usize>) {
+        self.by_bit.entry(bit).or_default().push((meaning, at.clone()));
+    }
+
+    /// Notes that the bit is used, though not what for: the text does not say.
+    fn note_unclear(&mut self, bit: usize) {
+        self.by_bit.entry(bit).or_default();
+    }
+
+    /// Reports bits that mean two things, and (as warnings) bits that mean nothing.
+    pub fn report(&self, report: &mut Report) {
+        for (bit, name) in self.names.iter().enumerate() {
+            let Some(uses) = self.by_bit.get(&bit) else {
+                report.add(
+                    Problem::warning(name.at.clone(), format!("nothing uses `{}`", name.value))
+                        .label("bound, but not used")
+                        .hint("write \"\" for a bit that is not connected"),
+                );
+                continue;
+            };
+            let Some(((first, first_at), others)) = uses.split_first() else { continue };
+            if let Some((other, at)) = others.iter().find(|(other, _)| !first.agrees_with(other)) {
+                report.add(
+                    Problem::error(at.clone(), format!("`{}` means two things", name.value))
+                        .label(other.to_string())
+                        .also(first_at, first.to_string())
+                        .hint("a signal means one thing; use another one here"),
+                );
+            }
+        }
+    }
+}
+
+pub(super) fn inputs_mean_one_thing(station: &DraftStation<'_>, report: &mut Report) {
+    let mut uses = Uses::of(&station.wiring.inputs);
+    for operation in &station.operations {
+        for (signals, _) in operation.motions() {
+            if let Some(fault) = &signals.fault {
+                uses.note(fault.value.index(), Meaning::Fault, &fault.at);
+            }
+        }
+        let axis = operation.motion.as_ref().map(|m| station.axes[m.value.axis.index()].name.clone());
+        for (signals, end) in operation.motions() {
+            match (&signals.complete, &axis, end) {
+                (Some(complete), Some(axis), Some(end)) => {
+                    uses.note(complete.value.index(), Meaning::Switch(axis.clone(), end), &complete.at);
+                }
+                (Some(complete), _, _) => uses.note_unclear(complete.value.index()),
+                (None, _, _) => {}
+            }
+        }
+    }
+    for (input, key) in station.panel.iter().zip(["manual", "advance", "return"]) {
+        if let Some(input) = input {
+            uses.note(input.value.index(), Meaning::Control(key.to_owned()), &input.at);
+        }
+    }
+    uses.report(report);
+}
+
+pub(super) fn outputs_mean_one_thing(station: &DraftStation<'_>, report: &mut Report) {
+    let mut uses = Uses::of(&station.wiring.outputs);
+    for operation in &station.operations {
+        let axis = operation.motion.as_ref().map(|m| station.axes[m.value.axis.index()].name.clone());
+        for (signals, end) in operation.motions() {
+            match (&signals.actuator, &axis, end) {
+                (Some(actuator), Some(axis), Some(end)) => {
+                    uses.note(actuator.value.index(), Meaning::Drive(axis.clone(), end), &actuator.at);
+                }
+                (Some(actuator), _, _) => uses.note_unclear(actuator.value.index()),
+                (None, _, _) => {}
+            }
+            if let Some(lamp) = &signals.lamp {
+                uses.note(lamp.value.index(), Meaning::Lamp, &lamp.at);
+            }
+        }
+    }
+    uses.report(report);
+}

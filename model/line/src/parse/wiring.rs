@@ -1,0 +1,163 @@
+//! Devices → process images: which name is which bit of whose image.
+//!
+//! An image has no layout of its own in a description: its bits are the connected bits of its owner's devices, in the
+//! order in which the devices are written.
+
+use super::draft::{DraftDevice, Wiring};
+use super::names::{Names, Table, tag};
+use super::problem::{Problem, Report};
+use super::raw::{At, Name, RawDevice, RawLine};
+use crate::{Bus, IMAGE_BITS, InputId, OutputId, Owner, StationId};
+
+/// One owner's image while it is being put together.
+#[derive(Default)]
+pub(super) struct Wires<'a> {
+    pub inputs: Table<'a>,
+    pub outputs: Table<'a>,
+    pub wiring: Wiring,
+}
+
+/// All owners' images.
+pub(super) struct Owned<'a> {
+    pub stations: Vec<Wires<'a>>,
+    pub console: Wires<'a>,
+    raw: &'a RawLine,
+}
+
+impl Owned<'_> {
+    /// Some owner of a device with a signal of this name, for a hint.
+    pub fn elsewhere(&self, name: &str) -> Option<String> {
+        let device =
+            self.raw.devices.iter().find(|d| d.inputs.iter().chain(&d.outputs).any(|bit| bit.value == name))?;
+        match (&device.station, &device.console) {
+            (Some(station), _) => Some(format!("station `{}`", station.value)),
+            (None, Some(_)) => Some("the console".to_owned()),
+            (None, None) => None,
+        }
+    }
+}
+
+/// Puts all images together.
+pub(super) fn wire<'a>(
+    raw: &'a RawLine,
+    names: &Names<'a>,
+    buses: &[Bus],
+    report: &mut Report,
+) -> (Vec<DraftDevice>, Owned<'a>) {
+    let stations = raw.stations.iter().map(|_| Wires::default()).collect();
+    let mut owned = Owned { stations, console: Wires::default(), raw };
+    let mut nobody = Wires::default();
+    let mut devices = Vec::new();
+    for device in &raw.devices {
+        let owner = owner(device, names, report);
+        let (wires, bus) = match owner {
+            Some(Owner::Station(id)) => (&mut owned.stations[id.index()], buses[id.index()].clone()),
+            Some(Owner::Console) => (&mut owned.console, Bus::Line),
+            None => (&mut nobody, Bus::Line),
+        };
+        devices.push(DraftDevice {
+            owner,
+            bus,
+            inputs: inputs(device, wires, report),
+            outputs: outputs(device, wires, report),
+        });
+        if owner.is_none() {
+            nobody = Wires::default();
+        }
+    }
+    (devices, owned)
+}
+
+/// Whose a device is: a station's or the console's, and one of them.
+fn owner(device: &RawDevice, names: &Names<'_>, report: &mut Report) -> Option<Owner> {
+    let is_console = device.console.as_ref().filter(|c| c.value);
+    match (&device.station, is_console) {
+        (Some(station), None) => {
+            names.stations.find(station, "station", report).map(|id| Owner::Station(StationId::at(id)))
+        }
+        (None, Some(_)) => Some(Owner::Console),
+        (Some(station), Some(console)) => {
+            report.add(
+                Problem::error(console.at.clone(), "a device is a station's or the console's, not both")
+                    .also(&station.at, "the other owner"),
+            );
+            None
+        }
+        (None, None) => {
+            report.add(
+                Problem::error(device.at.clone(), "this device belongs to nobody")
+                    .hint("say `station = \"…\"` or `console = true`"),
+            );
+            None
+        }
+    }
+}
+
+fn inputs<'a>(device: &'a RawDevice, wires: &mut Wires<'a>, report: &mut Report) -> Vec<Option<InputId>> {
+    let Wires { inputs, outputs, wiring } = wires;
+    bits(&device.inputs, "input", inputs, outputs, &mut wiring.inputs, report, InputId::at)
+}
+
+fn outputs<'a>(device: &'a RawDevice, wires: &mut Wires<'a>, report: &mut Report) -> Vec<Option<OutputId>> {
+    let Wires { inputs, outputs, wiring } = wires;
+    bits(&device.outputs, "output", outputs, inputs, &mut wiring.outputs, report, OutputId::at)
+}
+
+fn bits<'a, Id>(
+    bits: &'a [Name],
+    what: &str,
+    table: &mut Table<'a>,
+    others: &Table<'a>,
+    image: &mut Vec<At<String>>,
+    report: &mut Report,
+    id: impl Fn(usize) -> Id,
+) -> Vec<Option<Id>> {
+    let mut bound = Vec::with_capacity(bits.len());
+    for bit in bits {
+        bound.push(if bit.value.is_empty() {
+            None
+        } else {
+            tag(bit, what, report);
+            one_bit(bit, what, table, others, image, report).map(&id)
+        });
+    }
+    bound
+}
+
+/// Binds one bit, or reports why it cannot be bound.
+fn one_bit<'a>(
+    bit: &'a Name,
+    what: &str,
+    table: &mut Table<'a>,
+    others: &Table<'a>,
+    image: &mut Vec<At<String>>,
+    report: &mut Report,
+) -> Option<usize> {
+    if let Some(other) = others.place(&bit.value) {
+        report.add(
+            Problem::error(bit.at.clone(), format!("`{}` names an input and an output", bit.value))
+                .label(format!("as an {what}"))
+                .also(other, "and here the other way"),
+        );
+        return None;
+    }
+    let next = image.len();
+    if let Some(earlier) = table.define(bit, next) {
+        report.add(
+            Problem::error(bit.at.clone(), format!("`{}` is bound to two bits", bit.value))
+                .label("again")
+                .also(earlier, "first here")
+                .hint("give each bit a name of its own; an unused bit is \"\""),
+        );
+        return None;
+    }
+    if next == IMAGE_BITS {
+        report.add(
+            Problem::error(bit.at.clone(), format!("more than {IMAGE_BITS} {what}s in one process image"))
+                .label("one too many")
+                .hint("divide the station in two, or leave unused bits \"\""),
+        );
+    }
+    image.push(At::new(bit.value.clone(), bit.at.clone()));
+    Some(next)
+}

@@ -1,0 +1,122 @@
+//! The shipped transfer line, with as many machines and as much time as a test or a demonstration wants.
+//!
+//! There is one source, the file in `launch-config/lines/transfer-line/`: this module copies what that file says about
+//! clamp 1 and mill 1 for every further machine, and scales its times. It works on the text and not on a [`crate::Line`]
+//! so that its result is a description like any other, to be checked, read and changed by hand.
+
+use std::fmt::Write;
+
+/// The shipped file.
+const SHIPPED: &str = include_str!("../../../launch-config/lines/transfer-line/line.toml");
+/// A watchdog is no shorter than this, however fast the line: a loaded computer may be late by that much.
+const WATCHDOG_MIN_S: f64 = 1.0;
+
+/// A transfer bar with a number of clamp-and-mill pairs along it.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct TransferLine {
+    /// How many pairs, 1 to [`TransferLine::MACHINES_MAX`].
+    pub machines: usize,
+    /// What every duration is multiplied with, within [`TransferLine::TIME_SCALE`]. A watchdog is scaled too, but does
+    /// not fall below one second.
+    pub time_scale: f64,
+}
+
+impl Default for TransferLine {
+    /// The shipped line.
+    fn default() -> Self {
+        TransferLine { machines: 1, time_scale: 1.0 }
+    }
+}
+
+impl TransferLine {
+    /// At most this many pairs: clamps have the node ids from 0x21, mills those from 0x41, on one bus.
+    pub const MACHINES_MAX: usize = 31;
+    /// From a hundredth of the shipped durations to a thousand times as much.
+    pub const TIME_SCALE: std::ops::RangeInclusive<f64> = 0.01..=1000.0;
+
+    /// The description of this line.
+    ///
+    /// # Panics
+    /// When `machines` or `time_scale` is out of its bounds.
+    pub fn text(&self) -> String {
+        assert!((1..=Self::MACHINES_MAX).contains(&self.machines), "{} machines", self.machines);
+        assert!(Self::TIME_SCALE.contains(&self.time_scale), "a time scale of {}", self.time_scale);
+        let mut text = String::with_capacity(SHIPPED.len() * (self.machines + 1));
+        for block in blocks(SHIPPED) {
+            text.push_str(block);
+            if is_of_machine_1(block) {
+                for machine in 2..=self.machines {
+                    text.push_str(&copy(block, machine));
+                }
+            }
+        }
+        if self.time_scale == 1.0 { text } else { self.scaled(&text) }
+    }
+
+    fn scaled(&self, text: &str) -> String {
+        let mut scaled = String::with_capacity(text.len());
+        for line in text.lines() {
+            let number = |key: &str| line.strip_prefix(key)?.parse::<f64>().ok();
+            let time = if let Some(seconds) = number("duration_s = ") {
+                Some(("duration_s", seconds * self.time_scale))
+            } else {
+                number("watchdog_s = ").map(|s| ("watchdog_s", (s * self.time_scale).max(WATCHDOG_MIN_S)))
+            };
+            match time {
+                // Microseconds are as fine as a description is read.
+                Some((key, seconds)) => writeln!(scaled, "{key} = {:?}", (seconds * 1e6).round() / 1e6),
+                None => writeln!(scaled, "{line}"),
+            }
+            .expect("writing to a string does not fail");
+        }
+        scaled
+    }
+}
+
+/// The shipped text in blocks, each from one top-level header to the next; a station's operations are part of it.
+fn blocks(text: &str) -> Vec<&str> {
+    let is_header = |line: &str| line.starts_with('[') && !line.starts_with("[[station.operation]]");
+    let mut starts = vec![0];
+    let mut at = 0;
+    for line in text.split_inclusive('\n') {
+        if is_header(line) && at != 0 {
+            starts.push(at);
+        }
+        at += line.len();
+    }
+    let ends = starts.iter().skip(1).copied().chain([text.len()]);
+    starts.iter().zip(ends).map(|(&start, end)| &text[start..end]).collect()
+}
+
+/// Whether a block speaks of clamp 1 or mill 1; the first block, before any header, does so only in its comments.
+fn is_of_machine_1(block: &str) -> bool {
+    block.starts_with('[') && without_comments(block).any(|line| line.contains("clamp_1") || line.contains("mill_1"))
+}
+
+/// The block for another machine: its names and node ids instead of the first one's, and no comments, which explain
+/// what follows the block rather than the block itself.
+fn copy(block: &str, machine: usize) -> String {
+    let mut copy = String::with_capacity(block.len());
+    for line in without_comments(block) {
+        let mut line = line.to_owned();
+        for kind in ["clamp", "mill", "Clamp", "Mill"] {
+            for separator in ["_", " "] {
+                line = line.replace(&format!("{kind}{separator}1"), &format!("{kind}{separator}{machine}"));
+            }
+        }
+        if let Some(first) = line.strip_prefix("node = 0x")
+            && let Ok(first) = u8::from_str_radix(first, 16)
+        {
+            line = format!("node = 0x{:02x}", usize::from(first) + machine - 1);
+        }
+        copy.push_str(&line);
+        copy.push('\n');
+    }
+    copy.truncate(copy.trim_end().len());
+    copy.push_str("\n\n");
+    copy
+}
+
+fn without_comments(block: &str) -> impl Iterator<Item = &str> {
+    block.lines().filter(|line| !line.starts_with('#'))
+}

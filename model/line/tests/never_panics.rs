@@ -1,0 +1,135 @@
+//! Whatever a file contains, parsing it ends with a line or with problems that can be drawn.
+
+use linewright_line::{Problems, TransferLine, parse};
+use miette::{GraphicalReportHandler, GraphicalTheme};
+use proptest::prelude::*;
+
+const SHIPPED: &str = include_str!("../../../launch-config/lines/transfer-line/line.toml");
+const CELL: &str = include_str!("descriptions/cell.toml");
+
+/// Parses, and checks what must hold of any outcome.
+fn survives(text: &str) {
+    let problems = match parse("any.toml", text) {
+        Ok(parsed) => {
+            assert!(!parsed.line.stations.is_empty());
+            Problems::new("any.toml", text, parsed.warnings)
+        }
+        Err(problems) => {
+            assert!(problems.errors() > 0, "no line and no error");
+            problems
+        }
+    };
+    for problem in problems.iter() {
+        assert!(text.get(problem.span.clone()).is_some(), "{problem} points out of the text");
+        assert!(problem.line >= 1 && problem.column >= 1);
+    }
+    let mut drawn = String::new();
+    GraphicalReportHandler::new_themed(GraphicalTheme::unicode_nocolor())
+        .render_report(&mut drawn, &problems)
+        .expect("every report can be drawn");
+}
+
+/// What a slip of the hand, or of a merge tool, does to a file.
+fn slip() -> impl Strategy<Value = String> {
+    prop_oneof![
+        any::<char>().prop_map(String::from),
+        "[a-z_]{1,6}",
+        prop::sample::select(vec![
+            "\"",
+            "[",
+            "]",
+            "[[",
+            "{",
+            "}",
+            "=",
+            "\n",
+            "\r\n",
+            ",",
+            ".",
+            "-1",
+            "1e400",
+            "nan",
+            "inf",
+            "0x7f",
+            "\"\"",
+            "''",
+            "true",
+            "[]",
+            "{}",
+            "\u{feff}",
+            "é",
+            "\u{0}",
+            "[[station]]\n",
+            "[[station.operation]]\n",
+            "with = \"decel\"\n",
+        ])
+        .prop_map(String::from),
+    ]
+}
+
+/// Cuts `text` at a whole character near `at` (a fraction).
+fn cut(text: &str, at: f64) -> usize {
+    (0..=(text.len() as f64 * at) as usize).rev().find(|&at| text.is_char_boundary(at)).unwrap_or(0)
+}
+
+proptest! {
+    #![proptest_config(ProptestConfig { cases: 300, failure_persistence: None, ..ProptestConfig::default() })]
+
+    #[test]
+    fn random_text(text in any::<String>()) {
+        survives(&text);
+    }
+
+    #[test]
+    fn random_toml(text in "([a-z]{1,8}(\\.[a-z]{1,8})? = (\"[ -~]{0,8}\"|[0-9.e-]{1,6}|\\{ [a-z]{1,4} = 1 \\}|\\[[0-9, ]{0,6}\\])\n|\\[\\[?(station|arrow|device|timing|console)\\]?\\]\n){0,20}") {
+        survives(&text);
+    }
+
+    #[test]
+    fn a_truncated_file(end in 0.0..1.0) {
+        survives(&SHIPPED[..cut(SHIPPED, end)]);
+    }
+
+    #[test]
+    fn a_file_with_slips(slips in prop::collection::vec((0.0..1.0, 0usize..12, slip()), 1..4), of_cell in any::<bool>()) {
+        let mut text = if of_cell { CELL } else { SHIPPED }.to_owned();
+        for (at, removed, inserted) in slips {
+            let start = cut(&text, at);
+            let end = ((start + removed).min(text.len())..=text.len()).find(|&at| text.is_char_boundary(at)).unwrap_or(text.len());
+            text.replace_range(start..end, &inserted);
+        }
+        survives(&text);
+    }
+
+    #[test]
+    fn a_file_with_a_line_moved(from in 0.0..1.0, to in 0.0..1.0) {
+        let mut lines: Vec<&str> = SHIPPED.lines().collect();
+        let line = lines.remove((lines.len() as f64 * from) as usize);
+        lines.insert((lines.len() as f64 * to) as usize, line);
+        survives(&lines.join("\n"));
+    }
+
+    #[test]
+    fn a_file_with_a_value_swapped(key in 0usize..400, value in 0usize..400) {
+        let mut lines: Vec<String> = CELL.lines().map(str::to_owned).collect();
+        let (key, value) = (key % lines.len(), value % lines.len());
+        let taken = lines[value].split_once(" = ").map(|(_, v)| v.to_owned());
+        if let (Some((name, _)), Some(taken)) = (lines[key].clone().split_once(" = "), taken) {
+            lines[key] = format!("{name} = {taken}");
+        }
+        survives(&lines.join("\n"));
+    }
+}
+
+#[test]
+fn the_bounds_hold() {
+    survives(&"#".repeat((1 << 20) + 1));
+    survives(&"[".repeat(10_000));
+    survives(&format!("a = {}", "[".repeat(10_000)));
+    survives(&format!("a = {}", "{a=".repeat(10_000)));
+    survives(&format!("{}b = 1", "a.".repeat(10_000)));
+    survives(&"[[station]]\n".repeat(80_000));
+    survives(&"[[arrow]]\nfrom = \"a: b\"\nto = \"c: d\"\n".repeat(25_000));
+    survives(&format!("buttons = [{}]", "\"a\",".repeat(200_000)));
+    survives(&TransferLine { machines: 31, time_scale: 1.0 }.text().replace("lag = 0", "lag = 1"));
+}

@@ -1,0 +1,52 @@
+//! What a user sees when several things are wrong at once.
+
+use linewright_line::{Problems, parse};
+use miette::{GraphicalReportHandler, GraphicalTheme};
+
+const SHIPPED: &str = include_str!("../../../launch-config/lines/transfer-line/line.toml");
+
+/// The shipped line after an evening of careless editing.
+fn careless() -> String {
+    let mut text = SHIPPED.to_owned();
+    for (old, new) in [
+        ("buttons = ", "botons = [\"PB_9\"]\nbuttons = "),
+        ("from = 50, to = 100", "from = 60, to = 100"),
+        ("watchdog_s = 1.5", "watchdog_s = 0.4"),
+        ("complete = \"LS_closed\"", "complete = \"LS_close\""),
+        ("[\"rapid advance positioning slide\"]", "[\"rapid advance positioning slide\", \"reset main slide\"]"),
+        ("to = \"transfer: 1st lift\"", "to = \"transfer: first lift\""),
+        ("lag = 1", "lag = 0"),
+        ("node = 0x41", "node = 0x21"),
+    ] {
+        assert!(text.contains(old), "the shipped line has no {old:?}");
+        text = text.replacen(old, new, 1);
+    }
+    text
+}
+
+fn drawn(problems: &Problems) -> String {
+    let mut drawn = String::new();
+    GraphicalReportHandler::new_themed(GraphicalTheme::unicode_nocolor())
+        .with_width(120)
+        .render_report(&mut drawn, problems)
+        .expect("a report can be drawn");
+    drawn
+}
+
+#[test]
+fn all_problems_are_drawn_at_their_places() {
+    let problems = parse("line.toml", &careless()).expect_err("this is wrong in many ways");
+    insta::assert_snapshot!("drawn", drawn(&problems));
+}
+
+#[test]
+fn all_problems_are_listed_one_a_line() {
+    let problems = parse("line.toml", &careless()).expect_err("this is wrong in many ways");
+    insta::assert_snapshot!("listed", format!("{problems:#}"));
+}
+
+#[test]
+fn text_that_is_not_toml_is_one_problem() {
+    let problems = parse("line.toml", "name = \"a\"\ntitle \"b\"\n").expect_err("there is a sign missing");
+    insta::assert_snapshot!("not_toml", drawn(&problems));
+}
