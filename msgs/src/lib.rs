@@ -2,7 +2,7 @@
 //!
 //! Each message exists twice: as a `.msg` file under `msg/`, from which a ROS 2 workspace generates
 //! C++ and Python, and as the Rust struct of the same name here. The struct is written once, with the
-//! [`message!`](macros) macro, which also records its fields and constants; `tests/msg_files.rs`
+//! `message!` macro of `macros.rs`, which also records its fields and constants; `tests/msg_files.rs`
 //! compares that record with the parsed `.msg` file, and `tests/golden.rs` compares the bytes with
 //! checked-in ones. So the two cannot drift apart unnoticed.
 //!

@@ -193,3 +193,13 @@ async fn names_are_remapped_on_the_wire() {
     let own = node.publisher::<Text>("~/text", qos::command()).expect("publisher");
     assert_eq!(own.topic(), "/other/n/text");
 }
+
+/// Nodes keep these in tasks and share them between threads.
+#[test]
+fn handles_can_be_sent_and_shared() {
+    fn both<T: Send + Sync>() {}
+    both::<Participant>();
+    both::<Node>();
+    both::<linewright_node_shell::Publisher<Text>>();
+    both::<Subscription<Text>>();
+}
