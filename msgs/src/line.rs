@@ -22,6 +22,9 @@ message! {
         enabled: bool,
         /// Each station halts at its home place.
         master_stop: bool,
+        /// The round at whose end they halt there: how often a station has come home since it last stood at home with
+        /// all others at the beginning.
+        stop_round: i32,
         /// Every station's panel counts as switched to manual.
         manual_all: bool,
         /// Held hand buttons, one bit each.

@@ -83,6 +83,8 @@ message! {
         recovering_home: bool,
         /// At the home place.
         at_home: bool,
+        /// How often it has come home since the line first stood at home together, plus one while it is away.
+        round: i32,
         /// No operation in motion.
         stopped: bool,
         /// The selector at the station stands on manual.
@@ -179,9 +181,9 @@ message! {
         sequence: u64,
         /// False: not all devices are heard, every bit is unknown.
         valid: bool,
-        /// Inputs: how often the devices behind them have been lost since the gateway started. Outputs: that number
-        /// in the inputs they were decided on; outputs decided before a loss are not obeyed after it.
-        losses: u64,
+        /// Inputs: a number that changes whenever the devices behind them are lost or the gateway starts anew. Outputs:
+        /// that number in the inputs they were decided on; outputs decided before a loss are not obeyed after it.
+        lives: u64,
         /// Bit n is bit `n % 8` of byte `n / 8`.
         bits: Bounded<u8, 16>,
     }

@@ -12,6 +12,7 @@
 mod args;
 mod environment;
 mod identity;
+mod journal;
 mod logging;
 pub mod names;
 mod newest;
@@ -24,6 +25,7 @@ mod subscription;
 pub use args::{ArgsError, LogLevel, ParamValue, RosArgs};
 pub use environment::{EnvironmentError, Range};
 pub use identity::{boot_id, fresh_boot_id, stamp};
+pub use journal::{Journal, JournalError};
 pub use logging::{LoggingError, init as init_logging};
 pub use newest::{Counts, NewestBySequence, Verdict};
 pub use participant::{Node, OpenError, Participant, TopicError};

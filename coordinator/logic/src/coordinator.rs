@@ -22,6 +22,8 @@ pub struct Heard {
     pub mode_epoch: u64,
     /// At its home place.
     pub at_home: bool,
+    /// The round it is in, or at the end of which it stands at home.
+    pub round: i32,
     /// Nothing moves.
     pub stopped: bool,
     /// Some operation was stopped before its end.
@@ -59,8 +61,10 @@ pub struct Order {
     pub mode: ControlMode,
     /// Every station has acknowledged the epoch.
     pub enabled: bool,
-    /// Halt at the home place.
-    pub master_stop: bool,
+    /// Master stop: halt at the home place at the end of this round, the latest that any station has begun. All are at
+    /// home together then, as they were at the beginning; a station that halted at home at once could leave another
+    /// waiting for it, away from home, for ever.
+    pub master_stop: Option<i32>,
     /// Every station's panel counts as switched to manual.
     pub manual_all: bool,
     /// Hand-mode buttons held.
@@ -153,11 +157,17 @@ impl Coordinator {
             epoch: self.epoch,
             mode: self.mode,
             enabled: self.enabled || !self.mode.enables_motion(),
-            master_stop: self.stopping,
+            master_stop: self.stopping.then(|| self.latest_round()),
             manual_all: self.manual_all,
             buttons: by_message | self.wired_buttons(),
             lease: self.line.timing.lease,
         }
+    }
+
+    /// The latest round that any station has begun. It may still rise after the stop was given, until every station
+    /// has heard it; then all follow.
+    fn latest_round(&self) -> i32 {
+        self.stations.iter().map(|s| s.heard.round).max().unwrap_or(0)
     }
 
     fn wired_buttons(&self) -> u32 {
@@ -253,7 +263,7 @@ impl Coordinator {
             estop: self.estop,
             trouble: !self.troubles().is_empty(),
             stopping: self.stopping,
-            all_home: self.all(|h| h.at_home),
+            all_home: self.all(|h| h.at_home && h.round == self.latest_round()),
             all_stopped: self.all(|h| h.stopped),
             any_manual: self.manual_all || self.any_selector(),
         }

@@ -77,7 +77,7 @@ pub struct Facts {
     pub trouble: bool,
     /// Master stop has been given.
     pub stopping: bool,
-    /// Every station is at home.
+    /// Every station is at home, at the end of the same round.
     pub all_home: bool,
     /// No operation is moving.
     pub all_stopped: bool,

@@ -1,1 +1,11 @@
-//! The coordinator's ROS 2 node: mode, console and CAN gateway
+//! The coordinator's ROS 2 node: a thin shell around [`linewright_coordinator_logic`].
+//!
+//! It carries the line's CAN bus: the console's devices, and those of every station that has no bus of its own. For
+//! these it is the gateway: input images go to the stations by message, output images come back, with age and
+//! validity. What may be energised is decided in [`linewright_coordinator_logic::Gateway`], which mode the line is in
+//! in [`linewright_coordinator_logic::Coordinator`]; this crate performs it.
+
+mod node;
+mod topics;
+
+pub use node::{NodeError, Options, run};

@@ -90,6 +90,7 @@ pub struct Controller {
     pub(crate) done: Vec<i32>,
     pub(crate) started: Vec<i32>,
     pub(crate) home_counts: Vec<i32>,
+    initial_round: i32,
     pub(crate) path: Option<OpId>,
     pub(crate) causes_of_stop: Vec<Cause>,
     pub(crate) views: Views,
@@ -148,6 +149,7 @@ impl Controller {
             done: counts.clone(),
             started: counts,
             home_counts: described.op_ids().map(|op| described.home_count(op, 0)).collect(),
+            initial_round: round,
             path: None,
             causes_of_stop: vec![Cause::Released; described.operations.len()],
             views,
@@ -222,6 +224,16 @@ impl Controller {
     /// The places that hold a token.
     pub fn marking(&self) -> impl Iterator<Item = Place> + '_ {
         self.tokens().iter().map(|t| self.place(t))
+    }
+
+    /// The station it controls.
+    pub fn station(&self) -> StationId {
+        self.program.station
+    }
+
+    /// The stations whose state it needs to hear.
+    pub fn peers(&self) -> &[StationId] {
+        &self.program.peers
     }
 
     /// The mode it acts on.
@@ -369,7 +381,7 @@ impl Controller {
         }
         let levels = self.commands.refresh(self.now);
         let path = self.path.map_or(0, |op| bit::ANY_PATH | crate::program::path_bit(&self.program.paths, op));
-        let levels = levels | path;
+        let levels = levels | path | self.stop_bit();
         self.dirty |= levels != self.levels;
         self.levels = levels;
         let mode = self.commands.mode();
@@ -661,6 +673,7 @@ impl Controller {
         }
         report.recovering_home = self.path.is_some();
         report.at_home = self.is_at_home();
+        report.round = self.home_round() + i32::from(!report.at_home);
         report.stopped = !self.tokens().iter().any(|t| t.driven);
         report.selector_manual = self.commands.selector_manual();
         report.devices_valid = self.devices_valid;
@@ -673,6 +686,21 @@ impl Controller {
         let bits = self.path.map_or(0, |op| bit::ANY_PATH | crate::program::path_bit(&self.program.paths, op));
         self.levels = self.levels & !(bit::ANY_PATH | bit::PATHS) | bits;
         self.levels_before = self.levels;
+    }
+
+    /// How often the station has come home since the line first stood at home together.
+    pub(crate) fn home_round(&self) -> i32 {
+        self.done[self.program.home.index()] - self.initial_round
+    }
+
+    fn stop_bit(&self) -> u128 {
+        if self.commands.stops_at(self.home_round()) { bit::MASTER_STOP } else { 0 }
+    }
+
+    /// Coming home or being taken back from there decides anew whether master stop holds the station.
+    pub(crate) fn refresh_stop(&mut self) {
+        self.levels = self.levels & !bit::MASTER_STOP | self.stop_bit();
+        self.levels_before = self.levels_before & !bit::MASTER_STOP | self.stop_bit();
     }
 
     pub(crate) fn master_stop(&self) -> bool {

@@ -134,6 +134,7 @@ impl Controller {
             self.note(Happening::HomeAgain);
         } else {
             self.done[op.index()] = self.started[op.index()];
+            self.refresh_stop();
             self.note(Happening::Completed(op, Block::Normal));
         }
     }
@@ -156,6 +157,7 @@ impl Controller {
                 *done -= 1;
             }
         }
+        self.refresh_stop();
         self.note(Happening::Withdrawn(ops));
     }
 

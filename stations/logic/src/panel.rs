@@ -22,8 +22,9 @@ pub struct ModeOrder {
     pub mode: ControlMode,
     /// Every station has acknowledged the epoch: a mode that enables motion may be acted on.
     pub enabled: bool,
-    /// Halt at the home place.
-    pub master_stop: bool,
+    /// Master stop: halt at the home place at the end of this round. A round is counted each time the station comes
+    /// home. Halting at home at once would leave others waiting, away from home, for an operation that never comes.
+    pub master_stop: Option<i32>,
     /// Every station's panel counts as switched to manual.
     pub manual_all: bool,
     /// Hand-mode buttons held, a bit each.
@@ -166,6 +167,11 @@ impl Commands {
         }
     }
 
+    /// Whether master stop holds a station that has come home `round` times.
+    pub(crate) fn stops_at(&self, round: i32) -> bool {
+        self.order.and_then(|order| order.master_stop).is_some_and(|stop| round >= stop)
+    }
+
     /// Brings mode and levels up to `now`; gives the word of command levels.
     pub(crate) fn refresh(&mut self, now: Tick) -> u128 {
         let mode = self.granted(now);
@@ -192,8 +198,7 @@ impl Commands {
             self.armed |= !raw;
         }
         let in_force = if panel_is_live { bit::PANEL | bit::HELD } else { bit::HELD };
-        let stop = self.order.is_some_and(|order| order.master_stop);
-        (raw & self.armed & in_force) | if stop { bit::MASTER_STOP } else { 0 }
+        raw & self.armed & in_force
     }
 
     /// When something in here runs out, if nothing is heard until then.

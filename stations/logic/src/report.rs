@@ -28,6 +28,9 @@ pub struct Report {
     pub recovering_home: bool,
     /// At its home place.
     pub at_home: bool,
+    /// The round it is in, or at the end of which it stands at home: how often it has come home since the line first
+    /// stood at home together, plus one while it is away.
+    pub round: i32,
     /// Nothing moves.
     pub stopped: bool,
     /// Its selector stands at station-manual.

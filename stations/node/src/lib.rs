@@ -1,1 +1,13 @@
-//! One station's ROS 2 node: a thin shell around its logic
+//! One station's ROS 2 node: a thin shell around [`linewright_station_logic::Controller`].
+//!
+//! It turns messages, images and timers into the controller's inputs, and the controller's outbox into a journal
+//! record, an output image, a report and events — in that order, so that nobody ever knows more of this station than
+//! it would remember after being killed. It decides nothing.
+
+mod convert;
+mod journal;
+mod node;
+mod topics;
+
+pub use convert::{ConvertError, mode_from_code, mode_to_code, report_from_message, report_to_message};
+pub use node::{NodeError, Options, run};

@@ -1,0 +1,404 @@
+//! The shell's loop: wait for anything, hand it to the logic, perform what it gives.
+
+use std::path::PathBuf;
+
+use linewright_coordinator_logic::{Command, Coordinator, Gateway, Heard, Input, Outbox, OutputImage};
+use linewright_fieldbus::{Bus as CanBus, BusError, Clock, Driver, Event as BusEvent, Manager, ManagerError};
+use linewright_line::net::ControlMode;
+use linewright_line::{Bus, Line, Owner, StationId, Tick};
+use linewright_msgs::{LineState, ModeOrder, ProcessImage, Text};
+use linewright_node_shell::{
+    Forward, Journal, JournalError, NewestBySequence, OpenError, Participant, TopicError, fresh_boot_id, stamp,
+};
+use linewright_station_node::{mode_to_code, report_from_message};
+use thiserror::Error;
+use tokio::sync::{mpsc, watch};
+
+use crate::topics::{Arrived, Says, open};
+
+/// Why the coordinator's node cannot run, or had to end.
+#[derive(Debug, Error)]
+pub enum NodeError {
+    /// ROS 2 is not to be had.
+    #[error(transparent)]
+    Open(#[from] OpenError),
+    /// A topic is not to be had.
+    #[error(transparent)]
+    Topic(#[from] TopicError),
+    /// The line's bus is not to be had.
+    #[error(transparent)]
+    Bus(#[from] BusError),
+    /// The devices cannot share a bus.
+    #[error(transparent)]
+    Manager(#[from] ManagerError),
+    /// The journal cannot be used.
+    #[error(transparent)]
+    Journal(#[from] JournalError),
+    /// The journal holds something else.
+    #[error("the coordinator's journal {path} does not hold an epoch; remove it to start afresh")]
+    Record {
+        /// The journal.
+        path: PathBuf,
+    },
+    /// A subscription has ended; the middleware has failed.
+    #[error("the middleware has failed; see the log")]
+    Middleware,
+}
+
+/// What the coordinator's node needs.
+pub struct Options {
+    /// The checked description.
+    pub line: Line,
+    /// The line's bus, by the CAN interface's name.
+    pub interface: String,
+    /// Where the journal is kept; `None`: nothing is remembered.
+    pub state_dir: Option<PathBuf>,
+    /// Where the bus is found.
+    pub bus: linewright_fieldbus::Options,
+    /// The process's clock.
+    pub clock: Clock,
+}
+
+/// Runs the coordinator until `stop` turns true, then lets go of all outputs.
+///
+/// # Errors
+/// When it cannot start, or when the middleware or the journal fails under it. The line then falls to stand-by by its
+/// lease, and the devices on its bus let go of their outputs by their own heartbeat consumers.
+pub async fn run(
+    options: Options,
+    participant: &Participant,
+    mut stop: watch::Receiver<bool>,
+) -> Result<(), NodeError> {
+    let mut node = Shell::start(options, participant)?;
+    node.act();
+    loop {
+        let deadline = node.deadline();
+        tokio::select! {
+            biased;
+            changed = stop.changed() => {
+                if changed.is_err() || *stop.borrow() {
+                    break;
+                }
+            }
+            events = node.driver.next() => node.bus_events(&events),
+            arrived = node.from.recv() => match arrived {
+                Some(arrived) => node.arrived(arrived),
+                None => return Err(NodeError::Middleware),
+            },
+            () = node.clock.sleep_until(Some(deadline)) => {}
+        }
+        node.act();
+        if let Some(error) = node.failed.take() {
+            return Err(error);
+        }
+        if node.tasks.iter().any(Forward::is_finished) {
+            return Err(NodeError::Middleware);
+        }
+    }
+    node.driver.release_outputs();
+    tracing::info!("coordinator ends");
+    Ok(())
+}
+
+/// A station behind the gateway.
+struct Behind {
+    station: StationId,
+    /// Its newest output image by sequence.
+    newest: NewestBySequence,
+    /// What the bus was last told to put out, and in which life of the devices.
+    put: Option<(u128, u64)>,
+    /// What the station was last told of its inputs.
+    told: Option<(u128, bool, u64)>,
+}
+
+struct Shell {
+    line: Line,
+    clock: Clock,
+    coordinator: Coordinator,
+    gateway: Gateway,
+    outbox: Outbox,
+    driver: Driver,
+    journal: Option<Journal>,
+    journaled: u64,
+    says: Says,
+    from: mpsc::Receiver<Arrived>,
+    tasks: Vec<Forward>,
+    behind: Vec<Behind>,
+    states: Vec<NewestBySequence>,
+    boot_id: u64,
+    order_sequence: u64,
+    state_sequence: u64,
+    image_sequence: u64,
+    refusals: u64,
+    refusal: String,
+    text: String,
+    refresh_due: Tick,
+    ignored: u64,
+    failed: Option<NodeError>,
+    // The node must outlive its publishers and subscriptions.
+    _node: linewright_node_shell::Node,
+}
+
+impl Shell {
+    fn start(options: Options, participant: &Participant) -> Result<Self, NodeError> {
+        let Options { line, interface, state_dir, bus, clock } = options;
+        let (journal, last_epoch) = match state_dir {
+            Some(dir) => {
+                let path = dir.join("coordinator.journal");
+                let (journal, record) = Journal::open(&path)?;
+                (Some(journal), record.map(|record| epoch_of(&record, path)).transpose()?)
+            }
+            None => (None, None),
+        };
+        let bus = CanBus::open(&interface, &bus)?;
+        tracing::info!("line devices on {}", bus.describe());
+        let devices = line.devices.iter().filter(|device| device.bus == Bus::Line);
+        let driver = Driver::new(bus, Manager::new(devices, line.timing)?, clock);
+        let mut node = participant.node(&format!("/{}", line.name), "coordinator")?;
+        let (says, from, tasks) = open(&mut node, &line)?;
+        let on_line_bus = line.station_ids().filter(|&id| line.station(id).bus == Bus::Line);
+        Ok(Shell {
+            coordinator: Coordinator::new(line.clone(), last_epoch.unwrap_or(0)),
+            gateway: Gateway::new(line.stations.len(), line.timing.stale),
+            outbox: Outbox::default(),
+            driver,
+            journal,
+            journaled: 0,
+            says,
+            from,
+            tasks,
+            behind: on_line_bus
+                .map(|station| Behind { station, newest: NewestBySequence::new(), put: None, told: None })
+                .collect(),
+            states: line.stations.iter().map(|_| NewestBySequence::new()).collect(),
+            boot_id: fresh_boot_id(),
+            order_sequence: 0,
+            state_sequence: 0,
+            image_sequence: 0,
+            refusals: 0,
+            refusal: String::new(),
+            text: String::new(),
+            refresh_due: Tick::ZERO,
+            ignored: 0,
+            failed: None,
+            clock,
+            line,
+            _node: node,
+        })
+    }
+
+    fn deadline(&self) -> Tick {
+        let now = self.clock.now();
+        [self.coordinator.next_deadline(), self.gateway.next_deadline(now)]
+            .into_iter()
+            .flatten()
+            .fold(self.refresh_due, Tick::min)
+    }
+
+    fn ignore(&mut self, why: impl std::fmt::Display) {
+        self.ignored += 1;
+        if self.ignored.is_power_of_two() {
+            tracing::warn!(ignored = self.ignored, "ignored a message: {why}");
+        }
+    }
+
+    fn arrived(&mut self, arrived: Arrived) {
+        let now = self.clock.now();
+        match arrived {
+            Arrived::Command(word) => match Command::parse(&word) {
+                Some(command) => {
+                    tracing::info!("operator: {}", command.name());
+                    self.coordinator.handle(now, Input::Command(command));
+                }
+                None => {
+                    let known: Vec<&str> = Command::ALL.iter().map(|command| command.name()).collect();
+                    self.refuse(format!("'{}' is no command; commands are {}", word.trim(), known.join(", ")));
+                }
+            },
+            Arrived::Buttons(names) => match self.buttons(&names) {
+                Ok(held) => self.coordinator.handle(now, Input::Buttons(held)),
+                Err(unknown) => self.refuse(unknown),
+            },
+            Arrived::State(message) => match report_from_message(&self.line, &message) {
+                Ok((station, report)) => {
+                    if self.states[station.index()].offer(message.boot_id, message.sequence).is_newest() {
+                        let heard = Heard {
+                            boot_id: report.boot_id,
+                            mode_epoch: report.mode_epoch,
+                            at_home: report.at_home,
+                            round: report.round,
+                            stopped: report.stopped,
+                            incomplete: !report.incomplete.is_empty(),
+                            selector_manual: report.selector_manual,
+                            devices_valid: report.devices_valid,
+                        };
+                        self.coordinator.handle(now, Input::Station(station, heard));
+                    }
+                }
+                Err(error) => self.ignore(error),
+            },
+            Arrived::Outputs(station, message) => {
+                let Some(behind) = self.behind.iter_mut().find(|b| b.station == station) else { return };
+                if behind.newest.offer(message.boot_id, message.sequence).is_newest() {
+                    let image = OutputImage { bits: message.word(), valid: message.valid, losses: message.lives };
+                    self.gateway.hear(now, station, image);
+                }
+            }
+        }
+    }
+
+    fn buttons(&self, names: &str) -> Result<u32, String> {
+        let mut held = 0;
+        for name in names.split_whitespace() {
+            let index = self.line.buttons.iter().position(|button| button == name);
+            let index =
+                index.ok_or_else(|| format!("'{name}' is no button; buttons are {}", self.line.buttons.join(", ")))?;
+            held |= 1 << index;
+        }
+        Ok(held)
+    }
+
+    fn refuse(&mut self, text: String) {
+        tracing::warn!("{text}");
+        self.refusals += 1;
+        self.refusal = text;
+        // Tell it now.
+        self.refresh_due = Tick::ZERO;
+    }
+
+    fn bus_events(&mut self, events: &[BusEvent]) {
+        for event in events {
+            match event {
+                BusEvent::InputsChanged { .. } => {}
+                BusEvent::Ignored { reason, frame } => self.ignore(format!("frame {frame}: {reason}")),
+                other => tracing::info!("{other}"),
+            }
+        }
+        let image = self.driver.inputs(Owner::Console);
+        self.coordinator.handle(self.clock.now(), Input::Console { bits: image.bits, valid: image.valid });
+    }
+
+    /// Steps the logic and performs what it gives: the journal first, then outputs, then what is told.
+    fn act(&mut self) {
+        let now = self.clock.now();
+        self.coordinator.step(now, &mut self.outbox);
+        let changed = std::mem::take(&mut self.outbox.changed);
+        if let Err(error) = self.remember() {
+            self.failed = Some(error);
+            return;
+        }
+        self.driver.set_outputs(Owner::Console, self.outbox.lamps);
+        let due = now >= self.refresh_due;
+        if due {
+            self.refresh_due = now + self.line.timing.refresh;
+        }
+        self.gate(now, due);
+        for mode in std::mem::take(&mut self.outbox.modes) {
+            tracing::info!(epoch = self.coordinator.epoch(), "mode {mode}");
+        }
+        for refusal in std::mem::take(&mut self.outbox.refusals) {
+            self.refuse(refusal.text(&self.line));
+        }
+        if changed || due {
+            self.tell();
+        }
+    }
+
+    fn remember(&mut self) -> Result<(), NodeError> {
+        let epoch = self.coordinator.epoch();
+        if let Some(journal) = &mut self.journal
+            && self.journaled != epoch
+        {
+            journal.write(epoch.to_string().as_bytes())?;
+            self.journaled = epoch;
+        }
+        Ok(())
+    }
+
+    /// The gateway: outputs to the bus, inputs to the stations.
+    fn gate(&mut self, now: Tick, due: bool) {
+        // The emergency stop does not wait for the stations to take their outputs back.
+        let stopped = self.coordinator.mode() == ControlMode::EStop;
+        for behind in &mut self.behind {
+            let owner = Owner::Station(behind.station);
+            let image = self.driver.inputs(owner);
+            let lives = self.boot_id.wrapping_add(u64::from(image.losses));
+            let outputs = if stopped { 0 } else { self.gateway.outputs(now, behind.station, lives) };
+            // After a loss the bus has forgotten what it was told, so it is told again.
+            if behind.put != Some((outputs, lives)) {
+                self.driver.set_outputs(owner, outputs);
+                behind.put = Some((outputs, lives));
+            }
+            let news = (image.bits, image.valid, lives);
+            if due || behind.told != Some(news) {
+                behind.told = Some(news);
+                if let Some(publisher) = &self.says.inputs[behind.station.index()] {
+                    self.image_sequence += 1;
+                    let mut message = ProcessImage {
+                        header: stamp(),
+                        boot_id: self.boot_id,
+                        sequence: self.image_sequence,
+                        valid: image.valid,
+                        lives,
+                        ..ProcessImage::default()
+                    };
+                    message.set_word(image.bits);
+                    publisher.send(message);
+                }
+            }
+        }
+    }
+
+    fn tell(&mut self) {
+        let order = self.coordinator.order();
+        self.order_sequence += 1;
+        self.says.order.send(ModeOrder {
+            header: stamp(),
+            boot_id: self.boot_id,
+            sequence: self.order_sequence,
+            epoch: order.epoch,
+            mode: mode_to_code(order.mode),
+            enabled: order.enabled,
+            master_stop: order.master_stop.is_some(),
+            stop_round: order.master_stop.unwrap_or(0),
+            manual_all: order.manual_all,
+            buttons: order.buttons,
+            lease_ms: u32::try_from(order.lease.as_millis()).unwrap_or(u32::MAX),
+        });
+        let text = self.coordinator.text();
+        if text != self.text {
+            self.text.clone_from(&text);
+            self.says.mode_text.send(Text { data: text.clone() });
+        }
+        self.state_sequence += 1;
+        let names = |ids: Vec<StationId>| ids.iter().map(|&id| self.line.station(id).name.clone()).collect();
+        self.says.state.send(LineState {
+            header: stamp(),
+            boot_id: self.boot_id,
+            sequence: self.state_sequence,
+            epoch: order.epoch,
+            mode: mode_to_code(order.mode),
+            enabled: order.enabled,
+            master_stop: order.master_stop.is_some(),
+            text,
+            refusal: self.refusal.clone(),
+            refusals: self.refusals,
+            stations: self.line.stations.iter().map(|station| station.name.clone()).collect(),
+            station_heard: self
+                .line
+                .station_ids()
+                .map(|id| match (self.coordinator.hears(id), self.states[id.index()].current()) {
+                    (true, _) => LineState::HEARD_FRESH,
+                    (false, Some(_)) => LineState::HEARD_STALE,
+                    (false, None) => LineState::HEARD_UNKNOWN,
+                })
+                .collect(),
+            waiting_for: names(self.coordinator.waiting_for()),
+        });
+    }
+}
+
+fn epoch_of(record: &[u8], path: PathBuf) -> Result<u64, NodeError> {
+    let text = std::str::from_utf8(record).ok();
+    text.and_then(|text| text.parse().ok()).ok_or(NodeError::Record { path })
+}

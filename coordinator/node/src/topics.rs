@@ -1,0 +1,61 @@
+//! What the coordinator says and hears over ROS 2.
+
+use linewright_line::{Bus, Line, StationId};
+use linewright_msgs::{LineState, ModeOrder, ProcessImage, StationState, Text};
+use linewright_node_shell::{Forward, Node, Publisher, TopicError, forward, qos};
+use tokio::sync::mpsc;
+
+/// Something a subscription brought.
+#[derive(Debug)]
+pub enum Arrived {
+    /// An operator's command in words.
+    Command(String),
+    /// Hand-mode buttons held, by name, separated by blanks.
+    Buttons(String),
+    /// A station's state.
+    State(Box<StationState>),
+    /// The output image of a station behind the gateway.
+    Outputs(StationId, ProcessImage),
+}
+
+/// The coordinator's publishers.
+pub struct Says {
+    pub order: Publisher<ModeOrder>,
+    pub state: Publisher<LineState>,
+    pub mode_text: Publisher<Text>,
+    /// Input images, for each station behind the gateway.
+    pub inputs: Vec<Option<Publisher<ProcessImage>>>,
+}
+
+/// Enough for a burst of every station's state while the node is busy; what does not fit waits in the middleware.
+const QUEUE: usize = 1024;
+
+/// Opens every topic of the coordinator.
+pub fn open(node: &mut Node, line: &Line) -> Result<(Says, mpsc::Receiver<Arrived>, Vec<Forward>), TopicError> {
+    let mut says = Says {
+        order: node.publisher("mode", qos::command())?,
+        state: node.publisher("state", qos::latched_state())?,
+        mode_text: node.publisher("mode_text", qos::latched_state())?,
+        inputs: Vec::with_capacity(line.stations.len()),
+    };
+    let (to, from) = mpsc::channel(QUEUE);
+    let mut tasks = vec![
+        forward(node.subscription("mode_cmd", qos::command())?, to.clone(), |m: Text, _| {
+            Some(Arrived::Command(m.data))
+        }),
+        forward(node.subscription("buttons", qos::command())?, to.clone(), |m: Text, _| Some(Arrived::Buttons(m.data))),
+    ];
+    for id in line.station_ids() {
+        let station = line.station(id);
+        let state = node.subscription(&format!("{}/state", station.name), qos::latched_state())?;
+        tasks.push(forward(state, to.clone(), |m, _| Some(Arrived::State(Box::new(m)))));
+        says.inputs.push(if station.bus == Bus::Line {
+            let outputs = node.subscription(&format!("{}/outputs", station.name), qos::image())?;
+            tasks.push(forward(outputs, to.clone(), move |m, _| Some(Arrived::Outputs(id, m))));
+            Some(node.publisher(&format!("{}/inputs", station.name), qos::image())?)
+        } else {
+            None
+        });
+    }
+    Ok((says, from, tasks))
+}

@@ -1,0 +1,166 @@
+//! Between the controller's report and the message that carries it.
+//!
+//! The two are kept apart on purpose: the wire format can grow without touching the core. A message that does not
+//! fit the description is an error with the field that does not, never a guess.
+
+use linewright_line::net::ControlMode;
+use linewright_line::{Line, OpId, StationId};
+use linewright_msgs::{Answer as AnswerMessage, StationState};
+use linewright_station_logic::{Answer, Controller, Report, Request};
+use thiserror::Error;
+
+/// Why a message does not fit the description.
+#[derive(Clone, Debug, PartialEq, Eq, Error)]
+pub enum ConvertError {
+    /// No such station.
+    #[error("station '{0}' is not in the description")]
+    Station(String),
+    /// A list has another length than the station has operations.
+    #[error("{field} has {has} entries; {station} has {needs} operations")]
+    Length {
+        /// Which list.
+        field: &'static str,
+        /// Whose.
+        station: String,
+        /// Its length.
+        has: usize,
+        /// The operations.
+        needs: usize,
+    },
+    /// An operation's index is out of range.
+    #[error("{field} names operation {index}; {station} has {needs}")]
+    Operation {
+        /// Which field.
+        field: &'static str,
+        /// Whose.
+        station: String,
+        /// The index.
+        index: u16,
+        /// The operations.
+        needs: usize,
+    },
+    /// A mode with an unknown number.
+    #[error("mode {0} is not known")]
+    Mode(u8),
+}
+
+/// The number of a mode on the wire (1 to 3 as in seed 002 §5.4).
+pub const fn mode_to_code(mode: ControlMode) -> u8 {
+    match mode {
+        ControlMode::Home => StationState::MODE_HOME,
+        ControlMode::StandBy => StationState::MODE_STANDBY,
+        ControlMode::Auto => StationState::MODE_AUTO,
+        ControlMode::Hand => StationState::MODE_HAND,
+        ControlMode::Manual => StationState::MODE_MANUAL,
+        ControlMode::EStop => StationState::MODE_ESTOP,
+    }
+}
+
+/// The mode with this number on the wire.
+///
+/// # Errors
+/// When the number is not one of the six.
+pub fn mode_from_code(code: u8) -> Result<ControlMode, ConvertError> {
+    ControlMode::ALL.into_iter().find(|mode| mode_to_code(*mode) == code).ok_or(ConvertError::Mode(code))
+}
+
+/// Writes the controller's state into a message, all but header, boot id and sequence.
+pub fn report_to_message(line: &Line, controller: &Controller, now: linewright_line::Tick, message: &mut StationState) {
+    let report = controller.report();
+    let station = controller.station();
+    let described = line.station(station);
+    message.station.clone_from(&described.name);
+    message.mode_epoch = report.mode_epoch;
+    message.mode = report.mode.map_or(StationState::MODE_STANDBY, mode_to_code);
+    message.cycle = report.cycle;
+    message.done = report.done;
+    message.started = report.started;
+    message.places = report.places;
+    message.recovering_home = report.recovering_home;
+    message.at_home = report.at_home;
+    message.round = report.round;
+    message.stopped = report.stopped;
+    message.selector_manual = report.selector_manual;
+    message.devices_valid = report.devices_valid;
+    message.incomplete = report.incomplete.iter().map(|(op, _)| op.0).collect();
+    message.operation = controller.operation_text(line);
+    message.fault = controller.fault_text(line);
+    message.blocked_by = controller.blocked_by(line, now);
+    message.request_number = report.request.map_or(0, |request| request.number);
+    message.request_operations = report.request.map_or(Vec::new(), |request| operations_of(request.ops));
+    message.answers = report.answers.iter().map(|answer| answer_to_message(line, station, answer)).collect();
+}
+
+fn operations_of(ops: u64) -> Vec<u16> {
+    (0..64).filter(|op| ops & (1 << op) != 0).collect()
+}
+
+fn answer_to_message(line: &Line, own: StationId, answer: &Answer) -> AnswerMessage {
+    AnswerMessage {
+        station: line.station(answer.to).name.clone(),
+        boot_id: answer.boot_id,
+        request_number: answer.number,
+        agreed: answer.in_the_way.is_none(),
+        in_the_way: answer.in_the_way.map(|op| line.operation((own, op)).name.clone()).unwrap_or_default(),
+    }
+}
+
+/// Reads what one station says into the form the controller and the coordinator use.
+///
+/// # Errors
+/// When the message does not fit the description.
+pub fn report_from_message(line: &Line, message: &StationState) -> Result<(StationId, Report), ConvertError> {
+    let station = line.station_named(&message.station).ok_or_else(|| ConvertError::Station(message.station.clone()))?;
+    let described = line.station(station);
+    let needs = described.operations.len();
+    for (field, has) in
+        [("done", message.done.len()), ("started", message.started.len()), ("places", message.places.len())]
+    {
+        if has != needs {
+            return Err(ConvertError::Length { field, station: described.name.clone(), has, needs });
+        }
+    }
+    let operation = |field: &'static str, index: u16| {
+        let error = || ConvertError::Operation { field, station: described.name.clone(), index, needs };
+        if usize::from(index) < needs { Ok(OpId(index)) } else { Err(error()) }
+    };
+    let mut ops = 0u64;
+    for &index in &message.request_operations {
+        ops |= 1 << operation("request_operations", index)?.0;
+    }
+    let mut incomplete = Vec::with_capacity(message.incomplete.len());
+    for &index in &message.incomplete {
+        incomplete.push((operation("incomplete", index)?, linewright_station_logic::Cause::Signal));
+    }
+    let answers = message.answers.iter().filter_map(|a| answer_from_message(line, station, a)).collect();
+    let report = Report {
+        boot_id: message.boot_id,
+        mode_epoch: message.mode_epoch,
+        mode: Some(mode_from_code(message.mode)?),
+        cycle: message.cycle,
+        done: message.done.clone(),
+        started: message.started.clone(),
+        places: message.places.clone(),
+        recovering_home: message.recovering_home,
+        at_home: message.at_home,
+        round: message.round,
+        stopped: message.stopped,
+        selector_manual: message.selector_manual,
+        devices_valid: message.devices_valid,
+        incomplete,
+        request: (message.request_number != 0).then_some(Request { number: message.request_number, ops }),
+        answers,
+    };
+    Ok((station, report))
+}
+
+/// An answer about a station or an operation that is not described counts as none: it can only delay.
+fn answer_from_message(line: &Line, from: StationId, message: &AnswerMessage) -> Option<Answer> {
+    let in_the_way = if message.agreed { None } else { Some(line.station(from).operation_named(&message.in_the_way)?) };
+    Some(Answer {
+        to: line.station_named(&message.station)?,
+        boot_id: message.boot_id,
+        number: message.request_number,
+        in_the_way,
+    })
+}

@@ -1,0 +1,72 @@
+//! What a station says and hears over ROS 2.
+
+use linewright_line::{Bus, Line, StationId};
+use linewright_msgs::{Flag, ModeOrder, ProcessImage, StationEvent, StationState, Text};
+use linewright_node_shell::{Forward, Node, Publisher, TopicError, forward, qos};
+use tokio::sync::mpsc;
+
+/// Something a subscription brought.
+#[derive(Debug)]
+pub enum Arrived {
+    /// The coordinator's order.
+    Order(ModeOrder),
+    /// Another station's state.
+    State(Box<StationState>),
+    /// The station's input image, through the coordinator's gateway.
+    Inputs(ProcessImage),
+    /// The panel's selector: `auto` or `manual`.
+    Selector(String),
+    /// The panel's advance.
+    Advance(bool),
+    /// The panel's return.
+    Retract(bool),
+}
+
+/// The publishers of a station.
+pub struct Says {
+    pub state: Publisher<StationState>,
+    pub event: Publisher<StationEvent>,
+    /// Only behind the gateway.
+    pub outputs: Option<Publisher<ProcessImage>>,
+}
+
+/// Enough for a burst of every station's state while the node is busy; what does not fit waits in the middleware.
+const QUEUE: usize = 256;
+
+/// Opens every topic of a station.
+pub fn open(
+    node: &mut Node,
+    line: &Line,
+    station: StationId,
+    peers: &[StationId],
+) -> Result<(Says, mpsc::Receiver<Arrived>, Vec<Forward>), TopicError> {
+    let gateway = line.station(station).bus == Bus::Line;
+    let says = Says {
+        state: node.publisher("~/state", qos::latched_state())?,
+        event: node.publisher("~/event", qos::event())?,
+        outputs: if gateway { Some(node.publisher("~/outputs", qos::image())?) } else { None },
+    };
+    let (to, from) = mpsc::channel(QUEUE);
+    let mut tasks = vec![
+        forward(node.subscription("mode", qos::command())?, to.clone(), |m, _| Some(Arrived::Order(m))),
+        forward(node.subscription("~/selector", qos::command())?, to.clone(), |m: Text, _| {
+            Some(Arrived::Selector(m.data))
+        }),
+        forward(node.subscription("~/advance", qos::command())?, to.clone(), |m: Flag, _| {
+            Some(Arrived::Advance(m.data))
+        }),
+        forward(node.subscription("~/return", qos::command())?, to.clone(), |m: Flag, _| {
+            Some(Arrived::Retract(m.data))
+        }),
+    ];
+    for &peer in peers {
+        let topic = format!("{}/state", line.station(peer).name);
+        tasks.push(forward(node.subscription(&topic, qos::latched_state())?, to.clone(), |m, _| {
+            Some(Arrived::State(Box::new(m)))
+        }));
+    }
+    if gateway {
+        tasks.push(forward(node.subscription("~/inputs", qos::image())?, to.clone(), |m, _| Some(Arrived::Inputs(m))));
+    }
+    Ok((says, from, tasks))
+}
