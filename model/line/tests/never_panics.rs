@@ -131,5 +131,11 @@ fn the_bounds_hold() {
     survives(&"[[station]]\n".repeat(80_000));
     survives(&"[[arrow]]\nfrom = \"a: b\"\nto = \"c: d\"\n".repeat(25_000));
     survives(&format!("buttons = [{}]", "\"a\",".repeat(200_000)));
+    let long = "x".repeat(60);
+    let stations: String = (0..1000).map(|n| format!("[[station]]\nname = \"{long}{n}\"\n")).collect();
+    let arrows = format!("[[arrow]]\nfrom = \"{long}y: a\"\nto = \"b: c\"\n").repeat(8000);
+    survives(&format!("{stations}{arrows}"));
+    let operation = "[[station.operation]]\nname = \"a\"\nnormal = { actuator = \"Y\", complete = \"X\" }\n";
+    survives(&format!("[[station]]\nname = \"s\"\n{}", operation.repeat(64)).repeat(150));
     survives(&TransferLine { machines: 31, time_scale: 1.0 }.text().replace("lag = 0", "lag = 1"));
 }

@@ -46,6 +46,13 @@ fn all_problems_are_listed_one_a_line() {
 }
 
 #[test]
+fn far_too_many_problems_are_cut_and_said_to_be() {
+    let problems = parse("line.toml", &"[[arrow]]\n".repeat(1000)).expect_err("arrows need ends");
+    assert_eq!(problems.errors(), 500);
+    assert_eq!(problems.to_string(), "line.toml: the first 500 errors of more");
+}
+
+#[test]
 fn text_that_is_not_toml_is_one_problem() {
     let problems = parse("line.toml", "name = \"a\"\ntitle \"b\"\n").expect_err("there is a sign missing");
     insta::assert_snapshot!("not_toml", drawn(&problems));

@@ -6,7 +6,7 @@
 use std::time::Duration;
 
 use super::draft::{Draft, DraftConsole, DraftOperation, DraftSignals, DraftStation};
-use super::raw::{At, Kind, RawConsole, RawTiming};
+use super::raw::{At, Kind, RawTiming};
 use super::rules::node_id;
 use crate::{Arrow, Conflict, Console, Device, InputId, Line, Module, Operation, Panel, Signals, Station, Timing};
 
@@ -37,7 +37,7 @@ pub(super) fn finish(draft: &Draft<'_>) -> Option<Line> {
             .collect::<Option<_>>()?,
         devices: devices(draft)?,
         buttons: raw.buttons.iter().map(|button| button.value.clone()).collect(),
-        console: console(&draft.console, raw.console.as_ref()),
+        console: console(&draft.console),
         timing: timing(&raw.timing),
     })
 }
@@ -114,10 +114,9 @@ fn devices(draft: &Draft<'_>) -> Option<Vec<Device>> {
     devices.collect()
 }
 
-fn console(draft: &DraftConsole, raw: Option<&RawConsole>) -> Console {
+fn console(draft: &DraftConsole) -> Console {
     let [start, stop, auto, hand, estop, reset]: [Option<InputId>; 6] =
         draft.inputs.each_ref().map(|input| input.as_ref().map(|i| i.value));
-    debug_assert!(raw.is_some() || start.is_none(), "only a written console has signals");
     Console {
         inputs: texts(&draft.wiring.inputs),
         outputs: texts(&draft.wiring.outputs),

@@ -10,7 +10,7 @@ use super::raw::{Name, RawLine, RawStation, Where};
 use super::suggest;
 
 /// Longest name, in characters. ROS allows 255 for a whole topic name; ours are one part of one.
-const NAME_MAX: usize = 64;
+pub(super) const NAME_MAX: usize = 64;
 /// Names of nodes that every line has; a station of that name would take their place in the ROS graph.
 const RESERVED_STATIONS: [&str; 1] = ["coordinator"];
 
@@ -50,7 +50,7 @@ impl<'a> Table<'a> {
     /// What `name` stands for, or a problem that says what it could have been.
     pub fn find(&self, name: &Name, what: &str, report: &mut Report) -> Option<usize> {
         let found = self.get(&name.value);
-        if found.is_none() {
+        if found.is_none() && !report.is_full() {
             report.add(
                 Problem::error(name.at.clone(), format!("unknown {what} `{}`", name.value))
                     .maybe_hint(suggest::hint(&name.value, self.names())),

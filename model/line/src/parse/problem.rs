@@ -9,7 +9,7 @@ use std::ops::Range;
 
 use miette::{Diagnostic, LabeledSpan, NamedSource, Severity, SourceCode};
 
-/// At most this many problems are kept: more would only hide the first cause.
+/// At most this many errors, and as many warnings, are kept: more would only hide the first cause.
 const PROBLEMS_MAX: usize = 500;
 
 /// One thing wrong with a description, or (as a warning) suspicious about it.
@@ -110,6 +110,8 @@ impl Diagnostic for Problem {
 pub struct Problems {
     source: NamedSource<String>,
     problems: Vec<Problem>,
+    /// Whether there may be more than are kept.
+    is_cut: bool,
 }
 
 impl Problems {
@@ -126,7 +128,7 @@ impl Problems {
             }
         }
         problems.sort_by_key(|p| (p.span.start, p.is_warning));
-        Problems { source: NamedSource::new(file_name, text.to_owned()), problems }
+        Problems { source: NamedSource::new(file_name, text.to_owned()), problems, is_cut: false }
     }
 
     /// The problems, in the order of the text.
@@ -152,6 +154,9 @@ impl Problems {
     fn headline(&self) -> String {
         let count = |n: usize, what: &str| format!("{n} {what}{}", if n == 1 { "" } else { "s" });
         let name = self.source.name();
+        if self.is_cut {
+            return format!("{name}: the first {} of more", count(self.errors(), "error"));
+        }
         match (self.errors(), self.warnings()) {
             (errors, 0) => format!("{name}: {}", count(errors, "error")),
             (0, warnings) => format!("{name}: {}", count(warnings, "warning")),
@@ -192,24 +197,33 @@ impl Diagnostic for Problems {
 /// Where the rules put what they find.
 #[derive(Default)]
 pub(super) struct Report {
-    problems: Vec<Problem>,
+    errors: Vec<Problem>,
+    warnings: Vec<Problem>,
 }
 
 impl Report {
-    /// Adds a problem, unless there are far too many already.
+    /// Adds a problem, unless there are far too many of its kind already.
     pub(super) fn add(&mut self, problem: Problem) {
-        if self.problems.len() < PROBLEMS_MAX || (!problem.is_warning && !self.has_errors()) {
-            self.problems.push(problem);
+        let kind = if problem.is_warning { &mut self.warnings } else { &mut self.errors };
+        if kind.len() < PROBLEMS_MAX {
+            kind.push(problem);
         }
+    }
+
+    /// Whether another error would not be kept: then there is no need to work out a hint for it.
+    pub(super) fn is_full(&self) -> bool {
+        self.errors.len() >= PROBLEMS_MAX
     }
 
     /// Whether anything forbids using the description.
     pub(super) fn has_errors(&self) -> bool {
-        self.problems.iter().any(|p| !p.is_warning)
+        !self.errors.is_empty()
     }
 
     pub(super) fn into_problems(self, file_name: &str, text: &str) -> Problems {
-        Problems::new(file_name, text, self.problems)
+        let is_cut = self.is_full();
+        let all = self.errors.into_iter().chain(self.warnings).collect();
+        Problems { is_cut, ..Problems::new(file_name, text, all) }
     }
 }
 

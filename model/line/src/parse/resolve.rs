@@ -118,7 +118,9 @@ impl Scope<'_, '_> {
         match found {
             Some(id) => Some(At::new(InputId::at(id), name.at.clone())),
             None => {
-                report.add(self.unbound(name, "input"));
+                if !report.is_full() {
+                    report.add(self.unbound(name, "input"));
+                }
                 None
             }
         }
@@ -130,7 +132,9 @@ impl Scope<'_, '_> {
         match found {
             Some(id) => Some(At::new(OutputId::at(id), name.at.clone())),
             None => {
-                report.add(self.unbound(name, "output"));
+                if !report.is_full() {
+                    report.add(self.unbound(name, "output"));
+                }
                 None
             }
         }
@@ -181,6 +185,9 @@ fn station_operation(station: usize, name: &Name, names: &Names<'_>, report: &mu
     let operations = &names.inside[station].operations;
     if let Some(op) = operations.get(&name.value) {
         return Some(OpId::at(op));
+    }
+    if report.is_full() {
+        return None;
     }
     let owner = names.stations.names().find(|other| {
         names.stations.get(other).is_some_and(|id| names.inside[id].operations.get(&name.value).is_some())

@@ -1,14 +1,20 @@
 //! "Did you mean …": the known name nearest to an unknown one.
 
+use super::names::NAME_MAX;
+
 /// The candidate that `name` is most likely a slip of, if any is near enough to be worth saying.
 ///
 /// Near enough is a third of the name's letters: enough for a swapped, missing or doubled one, too little for one word
 /// to be taken for another. Case does not count, since a name written in the wrong case is always worth saying.
 pub(super) fn nearest<'a>(name: &str, candidates: impl IntoIterator<Item = &'a str>) -> Option<&'a str> {
     let wanted = name.to_lowercase();
+    if wanted.len() > NAME_MAX {
+        return None;
+    }
     let limit = (wanted.chars().count() / 3).clamp(1, 4);
     candidates
         .into_iter()
+        .filter(|candidate| candidate.len() <= NAME_MAX)
         .map(|candidate| (distance(&wanted, &candidate.to_lowercase()), candidate))
         .filter(|&(distance, _)| distance <= limit)
         .min_by_key(|&(distance, _)| distance)
@@ -23,7 +29,7 @@ fn distance(wanted: &str, candidate: &str) -> usize {
     if short.len() >= BEGINNING_MIN && long.starts_with(short) {
         return 1;
     }
-    strsim::damerau_levenshtein(wanted, candidate)
+    strsim::osa_distance(wanted, candidate)
 }
 
 /// The hint for an unknown name: the nearest known one, or else all of them where they are few.

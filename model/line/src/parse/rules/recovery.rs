@@ -68,13 +68,16 @@ pub(super) fn paths_lead_home(station: &DraftStation<'_>, report: &mut Report) {
         if path.value.is_empty() || operation.path.len() != path.value.len() {
             continue;
         }
+        let until = station.steps_since_home(op);
+        let since_home = station.op_ids().map(OpId::at).filter(|&other| station.steps_since_home(other) <= until);
+        let moved: Vec<usize> = since_home
+            .filter_map(|other| station.operation(other).motion.as_ref())
+            .map(|motion| motion.value.axis.index())
+            .collect();
         for (index, axis) in station.axes.iter().enumerate() {
             let is_on_axis =
                 |other: &DraftOperation<'_>| other.motion.as_ref().is_some_and(|m| m.value.axis.index() == index);
-            let has_moved = station.op_ids().map(OpId::at).any(|other| {
-                station.steps_since_home(other) <= station.steps_since_home(op) && is_on_axis(station.operation(other))
-            });
-            if !has_moved {
+            if !moved.contains(&index) {
                 continue;
             }
             let taken_back = operation.path.iter().map(|step| station.operation(step.value)).rfind(|o| is_on_axis(o));
