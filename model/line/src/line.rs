@@ -471,19 +471,20 @@ impl Station {
         self.steps.iter().position(|step| step.contains(&op)).expect("every operation belongs to a step")
     }
 
-    /// What every operation counts when the station stands at home at the end of round `n` (the home operation done
-    /// `n` times): the operations listed up to home count `n`, everything after it `n` − 1.
+    /// What an operation counts when the station stands at home at the end of round `n` (the home operation done `n`
+    /// times): the operations listed up to home count `n`, everything after it `n` − 1.
     ///
     /// With home listed last that is `n` for all of them; a station that has never moved stands at
-    /// [`Station::initial_round`].
-    pub fn home_count(&self, op: OpId, n: u32) -> u32 {
-        if op <= self.home { n } else { n.saturating_sub(1) }
+    /// [`Station::initial_round`]. Counts are signed because an operator may undo the home operation of a station
+    /// that has never run a cycle.
+    pub fn home_count(&self, op: OpId, n: i32) -> i32 {
+        if op <= self.home { n } else { n - 1 }
     }
 
     /// The round a station that has never moved stands at the end of: 0 if the home operation is the last one
     /// listed, else 1 (so that the operations listed up to it count cycle 1 and everything else counts 0).
-    pub fn initial_round(&self) -> u32 {
-        u32::from(self.home.index() + 1 < self.operations.len())
+    pub fn initial_round(&self) -> i32 {
+        i32::from(self.home.index() + 1 < self.operations.len())
     }
 }
 
