@@ -1,1 +1,24 @@
-//! The simulated plant: mechanisms and the CAN devices they hang on
+//! The simulated plant: a line's mechanisms, and the CAN devices they hang on.
+//!
+//! - [`Plant`]: the mechanisms of a line in pure, event-driven time: outputs in, limit switches out;
+//! - [`DeviceNode`]: one generic CANopen I/O device, pure: frames in, frames out;
+//! - [`Rack`]: the devices of one bus wired to the mechanisms, pure;
+//! - [`run_plant`]: the shell that puts racks on their buses.
+//!
+//! The plant knows the description and the laws of motion, and nothing of modes, cycles or controllers: whoever
+//! energises an output moves an axis. That makes it a fair opponent in a test. It can be made to fail, in process or
+//! over CAN.
+
+mod axis;
+mod device;
+mod fault;
+mod mechanism;
+mod plant;
+mod rack;
+mod run;
+
+pub use device::{DeviceNode, DeviceOutbox, Order};
+pub use fault::{DeviceFault, FAULT_INDEX, Fault, PRESS_INDEX};
+pub use plant::{Plant, PlantOptions};
+pub use rack::Rack;
+pub use run::{Options, RackRunner, open_plant, run_plant};

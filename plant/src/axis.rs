@@ -1,0 +1,105 @@
+//! Where an axis is: a straight line in time from its last change.
+//!
+//! A position is computed from the moment its motion began, never from the last time somebody looked. Looking often
+//! or seldom gives the same positions to the last bit, and nothing drifts.
+
+use std::time::Duration;
+
+use linewright_line::Tick;
+
+/// A motion towards a target at constant speed.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub(crate) struct Travel {
+    /// Where it ends. It is never overshot.
+    pub(crate) target: f64,
+    /// Speed in units of the axis per microsecond, above zero.
+    pub(crate) speed: f64,
+}
+
+/// An axis: since when it does what, and from where.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub(crate) struct AxisState {
+    since: Tick,
+    from: f64,
+    travel: Option<Travel>,
+}
+
+impl AxisState {
+    pub(crate) fn standing(at: f64) -> Self {
+        AxisState { since: Tick::ZERO, from: at, travel: None }
+    }
+
+    /// Where it is at `now`; a moment before its last change counts as that change.
+    pub(crate) fn position(&self, now: Tick) -> f64 {
+        let Some(Travel { target, speed }) = self.travel else { return self.from };
+        let whole = target - self.from;
+        let gone = speed * now.since(self.since).as_micros() as f64;
+        // What is left below a billionth of the way is rounding, not distance.
+        if gone >= whole.abs() * (1.0 - 1e-9) { target } else { self.from + gone.copysign(whole) }
+    }
+
+    /// Changes what it does, from where it is at `now`.
+    pub(crate) fn change(&mut self, now: Tick, travel: Option<Travel>) {
+        *self = AxisState { since: now, from: self.position(now), travel };
+    }
+
+    /// When it reaches its target; `None` if it stands.
+    pub(crate) fn arrival(&self) -> Option<Tick> {
+        self.travel.map(|travel| self.first_tick(travel.target))
+    }
+
+    /// The moments at which it may pass into or out of reach of `at`: `reach` before and after it.
+    ///
+    /// Each is given with its two neighbours, because the exact crossing falls between two ticks; whoever asks looks
+    /// at all of them.
+    pub(crate) fn crossings(&self, at: f64, reach: f64) -> impl Iterator<Item = Tick> {
+        let travel = self.travel;
+        let edges = [at - reach, at + reach].into_iter().filter(move |edge| {
+            travel.is_some_and(|t| (self.from.min(t.target)..=self.from.max(t.target)).contains(edge))
+        });
+        edges.flat_map(|edge| {
+            let tick = self.first_tick(edge);
+            let step = Duration::from_micros(1);
+            [tick - step, tick, tick + step]
+        })
+    }
+
+    /// The first tick at which it has covered the way to `position`; at least one after it set off.
+    fn first_tick(&self, position: f64) -> Tick {
+        let speed = self.travel.map_or(1.0, |t| t.speed);
+        let micros = ((position - self.from).abs() / speed * (1.0 - 1e-9)).ceil();
+        // A float cast saturates: a motion that takes longer than time itself arrives never.
+        self.since + Duration::from_micros((micros as u64).max(1))
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use proptest::prelude::*;
+
+    #[test]
+    fn a_motion_takes_exactly_its_time() {
+        let mut axis = AxisState::standing(0.0);
+        axis.change(Tick::from_millis(10), Some(Travel { target: 100.0, speed: 100.0 / 700_000.0 }));
+        assert_eq!(axis.arrival(), Some(Tick::from_millis(710)));
+        assert_eq!(axis.position(Tick::from_millis(710)), 100.0);
+        assert!(axis.position(Tick::from_micros(709_999)) < 100.0);
+        assert_eq!(axis.position(Tick::from_millis(5000)), 100.0);
+    }
+
+    proptest! {
+        #[test]
+        fn it_arrives_at_its_arrival_and_not_a_tick_earlier(
+            from in -1000.0..1000.0f64, target in -1000.0..1000.0f64, micros in 1000u64..100_000_000
+        ) {
+            prop_assume!((target - from).abs() > 1e-3);
+            let mut axis = AxisState::standing(from);
+            axis.change(Tick::ZERO, Some(Travel { target, speed: (target - from).abs() / micros as f64 }));
+            let arrival = axis.arrival().unwrap();
+            prop_assert_eq!(axis.position(arrival), target);
+            prop_assert!(axis.position(arrival - Duration::from_micros(1)) != target);
+            prop_assert!(arrival.as_micros().abs_diff(micros) <= 1);
+        }
+    }
+}

@@ -1,0 +1,213 @@
+//! One station's mechanisms: axes, what drives them, and the switches they press.
+//!
+//! A description speaks of operations; an axis knows only drives (an output that pulls it towards a position) and
+//! switches (an input that is on at a position). This is where the one becomes the other.
+
+use std::time::Duration;
+
+use linewright_line::{InputId, Module, OpId, OutputId, Signals, Station, Tick};
+
+use crate::axis::{AxisState, Travel};
+use crate::fault::Fault;
+
+/// A switch is on within this fraction of its operation's way.
+///
+/// Narrow enough that a motion's time is its time, wide enough that rounding never leaves a switch off.
+const REACH: f64 = 0.001;
+/// Fraction of its speed at which a slipping motion moves.
+const SLIP: f64 = 0.25;
+
+/// Which motion of an operation a drive is.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub(crate) enum Stroke {
+    Normal,
+    Recovery,
+}
+
+/// An output that pulls an axis towards a position.
+pub(crate) struct Drive {
+    pub(crate) op: OpId,
+    pub(crate) stroke: Stroke,
+    pub(crate) output: OutputId,
+    pub(crate) fault: Option<Fault>,
+    from: f64,
+    target: f64,
+    /// What the whole way from `from` to `target` takes, above zero.
+    duration: Duration,
+    fault_input: Option<InputId>,
+}
+
+struct Switch {
+    input: InputId,
+    at: f64,
+    reach: f64,
+}
+
+/// One axis with everything that acts on it.
+pub(crate) struct Mechanism {
+    pub(crate) drives: Vec<Drive>,
+    switches: Vec<Switch>,
+    state: AxisState,
+    /// What moves it now: the drive's place in `drives`, its fault, and the factor its duration was given.
+    moving: Option<(usize, Option<Fault>, f64)>,
+    /// Drives both ways are on; it stands.
+    opposed: bool,
+    /// Motions begun so far: makes every one's random factor its own.
+    begun: u64,
+}
+
+/// What a change of outputs or faults did to an axis.
+pub(crate) struct Change {
+    /// Drives both ways have just come on at once.
+    pub(crate) alarm: bool,
+}
+
+impl Mechanism {
+    /// The axis of `station` with this place, standing at its home position.
+    pub(crate) fn new(station: &Station, axis: usize) -> Self {
+        let mut mechanism = Mechanism {
+            drives: Vec::new(),
+            switches: Vec::new(),
+            state: AxisState::standing(station.axes[axis].home),
+            moving: None,
+            opposed: false,
+            begun: 0,
+        };
+        for (at, operation) in station.operations.iter().enumerate() {
+            let motion = operation.motion;
+            if motion.axis.index() != axis {
+                continue;
+            }
+            let op = OpId::at(at);
+            mechanism.add(op, Stroke::Normal, (motion.from, motion.to), operation.duration, operation.normal);
+            if let Module::Reversible { recovery, recovery_duration, .. } = &operation.module {
+                mechanism.add(op, Stroke::Recovery, (motion.to, motion.from), *recovery_duration, *recovery);
+            }
+        }
+        mechanism
+    }
+
+    fn add(&mut self, op: OpId, stroke: Stroke, way: (f64, f64), duration: Duration, signals: Signals) {
+        let (from, target) = way;
+        // A motion that goes nowhere is complete where it stands.
+        let reach = ((target - from).abs() * REACH).max(f64::EPSILON);
+        self.switches.push(Switch { input: signals.complete, at: target, reach });
+        self.drives.push(Drive {
+            op,
+            stroke,
+            output: signals.actuator,
+            fault: None,
+            from,
+            target,
+            duration: duration.max(Duration::from_micros(1)),
+            fault_input: signals.fault,
+        });
+    }
+
+    pub(crate) fn position(&self, now: Tick) -> f64 {
+        self.state.position(now)
+    }
+
+    /// The inputs that are on at `now`.
+    pub(crate) fn inputs(&self, now: Tick) -> u128 {
+        let at = self.position(now);
+        let switches = self.switches.iter().filter(|s| s.is_on(at)).map(|s| s.input);
+        let broken = self.drives.iter().filter(|d| d.fault == Some(Fault::Break)).filter_map(|d| d.fault_input);
+        switches.chain(broken).fold(0, |image, input| image | bit(input.index()))
+    }
+
+    /// The next moment after `now` at which its inputs change or its motion ends, if outputs stay as they are.
+    pub(crate) fn next_change(&self, now: Tick) -> Option<Tick> {
+        let arrival = self.state.arrival().filter(|at| *at > now);
+        let here = self.position(now);
+        let crossing = |switch: &Switch| {
+            let was = switch.is_on(here);
+            let moments = self.state.crossings(switch.at, switch.reach);
+            moments.filter(|t| *t > now && switch.is_on(self.position(*t)) != was).min()
+        };
+        self.switches.iter().filter_map(crossing).chain(arrival).min()
+    }
+
+    /// When its motion ends; whoever advances time looks here, as another drive may take over.
+    pub(crate) fn arrival(&self) -> Option<Tick> {
+        self.moving.and_then(|_| self.state.arrival())
+    }
+
+    /// Does what the outputs in `image` and the faults say from `now` on. `random` gives a motion's duration its
+    /// factor, from the number of motions begun before.
+    pub(crate) fn drive(&mut self, now: Tick, image: u128, random: impl Fn(u64) -> f64) -> Change {
+        let on = |drive: &&Drive| image & bit(drive.output.index()) != 0 && drive.target != drive.from;
+        let (mut forward, mut back) = (false, false);
+        for drive in self.drives.iter().filter(on) {
+            *(if drive.target > drive.from { &mut forward } else { &mut back }) = true;
+        }
+        let opposed = forward && back;
+        let change = Change { alarm: opposed && !self.opposed };
+        self.opposed = opposed;
+        let jammed = self.drives.iter().filter(on).any(|d| matches!(d.fault, Some(Fault::Stick | Fault::Break)));
+        let chosen = if opposed || jammed { None } else { self.choose(now, image) };
+        let fault = chosen.and_then(|at| self.drives[at].fault);
+        if let Some((was, was_fault, _)) = self.moving
+            && chosen == Some(was)
+            && fault == was_fault
+        {
+            return change;
+        }
+        if chosen.is_none() && self.moving.is_none() {
+            return change;
+        }
+        self.moving = chosen.map(|at| {
+            self.begun += 1;
+            (at, fault, random(self.begun))
+        });
+        let travel = self.moving.map(|(at, fault, factor)| self.drives[at].travel(fault, factor));
+        self.state.change(now, travel);
+        change
+    }
+
+    /// Which of the drives that are on moves the axis: the nearest target ahead. One output may serve several
+    /// operations in a row; it then pulls from one's end to the next's. A drive that has arrived holds the axis; one
+    /// whose target was left behind pulls back to it only if nothing else has a say. Of drives that pull together a
+    /// faulty one decides: one that slips back drags the others along, and holds them where it came from.
+    fn choose(&self, now: Tick, image: u128) -> Option<usize> {
+        let here = self.position(now);
+        let is_on = |d: &Drive| image & bit(d.output.index()) != 0 && d.from != d.target;
+        let on: Vec<(usize, &Drive)> = self.drives.iter().enumerate().filter(|(_, d)| is_on(d)).collect();
+        if let Some((at, slipping)) = on.iter().find(|(_, d)| d.fault == Some(Fault::SlipBack)) {
+            return (here != slipping.from).then_some(*at);
+        }
+        let ahead = |d: &Drive| (d.target - here) * (d.target - d.from).signum() > 0.0;
+        let nearest = |only_ahead: bool| {
+            let candidates = on.iter().filter(|(_, d)| !only_ahead || ahead(d));
+            let key = |d: &Drive| (d.fault.is_none(), (d.target - here).abs());
+            candidates
+                .map(|(at, d)| (*at, key(d)))
+                .min_by(|(_, a), (_, b)| a.0.cmp(&b.0).then(a.1.total_cmp(&b.1)))
+                .map(|(at, _)| at)
+        };
+        let arrived = on.iter().any(|(_, d)| d.target == here);
+        nearest(true).or_else(|| if arrived { None } else { nearest(false) })
+    }
+}
+
+impl Drive {
+    fn travel(&self, fault: Option<Fault>, factor: f64) -> Travel {
+        let speed = (self.target - self.from).abs() / (self.duration.as_micros() as f64 * factor);
+        match fault {
+            Some(Fault::Slip) => Travel { target: self.target, speed: speed * SLIP },
+            Some(Fault::SlipBack) => Travel { target: self.from, speed: speed * SLIP },
+            Some(Fault::Stick | Fault::Break) | None => Travel { target: self.target, speed },
+        }
+    }
+}
+
+impl Switch {
+    fn is_on(&self, position: f64) -> bool {
+        (position - self.at).abs() <= self.reach
+    }
+}
+
+/// Bit `index` of an image, nothing beyond its width.
+pub(crate) fn bit(index: usize) -> u128 {
+    u32::try_from(index).ok().and_then(|index| 1u128.checked_shl(index)).unwrap_or(0)
+}

@@ -1,0 +1,186 @@
+//! The mechanisms of a line: outputs in, time, inputs out.
+//!
+//! Pure and event-driven: between two changes every axis moves on a straight line, so [`Plant::advance`] costs the
+//! same for a microsecond and for an hour, and [`Plant::next_change`] says exactly when to look again. The same seed
+//! gives the same plant.
+
+use std::collections::HashMap;
+
+use linewright_line::{AxisId, InputId, Line, OpId, OutputId, Owner, StationId, Tick};
+
+use crate::fault::Fault;
+use crate::mechanism::{Mechanism, Stroke, bit};
+
+/// How a plant deviates from its description.
+#[derive(Clone, Copy, Debug, Default, PartialEq)]
+pub struct PlantOptions {
+    /// What its random deviations follow from.
+    pub seed: u64,
+    /// How far a motion's duration may deviate, as a fraction: 0.1 is up to a tenth shorter or longer. At most 0.9.
+    pub variation: f64,
+}
+
+/// The mechanisms of a line.
+pub struct Plant {
+    options: PlantOptions,
+    now: Tick,
+    /// By station, by axis.
+    stations: Vec<Vec<Mechanism>>,
+    outputs: HashMap<Owner, u128>,
+    forced: HashMap<(Owner, InputId), bool>,
+    alarms: u64,
+}
+
+impl Plant {
+    /// The mechanisms of `line`, every axis at home, every output off.
+    pub fn new(line: &Line, options: PlantOptions) -> Self {
+        let axes = |station: &linewright_line::Station| {
+            (0..station.axes.len()).map(|axis| Mechanism::new(station, axis)).collect()
+        };
+        Plant {
+            options,
+            now: Tick::ZERO,
+            stations: line.stations.iter().map(axes).collect(),
+            outputs: HashMap::new(),
+            forced: HashMap::new(),
+            alarms: 0,
+        }
+    }
+
+    /// The moment it has been advanced to.
+    pub fn now(&self) -> Tick {
+        self.now
+    }
+
+    /// Lets time pass until `now`. A moment already passed changes nothing.
+    pub fn advance(&mut self, now: Tick) {
+        // Where one drive ends another may take over, if one output serves two operations: such moments are settled
+        // one by one, at their own time, so that it does not matter when somebody looks.
+        while let Some((at, station, axis)) = self.next_arrival().filter(|(at, ..)| *at <= now) {
+            self.now = self.now.max(at);
+            self.redrive(station, axis);
+        }
+        self.now = self.now.max(now);
+    }
+
+    /// Sets the outputs of `owner` at `now`: bit `i` is output `i`. The console's outputs are lamps and move nothing.
+    pub fn set_outputs(&mut self, now: Tick, owner: Owner, image: u128) {
+        self.advance(now);
+        if self.outputs.insert(owner, image) == Some(image) {
+            return;
+        }
+        if let Owner::Station(id) = owner {
+            self.redrive_station(id.index());
+        }
+    }
+
+    /// The outputs of `owner` as last set.
+    pub fn outputs(&self, owner: Owner) -> u128 {
+        self.outputs.get(&owner).copied().unwrap_or(0)
+    }
+
+    /// The inputs of `owner`: bit `i` is input `i`. Those no mechanism presses are off until they are forced.
+    pub fn inputs(&self, owner: Owner) -> u128 {
+        let pressed = match owner {
+            Owner::Station(id) => self.stations.get(id.index()).map(Vec::as_slice).unwrap_or_default(),
+            Owner::Console => &[],
+        };
+        let image = pressed.iter().fold(0, |image, mechanism| image | mechanism.inputs(self.now));
+        self.forced.iter().filter(|((of, _), _)| *of == owner).fold(image, |image, ((_, input), on)| {
+            if *on { image | bit(input.index()) } else { image & !bit(input.index()) }
+        })
+    }
+
+    /// The next moment at which an input changes or a motion ends, if nothing is set before.
+    pub fn next_change(&self) -> Option<Tick> {
+        self.stations.iter().flatten().filter_map(|mechanism| mechanism.next_change(self.now)).min()
+    }
+
+    /// Where an axis stands, in its own unit.
+    pub fn position(&self, station: StationId, axis: AxisId) -> f64 {
+        self.stations[station.index()][axis.index()].position(self.now)
+    }
+
+    /// How often drives both ways of one axis have come on at once. No controller should ever do that; the axis then
+    /// stands still.
+    pub fn alarms(&self) -> u64 {
+        self.alarms
+    }
+
+    /// Makes the normal motion of an operation fail, or work again (`None`), from `now` on.
+    pub fn inject(&mut self, now: Tick, station: StationId, op: OpId, fault: Option<Fault>) {
+        self.set_fault(now, station, fault, |drive| drive.op == op && drive.stroke == Stroke::Normal);
+    }
+
+    /// Makes the recovery motion of an operation fail, or work again (`None`), from `now` on.
+    pub fn inject_recovery(&mut self, now: Tick, station: StationId, op: OpId, fault: Option<Fault>) {
+        self.set_fault(now, station, fault, |drive| drive.op == op && drive.stroke == Stroke::Recovery);
+    }
+
+    /// Makes every motion that an output drives fail, or work again (`None`), from `now` on.
+    pub fn inject_output(&mut self, now: Tick, owner: Owner, output: OutputId, fault: Option<Fault>) {
+        if let Owner::Station(station) = owner {
+            self.set_fault(now, station, fault, |drive| drive.output == output);
+        }
+    }
+
+    /// Holds an input of `owner` on or off, whatever the mechanism does, or lets go of it (`None`): a finger on a
+    /// button, a stuck switch.
+    pub fn force(&mut self, owner: Owner, input: InputId, value: Option<bool>) {
+        match value {
+            Some(on) => self.forced.insert((owner, input), on),
+            None => self.forced.remove(&(owner, input)),
+        };
+    }
+
+    fn set_fault(
+        &mut self,
+        now: Tick,
+        station: StationId,
+        fault: Option<Fault>,
+        hit: impl Fn(&crate::mechanism::Drive) -> bool,
+    ) {
+        self.advance(now);
+        let Some(mechanisms) = self.stations.get_mut(station.index()) else { return };
+        for drive in mechanisms.iter_mut().flat_map(|m| &mut m.drives).filter(|d| hit(d)) {
+            drive.fault = fault;
+        }
+        self.redrive_station(station.index());
+    }
+
+    fn next_arrival(&self) -> Option<(Tick, usize, usize)> {
+        let at = |(station, axes): (usize, &Vec<Mechanism>)| {
+            let arrivals = axes.iter().enumerate().filter_map(|(axis, m)| Some((m.arrival()?, axis)));
+            arrivals.min().map(|(at, axis)| (at, station, axis))
+        };
+        self.stations.iter().enumerate().filter_map(at).min()
+    }
+
+    fn redrive_station(&mut self, station: usize) {
+        for axis in 0..self.stations[station].len() {
+            self.redrive(station, axis);
+        }
+    }
+
+    fn redrive(&mut self, station: usize, axis: usize) {
+        let image = self.outputs(Owner::Station(StationId::at(station)));
+        let PlantOptions { seed, variation } = self.options;
+        let place = (station as u64) << 48 | (axis as u64) << 32;
+        let factor = |begun| 1.0 + variation.clamp(0.0, 0.9) * (2.0 * unit(seed ^ mix(place | begun)) - 1.0);
+        let change = self.stations[station][axis].drive(self.now, image, factor);
+        self.alarms += u64::from(change.alarm);
+    }
+}
+
+/// A number in 0..1 that follows from `seed` alone.
+fn unit(seed: u64) -> f64 {
+    (mix(seed) >> 11) as f64 / (1u64 << 53) as f64
+}
+
+/// The finaliser of SplitMix64: every bit of the input stirs every bit of the output.
+fn mix(seed: u64) -> u64 {
+    let mut z = seed.wrapping_add(0x9E37_79B9_7F4A_7C15);
+    z = (z ^ (z >> 30)).wrapping_mul(0xBF58_476D_1CE4_E5B9);
+    z = (z ^ (z >> 27)).wrapping_mul(0x94D0_49BB_1331_11EB);
+    z ^ (z >> 31)
+}

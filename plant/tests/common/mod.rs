@@ -1,0 +1,104 @@
+//! A small line for tests: two presses that advance and return, one on the coordinator's bus, one on its own, and a
+//! console.
+//!
+//! Each press: input 0 is on in front, 1 at the back, 2 when the advance has failed; output 0 advances, 1 returns.
+
+#![allow(dead_code)] // Each test binary uses its share.
+
+use std::time::Duration;
+
+use linewright_line::{
+    Axis, AxisId, Bus, ButtonId, Console, Device, Hand, InputId, Line, Module, Motion, OpId, Operation, OutputId,
+    Owner, Panel, Signals, Station, StationId, Timing,
+};
+
+pub const PRESS: StationId = StationId(0);
+pub const OTHER: StationId = StationId(1);
+pub const RAM: AxisId = AxisId(0);
+pub const ADVANCE: OpId = OpId(0);
+
+pub const FRONT: u128 = 0b001;
+pub const BACK: u128 = 0b010;
+pub const FAILED: u128 = 0b100;
+pub const FORWARD: u128 = 0b01;
+pub const RETURN: u128 = 0b10;
+
+/// What the ram's way of 80 mm takes, forward.
+pub const FORWARD_TIME: Duration = Duration::from_millis(200);
+/// And back.
+pub const RETURN_TIME: Duration = Duration::from_millis(100);
+
+fn operation(name: &str, from: f64, to: f64) -> Operation {
+    let forward = to > from;
+    let signals = |forward: bool| Signals {
+        actuator: OutputId(u16::from(!forward)),
+        complete: InputId(u16::from(!forward)),
+        fault: forward.then_some(InputId(2)),
+        lamp: None,
+    };
+    let time = |forward| if forward { FORWARD_TIME } else { RETURN_TIME };
+    Operation {
+        name: name.to_owned(),
+        module: Module::Reversible {
+            recovery: signals(!forward),
+            recovery_duration: time(!forward),
+            recovery_watchdog: Duration::from_secs(1),
+        },
+        duration: time(forward),
+        watchdog: Duration::from_secs(1),
+        motion: Motion { axis: RAM, from, to },
+        normal: signals(forward),
+        hand: Hand::Sequence { forward: ButtonId(0) },
+    }
+}
+
+fn station(name: &str, bus: Bus) -> Station {
+    Station {
+        name: name.to_owned(),
+        title: name.to_owned(),
+        operations: vec![operation("advance", 0.0, 80.0), operation("return", 80.0, 0.0)],
+        home: OpId(1),
+        steps: vec![vec![OpId(0)], vec![OpId(1)]],
+        axes: vec![Axis { name: "ram".to_owned(), home: 0.0 }],
+        inputs: ["front", "back", "failed", "selector"].map(str::to_owned).to_vec(),
+        outputs: ["forward", "return"].map(str::to_owned).to_vec(),
+        panel: Panel { manual: Some(InputId(3)), advance: None, retract: None },
+        bus,
+    }
+}
+
+fn device(name: &str, node_id: u8, owner: Owner, bus: Bus, inputs: u16, outputs: u16) -> Device {
+    Device {
+        name: name.to_owned(),
+        node_id,
+        owner,
+        bus,
+        inputs: (0..inputs).map(|i| Some(InputId(i))).collect(),
+        outputs: (0..outputs).map(|i| Some(OutputId(i))).collect(),
+    }
+}
+
+/// The line. Press 1 is node 4, the console node 10, on the coordinator's bus; press 2 is node 4 on `press2`.
+pub fn line() -> Line {
+    let own = || Bus::Own("press2".to_owned());
+    Line {
+        name: "test".to_owned(),
+        title: "Test".to_owned(),
+        stations: vec![station("press1", Bus::Line), station("press2", own())],
+        arrows: Vec::new(),
+        conflicts: Vec::new(),
+        devices: vec![
+            device("press1-io", 4, Owner::Station(PRESS), Bus::Line, 4, 2),
+            device("press2-io", 4, Owner::Station(OTHER), own(), 4, 2),
+            device("console-io", 10, Owner::Console, Bus::Line, 1, 1),
+        ],
+        buttons: Vec::new(),
+        console: Console {
+            inputs: vec!["start".to_owned()],
+            outputs: vec!["auto lamp".to_owned()],
+            start: Some(InputId(0)),
+            ..Console::default()
+        },
+        timing: Timing::default(),
+    }
+}
