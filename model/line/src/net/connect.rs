@@ -2,13 +2,17 @@
 //!
 //! Numbers in comments are those of Figures 12, 13, 20 and 22. Where this departs from the figures it says so:
 //!
-//! * A fault stops a motion in every mode. The figures look for it in hand mode only while the button is held, and
-//!   not at all in manual mode.
-//! * Released buttons are conditions on the level, not on the falling edge: an edge can be lost with a message, a
-//!   level that stays off cannot.
-//! * t9 also has an auto condition, so that auto resumes from wherever a recovery ended; p6 of an operation is the
-//!   same position as p3 of the one before it, and t9 waits for the same arrows as t11 would.
-//! * Running motions finish in stand-by as they would in auto, and every motion stops on the emergency stop.
+//! 1. A fault stops a motion in every mode, and is looked for as a level. The figures look for its edge, in hand mode
+//!    only while the button is held, and not at all in manual mode.
+//! 2. Released buttons are conditions on the level, not on the falling edge: an edge can be lost with a message, a
+//!    level that stays off cannot.
+//! 3. t9 also has an auto condition, so that auto resumes from wherever a recovery ended; p6 of an operation is the
+//!    same position as p3 of the one before it, and t9 waits for the same arrows as t11 would.
+//! 4. Running motions, recovery motions among them, finish in stand-by and auto, and every motion stops on the
+//!    emergency stop.
+//! 5. In manual mode a motion completes under the button that drives it. The figures accept either, but the other one
+//!    has stopped the motion by then.
+//! 6. On a recovery path the return button drives the home operation's normal motion, and nothing turns forward.
 
 use crate::net::condition::{ControlMode, Literal, Term, Var, off, on};
 use crate::net::module::{Block, Place, is_reversible};
