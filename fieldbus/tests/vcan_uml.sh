@@ -1,0 +1,60 @@
+#!/bin/sh
+# Runs tests/vcan.rs on real CAN sockets inside a user-mode Linux, for machines whose own kernel has no CAN.
+#
+# Needs, on Debian: user-mode-linux, can-utils, kmod, iproute2. Needs no privileges outside: the guest is a process,
+# and its root directory is this machine's own, seen with the rights of whoever starts it.
+#
+#   fieldbus/tests/vcan_uml.sh            builds the test and boots the guest
+#   fieldbus/tests/vcan_uml.sh BINARY     runs that test binary inside
+#
+# The guest starts this same script as its init. Exits with the test's own result.
+set -eu
+
+if [ "$$" = 1 ]; then
+    # Inside the guest. LW_* came along on the kernel's command line as environment.
+    export PATH=/usr/sbin:/usr/bin:/sbin:/bin HOME=/run
+    mount -t proc proc /proc
+    mount -t sysfs sys /sys
+    mount -t tmpfs run /run
+    for module in can can-raw can-dev vcan; do
+        file=$(find "/usr/lib/uml/modules/$(uname -r)" -name "$module.ko*" | head -n 1)
+        [ -z "$file" ] || insmod "$file" 2>/dev/null || echo "guest: $module not loaded (built in, or not needed)"
+    done
+    result=1
+    if ip link add dev vcan0 type vcan && ip link set up vcan0; then
+        echo "guest: $(uname -sr), $(ip -brief link show vcan0)"
+        candump -L vcan0 >/run/candump.log &
+        candump=$!
+        sleep 1
+        if timeout 120 "$LW_TEST" --nocapture --test-threads=1; then result=0; fi
+        sleep 1
+        kill "$candump"
+        echo "guest: candump saw $(wc -l </run/candump.log) frames; the first 24:"
+        head -n 24 /run/candump.log
+    fi
+    echo "guest: RESULT $result"
+    halt -f 2>/dev/null || poweroff -f
+fi
+
+uml=$(command -v linux.uml || command -v linux || true)
+if [ -z "$uml" ]; then
+    echo "SKIPPED, not tested: no linux.uml here (Debian: apt install user-mode-linux can-utils kmod)" >&2
+    exit 77
+fi
+here=$(cd "$(dirname "$0")" && pwd)
+test=${1:-}
+if [ -z "$test" ]; then
+    test=$(cd "$here" && cargo test -p linewright-fieldbus --test vcan --no-run 2>&1 |
+        sed -n 's/.*Executable.*(\(.*\))$/\1/p')
+fi
+case $test in
+/*) ;;
+*) test=$(cd "$here/../.." && pwd)/$test ;;
+esac
+[ -x "$test" ] || { echo "no test binary: $test" >&2; exit 1; }
+# No shell started by the guest can hang on a terminal; the guest ends within a few seconds, and is ended after 300.
+out=$(mktemp)
+trap 'rm -f "$out"' EXIT
+timeout 300 "$uml" mem=1024M rootfstype=hostfs rootflags=/ rw "init=$here/vcan_uml.sh" "LW_TEST=$test" \
+    con=null con0=fd:0,fd:1 quiet </dev/null | tee "$out" || true
+grep -q 'guest: RESULT 0' "$out"
