@@ -159,3 +159,47 @@ async fn round_trip() {
     times.sort();
     println!("round trip: median {:?}, 99 % below {:?}", times[times.len() / 2], times[times.len() * 99 / 100]);
 }
+
+/// Set in a child process of [`a_killed_process_leaves_nothing_behind`]: the directory of its bus.
+const CHILD: &str = "LINEWRIGHT_TEST_CHILD";
+
+/// Not a test of its own: what the child process does, started by the test below.
+#[tokio::test]
+async fn child_echoes_for_ever() {
+    let Some(dir) = std::env::var_os(CHILD) else { return };
+    let options = Options { transport: Transport::Virtual, dir: Some(dir.into()) };
+    let mut bus = Bus::open("vcan0", &options).unwrap();
+    loop {
+        let frame = bus.recv().await;
+        bus.send(&frame);
+    }
+}
+
+#[tokio::test]
+async fn a_killed_process_leaves_nothing_behind() {
+    let dir = tempfile::tempdir().unwrap();
+    let mut bus = Bus::open("vcan0", &options(&dir)).unwrap();
+    let mut child = std::process::Command::new(std::env::current_exe().unwrap())
+        .args(["--exact", "child_echoes_for_ever"])
+        .env(CHILD, dir.path())
+        .stdout(std::process::Stdio::null())
+        .spawn()
+        .unwrap();
+    let echoed = async {
+        loop {
+            bus.send(&frame(1));
+            if let Ok(heard) = tokio::time::timeout(Duration::from_millis(5), bus.recv()).await {
+                break heard;
+            }
+        }
+    };
+    assert_eq!(within(echoed).await, frame(1));
+    let members = || std::fs::read_dir(dir.path().join("vcan0")).unwrap().count();
+    assert_eq!(members(), 2);
+    child.kill().unwrap();
+    child.wait().unwrap();
+    bus.send(&frame(2));
+    assert_eq!(members(), 1);
+    let stats = bus.stats();
+    assert_eq!((stats.send_errors, stats.overruns), (0, 0));
+}

@@ -177,13 +177,18 @@ impl Mechanism {
             return (here != slipping.from).then_some(*at);
         }
         let ahead = |d: &Drive| (d.target - here) * (d.target - d.from).signum() > 0.0;
+        // Two operations may share output and target, from different ends: the one whose way begins here is meant, and
+        // one that has begun is not changed for another on the way.
+        let began = self.moving.map(|(at, ..)| at);
+        let key = |at: usize, d: &Drive| {
+            let way_here = if began == Some(at) { -1.0 } else { (d.from - here).abs() };
+            (d.fault.is_none(), (d.target - here).abs(), way_here)
+        };
         let nearest = |only_ahead: bool| {
-            let candidates = on.iter().filter(|(_, d)| !only_ahead || ahead(d));
-            let key = |d: &Drive| (d.fault.is_none(), (d.target - here).abs());
-            candidates
-                .map(|(at, d)| (*at, key(d)))
-                .min_by(|(_, a), (_, b)| a.0.cmp(&b.0).then(a.1.total_cmp(&b.1)))
-                .map(|(at, _)| at)
+            let candidates = on.iter().filter(|(_, d)| !only_ahead || ahead(d)).map(|(at, d)| (*at, key(*at, d)));
+            let first =
+                candidates.min_by(|(_, a), (_, b)| a.0.cmp(&b.0).then(a.1.total_cmp(&b.1)).then(a.2.total_cmp(&b.2)));
+            first.map(|(at, _)| at)
         };
         let arrived = on.iter().any(|(_, d)| d.target == here);
         nearest(true).or_else(|| if arrived { None } else { nearest(false) })

@@ -16,7 +16,10 @@ use crate::frame::{Frame, Kind};
 const READ_PAUSE: Duration = Duration::from_millis(50);
 
 pub(super) struct KernelBus {
+    name: String,
     socket: CanSocket,
+    /// The last read failed: said once, not every time it is tried again.
+    failing: bool,
 }
 
 impl KernelBus {
@@ -24,7 +27,7 @@ impl KernelBus {
         let socket = CanSocket::open(name)?;
         // The kernel's reports about the bus come as frames; without them a bus that is off looks like a quiet one.
         socket.set_error_filter_accept_all()?;
-        Ok(KernelBus { socket })
+        Ok(KernelBus { name: name.to_owned(), socket, failing: false })
     }
 
     pub(super) fn send(&mut self, frame: &Frame, stats: &mut BusStats) {
@@ -48,12 +51,17 @@ impl KernelBus {
     pub(super) async fn recv(&mut self, stats: &mut BusStats) -> Frame {
         loop {
             match self.socket.read_frame().await {
-                Ok(frame) => match from_kernel(&frame) {
-                    Some(frame) => return frame,
-                    None => stats.malformed += 1,
-                },
+                Ok(frame) => {
+                    self.failing = false;
+                    match from_kernel(&frame) {
+                        Some(frame) => return frame,
+                        None => stats.malformed += 1,
+                    }
+                }
                 Err(error) => {
-                    tracing::debug!(%error, "CAN socket not readable");
+                    if !std::mem::replace(&mut self.failing, true) {
+                        tracing::warn!(interface = self.name, %error, "nothing can be heard on the CAN interface");
+                    }
                     stats.receive_errors += 1;
                     tokio::time::sleep(READ_PAUSE).await;
                 }
