@@ -1,2 +1,102 @@
-//! The `linewright` command.
-fn main() {}
+//! The `linewright` command: describe, check, run and operate a production line.
+//!
+//! Each subcommand is a module. This file parses the command line, sets up what all of them share, and turns an error
+//! into words and an exit code: 0 done, 1 it could not be done, 2 the command line is wrong.
+
+mod can;
+mod check;
+mod client;
+mod load;
+mod new;
+mod nodes;
+mod operate;
+mod run;
+mod watch;
+
+use std::process::ExitCode;
+
+use clap::{Parser, Subcommand};
+use linewright_node_shell::{RosArgs, init_logging};
+
+/// Describe, check, run and operate a production line.
+#[derive(Debug, Parser)]
+#[command(name = "linewright", version, about, after_help = "ROS 2 arguments go behind --ros-args, e.g. --ros-args -r __ns:=/hall_2 --log-level debug.")]
+struct Cli {
+    #[command(subcommand)]
+    command: Command,
+}
+
+#[derive(Debug, Subcommand)]
+enum Command {
+    /// Write the description of a new line.
+    New(new::Args),
+    /// Check a description: text, nets and structure.
+    Check(check::Args),
+    /// Run a whole line on this machine, with simulated devices.
+    Run(run::Args),
+    /// Run the node of one or more stations.
+    Station(nodes::StationArgs),
+    /// Run the coordinator's node.
+    Coordinator(nodes::CoordinatorArgs),
+    /// Run the simulated plant: every device of the line as a CAN node.
+    Plant(nodes::PlantArgs),
+    /// Give an operator's command: start, stop, auto, hand, manual, estop or reset.
+    Mode(operate::ModeArgs),
+    /// Hold hand-mode buttons, or a station's panel buttons, for a while.
+    Press(operate::PressArgs),
+    /// Make a simulated mechanism or device fail, or clear it.
+    Fail(can::FailArgs),
+    /// Show the line as it runs.
+    Watch(watch::Args),
+    /// Show the frames of a CAN bus, virtual or not, as candump -L does.
+    Candump(can::CandumpArgs),
+}
+
+fn main() -> ExitCode {
+    let (ros, rest) = match RosArgs::from_process() {
+        Ok(parsed) => parsed,
+        Err(error) => {
+            eprintln!("linewright: {error}");
+            return ExitCode::from(2);
+        }
+    };
+    let program = std::env::args().next().unwrap_or_else(|| "linewright".to_owned());
+    let cli = Cli::parse_from(std::iter::once(program).chain(rest));
+    match dispatch(cli.command, ros) {
+        Ok(code) => code,
+        Err(error) => {
+            eprintln!("{error:?}");
+            ExitCode::FAILURE
+        }
+    }
+}
+
+fn dispatch(command: Command, ros: RosArgs) -> miette::Result<ExitCode> {
+    match command {
+        Command::New(args) => new::run(&args),
+        Command::Check(args) => check::run(&args),
+        Command::Run(args) => asynchronous(async move { run::run(args, ros).await }),
+        Command::Station(args) => logged(&ros, || nodes::station(args, &ros)),
+        Command::Coordinator(args) => logged(&ros, || nodes::coordinator(args, &ros)),
+        Command::Plant(args) => logged(&ros, || nodes::plant(args)),
+        Command::Mode(args) => asynchronous(async move { operate::mode(args, &ros).await }),
+        Command::Press(args) => asynchronous(async move { operate::press(args, &ros).await }),
+        Command::Fail(args) => asynchronous(async move { can::fail(args).await }),
+        Command::Watch(args) => asynchronous(async move { watch::run(args, &ros).await }),
+        Command::Candump(args) => asynchronous(async move { can::candump(args).await }),
+    }
+}
+
+fn logged(ros: &RosArgs, work: impl FnOnce() -> miette::Result<ExitCode>) -> miette::Result<ExitCode> {
+    init_logging(ros.log_level).map_err(|error| miette::miette!("{error}"))?;
+    work()
+}
+
+/// Runs on one thread: a controller's shell needs no more, and the DDS library has its own.
+fn asynchronous(work: impl Future<Output = miette::Result<ExitCode>>) -> miette::Result<ExitCode> {
+    let runtime = tokio::runtime::Builder::new_current_thread()
+        .enable_all()
+        .build()
+        .map_err(|error| miette::miette!("cannot start the runtime: {error}"))?;
+    runtime.block_on(work)
+}

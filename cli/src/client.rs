@@ -1,0 +1,189 @@
+//! An operator's view of a running line over ROS 2: the newest state of everybody, what happens, and the commands.
+//!
+//! Shared by every subcommand that looks at a line or operates it. It uses the same topics anybody can use with the
+//! stock tools, and knows nothing the nodes do not publish.
+
+use std::time::{Duration, Instant};
+
+use linewright_line::{Line, StationId};
+use linewright_msgs::{Flag, LineState, StationEvent, StationState, Text};
+use linewright_node_shell::{Forward, NewestBySequence, Node, Participant, Publisher, RosArgs, TopicError, forward, qos};
+use miette::miette;
+use tokio::sync::mpsc;
+
+/// Something newer was heard.
+#[derive(Debug)]
+pub enum Heard {
+    /// The coordinator's state.
+    Line,
+    /// A station's state.
+    Station(StationId),
+    /// Something happened at a station.
+    Event(StationId, StationEvent),
+}
+
+enum Raw {
+    Line(LineState),
+    Station(Box<StationState>),
+    Event(StationEvent),
+}
+
+/// The newest state of one node, and when it was heard.
+#[derive(Debug, Clone)]
+struct Aged<T> {
+    state: T,
+    at: Instant,
+}
+
+/// An operator's connection to a line.
+pub struct Client {
+    line: Line,
+    from: mpsc::Receiver<Raw>,
+    line_state: Option<Aged<LineState>>,
+    stations: Vec<Option<Aged<StationState>>>,
+    newest_line: NewestBySequence,
+    newest: Vec<NewestBySequence>,
+    commands: Publisher<Text>,
+    buttons: Publisher<Text>,
+    node: Node,
+    domain_id: u16,
+    _tasks: Vec<Forward>,
+}
+
+/// Events come in bursts, one per motion of every station.
+const QUEUE: usize = 4096;
+
+impl Client {
+    /// Joins the ROS graph as `name`.
+    pub fn open(line: &Line, ros: &RosArgs, name: &str) -> miette::Result<Self> {
+        let failed = |error: TopicError| miette!("{error}");
+        let participant = Participant::open(ros).map_err(|error| miette!("{error}"))?;
+        // Several operators may look at the same line: each needs a name of its own.
+        let name = format!("{name}_{}", std::process::id());
+        let mut node = participant.node(&format!("/{}", line.name), &name).map_err(|error| miette!("{error}"))?;
+        let (to, from) = mpsc::channel(QUEUE);
+        let state = node.subscription("state", qos::latched_state()).map_err(failed)?;
+        let mut tasks = vec![forward(state, to.clone(), |m, _| Some(Raw::Line(m)))];
+        for station in &line.stations {
+            let state = node.subscription(&format!("{}/state", station.name), qos::latched_state()).map_err(failed)?;
+            tasks.push(forward(state, to.clone(), |m, _| Some(Raw::Station(Box::new(m)))));
+            let event = node.subscription(&format!("{}/event", station.name), qos::event()).map_err(failed)?;
+            tasks.push(forward(event, to.clone(), |m, _| Some(Raw::Event(m))));
+        }
+        Ok(Client {
+            from,
+            line_state: None,
+            stations: vec![None; line.stations.len()],
+            newest_line: NewestBySequence::new(),
+            newest: line.stations.iter().map(|_| NewestBySequence::new()).collect(),
+            commands: node.publisher("mode_cmd", qos::command()).map_err(failed)?,
+            buttons: node.publisher("buttons", qos::command()).map_err(failed)?,
+            line: line.clone(),
+            domain_id: participant.domain_id(),
+            node,
+            _tasks: tasks,
+        })
+    }
+
+    /// The description.
+    pub fn line(&self) -> &Line {
+        &self.line
+    }
+
+    /// The coordinator's newest state, if it is fresh.
+    pub fn coordinator(&self) -> Option<&LineState> {
+        self.line_state.as_ref().filter(|aged| self.is_fresh(aged.at)).map(|aged| &aged.state)
+    }
+
+    /// A station's newest state, if it is fresh.
+    pub fn station(&self, id: StationId) -> Option<&StationState> {
+        self.stations[id.index()].as_ref().filter(|aged| self.is_fresh(aged.at)).map(|aged| &aged.state)
+    }
+
+    fn is_fresh(&self, at: Instant) -> bool {
+        // An operator's picture may be older than a controller's view: twice the limit, so that it does not flicker.
+        at.elapsed() < self.line.timing.stale * 2
+    }
+
+    /// Waits for something newer. Cancel safe.
+    pub async fn next(&mut self) -> miette::Result<Heard> {
+        loop {
+            let raw = self.from.recv().await.ok_or_else(|| miette!("the middleware has failed"))?;
+            if let Some(heard) = self.take(raw) {
+                return Ok(heard);
+            }
+        }
+    }
+
+    fn take(&mut self, raw: Raw) -> Option<Heard> {
+        let at = Instant::now();
+        match raw {
+            Raw::Line(state) => {
+                if !self.newest_line.offer(state.boot_id, state.sequence).is_newest() {
+                    return None;
+                }
+                self.line_state = Some(Aged { state, at });
+                Some(Heard::Line)
+            }
+            Raw::Station(state) => {
+                let id = self.line.station_named(&state.station)?;
+                let fits = state.done.len() == self.line.station(id).operations.len();
+                if !fits || !self.newest[id.index()].offer(state.boot_id, state.sequence).is_newest() {
+                    return None;
+                }
+                self.stations[id.index()] = Some(Aged { state: *state, at });
+                Some(Heard::Station(id))
+            }
+            Raw::Event(event) => Some(Heard::Event(self.line.station_named(&event.station)?, event)),
+        }
+    }
+
+    /// Takes in whatever is heard for as long as `long`.
+    pub async fn listen(&mut self, long: Duration) -> miette::Result<()> {
+        let until = tokio::time::Instant::now() + long;
+        while let Ok(heard) = tokio::time::timeout_at(until, self.next()).await {
+            heard?;
+        }
+        Ok(())
+    }
+
+    /// Gives an operator's command. It is not latched: nobody obeys it later.
+    pub fn command(&self, word: &str) {
+        self.commands.send(Text::from(word));
+    }
+
+    /// Says which hand-mode buttons are held now; repeat it while they are.
+    pub fn hold(&self, names: &str) {
+        self.buttons.send(Text::from(names));
+    }
+
+    /// A publisher for a button of a station's panel: `advance` or `return`.
+    pub fn panel_button(&mut self, station: StationId, button: &str) -> miette::Result<Publisher<Flag>> {
+        let topic = format!("{}/{button}", self.line.station(station).name);
+        self.node.publisher(&topic, qos::command()).map_err(|error| miette!("{error}"))
+    }
+
+    /// A publisher for a station's selector.
+    pub fn panel_selector(&mut self, station: StationId) -> miette::Result<Publisher<Text>> {
+        let topic = format!("{}/selector", self.line.station(station).name);
+        self.node.publisher(&topic, qos::command()).map_err(|error| miette!("{error}"))
+    }
+
+    /// Waits until the coordinator is heard and listens to commands.
+    pub async fn until_connected(&mut self, within: Duration) -> miette::Result<()> {
+        let deadline = Instant::now() + within;
+        while Instant::now() < deadline {
+            self.listen(Duration::from_millis(30)).await?;
+            let listens = self.node.subscription_count("mode_cmd").is_ok_and(|count| count > 0);
+            if listens && self.coordinator().is_some() {
+                // Discovery is one-sided for a moment: let the other side find our publishers too.
+                return self.listen(Duration::from_millis(150)).await;
+            }
+        }
+        Err(miette!(
+            "no coordinator of line '{}' is heard on ROS domain {} (is it running, and on the same ROS_DOMAIN_ID?)",
+            self.line.name,
+            self.domain_id
+        ))
+    }
+}

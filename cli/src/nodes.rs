@@ -1,0 +1,174 @@
+//! The long-running subcommands: `station`, `coordinator` and `plant`.
+
+use std::path::PathBuf;
+use std::process::ExitCode;
+
+use clap::Args;
+use linewright_fieldbus::{Clock, Options as BusOptions};
+use linewright_line::StationId;
+use linewright_node_shell::{Participant, RosArgs};
+use miette::miette;
+use tokio::sync::watch;
+
+use crate::load;
+
+/// What every node takes.
+#[derive(Debug, Args)]
+pub struct Common {
+    /// The line's directory, or its description file.
+    pub line: PathBuf,
+    /// Keep the journal in this directory, and go on from it after a restart.
+    #[arg(long)]
+    pub state_dir: Option<PathBuf>,
+    /// End when standard input ends: for a supervisor whose death must not leave nodes behind.
+    #[arg(long, hide = true)]
+    pub end_with_stdin: bool,
+}
+
+/// Run the node of one or more stations.
+#[derive(Debug, Args)]
+pub struct StationArgs {
+    #[command(flatten)]
+    common: Common,
+    /// The station's name; repeat it to host several stations in this process.
+    #[arg(long = "station", required = true)]
+    stations: Vec<String>,
+}
+
+/// Run the coordinator's node.
+#[derive(Debug, Args)]
+pub struct CoordinatorArgs {
+    #[command(flatten)]
+    common: Common,
+    /// The CAN interface of the line's bus. The ROS parameter can_interface_name does the same.
+    #[arg(long)]
+    bus: Option<String>,
+}
+
+/// Run the simulated plant.
+#[derive(Debug, Args)]
+pub struct PlantArgs {
+    #[command(flatten)]
+    common: Common,
+    /// The CAN interface of the line's bus.
+    #[arg(long, default_value = DEFAULT_BUS)]
+    bus: String,
+}
+
+/// The CAN interface of the line's bus where nobody says otherwise.
+pub const DEFAULT_BUS: &str = "vcan0";
+
+fn runtime() -> miette::Result<tokio::runtime::Runtime> {
+    tokio::runtime::Builder::new_current_thread()
+        .enable_all()
+        .build()
+        .map_err(|error| miette!("cannot start the runtime: {error}"))
+}
+
+/// Turns true on Ctrl-C, on SIGTERM, or when standard input ends and that was asked for.
+fn stop_signal(end_with_stdin: bool) -> watch::Receiver<bool> {
+    let (stop, stopped) = watch::channel(false);
+    if end_with_stdin {
+        let stop = stop.clone();
+        // A thread, because reading standard input cannot be cancelled; it ends with the process.
+        std::thread::spawn(move || {
+            let _ = std::io::copy(&mut std::io::stdin().lock(), &mut std::io::sink());
+            let _ = stop.send(true);
+        });
+    }
+    tokio::spawn(async move {
+        terminated().await;
+        let _ = stop.send(true);
+        std::future::pending::<()>().await;
+    });
+    stopped
+}
+
+async fn terminated() {
+    use tokio::signal::unix::{SignalKind, signal};
+    match signal(SignalKind::terminate()) {
+        Ok(mut term) => {
+            tokio::select! {
+                _ = tokio::signal::ctrl_c() => {}
+                _ = term.recv() => {}
+            }
+        }
+        Err(_) => {
+            let _ = tokio::signal::ctrl_c().await;
+        }
+    }
+}
+
+/// `linewright station`
+pub fn station(args: StationArgs, ros: &RosArgs) -> miette::Result<ExitCode> {
+    let line = load::line(&args.common.line, true)?;
+    let mut stations: Vec<StationId> = Vec::new();
+    for name in &args.stations {
+        let id = load::station(&line, name)?;
+        if !stations.contains(&id) {
+            stations.push(id);
+        }
+    }
+    runtime()?.block_on(async {
+        let stop = stop_signal(args.common.end_with_stdin);
+        let participant = Participant::open(ros).map_err(|error| miette!("{error}"))?;
+        let clock = Clock::start();
+        let nodes = stations.into_iter().map(|station| {
+            let options = linewright_station_node::Options {
+                line: line.clone(),
+                station,
+                state_dir: args.common.state_dir.clone(),
+                bus: BusOptions::default(),
+                clock,
+            };
+            linewright_station_node::run(options, &participant, stop.clone())
+        });
+        // One station's failure ends the process, and with it all of them: a supervisor restarts it whole.
+        futures::future::try_join_all(nodes).await.map_err(|error| miette!("{error}"))
+    })?;
+    Ok(ExitCode::SUCCESS)
+}
+
+/// `linewright coordinator`
+pub fn coordinator(args: CoordinatorArgs, ros: &RosArgs) -> miette::Result<ExitCode> {
+    let line = load::line(&args.common.line, true)?;
+    let parameter = match ros.param("coordinator", "can_interface_name") {
+        Some(linewright_node_shell::ParamValue::Text(name)) => Some(name.clone()),
+        Some(other) => return Err(miette!("parameter can_interface_name is {other:?}; expected an interface's name")),
+        None => None,
+    };
+    let interface = args.bus.or(parameter).unwrap_or_else(|| DEFAULT_BUS.to_owned());
+    runtime()?.block_on(async {
+        let stop = stop_signal(args.common.end_with_stdin);
+        let participant = Participant::open(ros).map_err(|error| miette!("{error}"))?;
+        let options = linewright_coordinator_node::Options {
+            line,
+            interface,
+            state_dir: args.common.state_dir.clone(),
+            bus: BusOptions::default(),
+            clock: Clock::start(),
+        };
+        linewright_coordinator_node::run(options, &participant, stop).await.map_err(|error| miette!("{error}"))
+    })?;
+    Ok(ExitCode::SUCCESS)
+}
+
+/// `linewright plant`
+pub fn plant(args: PlantArgs) -> miette::Result<ExitCode> {
+    let line = load::line(&args.common.line, true)?;
+    runtime()?.block_on(async {
+        let mut stop = stop_signal(args.common.end_with_stdin);
+        let options = linewright_plant::Options {
+            line_bus: args.bus.clone(),
+            bus: BusOptions::default(),
+            plant: linewright_plant::PlantOptions::default(),
+            clock: Clock::start(),
+        };
+        let buses = linewright_plant::run_plant(&line, &options);
+        tokio::select! {
+            ended = buses => ended.map_err(|error| miette!("{error}")),
+            _ = stop.wait_for(|stop| *stop) => Ok(()),
+        }
+    })?;
+    Ok(ExitCode::SUCCESS)
+}

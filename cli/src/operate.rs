@@ -1,0 +1,153 @@
+//! The operator's commands: `mode` and `press`.
+//!
+//! Each does once, from a shell, what a console does with a finger. The answer is printed: what the line did, or why
+//! it refused.
+
+use std::path::PathBuf;
+use std::process::ExitCode;
+use std::time::Duration;
+
+use clap::Args;
+use linewright_coordinator_logic::Command;
+use linewright_line::{Line, StationId};
+use linewright_msgs::{Flag, Text};
+use linewright_node_shell::RosArgs;
+use miette::miette;
+
+use crate::client::Client;
+use crate::load;
+
+/// How long to wait for a line to be heard.
+const CONNECT: Duration = Duration::from_secs(5);
+/// How long an answer may take: several refresh periods.
+const ANSWER: Duration = Duration::from_millis(500);
+/// How often a held button is repeated: well within the time after which it counts as released.
+const REPEAT: Duration = Duration::from_millis(50);
+
+/// Give an operator's command.
+#[derive(Debug, Args)]
+pub struct ModeArgs {
+    /// The line's directory, or its description file.
+    line: PathBuf,
+    /// start, stop, auto, hand, manual, estop or reset; none shows the mode.
+    command: Option<String>,
+}
+
+/// `linewright mode`
+pub async fn mode(args: ModeArgs, ros: &RosArgs) -> miette::Result<ExitCode> {
+    let line = load::line(&args.line, true)?;
+    let command = match &args.command {
+        Some(word) => Some(Command::parse(word).ok_or_else(|| {
+            let known: Vec<&str> = Command::ALL.iter().map(|command| command.name()).collect();
+            miette!("'{word}' is no command; commands are {}", known.join(", "))
+        })?),
+        None => None,
+    };
+    let mut client = Client::open(&line, ros, "operator")?;
+    client.until_connected(CONNECT).await?;
+    if let Some(command) = command {
+        let refusals = client.coordinator().map_or(0, |state| state.refusals);
+        client.command(command.name());
+        let deadline = tokio::time::Instant::now() + ANSWER;
+        while let Ok(heard) = tokio::time::timeout_at(deadline, client.next()).await {
+            heard?;
+            if let Some(state) = client.coordinator()
+                && state.refusals > refusals
+            {
+                eprintln!("{}", state.refusal);
+                return Ok(ExitCode::FAILURE);
+            }
+        }
+    }
+    println!("{}", client.coordinator().map_or("the coordinator is not heard", |state| &state.text));
+    Ok(ExitCode::SUCCESS)
+}
+
+/// Hold buttons for a while.
+#[derive(Debug, Args)]
+#[command(
+    after_help = "Without --station, BUTTON is a hand-mode push button of the main console (PB_2). With it, BUTTON is advance or return, held, or manual or auto, which turns the station's selector."
+)]
+pub struct PressArgs {
+    /// The line's directory, or its description file.
+    line: PathBuf,
+    /// What to press.
+    #[arg(required = true)]
+    buttons: Vec<String>,
+    /// At this station's panel.
+    #[arg(long)]
+    station: Option<String>,
+    /// How long to hold, in seconds.
+    #[arg(long = "for", default_value_t = 1.0)]
+    seconds: f64,
+}
+
+/// `linewright press`
+pub async fn press(args: PressArgs, ros: &RosArgs) -> miette::Result<ExitCode> {
+    let line = load::line(&args.line, true)?;
+    if !(0.0..=3600.0).contains(&args.seconds) {
+        return Err(miette!("--for {}: expected 0 to 3600 seconds", args.seconds));
+    }
+    match &args.station {
+        Some(station) => press_panel(&line, &args, station, ros).await,
+        None => press_console(&line, &args, ros).await,
+    }
+}
+
+async fn press_console(line: &Line, args: &PressArgs, ros: &RosArgs) -> miette::Result<ExitCode> {
+    if let Some(unknown) = args.buttons.iter().find(|name| !line.buttons.contains(name)) {
+        return Err(miette!("'{unknown}' is no button; buttons are {}", line.buttons.join(", ")));
+    }
+    let mut client = Client::open(line, ros, "operator")?;
+    client.until_connected(CONNECT).await?;
+    let names = args.buttons.join(" ");
+    hold(&mut client, args.seconds, |client, held| client.hold(if held { &names } else { "" })).await?;
+    for id in line.station_ids() {
+        print_station(&client, id);
+    }
+    Ok(ExitCode::SUCCESS)
+}
+
+async fn press_panel(line: &Line, args: &PressArgs, station: &str, ros: &RosArgs) -> miette::Result<ExitCode> {
+    let id = load::station(line, station)?;
+    let [button] = args.buttons.as_slice() else {
+        return Err(miette!("one button of a panel at a time: advance, return, manual or auto"));
+    };
+    let mut client = Client::open(line, ros, "operator")?;
+    match button.as_str() {
+        "advance" | "return" => {
+            let publisher = client.panel_button(id, button)?;
+            client.until_connected(CONNECT).await?;
+            hold(&mut client, args.seconds, |_, held| publisher.send(Flag { data: held })).await?;
+        }
+        "manual" | "auto" => {
+            let publisher = client.panel_selector(id)?;
+            client.until_connected(CONNECT).await?;
+            publisher.send(Text::from(button.as_str()));
+            client.listen(ANSWER).await?;
+        }
+        other => return Err(miette!("'{other}' is not on a panel; it has advance, return, manual and auto")),
+    }
+    print_station(&client, id);
+    Ok(ExitCode::SUCCESS)
+}
+
+/// Says "held" again and again, then "released", and listens to what comes of it.
+async fn hold(client: &mut Client, seconds: f64, say: impl Fn(&Client, bool)) -> miette::Result<()> {
+    let until = tokio::time::Instant::now() + Duration::from_secs_f64(seconds);
+    while tokio::time::Instant::now() < until {
+        say(client, true);
+        client.listen(REPEAT.min(until - tokio::time::Instant::now())).await?;
+    }
+    say(client, false);
+    client.listen(ANSWER).await
+}
+
+fn print_station(client: &Client, id: StationId) {
+    let name = &client.line().station(id).name;
+    match client.station(id) {
+        Some(state) if state.blocked_by.is_empty() => println!("{name}: {}", state.operation),
+        Some(state) => println!("{name}: {}; waits for {}", state.operation, state.blocked_by.join("; ")),
+        None => println!("{name}: not heard"),
+    }
+}

@@ -1,0 +1,115 @@
+//! The bar chart as it grows: operations down, time across, as engineers draw it.
+//!
+//! Pure: it is told what started and ended when, and gives lines of text.
+
+use linewright_line::{Line, OpId, StationId};
+
+/// One stretch of an operation.
+#[derive(Clone, Copy, Debug)]
+struct Bar {
+    row: usize,
+    start: f64,
+    end: Option<f64>,
+    undoing: bool,
+    failed: bool,
+}
+
+/// A bar chart over the last seconds.
+#[derive(Clone, Debug)]
+pub struct Chart {
+    labels: Vec<String>,
+    first_row: Vec<usize>,
+    bars: Vec<Bar>,
+}
+
+/// Enough for several cycles of a large line; older ones are forgotten.
+const BARS_MAX: usize = 4096;
+
+impl Chart {
+    /// An empty chart of a line.
+    pub fn new(line: &Line) -> Self {
+        let mut labels = Vec::new();
+        let mut first_row = Vec::new();
+        let width = line.stations.iter().map(|s| s.name.chars().count()).max().unwrap_or(0);
+        for station in &line.stations {
+            first_row.push(labels.len());
+            for (index, operation) in station.operations.iter().enumerate() {
+                let name = if index == 0 { station.name.as_str() } else { "" };
+                let star = if OpId::at(index) == station.home { "*" } else { " " };
+                labels.push(format!("{name:width$} {}{star}", operation.name));
+            }
+        }
+        Chart { labels, first_row, bars: Vec::new() }
+    }
+
+    fn row(&self, station: StationId, op: OpId) -> usize {
+        self.first_row[station.index()] + op.index()
+    }
+
+    /// A motion started.
+    pub fn started(&mut self, station: StationId, op: OpId, at: f64, undoing: bool) {
+        let row = self.row(station, op);
+        self.close(row, at, false);
+        if self.bars.len() >= BARS_MAX {
+            self.bars.drain(..BARS_MAX / 2);
+        }
+        self.bars.push(Bar { row, start: at, end: None, undoing, failed: false });
+    }
+
+    /// A motion ended, completed or not.
+    pub fn ended(&mut self, station: StationId, op: OpId, at: f64, failed: bool) {
+        let row = self.row(station, op);
+        self.close(row, at, failed);
+    }
+
+    fn close(&mut self, row: usize, at: f64, failed: bool) {
+        if let Some(bar) = self.bars.iter_mut().rev().find(|bar| bar.row == row && bar.end.is_none()) {
+            bar.end = Some(at);
+            bar.failed = failed;
+        }
+    }
+
+    /// Draws the `seconds` before `now`, a line of text per operation, `width` characters for the time.
+    pub fn draw(&self, now: f64, seconds: f64, width: usize) -> Vec<String> {
+        let label_width = self.labels.iter().map(|label| label.chars().count()).max().unwrap_or(0);
+        let begin = now - seconds;
+        let column = |at: f64| (((at - begin) / seconds) * width as f64).floor();
+        let mut cells = vec![vec![' '; width]; self.labels.len()];
+        for bar in self.bars.iter().filter(|bar| bar.end.unwrap_or(now) >= begin) {
+            let from = column(bar.start).max(0.0) as usize;
+            let to = (column(bar.end.unwrap_or(now)).max(0.0) as usize).min(width.saturating_sub(1));
+            let fill = if bar.undoing { '░' } else { '█' };
+            for cell in cells[bar.row].iter_mut().take(to + 1).skip(from) {
+                *cell = fill;
+            }
+            if bar.failed && to < width {
+                cells[bar.row][to] = '✗';
+            }
+        }
+        let rows = self.labels.iter().zip(cells);
+        rows.map(|(label, cells)| {
+            let pad = " ".repeat(label_width - label.chars().count());
+            format!("{label}{pad} │{}", cells.into_iter().collect::<String>())
+        })
+        .collect()
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use linewright_line::TransferLine;
+
+    #[test]
+    fn a_bar_covers_its_time_and_a_fault_marks_its_end() {
+        let line = linewright_line::parse("line.toml", &TransferLine::default().text()).expect("parses").line;
+        let mut chart = Chart::new(&line);
+        let (clamp, op) = (StationId(1), OpId(0));
+        chart.started(clamp, op, 2.0, false);
+        chart.ended(clamp, op, 5.0, true);
+        let rows = chart.draw(10.0, 10.0, 10);
+        assert!(rows[10].ends_with("│  ███✗    "), "{:?}", rows[10]);
+        chart.started(clamp, op, 8.0, true);
+        assert!(chart.draw(10.0, 10.0, 10)[10].ends_with("│  ███✗  ░░"), "{:?}", chart.draw(10.0, 10.0, 10)[10]);
+    }
+}

@@ -1,0 +1,377 @@
+//! `linewright run`: the whole line on this machine, from plant to operator.
+//!
+//! It starts the simulated plant, the coordinator and one node per station as processes of their own, brings the line
+//! to auto as an operator would, shows it, and stops it at home. It commands and reads over the same ROS topics
+//! anybody can use; the only thing it has for itself is an observer of the CAN frames that looks for conflicts.
+
+pub mod chart;
+mod children;
+mod observer;
+mod tally;
+
+use std::io::IsTerminal;
+use std::path::{Path, PathBuf};
+use std::process::ExitCode;
+use std::time::{Duration, Instant};
+
+use clap::Args as ClapArgs;
+use linewright_fieldbus::{Bus as CanBus, Frame, Options as BusOptions};
+use linewright_line::{Bus, Line};
+use linewright_msgs::{LineState, StationState};
+use linewright_node_shell::RosArgs;
+use miette::{IntoDiagnostic, miette};
+use tokio::sync::mpsc;
+
+use crate::client::{Client, Heard};
+use crate::load;
+use crate::nodes::DEFAULT_BUS;
+use crate::watch::{PICTURE_EVERY, Screen, View};
+use children::Children;
+use observer::Observer;
+use tally::Tally;
+
+/// Run a whole line on this machine, with simulated devices.
+#[derive(Debug, ClapArgs)]
+pub struct Args {
+    /// The line's directory, or its description file.
+    line: PathBuf,
+    /// End after this many cycles, at home.
+    #[arg(long)]
+    cycles: Option<usize>,
+    /// Print one JSON object at the end, and nothing else.
+    #[arg(long)]
+    json: bool,
+    /// Leave the line at home, in the mode it comes up in; somebody else operates it.
+    #[arg(long)]
+    no_auto: bool,
+    /// Start no simulated plant: the devices are real, or run elsewhere.
+    #[arg(long)]
+    no_plant: bool,
+    /// The CAN interface of the line's bus.
+    #[arg(long, default_value = DEFAULT_BUS)]
+    bus: String,
+    /// Keep journals and logs in this directory and go on from them; by default in a new temporary one.
+    #[arg(long)]
+    state_dir: Option<PathBuf>,
+    /// Host this many stations per process.
+    #[arg(long, default_value_t = 1)]
+    stations_per_process: usize,
+    /// Fail when no cycle ends for this many seconds; by default 30, or four times what the chart's operations take
+    /// together if that is more.
+    #[arg(long)]
+    patience: Option<f64>,
+}
+
+/// Where the run is.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+enum Phase {
+    /// Waiting for everybody, then giving start and auto.
+    Starting,
+    /// In auto.
+    Running,
+    /// Master stop is given.
+    Stopping,
+}
+
+/// How often a command is repeated until its effect is seen: it is not latched, and discovery takes a moment.
+const REPEAT: Duration = Duration::from_millis(300);
+
+/// `linewright run`
+pub async fn run(args: Args, ros: RosArgs) -> miette::Result<ExitCode> {
+    let line = load::line(&args.line, args.json)?;
+    if args.cycles == Some(0) || args.stations_per_process == 0 {
+        return Err(miette!("--cycles and --stations-per-process are at least 1"));
+    }
+    let scratch = Scratch::new(args.state_dir.as_deref())?;
+    let mut children = Children::new(&scratch.dir);
+    let mut session = Session::open(&line, &args, &ros, &scratch.dir).await?;
+    let outcome = match start_all(&mut children, &line, &args, &scratch.dir) {
+        Ok(()) => session.drive(&mut children).await,
+        Err(error) => Err(error),
+    };
+    children.end().await;
+    let code = session.report(&args, outcome, children.restarts())?;
+    scratch.end(code == ExitCode::SUCCESS);
+    Ok(code)
+}
+
+fn start_all(children: &mut Children, line: &Line, args: &Args, dir: &Path) -> miette::Result<()> {
+    let description = load::file_of(&args.line).canonicalize().into_diagnostic()?.display().to_string();
+    let state = dir.display().to_string();
+    let words = |more: &[&str]| -> Vec<String> {
+        let mut words: Vec<String> = more.iter().map(|word| (*word).to_owned()).collect();
+        words.extend(["--end-with-stdin".to_owned(), description.clone()]);
+        words.extend(forwarded_ros_args());
+        words
+    };
+    if !args.no_plant {
+        children.start("plant", words(&["plant", "--bus", &args.bus]))?;
+    }
+    children.start("coordinator", words(&["coordinator", "--bus", &args.bus, "--state-dir", &state]))?;
+    for group in line.stations.chunks(args.stations_per_process) {
+        let names: Vec<&str> = group.iter().map(|station| station.name.as_str()).collect();
+        let mut more = vec!["station", "--state-dir", &state];
+        for name in &names {
+            more.extend(["--station", name]);
+        }
+        children.start(&names.join("+"), words(&more))?;
+    }
+    Ok(())
+}
+
+/// The ROS arguments this process was given, for the nodes it starts.
+fn forwarded_ros_args() -> Vec<String> {
+    std::env::args().skip_while(|argument| argument != "--ros-args").collect()
+}
+
+struct Session {
+    line: Line,
+    client: Client,
+    observer: Observer,
+    frames: mpsc::Receiver<(Bus, Frame)>,
+    tally: Tally,
+    view: View,
+    phase: Phase,
+    target: Option<usize>,
+    no_auto: bool,
+    live: bool,
+    said: Option<Instant>,
+    progress: (usize, Instant),
+    patience: Duration,
+}
+
+impl Session {
+    async fn open(line: &Line, args: &Args, ros: &RosArgs, dir: &Path) -> miette::Result<Self> {
+        let (to, frames) = mpsc::channel(4096);
+        let mut head = Vec::new();
+        let mut buses: Vec<&Bus> = line.devices.iter().map(|device| &device.bus).collect();
+        buses.sort_by_key(|bus| bus.to_string());
+        buses.dedup();
+        for bus in buses {
+            let interface = match bus {
+                Bus::Line => &args.bus,
+                Bus::Own(interface) => interface,
+            };
+            let mut listener = CanBus::open(interface, &BusOptions::default()).into_diagnostic()?;
+            head.push(format!("CAN: {}", listener.describe()));
+            let (to, bus) = (to.clone(), bus.clone());
+            tokio::spawn(async move {
+                loop {
+                    let frame = listener.recv().await;
+                    if to.send((bus.clone(), frame)).await.is_err() {
+                        break;
+                    }
+                }
+            });
+        }
+        head.push(format!("logs and journals: {}", dir.display()));
+        let live = !args.json && std::io::stdout().is_terminal();
+        if !args.json && !live {
+            println!("{}", head.join("\n"));
+        }
+        let mut view = View::new(line);
+        view.head = head;
+        let works = line.stations.iter().flat_map(|s| &s.operations).map(|o| o.duration.as_secs_f64()).sum::<f64>();
+        Ok(Session {
+            client: Client::open(line, ros, "run")?,
+            observer: Observer::new(line),
+            frames,
+            tally: Tally::new(line),
+            view,
+            phase: Phase::Starting,
+            target: args.cycles,
+            no_auto: args.no_auto,
+            live,
+            said: None,
+            progress: (0, Instant::now()),
+            patience: Duration::from_secs_f64(args.patience.unwrap_or_else(|| (works * 4.0).max(30.0)).clamp(0.1, 1e6)),
+            line: line.clone(),
+        })
+    }
+
+    /// Runs until the cycles are done, the operator ends it, or it fails.
+    async fn drive(&mut self, children: &mut Children) -> miette::Result<()> {
+        let mut screen = if self.live { Some(Screen::open()?) } else { None };
+        let mut ticks = tokio::time::interval(PICTURE_EVERY);
+        loop {
+            tokio::select! {
+                heard = self.client.next() => self.take(&heard?),
+                Some((bus, frame)) = self.frames.recv() => {
+                    let before = self.observer.conflicts().len();
+                    self.observer.frame(&bus, &frame);
+                    for conflict in &self.observer.conflicts()[before..] {
+                        self.view.say(format!("CONFLICT {conflict}"));
+                    }
+                }
+                _ = tokio::signal::ctrl_c() => {
+                    if self.phase != Phase::Running {
+                        return Ok(());
+                    }
+                    self.phase = Phase::Stopping;
+                    self.said = None;
+                    self.view.say("stopping at home; Ctrl-C again ends at once".to_owned());
+                }
+                _ = ticks.tick() => {
+                    for name in children.revive()? {
+                        self.view.say(format!("started again: {name}"));
+                        if !self.live {
+                            eprintln!("started again: {name}");
+                        }
+                    }
+                    if let Some(screen) = &mut screen {
+                        screen.show(&self.view.picture(&self.client, Screen::width()))?;
+                    }
+                }
+            }
+            if self.advance()? {
+                return Ok(());
+            }
+        }
+    }
+
+    fn take(&mut self, heard: &Heard) {
+        self.view.take(heard);
+        match heard {
+            Heard::Line => {}
+            Heard::Station(id) => {
+                let id = *id;
+                if let Some(state) = self.client.station(id).cloned() {
+                    self.tally.state(id, &state);
+                    let begun = usize::try_from(self.tally.begun(id, &state)).unwrap_or(0);
+                    if self.phase == Phase::Running && self.target.is_some_and(|target| begun >= target) {
+                        self.phase = Phase::Stopping;
+                        self.said = None;
+                    }
+                }
+            }
+            Heard::Event(id, event) => self.tally.event(*id, event),
+        }
+    }
+
+    /// Gives the commands the phase asks for; true when the run is over.
+    fn advance(&mut self) -> miette::Result<bool> {
+        let Some(state) = self.client.coordinator().cloned() else { return self.wait() };
+        match self.phase {
+            Phase::Starting if !self.no_auto => match state.mode {
+                StationState::MODE_HOME if self.all_ready() => self.say("start"),
+                StationState::MODE_STANDBY if self.all_ready() => self.say("auto"),
+                StationState::MODE_AUTO if state.enabled => {
+                    self.tally.begin(&state.header);
+                    self.progress.1 = Instant::now();
+                    self.phase = Phase::Running;
+                }
+                _ => {}
+            },
+            Phase::Starting => {}
+            Phase::Running if state.mode == StationState::MODE_STANDBY && self.target.is_some() => {
+                return Err(miette!("auto ended: {}", self.why(&state)));
+            }
+            Phase::Running => {}
+            Phase::Stopping => match state.mode {
+                StationState::MODE_AUTO if state.master_stop => {}
+                StationState::MODE_AUTO | StationState::MODE_HAND => self.say("stop"),
+                StationState::MODE_HOME => return Ok(true),
+                _ if self.target.is_some() => return Err(miette!("the stop ended in {}", self.why(&state))),
+                // The operator recovers it first; a second Ctrl-C ends at once.
+                _ => {}
+            },
+        }
+        self.wait()
+    }
+
+    /// Nothing to do now; but not for ever where nobody is looking.
+    fn wait(&mut self) -> miette::Result<bool> {
+        if self.tally.cycles() != self.progress.0 {
+            self.progress = (self.tally.cycles(), Instant::now());
+        }
+        if self.target.is_some() && self.progress.1.elapsed() > self.patience {
+            let mut reasons = match self.client.coordinator() {
+                Some(state) => vec![format!("the mode is {}", state.text)],
+                None => vec!["the coordinator is not heard".to_owned()],
+            };
+            for id in self.line.station_ids() {
+                let name = &self.line.station(id).name;
+                match self.client.station(id) {
+                    Some(state) if state.blocked_by.is_empty() => reasons.push(format!("{name}: {}", state.operation)),
+                    Some(state) => reasons.push(format!("{name} waits for {}", state.blocked_by.join("; "))),
+                    None => reasons.push(format!("{name} is not heard")),
+                }
+            }
+            return Err(miette!("nothing was done for {:.0} s: {}", self.patience.as_secs_f64(), reasons.join(", ")));
+        }
+        Ok(false)
+    }
+
+    fn all_ready(&self) -> bool {
+        self.line.station_ids().all(|id| self.client.station(id).is_some_and(|state| state.devices_valid))
+    }
+
+    fn why(&self, state: &LineState) -> String {
+        let faults = self.tally.fault_texts();
+        if faults.is_empty() { state.text.clone() } else { format!("{} ({})", state.text, faults.join("; ")) }
+    }
+
+    fn say(&mut self, word: &str) {
+        if self.said.is_none_or(|at| at.elapsed() >= REPEAT) {
+            self.said = Some(Instant::now());
+            self.client.command(word);
+        }
+    }
+
+    fn report(&self, args: &Args, outcome: miette::Result<()>, restarts: u32) -> miette::Result<ExitCode> {
+        let faults = self.tally.faults();
+        let short = self.target.is_some_and(|target| self.tally.cycles() < target);
+        let conflicts = self.observer.conflicts();
+        let ok = outcome.is_ok() && !short && conflicts.is_empty() && (self.target.is_none() || faults == 0);
+        let error = match &outcome {
+            Err(error) => Some(error.to_string()),
+            Ok(()) if short => Some(format!("{} of {} cycles ended", self.tally.cycles(), args.cycles.unwrap_or(0))),
+            Ok(()) => None,
+        };
+        let mode = self.client.coordinator().map_or("not heard", |state| mode_name(state.mode));
+        let report = self.tally.report(mode, conflicts, self.observer.frames(), restarts, error.clone());
+        if args.json {
+            println!("{}", serde_json::to_string(&report).into_diagnostic()?);
+        } else {
+            println!(
+                "{} cycles, {faults} faults, {} conflicts seen in {} CAN frames",
+                report.cycles,
+                conflicts.len(),
+                report.frames_seen
+            );
+            if let Some(error) = error {
+                eprintln!("linewright: {error}");
+            }
+        }
+        Ok(if ok { ExitCode::SUCCESS } else { ExitCode::FAILURE })
+    }
+}
+
+
+fn mode_name(code: u8) -> &'static str {
+    linewright_station_node::mode_from_code(code).map_or("unknown", |mode| mode.name())
+}
+
+/// The directory of this run's journals and logs.
+struct Scratch {
+    dir: PathBuf,
+    temporary: bool,
+}
+
+impl Scratch {
+    fn new(given: Option<&Path>) -> miette::Result<Self> {
+        let dir = match given {
+            Some(dir) => dir.to_owned(),
+            None => std::env::temp_dir().join(format!("linewright-run-{}", std::process::id())),
+        };
+        std::fs::create_dir_all(&dir).into_diagnostic()?;
+        Ok(Scratch { dir, temporary: given.is_none() })
+    }
+
+    /// A temporary directory is kept only if somebody will want to read the logs.
+    fn end(self, ok: bool) {
+        if self.temporary && ok {
+            let _ = std::fs::remove_dir_all(&self.dir);
+        }
+    }
+}

@@ -1,0 +1,182 @@
+//! What a run has done, for its report: cycles, operations, durations, faults.
+//!
+//! Counts are taken from the states, which are the truth; durations from the events, whose stamps are the stations'
+//! own. A lost event loses one duration and no count.
+
+use std::collections::HashMap;
+
+use linewright_line::{Line, OpId, StationId};
+use linewright_msgs::{Header, StationEvent, StationState};
+use serde::Serialize;
+
+/// The tally of a run.
+pub struct Tally {
+    line: Line,
+    stations: Vec<StationTally>,
+    /// When each cycle of the line ended, in seconds; the first entry is when auto began.
+    ends: Vec<f64>,
+}
+
+#[derive(Default)]
+struct StationTally {
+    first_done: Option<Vec<i32>>,
+    done: Vec<i32>,
+    started: HashMap<OpId, f64>,
+    durations: Vec<Vec<f64>>,
+    faults: u64,
+    fault_texts: Vec<String>,
+}
+
+/// The report, in the form `--json` prints.
+#[derive(Serialize)]
+pub struct Report {
+    /// The line's name.
+    pub line: String,
+    /// Cycles ended.
+    pub cycles: usize,
+    /// The mode at the end.
+    pub mode: String,
+    /// What each cycle took, end to end, in seconds; the first one from the start of auto.
+    pub cycle_time_s: Vec<f64>,
+    /// Each station.
+    pub stations: serde_json::Map<String, serde_json::Value>,
+    /// Conflicts the observer of the CAN frames has seen.
+    pub conflicts_seen: Vec<String>,
+    /// CAN frames it has looked at.
+    pub frames_seen: u64,
+    /// Processes that had to be started again.
+    pub restarts: u32,
+    /// Why the run failed, if it did.
+    #[serde(skip_serializing_if = "Option::is_none")]
+    pub error: Option<String>,
+}
+
+fn seconds(header: &Header) -> f64 {
+    f64::from(header.stamp.sec) + f64::from(header.stamp.nanosec) * 1e-9
+}
+
+impl Tally {
+    /// Nothing yet.
+    pub fn new(line: &Line) -> Self {
+        let station = |s: &linewright_line::Station| StationTally {
+            durations: vec![Vec::new(); s.operations.len()],
+            ..StationTally::default()
+        };
+        Tally { stations: line.stations.iter().map(station).collect(), line: line.clone(), ends: Vec::new() }
+    }
+
+    /// Auto has begun.
+    pub fn begin(&mut self, header: &Header) {
+        if self.ends.is_empty() {
+            self.ends.push(seconds(header));
+        }
+    }
+
+    /// Cycles of the line that have ended: every operation of every station is done in them.
+    pub fn cycles(&self) -> usize {
+        self.ends.len().saturating_sub(1)
+    }
+
+    /// Faults of all stations.
+    pub fn faults(&self) -> u64 {
+        self.stations.iter().map(|s| s.faults).sum()
+    }
+
+    /// The last fault of each station that had one.
+    pub fn fault_texts(&self) -> Vec<String> {
+        let last = |(id, s): (StationId, &StationTally)| {
+            Some(format!("{} {}", self.line.station(id).name, s.fault_texts.last()?))
+        };
+        self.line.station_ids().zip(&self.stations).filter_map(last).collect()
+    }
+
+    /// Takes a station's state.
+    pub fn state(&mut self, id: StationId, state: &StationState) {
+        let station = &mut self.stations[id.index()];
+        station.first_done.get_or_insert_with(|| state.done.clone());
+        station.done.clone_from(&state.done);
+        if self.ends.is_empty() {
+            return;
+        }
+        while self.ended() > self.cycles() {
+            self.ends.push(seconds(&state.header));
+        }
+    }
+
+    /// The cycle in which everything is done: counted from where the stations stood when they were first heard, which
+    /// for a line at home is before its first cycle.
+    fn ended(&self) -> usize {
+        let least = |s: &StationTally| {
+            let base = *s.first_done.as_ref()?.iter().min()?;
+            s.done.iter().map(|done| done - base).min()
+        };
+        let least = self.stations.iter().map(|s| least(s).unwrap_or(0)).min().unwrap_or(0);
+        usize::try_from(least).unwrap_or(0)
+    }
+
+    /// The latest cycle any station has begun, counted likewise.
+    pub fn begun(&self, id: StationId, state: &StationState) -> i32 {
+        let base = self.stations[id.index()].first_done.as_ref().and_then(|done| done.iter().min().copied());
+        state.cycle - base.unwrap_or(0)
+    }
+
+    /// Takes an event.
+    pub fn event(&mut self, id: StationId, event: &StationEvent) {
+        let station = &mut self.stations[id.index()];
+        let op = self.line.station(id).operation_named(&event.operation);
+        match (event.kind, op) {
+            (StationEvent::KIND_STARTED, Some(op)) => {
+                station.started.insert(op, seconds(&event.header));
+            }
+            (StationEvent::KIND_COMPLETED, Some(op)) => {
+                if let Some(start) = station.started.remove(&op) {
+                    station.durations[op.index()].push(seconds(&event.header) - start);
+                }
+            }
+            (StationEvent::KIND_FAULT, _) => {
+                station.faults += 1;
+                station.fault_texts.push(event.text.clone());
+            }
+            _ => {}
+        }
+    }
+
+    /// The report.
+    pub fn report(&self, mode: &str, conflicts: &[String], frames: u64, restarts: u32, error: Option<String>) -> Report {
+        let mut stations = serde_json::Map::new();
+        for (id, tally) in self.line.station_ids().zip(&self.stations) {
+            stations.insert(self.line.station(id).name.clone(), self.station_report(id, tally));
+        }
+        Report {
+            line: self.line.name.clone(),
+            cycles: self.cycles(),
+            mode: mode.to_owned(),
+            cycle_time_s: self.ends.windows(2).map(|pair| round(pair[1] - pair[0])).collect(),
+            stations,
+            conflicts_seen: conflicts.to_vec(),
+            frames_seen: frames,
+            restarts,
+            error,
+        }
+    }
+
+    fn station_report(&self, id: StationId, tally: &StationTally) -> serde_json::Value {
+        let mut operations = serde_json::Map::new();
+        let mut least = i32::MAX;
+        for (index, operation) in self.line.station(id).operations.iter().enumerate() {
+            let first = tally.first_done.as_ref().and_then(|done| done.get(index)).copied().unwrap_or(0);
+            let count = tally.done.get(index).copied().unwrap_or(first) - first;
+            least = least.min(count);
+            let durations = &tally.durations[index];
+            let mean = (!durations.is_empty())
+                .then(|| round(durations.iter().sum::<f64>() / durations.len() as f64));
+            operations.insert(operation.name.clone(), serde_json::json!({ "count": count, "duration_s": mean }));
+        }
+        serde_json::json!({ "cycles": least, "operations": operations, "faults": tally.faults })
+    }
+}
+
+/// To the microsecond: what lies below is noise.
+fn round(seconds: f64) -> f64 {
+    (seconds * 1e6).round() / 1e6
+}
