@@ -1,0 +1,103 @@
+//! The CAN bus of the line in virtual time: the devices at its far end and the plant behind them.
+//!
+//! Devices and mechanisms are the real ones, and so is the manager at the near end, which dies and comes back with
+//! the coordinator. The wire delays every frame by the same time, so frames keep their order, as they do on a bus.
+
+use std::time::Duration;
+
+use linewright_fieldbus::{Frame, NodeId};
+use linewright_line::{Bus, InputId, Line, OpId, Owner, StationId, Tick};
+use linewright_plant::{DeviceFault, Fault, Plant, PlantOptions, Rack};
+
+use crate::observer::Observer;
+
+/// About what a classic CAN frame takes at 1 Mbit/s, with its turn to wait for.
+pub(crate) const FRAME_TIME: Duration = Duration::from_micros(150);
+
+/// The devices and the mechanisms behind them, watched.
+pub(crate) struct Field {
+    rack: Rack,
+    observer: Observer,
+    frames: Vec<Frame>,
+    /// Actuators of each station, a bit per output.
+    actuators: Vec<u128>,
+}
+
+impl Field {
+    pub(crate) fn new(line: &Line, options: PlantOptions) -> Self {
+        let actuators = |station: &linewright_line::Station| {
+            station.operations.iter().fold(0, |bits, operation| {
+                let recovery = match &operation.module {
+                    linewright_line::Module::Reversible { recovery, .. } => 1 << recovery.actuator.0,
+                    linewright_line::Module::Irreversible { .. } => 0,
+                };
+                bits | 1 << operation.normal.actuator.0 | recovery
+            })
+        };
+        Field {
+            rack: Rack::new(Tick::ZERO, line, &Bus::Line, options),
+            observer: Observer::new(line),
+            frames: Vec::new(),
+            actuators: line.stations.iter().map(actuators).collect(),
+        }
+    }
+
+    /// A frame from the manager.
+    pub(crate) fn hear(&mut self, now: Tick, frame: &Frame) {
+        self.rack.handle(now, frame, &mut self.frames);
+        self.observer.look(self.rack.plant());
+    }
+
+    pub(crate) fn poll(&mut self, now: Tick) {
+        self.rack.poll(now, &mut self.frames);
+        self.observer.look(self.rack.plant());
+    }
+
+    pub(crate) fn next_deadline(&self) -> Tick {
+        self.rack.next_deadline().unwrap_or(Tick::NEVER)
+    }
+
+    /// What the devices have to say since the last time.
+    pub(crate) fn drain(&mut self) -> std::vec::Drain<'_, Frame> {
+        self.frames.drain(..)
+    }
+
+    pub(crate) fn observer(&self) -> &Observer {
+        &self.observer
+    }
+
+    pub(crate) fn plant(&self) -> &Plant {
+        self.rack.plant()
+    }
+
+    /// Makes a motion fail, its normal and its recovery one, or work again.
+    pub(crate) fn fail(&mut self, now: Tick, station: StationId, op: OpId, fault: Option<Fault>) {
+        self.rack.plant_mut().inject(now, station, op, fault);
+        self.poll(now);
+    }
+
+    /// Makes the recovery motion of an operation fail, or work again.
+    pub(crate) fn fail_recovery(&mut self, now: Tick, station: StationId, op: OpId, fault: Option<Fault>) {
+        self.rack.plant_mut().inject_recovery(now, station, op, fault);
+        self.poll(now);
+    }
+
+    /// Holds an input, like a finger on a wired button or a stuck switch.
+    pub(crate) fn force(&mut self, now: Tick, owner: Owner, input: InputId, value: Option<bool>) {
+        self.rack.plant_mut().force(owner, input, value);
+        self.poll(now);
+    }
+
+    /// Makes a device fail, or work again.
+    pub(crate) fn fail_device(&mut self, now: Tick, node: NodeId, fault: Option<DeviceFault>) {
+        if let Some(device) = self.rack.device_mut(node) {
+            device.inject(now, fault);
+        }
+        self.poll(now);
+    }
+
+    /// The actuators of a station that are energised now.
+    pub(crate) fn energised(&self, station: StationId) -> u128 {
+        self.rack.plant().outputs(Owner::Station(station)) & self.actuators[station.index()]
+    }
+}

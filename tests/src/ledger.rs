@@ -1,0 +1,79 @@
+//! Book-keeping over the events of a line: is every cycle of every operation done, and done once?
+//!
+//! A completed operation is entered under its cycle number; a withdrawn count strikes the last entry out again. What
+//! is left must read 1, 2, 3 … without a gap or a double. The ledger believes the stations' events; that the events
+//! are true to the mechanisms is the observer's business.
+
+use linewright_line::net::Block;
+use linewright_line::{Line, OpId, StationId};
+use linewright_station_logic::{Event, Happening};
+
+/// The entries of every operation.
+#[derive(Clone, Debug)]
+pub struct Ledger {
+    /// By station, by operation: the first cycle number that is to be entered.
+    first: Vec<Vec<i32>>,
+    entries: Vec<Vec<Vec<i32>>>,
+    /// Entries struck out, by station: documented redo.
+    struck: Vec<u64>,
+    /// On a recovery path the home operation's motion completes without being counted.
+    errors: Vec<String>,
+}
+
+impl Ledger {
+    pub(crate) fn new(line: &Line) -> Self {
+        let first = |station: &linewright_line::Station| {
+            station.op_ids().map(|op| station.home_count(op, station.initial_round()) + 1).collect()
+        };
+        Ledger {
+            first: line.stations.iter().map(first).collect(),
+            entries: line.stations.iter().map(|s| vec![Vec::new(); s.operations.len()]).collect(),
+            struck: vec![0; line.stations.len()],
+            errors: Vec::new(),
+        }
+    }
+
+    pub(crate) fn enter(&mut self, line: &Line, station: StationId, event: &Event) {
+        let entries = &mut self.entries[station.index()];
+        match event.what {
+            Happening::Completed(op, Block::Normal) => {
+                let last = entries[op.index()].last().copied();
+                let due = last.map_or(self.first[station.index()][op.index()], |last| last + 1);
+                if event.cycle != due {
+                    self.errors.push(format!(
+                        "{}: {} completed in cycle {}, due was {due}",
+                        line.station(station).name,
+                        line.operation((station, op)).name,
+                        event.cycle
+                    ));
+                }
+                entries[op.index()].push(event.cycle);
+            }
+            Happening::Withdrawn(ops) => {
+                for op in (0..entries.len()).filter(|op| ops & (1 << op) != 0) {
+                    self.struck[station.index()] += 1;
+                    if entries[op].pop().is_none() {
+                        // The count of the home position itself was taken back.
+                        self.first[station.index()][op] -= 1;
+                    }
+                }
+            }
+            _ => {}
+        }
+    }
+
+    /// The cycles in which an operation is done and not withdrawn.
+    pub fn cycles(&self, station: StationId, op: OpId) -> &[i32] {
+        &self.entries[station.index()][op.index()]
+    }
+
+    /// How many counts a station has taken back.
+    pub fn struck(&self, station: StationId) -> u64 {
+        self.struck[station.index()]
+    }
+
+    /// Gaps and doubles found so far.
+    pub fn errors(&self) -> &[String] {
+        &self.errors
+    }
+}

@@ -1,0 +1,125 @@
+//! What is said between nodes, and what a network does to it.
+//!
+//! The middleware's promises are not relied on: a message may be late, lost, doubled or overtaken. Lost is what is
+//! said again anyway (states, orders, images, held buttons); a command is either delivered or, across a partition,
+//! gone: its sender sees no answer and asks again.
+
+use std::collections::BTreeSet;
+use std::rc::Rc;
+use std::time::Duration;
+
+use linewright_coordinator_logic::Command;
+use linewright_line::StationId;
+use linewright_station_logic::{ModeOrder, PanelCommand, Report};
+
+use crate::rng::Rng;
+
+/// Who speaks or listens.
+#[derive(Clone, Copy, Debug, PartialEq, Eq, PartialOrd, Ord, Hash)]
+pub enum Node {
+    /// The coordinator with its gateway.
+    Coordinator,
+    /// A station's controller.
+    Station(StationId),
+    /// The people: panels, pages, consoles that speak by message.
+    Operator,
+}
+
+/// A process image on its way, as the message that carries it.
+#[derive(Clone, Copy, Debug)]
+pub struct Image {
+    /// Which life of the sender.
+    pub boot_id: u64,
+    /// Its number.
+    pub sequence: u64,
+    /// The bits.
+    pub bits: u128,
+    /// Whether the sender vouches for them.
+    pub valid: bool,
+    /// How often the devices have been lost.
+    pub losses: u64,
+}
+
+/// What is said.
+#[derive(Clone, Debug)]
+pub enum Message {
+    /// A station's state: sequence and content.
+    Report(u64, Rc<Report>),
+    /// The mode: sequence and content.
+    Order(u64, ModeOrder),
+    /// A station's inputs, from the gateway.
+    Inputs(Image),
+    /// A station's outputs, to the gateway.
+    Outputs(Image),
+    /// A station's panel.
+    Panel(PanelCommand),
+    /// An operator's command.
+    Command(Command),
+    /// Hand-mode buttons held.
+    Buttons(u32),
+}
+
+impl Message {
+    fn is_repeated(&self) -> bool {
+        match self {
+            Message::Report(..) | Message::Order(..) | Message::Inputs(_) | Message::Outputs(_) => true,
+            Message::Panel(PanelCommand::Selector(_)) | Message::Command(_) => false,
+            Message::Panel(_) | Message::Buttons(_) => true,
+        }
+    }
+}
+
+/// What the network does to a message.
+#[derive(Clone, Copy, Debug)]
+pub struct Conditions {
+    /// Shortest way, in microseconds.
+    pub delay_min_us: u64,
+    /// Longest way, in microseconds. Drawn for each message alone, so messages overtake each other.
+    pub delay_max_us: u64,
+    /// Lost, of a thousand repeated messages.
+    pub loss_per_mille: u64,
+    /// Doubled, of a thousand messages.
+    pub double_per_mille: u64,
+}
+
+impl Conditions {
+    /// A quiet machine: a tenth of a millisecond or so, nothing lost.
+    pub const QUIET: Conditions =
+        Conditions { delay_min_us: 50, delay_max_us: 500, loss_per_mille: 0, double_per_mille: 0 };
+    /// A loaded network: up to 20 ms, 5 % lost, 5 % doubled.
+    pub const ROUGH: Conditions =
+        Conditions { delay_min_us: 100, delay_max_us: 20_000, loss_per_mille: 50, double_per_mille: 50 };
+}
+
+/// The network's state.
+#[derive(Clone, Debug)]
+pub(crate) struct Network {
+    pub(crate) conditions: Conditions,
+    /// Directed links that carry nothing.
+    cut: BTreeSet<(Node, Node)>,
+}
+
+impl Network {
+    pub(crate) fn new(conditions: Conditions) -> Self {
+        Network { conditions, cut: BTreeSet::new() }
+    }
+
+    pub(crate) fn cut(&mut self, from: Node, to: Node) {
+        self.cut.insert((from, to));
+    }
+
+    pub(crate) fn heal(&mut self) {
+        self.cut.clear();
+    }
+
+    /// The delays with which a message arrives: none, one, or several times.
+    pub(crate) fn ways(&self, rng: &mut Rng, from: Node, to: Node, message: &Message) -> [Option<Duration>; 2] {
+        let Conditions { delay_min_us, delay_max_us, loss_per_mille, double_per_mille } = self.conditions;
+        let mut way = || Some(Duration::from_micros(rng.within(delay_min_us, delay_max_us)));
+        let ways = [way(), way()];
+        if self.cut.contains(&(from, to)) || (message.is_repeated() && rng.chance(loss_per_mille)) {
+            return [None, None];
+        }
+        if rng.chance(double_per_mille) { ways } else { [ways[0], None] }
+    }
+}

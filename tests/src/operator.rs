@@ -1,0 +1,221 @@
+//! What people do: commands, panels, buttons; and how they bring a line back.
+
+use std::time::Duration;
+
+use linewright_coordinator_logic::Command;
+use linewright_line::net::ControlMode;
+use linewright_line::{ButtonId, OpId, Owner, StationId, Tick};
+use linewright_station_logic::PanelCommand;
+
+use crate::log::What;
+use crate::network::{Message, Node};
+use crate::sim::{Process, Sim};
+
+/// How long a person waits for something that should happen before calling for help.
+const PATIENCE: Duration = Duration::from_secs(30);
+
+impl Sim {
+    /// Gives a command, by message.
+    pub fn command(&mut self, command: Command) {
+        self.act(format!("command {}", command.name()));
+        self.say(Node::Operator, Node::Coordinator, Message::Command(command));
+    }
+
+    /// Gives a command and waits for the answer: obeyed, or refused in words. No answer is a refusal too.
+    pub fn ask(&mut self, command: Command) -> Result<(), String> {
+        let answered = |sim: &Sim| sim.coordinator.as_ref().map(|c| (c.boot_id, c.answered));
+        let before = answered(self);
+        let seen = self.log.entries().len();
+        self.command(command);
+        let end = self.now + Duration::from_secs(1);
+        while answered(self) == before {
+            if self.next_event().is_none_or(|at| at > end) {
+                return Err(format!("{}: no answer", command.name()));
+            }
+            self.step();
+        }
+        let refusal = self.log.entries()[seen.min(self.log.entries().len())..]
+            .iter()
+            .find_map(|entry| if let What::Refusal(text) = &entry.what { Some(text.clone()) } else { None });
+        refusal.map_or(Ok(()), Err)
+    }
+
+    /// Gives a command that must be obeyed.
+    pub fn order(&mut self, command: Command) {
+        if let Err(refusal) = self.ask(command) {
+            self.give_up(&format!("should have been obeyed: {refusal}"));
+        }
+    }
+
+    /// Turns the selector of a station.
+    pub fn selector(&mut self, station: &str, manual: bool) {
+        let id = self.id(station);
+        self.act(format!("selector of {station} to {}", if manual { "manual" } else { "auto" }));
+        self.say_panel(id, PanelCommand::Selector(manual));
+    }
+
+    /// Presses a panel button and keeps it down.
+    pub fn press(&mut self, station: StationId, advance: bool) {
+        let side = if advance { "advance" } else { "return" };
+        self.act(format!("{side} of {} down", self.line.station(station).name));
+        self.fingers.insert((station, advance), ());
+        self.say_fingers();
+    }
+
+    /// Lets go of a panel button.
+    pub fn release(&mut self, station: StationId, advance: bool) {
+        if self.fingers.remove(&(station, advance)).is_some() {
+            let side = if advance { "advance" } else { "return" };
+            self.act(format!("{side} of {} up", self.line.station(station).name));
+            let command = if advance { PanelCommand::Advance(false) } else { PanelCommand::Retract(false) };
+            self.say_panel(station, command);
+        }
+    }
+
+    /// Holds exactly these hand-mode buttons of the main console, by message.
+    pub fn hold_buttons(&mut self, held: u32) {
+        if held != self.buttons {
+            self.act(format!("hand-mode buttons {held:#b}"));
+        }
+        self.buttons = held;
+        // The release too is said, once; silence would do the same a little later.
+        self.say(Node::Operator, Node::Coordinator, Message::Buttons(held));
+        self.say_fingers();
+    }
+
+    /// Holds exactly this hand-mode button.
+    pub fn hold_button(&mut self, button: ButtonId) {
+        self.hold_buttons(1 << button.0);
+    }
+
+    /// Lets go of every hand-mode button.
+    pub fn release_buttons(&mut self) {
+        self.hold_buttons(0);
+    }
+
+    /// Holds a wired input of a station or the console, or lets go of it.
+    pub fn wire(&mut self, owner: Owner, input: &str, value: Option<bool>) {
+        let names = match owner {
+            Owner::Station(id) => &self.line.station(id).inputs,
+            Owner::Console => &self.line.console.inputs,
+        };
+        let at = names.iter().position(|name| name == input).unwrap_or_else(|| panic!("no input {input}"));
+        self.act(format!("{input} wired {value:?}"));
+        let now = self.now;
+        self.field.force(now, owner, linewright_line::InputId::at(at), value);
+        self.wake_field();
+    }
+
+    /// Runs until something holds.
+    ///
+    /// # Panics
+    /// When it does not within half a minute of the line's time.
+    pub fn run_until(&mut self, what: &str, holds: impl Fn(&Sim) -> bool) {
+        if !self.wait_for(PATIENCE, holds) {
+            self.give_up(&format!("waited in vain: {what}"));
+        }
+    }
+
+    /// Runs until something holds, but no longer than this. Gives whether it holds.
+    pub fn wait_for(&mut self, time: Duration, holds: impl Fn(&Sim) -> bool) -> bool {
+        let end = self.now + time;
+        while !holds(self) {
+            if self.next_event().is_none_or(|at| at > end) {
+                self.now = self.now.max(end);
+                return false;
+            }
+            self.step();
+        }
+        true
+    }
+
+    /// Waits until everything is heard, then gives start.
+    pub fn start(&mut self) {
+        self.run_until("every station is heard and at home", |s| s.all_heard());
+        self.order(Command::Start);
+    }
+
+    /// Waits until everything is heard, then gives start and auto.
+    pub fn start_auto(&mut self) {
+        self.start();
+        self.order(Command::Auto);
+    }
+
+    /// Every station is running, heard by the coordinator, and hears its devices.
+    pub fn all_heard(&self) -> bool {
+        let Some(node) = &self.coordinator else { return false };
+        self.line
+            .station_ids()
+            .all(|id| node.coordinator.hears(id) && self.controller(id).is_some_and(|c| c.report().devices_valid))
+    }
+
+    /// Holds a panel button until the operation under way ends, one way or another, then lets go.
+    /// Gives whether anything moved.
+    pub fn jog(&mut self, station: &str, advance: bool) -> bool {
+        let id = self.id(station);
+        let before = self.marking(id);
+        self.press(id, advance);
+        let moved = self.wait_for(Duration::from_millis(800), |s| s.marking(id) != before);
+        if moved {
+            let settled = |s: &Sim| s.controller(id).is_some_and(|c| !c.marking().any(|p| p.is_operating()));
+            self.wait_for(Duration::from_secs(5), settled);
+        }
+        self.release(id, advance);
+        self.run_for(Duration::from_millis(100));
+        moved
+    }
+
+    /// Waits until nothing moves and enters manual for every panel.
+    pub fn go_manual(&mut self) {
+        self.run_until("everything stands", |s| s.line.station_ids().all(|id| s.is_stopped(id)));
+        // The coordinator hears of it a moment later.
+        for _ in 0..20 {
+            match self.ask(Command::Manual) {
+                Ok(()) => break,
+                Err(_) => self.run_for(Duration::from_millis(100)),
+            }
+        }
+        self.run_until("manual", |s| s.line.station_ids().all(|id| s.mode_of(id) == Some(ControlMode::Manual)));
+    }
+
+    /// Brings an incomplete station to a completed operation by advancing: resumes what was stopped.
+    pub fn resume(&mut self, station: &str) {
+        let id = self.id(station);
+        if !self.jog(station, true) || self.is_incomplete(station) {
+            self.give_up(&format!("{station} does not resume: {:?}", self.blocked_by(id)));
+        }
+    }
+
+    /// Out of manual into auto, once the coordinator agrees.
+    pub fn back_to_auto(&mut self) {
+        let mut refusal = String::new();
+        for _ in 0..40 {
+            match self.ask(Command::Auto) {
+                Ok(()) => return,
+                Err(text) => refusal = text,
+            }
+            self.run_for(Duration::from_millis(100));
+        }
+        self.give_up(&format!("auto should have been obeyed: {refusal}"));
+    }
+
+    /// Runs until an operation has been completed in this cycle.
+    pub fn run_until_done(&mut self, station: &str, operation: &str, cycle: i32) {
+        let (id, op) = self.op(station, operation);
+        let what = format!("{station}: {operation} done in cycle {cycle}");
+        self.run_until(&what, |s| s.done(id, op) >= cycle);
+    }
+
+    /// The count of an operation.
+    pub fn done(&self, station: StationId, op: OpId) -> i32 {
+        match &self.stations[station.index()] {
+            Process::Running(node) => node.controller.snapshot().done[op.index()],
+            Process::Killed(journal) => journal.done[op.index()],
+        }
+    }
+
+    pub(crate) fn act(&mut self, what: String) {
+        let now: Tick = self.now;
+        self.log.push(now, What::Act(what));
+    }
+}

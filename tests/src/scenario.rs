@@ -1,0 +1,263 @@
+//! What a scenario does to a line and what it asks about it.
+
+use std::time::Duration;
+
+use linewright_fieldbus::NodeId;
+use linewright_line::net::{ControlMode, Place};
+use linewright_line::{ButtonId, Line, OpId, StationId, Tick, TransferLine, parse};
+use linewright_plant::{DeviceFault, Fault};
+use linewright_station_logic::{Controller, Restore};
+
+use crate::ledger::Ledger;
+use crate::log::Log;
+use crate::network::{Conditions, Node};
+use crate::observer::Observer;
+use crate::sim::{Process, Sim};
+
+/// The shipped transfer line with its times multiplied.
+pub fn transfer_line(time_scale: f64) -> Line {
+    transfer_line_with(1, time_scale)
+}
+
+/// A transfer line with several clamps and mills.
+pub fn transfer_line_with(machines: usize, time_scale: f64) -> Line {
+    let text = TransferLine { machines, time_scale }.text();
+    parse("line.toml", &text).unwrap_or_else(|problems| panic!("{problems:?}")).line
+}
+
+/// A hand-mode button by name.
+pub fn hand_button(line: &Line, name: &str) -> ButtonId {
+    let at = line.buttons.iter().position(|button| button == name);
+    ButtonId::at(at.unwrap_or_else(|| panic!("no button {name}")))
+}
+
+impl Sim {
+    /// The line.
+    pub fn line(&self) -> &Line {
+        &self.line
+    }
+
+    /// The present moment.
+    pub fn now(&self) -> Tick {
+        self.now
+    }
+
+    /// What has happened.
+    pub fn log(&self) -> &Log {
+        &self.log
+    }
+
+    /// The book-keeping of cycles.
+    pub fn ledger(&self) -> &Ledger {
+        &self.ledger
+    }
+
+    /// The one who looks at positions.
+    pub fn observer(&self) -> &Observer {
+        self.field.observer()
+    }
+
+    /// A station's id.
+    pub fn id(&self, station: &str) -> StationId {
+        self.line.station_named(station).unwrap_or_else(|| panic!("no station {station}"))
+    }
+
+    /// An operation's id.
+    pub fn op(&self, station: &str, operation: &str) -> (StationId, OpId) {
+        let id = self.id(station);
+        let op = self.line.station(id).operation_named(operation);
+        (id, op.unwrap_or_else(|| panic!("{station} has no {operation}")))
+    }
+
+    /// Makes the normal motion of an operation fail.
+    pub fn fail(&mut self, station: &str, operation: &str, fault: Fault) {
+        let (id, op) = self.op(station, operation);
+        self.act(format!("{station}: {operation}: {fault:?}"));
+        self.field.fail(self.now, id, op, Some(fault));
+        self.wake_field();
+    }
+
+    /// Makes the recovery motion of an operation fail, or work again.
+    pub fn fail_recovery(&mut self, station: &str, operation: &str, fault: Option<Fault>) {
+        let (id, op) = self.op(station, operation);
+        self.act(format!("{station}: undoing {operation}: {fault:?}"));
+        self.field.fail_recovery(self.now, id, op, fault);
+        self.wake_field();
+    }
+
+    /// Repairs an operation.
+    pub fn repair(&mut self, station: &str, operation: &str) {
+        let (id, op) = self.op(station, operation);
+        self.act(format!("{station}: {operation} repaired"));
+        self.field.fail(self.now, id, op, None);
+        self.field.fail_recovery(self.now, id, op, None);
+        self.wake_field();
+    }
+
+    /// Makes a device fail, or plugs it in again.
+    pub fn fail_device(&mut self, device: &str, fault: Option<DeviceFault>) {
+        let found = self.line.devices.iter().find(|d| d.name == device);
+        let number = found.unwrap_or_else(|| panic!("no device {device}")).node_id;
+        self.act(format!("{device}: {fault:?}"));
+        if let Some(node) = NodeId::new(number) {
+            self.field.fail_device(self.now, node, fault);
+            self.wake_field();
+        }
+    }
+
+    /// Kills a station's process, now.
+    pub fn kill_station(&mut self, station: StationId) {
+        self.act(format!("{} killed", self.line.station(station).name));
+        if let Process::Running(node) = &self.stations[station.index()] {
+            let journal = node.journal.clone();
+            self.stations[station.index()] = Process::Killed(journal);
+        }
+    }
+
+    /// Lets a station's process die at its next change, between its record and everything it would have said.
+    pub fn kill_station_at_its_next_record(&mut self, station: StationId) {
+        self.act(format!("{} to die at its next record", self.line.station(station).name));
+        if let Process::Running(node) = &mut self.stations[station.index()] {
+            node.dies_at_next_record = true;
+        }
+    }
+
+    /// Whether a station's process runs.
+    pub fn is_running(&self, station: StationId) -> bool {
+        matches!(self.stations[station.index()], Process::Running(_))
+    }
+
+    /// Starts a killed station again, from its journal.
+    pub fn restart_station(&mut self, station: StationId) {
+        let Process::Killed(journal) = &self.stations[station.index()] else { return };
+        let journal = journal.clone();
+        self.act(format!("{} restarted", self.line.station(station).name));
+        self.start_station(station, Restore::From(journal));
+    }
+
+    /// Kills the coordinator's process, and with it the gateway and the manager of the bus.
+    pub fn kill_coordinator(&mut self) {
+        self.act("coordinator killed".to_owned());
+        if let Some(node) = self.coordinator.take() {
+            self.last_epoch = self.last_epoch.max(node.coordinator.epoch());
+        }
+    }
+
+    /// Starts a coordinator that remembers the last epoch of the one before, or does not.
+    pub fn restart_coordinator(&mut self, remembers: bool) {
+        if self.coordinator.is_none() {
+            self.act(format!("coordinator restarted, remembers its epoch: {remembers}"));
+            self.start_coordinator(if remembers { self.last_epoch } else { 0 });
+        }
+    }
+
+    /// Cuts everything from one node to another.
+    pub fn cut(&mut self, from: Node, to: Node) {
+        self.act(format!("cut from {from:?} to {to:?}"));
+        self.network.cut(from, to);
+    }
+
+    /// Joins every link again.
+    pub fn heal(&mut self) {
+        self.act("every link joined".to_owned());
+        self.network.heal();
+    }
+
+    /// What the network does from now on.
+    pub fn conditions(&mut self, conditions: Conditions) {
+        self.network.conditions = conditions;
+    }
+
+    /// The operator's screen hangs: held buttons are not said again. Or it goes on.
+    pub fn freeze_fingers(&mut self, frozen: bool) {
+        self.act(format!("screen frozen: {frozen}"));
+        self.fingers_frozen = frozen;
+    }
+
+    /// The controller of a station that runs.
+    pub fn controller(&self, station: StationId) -> Option<&Controller> {
+        match &self.stations[station.index()] {
+            Process::Running(node) => Some(&node.controller),
+            Process::Killed(_) => None,
+        }
+    }
+
+    /// The marked places of a station; none while it is down.
+    pub fn marking(&self, station: StationId) -> Vec<Place> {
+        self.controller(station).map(|c| c.marking().collect()).unwrap_or_default()
+    }
+
+    /// The mode a station acts on; none while it is down.
+    pub fn mode_of(&self, station: StationId) -> Option<ControlMode> {
+        self.controller(station).map(Controller::mode)
+    }
+
+    /// The mode of the line; none while the coordinator is down.
+    pub fn mode(&self) -> Option<ControlMode> {
+        self.coordinator.as_ref().map(|node| node.coordinator.mode())
+    }
+
+    /// The coordinator's epoch; 0 while it is down.
+    pub fn epoch(&self) -> u64 {
+        self.coordinator.as_ref().map_or(0, |node| node.coordinator.epoch())
+    }
+
+    /// Some operation of a station was stopped before its end.
+    pub fn is_incomplete(&self, station: &str) -> bool {
+        self.marking(self.id(station)).iter().any(|place| place.is_incomplete())
+    }
+
+    /// Nothing of a station is driven: by its own account, and on the wires.
+    pub fn is_stopped(&self, station: StationId) -> bool {
+        self.controller(station).is_none_or(|c| c.report().stopped) && self.field.energised(station) == 0
+    }
+
+    /// The actuators of a station that are energised at its devices, a bit per output.
+    pub fn energised(&self, station: StationId) -> u128 {
+        self.field.energised(station)
+    }
+
+    /// Some actuator of the line is energised.
+    pub fn anything_energised(&self) -> bool {
+        self.line.station_ids().any(|id| self.field.energised(id) != 0)
+    }
+
+    /// Every axis position, in the order of the description.
+    pub fn positions(&self) -> Vec<f64> {
+        let axes = |id: StationId| (0..self.line.station(id).axes.len()).map(move |a| (id, a));
+        let all = self.line.station_ids().flat_map(axes);
+        all.map(|(id, axis)| self.field.plant().position(id, linewright_line::AxisId::at(axis))).collect()
+    }
+
+    /// Why a station waits, in words.
+    pub fn blocked_by(&self, station: StationId) -> Vec<String> {
+        self.controller(station).map(|c| c.blocked_by(&self.line, self.now)).unwrap_or_default()
+    }
+
+    /// Every station at home.
+    pub fn all_home(&self) -> bool {
+        self.line.station_ids().all(|id| self.controller(id).is_some_and(Controller::is_at_home))
+    }
+
+    /// Waits for everything that an operator would: devices, states, orders. A second is long enough for all of them.
+    pub fn settle(&mut self) {
+        self.run_for(Duration::from_secs(1));
+    }
+
+    /// Every station's state in words.
+    pub(crate) fn states_text(&self) -> String {
+        let station = |id: StationId| match self.controller(id) {
+            Some(c) => format!(
+                "{}: {} in {}, cycle {}, waits for {:?}\n",
+                self.line.station(id).name,
+                c.operation_text(&self.line),
+                c.mode(),
+                c.cycle(),
+                c.blocked_by(&self.line, self.now)
+            ),
+            None => format!("{}: down\n", self.line.station(id).name),
+        };
+        let mode = self.coordinator.as_ref().map_or("down".to_owned(), |node| node.coordinator.text());
+        self.line.station_ids().map(station).collect::<String>() + &format!("line: {mode}\n")
+    }
+}

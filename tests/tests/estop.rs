@@ -1,0 +1,99 @@
+//! Emergency stop, at every moment of a cycle.
+//!
+//! ```text
+//!   auto ──▶ e-stop: every output off ──▶ reset ──▶ (still e-stop) ──▶ manual ──▶ auto
+//!                    start, auto, hand refused        only manual leads out
+//! ```
+
+use std::time::Duration;
+
+use linewright_coordinator_logic::Command;
+use linewright_line::Owner;
+use linewright_line::net::ControlMode;
+use linewright_tests::{Sim, transfer_line};
+
+/// Order to the stations, their images to the gateway, the gateway's frames to the devices: at most 0.5 + 0.5 + 0.15
+/// milliseconds on the quiet network; a wired button adds its own frame.
+const OFF_WITHIN: Duration = Duration::from_millis(2);
+
+fn stop_and_come_back(moment: Duration, by_wire: bool) {
+    let mut sim = Sim::new(&transfer_line(1.0), moment.as_millis() as u64);
+    sim.start_auto();
+    sim.run_until_done("clamp_1", "return clamp", 2);
+    sim.run_for(moment);
+    if by_wire {
+        sim.wire(Owner::Console, "ES_pressed", Some(true));
+    } else {
+        sim.command(Command::EStop);
+    }
+    sim.run_for(OFF_WITHIN);
+    assert!(!sim.anything_energised(), "every output is off at {moment:?}");
+    assert_eq!(sim.mode(), Some(ControlMode::EStop));
+    let stands = sim.positions();
+    for command in [Command::Start, Command::Stop, Command::Auto, Command::Hand, Command::Manual] {
+        let refusal = sim.ask(command).expect_err("the emergency stop is on");
+        assert!(refusal.contains("emergency stop"), "{refusal}");
+    }
+    if by_wire {
+        let refusal = sim.ask(Command::Reset).expect_err("its button is still in");
+        assert!(refusal.contains("pull it out"), "{refusal}");
+        sim.wire(Owner::Console, "ES_pressed", None);
+        sim.run_for(Duration::from_millis(50));
+        assert_eq!(sim.mode(), Some(ControlMode::EStop), "pulling it out resets nothing");
+    }
+    sim.settle();
+    assert_eq!(sim.positions(), stands, "nothing moves");
+    sim.order(Command::Reset);
+    assert_eq!(sim.mode(), Some(ControlMode::EStop), "only manual leads out");
+    sim.settle();
+    assert_eq!(sim.positions(), stands, "and a reset moves nothing");
+    assert!(sim.ask(Command::Auto).is_err() && sim.ask(Command::Hand).is_err());
+
+    sim.go_manual();
+    for station in ["transfer", "clamp_1", "mill_1"] {
+        if sim.is_incomplete(station) {
+            sim.resume(station);
+        }
+    }
+    sim.back_to_auto();
+    sim.run_until_done("mill_1", "reset main slide", 4);
+    for part in 1..=3 {
+        assert_eq!(sim.observer().machined(1, part), 1, "part {part} is machined once");
+    }
+}
+
+#[test]
+fn every_twenty_milliseconds_of_a_cycle_by_message() {
+    for moment in (0..3560).step_by(20) {
+        stop_and_come_back(Duration::from_millis(moment), false);
+    }
+}
+
+#[test]
+fn every_thirty_milliseconds_of_a_cycle_by_wire() {
+    for moment in (10..3560).step_by(30) {
+        stop_and_come_back(Duration::from_millis(moment), true);
+    }
+}
+
+#[test]
+fn an_emergency_stop_outlives_the_coordinator_that_gave_it() {
+    for remembers in [true, false] {
+        let mut sim = Sim::new(&transfer_line(1.0), 4);
+        sim.start_auto();
+        sim.run_until_done("transfer", "advance transfer", 2);
+        sim.order(Command::EStop);
+        sim.run_for(Duration::from_millis(100));
+        sim.kill_coordinator();
+        sim.run_for(Duration::from_secs(2));
+        for id in sim.line().station_ids() {
+            assert_eq!(sim.mode_of(id), Some(ControlMode::EStop), "no lease ends it");
+        }
+        sim.restart_coordinator(remembers);
+        sim.settle();
+        assert!(!sim.anything_energised());
+        let stands = sim.positions();
+        sim.settle();
+        assert_eq!(sim.positions(), stands);
+    }
+}

@@ -1,0 +1,156 @@
+//! A fault in each of the seventeen operations, in auto, and every way back.
+//!
+//! ```text
+//!   auto ── fault in one operation ──▶ stand-by ──▶ manual: resume, or return and redo, or go home ──▶ auto
+//!             that one stops at once;                      by the station's panel
+//!             the others finish what they do, and start nothing
+//! ```
+
+use std::time::Duration;
+
+use linewright_coordinator_logic::Command;
+use linewright_line::net::{Block, ControlMode, Place};
+use linewright_line::{Module, StationId};
+use linewright_plant::Fault;
+use linewright_station_logic::{Cause, Happening};
+use linewright_tests::{Sim, transfer_line};
+
+#[derive(Clone, Copy, Debug, PartialEq)]
+enum Recovery {
+    /// Advance: the motion goes on.
+    Resume,
+    /// Return, then advance: taken back and done again, by the panel.
+    ReturnAndRedo,
+    /// Return, then auto does it again.
+    ReturnAndAuto,
+    /// Return along the recovery path, for an irreversible operation.
+    Home,
+}
+
+/// Messages and frames from one end of the line to the other, with the mode's way there and back.
+const SPREADS: Duration = Duration::from_millis(6);
+
+fn operations() -> Vec<(String, String, bool)> {
+    let line = transfer_line(1.0);
+    let of = |station: &linewright_line::Station| {
+        let name = station.name.clone();
+        let ops = station.operations.iter().map(move |operation| {
+            (name.clone(), operation.name.clone(), matches!(operation.module, Module::Reversible { .. }))
+        });
+        ops.collect::<Vec<_>>()
+    };
+    line.stations.iter().flat_map(of).collect()
+}
+
+/// Runs until the operation is under way in its third cycle, and a little on.
+fn reach(sim: &mut Sim, station: &str, operation: &str) {
+    sim.start_auto();
+    let (id, op) = sim.op(station, operation);
+    sim.run_until("the operation in cycle 3", |s| {
+        s.controller(id).is_some_and(|c| c.cycle() == 3) && s.marking(id) == [Place::operating(op)]
+    });
+    sim.run_for(Duration::from_millis(40));
+}
+
+fn one_stops_and_the_others_finish(sim: &mut Sim, station: &str, operation: &str, fault: Fault) {
+    let (id, op) = sim.op(station, operation);
+    let others: Vec<StationId> = sim.line().station_ids().filter(|&other| other != id).collect();
+    sim.fail(station, operation, fault);
+    sim.run_until("the faulty operation stops", |s| s.is_incomplete(station));
+    let stopped = sim.now();
+    let cause = match fault {
+        Fault::Break if sim.line().operation((id, op)).normal.fault.is_some() => Cause::Signal,
+        _ => Cause::Watchdog,
+    };
+    let seen = sim.log().of(id).any(|(at, e)| at == stopped && e.what == Happening::Stopped(op, Block::Normal, cause));
+    assert!(seen, "{station}: {operation} stops with {cause:?}");
+    sim.run_for(SPREADS);
+    assert_eq!(sim.energised(id), 0, "its actuator is off");
+    assert_eq!(sim.mode(), Some(ControlMode::StandBy));
+
+    let running: Vec<Vec<Place>> = others.iter().map(|&other| sim.marking(other)).collect();
+    sim.run_for(Duration::from_secs(2));
+    for (&other, before) in others.iter().zip(running) {
+        let finished: Vec<Place> =
+            before.iter().map(|p| if p.is_operating() { Place::completed(p.op) } else { *p }).collect();
+        assert_eq!(sim.marking(other), finished, "{} finishes what it did", sim.line().station(other).name);
+    }
+    for id in sim.line().station_ids() {
+        let late = |(at, e): &(linewright_line::Tick, linewright_station_logic::Event)| {
+            *at > stopped + SPREADS && matches!(e.what, Happening::Started(..))
+        };
+        assert_eq!(sim.log().of(id).find(late), None, "nothing new starts");
+    }
+    let refusal = sim.ask(Command::Auto).expect_err("auto is refused with a fault standing");
+    assert!(refusal.contains(&format!("{station} has an incomplete operation")), "{refusal}");
+}
+
+fn recover(sim: &mut Sim, station: &str, operation: &str, recovery: Recovery) {
+    sim.repair(station, operation);
+    sim.go_manual();
+    match recovery {
+        Recovery::Resume => assert!(sim.jog(station, true), "resumes"),
+        Recovery::ReturnAndRedo => {
+            assert!(sim.jog(station, false), "returns");
+            assert!(sim.jog(station, true), "redoes");
+        }
+        Recovery::ReturnAndAuto => assert!(sim.jog(station, false), "returns"),
+        Recovery::Home => {
+            assert!(sim.jog(station, false), "takes the first operation of its path back");
+            assert!(sim.jog(station, false), "goes home");
+            let id = sim.id(station);
+            assert!(sim.controller(id).is_some_and(linewright_station_logic::Controller::is_at_home));
+        }
+    }
+    assert!(!sim.is_incomplete(station));
+    sim.back_to_auto();
+}
+
+fn scenario(station: &str, operation: &str, fault: Fault, recovery: Recovery, seed: u64) {
+    let mut sim = Sim::new(&transfer_line(1.0), seed);
+    reach(&mut sim, station, operation);
+    one_stops_and_the_others_finish(&mut sim, station, operation, fault);
+    recover(&mut sim, station, operation, recovery);
+    // Two more cycles; the ledger has watched every count.
+    sim.run_until_done("mill_1", "reset main slide", 5);
+    let (id, op) = sim.op(station, operation);
+    let cycles = sim.ledger().cycles(id, op);
+    assert!(cycles.ends_with(&[3, 4, 5]) || cycles.ends_with(&[3, 4, 5, 6]), "{cycles:?}");
+    for part in 1..=4 {
+        assert_eq!(sim.observer().machined(1, part), 1, "part {part} is machined once");
+    }
+}
+
+fn every_operation(fault: Fault) {
+    for (n, (station, operation, reversible)) in operations().into_iter().enumerate() {
+        let ways: &[Recovery] = if reversible {
+            &[Recovery::Resume, Recovery::ReturnAndRedo, Recovery::ReturnAndAuto]
+        } else {
+            &[Recovery::Resume, Recovery::Home]
+        };
+        for &recovery in ways {
+            println!("{station}: {operation}: {fault:?}, {recovery:?}");
+            scenario(&station, &operation, fault, recovery, n as u64);
+        }
+    }
+}
+
+#[test]
+fn there_are_seventeen_operations() {
+    assert_eq!(operations().len(), 17);
+}
+
+#[test]
+fn a_motion_that_sticks_is_found_by_its_watchdog() {
+    every_operation(Fault::Stick);
+}
+
+#[test]
+fn a_motion_that_breaks_is_found_by_its_fault_signal() {
+    every_operation(Fault::Break);
+}
+
+#[test]
+fn a_motion_that_slips_back_is_found_by_its_watchdog() {
+    every_operation(Fault::SlipBack);
+}
