@@ -1,0 +1,68 @@
+//! `linewright check`: what can be said of a line before anything moves.
+//!
+//! The text is checked by the parser, with every problem at once; then the nets that follow from it are checked by
+//! their structure, which takes time linear in the size of the line. The decisions are in pure functions
+//! ([`report::judge`]); this file reads, prints and picks the exit code.
+//!
+//! Structure says a lot about one station and about the normal cycle of all of them. It does not explore what faults,
+//! operators and delayed messages can do to the composed line, and the output says so each time.
+
+mod chart;
+mod modes;
+mod reduce;
+mod report;
+mod show;
+mod station;
+
+use std::path::PathBuf;
+use std::process::ExitCode;
+
+use linewright_line::Problems;
+use miette::IntoDiagnostic;
+
+use crate::load;
+use report::Report;
+
+/// Check a description: text, nets and structure.
+#[derive(Debug, clap::Args)]
+pub struct Args {
+    /// The line's directory, or its description file.
+    line: PathBuf,
+    /// Print one JSON object instead of tables, problems of the text included.
+    #[arg(long)]
+    json: bool,
+}
+
+/// `linewright check`
+pub fn run(args: &Args) -> miette::Result<ExitCode> {
+    let report = match load::parsed(&args.line) {
+        Ok(parsed) => {
+            let report = report::judge(&parsed);
+            if !args.json {
+                draw_warnings(args, parsed.warnings)?;
+            }
+            report
+        }
+        Err(error) if args.json => match error.downcast_ref::<Problems>() {
+            Some(problems) => Report::of_problems(problems),
+            None => Report::unreadable(format!("{error:#}")),
+        },
+        Err(error) => return Err(error),
+    };
+    if args.json {
+        println!("{}", serde_json::to_string_pretty(&report).into_diagnostic()?);
+    } else {
+        print!("{}", show::text(&report));
+    }
+    Ok(if report.ok { ExitCode::SUCCESS } else { ExitCode::FAILURE })
+}
+
+fn draw_warnings(args: &Args, warnings: Vec<linewright_line::Problem>) -> miette::Result<()> {
+    if warnings.is_empty() {
+        return Ok(());
+    }
+    let file = load::file_of(&args.line);
+    let text = std::fs::read_to_string(&file).into_diagnostic()?;
+    eprintln!("{:?}", miette::Report::new(Problems::new(&file.display().to_string(), &text, warnings)));
+    Ok(())
+}

@@ -1,0 +1,71 @@
+//! The result for people: a table with a row for each station, a list for the line, and what is not decided.
+
+use std::fmt::Write;
+
+use super::report::{Check, Report, StationReport};
+
+/// Column headings for the checks of a station, in the order of the table.
+const COLUMNS: [(&str, &str); 10] = [
+    ("places", "6j+3k"),
+    ("token", "token"),
+    ("state machine", "machine"),
+    ("strongly connected", "connected"),
+    ("live", "live"),
+    ("safe", "safe"),
+    ("reversible", "reversible"),
+    ("exclusive", "exclusive"),
+    ("conditions", "conditions"),
+    ("tables", "tables"),
+];
+
+/// The result in words.
+pub fn text(report: &Report) -> String {
+    let mut out = String::new();
+    // Writing to a string cannot fail.
+    write(report, &mut out).expect("a string accepts every write");
+    out
+}
+
+fn write(report: &Report, out: &mut String) -> std::fmt::Result {
+    stations(&report.stations, out)?;
+    for station in &report.stations {
+        for check in station.checks.iter().filter(|check| !check.ok) {
+            writeln!(out, "  ✗ {}: {}: {}", station.name, check.name, check.reason)?;
+        }
+    }
+    writeln!(out)?;
+    for Check { name, ok, reason } in &report.line_checks {
+        writeln!(out, "{} {name}: {reason}", mark(*ok))?;
+    }
+    writeln!(out, "\nnot decided here:")?;
+    for open in &report.not_decided {
+        writeln!(out, "- {open}")?;
+    }
+    let checks = || report.stations.iter().flat_map(|station| &station.checks).chain(&report.line_checks);
+    let name = report.line.as_deref().unwrap_or("the line");
+    match checks().filter(|check| !check.ok).count() {
+        0 => writeln!(out, "\n✓ {name}: {} checks hold", checks().count()),
+        failed => writeln!(out, "\n✗ {name}: {failed} of {} checks do not hold", checks().count()),
+    }
+}
+
+fn stations(stations: &[StationReport], out: &mut String) -> std::fmt::Result {
+    let width = stations.iter().map(|station| station.name.len()).max().unwrap_or(0).max("station".len());
+    write!(out, "{:width$}   R   I  places  transitions", "station")?;
+    COLUMNS.iter().try_for_each(|(_, heading)| write!(out, "  {heading}"))?;
+    writeln!(out)?;
+    for s in stations {
+        write!(out, "{:width$} {:3} {:3}  {:6}  {:11}", s.name, s.reversible, s.irreversible, s.places, s.transitions)?;
+        for (name, heading) in COLUMNS {
+            // A check that another one's failure left no ground for is not there.
+            let shown = s.checks.iter().find(|check| check.name == name).map_or("-", |check| mark(check.ok));
+            write!(out, "  {shown:^0$}", heading.len())?;
+        }
+        writeln!(out)?;
+    }
+    Ok(())
+}
+
+const fn mark(ok: bool) -> &'static str {
+    if ok { "✓" } else { "✗" }
+}

@@ -1,0 +1,194 @@
+//! `linewright check` and `linewright new`, as a user meets them: the built command, its output and its exit code.
+
+use std::path::{Path, PathBuf};
+use std::process::{Command, Output};
+
+use serde_json::Value;
+
+fn linewright(args: &[&str]) -> Output {
+    Command::new(env!("CARGO_BIN_EXE_linewright")).args(args).output().expect("the command starts")
+}
+
+fn shipped() -> PathBuf {
+    Path::new(env!("CARGO_MANIFEST_DIR")).join("../launch-config/lines/transfer-line")
+}
+
+/// A directory of this test's own, removed when it ends.
+struct Scratch(PathBuf);
+
+impl Scratch {
+    fn new(test: &str) -> Self {
+        let dir = std::env::temp_dir().join(format!("linewright-{test}-{}", std::process::id()));
+        std::fs::create_dir_all(&dir).expect("a directory for temporary files");
+        Scratch(dir)
+    }
+
+    fn path(&self, name: &str) -> String {
+        self.0.join(name).to_str().expect("a plain path").to_owned()
+    }
+
+    /// The shipped line with some text replaced.
+    fn changed(&self, from: &str, to: &str) -> String {
+        let text = std::fs::read_to_string(shipped().join("line.toml")).expect("the shipped line is there");
+        assert!(text.contains(from), "nothing to replace: {from}");
+        let file = self.path("line.toml");
+        std::fs::write(&file, text.replacen(from, to, 1)).expect("a scratch file");
+        file
+    }
+}
+
+impl Drop for Scratch {
+    fn drop(&mut self) {
+        let _ = std::fs::remove_dir_all(&self.0);
+    }
+}
+
+fn json(output: &Output) -> Value {
+    serde_json::from_slice(&output.stdout).unwrap_or_else(|error| panic!("{error}: {output:?}"))
+}
+
+fn text(bytes: &[u8]) -> &str {
+    std::str::from_utf8(bytes).expect("output is text")
+}
+
+#[test]
+fn the_shipped_line_passes_every_check() {
+    let output = linewright(&["check", shipped().to_str().unwrap(), "--json"]);
+    assert!(output.status.success(), "{output:?}");
+    let found = json(&output);
+    assert_eq!((&found["line"], &found["ok"]), (&"transfer_line".into(), &true.into()));
+    let station = |index: usize| {
+        let station = &found["stations"][index];
+        let count = |key: &str| station[key].as_u64().unwrap();
+        (station["name"].as_str().unwrap(), count("reversible"), count("irreversible"), count("places"))
+    };
+    assert_eq!(station(0), ("transfer", 10, 0, 60));
+    assert_eq!(station(1), ("clamp_1", 2, 0, 12));
+    assert_eq!(station(2), ("mill_1", 4, 1, 27));
+    for station in found["stations"].as_array().unwrap() {
+        let checks = station["checks"].as_array().unwrap();
+        assert_eq!(checks.len(), 10);
+        assert!(checks.iter().all(|check| check["ok"] == true && check["reason"] != ""), "{station}");
+    }
+    let line_checks = found["line_checks"].as_array().unwrap();
+    assert_eq!(line_checks.len(), 6, "home, causality, two of the modes, two conflicts");
+    assert!(line_checks.iter().all(|check| check["ok"] == true), "{line_checks:?}");
+    assert_eq!((&found["warnings"], &found["problems"]), (&Value::Array(vec![]), &Value::Array(vec![])));
+}
+
+#[test]
+fn the_table_names_every_station_and_what_is_not_decided() {
+    let output = linewright(&["check", shipped().join("line.toml").to_str().unwrap()]);
+    assert!(output.status.success(), "{output:?}");
+    let out = text(&output.stdout);
+    for part in ["transfer ", "clamp_1 ", "mill_1 ", "✓ operation causality", "not decided here:", "checks hold"] {
+        assert!(out.contains(part), "no '{part}' in:\n{out}");
+    }
+    assert!(!out.contains('✗'), "{out}");
+    assert!(output.stderr.is_empty(), "no warnings: {output:?}");
+}
+
+#[test]
+fn a_conflict_that_no_arrow_prevents_is_a_failed_check() {
+    let scratch = Scratch::new("conflict");
+    let file = scratch.changed("lag = 0\nmodes = [\"auto\", \"manual\"]", "lag = 0\nmodes = [\"auto\"]");
+    let output = linewright(&["check", &file, "--json"]);
+    assert_eq!(output.status.code(), Some(1));
+    let found = json(&output);
+    assert_eq!((&found["ok"], &found["problems"]), (&false.into(), &Value::Array(vec![])));
+    let failed: Vec<&Value> = found["line_checks"].as_array().unwrap().iter().filter(|c| c["ok"] == false).collect();
+    assert_eq!(failed.len(), 1, "{failed:?}");
+    let reason = failed[0]["reason"].as_str().unwrap();
+    assert!(reason.contains("`transfer: 1st lift`") && reason.contains("manual gets round"), "{reason}");
+
+    let plain = linewright(&["check", &file]);
+    assert_eq!(plain.status.code(), Some(1));
+    assert!(text(&plain.stdout).contains("✗ separated: the bar is off its rest"), "{plain:?}");
+}
+
+#[test]
+fn all_problems_of_a_text_are_reported_with_their_places() {
+    let scratch = Scratch::new("problems");
+    let file = scratch.changed("watchdog_s = 1.0", "watchdog_s = 0.1\nwatchdogs = 2");
+    let output = linewright(&["check", &file, "--json"]);
+    assert_eq!(output.status.code(), Some(1));
+    let found = json(&output);
+    assert_eq!((&found["line"], &found["ok"]), (&Value::Null, &false.into()));
+    let problems = found["problems"].as_array().unwrap();
+    assert!(problems.len() >= 2, "{problems:?}");
+    assert!(problems.iter().all(|p| p["line"].as_u64() > Some(1) && p["column"].as_u64() > Some(0)), "{problems:?}");
+
+    let plain = linewright(&["check", &file]);
+    assert_eq!(plain.status.code(), Some(1));
+    assert!(plain.stdout.is_empty() && text(&plain.stderr).contains("watchdog"), "{plain:?}");
+}
+
+#[test]
+fn a_deadlock_among_arrows_is_a_problem_of_the_text() {
+    let scratch = Scratch::new("deadlock");
+    let output = linewright(&["check", &scratch.changed("lag = 1", "lag = 0"), "--json"]);
+    assert_eq!(output.status.code(), Some(1));
+    assert!(json(&output)["problems"].to_string().contains("deadlock"), "{output:?}");
+}
+
+#[test]
+fn a_warning_is_shown_and_does_not_fail() {
+    let scratch = Scratch::new("warning");
+    let file = scratch.changed("buttons = [\"PB_1\"", "buttons = [\"PB_9\", \"PB_1\"");
+    let output = linewright(&["check", &file, "--json"]);
+    assert!(output.status.success(), "{output:?}");
+    assert!(json(&output)["warnings"].to_string().contains("PB_9"), "{output:?}");
+
+    let plain = linewright(&["check", &file]);
+    assert!(plain.status.success() && text(&plain.stderr).contains("PB_9"), "{plain:?}");
+}
+
+#[test]
+fn a_file_that_is_not_there_fails_and_says_so() {
+    let output = linewright(&["check", "no/such/line"]);
+    assert_eq!(output.status.code(), Some(1));
+    assert!(text(&output.stderr).contains("no/such/line"), "{output:?}");
+    let output = linewright(&["check", "no/such/line", "--json"]);
+    assert_eq!(output.status.code(), Some(1));
+    assert!(json(&output)["problems"][0]["message"].as_str().unwrap().contains("no/such/line"), "{output:?}");
+}
+
+#[test]
+fn a_new_line_can_be_checked_and_is_not_overwritten() {
+    let scratch = Scratch::new("new");
+    let dir = scratch.path("fast");
+    let new = ["new", "transfer-line", "--dir", &dir];
+    let output = linewright(&[&new[..], &["--machines", "3", "--time-scale", "0.1"]].concat());
+    assert!(output.status.success(), "{output:?}");
+    let written = std::fs::read_to_string(format!("{dir}/line.toml")).unwrap();
+    assert!(written.contains("mill_3") && written.contains("duration_s = 0.07"));
+
+    let checked = linewright(&["check", &dir, "--json"]);
+    assert!(checked.status.success(), "{checked:?}");
+    assert_eq!(json(&checked)["stations"].as_array().unwrap().len(), 7);
+
+    let again = linewright(&new);
+    assert_eq!(again.status.code(), Some(1));
+    assert!(text(&again.stderr).contains("--force"), "{again:?}");
+    assert_eq!(std::fs::read_to_string(format!("{dir}/line.toml")).unwrap(), written, "left as it was");
+
+    let forced = linewright(&[&new[..], &["--force"]].concat());
+    assert!(forced.status.success(), "{forced:?}");
+    let shipped = std::fs::read_to_string(shipped().join("line.toml")).unwrap();
+    assert_eq!(std::fs::read_to_string(format!("{dir}/line.toml")).unwrap(), shipped);
+}
+
+#[test]
+fn a_new_line_keeps_to_its_bounds() {
+    let scratch = Scratch::new("bounds");
+    let dir = scratch.path("line");
+    for (option, values) in [("--machines", ["0", "32"]), ("--time-scale", ["0.001", "nan"])] {
+        for value in values {
+            let output = linewright(&["new", "transfer-line", "--dir", &dir, option, value]);
+            assert_eq!(output.status.code(), Some(2), "{option} {value}");
+            let told = text(&output.stderr);
+            assert!(told.contains("1 to 31 machines") || told.contains("from 0.01 to 1000"), "{told}");
+        }
+    }
+    assert!(!Path::new(&dir).exists(), "nothing was made");
+}
