@@ -38,7 +38,7 @@ impl Controller {
             Kind::Complete(op, Block::Normal) => self.completed(op),
             Kind::Complete(op, Block::Recovery) => self.undone(op),
             Kind::Undo(op) => {
-                self.withdraw(1 << op.0);
+                self.withdraw_first(1 << op.0);
                 self.go(op, Place::undoing(op), false);
             }
             Kind::Restart(op) => {
@@ -51,11 +51,11 @@ impl Controller {
                 self.spread(transition, |controller, op| controller.started[op.index()] = controller.cycle);
             }
             Kind::Back { .. } => {
-                self.withdraw(self.taken_back(kind));
+                self.withdraw_first(self.taken_back(kind));
                 self.spread(transition, |_, _| {});
             }
             Kind::EnterPath(failed) => {
-                self.withdraw(self.taken_back(kind));
+                self.withdraw_first(self.taken_back(kind));
                 self.path = Some(failed);
                 self.spread(transition, |_, _| {});
                 self.refresh_path();
@@ -123,25 +123,43 @@ impl Controller {
     fn completed(&mut self, op: OpId) {
         let index = self.token_of(op);
         self.arrive(index, Place::completed(op));
-        if self.path.take().is_some() {
-            // Home by a recovery path: this is the end of the previous round, and the cycle will be done again.
-            let round = self.done[self.program.home.index()];
+        match self.path.take() {
+            Some(failed) => self.home_again(failed),
+            None => {
+                self.done[op.index()] = self.started[op.index()];
+                self.refresh_stop();
+                self.note(Happening::Completed(op, Block::Normal));
+            }
+        }
+    }
+
+    /// Home by a recovery path: this is the end of the previous round, and the cycle will be done again.
+    fn home_again(&mut self, failed: OpId) {
+        self.refresh_path();
+        let home = self.program.home.index();
+        if self.rules.redo_round {
+            if !self.rules.withdraw_first {
+                self.withdraw(self.taken_back(Kind::EnterPath(failed)));
+            }
+            let round = self.done[home];
             for (op, home) in self.home_counts.iter().enumerate() {
                 self.started[op] = home + round;
             }
             self.cycle = round;
-            self.refresh_path();
-            self.note(Happening::HomeAgain);
         } else {
-            self.done[op.index()] = self.started[op.index()];
-            self.refresh_stop();
-            self.note(Happening::Completed(op, Block::Normal));
+            self.started[home] = self.cycle;
+            self.done[home] = self.cycle;
         }
+        self.note(Happening::HomeAgain);
     }
 
     fn undone(&mut self, op: OpId) {
         let index = self.token_of(op);
         self.arrive(index, Place::undone(op));
+        let late = if self.path.is_none() { !self.rules.withdraw_first } else { !self.rules.redo_round };
+        if late && self.done[op.index()] == self.started[op.index()] {
+            self.withdraw(1 << op.0);
+        }
         if self.path.is_none() {
             self.started[op.index()] = self.done[op.index()];
             if op == self.program.first {
@@ -149,6 +167,13 @@ impl Controller {
             }
         }
         self.note(Happening::Completed(op, Block::Recovery));
+    }
+
+    /// Takes counts back before the motion, as the rule has it.
+    fn withdraw_first(&mut self, ops: u64) {
+        if self.rules.withdraw_first {
+            self.withdraw(ops);
+        }
     }
 
     fn withdraw(&mut self, ops: u64) {

@@ -9,12 +9,17 @@
 //! could build on it has agreed — is in [`views`](mod@views) and [`withdraw`](mod@withdraw).
 
 mod controller;
+mod drive;
 mod event;
 mod explain;
 mod fire;
 mod panel;
 mod program;
 mod report;
+mod restore;
+mod rules;
+mod situation;
+mod step;
 mod views;
 mod withdraw;
 
@@ -23,3 +28,5 @@ pub use event::{Cause, Event, Happening};
 pub use panel::{ModeOrder, PanelCommand};
 pub use program::{CompileError, Program};
 pub use report::{Answer, Report, Request, Restore, Snapshot};
+pub use rules::Rules;
+pub use situation::Writer;

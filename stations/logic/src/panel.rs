@@ -111,6 +111,10 @@ impl Commands {
         if self.order.is_some_and(|current| order.epoch < current.epoch) {
             return false;
         }
+        // What another coordinator holds down was not pressed now.
+        if self.order.is_some_and(|current| order.boot_id != current.boot_id) {
+            self.disarm(bit::HELD);
+        }
         self.order = Some(order);
         self.order_until = now + order.lease;
         true
@@ -137,9 +141,9 @@ impl Commands {
         self.selector || self.wired.0
     }
 
-    /// Every button must be seen off again before it counts.
-    pub(crate) fn disarm(&mut self) {
-        self.armed = 0;
+    /// These buttons must be seen off again before they count.
+    pub(crate) fn disarm(&mut self, levels: u128) {
+        self.armed &= !levels;
     }
 
     pub(crate) fn panel_is_live(&self) -> bool {
@@ -192,13 +196,28 @@ impl Commands {
         }
         let advance = self.wired.1 || self.advance.is_held(now);
         let retract = self.wired.2 || self.retract.is_held(now);
-        raw |= if advance && !retract { bit::ADVANCE } else { 0 };
-        raw |= if retract && !advance { bit::RETRACT } else { 0 };
+        raw |= if advance { bit::ADVANCE } else { 0 } | if retract { bit::RETRACT } else { 0 };
         if live {
             self.armed |= !raw;
         }
+        // Held together the two mean neither, and letting go of one is no command to the other.
+        if advance && retract {
+            self.disarm(bit::PANEL);
+        }
         let in_force = if panel_is_live { bit::PANEL | bit::HELD } else { bit::HELD };
         raw & self.armed & in_force
+    }
+
+    /// See [`crate::Controller::situation`].
+    pub(crate) fn situation(&self, now: Tick, out: &mut Vec<i64>) {
+        let live = now < self.order_until;
+        let order = self.order.map(|o| (o.mode as i64, o.enabled, o.manual_all, o.buttons, o.master_stop));
+        let (mode, enabled, manual_all, buttons, stop) = order.unwrap_or((-1, false, false, 0, None));
+        out.extend([mode, i64::from(buttons), stop.map_or(i64::MIN, i64::from)]);
+        out.extend([live, enabled, manual_all, self.panel_is_live, self.selector_manual()].map(i64::from));
+        let levels = [self.wired.1, self.wired.2, self.advance.is_held(now), self.retract.is_held(now)];
+        out.extend(levels.map(i64::from));
+        out.extend([self.armed & (bit::PANEL | bit::HELD)].map(|bits| bits as i64));
     }
 
     /// When something in here runs out, if nothing is heard until then.

@@ -51,7 +51,7 @@ pub(crate) enum Causal {
     Free,
     /// The arrows into this step hold.
     Holds(u8),
-    /// They do not, or it is not known whether they do.
+    /// They do not, and every view they read is known.
     Fails(u8),
 }
 
@@ -111,7 +111,7 @@ pub(crate) struct Action {
     pub to: Vec<u16>,
 }
 
-/// Why a station cannot be compiled.
+/// Why a controller cannot be set up.
 #[derive(Clone, Debug, PartialEq, Eq)]
 pub enum CompileError {
     /// More irreversible operations than a station's word of variables has room for.
@@ -123,6 +123,11 @@ pub enum CompileError {
         /// How many there may be.
         most: usize,
     },
+    /// The snapshot to start from is not one of this station's: the description has changed, or the file is damaged.
+    SnapshotDoesNotFit {
+        /// What does not fit.
+        why: &'static str,
+    },
 }
 
 impl fmt::Display for CompileError {
@@ -131,6 +136,7 @@ impl fmt::Display for CompileError {
             CompileError::TooManyPaths { station, has, most } => {
                 write!(f, "station {station} has {has} irreversible operations; a controller holds {most} at most")
             }
+            CompileError::SnapshotDoesNotFit { why } => write!(f, "the kept state is not of this station: {why}"),
         }
     }
 }

@@ -25,7 +25,8 @@ pub(crate) struct View {
     pub boot_id: u64,
     /// Unknown from then on.
     pub known_until: Tick,
-    done: Vec<i32>,
+    pub done: Vec<i32>,
+    pub cycle: i32,
     pub request: Option<Request>,
     /// Our answer to that request.
     pub answer: Option<Answer>,
@@ -38,6 +39,8 @@ pub(crate) struct View {
 pub(crate) struct Views {
     pub peers: Vec<View>,
     stale: Duration,
+    /// See [`crate::Rules::counted`].
+    pub counted: bool,
 }
 
 impl Views {
@@ -48,11 +51,12 @@ impl Views {
             boot_id: 0,
             known_until: Tick::ZERO,
             done: vec![i32::MIN; operations],
+            cycle: 0,
             request: None,
             answer: None,
             verdict: None,
         };
-        Views { peers: program.peers.iter().zip(operations_of).map(view).collect(), stale }
+        Views { peers: program.peers.iter().zip(operations_of).map(view).collect(), stale, counted: true }
     }
 
     /// Takes a report that is newer than the last one of that station. Gives false, and changes nothing, if it is not
@@ -70,11 +74,13 @@ impl Views {
         let view = &mut self.peers[index];
         let bits = view.done.len();
         let fits = |request: &Request| bits >= 64 || request.ops < 1 << bits;
-        if report.done.len() != bits || !report.request.as_ref().is_none_or(fits) {
+        let named = |answer: &Answer| answer.in_the_way.is_none_or(|op| op.index() < bits);
+        if report.done.len() != bits || !report.request.as_ref().is_none_or(fits) || !report.answers.iter().all(named) {
             return false;
         }
         view.known_until = now + self.stale;
         view.done.copy_from_slice(&report.done);
+        view.cycle = report.cycle;
         view.verdict = report.answers.iter().find(|a| a.to == me.0).map(|a| (a.boot_id, a.number, a.in_the_way));
         let same = view.boot_id == report.boot_id && view.request == report.request;
         view.boot_id = report.boot_id;
@@ -104,13 +110,20 @@ impl Views {
 
     /// Whether one arrow holds for an operation that would start in `cycle`.
     pub(crate) fn holds(&self, cause: &Cause, cycle: i32, now: Tick) -> bool {
-        self.is_known(cause.peer as usize, now) && self.count(cause) >= cycle.saturating_sub(cause.lag)
+        let peer = cause.peer as usize;
+        let enough = if self.counted { cycle.saturating_sub(cause.lag) } else { self.peers[peer].cycle };
+        self.is_known(peer, now) && self.count(cause) >= enough
     }
 
     /// Whether all arrows observed in `mode` hold for a step that would start in `cycle`.
     #[inline]
     pub(crate) fn all_hold(&self, causes: &[Cause], mode: ControlMode, cycle: i32, now: Tick) -> bool {
         causes.iter().all(|cause| !cause.modes[mode as usize] || self.holds(cause, cycle, now))
+    }
+
+    /// Whether every view is known that the arrows observed in `mode` read.
+    pub(crate) fn all_known(&self, causes: &[Cause], mode: ControlMode, now: Tick) -> bool {
+        causes.iter().all(|cause| !cause.modes[mode as usize] || self.is_known(cause.peer as usize, now))
     }
 
     /// When the next view becomes unknown.

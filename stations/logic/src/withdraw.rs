@@ -12,14 +12,13 @@ use linewright_line::net::ControlMode;
 
 use crate::controller::Controller;
 use crate::event::Happening;
-use crate::program::Row;
 use crate::report::Request;
 
 /// A request that is open, and the command behind it.
 #[derive(Clone, Copy, Debug)]
 pub(crate) struct Pending {
     pub request: Request,
-    /// Transitions to fire once agreed, a bit per token that has one; see `transitions`.
+    /// Transitions to fire once agreed, the first `count` of them.
     pub transitions: [u16; linewright_line::BRANCHES_MAX],
     pub count: usize,
     /// Levels the command must keep holding.
@@ -34,6 +33,9 @@ pub(crate) struct Pending {
 pub(crate) enum Standing {
     Waiting,
     Agreed,
+    /// A station has started on a count: refused.
+    NotAgreed,
+    /// The command does not stand any more.
     GivenUp,
 }
 
@@ -48,29 +50,33 @@ impl Controller {
             .fold(0, |all, (op, &peers)| if ops & (1 << op) != 0 { all | peers } else { all })
     }
 
-    /// Remembers a transition that waits for agreement; several of one step (concurrent neighbours) are one request.
-    pub(crate) fn ask(&mut self, row: &Row, ops: u64, mode: ControlMode) {
-        let needs = self.dependents(ops);
-        let pending = self.pending.get_or_insert_with(|| {
-            let number = self.next_request;
+    /// Opens a request for the rows that take counts back. Those of one step (concurrent neighbours) are one request.
+    pub(crate) fn ask(&mut self, rows: &[u16], mode: ControlMode) {
+        let number = self.next_request;
+        if self.rules.fresh_numbers {
             self.next_request += 1;
-            self.changed = true;
-            Pending {
-                request: Request { number, ops: 0 },
-                transitions: [0; linewright_line::BRANCHES_MAX],
-                count: 0,
-                hold: 0,
-                mode,
-                needs: 0,
-            }
-        });
-        if pending.count < pending.transitions.len() {
-            pending.transitions[pending.count] = row.transition;
-            pending.count += 1;
-            pending.request.ops |= ops;
-            pending.needs |= needs;
-            pending.hold |= crate::program::bit::levels(row.need);
         }
+        let mut pending = Pending {
+            request: Request { number, ops: 0 },
+            transitions: [0; linewright_line::BRANCHES_MAX],
+            count: 0,
+            hold: 0,
+            mode,
+            needs: 0,
+        };
+        for &row in rows {
+            let row = self.program.rows[row as usize];
+            if row.withdraws {
+                pending.transitions[pending.count] = row.transition;
+                pending.count += 1;
+                pending.request.ops |= self.taken_back(self.program.actions[row.transition as usize].kind);
+                pending.hold |= crate::program::bit::levels(row.need);
+            }
+        }
+        pending.needs = self.dependents(pending.request.ops);
+        self.pending = Some(pending);
+        self.changed = true;
+        self.note(Happening::Asked(number));
     }
 
     /// Where the open request stands. A refusal closes it and says who is in the way.
@@ -93,7 +99,7 @@ impl Controller {
                     self.note(Happening::NotAgreed { by, in_the_way });
                     self.note(Happening::Refused);
                     self.refusal = Some((by, in_the_way, pending.request.ops));
-                    return Standing::GivenUp;
+                    return Standing::NotAgreed;
                 }
                 Some(_) | None => missing = true,
             }

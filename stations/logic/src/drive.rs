@@ -1,0 +1,78 @@
+//! What leaves the controller: the output image, the next deadline, the report.
+
+use linewright_line::net::ControlMode;
+
+use crate::controller::{Controller, Run};
+use crate::report::Report;
+
+impl Controller {
+    /// Works out the outputs and the deadline.
+    ///
+    /// Why an actuator may be energised: its place is operating, which is left on any fault; the devices vouch for
+    /// the image that place was judged by; the mode is not the emergency stop, in which no place is operating; and a
+    /// motion that a person holds is driven only while the button is down. Everything else is off, so a controller
+    /// that has nothing to say says "off".
+    pub(crate) fn drive(&mut self) {
+        let mut outputs = 0;
+        let mut deadline = self.commands.deadline(self.now).min(self.views.deadline(self.now));
+        if self.devices_valid {
+            deadline = deadline.min(self.inputs_until);
+        }
+        let mode = self.commands.mode();
+        for index in 0..self.token_count {
+            let token = &mut self.tokens[index];
+            let table = &self.program.places[token.place as usize];
+            let held = token.run != Run::Hand || (table.hold != 0 && self.levels & table.hold == table.hold);
+            let driven = table.actuator != 0 && self.devices_valid && held && mode != ControlMode::EStop;
+            match (token.driven, driven) {
+                (false, true) => token.deadline = self.now + token.remaining,
+                (true, false) => token.remaining = token.deadline.since(self.now),
+                (true, true) | (false, false) => {}
+            }
+            token.driven = driven;
+            if driven {
+                outputs |= table.actuator;
+                deadline = deadline.min(token.deadline);
+            }
+            outputs |= table.lamp;
+        }
+        self.outputs = outputs;
+        self.deadline = deadline;
+        self.dirty = false;
+    }
+
+    /// The report of the present state.
+    pub fn report(&self) -> Report {
+        let mut report = Report::default();
+        self.report_into(&mut report);
+        report
+    }
+
+    /// Writes the report of the present state, reusing what `report` has allocated.
+    pub fn report_into(&self, report: &mut Report) {
+        report.boot_id = self.boot_id;
+        report.mode_epoch = self.commands.epoch();
+        report.mode = Some(self.commands.mode());
+        report.cycle = self.cycle;
+        report.done.clone_from(&self.done);
+        report.started.clone_from(&self.started);
+        report.places.clear();
+        report.places.resize(self.done.len(), 0);
+        report.incomplete.clear();
+        for place in self.marking() {
+            report.places[place.op.index()] = place.number();
+            if place.is_incomplete() {
+                report.incomplete.push((place.op, self.causes_of_stop[place.op.index()]));
+            }
+        }
+        report.recovering_home = self.path.is_some();
+        report.at_home = self.is_at_home();
+        report.round = self.home_round() + i32::from(!report.at_home);
+        report.stopped = !self.tokens().iter().any(|t| t.driven);
+        report.selector_manual = self.commands.selector_manual();
+        report.devices_valid = self.devices_valid;
+        report.request = self.pending.map(|p| p.request);
+        report.answers.clear();
+        report.answers.extend(self.views.peers.iter().filter_map(|v| v.answer));
+    }
+}

@@ -1,0 +1,90 @@
+//! Coming up again where the station was, from what it kept.
+//!
+//! A snapshot comes from outside: from a file that may belong to an older description. Everything that indexes or
+//! counts is checked once here, so that nothing after it needs to ask.
+
+use linewright_line::net::Block;
+
+use crate::controller::Controller;
+use crate::event::Cause;
+use crate::program::CompileError;
+use crate::report::{Restore, Snapshot};
+
+/// Counts a machine never reaches in its life; above it arithmetic could overflow.
+const COUNT_MAX: i32 = i32::MAX / 2;
+
+impl Controller {
+    pub(crate) fn restore(&mut self, snapshot: Snapshot) -> Result<(), CompileError> {
+        self.check(&snapshot).map_err(|why| CompileError::SnapshotDoesNotFit { why })?;
+        self.token_count = snapshot.marking.len();
+        for (token, place) in self.tokens.iter_mut().zip(&snapshot.marking) {
+            let place = if place.is_operating() { place.stopped() } else { *place };
+            if place.is_incomplete() {
+                self.causes_of_stop[place.op.index()] = Cause::Restart;
+            }
+            token.place = self.program.index_of(place);
+        }
+        self.cycle = snapshot.cycle;
+        self.done = snapshot.done;
+        self.started = snapshot.started;
+        self.path = snapshot.path;
+        self.next_request = snapshot.next_request;
+        Ok(())
+    }
+
+    /// What keeps a snapshot from being one of this station's.
+    fn check(&self, snapshot: &Snapshot) -> Result<(), &'static str> {
+        let operations = self.done.len();
+        if snapshot.done.len() != operations || snapshot.started.len() != operations {
+            return Err("it counts another number of operations");
+        }
+        let known = |op: linewright_line::OpId| op.index() < operations;
+        let exists = |p: &linewright_line::net::Place| {
+            known(p.op) && (p.block == Block::Normal || !self.program.paths.contains(&p.op))
+        };
+        if !snapshot.marking.iter().all(exists) {
+            return Err("it marks a place the station does not have");
+        }
+        if snapshot.path.is_some_and(|op| !self.program.paths.contains(&op)) {
+            return Err("it is on a recovery path the station does not have");
+        }
+        let Some(first) = snapshot.marking.first() else { return Err("it marks no place") };
+        let step = self.program.step_of[first.op.index()];
+        let mut marked: Vec<_> = snapshot.marking.iter().map(|p| p.op).collect();
+        marked.sort_unstable();
+        let whole_step =
+            (0..operations).filter(|&op| self.program.step_of[op] == step).eq(marked.iter().map(|o| o.index()));
+        // A recovery path runs one operation at a time, be it one of a group.
+        let on_path = snapshot.path.is_some() && marked.len() == 1;
+        if !whole_step && !on_path {
+            return Err("it does not mark the operations of one step");
+        }
+        let counts = snapshot.done.iter().zip(&snapshot.started);
+        let in_order =
+            |(&done, &started): (&i32, &i32)| -COUNT_MAX < done && done <= started && started <= snapshot.cycle;
+        if snapshot.cycle > COUNT_MAX || !counts.into_iter().all(in_order) {
+            return Err("its counts contradict each other");
+        }
+        Ok(())
+    }
+
+    /// What to keep so that [`Restore::From`] brings the station up where it is now. Keep it before the outputs and
+    /// the report of the same step leave, so that nobody knows more of this station than it will remember.
+    pub fn snapshot(&self) -> Snapshot {
+        Snapshot {
+            marking: self.marking().collect(),
+            cycle: self.cycle,
+            done: self.done.clone(),
+            started: self.started.clone(),
+            path: self.path,
+            next_request: self.next_request,
+        }
+    }
+
+    pub(crate) fn come_up(&mut self, restore: Restore) -> Result<(), CompileError> {
+        match restore {
+            Restore::Fresh => Ok(()),
+            Restore::From(snapshot) => self.restore(snapshot),
+        }
+    }
+}

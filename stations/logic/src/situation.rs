@@ -1,0 +1,81 @@
+//! What decides everything a controller will do, as a list of numbers: for a checker that must know when it has been
+//! in a state before.
+//!
+//! Counts are relative to an origin the caller chooses, request numbers to the newest of their writer and lives to the
+//! present one, because those grow for ever while the situation repeats. Moments in time are left out: a checker keeps
+//! the clock still, and lets things expire by telling the controller so.
+
+use linewright_line::StationId;
+
+use crate::controller::Controller;
+
+/// What a situation is relative to, for one writer of requests: its present life and the next number it will use.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub struct Writer {
+    /// The life.
+    pub boot_id: u64,
+    /// The next number.
+    pub next_request: u64,
+}
+
+impl Controller {
+    /// This controller as a writer of requests.
+    pub fn writer(&self) -> Writer {
+        Writer { boot_id: self.boot_id, next_request: self.next_request }
+    }
+
+    /// Whether an answer to this number can still mean anything to this station.
+    pub fn awaits(&self, number: u64) -> bool {
+        !self.rules.fresh_numbers || self.pending.is_some_and(|p| p.request.number == number)
+    }
+
+    /// Appends the situation to `out`. Two controllers of one station whose situations are equal do the same from then
+    /// on, given the same inputs at times at which nothing expires.
+    pub fn situation(&self, origin: i32, writers: impl Fn(StationId) -> Writer, out: &mut Vec<i64>) {
+        for token in self.tokens() {
+            let place = &self.program.places[token.place as usize];
+            let moves = place.place.is_operating();
+            let flags = if moves { [token.left_start, token.driven] } else { [false; 2] };
+            let run = if moves { token.run as i64 } else { 0 };
+            out.extend([i64::from(token.place), run, i64::from(flags[0]), i64::from(flags[1])]);
+        }
+        let relative = |count: i32| i64::from(count) - i64::from(origin);
+        out.extend([-1, relative(self.cycle), self.path.map_or(-1, |op| i64::from(op.0))]);
+        out.extend(self.done.iter().chain(&self.started).map(|&count| relative(count)));
+        let word = |bits: u128| [(bits >> 64) as i64, bits as i64];
+        for bits in [self.levels, self.levels_before, self.inputs] {
+            out.extend(word(bits));
+        }
+        out.extend([i64::from(self.devices_valid), self.mode_before as i64, i64::from(self.unconfirmed)]);
+        self.commands.situation(self.now, out);
+        match &self.pending {
+            None => out.push(-1),
+            Some(pending) => {
+                out.extend([pending.request.ops as i64, pending.mode as i64, pending.needs as i64]);
+                out.extend(word(pending.hold));
+                out.extend(pending.transitions[..pending.count].iter().map(|&t| i64::from(t)));
+            }
+        }
+        for (peer, view) in self.views.peers.iter().enumerate() {
+            let writer = writers(view.station);
+            out.extend([
+                i64::from(self.views.is_known(peer, self.now)),
+                writer.boot_id.wrapping_sub(view.boot_id) as i64,
+                if self.rules.counted { 0 } else { relative(view.cycle) },
+            ]);
+            let read = self.program.causes.iter().flatten().filter(|c| usize::from(c.peer) == peer);
+            out.extend(read.map(|cause| relative(view.done[cause.from.index()])));
+            match view.request {
+                None => out.push(-1),
+                Some(request) => {
+                    out.extend([writer.next_request.wrapping_sub(request.number) as i64, request.ops as i64]);
+                    out.push(view.answer.map_or(-2, |a| a.in_the_way.map_or(-1, |op| i64::from(op.0))));
+                }
+            }
+            match view.verdict.filter(|&(boot, number, _)| boot == self.boot_id && self.awaits(number)) {
+                None => out.push(-1),
+                Some((_, _, in_the_way)) => out.push(in_the_way.map_or(0, |op| 1 + i64::from(op.0))),
+            }
+        }
+    }
+}

@@ -1,0 +1,310 @@
+//! The step: plays the station's net one image further.
+//!
+//! Every token is judged on the state before the pass; at most one transition of a token fires for an edge. A
+//! transition that takes counts back is handed to [`crate::withdraw`] instead of being fired.
+
+use linewright_line::net::{ControlMode, Kind, Stage};
+use linewright_line::{BRANCHES_MAX, Tick};
+
+use crate::controller::{Controller, Outbox, Run};
+use crate::event::{Cause, Happening};
+use crate::program::{Causal, Row, bit};
+use crate::withdraw::Standing;
+
+/// Transitions looked at in one step before the next image is asked for. An operation that completes leads on to the
+/// next at once; a longer chain means a description with operations that take no time.
+const PASSES_MAX: usize = 4;
+
+impl Controller {
+    /// Plays the net one image further. Call it after every [`Controller::handle`] and at every deadline.
+    ///
+    /// Each rising edge since the last step fires at most one transition of a token; what follows without a command
+    /// (a completed operation leading on in auto) follows in the same step. Allocates nothing.
+    pub fn step(&mut self, now: Tick, out: &mut Outbox) {
+        self.now = self.now.max(now);
+        if self.now >= self.deadline {
+            self.refresh();
+        }
+        let edges = bit::edges(self.levels & !self.levels_before);
+        self.levels_before = self.levels;
+        let mut fired = self.pending.is_some() && self.settle();
+        fired |= self.pass(self.levels | edges);
+        if edges != 0 && !fired && self.pending.is_none() {
+            self.refuse(edges);
+        }
+        if fired {
+            for _ in 1..PASSES_MAX {
+                if !self.pass(self.levels) {
+                    break;
+                }
+            }
+            self.changed = true;
+            self.refusal = None;
+        }
+        if fired || self.dirty {
+            self.drive();
+        }
+        out.outputs = self.outputs;
+        out.changed = std::mem::take(&mut self.changed);
+        if !self.events.is_empty() {
+            out.events.append(&mut self.events);
+        }
+    }
+
+    /// Works out what depends on time or on what was handled: mode, levels, the outputs' holders, deadlines.
+    fn refresh(&mut self) {
+        if self.devices_valid && self.now >= self.inputs_until {
+            self.take_image(0, false);
+        }
+        let levels = self.commands.refresh(self.now);
+        let path = self.path.map_or(0, |op| bit::ANY_PATH | crate::program::path_bit(&self.program.paths, op));
+        let levels = levels | path | self.stop_bit();
+        self.dirty |= levels != self.levels;
+        self.levels = levels;
+        let mode = self.commands.mode();
+        if mode != self.mode_before {
+            self.mode_before = mode;
+            // No edge reaches over a change of mode.
+            self.levels_before = levels;
+            self.enter_mode(mode);
+        }
+        self.dirty = true;
+    }
+
+    fn enter_mode(&mut self, mode: ControlMode) {
+        self.note(Happening::Mode(mode));
+        self.changed = true;
+        for token in &mut self.tokens[..self.token_count] {
+            // Auto takes over what a hand-mode button has started, for the operator has asked for it; hand mode takes
+            // over what auto has left running, and drives it when its button is held.
+            match (mode, token.run) {
+                (ControlMode::Auto, Run::Hand) => token.run = Run::Auto,
+                (ControlMode::Hand, Run::Auto) => token.run = Run::Hand,
+                _ => {}
+            }
+        }
+    }
+
+    /// Follows up an open request.
+    fn settle(&mut self) -> bool {
+        let Some(pending) = self.pending.take() else { return false };
+        // The token may have moved on a command given meanwhile. The request then has no meaning any more, and must
+        // not come back to one: an agreement is to a count that was, not to the next one in the same place.
+        if !self.are_enabled(&pending.transitions[..pending.count]) {
+            self.changed = true;
+            return false;
+        }
+        match self.standing(&pending, self.levels, self.commands.mode()) {
+            Standing::Waiting => {
+                self.pending = Some(pending);
+                false
+            }
+            Standing::Agreed => {
+                for &transition in &pending.transitions[..pending.count] {
+                    self.fire(transition);
+                }
+                true
+            }
+            Standing::GivenUp => {
+                self.changed = true;
+                false
+            }
+            Standing::NotAgreed => {
+                self.changed = true;
+                // A refused command is to be given again: held on, it would ask again with every message.
+                self.commands.disarm(pending.hold);
+                self.levels &= !pending.hold;
+                self.levels_before &= !pending.hold;
+                false
+            }
+        }
+    }
+
+    fn are_enabled(&self, transitions: &[u16]) -> bool {
+        let marked = |place: &u16| self.tokens().iter().any(|t| t.place == *place);
+        transitions.iter().all(|&t| self.program.actions[t as usize].from.iter().all(marked))
+    }
+
+    /// Looks at every token once, on the state before the pass, then fires what may fire.
+    fn pass(&mut self, word: u128) -> bool {
+        let mode = self.commands.mode();
+        if self.token_count == 1 {
+            return match self.choose(0, word, mode) {
+                Some(row) => self.act(&[row], mode),
+                None => false,
+            };
+        }
+        let mut chosen = [0; BRANCHES_MAX];
+        let mut count = 0;
+        for index in 0..self.token_count {
+            if let Some(row) = self.choose(index, word, mode) {
+                chosen[count] = row;
+                count += 1;
+            }
+        }
+        self.act(&chosen[..count], mode)
+    }
+
+    /// The row that lets a token move, if there is one.
+    #[inline]
+    fn choose(&mut self, index: usize, word: u128, mode: ControlMode) -> Option<u16> {
+        let token = self.tokens[index];
+        let table = &self.program.places[token.place as usize];
+        let mut word = word;
+        if table.complete != 0 {
+            word |= self.motion_bits(index);
+        }
+        let table = &self.program.places[token.place as usize];
+        let (start, end) = table.rows[mode as usize];
+        let rows = &self.program.rows[start as usize..end as usize];
+        let mut found: Option<u16> = None;
+        for (offset, row) in rows.iter().enumerate() {
+            if word & row.need == row.need && word & row.forbid == 0 && self.allows(row, mode) {
+                match found {
+                    None => found = Some(start + offset as u16),
+                    Some(first) if self.program.rows[first as usize].transition != row.transition => {
+                        return self.ambiguous(index);
+                    }
+                    Some(_) => {}
+                }
+            }
+        }
+        found
+    }
+
+    /// Fault, arrival and loss of hold of an operating token.
+    #[inline]
+    fn motion_bits(&mut self, index: usize) -> u128 {
+        let token = &mut self.tokens[index];
+        let table = &self.program.places[token.place as usize];
+        let on = self.inputs & table.complete != 0;
+        token.left_start |= !on;
+        let mut bits = if on && token.left_start { bit::ARRIVED } else { 0 };
+        let late = token.driven && self.now >= token.deadline;
+        if !self.devices_valid || late || self.inputs & table.fault != 0 {
+            bits |= bit::FAULT;
+        }
+        if token.run == Run::Manual && self.commands.mode() != ControlMode::Manual {
+            bits |= bit::HOLD_LOST;
+        }
+        bits
+    }
+
+    #[inline]
+    fn allows(&self, row: &Row, mode: ControlMode) -> bool {
+        if row.causal == Causal::Free && row.settled == 0 && !row.join {
+            return true;
+        }
+        let causal = match row.causal {
+            Causal::Free => true,
+            Causal::Holds(step) => self.devices_valid && self.causes_hold(step, mode),
+            Causal::Fails(step) => self.causes_known(step, mode) && !self.causes_hold(step, mode),
+        };
+        causal && self.neighbours_settled(row.settled) && (!row.join || self.joined())
+    }
+
+    fn causes_hold(&self, step: u8, mode: ControlMode) -> bool {
+        let causes = &self.program.causes[step as usize];
+        self.views.all_hold(causes, mode, self.cycle_of_start(step), self.now)
+    }
+
+    fn causes_known(&self, step: u8, mode: ControlMode) -> bool {
+        self.views.all_known(&self.program.causes[step as usize], mode, self.now)
+    }
+
+    /// The cycle in which a step would start: the first one listed starts a new one.
+    pub(crate) fn cycle_of_start(&self, step: u8) -> i32 {
+        self.cycle + i32::from(step == 0)
+    }
+
+    fn neighbours_settled(&self, mask: u64) -> bool {
+        mask == 0
+            || self
+                .tokens()
+                .iter()
+                .map(|t| self.place(t))
+                .all(|place| mask & (1 << place.op.0) == 0 || place.stage == Stage::Completed)
+    }
+
+    fn joined(&self) -> bool {
+        let first = self.place(&self.tokens[0]);
+        self.tokens().iter().all(|t| {
+            let place = self.place(t);
+            (place.block, place.stage) == (first.block, first.stage)
+        })
+    }
+
+    /// Two exclusive transitions are both allowed. The checker proves this cannot happen; if it does, the controller
+    /// does not guess: an operating token is stopped, any other stays where it is.
+    #[cold]
+    fn ambiguous(&mut self, index: usize) -> Option<u16> {
+        let place = self.place(&self.tokens[index]);
+        if place.is_operating() {
+            self.stop(index, Cause::Ambiguous);
+            self.dirty = true;
+            self.changed = true;
+        }
+        None
+    }
+
+    /// Fires the transitions of these rows, or asks for the agreement they need. Neighbours that go back together are
+    /// one request: none of them moves before all may.
+    fn act(&mut self, rows: &[u16], mode: ControlMode) -> bool {
+        let must_ask = self.rules.ask && self.need_agreement(rows);
+        let mut fired = false;
+        for &row in rows {
+            let row = self.program.rows[row as usize];
+            if !(must_ask && row.withdraws) {
+                self.fire(row.transition);
+                fired = true;
+            }
+        }
+        // One request at a time: a command given while another waits is given too early.
+        if must_ask && self.pending.is_none() {
+            self.ask(rows, mode);
+        }
+        fired
+    }
+
+    fn need_agreement(&self, rows: &[u16]) -> bool {
+        rows.iter().map(|&row| &self.program.rows[row as usize]).any(|row| {
+            row.withdraws && self.dependents(self.taken_back(self.program.actions[row.transition as usize].kind)) != 0
+        })
+    }
+
+    /// The operations whose counts a transition takes back.
+    pub(crate) fn taken_back(&self, kind: Kind) -> u64 {
+        match kind {
+            Kind::Undo(op) => 1 << op.0,
+            Kind::Back { to, .. } => {
+                let ops = self.program.step_of.iter().enumerate().filter(|&(_, &step)| usize::from(step) == to);
+                ops.fold(0, |bits, (op, _)| bits | 1 << op)
+            }
+            Kind::EnterPath(_) if !self.rules.redo_round => 0,
+            Kind::EnterPath(_) => {
+                let round = self.done[self.program.home.index()];
+                let counted = |&(op, &done): &(usize, &i32)| done > self.home_counts[op] + round;
+                self.done.iter().enumerate().filter(counted).fold(0, |bits, (op, _)| bits | 1 << op)
+            }
+            Kind::Stop(..)
+            | Kind::Resume(..)
+            | Kind::Complete(..)
+            | Kind::Retract(_)
+            | Kind::Restart(_)
+            | Kind::Again(_)
+            | Kind::Next { .. }
+            | Kind::FollowPath { .. } => 0,
+        }
+    }
+
+    /// A press moved nothing. Say so if it was meant for this station.
+    #[cold]
+    fn refuse(&mut self, edges: u128) {
+        let pressed = bit::levels(edges);
+        let mine = pressed & (bit::PANEL | self.program.buttons) != 0;
+        if mine && self.commands.mode().enables_motion() {
+            self.note(Happening::Refused);
+            self.changed = true;
+        }
+    }
+}

@@ -1,0 +1,140 @@
+//! Faults: outputs go off in the very step that sees one.
+
+use linewright_line::net::{Block, ControlMode, Place};
+use linewright_line::{OpId, StationId};
+use linewright_station_logic::Cause;
+
+use crate::build::{alone, complete_bit, i, r};
+use crate::rig::Rig;
+
+fn running() -> Rig {
+    let mut rig = Rig::new(alone(1, &[r(6), r(6)]));
+    rig.mode(ControlMode::Auto);
+    rig.events();
+    rig
+}
+
+#[test]
+fn a_fault_signal_stops_the_motion_in_the_same_step() {
+    let mut rig = running();
+    rig.set(complete_bit(OpId(0), false) << 1, true);
+    assert_eq!(rig.outputs, 0);
+    assert_eq!(rig.events(), ["stops op 0: fault signal"]);
+    assert_eq!(rig.controller.fault_text(&rig.line), "op 0: fault signal");
+    assert_eq!(rig.report().incomplete, [(OpId(0), Cause::Signal)]);
+}
+
+#[test]
+fn a_fault_and_an_arrival_in_one_image_are_a_fault() {
+    let mut rig = running();
+    rig.set(u128::MAX, false);
+    rig.set(complete_bit(OpId(0), false) * 0b11, true);
+    assert_eq!(rig.events(), ["stops op 0: fault signal"]);
+}
+
+#[test]
+fn a_motion_that_outlasts_its_watchdog_is_a_fault_at_that_moment() {
+    let mut rig = running();
+    rig.wait_ms(999);
+    assert!(rig.drives(0));
+    assert_eq!(rig.controller.next_deadline(), Some(rig.now + std::time::Duration::from_millis(1)));
+    rig.wait_ms(1);
+    assert_eq!(rig.outputs, 0);
+    assert_eq!(rig.events(), ["stops op 0: took too long"]);
+}
+
+#[test]
+fn a_switch_stuck_on_from_the_start_completes_nothing() {
+    let mut rig = Rig::new(alone(1, &[r(6), r(6)]));
+    rig.set(complete_bit(OpId(0), false), true);
+    rig.mode(ControlMode::Auto);
+    assert!(rig.drives(0), "a switch that was on before the motion proves nothing");
+    rig.events();
+    rig.wait_ms(1000);
+    assert_eq!(rig.events(), ["stops op 0: took too long; its switch was already on when it started"]);
+}
+
+#[test]
+fn devices_lost_stops_everything_and_starts_nothing() {
+    let mut rig = running();
+    rig.devices(false);
+    assert_eq!(rig.outputs, 0);
+    assert_eq!(rig.events(), ["has lost its devices", "stops op 0: devices lost"].map(String::from));
+    let mut resting = Rig::new(alone(1, &[r(6), r(6)]));
+    resting.devices(false);
+    resting.mode(ControlMode::Auto);
+    assert_eq!(resting.outputs, 0);
+    assert_eq!(resting.marking(), [Place::completed(OpId(1))], "nothing starts that nobody can watch");
+    resting.devices(true);
+    assert!(resting.drives(0));
+}
+
+#[test]
+fn an_image_that_is_not_renewed_in_its_time_is_unknown() {
+    let mut rig = running();
+    let until = rig.now + std::time::Duration::from_millis(100);
+    let image = linewright_station_logic::Input::Inputs { bits: 0, valid: true, until };
+    rig.controller.handle(rig.now, image);
+    rig.step();
+    rig.silence_ms(100);
+    assert_eq!(rig.outputs, 0);
+    assert_eq!(rig.events(), ["has lost its devices", "stops op 0: devices lost"].map(String::from));
+}
+
+/// Every operating place of a station, reached by hand from home.
+#[test]
+fn the_emergency_stop_stops_every_operating_place() {
+    let ops = [r(1), r(1), i(1, &[1, 0]), r(1), r(2)];
+    for stop_at in 0..ops.len() as u16 {
+        for back in [false, true] {
+            let mut rig = Rig::new(alone(4, &ops));
+            rig.mode(ControlMode::Manual);
+            for op in 0..stop_at {
+                rig.advance_through(op);
+            }
+            rig.advance(true);
+            if back {
+                if stop_at == 2 {
+                    continue;
+                }
+                rig.advance(false);
+                rig.retract(true);
+            }
+            let place = if back { Place::undoing(OpId(stop_at)) } else { Place::operating(OpId(stop_at)) };
+            assert_eq!(rig.marking(), [place]);
+            assert_ne!(rig.outputs, 0);
+            rig.mode(ControlMode::EStop);
+            assert_eq!(rig.outputs, 0, "{place}");
+            assert_eq!(rig.marking(), [place.stopped()]);
+            assert_eq!(rig.report().incomplete, [(OpId(stop_at), Cause::EStop)]);
+        }
+    }
+}
+
+#[test]
+fn the_emergency_stop_outlives_its_lease() {
+    let mut rig = running();
+    rig.mode(ControlMode::EStop);
+    rig.silence_ms(10_000);
+    assert_eq!(rig.controller.mode(), ControlMode::EStop);
+}
+
+#[test]
+fn on_its_recovery_path_the_home_motion_too_is_stopped_by_the_emergency_stop() {
+    let mut rig = Rig::new(alone(2, &[r(1), i(1, &[0]), r(2)]));
+    rig.mode(ControlMode::Manual);
+    rig.advance_through(0);
+    rig.advance(true);
+    rig.advance(false);
+    rig.retract_through(0);
+    rig.retract(true);
+    assert!(rig.drives(2));
+    rig.mode(ControlMode::EStop);
+    assert_eq!(rig.outputs, 0);
+    assert_eq!(
+        rig.marking(),
+        [Place { op: OpId(2), block: Block::Normal, stage: linewright_line::net::Stage::Incomplete }]
+    );
+    assert!(rig.report().recovering_home);
+    let _ = StationId(0);
+}

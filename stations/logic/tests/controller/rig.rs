@@ -1,0 +1,234 @@
+//! A controller on a bench: a person sets its inputs, its commands and its peers' reports, and reads what it does.
+//!
+//! There is no mechanism here. A motion arrives when the test says so; every motion of a built station has switches
+//! of its own, so an image says nothing but what the test put into it.
+
+use std::time::Duration;
+
+use linewright_line::net::{ControlMode, Place};
+use linewright_line::{Line, OpId, StationId, Tick};
+use linewright_station_logic::{Controller, Input, ModeOrder, Outbox, PanelCommand, Report, Restore};
+
+use crate::build::{actuator_bit, complete_bit};
+
+/// How often commands and views are refreshed while time passes, as the shipped timing has it.
+const REFRESH: Duration = Duration::from_millis(50);
+
+pub struct Rig {
+    pub line: Line,
+    pub station: StationId,
+    pub controller: Controller,
+    pub now: Tick,
+    pub order: ModeOrder,
+    pub outputs: u128,
+    image: u128,
+    valid: bool,
+    held: [Option<PanelCommand>; 2],
+    peers: Vec<(StationId, Report)>,
+    out: Outbox,
+    events: Vec<String>,
+}
+
+impl Rig {
+    /// At home, in stand-by, devices heard, panel switched to manual.
+    pub fn new(line: Line) -> Self {
+        Rig::of(line, StationId(0), Restore::Fresh)
+    }
+
+    pub fn of(line: Line, station: StationId, restore: Restore) -> Self {
+        let controller = Controller::new(&line, station, 1, restore).expect("a built station compiles");
+        let order = ModeOrder {
+            boot_id: 7,
+            epoch: 1,
+            mode: ControlMode::StandBy,
+            enabled: true,
+            master_stop: None,
+            manual_all: true,
+            buttons: 0,
+            lease: line.timing.lease,
+        };
+        let home = line.station(station).home;
+        let home_switch = 1 << line.operation((station, home)).normal.complete.0;
+        let mut rig = Rig {
+            line,
+            station,
+            controller,
+            now: Tick::from_millis(1000),
+            order,
+            outputs: 0,
+            image: home_switch,
+            valid: true,
+            held: [None; 2],
+            peers: Vec::new(),
+            out: Outbox::default(),
+            events: Vec::new(),
+        };
+        rig.refresh();
+        rig.events();
+        rig
+    }
+
+    pub fn step(&mut self) {
+        self.controller.step(self.now, &mut self.out);
+        self.outputs = self.out.outputs;
+        for event in self.out.events.drain(..) {
+            self.events.push(event.text(&self.line, self.station));
+        }
+    }
+
+    fn send_image(&mut self) {
+        let input = Input::Inputs { bits: self.image, valid: self.valid, until: Tick::NEVER };
+        self.controller.handle(self.now, input);
+    }
+
+    /// Everything that is sent over and over, once more.
+    fn refresh(&mut self) {
+        self.send_image();
+        self.controller.handle(self.now, Input::Order(self.order));
+        for command in self.held.into_iter().flatten() {
+            self.controller.handle(self.now, Input::Panel(command));
+        }
+        for (station, report) in &self.peers {
+            self.controller.handle(self.now, Input::View(*station, report));
+        }
+        self.step();
+    }
+
+    /// What happened since this was last asked, in words.
+    pub fn events(&mut self) -> Vec<String> {
+        std::mem::take(&mut self.events)
+    }
+
+    pub fn set(&mut self, bits: u128, on: bool) {
+        self.image = if on { self.image | bits } else { self.image & !bits };
+        self.send_image();
+        self.step();
+    }
+
+    pub fn devices(&mut self, valid: bool) {
+        self.valid = valid;
+        self.send_image();
+        self.step();
+    }
+
+    /// The motion's switch comes on; in the next image it is off again.
+    pub fn arrive(&mut self, op: u16) {
+        self.pulse(complete_bit(OpId(op), false));
+    }
+
+    pub fn arrive_back(&mut self, op: u16) {
+        self.pulse(complete_bit(OpId(op), true));
+    }
+
+    fn pulse(&mut self, bits: u128) {
+        // What was on before (the switch at home) goes off as soon as something moves.
+        self.set(u128::MAX, false);
+        self.set(bits, true);
+        self.set(bits, false);
+    }
+
+    pub fn mode(&mut self, mode: ControlMode) {
+        self.order.mode = mode;
+        self.order.epoch += 1;
+        self.order();
+    }
+
+    pub fn order(&mut self) {
+        self.controller.handle(self.now, Input::Order(self.order));
+        self.step();
+    }
+
+    pub fn hold(&mut self, button: u16) {
+        self.order.buttons |= 1 << button;
+        self.order();
+    }
+
+    pub fn release(&mut self, button: u16) {
+        self.order.buttons &= !(1 << button);
+        self.order();
+    }
+
+    pub fn advance(&mut self, held: bool) {
+        self.panel(0, PanelCommand::Advance(held));
+    }
+
+    pub fn retract(&mut self, held: bool) {
+        self.panel(1, PanelCommand::Retract(held));
+    }
+
+    fn panel(&mut self, key: usize, command: PanelCommand) {
+        let down = matches!(command, PanelCommand::Advance(true) | PanelCommand::Retract(true));
+        self.held[key] = down.then_some(command);
+        self.controller.handle(self.now, Input::Panel(command));
+        self.step();
+    }
+
+    /// Presses advance at the panel, lets the motion arrive, releases.
+    pub fn advance_through(&mut self, op: u16) {
+        self.advance(true);
+        self.arrive(op);
+        self.advance(false);
+    }
+
+    pub fn retract_through(&mut self, op: u16) {
+        self.retract(true);
+        self.arrive_back(op);
+        self.retract(false);
+    }
+
+    /// Time passes, and everything goes on being refreshed.
+    pub fn wait_ms(&mut self, ms: u64) {
+        let end = self.now + Duration::from_millis(ms);
+        while self.now < end {
+            self.now = (self.now + REFRESH).min(end);
+            self.refresh();
+        }
+    }
+
+    /// Time passes in silence; the controller is stepped at its own deadlines.
+    pub fn silence_ms(&mut self, ms: u64) {
+        let end = self.now + Duration::from_millis(ms);
+        while let Some(next) = self.controller.next_deadline().filter(|&next| next <= end) {
+            self.now = self.now.max(next);
+            self.step();
+        }
+        self.now = end;
+    }
+
+    /// A peer says something new, and goes on saying it.
+    pub fn hear(&mut self, station: StationId, report: Report) {
+        self.controller.handle(self.now, Input::View(station, &report));
+        self.peers.retain(|(s, _)| *s != station);
+        self.peers.push((station, report));
+        self.step();
+    }
+
+    pub fn report(&self) -> Report {
+        self.controller.report()
+    }
+
+    pub fn marking(&self) -> Vec<Place> {
+        self.controller.marking().collect()
+    }
+
+    pub fn doing(&self) -> String {
+        self.controller.operation_text(&self.line)
+    }
+
+    pub fn blocked_by(&self) -> Vec<String> {
+        self.controller.blocked_by(&self.line, self.now)
+    }
+
+    pub fn drives(&self, op: u16) -> bool {
+        self.outputs == actuator_bit(OpId(op), false)
+    }
+
+    pub fn drives_back(&self, op: u16) -> bool {
+        self.outputs == actuator_bit(OpId(op), true)
+    }
+}
+
+/// A peer's report of these counts, everything else at rest.
+pub fn peer_says(done: &[i32]) -> Report {
+    Report { boot_id: 1, cycle: done[0], done: done.to_vec(), started: done.to_vec(), ..Report::default() }
+}
