@@ -1,0 +1,217 @@
+//! Rules about crates: which way they depend on each other, what the pure ones do without, and that all share lints.
+
+use std::path::Path;
+
+use super::Member;
+use crate::part::{Stream, cargo, lines};
+
+/// Crates that decide and never act: called with the time and their inputs, they return outputs.
+pub const PURE: [&str; 4] =
+    ["linewright-nets", "linewright-line", "linewright-station-logic", "linewright-coordinator-logic"];
+
+/// What neither they nor the messages may need, at any distance.
+const IMPURE: [&str; 4] = ["ros2-client", "rustdds", "tokio", "socketcan"];
+
+/// What the sources of a pure crate do not mention: clocks, threads, sockets, files, the environment.
+const FORBIDDEN: [&str; 8] =
+    ["Instant::now", "SystemTime", "std::thread", "std::net", "std::fs", "std::process", "std::env", "async fn"];
+
+/// For each crate, those of the workspace it may build on. Dependencies point one way; a new crate gets a row here.
+const MAY_USE: [(&str, &[&str]); 13] = [
+    ("linewright-nets", &[]),
+    ("linewright-line", &["linewright-nets"]),
+    ("linewright-station-logic", &["linewright-nets", "linewright-line"]),
+    ("linewright-coordinator-logic", &["linewright-nets", "linewright-line"]),
+    ("linewright-msgs", &[]),
+    ("linewright-node-shell", &["linewright-msgs"]),
+    ("linewright-fieldbus", &["linewright-line"]),
+    ("linewright-plant", &["linewright-line", "linewright-fieldbus"]),
+    (
+        "linewright-station-node",
+        &[
+            "linewright-line",
+            "linewright-station-logic",
+            "linewright-msgs",
+            "linewright-node-shell",
+            "linewright-fieldbus",
+        ],
+    ),
+    (
+        "linewright-coordinator-node",
+        &[
+            "linewright-line",
+            "linewright-coordinator-logic",
+            // How a station's report looks as a message is written once, there.
+            "linewright-station-node",
+            "linewright-station-logic",
+            "linewright-msgs",
+            "linewright-node-shell",
+            "linewright-fieldbus",
+        ],
+    ),
+    ("linewright", EVERYTHING),
+    ("linewright-tests", EVERYTHING),
+    ("xtask", &[]),
+];
+
+/// Whatever is not a top itself.
+const EVERYTHING: &[&str] = &[
+    "linewright-nets",
+    "linewright-line",
+    "linewright-station-logic",
+    "linewright-coordinator-logic",
+    "linewright-msgs",
+    "linewright-node-shell",
+    "linewright-fieldbus",
+    "linewright-plant",
+    "linewright-station-node",
+    "linewright-coordinator-node",
+];
+
+/// Tests may look at what lies above them, but nothing of any kind builds on these.
+const TOPS: [&str; 3] = ["linewright", "linewright-tests", "xtask"];
+
+/// Checks every crate.
+pub fn check(root: &Path, members: &[Member]) -> Vec<String> {
+    let mut findings = Vec::new();
+    for member in members {
+        if !inherits_lints(&member.manifest) {
+            findings.push(format!("{}: does not inherit the lints; add `[lints] workspace = true`", member.name));
+        }
+        let names: Vec<&str> = members.iter().map(|m| m.name.as_str()).collect();
+        match tree(root, &member.name, &["--edges", "normal", "--depth", "1"]) {
+            Ok(direct) => findings.extend(direction(&member.name, &direct, &names)),
+            Err(error) => findings.push(error),
+        }
+        match tree(root, &member.name, &["--edges", "normal,dev,build", "--depth", "1"]) {
+            Ok(direct) => findings.extend(tops(&member.name, &direct)),
+            Err(error) => findings.push(error),
+        }
+        let is_pure = PURE.contains(&member.name.as_str());
+        if is_pure || member.name == "linewright-msgs" {
+            match tree(root, &member.name, &["--edges", "normal"]) {
+                Ok(all) => findings.extend(purity(&member.name, &all)),
+                Err(error) => findings.push(error),
+            }
+        }
+        if is_pure {
+            sources(root, &member.dir.join("src"), &mut findings);
+        }
+    }
+    findings
+}
+
+/// The names of the crates that `name` depends on, itself excluded.
+fn tree(root: &Path, name: &str, args: &[&str]) -> Result<Vec<String>, String> {
+    let mut all = vec!["tree", "--quiet", "--package", name, "--prefix", "none", "--format", "{p}"];
+    all.extend(args);
+    let (mut found, mut said) = (Vec::new(), String::new());
+    let ended = lines(cargo(root, &all), |stream, line| match stream {
+        Stream::Out => found.extend(line.split(' ').next().filter(|word| !word.is_empty()).map(str::to_owned)),
+        Stream::Err => said = line.to_owned(),
+    });
+    match ended {
+        Ok(Some(0)) => {
+            found.retain(|found| found != name && !found.starts_with('['));
+            found.sort();
+            found.dedup();
+            Ok(found)
+        }
+        _ => Err(format!("{name}: cargo tree failed: {said}")),
+    }
+}
+
+fn direction(name: &str, direct: &[String], members: &[&str]) -> Vec<String> {
+    let Some((_, may)) = MAY_USE.iter().find(|(known, _)| *known == name) else {
+        return vec![format!("{name}: is new; say in xtask/src/tidy/crates.rs what it may build on")];
+    };
+    let ours = direct.iter().filter(|dep| members.contains(&dep.as_str()));
+    ours.filter(|dep| !may.contains(&dep.as_str())).map(|dep| format!("{name}: must not build on {dep}")).collect()
+}
+
+fn tops(name: &str, direct: &[String]) -> Vec<String> {
+    let found = direct.iter().filter(|dep| TOPS.contains(&dep.as_str()));
+    found.map(|dep| format!("{name}: builds on {dep}, which nothing does")).collect()
+}
+
+fn purity(name: &str, all: &[String]) -> Vec<String> {
+    let found = all.iter().filter(|dep| IMPURE.contains(&dep.as_str()));
+    found.map(|dep| format!("{name}: is pure and must do without {dep}; see `cargo tree -i {dep} -p {name}`")).collect()
+}
+
+fn inherits_lints(manifest: &str) -> bool {
+    let mut lines = manifest.lines().map(str::trim).skip_while(|line| *line != "[lints]").skip(1);
+    lines.find(|line| !line.is_empty()) == Some("workspace = true")
+}
+
+fn sources(root: &Path, dir: &Path, findings: &mut Vec<String>) {
+    let Ok(entries) = std::fs::read_dir(dir) else { return };
+    for path in entries.flatten().map(|entry| entry.path()) {
+        if path.is_dir() {
+            sources(root, &path, findings);
+        } else if path.extension().is_some_and(|extension| extension == "rs") {
+            let text = std::fs::read_to_string(&path).unwrap_or_default();
+            let name = path.strip_prefix(root).unwrap_or(&path).to_string_lossy().into_owned();
+            findings.extend(pure_source(&name, &text));
+        }
+    }
+}
+
+fn pure_source(name: &str, text: &str) -> Vec<String> {
+    let code = text.lines().enumerate().filter(|(_, line)| !line.trim_start().starts_with("//"));
+    code.filter_map(|(index, line)| {
+        let word = FORBIDDEN.iter().find(|word| line.contains(**word))?;
+        Some(format!("{name}:{}: `{word}` in a pure crate; take it as an argument", index + 1))
+    })
+    .collect()
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    fn list(names: &[&str]) -> Vec<String> {
+        names.iter().map(ToString::to_string).collect()
+    }
+
+    #[test]
+    fn a_dependency_against_the_direction_is_found() {
+        let members = ["linewright-nets", "linewright-line", "linewright-extra"];
+        assert!(direction("linewright-line", &list(&["linewright-nets", "miette"]), &members).is_empty());
+        assert_eq!(
+            direction("linewright-nets", &list(&["linewright-line"]), &members),
+            ["linewright-nets: must not build on linewright-line"]
+        );
+        assert!(direction("linewright-extra", &[], &members)[0].contains("is new"));
+        assert_eq!(tops("linewright-plant", &list(&["linewright"])).len(), 1);
+    }
+
+    #[test]
+    fn the_rows_point_one_way() {
+        let row = |name: &str| MAY_USE.iter().position(|(known, _)| *known == name);
+        for (index, (name, may)) in MAY_USE.iter().enumerate() {
+            for dep in *may {
+                assert!(row(dep).is_some_and(|at| at < index), "{name} may use {dep}, which comes after it");
+            }
+        }
+    }
+
+    #[test]
+    fn a_socket_in_a_pure_crate_is_found_at_any_distance() {
+        assert_eq!(purity("linewright-nets", &list(&["petgraph", "tokio"])).len(), 1);
+        assert!(purity("linewright-nets", &list(&["petgraph"])).is_empty());
+    }
+
+    #[test]
+    fn a_clock_in_a_pure_source_is_found_but_may_be_spoken_of() {
+        let text = "//! No `Instant::now` here.\nlet t = Instant::now();\n";
+        assert_eq!(pure_source("a.rs", text), ["a.rs:2: `Instant::now` in a pure crate; take it as an argument"]);
+    }
+
+    #[test]
+    fn lints_are_inherited_or_not() {
+        assert!(inherits_lints("[package]\n\n[lints]\nworkspace = true\n"));
+        assert!(!inherits_lints("[package]\nname = \"a\"\n"));
+        assert!(!inherits_lints("[lints.rust]\nworkspace = true\n"));
+    }
+}

@@ -1,0 +1,124 @@
+//! Rules about single files: a head that says what it is, a bounded length, nothing of the machine it was written on.
+
+use std::fs;
+use std::path::{Path, PathBuf};
+
+/// A file that is longer wants to be two.
+const LINES_MAX: usize = 500;
+
+/// Files that are longer, with the most lines they may have: a ratchet, to be turned down and never up. A file that
+/// has become short enough leaves the list.
+const LONG: [(&str, usize); 2] = [
+    ("coordinator/logic/src/coordinator.rs", 540),
+    // A table of tests, one for each rule of the description.
+    ("model/line/tests/problems.rs", 660),
+];
+
+/// Never part of the product, whatever is in them.
+const NOT_OURS: [&str; 2] = ["target", ".git"];
+
+/// Kinds of files that are text and written by people.
+const TEXT: [&str; 13] =
+    ["rs", "toml", "md", "sh", "py", "xml", "msg", "service", "target", "yml", "yaml", "txt", "conf"];
+
+/// Checks every file of the project.
+pub fn check(root: &Path) -> Vec<String> {
+    let mut findings = Vec::new();
+    let mut files = Vec::new();
+    collect(root, &mut files);
+    files.sort();
+    for path in files {
+        let name = path.strip_prefix(root).unwrap_or(&path).to_string_lossy().into_owned();
+        let Ok(text) = fs::read_to_string(&path) else {
+            findings.push(format!("{name}: cannot be read as text"));
+            continue;
+        };
+        findings.extend(of_file(&name, &text));
+    }
+    let gone = LONG.iter().filter(|(name, _)| !root.join(name).is_file());
+    findings.extend(gone.map(|(name, _)| format!("{name}: is gone; take it off the list of long files")));
+    findings
+}
+
+fn collect(dir: &Path, files: &mut Vec<PathBuf>) {
+    let Ok(entries) = fs::read_dir(dir) else { return };
+    for entry in entries.flatten() {
+        let path = entry.path();
+        let name = entry.file_name();
+        let name = name.to_string_lossy();
+        match entry.file_type() {
+            Ok(kind) if kind.is_dir() && !NOT_OURS.contains(&&*name) => collect(&path, files),
+            Ok(kind) if kind.is_file() && is_text(&path, &name) => files.push(path),
+            _ => {}
+        }
+    }
+}
+
+fn is_text(path: &Path, name: &str) -> bool {
+    let extension = path.extension().and_then(|e| e.to_str());
+    // `.ci/run` and the like have no extension.
+    name != "Cargo.lock" && extension.map_or(name == "run", |extension| TEXT.contains(&extension))
+}
+
+fn of_file(name: &str, text: &str) -> Vec<String> {
+    let mut findings = Vec::new();
+    if name.ends_with(".rs") {
+        if !text.starts_with("//!") {
+            findings.push(format!("{name}: begins without `//!`; say in a few sentences what it is"));
+        }
+        findings.extend(length(name, text.lines().count()));
+    }
+    for home in homes() {
+        if let Some(line) = text.lines().position(|line| line.contains(&home)) {
+            findings.push(format!("{name}:{}: the path `{home}…` exists on one machine only", line + 1));
+        }
+    }
+    findings
+}
+
+fn length(name: &str, lines: usize) -> Option<String> {
+    match LONG.iter().find(|(long, _)| *long == name) {
+        None if lines > LINES_MAX => {
+            Some(format!("{name}: {lines} lines, {LINES_MAX} at most; which half can stand alone?"))
+        }
+        Some((_, most)) if lines > *most => {
+            Some(format!("{name}: has grown to {lines} lines; it may only shrink ({most})"))
+        }
+        Some(_) if lines <= LINES_MAX => Some(format!("{name}: short enough now; take it off the list of long files")),
+        None | Some(_) => None,
+    }
+}
+
+/// Where people's and machines' own directories begin. Put together here, so that this file does not contain them.
+fn homes() -> impl Iterator<Item = String> {
+    ["work", "home", "root", "Users"].into_iter().map(|dir| format!("/{dir}/"))
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn a_file_without_a_head_and_one_that_is_too_long_are_found() {
+        assert_eq!(of_file("a.rs", "//! Head.\nfn a() {}\n"), Vec::<String>::new());
+        assert!(of_file("a.rs", "fn a() {}\n")[0].contains("without `//!`"));
+        let long = format!("//! Head.\n{}", "\n".repeat(LINES_MAX));
+        assert!(of_file("a.rs", &long)[0].contains("501 lines"));
+        assert_eq!(of_file("a.md", &long), Vec::<String>::new());
+    }
+
+    #[test]
+    fn the_list_of_long_files_is_a_ratchet() {
+        let (name, most) = LONG[0];
+        assert_eq!(length(name, most), None);
+        assert!(length(name, most + 1).is_some_and(|finding| finding.contains("only shrink")));
+        assert!(length(name, LINES_MAX).is_some_and(|finding| finding.contains("off the list")));
+    }
+
+    #[test]
+    fn a_path_of_one_machine_is_found_with_its_line() {
+        let home = homes().next().expect("there are some");
+        let found = of_file("a.md", &format!("all well\nsee {home}main\n"));
+        assert!(found[0].starts_with("a.md:2: the path"), "{found:?}");
+    }
+}
