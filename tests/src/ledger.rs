@@ -16,7 +16,6 @@ pub struct Ledger {
     entries: Vec<Vec<Vec<i32>>>,
     /// Entries struck out, by station: documented redo.
     struck: Vec<u64>,
-    /// On a recovery path the home operation's motion completes without being counted.
     errors: Vec<String>,
 }
 
@@ -65,6 +64,12 @@ impl Ledger {
     /// The cycles in which an operation is done and not withdrawn.
     pub fn cycles(&self, station: StationId, op: OpId) -> &[i32] {
         &self.entries[station.index()][op.index()]
+    }
+
+    /// The count of an operation: the last cycle in which it is done and not withdrawn.
+    pub fn count(&self, station: StationId, op: OpId) -> i32 {
+        let last = self.entries[station.index()][op.index()].last().copied();
+        last.unwrap_or(self.first[station.index()][op.index()] - 1)
     }
 
     /// How many counts a station has taken back.

@@ -45,5 +45,5 @@ pub use log::{Entry, Log, What};
 pub use network::{Conditions, Message, Node};
 pub use observer::Observer;
 pub use rng::Rng;
-pub use scenario::{hand_button, transfer_line, transfer_line_with};
+pub use scenario::{hand_button, soak, transfer_line, transfer_line_with};
 pub use sim::Sim;

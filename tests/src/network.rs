@@ -2,14 +2,14 @@
 //!
 //! The middleware's promises are not relied on: a message may be late, lost, doubled or overtaken. Lost is what is
 //! said again anyway (states, orders, images, held buttons); a command is either delivered or, across a partition,
-//! gone: its sender sees no answer and asks again.
+//! gone: its sender sees no answer and asks again. What people say carries no number, so one thing is relied on for
+//! it that the middleware does give: messages of one writer on one topic arrive in their order, or not at all.
 
-use std::collections::BTreeSet;
+use std::collections::{BTreeMap, BTreeSet};
 use std::rc::Rc;
-use std::time::Duration;
 
 use linewright_coordinator_logic::Command;
-use linewright_line::StationId;
+use linewright_line::{StationId, Tick};
 use linewright_station_logic::{ModeOrder, PanelCommand, Report};
 
 use crate::rng::Rng;
@@ -78,7 +78,7 @@ pub struct Conditions {
     pub delay_max_us: u64,
     /// Lost, of a thousand repeated messages.
     pub loss_per_mille: u64,
-    /// Doubled, of a thousand messages.
+    /// Doubled, of a thousand repeated messages.
     pub double_per_mille: u64,
 }
 
@@ -97,11 +97,13 @@ pub(crate) struct Network {
     pub(crate) conditions: Conditions,
     /// Directed links that carry nothing.
     cut: BTreeSet<(Node, Node)>,
+    /// When the last of what people said arrives, for each listener.
+    last_word: BTreeMap<Node, Tick>,
 }
 
 impl Network {
     pub(crate) fn new(conditions: Conditions) -> Self {
-        Network { conditions, cut: BTreeSet::new() }
+        Network { conditions, cut: BTreeSet::new(), last_word: BTreeMap::new() }
     }
 
     pub(crate) fn cut(&mut self, from: Node, to: Node) {
@@ -112,14 +114,27 @@ impl Network {
         self.cut.clear();
     }
 
-    /// The delays with which a message arrives: none, one, or several times.
-    pub(crate) fn ways(&self, rng: &mut Rng, from: Node, to: Node, message: &Message) -> [Option<Duration>; 2] {
+    /// When a message arrives: never, once, or several times.
+    pub(crate) fn ways(
+        &mut self,
+        rng: &mut Rng,
+        now: Tick,
+        from: Node,
+        to: Node,
+        message: &Message,
+    ) -> [Option<Tick>; 2] {
         let Conditions { delay_min_us, delay_max_us, loss_per_mille, double_per_mille } = self.conditions;
-        let mut way = || Some(Duration::from_micros(rng.within(delay_min_us, delay_max_us)));
+        let mut way = || now + std::time::Duration::from_micros(rng.within(delay_min_us, delay_max_us));
         let ways = [way(), way()];
         if self.cut.contains(&(from, to)) || (message.is_repeated() && rng.chance(loss_per_mille)) {
             return [None, None];
         }
-        if rng.chance(double_per_mille) { ways } else { [ways[0], None] }
+        if from == Node::Operator {
+            let last = self.last_word.entry(to).or_insert(now);
+            *last = ways[0].max(*last);
+            return [Some(*last), None];
+        }
+        let again = message.is_repeated() && rng.chance(double_per_mille);
+        [Some(ways[0]), again.then_some(ways[1])]
     }
 }

@@ -9,10 +9,10 @@ use linewright_station_logic::PanelCommand;
 
 use crate::log::What;
 use crate::network::{Message, Node};
-use crate::sim::{Process, Sim};
+use crate::sim::Sim;
 
 /// How long a person waits for something that should happen before calling for help.
-const PATIENCE: Duration = Duration::from_secs(30);
+const PATIENCE: Duration = Duration::from_secs(60);
 
 impl Sim {
     /// Gives a command, by message.
@@ -109,7 +109,7 @@ impl Sim {
     /// Runs until something holds.
     ///
     /// # Panics
-    /// When it does not within half a minute of the line's time.
+    /// When it does not within a minute of the line's time.
     pub fn run_until(&mut self, what: &str, holds: impl Fn(&Sim) -> bool) {
         if !self.wait_for(PATIENCE, holds) {
             self.give_up(&format!("waited in vain: {what}"));
@@ -132,6 +132,8 @@ impl Sim {
     /// Waits until everything is heard, then gives start.
     pub fn start(&mut self) {
         self.run_until("every station is heard and at home", |s| s.all_heard());
+        // The coordinator hears of the devices a moment later.
+        self.run_for(Duration::from_millis(300));
         self.order(Command::Start);
     }
 
@@ -206,12 +208,9 @@ impl Sim {
         self.run_until(&what, |s| s.done(id, op) >= cycle);
     }
 
-    /// The count of an operation.
+    /// The count of an operation, by the ledger: the last cycle in which it was done and not withdrawn.
     pub fn done(&self, station: StationId, op: OpId) -> i32 {
-        match &self.stations[station.index()] {
-            Process::Running(node) => node.controller.snapshot().done[op.index()],
-            Process::Killed(journal) => journal.done[op.index()],
-        }
+        self.ledger.count(station, op)
     }
 
     pub(crate) fn act(&mut self, what: String) {

@@ -261,3 +261,8 @@ impl Sim {
         self.line.station_ids().map(station).collect::<String>() + &format!("line: {mode}\n")
     }
 }
+
+/// By how much to multiply the seeds of a randomised test: the environment variable `LINEWRIGHT_SOAK`, or 1.
+pub fn soak() -> u64 {
+    std::env::var("LINEWRIGHT_SOAK").ok().and_then(|times| times.parse().ok()).unwrap_or(1)
+}

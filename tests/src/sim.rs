@@ -11,7 +11,7 @@ use std::time::Duration;
 use linewright_fieldbus::Frame;
 use linewright_line::{Line, StationId, Tick};
 use linewright_plant::PlantOptions;
-use linewright_station_logic::{PanelCommand, Restore, Snapshot};
+use linewright_station_logic::{Happening, PanelCommand, Restore, Snapshot};
 
 use crate::bus::{FRAME_TIME, Field};
 use crate::coordinator::{self, CoordinatorNode};
@@ -203,8 +203,8 @@ impl Sim {
 
     /// Says something across the network.
     pub(crate) fn say(&mut self, from: Node, to: Node, message: Message) {
-        for delay in self.network.ways(&mut self.rng, from, to, &message).into_iter().flatten() {
-            self.push(self.now + delay, Due::Message { from, to, message: message.clone() });
+        for at in self.network.ways(&mut self.rng, self.now, from, to, &message).into_iter().flatten() {
+            self.push(at, Due::Message { from, to, message: message.clone() });
         }
     }
 
@@ -332,6 +332,9 @@ impl Sim {
         let mut said = std::mem::take(&mut self.said);
         for event in said.events.drain(..) {
             self.ledger.enter(&self.line, id, &event);
+            if event.what == Happening::Refused {
+                self.refused(id);
+            }
             self.log.push(self.now, What::Station(id, event));
         }
         for (to, message) in said.messages.drain(..) {
@@ -352,6 +355,15 @@ impl Sim {
                 let at = node.next_deadline();
                 self.wake(from, at.max(self.now));
             }
+        }
+    }
+
+    /// A press that moves nothing must leave the operator with a reason to read, if nothing is moving anyway.
+    fn refused(&mut self, id: StationId) {
+        let Some(controller) = self.controller(id) else { return };
+        let silent = controller.blocked_by(&self.line, self.now).is_empty();
+        if silent && !controller.marking().any(|place| place.is_operating()) {
+            self.give_up(&format!("{} refuses a press and does not say why", self.line.station(id).name));
         }
     }
 

@@ -10,6 +10,7 @@ use std::time::Duration;
 use linewright_line::net::ControlMode;
 use linewright_line::{InputId, Line, StationId, Tick};
 
+use crate::buttons::Buttons;
 use crate::decision::{Command, Facts, next};
 use crate::refusal::{Reason, Refusal};
 
@@ -109,8 +110,7 @@ pub struct Coordinator {
     stations: Vec<Station>,
     console: (u128, bool),
     console_was_heard: bool,
-    buttons: u32,
-    buttons_until: Tick,
+    buttons: Buttons,
     changed: bool,
     modes: Vec<ControlMode>,
     refusals: Vec<Refusal>,
@@ -132,8 +132,7 @@ impl Coordinator {
             manual_all: false,
             console: (0, false),
             console_was_heard: false,
-            buttons: 0,
-            buttons_until: Tick::ZERO,
+            buttons: Buttons::default(),
             changed: true,
             modes: Vec::new(),
             refusals: Vec::new(),
@@ -152,14 +151,13 @@ impl Coordinator {
 
     /// The order as it stands.
     pub fn order(&self) -> Order {
-        let by_message = if self.now < self.buttons_until { self.buttons } else { 0 };
         Order {
             epoch: self.epoch,
             mode: self.mode,
             enabled: self.enabled || !self.mode.enables_motion(),
             master_stop: self.stopping.then(|| self.latest_round()),
             manual_all: self.manual_all,
-            buttons: by_message | self.wired_buttons(),
+            buttons: self.buttons.held(self.now) | self.wired_buttons(),
             lease: self.line.timing.lease,
         }
     }
@@ -186,11 +184,7 @@ impl Coordinator {
         match input {
             Input::Command(command) => self.command(command),
             Input::Console { bits, valid } => self.hear_console(bits, valid),
-            Input::Buttons(held) => {
-                self.changed |= held != self.buttons || self.now >= self.buttons_until;
-                self.buttons = held;
-                self.buttons_until = self.now + self.line.timing.stale;
-            }
+            Input::Buttons(held) => self.changed |= self.buttons.hear(self.now, held, self.line.timing.stale),
             Input::Station(id, heard) => self.hear_station(id, heard),
         }
     }
@@ -472,7 +466,7 @@ impl Coordinator {
     /// When to step again if nothing arrives before.
     pub fn next_deadline(&self) -> Option<Tick> {
         let views = self.stations.iter().map(|s| s.known_until);
-        views.chain([self.buttons_until]).filter(|&t| t > self.now).min()
+        views.chain([self.buttons.until()]).filter(|&t| t > self.now).min()
     }
 
     fn lamps(&self) -> u128 {

@@ -4,6 +4,7 @@
 //! as data; [`Coordinator`] plays it: it takes operator commands, the console's image and what the stations report,
 //! and gives the order that goes out to every station. There is no clock and no message format here.
 
+mod buttons;
 mod coordinator;
 pub mod decision;
 mod gateway;

@@ -1,0 +1,92 @@
+//! Hand-mode buttons held by message: hold-to-run across a network.
+//!
+//! A held button counts while it is refreshed. A refresh that comes late finds the motion stopped, and must not start
+//! it again: the finger never left the button, so nobody decided to. Only a release that was heard, or a silence long
+//! enough to have been one, makes the next message a new press.
+
+use std::time::Duration;
+
+use linewright_line::Tick;
+
+/// A silence this many times as long as a button's term counts as its release.
+const SILENCE_IS_RELEASE: u32 = 4;
+
+/// The buttons one sender holds, a bit each.
+#[derive(Clone, Copy, Debug, Default)]
+pub(crate) struct Buttons {
+    said: u32,
+    heard: Tick,
+    until: Tick,
+    /// Ran out while they were held; not released since.
+    lapsed: u32,
+}
+
+impl Buttons {
+    /// Takes what is held now, for `term` from now. Gives whether the buttons in force may have changed.
+    pub(crate) fn hear(&mut self, now: Tick, held: u32, term: Duration) -> bool {
+        let ran_out = now >= self.until;
+        let changed = held != self.said || ran_out;
+        if now.since(self.heard) >= term * SILENCE_IS_RELEASE {
+            self.lapsed = 0;
+        } else if ran_out {
+            self.lapsed |= self.said;
+        }
+        self.lapsed &= held;
+        self.said = held;
+        self.heard = now;
+        self.until = now + term;
+        changed
+    }
+
+    /// The buttons in force.
+    pub(crate) fn held(&self, now: Tick) -> u32 {
+        if now < self.until { self.said & !self.lapsed } else { 0 }
+    }
+
+    /// When they run out.
+    pub(crate) fn until(&self) -> Tick {
+        self.until
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    const TERM: Duration = Duration::from_millis(250);
+
+    fn at(millis: u64) -> Tick {
+        Tick::from_millis(millis)
+    }
+
+    #[test]
+    fn held_while_refreshed() {
+        let mut buttons = Buttons::default();
+        assert!(buttons.hear(at(1000), 0b11, TERM));
+        assert!(!buttons.hear(at(1200), 0b11, TERM));
+        assert_eq!(buttons.held(at(1449)), 0b11);
+        assert_eq!(buttons.held(at(1450)), 0);
+        assert_eq!(buttons.until(), at(1450));
+    }
+
+    #[test]
+    fn a_late_refresh_is_no_new_press_until_the_button_was_released() {
+        let mut buttons = Buttons::default();
+        buttons.hear(at(1000), 0b01, TERM);
+        assert!(buttons.hear(at(1300), 0b11, TERM));
+        assert_eq!(buttons.held(at(1300)), 0b10, "the other button is pressed, this one lapsed");
+        buttons.hear(at(1350), 0b11, TERM);
+        assert_eq!(buttons.held(at(1350)), 0b10, "and stays so however often it is said");
+        buttons.hear(at(1400), 0b10, TERM);
+        buttons.hear(at(1450), 0b11, TERM);
+        assert_eq!(buttons.held(at(1450)), 0b11, "released and pressed again");
+    }
+
+    #[test]
+    fn a_long_silence_was_a_release() {
+        let mut buttons = Buttons::default();
+        buttons.hear(at(1000), 1, TERM);
+        buttons.hear(at(2000), 1, TERM);
+        assert_eq!(buttons.held(at(2000)), 1);
+    }
+}

@@ -1,0 +1,168 @@
+//! Manual mode: people at the stations' own panels, alone and together.
+//!
+//! ```text
+//!   operator A ── advance/return ──▶ transfer ◀── agree? ──▶ clamp_1 ◀── agree? ──▶ mill_1
+//!   operator B ── advance/return ────────────────────▶┘                              ▲
+//!   operator C ── advance/return ─────────────────────────────────────────────────────┘
+//! ```
+//!
+//! The seeds of the three-operator test are many; `LINEWRIGHT_SOAK=50 cargo test --release -p linewright-tests` runs
+//! fifty times as many.
+
+use std::time::Duration;
+
+use linewright_coordinator_logic::Command;
+use linewright_line::StationId;
+use linewright_line::net::{ControlMode, Place};
+use linewright_plant::Fault;
+use linewright_station_logic::Happening;
+use linewright_tests::{Conditions, Rng, Sim, soak, transfer_line};
+
+/// Breaks the mill's feed in its second cycle, repairs it, and enters manual.
+fn mill_broken_in_its_feed() -> Sim {
+    let mut sim = Sim::new(&transfer_line(1.0), 1);
+    sim.start_auto();
+    let (mill, feed) = sim.op("mill_1", "feed main slide");
+    sim.run_until("the feed in cycle 2", |s| {
+        s.controller(mill).is_some_and(|c| c.cycle() == 2) && s.marking(mill) == [Place::operating(feed)]
+    });
+    sim.run_for(Duration::from_millis(300));
+    sim.fail("mill_1", "feed main slide", Fault::Break);
+    sim.run_until("the mill stops", |s| s.is_incomplete("mill_1"));
+    sim.repair("mill_1", "feed main slide");
+    sim.go_manual();
+    sim
+}
+
+#[test]
+fn a_mill_sent_home_does_not_release_the_clamp_before_the_part_is_machined() {
+    let mut sim = mill_broken_in_its_feed();
+    let clamp = sim.id("clamp_1");
+    assert!(!sim.jog("clamp_1", false), "the clamp does not open under the tool");
+    assert!(sim.blocked_by(clamp).join("; ").contains("mill_1"), "{:?}", sim.blocked_by(clamp));
+    assert!(sim.jog("mill_1", false) && sim.jog("mill_1", false), "the mill goes home");
+    assert!(sim.log().of(sim.id("mill_1")).any(|(_, e)| e.what == Happening::HomeAgain));
+    assert_eq!(sim.observer().machined(1, 2), 0, "the second part has not been machined");
+
+    assert!(!sim.jog("clamp_1", true), "the clamp does not go on to its next cycle");
+    let reasons = sim.blocked_by(clamp).join("; ");
+    assert!(reasons.contains("mill_1: reset main slide (cycle 2)"), "{reasons}");
+
+    sim.back_to_auto();
+    sim.run_until_done("clamp_1", "return clamp", 3);
+    assert_eq!(sim.observer().machined(1, 2), 1, "machined first, then released");
+}
+
+#[test]
+fn a_mill_sent_home_and_its_clamp_opened_by_hand_closes_it_again_before_machining() {
+    let mut sim = mill_broken_in_its_feed();
+    assert!(sim.jog("mill_1", false) && sim.jog("mill_1", false), "the mill goes home");
+    assert!(!sim.jog("clamp_1", false), "the bar has run back on the strength of the closed clamp");
+    let reasons = sim.blocked_by(sim.id("clamp_1")).join("; ");
+    assert!(reasons.contains("transfer: return transfer has started"), "{reasons}");
+    assert!(sim.jog("transfer", false), "so the bar goes over again first");
+    assert!(sim.jog("clamp_1", false), "and the clamp is taken back: the tool is home");
+    assert!(!sim.jog("mill_1", true), "no tool on an open clamp");
+    sim.back_to_auto();
+    sim.run_until_done("mill_1", "reset main slide", 4);
+    assert_eq!((sim.observer().machined(1, 2), sim.observer().machined(1, 3)), (1, 1));
+}
+
+#[test]
+fn a_bar_under_a_closed_clamp_does_not_go_back_up() {
+    let mut sim = Sim::new(&transfer_line(1.0), 2);
+    sim.start_auto();
+    sim.run_until_done("clamp_1", "advance clamp", 2);
+    sim.selector("transfer", true);
+    let transfer = sim.id("transfer");
+    sim.run_until("manual", |s| s.mode_of(transfer) == Some(ControlMode::Manual));
+    // The selector took effect while the bar ran back; it finished. Undoing it is free, undoing the lower is not.
+    assert!(sim.jog("transfer", false), "back over: nothing is in the way of a low bar");
+    assert!(!sim.jog("transfer", false), "but it does not lift");
+    let reasons = sim.blocked_by(transfer).join("; ");
+    assert!(reasons.contains("4th lower cannot be taken back: clamp_1: advance clamp has started"), "{reasons}");
+    sim.selector("transfer", false);
+    sim.run_for(Duration::from_millis(200));
+    sim.back_to_auto();
+    sim.run_until_done("mill_1", "reset main slide", 4);
+}
+
+#[test]
+fn a_held_button_whose_refresh_is_lost_stops_and_a_late_refresh_does_not_go_on() {
+    let mut sim = Sim::new(&transfer_line(1.0), 3);
+    sim.start();
+    sim.order(Command::Manual);
+    sim.run_for(Duration::from_millis(100));
+    let transfer = sim.id("transfer");
+    for _ in 0..4 {
+        assert!(sim.jog("transfer", true), "up");
+    }
+    sim.press(transfer, true);
+    sim.run_for(Duration::from_millis(100));
+    assert_ne!(sim.energised(transfer), 0, "the bar advances");
+    sim.freeze_fingers(true);
+    sim.run_for(Duration::from_millis(310));
+    assert_eq!(sim.energised(transfer), 0, "it stops");
+    let stands = sim.positions();
+    sim.run_for(Duration::from_millis(200));
+    sim.freeze_fingers(false);
+    sim.run_for(Duration::from_millis(500));
+    assert_eq!(sim.positions(), stands, "the finger never left the button: nobody decided to go on");
+    sim.release(transfer, true);
+    sim.run_for(Duration::from_millis(100));
+    assert!(sim.jog("transfer", true), "a new press goes on");
+}
+
+/// Presses and releases at random, one finger for each button, until `end`.
+fn fidget(sim: &mut Sim, rng: &mut Rng, stations: &[StationId], presses: u32) {
+    for _ in 0..presses {
+        let &station = rng.pick(stations);
+        let advance = rng.chance(500);
+        match rng.below(5) {
+            0 => {
+                sim.release(station, true);
+                sim.release(station, false);
+            }
+            1 | 2 => {
+                // Off and on again: a new press.
+                sim.release(station, !advance);
+                sim.release(station, advance);
+                sim.run_for(Duration::from_micros(rng.within(100, 30_000)));
+                sim.press(station, advance);
+            }
+            _ => sim.press(station, advance),
+        }
+        sim.run_for(Duration::from_micros(rng.within(100, 60_000)));
+    }
+}
+
+fn three_operators(seed: u64) {
+    let mut rng = Rng::new(seed);
+    let conditions = Conditions {
+        delay_min_us: 50,
+        delay_max_us: *rng.pick(&[500, 5_000, 40_000, 150_000]),
+        loss_per_mille: *rng.pick(&[0, 0, 100]),
+        double_per_mille: 50,
+    };
+    let mut sim = Sim::with(&transfer_line(0.1), seed, Conditions::QUIET, 0.1);
+    sim.start_auto();
+    sim.run_for(Duration::from_millis(rng.within(0, 400)));
+    sim.command(Command::EStop);
+    sim.run_for(Duration::from_millis(20));
+    sim.order(Command::Reset);
+    sim.go_manual();
+    sim.conditions(conditions);
+    let stations: Vec<StationId> = sim.line().station_ids().collect();
+    fidget(&mut sim, &mut rng, &stations, 40);
+    for &station in &stations {
+        sim.release(station, true);
+        sim.release(station, false);
+    }
+}
+
+#[test]
+fn three_operators_at_three_panels_at_once() {
+    for seed in 0..2000 * soak() {
+        three_operators(seed);
+    }
+}
