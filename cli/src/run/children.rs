@@ -55,11 +55,6 @@ impl Children {
         self.restarts
     }
 
-    /// Process ids, by name.
-    pub fn pids(&self) -> Vec<(String, u32)> {
-        self.members.iter().filter_map(|m| Some((m.name.clone(), m.child.id()?))).collect()
-    }
-
     /// Starts again what has ended; gives the names.
     ///
     /// # Errors

@@ -237,7 +237,7 @@ impl Session {
                 let id = *id;
                 if let Some(state) = self.client.station(id).cloned() {
                     self.tally.state(id, &state);
-                    let begun = usize::try_from(self.tally.begun(id, &state)).unwrap_or(0);
+                    let begun = self.tally.begun(id, &state);
                     if self.phase == Phase::Running && self.target.is_some_and(|target| begun >= target) {
                         self.phase = Phase::Stopping;
                         self.said = None;

@@ -20,6 +20,7 @@ pub struct Tally {
 #[derive(Default)]
 struct StationTally {
     first_done: Option<Vec<i32>>,
+    first_round: Option<i32>,
     done: Vec<i32>,
     started: HashMap<OpId, f64>,
     durations: Vec<Vec<f64>>,
@@ -94,6 +95,7 @@ impl Tally {
     pub fn state(&mut self, id: StationId, state: &StationState) {
         let station = &mut self.stations[id.index()];
         station.first_done.get_or_insert_with(|| state.done.clone());
+        station.first_round.get_or_insert(state.round - i32::from(!state.at_home));
         station.done.clone_from(&state.done);
         if self.ends.is_empty() {
             return;
@@ -114,10 +116,10 @@ impl Tally {
         usize::try_from(least).unwrap_or(0)
     }
 
-    /// The latest cycle any station has begun, counted likewise.
-    pub fn begun(&self, id: StationId, state: &StationState) -> i32 {
-        let base = self.stations[id.index()].first_done.as_ref().and_then(|done| done.iter().min().copied());
-        state.cycle - base.unwrap_or(0)
+    /// How many rounds the station has begun in this run. A round leads from home to home, as the stop does.
+    pub fn begun(&self, id: StationId, state: &StationState) -> usize {
+        let first = self.stations[id.index()].first_round.unwrap_or(state.round);
+        usize::try_from(state.round - first).unwrap_or(0)
     }
 
     /// Takes an event.
