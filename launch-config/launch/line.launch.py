@@ -1,0 +1,54 @@
+"""Every station of a line, and its coordinator, each as a process of its own.
+
+ros2 launch linewright line.launch.py line:=/path/to/line-directory
+ros2 launch linewright line.launch.py line:=… plant:=true          (with simulated devices)
+
+The stations are read from the description, so a new one needs no change here. Nodes are set up by the description and
+not by parameters; namespace and topics can be remapped as usual.
+"""
+
+from pathlib import Path
+
+try:
+    import tomllib
+except ImportError:  # Python before 3.11
+    import tomli as tomllib
+
+from launch import LaunchDescription
+from launch.actions import DeclareLaunchArgument, OpaqueFunction
+from launch.conditions import IfCondition
+from launch.substitutions import LaunchConfiguration
+from launch_ros.actions import Node
+
+
+def linewright(arguments, **options):
+    return Node(package="linewright", executable="linewright", arguments=arguments, output="screen", **options)
+
+
+def nodes(context):
+    line = LaunchConfiguration("line").perform(context)
+    bus = LaunchConfiguration("bus").perform(context)
+    state_dir = LaunchConfiguration("state_dir").perform(context)
+    file = Path(line)
+    file = file / "line.toml" if file.is_dir() else file
+    stations = [station["name"] for station in tomllib.loads(file.read_text(encoding="utf-8"))["station"]]
+
+    remember = ["--state-dir", state_dir] if state_dir else []
+    again = {"respawn": True, "respawn_delay": 1.0}
+    return [
+        linewright(["plant", line, "--bus", bus], condition=IfCondition(LaunchConfiguration("plant"))),
+        linewright(["coordinator", line, "--bus", bus, *remember], **again),
+        *[linewright(["station", line, "--station", name, *remember], **again) for name in stations],
+    ]
+
+
+def generate_launch_description():
+    return LaunchDescription(
+        [
+            DeclareLaunchArgument("line", description="the line's directory, or its description file"),
+            DeclareLaunchArgument("bus", default_value="vcan0", description="the CAN interface of the line's bus"),
+            DeclareLaunchArgument("plant", default_value="false", description="simulate the devices"),
+            DeclareLaunchArgument("state_dir", default_value="", description="where nodes keep their journals"),
+            OpaqueFunction(function=nodes),
+        ]
+    )
