@@ -95,6 +95,8 @@ impl Conditions {
 #[derive(Clone, Debug)]
 pub(crate) struct Network {
     pub(crate) conditions: Conditions,
+    /// For process images, between the gateway and the stations.
+    pub(crate) image_conditions: Conditions,
     /// Directed links that carry nothing.
     cut: BTreeSet<(Node, Node)>,
     /// When the last of what people said arrives, for each listener.
@@ -103,7 +105,7 @@ pub(crate) struct Network {
 
 impl Network {
     pub(crate) fn new(conditions: Conditions) -> Self {
-        Network { conditions, cut: BTreeSet::new(), last_word: BTreeMap::new() }
+        Network { conditions, image_conditions: conditions, cut: BTreeSet::new(), last_word: BTreeMap::new() }
     }
 
     pub(crate) fn cut(&mut self, from: Node, to: Node) {
@@ -112,6 +114,13 @@ impl Network {
 
     pub(crate) fn heal(&mut self) {
         self.cut.clear();
+    }
+
+    fn conditions_of(&self, message: &Message) -> Conditions {
+        match message {
+            Message::Inputs(_) | Message::Outputs(_) => self.image_conditions,
+            _ => self.conditions,
+        }
     }
 
     /// When a message arrives: never, once, or several times.
@@ -123,7 +132,7 @@ impl Network {
         to: Node,
         message: &Message,
     ) -> [Option<Tick>; 2] {
-        let Conditions { delay_min_us, delay_max_us, loss_per_mille, double_per_mille } = self.conditions;
+        let Conditions { delay_min_us, delay_max_us, loss_per_mille, double_per_mille } = self.conditions_of(message);
         let mut way = || now + std::time::Duration::from_micros(rng.within(delay_min_us, delay_max_us));
         let ways = [way(), way()];
         if self.cut.contains(&(from, to)) || (message.is_repeated() && rng.chance(loss_per_mille)) {

@@ -163,9 +163,14 @@ impl Sim {
         self.network.heal();
     }
 
-    /// What the network does from now on.
+    /// What the network does from now on to everything but process images.
     pub fn conditions(&mut self, conditions: Conditions) {
         self.network.conditions = conditions;
+    }
+
+    /// What the network does to process images from now on.
+    pub fn image_conditions(&mut self, conditions: Conditions) {
+        self.network.image_conditions = conditions;
     }
 
     /// The operator's screen hangs: held buttons are not said again. Or it goes on.

@@ -117,6 +117,8 @@ impl StationNode {
             self.journal = self.controller.snapshot();
             if self.dies_at_next_record {
                 self.dead = true;
+                // Never said, but done: the ledger keeps what the journal knows.
+                said.events.append(&mut self.outbox.events);
                 return;
             }
         }

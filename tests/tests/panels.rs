@@ -72,13 +72,15 @@ fn a_mill_sent_home_and_its_clamp_opened_by_hand_closes_it_again_before_machinin
 fn a_bar_under_a_closed_clamp_does_not_go_back_up() {
     let mut sim = Sim::new(&transfer_line(1.0), 2);
     sim.start_auto();
-    sim.run_until_done("clamp_1", "advance clamp", 2);
+    let (clamp, advance) = sim.op("clamp_1", "advance clamp");
+    sim.run_until("the clamp closes in cycle 2", |s| {
+        s.controller(clamp).is_some_and(|c| c.cycle() == 2) && s.marking(clamp) == [Place::operating(advance)]
+    });
     sim.selector("transfer", true);
     let transfer = sim.id("transfer");
     sim.run_until("manual", |s| s.mode_of(transfer) == Some(ControlMode::Manual));
-    // The selector took effect while the bar ran back; it finished. Undoing it is free, undoing the lower is not.
-    assert!(sim.jog("transfer", false), "back over: nothing is in the way of a low bar");
-    assert!(!sim.jog("transfer", false), "but it does not lift");
+    // The clamp has finished closing; the bar has not begun to run back.
+    assert!(!sim.jog("transfer", false), "it does not lift");
     let reasons = sim.blocked_by(transfer).join("; ");
     assert!(reasons.contains("4th lower cannot be taken back: clamp_1: advance clamp has started"), "{reasons}");
     sim.selector("transfer", false);
@@ -136,7 +138,7 @@ fn fidget(sim: &mut Sim, rng: &mut Rng, stations: &[StationId], presses: u32) {
     }
 }
 
-fn three_operators(seed: u64) {
+fn three_operators(seed: u64, late_images: bool) {
     let mut rng = Rng::new(seed);
     let conditions = Conditions {
         delay_min_us: 50,
@@ -152,6 +154,9 @@ fn three_operators(seed: u64) {
     sim.order(Command::Reset);
     sim.go_manual();
     sim.conditions(conditions);
+    if late_images {
+        sim.image_conditions(conditions);
+    }
     let stations: Vec<StationId> = sim.line().station_ids().collect();
     fidget(&mut sim, &mut rng, &stations, 40);
     for &station in &stations {
@@ -163,6 +168,16 @@ fn three_operators(seed: u64) {
 #[test]
 fn three_operators_at_three_panels_at_once() {
     for seed in 0..2000 * soak() {
-        three_operators(seed);
+        three_operators(seed, false);
+    }
+}
+
+/// A process image that is late, but not yet stale, shows a switch as it was before the motion: a station that
+/// resumes or takes back a stopped motion then believes it has arrived.
+#[test]
+#[ignore = "an image behind the gateway does not say which outputs it was taken under; the controller cannot tell"]
+fn three_operators_at_three_panels_whose_images_are_late() {
+    for seed in 0..2000 * soak() {
+        three_operators(seed, true);
     }
 }

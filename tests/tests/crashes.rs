@@ -1,0 +1,234 @@
+//! Processes die, at any moment of a cycle, and come back.
+//!
+//! ```text
+//!   transfer    ──── ✝ ·····(down)····· restart from its journal ──▶ looked at ──▶ auto
+//!   coordinator ──── seconds later: transfer is not heard ──▶ stand-by
+//!   clamp_1     ──── finishes what it does, starts nothing
+//! ```
+
+use std::time::Duration;
+
+use linewright_coordinator_logic::Command;
+use linewright_line::net::{Block, ControlMode};
+use linewright_line::{StationId, Tick};
+use linewright_station_logic::Happening;
+use linewright_tests::{Conditions, Node, Sim, transfer_line};
+
+const STATIONS: [&str; 3] = ["transfer", "clamp_1", "mill_1"];
+
+/// The first motion that started after `since`, if any.
+fn started_after(sim: &Sim, since: Tick) -> Option<(StationId, Tick, String)> {
+    sim.line().station_ids().find_map(|id| {
+        let mut late = sim.log().of(id).filter(|(at, e)| *at > since && matches!(e.what, Happening::Started(..)));
+        late.next().map(|(at, e)| (id, at, e.text(sim.line(), id)))
+    })
+}
+
+/// What an operator does after something died: look, put everything to rest in manual, and go on.
+fn bring_back(sim: &mut Sim) {
+    sim.run_until("everything is heard", Sim::all_heard);
+    sim.settle();
+    if sim.mode() == Some(ControlMode::Home) {
+        sim.order(Command::Start);
+    }
+    sim.go_manual();
+    for station in STATIONS {
+        if sim.is_incomplete(station) {
+            sim.resume(station);
+        }
+    }
+    sim.back_to_auto();
+}
+
+fn at(moment: u64, seed: u64) -> Sim {
+    let mut sim = Sim::new(&transfer_line(1.0), seed);
+    sim.start_auto();
+    sim.run_until_done("clamp_1", "return clamp", 2);
+    sim.run_for(Duration::from_millis(moment));
+    sim
+}
+
+fn two_more_cycles(sim: &mut Sim) {
+    sim.run_until_done("mill_1", "reset main slide", 4);
+    for part in 1..=3 {
+        let machined = sim.observer().machined(1, part);
+        assert_eq!(machined, 1, "part {part} is machined {machined} times");
+    }
+}
+
+#[test]
+fn a_station_killed_at_any_moment_and_restarted_from_its_journal() {
+    for moment in (0..3560).step_by(70) {
+        for station in STATIONS {
+            let mut sim = at(moment, moment);
+            let id = sim.id(station);
+            let timing = sim.line().timing;
+            sim.kill_station(id);
+            let killed = sim.now();
+            sim.run_for(Duration::from_secs(3));
+            let quiet = killed + timing.lease;
+            assert_eq!(started_after(&sim, quiet), None, "{station} killed at {moment} ms");
+            assert!(!sim.anything_energised());
+            assert_eq!(sim.mode(), Some(ControlMode::StandBy));
+            let refusal = sim.ask(Command::Auto).expect_err("a station is missing");
+            assert!(refusal.contains(&format!("{station} is not heard")), "{refusal}");
+
+            sim.restart_station(id);
+            sim.settle();
+            assert!(started_after(&sim, quiet).is_none(), "its return starts nothing");
+            bring_back(&mut sim);
+            two_more_cycles(&mut sim);
+        }
+    }
+}
+
+#[test]
+fn a_station_that_dies_between_its_record_and_its_word() {
+    for moment in (0..3560).step_by(110) {
+        for station in STATIONS {
+            let mut sim = at(moment, moment + 1);
+            let id = sim.id(station);
+            sim.kill_station_at_its_next_record(id);
+            sim.run_until("it dies", |s| !s.is_running(id));
+            // Restarted at once by its supervisor: sooner than anybody misses it.
+            sim.run_for(Duration::from_millis(20));
+            sim.restart_station(id);
+            bring_back(&mut sim);
+            two_more_cycles(&mut sim);
+        }
+    }
+}
+
+#[test]
+fn a_station_restarted_sooner_than_it_is_missed_stops_auto_all_the_same() {
+    for moment in (0..3560).step_by(200) {
+        for station in STATIONS {
+            let mut sim = at(moment, moment);
+            let id = sim.id(station);
+            sim.kill_station(id);
+            sim.run_for(Duration::from_millis(20));
+            sim.restart_station(id);
+            let restarted = sim.now();
+            sim.settle();
+            assert_eq!(sim.mode(), Some(ControlMode::StandBy));
+            assert_eq!(started_after(&sim, restarted + Duration::from_millis(6)), None);
+            let refusal = sim.ask(Command::Auto).expect_err("nobody has looked at it");
+            assert!(refusal.contains(&format!("{station} was restarted")), "{refusal}");
+            if sim.is_incomplete(station) {
+                bring_back(&mut sim);
+            } else {
+                // It stood still: a person's word is enough.
+                sim.order(Command::Start);
+                sim.order(Command::Auto);
+            }
+            two_more_cycles(&mut sim);
+        }
+    }
+}
+
+#[test]
+fn a_coordinator_killed_at_any_moment_and_replaced() {
+    for moment in (0..3560).step_by(80) {
+        for (remembers, down) in [(true, 30), (false, 30), (true, 300), (false, 2000)] {
+            let mut sim = at(moment, moment);
+            let before = sim.epoch();
+            let timing = sim.line().timing;
+            sim.kill_coordinator();
+            let killed = sim.now();
+            sim.run_for(Duration::from_millis(down));
+            sim.restart_coordinator(remembers);
+            sim.run_to(killed + Duration::from_secs(4));
+            let quiet = killed + timing.lease;
+            assert_eq!(started_after(&sim, quiet), None, "at {moment} ms, remembers {remembers}, down {down} ms");
+            assert!(sim.epoch() > before, "its epochs are above all before it");
+            assert_ne!(sim.mode(), Some(ControlMode::Auto), "nobody has asked for auto");
+            bring_back(&mut sim);
+            two_more_cycles(&mut sim);
+        }
+    }
+}
+
+#[test]
+fn without_a_coordinator_every_station_falls_to_stand_by_within_the_lease() {
+    for moment in [100, 700, 1500, 2300, 3300] {
+        let mut sim = at(moment, moment);
+        let timing = sim.line().timing;
+        sim.kill_coordinator();
+        // What is on its way still arrives.
+        sim.run_for(timing.lease + Duration::from_millis(1));
+        for id in sim.line().station_ids() {
+            assert_eq!(sim.mode_of(id), Some(ControlMode::StandBy));
+        }
+        // The devices miss the gateway too and let go.
+        assert!(!sim.anything_energised());
+    }
+}
+
+#[test]
+fn a_station_cut_off_from_the_coordinator_but_not_from_its_neighbours() {
+    for moment in (0..3560).step_by(90) {
+        for (station, back_too) in STATIONS.into_iter().flat_map(|s| [(s, false), (s, true)]) {
+            let mut sim = at(moment, moment);
+            let id = sim.id(station);
+            let timing = sim.line().timing;
+            sim.cut(Node::Coordinator, Node::Station(id));
+            if back_too {
+                sim.cut(Node::Station(id), Node::Coordinator);
+            }
+            let cut = sim.now();
+            sim.run_for(Duration::from_secs(3));
+            // Its images are cut as well, so its devices count as lost: that stops the line.
+            let quiet = cut + timing.lease + timing.stale;
+            assert_eq!(started_after(&sim, quiet), None, "{station} cut off at {moment} ms");
+            sim.heal();
+            bring_back(&mut sim);
+            two_more_cycles(&mut sim);
+        }
+    }
+}
+
+#[test]
+fn neighbours_that_do_not_hear_each_other_wait_and_go_on_when_they_do() {
+    for moment in (0..3560).step_by(120) {
+        let mut sim = at(moment, moment);
+        let (transfer, clamp) = (sim.id("transfer"), sim.id("clamp_1"));
+        sim.cut(Node::Station(transfer), Node::Station(clamp));
+        sim.cut(Node::Station(clamp), Node::Station(transfer));
+        sim.run_for(Duration::from_secs(5));
+        assert_eq!(sim.mode(), Some(ControlMode::Auto), "nothing is wrong with any of them");
+        assert!(!sim.anything_energised(), "but none goes on");
+        let heard = sim.blocked_by(clamp).iter().chain(&sim.blocked_by(transfer)).any(|r| r.contains("to be heard"));
+        assert!(heard, "and each says why");
+        sim.heal();
+        two_more_cycles(&mut sim);
+    }
+}
+
+#[test]
+fn on_a_rough_network_too() {
+    for seed in 0..60 {
+        let mut sim = Sim::with(&transfer_line(1.0), seed, Conditions::ROUGH, 0.1);
+        sim.start_auto();
+        sim.run_until_done("clamp_1", "return clamp", 2);
+        sim.run_for(Duration::from_millis(seed * 59));
+        let id = sim.id(STATIONS[(seed % 3) as usize]);
+        sim.kill_station(id);
+        sim.run_for(Duration::from_millis(seed * 10));
+        sim.restart_station(id);
+        bring_back(&mut sim);
+        two_more_cycles(&mut sim);
+    }
+}
+
+#[test]
+fn a_motion_cut_short_by_a_crash_is_never_counted_twice() {
+    let mut sim = at(2500, 9);
+    let (mill, feed) = sim.op("mill_1", "feed main slide");
+    sim.kill_station(mill);
+    sim.run_for(Duration::from_millis(50));
+    sim.restart_station(mill);
+    bring_back(&mut sim);
+    two_more_cycles(&mut sim);
+    let done = |at: &(Tick, linewright_station_logic::Event)| at.1.what == Happening::Completed(feed, Block::Normal);
+    assert_eq!(sim.log().of(mill).filter(done).count() as i32, sim.done(mill, feed));
+}
