@@ -1,27 +1,27 @@
 //! What decides everything a controller will do, as a list of numbers: for a checker that must know when it has been
 //! in a state before.
 //!
-//! Counts are relative to an origin the caller chooses, request numbers to the newest of their writer and lives to the
-//! present one, because those grow for ever while the situation repeats. Moments in time are left out: a checker keeps
+//! Counts are relative to an origin the caller chooses; of a request's number only matters whether it is the one its
+//! writer has open, and of a life whether it is the present one. They grow for ever while the situation repeats. Moments in time are left out: a checker keeps
 //! the clock still, and lets things expire by telling the controller so.
 
 use linewright_line::StationId;
 
 use crate::controller::Controller;
 
-/// What a situation is relative to, for one writer of requests: its present life and the next number it will use.
+/// What a situation is relative to, for one writer of requests.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub struct Writer {
-    /// The life.
+    /// Its present life.
     pub boot_id: u64,
-    /// The next number.
-    pub next_request: u64,
+    /// The number of its open request.
+    pub open: Option<u64>,
 }
 
 impl Controller {
     /// This controller as a writer of requests.
     pub fn writer(&self) -> Writer {
-        Writer { boot_id: self.boot_id, next_request: self.next_request }
+        Writer { boot_id: self.boot_id, open: self.pending.map(|p| p.request.number) }
     }
 
     /// Whether an answer to this number can still mean anything to this station.
@@ -60,16 +60,18 @@ impl Controller {
             let writer = writers(view.station);
             out.extend([
                 i64::from(self.views.is_known(peer, self.now)),
-                writer.boot_id.wrapping_sub(view.boot_id) as i64,
+                i64::from(writer.boot_id == view.boot_id),
                 if self.rules.counted { 0 } else { relative(view.cycle) },
             ]);
             let read = self.program.causes.iter().flatten().filter(|c| usize::from(c.peer) == peer);
             out.extend(read.map(|cause| relative(view.done[cause.from.index()])));
             match view.request {
                 None => out.push(-1),
+                // An answer to a request that is no longer open is worth nothing; that it was made still blocks.
+                Some(request) if writer.open != Some(request.number) => out.extend([-2, request.ops as i64]),
                 Some(request) => {
-                    out.extend([writer.next_request.wrapping_sub(request.number) as i64, request.ops as i64]);
-                    out.push(view.answer.map_or(-2, |a| a.in_the_way.map_or(-1, |op| i64::from(op.0))));
+                    let in_the_way = view.answer.and_then(|a| a.in_the_way);
+                    out.extend([in_the_way.map_or(0, |op| 1 + i64::from(op.0)), request.ops as i64]);
                 }
             }
             match view.verdict.filter(|&(boot, number, _)| boot == self.boot_id && self.awaits(number)) {

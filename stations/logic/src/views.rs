@@ -137,9 +137,10 @@ impl Views {
 /// An arrow from A with lag k let B start in cycle c because done(A) ≥ c − k. Taking done(A) back from n to n − 1
 /// contradicts exactly those starts with c ≥ n + k.
 fn in_the_way(program: &Program, peer: usize, view: &View, request: Request, started: &[i32]) -> Option<OpId> {
-    program.causes.iter().flatten().find_map(|cause| {
-        let asked = cause.peer as usize == peer && request.ops & (1 << cause.from.0) != 0;
+    let asked = |cause: &&Cause| cause.peer as usize == peer && request.ops & (1 << cause.from.0) != 0;
+    let in_the_way = |cause: &&Cause| {
         let n = view.done[cause.from.index()];
-        (asked && started[cause.to.index()] >= n.saturating_add(cause.lag)).then_some(cause.to)
-    })
+        started[cause.to.index()] >= n.saturating_add(cause.lag)
+    };
+    program.causes.iter().flatten().filter(asked).find(in_the_way).map(|cause| cause.to)
 }

@@ -166,6 +166,20 @@ fn an_operation_that_has_started_is_in_the_way_until_it_has_been_undone() {
     assert_eq!(answer_of_b(&b), Some(None));
 }
 
+/// The arrows from one peer are not looked up among the counts of another, which may be fewer.
+#[test]
+fn a_station_with_two_peers_answers_each_by_its_own_counts() {
+    let stations = vec![
+        station("long", 4, &[r(6), r(6), r(6), r(6), r(6)], 0, false),
+        station("middle", 1, &[r(6), r(6)], 10, false),
+        station("short", 1, &[r(6), r(6)], 20, false),
+    ];
+    let line = line(stations, vec![arrow((0, 3), (1, 1), 0), arrow((2, 1), (1, 0), 1)]);
+    let mut middle = Rig::of(line, B, Restore::Fresh);
+    middle.hear(StationId(2), Report { request: Some(Request { number: 1, ops: 0b10 }), ..peer_says(&[0, 0]) });
+    assert_eq!(answer_of_b(&middle), Some(None));
+}
+
 #[test]
 fn nothing_starts_on_a_count_that_is_being_taken_back() {
     let mut b = Rig::of(pair(), B, Restore::Fresh);

@@ -1,0 +1,79 @@
+//! The lines that are explored: the shipped one, and smaller ones with the same arrows and conflicts.
+
+use std::time::Duration;
+
+use linewright_line::{Conflict, Line, OpId, Span, StationId};
+
+use crate::build::{arrow, beside, i, line, r, station, transfer_line};
+
+/// Nothing expires while the clock stands still, but a lease of zero would.
+fn without_haste(mut line: Line) -> Line {
+    line.timing.stale = Duration::from_secs(1 << 20);
+    line.timing.lease = Duration::from_secs(1 << 20);
+    line
+}
+
+fn conflict(why: &str, a: (u16, u16, u16), b: (u16, u16, u16)) -> Conflict {
+    let span = |(station, from, until)| Span { station: StationId(station), from: OpId(from), until: OpId(until) };
+    Conflict { why: why.to_owned(), a: span(a), b: span(b) }
+}
+
+const BAR_AND_CLAMP: &str = "the bar is off its rest while the clamp is not open";
+const TOOL_AND_CLAMP: &str = "the tool is forward while the clamp is not closed";
+
+/// The line as it is shipped: 10, 2 and 5 operations.
+pub fn shipped() -> Line {
+    without_haste(transfer_line())
+}
+
+/// A bar that lifts (op 0) and lowers (op 1), and a clamp that opens (op 0, home) and closes (op 1).
+pub fn bar_and_clamp() -> Line {
+    let stations = vec![bar(), clamp()];
+    let mut line = without_haste(line(stations, vec![arrow((1, 0), (0, 0), 0), arrow((0, 1), (1, 1), 0)]));
+    // Without a mill the clamp opens when it likes: the bar's round is what holds it.
+    line.arrows.push(arrow((0, 1), (1, 0), 1));
+    line.conflicts = vec![conflict(BAR_AND_CLAMP, (0, 0, 1), (1, 1, 0))];
+    line
+}
+
+/// The same clamp, and a mill that approaches (op 0), feeds (op 1, irreversible) and resets (op 2, home).
+pub fn clamp_and_mill() -> Line {
+    let mut clamp = clamp();
+    clamp.name = "clamp".to_owned();
+    let arrows = vec![arrow((0, 1), (1, 0), 0), arrow((1, 2), (0, 0), 1)];
+    let mut line = without_haste(line(vec![clamp, mill()], arrows));
+    line.conflicts = vec![conflict(TOOL_AND_CLAMP, (1, 0, 2), (0, 0, 1))];
+    line
+}
+
+/// All three, as short as they can be.
+pub fn small() -> Line {
+    let arrows =
+        vec![arrow((1, 0), (0, 0), 0), arrow((0, 1), (1, 1), 0), arrow((1, 1), (2, 0), 0), arrow((2, 2), (1, 0), 1)];
+    let mut line = without_haste(line(vec![bar(), clamp(), mill()], arrows));
+    line.conflicts =
+        vec![conflict(BAR_AND_CLAMP, (0, 0, 1), (1, 1, 0)), conflict(TOOL_AND_CLAMP, (2, 0, 2), (1, 0, 1))];
+    line
+}
+
+/// A bar, and a clamp of two jaws that close side by side (ops 1 and 2) and open one after the other.
+pub fn two_jaws() -> Line {
+    let jaws = station("jaws", 0, &[r(6), r(6), beside(6)], 8, false);
+    let arrows =
+        vec![arrow((1, 0), (0, 0), 0), arrow((0, 1), (1, 1), 0), arrow((0, 1), (1, 2), 0), arrow((0, 1), (1, 0), 1)];
+    let mut line = without_haste(line(vec![bar(), jaws], arrows));
+    line.conflicts = vec![conflict(BAR_AND_CLAMP, (0, 0, 1), (1, 1, 0)), conflict(BAR_AND_CLAMP, (0, 0, 1), (1, 2, 0))];
+    line
+}
+
+fn bar() -> linewright_line::Station {
+    station("bar", 1, &[r(6), r(6)], 0, false)
+}
+
+fn clamp() -> linewright_line::Station {
+    station("clamp", 0, &[r(6), r(6)], 8, true)
+}
+
+fn mill() -> linewright_line::Station {
+    station("mill", 2, &[r(1), i(1, &[0]), r(2)], 16, false)
+}

@@ -1,0 +1,47 @@
+//! With any one rule off something goes wrong, and the explorer finds it: first the shortest way, in words.
+
+use linewright_line::Line;
+use linewright_station_logic::Rules;
+
+use crate::lines;
+use crate::search::{breadth_first, limit};
+use crate::world::Setting;
+
+/// The shortest way to something wrong without the rule.
+fn missed(line: Line, rules: Rules) -> String {
+    let setting = Setting::new(line, rules);
+    let found = breadth_first(&setting, limit("EXPLORE_STATES", 400_000));
+    let story = found.counterexample.unwrap_or_else(|| panic!("nothing wrong in {} states", found.states));
+    println!("{} states\n{story}\n", found.states);
+    story
+}
+
+#[test]
+fn flags_instead_of_counts_let_the_bar_lift_under_a_closing_clamp() {
+    let story = missed(lines::shipped(), Rules { counted: false, ..Rules::default() });
+    assert!(story.ends_with("the bar is off its rest while clamp 1 is not open"));
+}
+
+#[test]
+fn a_count_withdrawn_late_lets_another_station_start_on_it() {
+    let story = missed(lines::shipped(), Rules { withdraw_first: false, ..Rules::default() });
+    assert!(story.ends_with("the bar is off its rest while clamp 1 is not open"));
+}
+
+#[test]
+fn a_count_withdrawn_without_agreement_closes_the_clamp_under_the_bar() {
+    let story = missed(lines::shipped(), Rules { ask: false, ..Rules::default() });
+    assert!(story.ends_with("the bar is off its rest while clamp 1 is not open"));
+}
+
+#[test]
+fn a_request_number_used_twice_makes_an_old_agreement_good_again() {
+    let story = missed(lines::bar_and_clamp(), Rules { fresh_numbers: false, ..Rules::default() });
+    assert!(story.ends_with("the bar is off its rest while the clamp is not open"));
+}
+
+#[test]
+fn going_home_without_withdrawing_the_round_counts_a_part_that_was_never_machined() {
+    let story = missed(lines::clamp_and_mill(), Rules { redo_round: false, ..Rules::default() });
+    assert!(story.contains("are of no cycle"), "{story}");
+}

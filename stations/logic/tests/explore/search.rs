@@ -1,0 +1,164 @@
+//! Looking: breadth first as far as a limit, or a long random walk; and telling what was found.
+
+use std::collections::{HashSet, VecDeque};
+
+use crate::actions::{Action, apply, possible, text};
+use crate::oracle::violation;
+use crate::world::{Setting, World};
+
+/// What a search came to.
+pub struct Found {
+    pub states: usize,
+    /// Every state was seen: there are no others.
+    pub exhausted: bool,
+    /// How to get to a state that must not be, in words.
+    pub counterexample: Option<String>,
+    /// From every state home can be reached; known only of an exhausted search.
+    pub home_from_everywhere: Option<bool>,
+}
+
+/// The environment's number, or the default.
+pub fn limit(variable: &str, default: usize) -> usize {
+    std::env::var(variable).ok().and_then(|text| text.parse().ok()).unwrap_or(default)
+}
+
+/// Breadth first: the counterexample found is one of the shortest.
+pub fn breadth_first(setting: &Setting, states_max: usize) -> Found {
+    let mut scratch = Vec::new();
+    let start = setting.start();
+    let mut number_of = std::collections::HashMap::from([(start.key(setting, &mut scratch), 0u32)]);
+    let mut came_by: Vec<(u32, Option<Action>)> = vec![(0, None)];
+    let mut edges: Vec<(u32, u32)> = Vec::new();
+    let mut homes: Vec<u32> = vec![0];
+    let mut queue = VecDeque::from([(0u32, start)]);
+    let mut actions = Vec::new();
+    let mut exhausted = true;
+    while let Some((from, world)) = queue.pop_front() {
+        possible(setting, &world, &mut actions);
+        for &action in &actions {
+            let mut next = world.clone();
+            apply(setting, &mut next, action);
+            let number = came_by.len() as u32;
+            let known = *number_of.entry(next.key(setting, &mut scratch)).or_insert(number);
+            edges.push((known, from));
+            if known != number {
+                continue;
+            }
+            came_by.push((from, Some(action)));
+            if let Some(what) = violation(setting, &next) {
+                let counterexample = Some(story(setting, &way_to(&came_by, number), &what));
+                return Found { states: came_by.len(), exhausted: false, counterexample, home_from_everywhere: None };
+            }
+            if next.all_at_home() {
+                homes.push(number);
+            }
+            if came_by.len() < states_max {
+                queue.push_back((number, next));
+            } else {
+                exhausted = false;
+            }
+        }
+        if !exhausted {
+            break;
+        }
+    }
+    let home_from_everywhere = exhausted.then(|| reaches_all(came_by.len(), edges, homes));
+    Found { states: came_by.len(), exhausted, counterexample: None, home_from_everywhere }
+}
+
+/// Whether the arcs, taken backwards, lead from `goals` to every state.
+fn reaches_all(states: usize, mut backwards: Vec<(u32, u32)>, goals: Vec<u32>) -> bool {
+    backwards.sort_unstable();
+    let mut seen: HashSet<u32> = goals.iter().copied().collect();
+    let mut open = goals;
+    while let Some(state) = open.pop() {
+        let begin = backwards.partition_point(|&(to, _)| to < state);
+        for &(_, from) in backwards[begin..].iter().take_while(|&&(to, _)| to == state) {
+            if seen.insert(from) {
+                open.push(from);
+            }
+        }
+    }
+    seen.len() == states
+}
+
+fn way_to(came_by: &[(u32, Option<Action>)], mut state: u32) -> Vec<Action> {
+    let mut way = Vec::new();
+    while let (from, Some(action)) = came_by[state as usize] {
+        way.push(action);
+        state = from;
+    }
+    way.reverse();
+    way
+}
+
+/// A long walk without a map. It sees deep states that breadth first never comes to.
+pub fn random_walk(setting: &Setting, seed: u64, steps: usize) -> Found {
+    let mut world = setting.start();
+    let mut random = Random(seed | 1);
+    let mut way = Vec::new();
+    let mut actions = Vec::new();
+    for step in 0..steps {
+        possible(setting, &world, &mut actions);
+        let Some(action) = pick(&actions, &mut random) else {
+            return Found { states: step, exhausted: false, counterexample: None, home_from_everywhere: None };
+        };
+        apply(setting, &mut world, action);
+        way.push(action);
+        if let Some(what) = violation(setting, &world) {
+            let counterexample = Some(story(setting, &way, &what));
+            return Found { states: step, exhausted: false, counterexample, home_from_everywhere: None };
+        }
+        // What began long ago explains nothing any more: go on from a fresh line now and then.
+        if step % 20_000 == 19_999 {
+            world = setting.start();
+            way.clear();
+        }
+    }
+    Found { states: steps, exhausted: false, counterexample: None, home_from_everywhere: None }
+}
+
+/// Faults and restarts are rarer than work: a line that only breaks goes nowhere.
+fn pick(actions: &[Action], random: &mut Random) -> Option<Action> {
+    let weight = |action: &Action| match action {
+        Action::Arrive(..) | Action::Deliver { .. } => 24,
+        Action::Key(..) | Action::Button(..) => 6,
+        Action::Mode(..) | Action::Step(_) => 2,
+        Action::Fail(..) | Action::Restart(_) => 1,
+    };
+    let mut left = random.below(actions.iter().map(weight).sum::<u64>().max(1));
+    actions.iter().copied().find(|action| {
+        let weight = weight(action);
+        let here = left < weight;
+        left = left.saturating_sub(weight);
+        here
+    })
+}
+
+/// xorshift64*: repeatable, and good enough to stroll.
+struct Random(u64);
+
+impl Random {
+    fn below(&mut self, bound: u64) -> u64 {
+        self.0 ^= self.0 >> 12;
+        self.0 ^= self.0 << 25;
+        self.0 ^= self.0 >> 27;
+        (self.0.wrapping_mul(0x2545_F491_4F6C_DD1D) >> 33) % bound
+    }
+}
+
+/// The way as numbered steps in words, each with what the station says about it.
+pub fn story(setting: &Setting, way: &[Action], end: &str) -> String {
+    let mut world: World = setting.start();
+    let mut lines = Vec::new();
+    for (number, &action) in way.iter().enumerate() {
+        let (station, events) = apply(setting, &mut world, action);
+        let id = linewright_line::StationId::at(station);
+        let said: Vec<String> = events.iter().map(|event| event.text(&setting.line, id)).collect();
+        let name = &setting.line.station(id).name;
+        let said = if said.is_empty() { String::new() } else { format!(" — {name} {}", said.join(", ")) };
+        lines.push(format!("{:3}. {}{said}", number + 1, text(setting, action)));
+    }
+    lines.push(format!("     and so {end}"));
+    lines.join("\n")
+}
