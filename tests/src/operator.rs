@@ -191,7 +191,7 @@ impl Sim {
     /// Out of manual into auto, once the coordinator agrees.
     pub fn back_to_auto(&mut self) {
         let mut refusal = String::new();
-        for _ in 0..40 {
+        for _ in 0..10 {
             match self.ask(Command::Auto) {
                 Ok(()) => return,
                 Err(text) => refusal = text,

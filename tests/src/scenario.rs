@@ -122,6 +122,13 @@ impl Sim {
         }
     }
 
+    /// Takes [`Sim::kill_station_at_its_next_record`] back.
+    pub fn spare_station(&mut self, station: StationId) {
+        if let Process::Running(node) = &mut self.stations[station.index()] {
+            node.dies_at_next_record = false;
+        }
+    }
+
     /// Whether a station's process runs.
     pub fn is_running(&self, station: StationId) -> bool {
         matches!(self.stations[station.index()], Process::Running(_))

@@ -152,15 +152,13 @@ impl World {
             self.sim.release(station, true);
             self.sim.release(station, false);
         }
-        // Two rounds: one that was told to die at its next record may only do so now.
-        for _ in 0..2 {
-            self.up_again();
-            for station in self.stations.clone() {
-                let name = self.name(station);
-                self.sim.selector(&name, false);
-            }
-            self.sim.run_for(Duration::from_secs(3));
+        self.up_again();
+        for station in self.stations.clone() {
+            let name = self.name(station);
+            self.sim.spare_station(station);
+            self.sim.selector(&name, false);
         }
+        self.sim.run_for(Duration::from_secs(3));
         self.sim.run_until("everything is heard", Sim::all_heard);
         self.sim.settle();
     }

@@ -91,7 +91,7 @@ pub struct Outbox {
 struct Station {
     heard: Heard,
     known_until: Tick,
-    /// Came up anew while the line was in a mode that enables motion.
+    /// Came up anew while the line was in auto or hand, and nobody has looked at it since.
     restarted: bool,
 }
 
@@ -227,7 +227,8 @@ impl Coordinator {
         let Some(station) = self.stations.get_mut(id.index()) else { return };
         let rebooted = station.heard.boot_id != 0 && station.heard.boot_id != heard.boot_id;
         let news = station.heard != heard || now >= station.known_until;
-        station.restarted |= rebooted && self.mode.enables_motion();
+        // In manual a person stands at the panel and holds every motion: there is nothing left to be looked at.
+        station.restarted |= rebooted && matches!(self.mode, ControlMode::Auto | ControlMode::Hand);
         station.heard = heard;
         station.known_until = now + self.line.timing.stale;
         self.changed |= news;
