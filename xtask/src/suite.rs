@@ -28,7 +28,7 @@ pub fn run(root: &Path, extent: Extent) -> bool {
     let mut tally = Tally::default();
     one(&mut tally, "format", cargo(root, &["fmt", "--all", "--check"]));
     house_rules(&mut tally, root);
-    let clippy = ["clippy", "--workspace", "--all-targets", "--quiet", "--", "-D", "warnings"];
+    let clippy = ["clippy", "--workspace", "--all-targets", "--keep-going", "--quiet", "--", "-D", "warnings"];
     one(&mut tally, "lints", cargo(root, &clippy));
     match extent {
         Extent::Everything => {
