@@ -96,6 +96,8 @@ pub struct Controller {
     pub(crate) views: Views,
     pub(crate) commands: Commands,
     panel: Panel,
+    /// The inputs the panel is wired to.
+    panel_inputs: u128,
     stale: Duration,
     pub(crate) inputs: u128,
     pub(crate) inputs_until: Tick,
@@ -112,6 +114,8 @@ pub struct Controller {
     pub(crate) unconfirmed: bool,
     pub(crate) outputs: u128,
     pub(crate) dirty: bool,
+    /// The last step changed nothing, and nothing was heard since: until the deadline a step has nothing to do.
+    pub(crate) settled: bool,
     pub(crate) deadline: Tick,
     pub(crate) changed: bool,
     pub(crate) events: Vec<Event>,
@@ -155,6 +159,7 @@ impl Controller {
             causes_of_stop: vec![Cause::Released; described.operations.len()],
             views,
             commands: Commands::new(),
+            panel_inputs: inputs_of(&described.panel),
             panel: described.panel.clone(),
             stale: line.timing.stale,
             inputs: 0,
@@ -169,6 +174,7 @@ impl Controller {
             unconfirmed: restore == Restore::Fresh,
             outputs: 0,
             dirty: true,
+            settled: false,
             deadline: Tick::ZERO,
             changed: true,
             events: Vec::with_capacity(64),
@@ -222,25 +228,23 @@ impl Controller {
     /// Takes what has arrived. Follow with [`Controller::step`]. Gives false if the input was ignored: an order of an
     /// older epoch, a report of no peer or of the wrong shape.
     pub fn handle(&mut self, now: Tick, input: Input<'_>) -> bool {
-        // Levels and deadlines are worked out again in the next step, unless the image says nothing new.
-        let before = (self.inputs, self.devices_valid);
-        // An image that only renews its term needs no new deadline: the old one comes too early, and is put right.
-        let taken = self.take(now, input);
-        if !matches!(input, Input::Inputs { .. }) || before != (self.inputs, self.devices_valid) {
-            self.deadline = Tick::ZERO;
+        self.now = self.now.max(now);
+        if let Input::Inputs { bits, valid, until } = input {
+            self.inputs_until = until;
+            self.take_image(if valid { bits } else { 0 }, valid);
+            // A longer term needs no new deadline: the old one comes too early, and is put right.
+            self.deadline = self.deadline.min(until);
+            return true;
         }
-        taken
+        // Commands and views: levels and deadlines are worked out again in the next step.
+        self.deadline = Tick::ZERO;
+        self.take(input)
     }
 
-    fn take(&mut self, now: Tick, input: Input<'_>) -> bool {
-        self.now = self.now.max(now);
+    fn take(&mut self, input: Input<'_>) -> bool {
         let now = self.now;
         match input {
-            Input::Inputs { bits, valid, until } => {
-                self.inputs_until = until;
-                self.take_image(if valid { bits } else { 0 }, valid);
-                true
-            }
+            Input::Inputs { .. } => true,
             Input::Order(order) => {
                 let epoch = self.commands.epoch();
                 let taken = self.commands.order(now, order);
@@ -265,10 +269,16 @@ impl Controller {
     }
 
     pub(crate) fn take_image(&mut self, bits: u128, valid: bool) {
-        if (bits, valid) == (self.inputs, self.devices_valid) {
+        let differing = bits ^ self.inputs;
+        if differing == 0 && valid == self.devices_valid {
             return;
         }
         self.inputs = bits;
+        self.settled = false;
+        if differing & self.panel_inputs == 0 && valid == self.devices_valid {
+            return;
+        }
+        self.deadline = Tick::ZERO;
         if valid != self.devices_valid {
             self.devices_valid = valid;
             self.changed = true;
@@ -352,4 +362,8 @@ impl Controller {
                         && usize::from(self.program.step_of[place.op.index()]) == after)
             })
     }
+}
+
+fn inputs_of(panel: &Panel) -> u128 {
+    [panel.manual, panel.advance, panel.retract].into_iter().flatten().fold(0, |bits, input| bits | 1 << input.0)
 }

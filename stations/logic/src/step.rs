@@ -24,7 +24,22 @@ impl Controller {
         self.now = self.now.max(now);
         if self.now >= self.deadline {
             self.refresh();
+        } else if self.settled {
+            debug_assert!(!self.changed && self.events.is_empty(), "whatever says something new unsettles");
+            out.outputs = self.outputs;
+            out.changed = false;
+            return;
         }
+        self.play();
+        out.outputs = self.outputs;
+        out.changed = std::mem::take(&mut self.changed);
+        if !self.events.is_empty() {
+            out.events.append(&mut self.events);
+        }
+    }
+
+    fn play(&mut self) {
+        self.settled = true;
         let edges = bit::edges(self.levels & !self.levels_before);
         self.levels_before = self.levels;
         let mut fired = self.pending.is_some() && self.settle();
@@ -32,22 +47,19 @@ impl Controller {
         if edges != 0 && !fired && self.pending.is_none() {
             self.refuse(edges);
         }
+        let mut ended = true;
         if fired {
-            for _ in 1..PASSES_MAX {
-                if !self.pass(self.levels) {
-                    break;
-                }
-            }
+            ended = (1..PASSES_MAX).any(|_| !self.pass(self.levels));
             self.changed = true;
             self.refusal = None;
         }
         if fired || self.dirty {
             self.drive();
         }
-        out.outputs = self.outputs;
-        out.changed = std::mem::take(&mut self.changed);
-        if !self.events.is_empty() {
-            out.events.append(&mut self.events);
+        // What an edge has held back, or a request, or a chain cut short, is looked at again.
+        self.settled &= edges == 0 && self.pending.is_none() && ended;
+        if !ended {
+            self.deadline = Tick::ZERO;
         }
     }
 
@@ -238,6 +250,7 @@ impl Controller {
     /// does not guess: an operating token is stopped, any other stays where it is.
     #[cold]
     fn ambiguous(&mut self, index: usize) -> Option<u16> {
+        self.settled = false;
         let place = self.place(&self.tokens[index]);
         if place.is_operating() {
             self.stop(index, Cause::Ambiguous);

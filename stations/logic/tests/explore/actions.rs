@@ -14,7 +14,10 @@ pub enum Action {
     Button(u8, Option<u16>),
     Arrive(u8, OpId, Block),
     Fail(u8, OpId, Block),
-    Deliver { link: u8, nth: u8 },
+    Deliver {
+        link: u8,
+        nth: u8,
+    },
     /// A step without anything new, where one may matter: a request is open.
     Step(u8),
     Restart(u8),

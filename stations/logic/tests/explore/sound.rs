@@ -68,3 +68,37 @@ fn long_walks_with_every_mode_restarts_and_careless_hands_meet_nothing_wrong() {
         nothing_is_wrong("walk", random_walk(&freely(line), 0x5EED + seed as u64, steps));
     }
 }
+
+#[test]
+#[ignore = "probe"]
+fn probe() {
+    let max = limit("EXPLORE_STATES", 2_000_000);
+    for (name, line) in [
+        ("bar and clamp", lines::bar_and_clamp()),
+        ("clamp and mill", lines::clamp_and_mill()),
+        ("jaws", lines::two_jaws()),
+    ] {
+        let mut s = Setting::new(line.clone(), Rules::default());
+        s.reports_max = 2;
+        nothing_is_wrong(&format!("{name} 2 reports"), breadth_first(&s, max));
+        let mut s = Setting::new(line.clone(), Rules::default());
+        s.restarts = true;
+        nothing_is_wrong(&format!("{name} restarts"), breadth_first(&s, max));
+        let mut s = Setting::new(line.clone(), Rules::default());
+        s.modes.push(ControlMode::StandBy);
+        s.tidy_hands = false;
+        nothing_is_wrong(&format!("{name} standby untidy"), breadth_first(&s, max));
+        let mut s = Setting::new(line.clone(), Rules::default());
+        s.modes = vec![ControlMode::Auto, ControlMode::Hand];
+        nothing_is_wrong(&format!("{name} hand"), breadth_first(&s, max));
+        nothing_is_wrong(&format!("{name} freely"), breadth_first(&freely(line), max));
+    }
+}
+
+#[test]
+#[ignore = "probe"]
+fn probe_small() {
+    let max = limit("EXPLORE_STATES", 2_000_000);
+    let f = nothing_is_wrong("small", breadth_first(&Setting::new(lines::small(), Rules::default()), max));
+    println!("home {:?}", f.home_from_everywhere);
+}
