@@ -125,7 +125,7 @@ impl Coordinator {
             line,
             now: Tick::ZERO,
             mode: ControlMode::Home,
-            epoch: last_epoch + 1,
+            epoch: last_epoch.saturating_add(1),
             enabled: false,
             stopping: false,
             estop: false,
@@ -235,9 +235,10 @@ impl Coordinator {
         // The stations have obeyed a later epoch than ours: somebody coordinated them before us. Go above it, and to
         // a mode in which nothing starts.
         if heard.mode_epoch > self.epoch {
-            self.epoch = heard.mode_epoch + 1;
+            self.epoch = heard.mode_epoch.saturating_add(1);
             self.enabled = false;
             self.changed = true;
+            self.manual_all = false;
             if self.mode.enables_motion() {
                 self.enter(ControlMode::StandBy);
             }
@@ -297,6 +298,11 @@ impl Coordinator {
         stations.filter(|(_, s)| self.is_known(s) && what(&s.heard)).map(|(id, _)| reason(id)).collect()
     }
 
+    fn unheard(&self) -> Vec<Reason> {
+        let stations = self.line.station_ids().zip(&self.stations);
+        stations.filter(|(_, s)| !self.is_known(s)).map(|(id, _)| Reason::NotHeard(id)).collect()
+    }
+
     fn command(&mut self, command: Command) {
         self.changed = true;
         let reasons = self.obey(command);
@@ -327,8 +333,12 @@ impl Coordinator {
                 self.acknowledge_restarts()
             }
             (M::StandBy, C::Stop) => {
-                let mut reasons = self.which(|h| !h.at_home, Reason::NotAtHome);
+                let mut reasons = self.unheard();
+                let latest = self.latest_round();
+                reasons.extend(self.which(|h| h.at_home && h.round != latest, Reason::Behind));
+                reasons.extend(self.which(|h| !h.at_home, Reason::NotAtHome));
                 reasons.extend(self.which(|h| !h.stopped, Reason::Moving));
+                reasons.extend(self.which(|h| h.selector_manual, Reason::SelectorManual));
                 self.ask(command, reasons)
             }
             (M::StandBy | M::Hand, C::Auto) => self.ask(command, self.against_motion()),
@@ -385,8 +395,7 @@ impl Coordinator {
 
     fn go_manual(&mut self) -> Vec<Reason> {
         let mut reasons = self.which(|h| !h.stopped, Reason::Moving);
-        let unheard = self.line.station_ids().zip(&self.stations).filter(|(_, s)| !self.is_known(s));
-        reasons.extend(unheard.map(|(id, _)| Reason::NotHeard(id)));
+        reasons.extend(self.unheard());
         if reasons.is_empty() {
             self.manual_all = true;
             self.decide(None);
@@ -433,7 +442,7 @@ impl Coordinator {
 
     fn enter(&mut self, mode: ControlMode) {
         self.mode = mode;
-        self.epoch += 1;
+        self.epoch = self.epoch.saturating_add(1);
         self.enabled = false;
         self.changed = true;
         self.modes.push(mode);

@@ -32,6 +32,8 @@ pub enum Reason {
     Moving(StationId),
     /// A station is not at home.
     NotAtHome(StationId),
+    /// A station is at home, but a round behind another.
+    Behind(StationId),
 }
 
 /// A command that was not obeyed.
@@ -73,6 +75,7 @@ impl Reason {
             Reason::SelectorManual(s) => format!("the selector of {} stands at manual", name(s)),
             Reason::Moving(s) => format!("{} is still moving", name(s)),
             Reason::NotAtHome(s) => format!("{} is not at home", name(s)),
+            Reason::Behind(s) => format!("{} is at home, but a cycle behind: give auto and then stop", name(s)),
         }
     }
 }

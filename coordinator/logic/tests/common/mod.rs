@@ -1,0 +1,105 @@
+//! A coordinator and the stations it hears, as far as a table needs them.
+
+use std::time::Duration;
+
+use linewright_coordinator_logic::{Command, Coordinator, Heard, Input, Outbox};
+use linewright_line::net::ControlMode;
+use linewright_line::{Line, StationId, Tick, TransferLine, parse};
+
+/// The shipped transfer line.
+pub fn line() -> Line {
+    let text = TransferLine::default().text();
+    parse("line.toml", &text).unwrap_or_else(|problems| panic!("{problems:?}")).line
+}
+
+/// A coordinator with three stations that answer at once.
+pub struct Bench {
+    pub line: Line,
+    pub coordinator: Coordinator,
+    pub now: Tick,
+    pub heard: Vec<Heard>,
+    pub out: Outbox,
+    /// Whether the stations acknowledge epochs.
+    pub acknowledge: bool,
+}
+
+impl Bench {
+    /// Switched on: every station at home, standing, in order.
+    pub fn new() -> Self {
+        Bench::with_last_epoch(0)
+    }
+
+    pub fn with_last_epoch(last_epoch: u64) -> Self {
+        let line = line();
+        let heard = Heard { boot_id: 7, at_home: true, stopped: true, devices_valid: true, ..Heard::default() };
+        let mut bench = Bench {
+            coordinator: Coordinator::new(line.clone(), last_epoch),
+            heard: vec![heard; line.stations.len()],
+            line,
+            now: Tick::from_millis(1000),
+            out: Outbox::default(),
+            acknowledge: true,
+        };
+        bench.beat();
+        bench
+    }
+
+    /// A bench in this mode, by commands alone.
+    pub fn in_mode(mode: ControlMode) -> Self {
+        let mut bench = Bench::new();
+        let commands: &[Command] = match mode {
+            ControlMode::Home => &[],
+            ControlMode::StandBy => &[Command::Start],
+            ControlMode::Auto => &[Command::Start, Command::Auto],
+            ControlMode::Hand => &[Command::Start, Command::Hand],
+            ControlMode::Manual => &[Command::Start, Command::Manual],
+            ControlMode::EStop => &[Command::EStop],
+        };
+        for &command in commands {
+            assert_eq!(bench.command(command), None);
+        }
+        assert_eq!(bench.mode(), mode);
+        bench
+    }
+
+    pub fn mode(&self) -> ControlMode {
+        self.coordinator.mode()
+    }
+
+    /// Every station reports, and acknowledges what it has heard.
+    pub fn beat(&mut self) {
+        for _ in 0..2 {
+            for at in 0..self.heard.len() {
+                if self.acknowledge {
+                    self.heard[at].mode_epoch = self.heard[at].mode_epoch.max(self.coordinator.epoch());
+                }
+                self.say(at);
+            }
+        }
+    }
+
+    /// One station reports as it stands.
+    pub fn say(&mut self, station: usize) {
+        self.input(Input::Station(StationId::at(station), self.heard[station]));
+    }
+
+    pub fn input(&mut self, input: Input) {
+        self.coordinator.handle(self.now, input);
+        self.coordinator.step(self.now, &mut self.out);
+    }
+
+    /// Time passes without a word from anybody.
+    pub fn wait(&mut self, time: Duration) {
+        self.now = self.now + time;
+        self.coordinator.step(self.now, &mut self.out);
+    }
+
+    /// Gives a command; the refusal in words if it was refused.
+    pub fn command(&mut self, command: Command) -> Option<String> {
+        self.out.refusals.clear();
+        self.input(Input::Command(command));
+        let refusal = self.out.refusals.first().map(|refusal| refusal.text(&self.line));
+        self.beat();
+        refusal
+    }
+}

@@ -1,0 +1,164 @@
+//! Every pair of mode and command, written out.
+//!
+//! One table for a line that stands at home, one for a line in the middle of a cycle. What is not obeyed is refused
+//! with the words an operator reads.
+
+#[allow(dead_code)]
+mod common;
+
+use common::Bench;
+use linewright_coordinator_logic::Command;
+use linewright_line::net::ControlMode;
+
+use Command as C;
+use ControlMode as M;
+
+/// The mode after the command, and the refusal's reasons; "" where it is obeyed.
+type Row = (ControlMode, Command, ControlMode, &'static str);
+
+const TAKES_START: &str = "this mode takes start";
+const ALREADY: &str = "the line is in that mode already";
+const LATCHED: &str = "the emergency stop is on: reset it, then only manual leads out";
+const FROM_AUTO: &str = "this mode takes stop, estop";
+const FROM_HAND: &str = "this mode takes auto, stop, estop";
+
+const AT_HOME: [Row; 42] = [
+    (M::Home, C::Start, M::StandBy, ""),
+    (M::Home, C::Stop, M::Home, ALREADY),
+    (M::Home, C::Auto, M::Home, TAKES_START),
+    (M::Home, C::Hand, M::Home, TAKES_START),
+    (M::Home, C::Manual, M::Home, TAKES_START),
+    (M::Home, C::EStop, M::EStop, ""),
+    (M::Home, C::Reset, M::Home, TAKES_START),
+    (M::StandBy, C::Start, M::StandBy, ALREADY),
+    (M::StandBy, C::Stop, M::Home, ""),
+    (M::StandBy, C::Auto, M::Auto, ""),
+    (M::StandBy, C::Hand, M::Hand, ""),
+    (M::StandBy, C::Manual, M::Manual, ""),
+    (M::StandBy, C::EStop, M::EStop, ""),
+    (M::StandBy, C::Reset, M::StandBy, ""),
+    (M::Auto, C::Start, M::Auto, ""),
+    (M::Auto, C::Stop, M::Home, ""),
+    (M::Auto, C::Auto, M::Auto, ALREADY),
+    (M::Auto, C::Hand, M::Auto, FROM_AUTO),
+    (M::Auto, C::Manual, M::Auto, FROM_AUTO),
+    (M::Auto, C::EStop, M::EStop, ""),
+    (M::Auto, C::Reset, M::Auto, ""),
+    (M::Hand, C::Start, M::Hand, FROM_HAND),
+    (M::Hand, C::Stop, M::StandBy, ""),
+    (M::Hand, C::Auto, M::Auto, ""),
+    (M::Hand, C::Hand, M::Hand, ALREADY),
+    (M::Hand, C::Manual, M::Hand, FROM_HAND),
+    (M::Hand, C::EStop, M::EStop, ""),
+    (M::Hand, C::Reset, M::Hand, ""),
+    (M::Manual, C::Start, M::StandBy, ""),
+    (M::Manual, C::Stop, M::Home, ""),
+    (M::Manual, C::Auto, M::Auto, ""),
+    (M::Manual, C::Hand, M::Hand, ""),
+    (M::Manual, C::Manual, M::Manual, ALREADY),
+    (M::Manual, C::EStop, M::EStop, ""),
+    (M::Manual, C::Reset, M::Manual, ""),
+    (M::EStop, C::Start, M::EStop, LATCHED),
+    (M::EStop, C::Stop, M::EStop, LATCHED),
+    (M::EStop, C::Auto, M::EStop, LATCHED),
+    (M::EStop, C::Hand, M::EStop, LATCHED),
+    (M::EStop, C::Manual, M::EStop, LATCHED),
+    (M::EStop, C::EStop, M::EStop, ""),
+    (M::EStop, C::Reset, M::EStop, ""),
+];
+
+fn check(bench: &mut Bench, (before, command, after, reasons): Row) {
+    let expected = (!reasons.is_empty()).then_some(reasons);
+    let refusal = bench.command(command);
+    let said = refusal.as_deref().map(|text| text.split_once(": ").map_or(text, |(_, reasons)| reasons));
+    assert_eq!((said, bench.mode()), (expected, after), "{} in {before}", command.name());
+    if let Some(text) = refusal {
+        assert!(text.starts_with(&format!("{} refused in {before}: ", command.name())), "{text}");
+    }
+}
+
+#[test]
+fn every_pair_is_in_the_table() {
+    for mode in ControlMode::ALL {
+        for command in Command::ALL {
+            assert_eq!(AT_HOME.iter().filter(|row| (row.0, row.1) == (mode, command)).count(), 1);
+        }
+    }
+}
+
+#[test]
+fn a_line_that_stands_at_home() {
+    for row in AT_HOME {
+        check(&mut Bench::in_mode(row.0), row);
+    }
+}
+
+#[test]
+fn after_a_reset_only_manual_leads_out_of_the_emergency_stop() {
+    for command in [C::Start, C::Stop, C::Auto, C::Hand] {
+        let mut bench = Bench::in_mode(M::EStop);
+        assert_eq!(bench.command(C::Reset), None);
+        check(&mut bench, (M::EStop, command, M::EStop, LATCHED));
+    }
+    let mut bench = Bench::in_mode(M::EStop);
+    assert_eq!(bench.command(C::Reset), None);
+    check(&mut bench, (M::EStop, C::Manual, M::Manual, ""));
+}
+
+const AWAY_AND_MOVING: &str = "mill_1 is not at home; mill_1 is still moving";
+
+#[test]
+fn a_line_whose_mill_is_under_way() {
+    let rows: [Row; 8] = [
+        (M::Auto, C::Stop, M::Auto, ""),
+        (M::StandBy, C::Stop, M::StandBy, AWAY_AND_MOVING),
+        (M::StandBy, C::Auto, M::Auto, ""),
+        (M::StandBy, C::Hand, M::StandBy, "mill_1 is still moving"),
+        (M::StandBy, C::Manual, M::StandBy, "mill_1 is still moving"),
+        (M::Hand, C::Auto, M::Auto, ""),
+        (M::Hand, C::Stop, M::StandBy, ""),
+        (M::Auto, C::EStop, M::EStop, ""),
+    ];
+    for row in rows {
+        let mut bench = Bench::in_mode(row.0);
+        (bench.heard[2].at_home, bench.heard[2].stopped) = (false, false);
+        bench.beat();
+        check(&mut bench, row);
+    }
+}
+
+#[test]
+fn what_speaks_against_auto_is_said_in_full() {
+    let mut bench = Bench::in_mode(M::StandBy);
+    bench.heard[0].incomplete = true;
+    bench.heard[1].devices_valid = false;
+    bench.beat();
+    let refusal = bench.command(C::Auto);
+    let expected = "auto refused in stand-by: \
+                    transfer has an incomplete operation: recover it in manual; clamp_1 has lost its devices";
+    assert_eq!(refusal.as_deref(), Some(expected));
+}
+
+#[test]
+fn a_stop_in_stand_by_that_is_refused_always_says_why() {
+    let reason = |change: fn(&mut Bench)| {
+        let mut bench = Bench::in_mode(M::StandBy);
+        change(&mut bench);
+        bench.out.refusals.clear();
+        bench.input(linewright_coordinator_logic::Input::Command(C::Stop));
+        bench.out.refusals.first().map(|refusal| refusal.text(&bench.line)).unwrap_or_default()
+    };
+    let behind = reason(|b| {
+        b.heard[0].round = 3;
+        b.heard[1].round = 3;
+        b.beat();
+    });
+    assert_eq!(behind, "stop refused in stand-by: mill_1 is at home, but a cycle behind: give auto and then stop");
+    let unheard = reason(|b| {
+        b.wait(std::time::Duration::from_millis(240));
+        b.say(0);
+        b.say(1);
+        b.wait(std::time::Duration::from_millis(20));
+    });
+    assert_eq!(unheard, "stop refused in stand-by: mill_1 is not heard");
+}

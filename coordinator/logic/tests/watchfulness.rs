@@ -1,0 +1,185 @@
+//! What the coordinator notices by itself: silence, restarts, higher epochs, a lost console, buttons that run out.
+
+#[allow(dead_code)]
+mod common;
+
+use std::time::Duration;
+
+use common::{Bench, line};
+use linewright_coordinator_logic::{Command, Coordinator, Heard, Input, Outbox};
+use linewright_line::net::ControlMode;
+use linewright_line::{StationId, Tick};
+
+/// The console's image with these of its inputs on.
+fn console(names: &[&str]) -> Input {
+    let inputs = line().console.inputs;
+    let bit = |name: &&str| 1u128 << inputs.iter().position(|input| input == name).expect("an input of the console");
+    Input::Console { bits: names.iter().map(bit).fold(0, |bits, bit| bits | bit), valid: true }
+}
+
+#[test]
+fn a_mode_is_enabled_only_when_every_station_has_acknowledged_it() {
+    let mut bench = Bench::in_mode(ControlMode::StandBy);
+    bench.acknowledge = false;
+    assert_eq!(bench.command(Command::Auto), None);
+    for station in 0..3 {
+        assert!(!bench.coordinator.order().enabled, "{station} stations have acknowledged");
+        assert_eq!(bench.coordinator.waiting_for().len(), 3 - station);
+        bench.heard[station].mode_epoch = bench.coordinator.epoch();
+        bench.say(station);
+    }
+    assert!(bench.coordinator.order().enabled);
+    assert!(bench.coordinator.waiting_for().is_empty());
+}
+
+#[test]
+fn a_mode_that_enables_no_motion_waits_for_nobody() {
+    let mut bench = Bench::in_mode(ControlMode::Auto);
+    bench.acknowledge = false;
+    bench.command(Command::EStop);
+    assert!(bench.coordinator.order().enabled);
+}
+
+#[test]
+fn a_station_that_falls_silent_ends_auto_and_a_silent_line_ends_nothing_else() {
+    let mut bench = Bench::in_mode(ControlMode::Auto);
+    bench.wait(Duration::from_millis(200));
+    bench.say(0);
+    bench.say(1);
+    let deadline = bench.coordinator.next_deadline().expect("the mill's silence is watched");
+    bench.wait(deadline.since(bench.now) - Duration::from_micros(1));
+    assert_eq!(bench.mode(), ControlMode::Auto);
+    bench.wait(Duration::from_micros(1));
+    assert_eq!(bench.mode(), ControlMode::StandBy);
+    assert!(bench.coordinator.text().contains("mill_1 is not heard"), "{}", bench.coordinator.text());
+}
+
+#[test]
+fn a_station_restarted_in_auto_or_hand_means_stand_by_until_somebody_has_looked() {
+    for mode in [ControlMode::Auto, ControlMode::Hand] {
+        let mut bench = Bench::in_mode(mode);
+        bench.heard[1].boot_id += 1;
+        bench.beat();
+        assert_eq!(bench.mode(), ControlMode::StandBy, "from {mode}");
+        let refusal = bench.command(Command::Auto).expect("it was restarted");
+        assert!(refusal.contains("clamp_1 was restarted: give start or go through manual first"), "{refusal}");
+        assert_eq!(bench.command(Command::Start), None);
+        assert_eq!(bench.command(Command::Auto), None);
+    }
+}
+
+#[test]
+fn a_station_restarted_in_manual_has_somebody_standing_in_front_of_it() {
+    let mut bench = Bench::in_mode(ControlMode::Manual);
+    bench.heard[1].boot_id += 1;
+    bench.beat();
+    assert_eq!(bench.mode(), ControlMode::Manual);
+    assert_eq!(bench.command(Command::Auto), None, "and manual has been gone through");
+    assert_eq!(bench.mode(), ControlMode::Auto);
+}
+
+#[test]
+fn epochs_rise_above_everything_heard() {
+    let mut bench = Bench::in_mode(ControlMode::Auto);
+    bench.acknowledge = false;
+    bench.heard[0].mode_epoch = 900;
+    bench.say(0);
+    assert!(bench.coordinator.epoch() > 900);
+    assert_eq!(bench.mode(), ControlMode::StandBy, "somebody else coordinated the line: nothing starts");
+    assert!(Bench::with_last_epoch(41).coordinator.epoch() > 41);
+}
+
+#[test]
+fn a_higher_epoch_heard_in_manual_does_not_lead_back_into_manual() {
+    let mut bench = Bench::in_mode(ControlMode::Manual);
+    bench.heard[0].mode_epoch = 900;
+    bench.beat();
+    assert_eq!(bench.mode(), ControlMode::StandBy);
+}
+
+#[test]
+fn the_greatest_epoch_there_is_does_not_end_the_coordinator() {
+    let mut bench = Bench::with_last_epoch(u64::MAX);
+    bench.heard[0].mode_epoch = u64::MAX;
+    bench.beat();
+    bench.command(Command::Start);
+    assert_eq!(bench.mode(), ControlMode::StandBy);
+}
+
+#[test]
+fn a_console_that_is_lost_is_an_emergency_stop_and_must_be_back_before_the_reset() {
+    let mut bench = Bench::in_mode(ControlMode::Auto);
+    bench.input(console(&[]));
+    assert_eq!(bench.mode(), ControlMode::Auto);
+    bench.input(Input::Console { bits: 0, valid: false });
+    assert_eq!(bench.mode(), ControlMode::EStop);
+    let refusal = bench.command(Command::Reset).expect("the button cannot be heard");
+    assert!(refusal.ends_with("the console's devices are not heard"), "{refusal}");
+    bench.input(console(&["ES_pressed"]));
+    let refusal = bench.command(Command::Reset).expect("the button is in");
+    assert!(refusal.ends_with("the emergency stop button is pressed: pull it out first"), "{refusal}");
+    bench.input(console(&[]));
+    assert_eq!(bench.command(Command::Reset), None);
+    assert_eq!(bench.command(Command::Manual), None);
+}
+
+#[test]
+fn a_console_button_counts_when_it_is_pressed_not_when_it_is_found_down() {
+    let mut bench = Bench::new();
+    bench.input(console(&["PB_start"]));
+    assert_eq!(bench.mode(), ControlMode::Home, "it was down when the console came up");
+    bench.input(console(&[]));
+    bench.input(console(&["PB_start"]));
+    assert_eq!(bench.mode(), ControlMode::StandBy);
+    bench.beat();
+    bench.input(console(&["PB_start", "PB_auto"]));
+    assert_eq!(bench.mode(), ControlMode::Auto);
+    bench.input(console(&["ES_pressed"]));
+    assert_eq!(bench.mode(), ControlMode::EStop);
+}
+
+#[test]
+fn lamps_show_the_mode_and_a_fault() {
+    let mut bench = Bench::in_mode(ControlMode::Auto);
+    let lamps = bench.line.console.lamps;
+    let bit = |at: usize| 1 << lamps[at].expect("the shipped console has four lamps").0;
+    assert_eq!(bench.out.lamps, bit(0));
+    bench.heard[2].incomplete = true;
+    bench.beat();
+    assert_eq!(bench.out.lamps, bit(3), "a fault: no longer auto");
+}
+
+#[test]
+fn held_buttons_run_out_and_a_late_refresh_is_no_new_press() {
+    let mut bench = Bench::in_mode(ControlMode::Hand);
+    bench.input(Input::Buttons(0b100));
+    assert_eq!(bench.coordinator.order().buttons, 0b100);
+    bench.out.changed = false;
+    bench.wait(Duration::from_millis(250));
+    assert_eq!(bench.coordinator.order().buttons, 0);
+    bench.input(Input::Buttons(0b100));
+    assert_eq!(bench.coordinator.order().buttons, 0, "nobody has decided to go on");
+    bench.input(Input::Buttons(0));
+    bench.input(Input::Buttons(0b100));
+    assert_eq!(bench.coordinator.order().buttons, 0b100);
+}
+
+#[test]
+fn a_report_of_a_station_that_is_not_there_is_ignored() {
+    let mut bench = Bench::new();
+    bench.input(Input::Station(StationId(99), Heard::default()));
+    assert_eq!(bench.mode(), ControlMode::Home);
+}
+
+#[test]
+fn a_coordinator_that_has_heard_nobody_stays_where_nothing_moves() {
+    let mut coordinator = Coordinator::new(line(), 0);
+    let mut out = Outbox::default();
+    for command in [Command::Start, Command::Auto, Command::Hand, Command::Manual] {
+        coordinator.handle(Tick::from_millis(5), Input::Command(command));
+        coordinator.step(Tick::from_millis(5), &mut out);
+    }
+    assert_eq!(coordinator.mode(), ControlMode::StandBy);
+    assert_eq!(out.refusals.len(), 3);
+    assert!(out.refusals.iter().all(|refusal| refusal.text(&line()).contains("transfer is not heard")));
+}
