@@ -7,7 +7,7 @@ use std::path::Path;
 use std::process::Command;
 use std::time::Instant;
 
-use crate::part::{cargo, lines};
+use crate::part::{Stream, cargo, lines};
 use crate::tally::Tally;
 use crate::tidy;
 
@@ -32,8 +32,9 @@ pub fn run(root: &Path, extent: Extent) -> bool {
     one(&mut tally, "lints", cargo(root, &clippy));
     match extent {
         Extent::Everything => {
-            tests(&mut tally, cargo(root, &["test", "--workspace", "--no-fail-fast", "--", "--show-output"]));
-            vcan(&mut tally, root);
+            let args = ["test", "--workspace", "--no-fail-fast", "--", "--show-output"];
+            let programs = tests(&mut tally, cargo(root, &args));
+            vcan(&mut tally, root, &programs);
             let mut doc = cargo(root, &["doc", "--workspace", "--no-deps", "--quiet"]);
             doc.env("RUSTDOCFLAGS", "-D warnings");
             one(&mut tally, "documentation", doc);
@@ -74,14 +75,18 @@ fn one(tally: &mut Tally, name: &str, command: Command) {
     }
 }
 
-/// A program that runs tests and counts them itself.
-fn tests(tally: &mut Tally, command: Command) {
+/// Cargo's tests, which are counted one by one. Gives cargo's lines that say which program it starts.
+fn tests(tally: &mut Tally, command: Command) -> Vec<String> {
     heading("tests");
     let start = Instant::now();
     let failed_before = tally.failed;
+    let mut programs = Vec::new();
     let ended = lines(command, |stream, line| {
         if tally.read(stream, line) {
             println!("{line}");
+        }
+        if stream == Stream::Err && line.trim_start().starts_with("Running ") {
+            programs.push(line.to_owned());
         }
     });
     if !matches!(ended, Ok(Some(0))) && tally.failed == failed_before {
@@ -90,17 +95,25 @@ fn tests(tally: &mut Tally, command: Command) {
         println!("tests: FAILED ({})", how(&ended));
     }
     println!("tests: {:.0?}", start.elapsed());
+    programs
 }
 
 /// The CAN tests on real sockets, in a kernel of their own where this one has no CAN.
-fn vcan(tally: &mut Tally, root: &Path) {
+///
+/// It is given the program that has just been built: built by itself, the crate would have other features, and with them
+/// most of its dependencies once more.
+fn vcan(tally: &mut Tally, root: &Path, programs: &[String]) {
     const SCRIPT: &str = "fieldbus/tests/vcan_uml.sh";
     if Path::new("/sys/class/net/vcan0").exists() {
         return;
     }
     heading("CAN sockets in a user-mode Linux");
+    let Some(program) = programs.iter().find_map(|line| program_of(line, "tests/vcan.rs")) else {
+        tally.skip(&format!("SKIPPED {SCRIPT}: the test it runs was not built"));
+        return;
+    };
     let mut command = Command::new("sh");
-    command.current_dir(root).arg(SCRIPT);
+    command.current_dir(root).args([SCRIPT, program]);
     let failed_before = tally.failed;
     let ended = lines(command, |stream, line| {
         if tally.read(stream, line) {
@@ -118,6 +131,11 @@ fn vcan(tally: &mut Tally, root: &Path) {
     }
 }
 
+/// The program in a line like `     Running tests/vcan.rs (target/debug/deps/vcan-0123)`.
+fn program_of<'a>(line: &'a str, test: &str) -> Option<&'a str> {
+    line.trim_start().strip_prefix("Running ")?.strip_prefix(test)?.strip_prefix(" (")?.strip_suffix(')')
+}
+
 fn heading(name: &str) {
     println!("\n== {name}");
 }
@@ -127,5 +145,15 @@ fn how(ended: &std::io::Result<Option<i32>>) -> String {
         Ok(Some(code)) => format!("exit code {code}"),
         Ok(None) => "killed by a signal".to_owned(),
         Err(error) => error.to_string(),
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    #[test]
+    fn the_program_of_a_test_is_found_in_what_cargo_says() {
+        let line = "     Running tests/vcan.rs (target/debug/deps/vcan-0123)";
+        assert_eq!(super::program_of(line, "tests/vcan.rs"), Some("target/debug/deps/vcan-0123"));
+        assert_eq!(super::program_of(line, "tests/other.rs"), None);
     }
 }
