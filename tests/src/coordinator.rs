@@ -61,18 +61,35 @@ impl CoordinatorNode {
     }
 
     pub(crate) fn hear(&mut self, now: Tick, from: Node, message: &Message, said: &mut Said) {
-        match (from, message) {
+        if self.is_newest(from, message) {
+            self.take(now, from, message);
+        }
+        self.step(now, said);
+    }
+
+    fn is_newest(&mut self, from: Node, message: &Message) -> bool {
+        let verdict = match (from, message) {
             (Node::Station(id), Message::Report(sequence, report)) => {
-                if self.states[id.index()].offer(report.boot_id, *sequence).is_newest() {
-                    self.coordinator.handle(now, Input::Station(id, heard(report)));
-                }
+                self.states[id.index()].offer(report.boot_id, *sequence)
             }
             (Node::Station(id), Message::Outputs(image)) => {
-                if self.images[id.index()].offer(image.boot_id, image.sequence).is_newest() {
-                    let Image { bits, valid, losses, .. } = *image;
-                    self.gateway.hear(now, id, OutputImage { bits, valid, losses });
-                    self.energise(now, id);
-                }
+                self.images[id.index()].offer(image.boot_id, image.sequence)
+            }
+            // What people say carries no number.
+            _ => return true,
+        };
+        verdict.is_newest()
+    }
+
+    fn take(&mut self, now: Tick, from: Node, message: &Message) {
+        match (from, message) {
+            (Node::Station(id), Message::Report(_, report)) => {
+                self.coordinator.handle(now, Input::Station(id, heard(report)));
+            }
+            (Node::Station(id), Message::Outputs(image)) => {
+                let Image { bits, valid, losses, .. } = *image;
+                self.gateway.hear(now, id, OutputImage { bits, valid, losses });
+                self.energise(now, id);
             }
             (_, Message::Command(command)) => {
                 self.coordinator.handle(now, Input::Command(*command));
@@ -81,7 +98,6 @@ impl CoordinatorNode {
             (_, Message::Buttons(held)) => self.coordinator.handle(now, Input::Buttons(*held)),
             _ => {}
         }
-        self.step(now, said);
     }
 
     /// A frame from a device.

@@ -69,28 +69,39 @@ impl StationNode {
 
     /// Takes a message.
     pub(crate) fn hear(&mut self, now: Tick, from: Node, message: &Message, said: &mut Said) {
-        match (from, message) {
+        if self.is_newest(from, message) {
+            self.take(now, from, message);
+        }
+        self.step(now, said);
+    }
+
+    fn is_newest(&mut self, from: Node, message: &Message) -> bool {
+        let verdict = match (from, message) {
             (Node::Station(id), Message::Report(sequence, report)) => {
-                if self.states[id.index()].offer(report.boot_id, *sequence).is_newest() {
-                    self.controller.handle(now, Input::View(id, report));
-                }
+                self.states[id.index()].offer(report.boot_id, *sequence)
             }
-            (_, Message::Order(sequence, order)) => {
-                if self.orders.offer(order.boot_id, *sequence).is_newest() {
-                    self.controller.handle(now, Input::Order(*order));
-                }
+            (_, Message::Order(sequence, order)) => self.orders.offer(order.boot_id, *sequence),
+            (_, Message::Inputs(image)) => self.images.offer(image.boot_id, image.sequence),
+            // What people say carries no number.
+            _ => return true,
+        };
+        verdict.is_newest()
+    }
+
+    fn take(&mut self, now: Tick, from: Node, message: &Message) {
+        match (from, message) {
+            (Node::Station(id), Message::Report(_, report)) => {
+                self.controller.handle(now, Input::View(id, report));
             }
-            (_, Message::Inputs(image)) => {
-                if self.images.offer(image.boot_id, image.sequence).is_newest() {
-                    self.hear_inputs(now, *image);
-                }
+            (_, Message::Order(_, order)) => {
+                self.controller.handle(now, Input::Order(*order));
             }
+            (_, Message::Inputs(image)) => self.hear_inputs(now, *image),
             (_, Message::Panel(command)) => {
                 self.controller.handle(now, Input::Panel(*command));
             }
             _ => {}
         }
-        self.step(now, said);
     }
 
     fn hear_inputs(&mut self, now: Tick, image: Image) {
