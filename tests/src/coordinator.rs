@@ -25,6 +25,8 @@ pub(crate) struct CoordinatorNode {
     station_ids: Vec<StationId>,
     next_refresh: Tick,
     refresh: Duration,
+    /// When the next output image runs out.
+    images_due: Tick,
     /// Commands answered so far, obeyed or not.
     pub(crate) answered: u64,
 }
@@ -56,6 +58,7 @@ impl CoordinatorNode {
             station_ids: line.station_ids().collect(),
             next_refresh: now,
             refresh: line.timing.refresh,
+            images_due: Tick::NEVER,
             answered: 0,
         }
     }
@@ -134,7 +137,10 @@ impl CoordinatorNode {
         for event in std::mem::take(&mut self.bus.events) {
             let BusEvent::InputsChanged { owner } = event else { continue };
             match owner {
-                Owner::Station(station) => self.say_inputs(now, station, said),
+                Owner::Station(station) => {
+                    self.say_inputs(now, station, said);
+                    self.energise(now, station);
+                }
                 Owner::Console => {
                     let inputs = self.manager.inputs(now, owner);
                     self.coordinator.handle(now, Input::Console { bits: inputs.bits, valid: inputs.valid });
@@ -148,9 +154,13 @@ impl CoordinatorNode {
                 self.say_inputs(now, self.station_ids[at], said);
             }
         }
-        for at in 0..self.station_ids.len() {
-            self.energise(now, self.station_ids[at]);
+        // An image that was heard or inputs that changed are put on the bus at once; time alone can only end an image.
+        if due || now >= self.images_due {
+            for at in 0..self.station_ids.len() {
+                self.energise(now, self.station_ids[at]);
+            }
         }
+        self.images_due = self.gateway.next_deadline(now).unwrap_or(Tick::NEVER);
         self.coordinator.step(now, &mut self.outbox);
         self.manager.set_outputs(now, Owner::Console, self.outbox.lamps, &mut self.bus);
         if due || self.outbox.changed {
@@ -187,7 +197,7 @@ impl CoordinatorNode {
     pub(crate) fn next_deadline(&self, now: Tick) -> Tick {
         let or_never = |deadline: Option<Tick>| deadline.unwrap_or(Tick::NEVER);
         or_never(self.coordinator.next_deadline())
-            .min(or_never(self.gateway.next_deadline(now)))
+            .min(self.images_due)
             .min(self.manager.next_deadline().unwrap_or(now))
             .min(self.next_refresh)
     }

@@ -35,6 +35,7 @@ mod log;
 mod network;
 mod observer;
 mod operator;
+mod queue;
 mod rng;
 mod scenario;
 mod sim;

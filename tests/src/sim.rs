@@ -4,11 +4,9 @@
 //! were made. After each event that could have moved anything the observer has looked; the loop stops at the first
 //! thing it did not like.
 
-use std::cmp::Reverse;
-use std::collections::{BTreeMap, BinaryHeap};
+use std::collections::BTreeMap;
 use std::time::Duration;
 
-use linewright_fieldbus::Frame;
 use linewright_line::{Line, StationId, Tick};
 use linewright_plant::PlantOptions;
 use linewright_station_logic::{Happening, PanelCommand, Restore, Snapshot};
@@ -18,52 +16,9 @@ use crate::coordinator::{self, CoordinatorNode};
 use crate::ledger::Ledger;
 use crate::log::{Log, What};
 use crate::network::{Conditions, Message, Network, Node};
+use crate::queue::{Due, Queue};
 use crate::rng::Rng;
 use crate::station::{self, StationNode};
-
-/// What happens at a moment.
-#[derive(Debug)]
-enum Due {
-    /// A message arrives.
-    Message { from: Node, to: Node, message: Message },
-    /// A node's deadline.
-    Wake(Node),
-    /// A frame arrives at the devices.
-    ToDevices(Frame),
-    /// A frame arrives at the manager.
-    ToManager(Frame),
-    /// The devices' or the mechanisms' deadline.
-    Field,
-    /// Held buttons are said again.
-    Fingers,
-}
-
-#[derive(Debug)]
-struct Event {
-    at: Tick,
-    order: u64,
-    due: Due,
-}
-
-impl PartialEq for Event {
-    fn eq(&self, other: &Self) -> bool {
-        (self.at, self.order) == (other.at, other.order)
-    }
-}
-
-impl Eq for Event {}
-
-impl PartialOrd for Event {
-    fn partial_cmp(&self, other: &Self) -> Option<std::cmp::Ordering> {
-        Some(self.cmp(other))
-    }
-}
-
-impl Ord for Event {
-    fn cmp(&self, other: &Self) -> std::cmp::Ordering {
-        (self.at, self.order).cmp(&(other.at, other.order))
-    }
-}
 
 /// A station as the simulation knows it: running, or what is left of it.
 pub(crate) enum Process {
@@ -77,8 +32,7 @@ pub struct Sim {
     pub(crate) seed: u64,
     pub(crate) rng: Rng,
     pub(crate) now: Tick,
-    queue: BinaryHeap<Reverse<Event>>,
-    order: u64,
+    queue: Queue,
     pub(crate) network: Network,
     pub(crate) field: Field,
     field_wake: Tick,
@@ -118,8 +72,7 @@ impl Sim {
             seed,
             rng: Rng::new(seed),
             now: Tick::ZERO,
-            queue: BinaryHeap::new(),
-            order: 0,
+            queue: Queue::default(),
             network: Network::new(conditions),
             field: Field::new(line, PlantOptions { seed, variation }),
             field_wake: Tick::NEVER,
@@ -170,11 +123,6 @@ impl Sim {
         self.next_boot
     }
 
-    fn push(&mut self, at: Tick, due: Due) {
-        self.order += 1;
-        self.queue.push(Reverse(Event { at, order: self.order, due }));
-    }
-
     fn wake(&mut self, node: Node, at: Tick) {
         let known = match node {
             Node::Coordinator => &mut self.coordinator_wake,
@@ -184,27 +132,25 @@ impl Sim {
         // A wake that comes too early does no harm; one that is known to come earlier need not be repeated.
         if at < *known {
             *known = at;
-            self.push(at, Due::Wake(node));
+            self.queue.push(at, Due::Wake(node));
         }
     }
 
     pub(crate) fn wake_field(&mut self) {
         for frame in self.field.drain() {
-            self.order += 1;
-            let event = Event { at: self.now + FRAME_TIME, order: self.order, due: Due::ToManager(frame) };
-            self.queue.push(Reverse(event));
+            self.queue.push(self.now + FRAME_TIME, Due::ToManager(frame));
         }
         let at = self.field.next_deadline().max(self.now);
         if at < self.field_wake {
             self.field_wake = at;
-            self.push(at, Due::Field);
+            self.queue.push(at, Due::Field);
         }
     }
 
     /// Says something across the network.
     pub(crate) fn say(&mut self, from: Node, to: Node, message: Message) {
         for at in self.network.ways(&mut self.rng, self.now, from, to, &message).into_iter().flatten() {
-            self.push(at, Due::Message { from, to, message: message.clone() });
+            self.queue.push(at, Due::Message { from, to, message: message.clone() });
         }
     }
 
@@ -219,7 +165,7 @@ impl Sim {
         }
         if !self.fingers_due && (self.buttons != 0 || !self.fingers.is_empty()) {
             self.fingers_due = true;
-            self.push(self.now + self.line.timing.refresh, Due::Fingers);
+            self.queue.push(self.now + self.line.timing.refresh, Due::Fingers);
         }
     }
 
@@ -244,17 +190,17 @@ impl Sim {
     }
 
     pub(crate) fn next_event(&self) -> Option<Tick> {
-        self.queue.peek().map(|Reverse(event)| event.at)
+        self.queue.next()
     }
 
     /// Plays one event.
     pub(crate) fn step(&mut self) {
-        let Some(Reverse(event)) = self.queue.pop() else { return };
-        self.now = event.at;
+        let Some((at, due)) = self.queue.pop() else { return };
+        self.now = at;
         self.events += 1;
-        match event.due {
+        match due {
             Due::Message { from, to, message } => self.deliver(from, to, &message),
-            Due::Wake(node) => self.woken(node, event.at),
+            Due::Wake(node) => self.woken(node, at),
             Due::ToDevices(frame) => {
                 self.field.hear(self.now, &frame);
                 self.wake_field();
@@ -265,7 +211,7 @@ impl Sim {
                 self.after_coordinator();
             }
             Due::Field => {
-                if self.field_wake == event.at {
+                if self.field_wake == at {
                     self.field_wake = Tick::NEVER;
                 }
                 self.field.poll(self.now);
@@ -275,7 +221,7 @@ impl Sim {
                 self.fingers_due = false;
                 if self.fingers_frozen {
                     self.fingers_due = true;
-                    self.push(self.now + self.line.timing.refresh, Due::Fingers);
+                    self.queue.push(self.now + self.line.timing.refresh, Due::Fingers);
                 } else {
                     self.say_fingers();
                 }
@@ -380,7 +326,7 @@ impl Sim {
             self.say(Node::Coordinator, to, message);
         }
         for frame in said.frames.drain(..) {
-            self.push(self.now + FRAME_TIME, Due::ToDevices(frame));
+            self.queue.push(self.now + FRAME_TIME, Due::ToDevices(frame));
         }
         self.ordered = said;
         if let Some(node) = &self.coordinator {
