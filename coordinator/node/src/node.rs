@@ -1,6 +1,7 @@
 //! The shell's loop: wait for anything, hand it to the logic, perform what it gives.
 
 use std::path::PathBuf;
+use std::time::Duration;
 
 use linewright_coordinator_logic::{Command, Coordinator, Gateway, Heard, Input, Outbox, OutputImage};
 use linewright_fieldbus::{Bus as CanBus, BusError, Clock, Driver, Event as BusEvent, Manager, ManagerError};
@@ -111,6 +112,9 @@ struct Behind {
     told: Option<(u128, bool, u64)>,
 }
 
+/// How often the mode is told in words when it does not change.
+const TEXT_EVERY: Duration = Duration::from_secs(1);
+
 struct Shell {
     line: Line,
     clock: Clock,
@@ -132,6 +136,7 @@ struct Shell {
     refusals: u64,
     refusal: String,
     text: String,
+    text_due: Tick,
     refresh_due: Tick,
     ignored: u64,
     failed: Option<NodeError>,
@@ -178,6 +183,7 @@ impl Shell {
             refusals: 0,
             refusal: String::new(),
             text: String::new(),
+            text_due: Tick::ZERO,
             refresh_due: Tick::ZERO,
             ignored: 0,
             failed: None,
@@ -300,7 +306,7 @@ impl Shell {
             self.refuse(refusal.text(&self.line));
         }
         if changed || due {
-            self.tell();
+            self.tell(now);
         }
     }
 
@@ -349,7 +355,7 @@ impl Shell {
         }
     }
 
-    fn tell(&mut self) {
+    fn tell(&mut self, now: Tick) {
         let order = self.coordinator.order();
         self.order_sequence += 1;
         self.says.order.send(ModeOrder {
@@ -366,7 +372,9 @@ impl Shell {
             lease_ms: u32::try_from(order.lease.as_millis()).unwrap_or(u32::MAX),
         });
         let text = self.coordinator.text();
-        if text != self.text {
+        // Latched for readers that ask for it, and repeated for those that do not, as `ros2 topic echo` may not.
+        if text != self.text || now >= self.text_due {
+            self.text_due = now + TEXT_EVERY;
             self.text.clone_from(&text);
             self.says.mode_text.send(Text { data: text.clone() });
         }

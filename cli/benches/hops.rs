@@ -1,0 +1,276 @@
+//! From a switch at one station to an actuator at another, in frames on the bus; and what the processes cost.
+//!
+//! A whole line runs as it would in production — plant, coordinator and every station a process of its own — and this
+//! program only listens to the CAN frames. For each causal arrow it takes the time from the frame in which the
+//! completing switch comes on to the frame that energises the actuator of the operation that waited for it. With
+//! devices on buses of the stations' own there is one DDS hop in between, behind the coordinator's gateway there are
+//! three. Beside it, in the same run, goes a bare one-way ping over the same client library. A ratio to that ping is a
+//! result; a number of microseconds on a shared machine is not.
+//!
+//! `cargo bench -p linewright --bench hops [-- SECONDS]`; 20 seconds of auto per arrangement by default.
+
+use std::collections::HashMap;
+use std::fs;
+use std::path::{Path, PathBuf};
+use std::process::{Child, Command, Stdio};
+use std::time::{Duration, Instant};
+
+use linewright_fieldbus::{Bus as CanBus, Message, Options};
+use linewright_line::{Bus, InputId, Line, OutputId, Owner, StationId, TransferLine};
+
+type Result<T> = std::result::Result<T, Box<dyn std::error::Error>>;
+
+const LINEWRIGHT: &str = env!("CARGO_BIN_EXE_linewright");
+/// Fast, so that many arrows are followed in little time; the controllers do not know.
+const TIME_SCALE: f64 = 0.1;
+const LINE_BUS: &str = "vcan0";
+
+fn main() -> Result<()> {
+    let words: Vec<String> = std::env::args().skip(1).filter(|word| !word.starts_with("--")).collect();
+    let seconds = words.first().map_or(Ok(20.0), |word| word.parse())?;
+    let runtime = tokio::runtime::Builder::new_current_thread().enable_all().build()?;
+    ping("before")?;
+    for own in [true, false] {
+        runtime.block_on(arrangement(own, Duration::from_secs_f64(seconds)))?;
+        ping("after")?;
+    }
+    Ok(())
+}
+
+/// The peer: a message there and back between two processes, over the client library alone.
+fn ping(when: &str) -> Result<()> {
+    let mut cargo = Command::new(option_env!("CARGO").unwrap_or("cargo"));
+    cargo.args(["run", "--release", "--quiet", "--package", "linewright-node-shell", "--example", "oneway", "--"]);
+    let output = cargo.args(["1000", "1000", "reliable", "bare"]).env("ROS_DOMAIN_ID", "91").output()?;
+    println!("bare ping, {when}:\n{}", String::from_utf8_lossy(&output.stdout));
+    Ok(())
+}
+
+async fn arrangement(own: bool, long: Duration) -> Result<()> {
+    let name = if own { "devices on the stations' own buses (one hop)" } else { "behind the gateway (three hops)" };
+    println!("== {name}");
+    let running = Running::start(own)?;
+    let mut listener = Listener::open(&running.line, &running.buses_dir)?;
+    running.mode_until("start", "stand-by")?;
+    // Standing still, with every lease and image refreshed.
+    let before = running.usage()?;
+    tokio::time::sleep(Duration::from_secs(5)).await;
+    print_usage("idle", &before, &running.usage()?, Duration::from_secs(5));
+    running.mode_until("auto", "auto")?;
+    let before = running.usage()?;
+    let begun = Instant::now();
+    listener.listen(long).await;
+    print_usage("cycling", &before, &running.usage()?, begun.elapsed());
+    listener.print();
+    Ok(())
+}
+
+/// The processes of a line.
+struct Running {
+    line: Line,
+    dir: PathBuf,
+    buses_dir: PathBuf,
+    domain: u16,
+    children: Vec<(String, Child)>,
+}
+
+impl Running {
+    fn start(own: bool) -> Result<Self> {
+        let dir = std::env::temp_dir().join(format!("linewright-hops-{}-{own}", std::process::id()));
+        let _ = fs::remove_dir_all(&dir);
+        fs::create_dir_all(&dir)?;
+        let mut text = TransferLine { machines: 1, time_scale: TIME_SCALE }.text();
+        if own {
+            for station in ["transfer", "clamp_1", "mill_1"] {
+                let head = format!("[[station]]\nname = \"{station}\"\n");
+                let bus = format!("{head}bus = \"can_{station}\"\n");
+                text = text.replacen(&head, &bus, 1);
+            }
+        }
+        fs::write(dir.join("line.toml"), &text)?;
+        let line = linewright_line::parse("line.toml", &text)?.line;
+        let mut running =
+            Running { line, buses_dir: dir.join("bus"), domain: if own { 92 } else { 93 }, dir, children: Vec::new() };
+        running.spawn("plant", &["plant"])?;
+        running.spawn("coordinator", &["coordinator"])?;
+        for name in ["transfer", "clamp_1", "mill_1"] {
+            running.spawn(name, &["station", "--station", name])?;
+        }
+        Ok(running)
+    }
+
+    fn command(&self, words: &[&str]) -> Command {
+        let mut command = Command::new(LINEWRIGHT);
+        command.args(words).arg(&self.dir).env("LINEWRIGHT_BUS_DIR", &self.buses_dir);
+        command.env("ROS_DOMAIN_ID", self.domain.to_string());
+        command
+    }
+
+    fn spawn(&mut self, name: &str, words: &[&str]) -> Result<()> {
+        let log = fs::File::create(self.dir.join(format!("{name}.log")))?;
+        let state = self.dir.join("state");
+        let mut command = self.command(words);
+        command.arg("--state-dir").arg(state).stdin(Stdio::null()).stdout(log.try_clone()?).stderr(log);
+        self.children.push((name.to_owned(), command.spawn()?));
+        Ok(())
+    }
+
+    /// Gives a command until the mode is there.
+    fn mode_until(&self, word: &str, mode: &str) -> Result<()> {
+        let dir = self.dir.display().to_string();
+        for _ in 0..40 {
+            let output = Command::new(LINEWRIGHT)
+                .args(["mode", &dir, word])
+                .env("LINEWRIGHT_BUS_DIR", &self.buses_dir)
+                .env("ROS_DOMAIN_ID", self.domain.to_string())
+                .output()?;
+            if String::from_utf8_lossy(&output.stdout).starts_with(mode) {
+                return Ok(());
+            }
+            std::thread::sleep(Duration::from_millis(100));
+        }
+        Err(format!("the line did not go to {mode}; logs in {dir}").into())
+    }
+
+    /// For each process: clock ticks of processor time, and resident memory in KiB.
+    fn usage(&self) -> Result<Vec<(String, u64, u64)>> {
+        self.children.iter().map(|(name, child)| {
+            let stat = fs::read_to_string(format!("/proc/{}/stat", child.id()))?;
+            // Fields after the command's name, which may contain anything.
+            let fields: Vec<&str> = stat.rsplit(')').next().unwrap_or("").split_whitespace().collect();
+            let number = |at: usize| fields.get(at).and_then(|field| field.parse::<u64>().ok()).unwrap_or(0);
+            Ok((name.clone(), number(11) + number(12), number(21) * 4))
+        }).collect()
+    }
+}
+
+impl Drop for Running {
+    fn drop(&mut self) {
+        for (_, child) in &mut self.children {
+            let _ = child.kill();
+            let _ = child.wait();
+        }
+        let _ = fs::remove_dir_all(&self.dir);
+    }
+}
+
+fn print_usage(what: &str, before: &[(String, u64, u64)], after: &[(String, u64, u64)], long: Duration) {
+    // The kernel counts processor time in hundredths of a second.
+    for ((name, ticks, _), (_, later, memory)) in before.iter().zip(after) {
+        let percent = (later - ticks) as f64 / long.as_secs_f64();
+        println!("{what:8} {name:12} {percent:5.1} % of a core, {:5.1} MiB", *memory as f64 / 1024.0);
+    }
+}
+
+/// One arrow: the switch that ends its first operation, the actuator of its second.
+struct Arrow {
+    name: String,
+    switch: (StationId, InputId),
+    actuator: (StationId, OutputId),
+    risen: Option<Instant>,
+    samples: Vec<Duration>,
+}
+
+struct Listener {
+    line: Line,
+    buses: Vec<(Bus, CanBus)>,
+    arrows: Vec<Arrow>,
+    inputs: HashMap<StationId, u128>,
+    outputs: HashMap<StationId, u128>,
+}
+
+impl Listener {
+    fn open(line: &Line, dir: &Path) -> Result<Self> {
+        let mut buses: Vec<(Bus, CanBus)> = Vec::new();
+        for device in &line.devices {
+            if buses.iter().all(|(bus, _)| *bus != device.bus) {
+                let interface = match &device.bus {
+                    Bus::Line => LINE_BUS,
+                    Bus::Own(interface) => interface,
+                };
+                let options = Options { dir: Some(dir.to_owned()), ..Options::default() };
+                buses.push((device.bus.clone(), CanBus::open(interface, &options)?));
+            }
+        }
+        let arrows = line.arrows.iter().map(|arrow| Arrow {
+            name: format!("{} -> {}", line.operation(arrow.from).name, line.operation(arrow.to).name),
+            switch: (arrow.from.0, line.operation(arrow.from).normal.complete),
+            actuator: (arrow.to.0, line.operation(arrow.to).normal.actuator),
+            risen: None,
+            samples: Vec::new(),
+        });
+        Ok(Listener {
+            arrows: arrows.collect(),
+            line: line.clone(),
+            buses,
+            inputs: HashMap::new(),
+            outputs: HashMap::new(),
+        })
+    }
+
+    async fn listen(&mut self, long: Duration) {
+        let until = tokio::time::Instant::now() + long;
+        loop {
+            let receivers = self.buses.iter_mut().map(|(bus, can)| Box::pin(async move { (bus.clone(), can.recv().await) }));
+            let next = futures::future::select_all(receivers);
+            let Ok(((bus, frame), _, _)) = tokio::time::timeout_at(until, next).await else { return };
+            let at = Instant::now();
+            match Message::decode(&frame) {
+                Ok(Message::Tpdo1 { node, payload }) => self.switches(&bus, node.get(), payload.bits(), at),
+                Ok(Message::Rpdo1 { node, payload }) => self.actuators(&bus, node.get(), payload.bits(), at),
+                _ => {}
+            }
+        }
+    }
+
+    fn switches(&mut self, bus: &Bus, node: u8, bits: u64, at: Instant) {
+        let Some((station, image)) = self.image(bus, node, bits, true) else { return };
+        let risen = image & !self.inputs.insert(station, image).unwrap_or(!0);
+        for arrow in self.arrows.iter_mut().filter(|arrow| arrow.switch.0 == station) {
+            if risen & (1 << arrow.switch.1.0) != 0 {
+                arrow.risen = Some(at);
+            }
+        }
+    }
+
+    fn actuators(&mut self, bus: &Bus, node: u8, bits: u64, at: Instant) {
+        let Some((station, image)) = self.image(bus, node, bits, false) else { return };
+        let risen = image & !self.outputs.insert(station, image).unwrap_or(!0);
+        for arrow in self.arrows.iter_mut().filter(|arrow| arrow.actuator.0 == station) {
+            if risen & (1 << arrow.actuator.1.0) != 0
+                && let Some(since) = arrow.risen.take()
+            {
+                arrow.samples.push(at - since);
+            }
+        }
+    }
+
+    /// The station a node belongs to, and its image from the bits of the frame. Every station of this line has one.
+    fn image(&self, bus: &Bus, node: u8, bits: u64, inputs: bool) -> Option<(StationId, u128)> {
+        let device = self.line.devices.iter().find(|d| d.bus == *bus && d.node_id == node)?;
+        let Owner::Station(station) = device.owner else { return None };
+        let places: Vec<Option<u16>> = if inputs {
+            device.inputs.iter().map(|i| i.map(|i| i.0)).collect()
+        } else {
+            device.outputs.iter().map(|o| o.map(|o| o.0)).collect()
+        };
+        let set = places.iter().enumerate().filter(|&(bit, _)| bits & (1 << bit) != 0);
+        Some((station, set.filter_map(|(_, place)| *place).fold(0, |image, place| image | 1 << place)))
+    }
+
+    fn print(&mut self) {
+        let mut all = Vec::new();
+        for arrow in &mut self.arrows {
+            all.extend(arrow.samples.iter().copied());
+            print_samples(&arrow.name, &mut arrow.samples);
+        }
+        print_samples("all arrows", &mut all);
+    }
+}
+
+fn print_samples(name: &str, samples: &mut [Duration]) {
+    samples.sort_unstable();
+    let at = |share: f64| samples.get(((samples.len() as f64 * share) as usize).min(samples.len().saturating_sub(1)));
+    let micros = |share: f64| at(share).map_or(0, |d| d.as_micros());
+    println!("{name:55} n {:5}  p50 {:6} µs  p99 {:6} µs", samples.len(), micros(0.5), micros(0.99));
+}
