@@ -69,10 +69,13 @@ impl Controller {
         let name = self.op_name(line, place.op);
         match place.stage {
             Stage::Operating => self.explain_motion(line, place, reasons),
-            Stage::Incomplete => reasons.push(match self.causes_of_stop[place.op.index()] {
-                StopCause::Released => format!("{name} to be finished or taken back in manual"),
-                cause => format!("recovery of {name} in manual ({})", cause.text()),
-            }),
+            Stage::Incomplete => {
+                reasons.push(match self.causes_of_stop[place.op.index()] {
+                    StopCause::Released => format!("{name} to be finished or taken back in manual"),
+                    cause => format!("recovery of {name} in manual ({})", cause.text()),
+                });
+                self.explain_way_home(line, place, now, reasons);
+            }
             Stage::Completed => self.explain_next(line, place, now, reasons),
         }
     }
@@ -145,6 +148,21 @@ impl Controller {
             (Some(on), None) => format!("{} to go on", name(on)),
             (None, Some(back)) => format!("{} to go back", name(back)),
             (None, None) => "none leads on from here; use manual or auto".to_owned(),
+        }
+    }
+
+    fn explain_way_home(&self, line: &Line, place: Place, now: Tick, reasons: &mut Vec<String>) {
+        let Some(path) = self.program.paths.iter().position(|&op| op == place.op) else { return };
+        if self.path.is_some() || self.mode() != ControlMode::Manual {
+            return;
+        }
+        for &(step, ahead) in &self.program.ways_home[path] {
+            let cycle = self.cycle + ahead;
+            let causes =
+                self.program.causes[usize::from(step)].iter().filter(|c| c.modes[ControlMode::Manual as usize]);
+            for cause in causes.filter(|cause| !self.views.holds(cause, cycle, now)) {
+                reasons.push(format!("{}, which going home includes", self.cause_text(line, cause, cycle, now)));
+            }
         }
     }
 

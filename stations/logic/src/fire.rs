@@ -7,12 +7,14 @@
 //! | t11, t9 into an operation | | := cycle | + 1 first, if it is the first one listed |
 //! | t3 complete | := started | | |
 //! | t4, t12, onto a recovery path | − 1, before the motion | | |
+//! | onto a recovery path, for what it skips | | := its cycle | |
 //! | t8 undone | | := done | − 1, if it is the first one listed |
 //! | t3 of home, on a recovery path | of the previous round's end | := done | of the previous round's end |
 //!
 //! Undoing the first operation listed thus leads back into the cycle before, and doing it again into the same cycle
 //! as the first time: reset and undo agree across the cycle boundary.
 
+use std::sync::Arc;
 use std::time::Duration;
 
 use linewright_line::net::{Block, ControlMode, Kind, Place, Stage};
@@ -20,6 +22,7 @@ use linewright_line::{OpId, Tick};
 
 use crate::controller::{Controller, Run, Token};
 use crate::event::{Cause, Happening};
+use crate::program::path_index;
 
 impl Controller {
     /// Fires a transition whose places are marked and whose condition holds.
@@ -57,6 +60,7 @@ impl Controller {
             Kind::EnterPath(failed) => {
                 self.withdraw_first(self.taken_back(kind));
                 self.path = Some(failed);
+                self.claim_way_home(failed);
                 self.spread(transition, |_, _| {});
                 self.refresh_path();
             }
@@ -167,6 +171,19 @@ impl Controller {
             }
         }
         self.note(Happening::Completed(op, Block::Recovery));
+    }
+
+    /// What the path skips counts as started until the station is home, so that nobody takes back what it waits for.
+    fn claim_way_home(&mut self, failed: OpId) {
+        if !self.rules.home_waits || !self.rules.redo_round {
+            return;
+        }
+        let program = Arc::clone(&self.program);
+        for &(step, ahead) in &program.ways_home[path_index(&program.paths, failed)] {
+            for (op, _) in program.step_of.iter().enumerate().filter(|&(_, &s)| s == step) {
+                self.started[op] = self.cycle + ahead;
+            }
+        }
     }
 
     /// Takes counts back before the motion, as the rule has it.

@@ -53,6 +53,8 @@ pub(crate) enum Causal {
     Holds(u8),
     /// They do not, and every view they read is known.
     Fails(u8),
+    /// The arrows into everything the recovery path skips hold: an index into [`Program::ways_home`].
+    WayHome(u8),
 }
 
 /// One term of one transition, in one mode.
@@ -158,6 +160,9 @@ pub struct Program {
     pub(crate) peers: Vec<StationId>,
     /// Irreversible operations, in chart order: path `i` is that of `paths[i]`.
     pub(crate) paths: Vec<OpId>,
+    /// For each recovery path, the steps from its irreversible operation to home, and whether they lie in the cycle
+    /// after the operation's.
+    pub(crate) ways_home: Vec<Vec<(u8, i32)>>,
     pub(crate) first: OpId,
     pub(crate) home: OpId,
     pub(crate) home_place: u16,
@@ -208,6 +213,7 @@ impl Program {
             actions,
             causes: described.steps.iter().map(|step| causes_of(line, station, step, &peers)).collect(),
             dependents: described.op_ids().map(|op| dependents_of(line, (station, op), &peers)).collect(),
+            ways_home: paths.iter().map(|&op| way_home(line, station, op)).collect(),
             first: OpId(0),
             home: described.home,
             home_place: index_of(Place::completed(described.home)),
@@ -374,6 +380,11 @@ fn compile_term(term: &Term, transition: usize, kind: Kind, join: bool, paths: &
                 row.causal = if on { Causal::Holds(step as u8) } else { Causal::Fails(step as u8) };
                 continue;
             }
+            Var::WayHome(op) => {
+                debug_assert!(on, "no condition asks for a way home that is not free");
+                row.causal = Causal::WayHome(path_index(paths, op) as u8);
+                continue;
+            }
             Var::NeighbourSettled(op) => {
                 debug_assert!(on, "no condition asks for an unsettled neighbour");
                 row.settled |= 1 << op.0;
@@ -386,6 +397,16 @@ fn compile_term(term: &Term, transition: usize, kind: Kind, join: bool, paths: &
 }
 
 pub(crate) fn path_bit(paths: &[OpId], op: OpId) -> u128 {
-    let path = paths.iter().position(|&p| p == op).expect("a path belongs to an irreversible operation");
-    1 << (bit::PATH_0 + path as u32)
+    1 << (bit::PATH_0 + path_index(paths, op) as u32)
+}
+
+pub(crate) fn path_index(paths: &[OpId], op: OpId) -> usize {
+    paths.iter().position(|&p| p == op).expect("a path belongs to an irreversible operation")
+}
+
+fn way_home(line: &Line, station: StationId, failed: OpId) -> Vec<(u8, i32)> {
+    let described = line.station(station);
+    let (count, home, failed) = (described.steps.len(), described.step_of(described.home), described.step_of(failed));
+    let length = (home + count - failed) % count;
+    (1..=length).map(|n| (((failed + n) % count) as u8, i32::from(failed + n >= count))).collect()
 }

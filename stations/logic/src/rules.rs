@@ -18,10 +18,20 @@ pub struct Rules {
     /// Going home on a recovery path takes the round's counts back, and arriving is the end of the round before. Off:
     /// only what is undone on the way is taken back, and the home operation counts as in any other round.
     pub redo_round: bool,
+    /// A recovery path is entered only if the arrows hold into everything it skips, and they go on holding until the
+    /// station is home. Off: the home motion starts whatever the neighbours do.
+    pub home_waits: bool,
 }
 
 impl Default for Rules {
     fn default() -> Self {
-        Rules { counted: true, withdraw_first: true, ask: true, fresh_numbers: true, redo_round: true }
+        Rules {
+            counted: true,
+            withdraw_first: true,
+            ask: true,
+            fresh_numbers: true,
+            redo_round: true,
+            home_waits: true,
+        }
     }
 }

@@ -53,7 +53,7 @@ impl Controller {
             Some(pending) => {
                 out.extend([pending.request.ops as i64, pending.mode as i64, pending.needs as i64]);
                 out.extend(word(pending.hold));
-                out.extend(pending.transitions[..pending.count].iter().map(|&t| i64::from(t)));
+                out.extend(pending.rows().iter().map(|&row| i64::from(row)));
             }
         }
         for (peer, view) in self.views.peers.iter().enumerate() {

@@ -9,7 +9,7 @@ use linewright_line::{BRANCHES_MAX, Tick};
 use crate::controller::{Controller, Outbox, Run};
 use crate::event::{Cause, Happening};
 use crate::program::{Causal, Row, bit};
-use crate::withdraw::Standing;
+use crate::withdraw::{Pending, Standing};
 
 /// Transitions looked at in one step before the next image is asked for. An operation that completes leads on to the
 /// next at once; a longer chain means a description with operations that take no time.
@@ -102,7 +102,7 @@ impl Controller {
         let Some(pending) = self.pending.take() else { return false };
         // The token may have moved on a command given meanwhile. The request then has no meaning any more, and must
         // not come back to one: an agreement is to a count that was, not to the next one in the same place.
-        if !self.are_enabled(&pending.transitions[..pending.count]) {
+        if !self.are_enabled(&pending) {
             self.changed = true;
             return false;
         }
@@ -112,8 +112,8 @@ impl Controller {
                 false
             }
             Standing::Agreed => {
-                for &transition in &pending.transitions[..pending.count] {
-                    self.fire(transition);
+                for row in pending.rows() {
+                    self.fire(self.program.rows[usize::from(*row)].transition);
                 }
                 true
             }
@@ -132,9 +132,13 @@ impl Controller {
         }
     }
 
-    fn are_enabled(&self, transitions: &[u16]) -> bool {
+    /// Whether the tokens still stand where the command found them, and the arrows it reads still hold: while others
+    /// were agreeing to our request, we may have agreed to theirs.
+    fn are_enabled(&self, pending: &Pending) -> bool {
         let marked = |place: &u16| self.tokens().iter().any(|t| t.place == *place);
-        transitions.iter().all(|&t| self.program.actions[t as usize].from.iter().all(marked))
+        pending.rows().iter().map(|&row| &self.program.rows[usize::from(row)]).all(|row| {
+            self.program.actions[row.transition as usize].from.iter().all(marked) && self.allows(row, pending.mode)
+        })
     }
 
     /// Looks at every token once, on the state before the pass, then fires what may fire.
@@ -210,6 +214,7 @@ impl Controller {
         let causal = match row.causal {
             Causal::Free => true,
             Causal::Holds(step) => self.devices_valid && self.causes_hold(step, mode),
+            Causal::WayHome(path) => !self.rules.home_waits || self.way_home_is_free(path, mode),
             Causal::Fails(step) => self.causes_known(step, mode) && !self.causes_hold(step, mode),
         };
         causal && self.neighbours_settled(row.settled) && (!row.join || self.joined())
@@ -218,6 +223,14 @@ impl Controller {
     fn causes_hold(&self, step: u8, mode: ControlMode) -> bool {
         let causes = &self.program.causes[step as usize];
         self.views.all_hold(causes, mode, self.cycle_of_start(step), self.now)
+    }
+
+    /// What a recovery path skips is waited for as if it were done, each step in the cycle it would be done in.
+    fn way_home_is_free(&self, path: u8, mode: ControlMode) -> bool {
+        self.program.ways_home[path as usize].iter().all(|&(step, ahead)| {
+            let causes = &self.program.causes[step as usize];
+            self.views.all_hold(causes, mode, self.cycle + ahead, self.now)
+        })
     }
 
     fn causes_known(&self, step: u8, mode: ControlMode) -> bool {

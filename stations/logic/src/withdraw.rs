@@ -8,6 +8,7 @@
 //! Numbers are kept across restarts and never used twice: with reused numbers a stale agreement to a request that
 //! was given up could be taken for an agreement to a later one.
 
+use linewright_line::BRANCHES_MAX;
 use linewright_line::net::ControlMode;
 
 use crate::controller::Controller;
@@ -18,14 +19,20 @@ use crate::report::Request;
 #[derive(Clone, Copy, Debug)]
 pub(crate) struct Pending {
     pub request: Request,
-    /// Transitions to fire once agreed, the first `count` of them.
-    pub transitions: [u16; linewright_line::BRANCHES_MAX],
-    pub count: usize,
+    /// The rows whose transitions fire once agreed, the first `count` of them.
+    rows: [u16; BRANCHES_MAX],
+    count: usize,
     /// Levels the command must keep holding.
     pub hold: u128,
     pub mode: ControlMode,
     /// Peers that must agree, a bit per entry of the program's peers.
     pub needs: u64,
+}
+
+impl Pending {
+    pub fn rows(&self) -> &[u16] {
+        &self.rows[..self.count]
+    }
 }
 
 /// What has become of a request.
@@ -56,18 +63,12 @@ impl Controller {
         if self.rules.fresh_numbers {
             self.next_request += 1;
         }
-        let mut pending = Pending {
-            request: Request { number, ops: 0 },
-            transitions: [0; linewright_line::BRANCHES_MAX],
-            count: 0,
-            hold: 0,
-            mode,
-            needs: 0,
-        };
-        for &row in rows {
-            let row = self.program.rows[row as usize];
+        let mut pending =
+            Pending { request: Request { number, ops: 0 }, rows: [0; BRANCHES_MAX], count: 0, hold: 0, mode, needs: 0 };
+        for &number in rows {
+            let row = self.program.rows[usize::from(number)];
             if row.withdraws {
-                pending.transitions[pending.count] = row.transition;
+                pending.rows[pending.count] = number;
                 pending.count += 1;
                 pending.request.ops |= self.taken_back(self.program.actions[row.transition as usize].kind);
                 pending.hold |= crate::program::bit::levels(row.need);

@@ -88,6 +88,9 @@ pub enum Var {
     Pressed(ButtonId),
     /// The causal arrows into every operation of this step hold, in the mode that asks.
     Causal(usize),
+    /// The causal arrows hold into every operation after this irreversible one, up to and including home: what its
+    /// recovery path skips must be as free as if it were done.
+    WayHome(OpId),
     /// The station is on the recovery path of this irreversible operation.
     OnPath(OpId),
     /// The station is on any recovery path.

@@ -13,6 +13,8 @@
 //! 5. In manual mode a motion completes under the button that drives it. The figures accept either, but the other one
 //!    has stopped the motion by then.
 //! 6. On a recovery path the return button drives the home operation's normal motion, and nothing turns forward.
+//! 7. A recovery path is entered only if the arrows hold into everything it skips, the home operation among it. The
+//!    home motion is a normal motion like any other: without its arrows it would run into a neighbour's stretch.
 
 use crate::net::condition::{ControlMode, Literal, Term, Var, off, on};
 use crate::net::module::{Block, Place, is_reversible};
@@ -250,7 +252,8 @@ impl Builder<'_> {
         let Module::Irreversible { recovery_path } = &self.station.operations[failed.index()].module else { return };
         let Some(&first) = recovery_path.first() else { return };
         let enter = self.add(Kind::EnterPath(failed), vec![Place::incomplete(failed)], vec![Place::undoing(first)]);
-        enter.when(ControlMode::Manual, [vec![on(Var::RetractPressed), off(Var::OnAnyPath)]]);
+        let free = [on(Var::RetractPressed), off(Var::OnAnyPath), on(Var::WayHome(failed))];
+        enter.when(ControlMode::Manual, [free.to_vec()]);
 
         let home = self.station.home;
         let hops = recovery_path.windows(2).map(|pair| (pair[0], pair[1], Place::undoing(pair[1])));

@@ -30,6 +30,9 @@ const OWN_BUTTON: u8 = 5;
 /// On a recovery path the return button drives, and there is no turning forward.
 const ON_PATH: u8 = 6;
 
+/// A recovery path is entered only if the arrows hold into everything it skips.
+const WAY_HOME: u8 = 7;
+
 /// A cell: transition, mode, what the seed prints, what we have, and why they differ.
 type Cell = (&'static str, ControlMode, &'static str, &'static str, &'static [u8]);
 
@@ -83,7 +86,7 @@ const I_MODULE: &[Cell] = &[
     ("t4", MANUAL, "m_a↑", "m_a↑ IVC", &[]),
     ("t5", AUTO, "·", "·", &[]),
     ("t5", HAND, "·", "·", &[]),
-    ("t5", MANUAL, "m_r↑", "m_r↑ ¬path", &[ON_PATH]),
+    ("t5", MANUAL, "m_r↑", "m_r↑ ¬path IVC-home", &[ON_PATH, WAY_HOME]),
 ];
 
 /// Figure 21 with the bracketed entries of Figure 20, as far as they depend on the hand type: t4, t8, t9, t11 and t12
@@ -130,7 +133,7 @@ fn every_departure_from_the_figures_is_one_the_head_of_connect_names() {
     // Type 5 has every transition; op 6 is neither first nor next to home.
     compare(&all_types(), OpId(6), R_MODULE, &mut used);
     compare(&alone(4, &[r(1), r(1), i(1, &[0]), r(1), r(2)]), OpId(2), I_MODULE, &mut used);
-    assert_eq!(used.into_iter().collect::<Vec<_>>(), [1, 2, 3, 4, 5, 6]);
+    assert_eq!(used.into_iter().collect::<Vec<_>>(), [1, 2, 3, 4, 5, 6, 7]);
 }
 
 #[test]

@@ -38,6 +38,7 @@ fn literal_words(literal: Literal, hand: Hand) -> String {
         Var::Held(b) => button(b).to_owned(),
         Var::Pressed(b) => format!("{}↑", button(b)),
         Var::Causal(_) => "IVC".to_owned(),
+        Var::WayHome(_) => "IVC-home".to_owned(),
         Var::OnPath(_) | Var::OnAnyPath => "path".to_owned(),
         Var::NeighbourSettled(_) => "settled".to_owned(),
         Var::MasterStop => "stop".to_owned(),

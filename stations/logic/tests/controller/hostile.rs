@@ -106,7 +106,7 @@ proptest! {
             prop_assert_eq!(out.outputs & !moving, 0, "only an operating place drives");
             let report = controller.report();
             for op in 0..report.done.len() {
-                prop_assert!(report.done[op] <= report.started[op] && report.started[op] <= report.cycle);
+                prop_assert!(report.done[op] <= report.started[op] && report.started[op] <= report.cycle + i32::from(report.recovering_home));
             }
             controller.blocked_by(&line, now);
             controller.operation_text(&line);

@@ -1,10 +1,11 @@
 //! The three ways out of a fault (seed 002 §4.5.1): resume, return and redo, go home and do the cycle again.
 
-use linewright_line::OpId;
 use linewright_line::net::{ControlMode, Place};
+use linewright_line::{OpId, StationId};
+use linewright_station_logic::{Report, Request};
 
-use crate::build::{alone, complete_bit, i, r};
-use crate::rig::Rig;
+use crate::build::{alone, arrow, complete_bit, i, line, r, station};
+use crate::rig::{Rig, peer_says};
 
 /// Faulted in `op`, in auto, then in manual with the fault gone.
 fn faulted(home: usize, ops: &[crate::build::Op], op: u16) -> Rig {
@@ -78,7 +79,7 @@ fn going_home_withdraws_the_round_first_and_does_the_cycle_again_without_countin
     rig.retract(true);
     assert!(rig.drives_back(0));
     assert_eq!(rig.report().done, [0, 0, 0, 0], "withdrawn before the motion");
-    assert_eq!(rig.report().started, [1, 1, 0, 0], "but not forgotten: it is still on its way");
+    assert_eq!(rig.report().started, [1; 4], "but claimed until it is home: nobody takes back what it waits for");
     rig.arrive_back(0);
     rig.retract(false);
     rig.advance(true);
@@ -110,6 +111,31 @@ fn the_way_home_is_not_left_by_auto() {
     rig.retract(true);
     rig.arrive(3);
     assert!(rig.report().at_home);
+}
+
+/// Found by the explorer: the home motion used to start whatever the neighbour did.
+#[test]
+fn going_home_waits_for_the_arrows_into_what_it_skips() {
+    let stations =
+        vec![station("y", 2, &[r(6), i(2, &[0]), r(6)], 0, false), station("x", 2, &[r(6), r(6), r(6)], 10, false)];
+    let mut rig = Rig::new(line(stations, vec![arrow((1, 1), (0, 2), 0)]));
+    rig.hear(StationId(1), peer_says(&[1, 0, 0]));
+    rig.mode(ControlMode::Manual);
+    rig.advance_through(0);
+    rig.advance(true);
+    rig.advance(false);
+    rig.events();
+    rig.retract(true);
+    assert_eq!((rig.outputs, rig.events()), (0, vec!["refuses the command".to_owned()]));
+    let waits_for = "x: op 1 (cycle 1), for op 2, which going home includes";
+    assert_eq!(rig.blocked_by().last().map(String::as_str), Some(waits_for));
+    rig.retract(false);
+    rig.hear(StationId(1), peer_says(&[1, 1, 0]));
+    rig.retract(true);
+    assert!(rig.drives_back(0));
+    let asks = Report { request: Some(Request { number: 1, ops: 0b10 }), ..peer_says(&[1, 1, 0]) };
+    rig.hear(StationId(1), asks);
+    assert_eq!(rig.report().answers[0].in_the_way, Some(OpId(2)), "until it is home x may not go back");
 }
 
 #[test]

@@ -7,7 +7,7 @@ use linewright_line::{Conflict, Line, OpId, Span, StationId};
 use crate::build::{arrow, beside, i, line, r, station, transfer_line};
 
 /// Nothing expires while the clock stands still, but a lease of zero would.
-fn without_haste(mut line: Line) -> Line {
+pub fn without_haste(mut line: Line) -> Line {
     line.timing.stale = Duration::from_secs(1 << 20);
     line.timing.lease = Duration::from_secs(1 << 20);
     line
@@ -63,6 +63,16 @@ pub fn two_jaws() -> Line {
         vec![arrow((1, 0), (0, 0), 0), arrow((0, 1), (1, 1), 0), arrow((0, 1), (1, 2), 0), arrow((0, 1), (1, 0), 1)];
     let mut line = without_haste(line(vec![bar(), jaws], arrows));
     line.conflicts = vec![conflict(BAR_AND_CLAMP, (0, 0, 1), (1, 1, 0)), conflict(BAR_AND_CLAMP, (0, 0, 1), (1, 2, 0))];
+    line
+}
+
+/// Two stations in one another's way, where the second's home motion (op 2) lies in its stretch: its irreversible
+/// op 1 goes home by undoing op 0 and then running op 2.
+pub fn home_in_the_way() -> Line {
+    let x = station("x", 2, &[r(6), r(6), r(6)], 0, false);
+    let y = station("y", 2, &[r(6), i(2, &[0]), r(6)], 10, false);
+    let mut line = without_haste(line(vec![x, y], vec![arrow((0, 1), (1, 2), 0), arrow((1, 2), (0, 0), 1)]));
+    line.conflicts = vec![conflict("x and y meet", (0, 0, 1), (1, 2, 2))];
     line
 }
 

@@ -13,6 +13,7 @@
 mod actions;
 #[path = "../../../../model/line/tests/common/mod.rs"]
 mod build;
+mod generated;
 mod lines;
 mod oracle;
 mod rules;

@@ -5,7 +5,8 @@ use linewright_line::{OpId, Span, StationId};
 
 use crate::world::{Setting, World};
 
-/// How far apart the cycles of two stations may be: the arrows of the explored lines tie neighbours to within one.
+/// How far apart the cycles of two neighbours may be. A pair of arrows, one of lag 0 and one of lag 1, lets the one be
+/// a cycle ahead; operations listed before the arrow's end may have begun another.
 const CYCLES_APART_MAX: i32 = 2;
 
 /// The first thing that is wrong.
@@ -21,7 +22,8 @@ pub fn violation(setting: &Setting, world: &World) -> Option<String> {
         }
     }
     let (least, most) = (world.cycles().min()?, world.cycles().max()?);
-    (most - least > CYCLES_APART_MAX).then(|| format!("cycles {least} and {most} are far apart"))
+    let neighbours = line.stations.len() as i32 - 1;
+    (most - least > CYCLES_APART_MAX * neighbours).then(|| format!("cycles {least} and {most} are far apart"))
 }
 
 /// The stretch from `from` until `until`, in chart order and cyclic: all places of its operations, but for `until`
@@ -57,7 +59,7 @@ fn station_violation(setting: &Setting, world: &World, id: StationId) -> Option<
 
     for op in station.op_ids() {
         let (done, started) = (report.done[op.index()], report.started[op.index()]);
-        if done > started || started > report.cycle || started - done > 1 {
+        if done > started || started > report.cycle + i32::from(report.recovering_home) || started - done > 1 {
             return Some(format!("{}: done {done}, started {started}", station.operations[op.index()].name));
         }
     }

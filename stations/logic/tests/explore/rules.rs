@@ -45,3 +45,9 @@ fn going_home_without_withdrawing_the_round_counts_a_part_that_was_never_machine
     let story = missed(lines::clamp_and_mill(), Rules { redo_round: false, ..Rules::default() });
     assert!(story.contains("are of no cycle"), "{story}");
 }
+
+#[test]
+fn going_home_without_waiting_for_its_arrows_runs_into_a_neighbour() {
+    let story = missed(lines::home_in_the_way(), Rules { home_waits: false, ..Rules::default() });
+    assert!(story.ends_with("x and y meet"));
+}

@@ -95,7 +95,7 @@ fn way_to(came_by: &[(u32, Option<Action>)], mut state: u32) -> Vec<Action> {
 /// A long walk without a map. It sees deep states that breadth first never comes to.
 pub fn random_walk(setting: &Setting, seed: u64, steps: usize) -> Found {
     let mut world = setting.start();
-    let mut random = Random(seed | 1);
+    let mut random = Random::new(seed);
     let mut way = Vec::new();
     let mut actions = Vec::new();
     for step in 0..steps {
@@ -136,10 +136,15 @@ fn pick(actions: &[Action], random: &mut Random) -> Option<Action> {
 }
 
 /// xorshift64*: repeatable, and good enough to stroll.
-struct Random(u64);
+pub struct Random(u64);
 
 impl Random {
-    fn below(&mut self, bound: u64) -> u64 {
+    pub fn new(seed: u64) -> Self {
+        // Spread, so that neighbouring seeds do not begin alike.
+        Random(seed.wrapping_add(1).wrapping_mul(0x9E37_79B9_7F4A_7C15) | 1)
+    }
+
+    pub fn below(&mut self, bound: u64) -> u64 {
         self.0 ^= self.0 >> 12;
         self.0 ^= self.0 << 25;
         self.0 ^= self.0 >> 27;
