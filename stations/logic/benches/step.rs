@@ -46,7 +46,7 @@ fn quiet_with_the_same_image(bencher: Bencher) {
 }
 
 #[divan::bench]
-fn quiet_with_a_changed_image(bencher: Bencher) {
+fn quiet_with_another_switch_changing(bencher: Bencher) {
     let mut bar = TransferBar::lifting();
     let switch = bar.unused_input();
     bencher.counter(ItemsCount::new(STEPS)).bench_local(|| {
@@ -72,7 +72,15 @@ fn firing(bencher: Bencher) {
     bencher
         .with_inputs(|| {
             let mut controller: Controller = bar.controller.clone();
-            controller.handle(NOW, Input::Inputs { bits: arrived, valid: true, until: linewright_line::Tick::NEVER });
+            controller.handle(
+                NOW,
+                Input::Inputs {
+                    bits: arrived,
+                    valid: true,
+                    until: linewright_line::Tick::NEVER,
+                    under: linewright_station_logic::NO_DELAY,
+                },
+            );
             (controller, Outbox { events: Vec::with_capacity(16), ..Outbox::default() })
         })
         .bench_local_refs(|(controller, out)| controller.step(NOW, out));

@@ -31,6 +31,9 @@ pub enum Input<'a> {
         /// The image is unknown from then on, unless a newer one arrives; [`Tick::NEVER`] where the source itself
         /// tells when it is lost.
         until: Tick,
+        /// [`Outbox::number`] of the newest output image that was in force when it was taken; [`NO_DELAY`] where the
+        /// image follows the outputs at once.
+        under: u64,
     },
     /// The coordinator's order.
     Order(ModeOrder),
@@ -40,11 +43,16 @@ pub enum Input<'a> {
     Panel(PanelCommand),
 }
 
+/// An image that is never older than the outputs: from a bus of the station's own, or from a test.
+pub const NO_DELAY: u64 = u64::MAX;
+
 /// What a step gives.
 #[derive(Clone, Debug, Default)]
 pub struct Outbox {
     /// The output image: bit `i` is output `i` of the description.
     pub outputs: u128,
+    /// Grows with every change of the output image.
+    pub number: u64,
     /// The report differs from that of the step before: send it.
     pub changed: bool,
     /// What happened, in order. The caller drains it.
@@ -69,6 +77,11 @@ pub(crate) struct Token {
     pub run: Run,
     /// The completion signal counts: it has been seen off since the motion left its other end.
     pub left_start: bool,
+    /// It will count as it stands, in the first image taken while this motion is driven: the motion was stopped
+    /// between its ends, and an image from before it may still show the switch that the mechanism has left since.
+    pub awaits_image: bool,
+    /// The output image that began to drive it.
+    pub driven_since: u64,
     pub driven: bool,
     /// While driven: when the watchdog runs out.
     pub deadline: Tick,
@@ -97,10 +110,13 @@ pub struct Controller {
     pub(crate) commands: Commands,
     panel: Panel,
     /// The inputs the panel is wired to.
-    panel_inputs: u128,
+    pub(crate) panel_inputs: u128,
+    /// Those, and the ones that the marked places look at: a change of any other means nothing now.
+    pub(crate) watched: u128,
     stale: Duration,
     pub(crate) inputs: u128,
     pub(crate) inputs_until: Tick,
+    pub(crate) inputs_under: u64,
     pub(crate) devices_valid: bool,
     /// Command levels of this image and of the one before.
     pub(crate) levels: u128,
@@ -113,6 +129,7 @@ pub struct Controller {
     /// Fresh from the start: the home position is still to be confirmed by the devices.
     pub(crate) unconfirmed: bool,
     pub(crate) outputs: u128,
+    pub(crate) output_number: u64,
     pub(crate) dirty: bool,
     /// The last step changed nothing, and nothing was heard since: until the deadline a step has nothing to do.
     pub(crate) settled: bool,
@@ -140,6 +157,8 @@ impl Controller {
             place: program.home_place,
             run: Run::Auto,
             left_start: true,
+            awaits_image: false,
+            driven_since: 0,
             driven: false,
             deadline: Tick::NEVER,
             remaining: Duration::ZERO,
@@ -159,11 +178,13 @@ impl Controller {
             causes_of_stop: vec![Cause::Released; described.operations.len()],
             views,
             commands: Commands::new(),
+            watched: u128::MAX,
             panel_inputs: inputs_of(&described.panel),
             panel: described.panel.clone(),
             stale: line.timing.stale,
             inputs: 0,
             inputs_until: Tick::ZERO,
+            inputs_under: 0,
             devices_valid: false,
             levels: 0,
             levels_before: 0,
@@ -173,6 +194,7 @@ impl Controller {
             refusal: None,
             unconfirmed: restore == Restore::Fresh,
             outputs: 0,
+            output_number: 0,
             dirty: true,
             settled: false,
             deadline: Tick::ZERO,
@@ -227,10 +249,13 @@ impl Controller {
 
     /// Takes what has arrived. Follow with [`Controller::step`]. Gives false if the input was ignored: an order of an
     /// older epoch, a report of no peer or of the wrong shape.
+    #[inline]
     pub fn handle(&mut self, now: Tick, input: Input<'_>) -> bool {
         self.now = self.now.max(now);
-        if let Input::Inputs { bits, valid, until } = input {
+        if let Input::Inputs { bits, valid, until, under } = input {
             self.inputs_until = until;
+            self.settled &= under == self.inputs_under;
+            self.inputs_under = under;
             self.take_image(if valid { bits } else { 0 }, valid);
             // A longer term needs no new deadline: the old one comes too early, and is put right.
             self.deadline = self.deadline.min(until);
@@ -268,12 +293,18 @@ impl Controller {
         }
     }
 
+    #[inline]
     pub(crate) fn take_image(&mut self, bits: u128, valid: bool) {
         let differing = bits ^ self.inputs;
-        if differing == 0 && valid == self.devices_valid {
-            return;
-        }
         self.inputs = bits;
+        if differing & self.watched != 0 || valid != self.devices_valid {
+            self.take_watched(differing, valid);
+        }
+    }
+
+    /// Something changed that matters where the tokens stand, or at the panel.
+    fn take_watched(&mut self, differing: u128, valid: bool) {
+        let bits = self.inputs;
         self.settled = false;
         if differing & self.panel_inputs == 0 && valid == self.devices_valid {
             return;

@@ -14,18 +14,23 @@ impl Controller {
     /// that has nothing to say says "off".
     pub(crate) fn drive(&mut self) {
         let mut outputs = 0;
+        self.watched = self.panel_inputs;
         let mut deadline = self.commands.deadline(self.now).min(self.views.deadline(self.now));
         if self.devices_valid {
             deadline = deadline.min(self.inputs_until);
         }
         let mode = self.commands.mode();
+        let number = self.output_number + 1;
         for index in 0..self.token_count {
             let token = &mut self.tokens[index];
             let table = &self.program.places[token.place as usize];
             let held = token.run != Run::Hand || (table.hold != 0 && self.levels & table.hold == table.hold);
             let driven = table.actuator != 0 && self.devices_valid && held && mode != ControlMode::EStop;
             match (token.driven, driven) {
-                (false, true) => token.deadline = self.now + token.remaining,
+                (false, true) => {
+                    token.deadline = self.now + token.remaining;
+                    token.driven_since = number;
+                }
                 (true, false) => token.remaining = token.deadline.since(self.now),
                 (true, true) | (false, false) => {}
             }
@@ -35,8 +40,12 @@ impl Controller {
                 deadline = deadline.min(token.deadline);
             }
             outputs |= table.lamp;
+            self.watched |= table.complete | table.fault;
         }
-        self.outputs = outputs;
+        if outputs != self.outputs {
+            self.outputs = outputs;
+            self.output_number = number;
+        }
         self.deadline = deadline;
         self.dirty = false;
     }

@@ -20,7 +20,7 @@ use std::time::Duration;
 use linewright_line::net::{Block, ControlMode, Kind, Place, Stage};
 use linewright_line::{OpId, Tick};
 
-use crate::controller::{Controller, Run, Token};
+use crate::controller::{Controller, NO_DELAY, Run, Token};
 use crate::event::{Cause, Happening};
 use crate::program::path_index;
 
@@ -90,7 +90,9 @@ impl Controller {
         self.tokens[index] = Token {
             place: table,
             run,
-            left_start: from_between,
+            left_start: from_between && self.inputs_under == NO_DELAY,
+            awaits_image: from_between && self.inputs_under != NO_DELAY,
+            driven_since: 0,
             driven: false,
             deadline: Tick::NEVER,
             remaining: self.program.places[table as usize].watchdog,

@@ -23,7 +23,7 @@ mod step;
 mod views;
 mod withdraw;
 
-pub use controller::{Controller, Input, Outbox};
+pub use controller::{Controller, Input, NO_DELAY, Outbox};
 pub use event::{Cause, Event, Happening};
 pub use panel::{ModeOrder, PanelCommand};
 pub use program::{CompileError, Program};

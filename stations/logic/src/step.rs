@@ -20,6 +20,7 @@ impl Controller {
     ///
     /// Each rising edge since the last step fires at most one transition of a token; what follows without a command
     /// (a completed operation leading on in auto) follows in the same step. Allocates nothing.
+    #[inline]
     pub fn step(&mut self, now: Tick, out: &mut Outbox) {
         self.now = self.now.max(now);
         if self.now >= self.deadline {
@@ -30,15 +31,20 @@ impl Controller {
             out.changed = false;
             return;
         }
-        self.play();
+        self.play(out);
+    }
+
+    fn play(&mut self, out: &mut Outbox) {
+        self.look();
         out.outputs = self.outputs;
+        out.number = self.output_number;
         out.changed = std::mem::take(&mut self.changed);
         if !self.events.is_empty() {
             out.events.append(&mut self.events);
         }
     }
 
-    fn play(&mut self) {
+    fn look(&mut self) {
         self.settled = true;
         let edges = bit::edges(self.levels & !self.levels_before);
         self.levels_before = self.levels;
@@ -194,6 +200,10 @@ impl Controller {
         let token = &mut self.tokens[index];
         let table = &self.program.places[token.place as usize];
         let on = self.inputs & table.complete != 0;
+        if token.awaits_image && token.driven && self.inputs_under >= token.driven_since {
+            token.awaits_image = false;
+            token.left_start = true;
+        }
         token.left_start |= !on;
         let mut bits = if on && token.left_start { bit::ARRIVED } else { 0 };
         let late = token.driven && self.now >= token.deadline;

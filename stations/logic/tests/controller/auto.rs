@@ -114,7 +114,12 @@ fn switched_on_away_from_home_it_does_not_claim_to_be_there() {
     let mut controller =
         linewright_station_logic::Controller::new(&shipped, StationId(0), 1, linewright_station_logic::Restore::Fresh)
             .expect("compiles");
-    let image = linewright_station_logic::Input::Inputs { bits: 0, valid: true, until: linewright_line::Tick::NEVER };
+    let image = linewright_station_logic::Input::Inputs {
+        bits: 0,
+        valid: true,
+        until: linewright_line::Tick::NEVER,
+        under: linewright_station_logic::NO_DELAY,
+    };
     controller.handle(linewright_line::Tick::ZERO, image);
     assert_eq!(controller.report().done, [0, -1]);
     assert_eq!(controller.fault_text(&shipped), "op 1: not at home when switched on");

@@ -73,7 +73,12 @@ fn devices_lost_stops_everything_and_starts_nothing() {
 fn an_image_that_is_not_renewed_in_its_time_is_unknown() {
     let mut rig = running();
     let until = rig.now + std::time::Duration::from_millis(100);
-    let image = linewright_station_logic::Input::Inputs { bits: 0, valid: true, until };
+    let image = linewright_station_logic::Input::Inputs {
+        bits: 0,
+        valid: true,
+        until,
+        under: linewright_station_logic::NO_DELAY,
+    };
     rig.controller.handle(rig.now, image);
     rig.step();
     rig.silence_ms(100);

@@ -91,7 +91,7 @@ proptest! {
             now = now + Duration::from_millis(ms);
             match act {
                 Act::Image(bits, valid, until) => {
-                    controller.handle(now, Input::Inputs { bits, valid, until: Tick::from_micros(until) })
+                    controller.handle(now, Input::Inputs { bits, valid, until: Tick::from_micros(until), under: linewright_station_logic::NO_DELAY })
                 }
                 Act::Order(mode, enabled, buttons, master_stop, lease) => controller.handle(now, Input::Order(ModeOrder {
                     boot_id: u64::from(buttons % 2), epoch: epoch as u64, mode: ControlMode::ALL[usize::from(mode)],

@@ -77,7 +77,12 @@ impl Rig {
     }
 
     fn send_image(&mut self) {
-        let input = Input::Inputs { bits: self.image, valid: self.valid, until: Tick::NEVER };
+        let input = Input::Inputs {
+            bits: self.image,
+            valid: self.valid,
+            until: Tick::NEVER,
+            under: linewright_station_logic::NO_DELAY,
+        };
         self.controller.handle(self.now, input);
     }
 

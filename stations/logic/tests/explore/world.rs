@@ -122,7 +122,8 @@ impl Setting {
 }
 
 fn image(controller: &mut Controller, bits: u128, valid: bool) {
-    controller.handle(NOW, Input::Inputs { bits, valid, until: Tick::NEVER });
+    controller
+        .handle(NOW, Input::Inputs { bits, valid, until: Tick::NEVER, under: linewright_station_logic::NO_DELAY });
 }
 
 impl Node {

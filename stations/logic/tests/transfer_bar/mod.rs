@@ -51,7 +51,10 @@ impl TransferBar {
     }
 
     pub fn image(&mut self, bits: u128) {
-        self.controller.handle(NOW, Input::Inputs { bits, valid: true, until: Tick::NEVER });
+        self.controller.handle(
+            NOW,
+            Input::Inputs { bits, valid: true, until: Tick::NEVER, under: linewright_station_logic::NO_DELAY },
+        );
     }
 
     /// The input that completes what is running.
