@@ -184,6 +184,11 @@ message! {
         /// Inputs: a number that changes whenever the devices behind them are lost or the gateway starts anew. Outputs:
         /// that number in the inputs they were decided on; outputs decided before a loss are not obeyed after it.
         lives: u64,
+        /// Outputs: grows with every change of the image, in one life. Inputs: that number of the output image in force
+        /// when they were taken; 0 while none is.
+        number: u64,
+        /// Inputs: the life of the station that number belongs to.
+        number_boot_id: u64,
         /// Bit n is bit `n % 8` of byte `n / 8`.
         bits: Bounded<u8, 16>,
     }

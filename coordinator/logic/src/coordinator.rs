@@ -139,6 +139,20 @@ impl Coordinator {
         }
     }
 
+    /// The same coordinator with the emergency stop latched, as its predecessor left it: being replaced is no way out
+    /// of the emergency stop.
+    #[must_use]
+    pub fn with_estop(mut self) -> Self {
+        self.estop = true;
+        self.decide(None);
+        self
+    }
+
+    /// Whether the emergency stop is latched, or was and has not been left through manual: what a successor must know.
+    pub fn is_estopped(&self) -> bool {
+        self.estop || self.mode == ControlMode::EStop
+    }
+
     /// The mode of the line.
     pub fn mode(&self) -> ControlMode {
         self.mode

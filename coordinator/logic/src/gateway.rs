@@ -18,6 +18,20 @@ pub struct OutputImage {
     pub valid: bool,
     /// How often the devices had been lost when the inputs it was decided on were sent.
     pub losses: u64,
+    /// Which life of the station it comes from.
+    pub boot_id: u64,
+    /// Grows with every change of the station's outputs, in one life.
+    pub number: u64,
+}
+
+/// What is put on the bus for a station.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
+pub struct InForce {
+    /// Bit `i` is output `i` of the station.
+    pub bits: u128,
+    /// Life and number of the station's image it is; `None` when all is off because no image may be used. Told with
+    /// the inputs, so that the station knows which of its outputs they were taken under.
+    pub image: Option<(u64, u64)>,
 }
 
 #[derive(Clone, Copy, Debug)]
@@ -47,11 +61,13 @@ impl Gateway {
     }
 
     /// What to energise for a station whose devices have been lost `losses` times: its image, or all off.
-    pub fn outputs(&self, now: Tick, station: StationId, losses: u64) -> u128 {
+    pub fn in_force(&self, now: Tick, station: StationId, losses: u64) -> InForce {
         match self.stations.get(station.index()).copied().flatten() {
-            Some(held) if now < held.until && held.image.valid && held.image.losses == losses => held.image.bits,
+            Some(held) if now < held.until && held.image.valid && held.image.losses == losses => {
+                InForce { bits: held.image.bits, image: Some((held.image.boot_id, held.image.number)) }
+            }
             // Silence, an image nobody vouches for, or one decided before a loss: off is the safe state.
-            Some(_) | None => 0,
+            Some(_) | None => InForce::default(),
         }
     }
 
@@ -73,24 +89,24 @@ mod tests {
         gateway
     }
 
-    const ON: OutputImage = OutputImage { bits: 5, valid: true, losses: 2 };
+    const ON: OutputImage = OutputImage { bits: 5, valid: true, losses: 2, boot_id: 7, number: 4 };
 
     #[test]
     fn a_fresh_image_is_energised_and_a_stale_one_is_not() {
         let gateway = heard_at_zero(ON);
-        assert_eq!(gateway.outputs(Tick::from_millis(249), STATION, 2), 5);
-        assert_eq!(gateway.outputs(Tick::from_millis(250), STATION, 2), 0);
+        assert_eq!(gateway.in_force(Tick::from_millis(249), STATION, 2).bits, 5);
+        assert_eq!(gateway.in_force(Tick::from_millis(250), STATION, 2).bits, 0);
         assert_eq!(gateway.next_deadline(Tick::ZERO), Some(Tick::from_millis(250)));
     }
 
     #[test]
     fn an_image_decided_before_a_loss_is_not_energised_after_it() {
-        assert_eq!(heard_at_zero(ON).outputs(Tick::ZERO, STATION, 3), 0);
+        assert_eq!(heard_at_zero(ON).in_force(Tick::ZERO, STATION, 3).bits, 0);
     }
 
     #[test]
     fn an_image_nobody_vouches_for_and_a_station_never_heard_are_off() {
-        assert_eq!(heard_at_zero(OutputImage { valid: false, ..ON }).outputs(Tick::ZERO, STATION, 2), 0);
-        assert_eq!(Gateway::new(1, Duration::from_secs(1)).outputs(Tick::ZERO, STATION, 0), 0);
+        assert_eq!(heard_at_zero(OutputImage { valid: false, ..ON }).in_force(Tick::ZERO, STATION, 2).bits, 0);
+        assert_eq!(Gateway::new(1, Duration::from_secs(1)).in_force(Tick::ZERO, STATION, 0).bits, 0);
     }
 }

@@ -12,5 +12,5 @@ mod refusal;
 
 pub use coordinator::{Coordinator, Heard, Input, Order, Outbox};
 pub use decision::Command;
-pub use gateway::{Gateway, OutputImage};
+pub use gateway::{Gateway, InForce, OutputImage};
 pub use refusal::{Reason, Refusal};

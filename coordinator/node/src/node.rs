@@ -3,7 +3,7 @@
 use std::path::PathBuf;
 use std::time::Duration;
 
-use linewright_coordinator_logic::{Command, Coordinator, Gateway, Heard, Input, Outbox, OutputImage};
+use linewright_coordinator_logic::{Command, Coordinator, Gateway, Heard, InForce, Input, Outbox, OutputImage};
 use linewright_fieldbus::{Bus as CanBus, BusError, Clock, Driver, Event as BusEvent, Manager, ManagerError};
 use linewright_line::net::ControlMode;
 use linewright_line::{Bus, Line, Owner, StationId, Tick};
@@ -109,7 +109,7 @@ struct Behind {
     /// What the bus was last told to put out, and in which life of the devices.
     put: Option<(u128, u64)>,
     /// What the station was last told of its inputs.
-    told: Option<(u128, bool, u64)>,
+    told: Option<(u128, bool, u64, Option<(u64, u64)>)>,
 }
 
 /// How often the mode is told in words when it does not change.
@@ -123,7 +123,7 @@ struct Shell {
     outbox: Outbox,
     driver: Driver,
     journal: Option<Journal>,
-    journaled: u64,
+    journaled: Remembered,
     says: Says,
     from: mpsc::Receiver<Arrived>,
     tasks: Vec<Forward>,
@@ -147,14 +147,16 @@ struct Shell {
 impl Shell {
     fn start(options: Options, participant: &Participant) -> Result<Self, NodeError> {
         let Options { line, interface, state_dir, bus, clock } = options;
-        let (journal, last_epoch) = match state_dir {
+        let (journal, record) = match state_dir {
             Some(dir) => {
                 let path = dir.join("coordinator.journal");
                 let (journal, record) = Journal::open(&path)?;
-                (Some(journal), record.map(|record| epoch_of(&record, path)).transpose()?)
+                (Some(journal), record.map(|record| remembered(&record, path)).transpose()?)
             }
             None => (None, None),
         };
+        let remembered = record.unwrap_or_default();
+        let coordinator = Coordinator::new(line.clone(), remembered.epoch);
         let bus = CanBus::open(&interface, &bus)?;
         tracing::info!("line devices on {}", bus.describe());
         let devices = line.devices.iter().filter(|device| device.bus == Bus::Line);
@@ -163,12 +165,12 @@ impl Shell {
         let (says, from, tasks) = open(&mut node, &line)?;
         let on_line_bus = line.station_ids().filter(|&id| line.station(id).bus == Bus::Line);
         Ok(Shell {
-            coordinator: Coordinator::new(line.clone(), last_epoch.unwrap_or(0)),
+            coordinator: if remembered.estop { coordinator.with_estop() } else { coordinator },
             gateway: Gateway::new(line.stations.len(), line.timing.stale),
             outbox: Outbox::default(),
             driver,
             journal,
-            journaled: 0,
+            journaled: Remembered::default(),
             says,
             from,
             tasks,
@@ -246,7 +248,13 @@ impl Shell {
             Arrived::Outputs(station, message) => {
                 let Some(behind) = self.behind.iter_mut().find(|b| b.station == station) else { return };
                 if behind.newest.offer(message.boot_id, message.sequence).is_newest() {
-                    let image = OutputImage { bits: message.word(), valid: message.valid, losses: message.lives };
+                    let image = OutputImage {
+                        bits: message.word(),
+                        valid: message.valid,
+                        losses: message.lives,
+                        boot_id: message.boot_id,
+                        number: message.number,
+                    };
                     self.gateway.hear(now, station, image);
                 }
             }
@@ -311,12 +319,12 @@ impl Shell {
     }
 
     fn remember(&mut self) -> Result<(), NodeError> {
-        let epoch = self.coordinator.epoch();
+        let now = Remembered { epoch: self.coordinator.epoch(), estop: self.coordinator.is_estopped() };
         if let Some(journal) = &mut self.journal
-            && self.journaled != epoch
+            && self.journaled != now
         {
-            journal.write(epoch.to_string().as_bytes())?;
-            self.journaled = epoch;
+            journal.write(format!("epoch {} {}", now.epoch, if now.estop { "estop" } else { "-" }).as_bytes())?;
+            self.journaled = now;
         }
         Ok(())
     }
@@ -329,13 +337,13 @@ impl Shell {
             let owner = Owner::Station(behind.station);
             let image = self.driver.inputs(owner);
             let lives = self.boot_id.wrapping_add(u64::from(image.losses));
-            let outputs = if stopped { 0 } else { self.gateway.outputs(now, behind.station, lives) };
+            let in_force = if stopped { InForce::default() } else { self.gateway.in_force(now, behind.station, lives) };
             // After a loss the bus has forgotten what it was told, so it is told again.
-            if behind.put != Some((outputs, lives)) {
-                self.driver.set_outputs(owner, outputs);
-                behind.put = Some((outputs, lives));
+            if behind.put != Some((in_force.bits, lives)) {
+                self.driver.set_outputs(owner, in_force.bits);
+                behind.put = Some((in_force.bits, lives));
             }
-            let news = (image.bits, image.valid, lives);
+            let news = (image.bits, image.valid, lives, in_force.image);
             if due || behind.told != Some(news) {
                 behind.told = Some(news);
                 if let Some(publisher) = &self.says.inputs[behind.station.index()] {
@@ -346,6 +354,8 @@ impl Shell {
                         sequence: self.image_sequence,
                         valid: image.valid,
                         lives,
+                        number: in_force.image.map_or(0, |(_, number)| number),
+                        number_boot_id: in_force.image.map_or(0, |(boot_id, _)| boot_id),
                         ..ProcessImage::default()
                     };
                     message.set_word(image.bits);
@@ -406,7 +416,22 @@ impl Shell {
     }
 }
 
-fn epoch_of(record: &[u8], path: PathBuf) -> Result<u64, NodeError> {
-    let text = std::str::from_utf8(record).ok();
-    text.and_then(|text| text.parse().ok()).ok_or(NodeError::Record { path })
+/// What the coordinator's journal holds.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
+struct Remembered {
+    /// The highest epoch used.
+    epoch: u64,
+    /// The emergency stop was on.
+    estop: bool,
+}
+
+fn remembered(record: &[u8], path: PathBuf) -> Result<Remembered, NodeError> {
+    let words: Option<Vec<&str>> = std::str::from_utf8(record).ok().map(|text| text.split(' ').collect());
+    match words.as_deref() {
+        Some(["epoch", number, latch @ ("estop" | "-")]) => {
+            let epoch = number.parse().map_err(|_| NodeError::Record { path })?;
+            Ok(Remembered { epoch, estop: *latch == "estop" })
+        }
+        _ => Err(NodeError::Record { path }),
+    }
 }

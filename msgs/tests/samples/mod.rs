@@ -66,6 +66,8 @@ pub fn process_image() -> ProcessImage {
         boot_id: 5,
         sequence: 6,
         lives: 3,
+        number: 9,
+        number_boot_id: 10,
         valid: true,
         bits: Bounded::new((0..16).collect()).expect("sixteen fit"),
     }

@@ -35,9 +35,9 @@ impl Controller {
         for token in self.tokens() {
             let place = &self.program.places[token.place as usize];
             let moves = place.place.is_operating();
-            let flags = if moves { [token.left_start, token.driven] } else { [false; 2] };
+            let flags = if moves { [token.left_start, token.driven, token.awaits_image] } else { [false; 3] };
             let run = if moves { token.run as i64 } else { 0 };
-            out.extend([i64::from(token.place), run, i64::from(flags[0]), i64::from(flags[1])]);
+            out.extend([i64::from(token.place), run, i64::from(flags[0]), i64::from(flags[1]), i64::from(flags[2])]);
         }
         let relative = |count: i32| i64::from(count) - i64::from(origin);
         out.extend([-1, relative(self.cycle), self.path.map_or(-1, |op| i64::from(op.0))]);

@@ -11,7 +11,7 @@ use linewright_node_shell::{
     Forward, Journal, JournalError, NewestBySequence, OpenError, Participant, TopicError, fresh_boot_id, stamp,
 };
 use linewright_station_logic::{
-    CompileError, Controller, Event, Happening, Input, ModeOrder as Order, Outbox, PanelCommand, Restore,
+    CompileError, Controller, Event, Happening, Input, ModeOrder as Order, NO_DELAY, Outbox, PanelCommand, Restore,
 };
 use thiserror::Error;
 use tokio::sync::{mpsc, watch};
@@ -250,7 +250,8 @@ impl Shell {
             Arrived::Inputs(message) => {
                 if self.images.offer(message.boot_id, message.sequence).is_newest() {
                     let until = self.clock.now() + stale;
-                    self.image(message.word(), message.valid, message.lives, until);
+                    let under = if message.number_boot_id == self.boot_id { message.number } else { 0 };
+                    self.image(message.word(), message.valid, message.lives, until, under);
                 }
             }
             Arrived::Selector(text) => match text.trim() {
@@ -274,19 +275,19 @@ impl Shell {
         }
         if let Some(driver) = &self.driver {
             let image = driver.inputs(owner);
-            self.image(image.bits, image.valid, u64::from(image.losses), Tick::NEVER);
+            self.image(image.bits, image.valid, u64::from(image.losses), Tick::NEVER, NO_DELAY);
         }
     }
 
-    fn image(&mut self, bits: u128, valid: bool, lives: u64, until: Tick) {
+    fn image(&mut self, bits: u128, valid: bool, lives: u64, until: Tick, under: u64) {
         if self.lives != lives {
             // A loss shorter than our scan: the devices have started over, so the controller must see it.
             self.lives = lives;
-            self.handle(Input::Inputs { bits: 0, valid: false, until: Tick::NEVER });
+            self.handle(Input::Inputs { bits: 0, valid: false, until: Tick::NEVER, under });
             let now = self.clock.now();
             self.controller.step(now, &mut self.outbox);
         }
-        self.handle(Input::Inputs { bits, valid, until });
+        self.handle(Input::Inputs { bits, valid, until, under });
     }
 
     /// Steps the controller and performs its outbox: remember, drive, tell.
@@ -333,6 +334,7 @@ impl Shell {
                 sequence: self.image_sequence,
                 valid: true,
                 lives: self.lives,
+                number: self.outbox.number,
                 ..ProcessImage::default()
             };
             image.set_word(outputs);
