@@ -431,6 +431,14 @@ fn recovery_paths() {
             "reversible operations",
         ),
         (
+            &[(
+                "name = \"turn back\"\nwith = \"open\"\nmodule = \"R\"",
+                "name = \"turn back\"\nrecovery_path = [«\"grip\"]\nmodule = \"I\"",
+            )],
+            "`grip` runs side by side with others",
+            "one operation at a time",
+        ),
+        (
             &[("[\"approach\"]", "«[\"retract\"]")],
             "the recovery path of `stroke` leaves `slide` at 80",
             "at home `slide` stands at 0",

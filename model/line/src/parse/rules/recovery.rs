@@ -42,6 +42,11 @@ pub(super) fn paths_are_reversible_and_earlier(station: &DraftStation<'_>, repor
                 );
             } else if seen.contains(&step.value) {
                 report.add(problem(format!("`{}` is twice on one recovery path", other.name)).label("again"));
+            } else if station.steps.get(station.step_of(step.value)).is_some_and(|step| step.len() > 1) {
+                report.add(
+                    problem(format!("`{}` runs side by side with others", other.name))
+                        .hint("a recovery path moves one operation at a time; take a group back in manual instead"),
+                );
             } else if let (Some(this), Some(that)) =
                 (station.steps_since_home(op), station.steps_since_home(step.value))
                 && that >= this
