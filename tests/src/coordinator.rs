@@ -41,12 +41,13 @@ pub(crate) struct Said {
 }
 
 impl CoordinatorNode {
-    pub(crate) fn start(now: Tick, line: &Line, boot_id: u64, last_epoch: u64) -> Self {
+    pub(crate) fn start(now: Tick, line: &Line, boot_id: u64, last_epoch: u64, estopped: bool) -> Self {
         let on_line = line.devices.iter().filter(|device| device.bus == Bus::Line);
         let manager = Manager::new(on_line, line.timing).unwrap_or_else(|error| panic!("a test's devices: {error}"));
         let stations = line.stations.len();
+        let coordinator = Coordinator::new(line.clone(), last_epoch);
         CoordinatorNode {
-            coordinator: Coordinator::new(line.clone(), last_epoch),
+            coordinator: if estopped { coordinator.with_estop() } else { coordinator },
             gateway: Gateway::new(stations, line.timing.stale),
             manager,
             bus: Frames::default(),
@@ -90,8 +91,8 @@ impl CoordinatorNode {
                 self.coordinator.handle(now, Input::Station(id, heard(report)));
             }
             (Node::Station(id), Message::Outputs(image)) => {
-                let Image { bits, valid, losses, .. } = *image;
-                self.gateway.hear(now, id, OutputImage { bits, valid, losses });
+                let Image { bits, valid, losses, under, .. } = *image;
+                self.gateway.hear(now, id, OutputImage { bits, valid, losses, boot_id: under.0, number: under.1 });
                 self.energise(now, id);
             }
             (_, Message::Command(command)) => {
@@ -113,7 +114,7 @@ impl CoordinatorNode {
     fn energise(&mut self, now: Tick, station: StationId) {
         let owner = Owner::Station(station);
         let losses = self.losses(now, station);
-        let outputs = self.gateway.outputs(now, station, losses);
+        let outputs = self.gateway.in_force(now, station, losses).bits;
         self.manager.set_outputs(now, owner, outputs, &mut self.bus);
     }
 
@@ -125,7 +126,8 @@ impl CoordinatorNode {
     fn say_inputs(&mut self, now: Tick, station: StationId, said: &mut Said) {
         let inputs = self.manager.inputs(now, Owner::Station(station));
         let (boot_id, sequence, losses) = (self.boot_id, self.number(), self.losses(now, station));
-        let image = Image { boot_id, sequence, bits: inputs.bits, valid: inputs.valid, losses };
+        let under = self.gateway.in_force(now, station, losses).image.unwrap_or_default();
+        let image = Image { boot_id, sequence, bits: inputs.bits, valid: inputs.valid, losses, under };
         said.messages.push((Node::Station(station), Message::Inputs(image)));
     }
 

@@ -38,6 +38,9 @@ pub struct Image {
     pub valid: bool,
     /// How often the devices have been lost.
     pub losses: u64,
+    /// Outputs: the number of this image. Inputs: which life of the station, and which image of it, they were taken
+    /// under.
+    pub under: (u64, u64),
 }
 
 /// What is said.

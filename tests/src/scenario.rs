@@ -146,15 +146,16 @@ impl Sim {
     pub fn kill_coordinator(&mut self) {
         self.act("coordinator killed".to_owned());
         if let Some(node) = self.coordinator.take() {
-            self.last_epoch = self.last_epoch.max(node.coordinator.epoch());
+            self.journal = (self.journal.0.max(node.coordinator.epoch()), node.coordinator.is_estopped());
         }
     }
 
-    /// Starts a coordinator that remembers the last epoch of the one before, or does not.
+    /// Starts a coordinator that has the journal of the one before, or has lost it.
     pub fn restart_coordinator(&mut self, remembers: bool) {
         if self.coordinator.is_none() {
             self.act(format!("coordinator restarted, remembers its epoch: {remembers}"));
-            self.start_coordinator(if remembers { self.last_epoch } else { 0 });
+            let (last_epoch, estopped) = if remembers { self.journal } else { (0, false) };
+            self.start_coordinator(last_epoch, estopped);
         }
     }
 
@@ -270,7 +271,9 @@ impl Sim {
             None => format!("{}: down\n", self.line.station(id).name),
         };
         let mode = self.coordinator.as_ref().map_or("down".to_owned(), |node| node.coordinator.text());
-        self.line.station_ids().map(station).collect::<String>() + &format!("line: {mode}\n")
+        let positions = self.positions();
+        self.line.station_ids().map(station).collect::<String>()
+            + &format!("line: {mode}\naxes stand at {positions:.1?}\n")
     }
 }
 

@@ -42,8 +42,8 @@ pub struct Sim {
     readers: Vec<Vec<Node>>,
     pub(crate) coordinator: Option<CoordinatorNode>,
     coordinator_wake: Tick,
-    /// The highest epoch a coordinator was killed with.
-    pub(crate) last_epoch: u64,
+    /// What a coordinator's journal holds: the highest epoch, and whether the emergency stop was on.
+    pub(crate) journal: (u64, bool),
     pub(crate) next_boot: u64,
     pub(crate) log: Log,
     pub(crate) ledger: Ledger,
@@ -81,7 +81,7 @@ impl Sim {
             readers: line.station_ids().map(|station| readers_of(line, station)).collect(),
             coordinator: None,
             coordinator_wake: Tick::NEVER,
-            last_epoch: 0,
+            journal: (0, false),
             next_boot: 1,
             log: Log::default(),
             ledger: Ledger::new(line),
@@ -99,15 +99,15 @@ impl Sim {
             sim.stations.push(Process::Running(Box::new(node)));
             sim.wake(Node::Station(station), Tick::ZERO);
         }
-        sim.start_coordinator(0);
+        sim.start_coordinator(0, false);
         sim.wake_field();
         sim
     }
 
-    /// Starts a coordinator whose epochs begin above `last_epoch`.
-    pub(crate) fn start_coordinator(&mut self, last_epoch: u64) {
+    /// Starts a coordinator whose epochs begin above `last_epoch`, and that knows whether the line was stopped.
+    pub(crate) fn start_coordinator(&mut self, last_epoch: u64, estopped: bool) {
         let boot_id = self.boot_id();
-        self.coordinator = Some(CoordinatorNode::start(self.now, &self.line, boot_id, last_epoch));
+        self.coordinator = Some(CoordinatorNode::start(self.now, &self.line, boot_id, last_epoch, estopped));
         self.wake(Node::Coordinator, self.now);
     }
 
@@ -350,7 +350,7 @@ impl Sim {
 
     /// Ends the run with what a person needs to understand it.
     pub(crate) fn give_up(&self, why: &str) -> ! {
-        let tail = self.log.tail(&self.line, 60);
+        let tail = self.log.tail(&self.line, 120);
         let states = self.states_text();
         panic!("{why}\nat {} with seed {}\n{tail}{states}", self.now, self.seed);
     }

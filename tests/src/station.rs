@@ -108,14 +108,17 @@ impl StationNode {
         let until = now + self.stale;
         // Lost and back between two images: the controller must see the loss.
         if self.losses.is_some_and(|losses| losses != image.losses) && image.valid {
-            self.controller.handle(now, Input::Inputs { bits: 0, valid: false, until });
+            self.controller.handle(now, Input::Inputs { bits: 0, valid: false, until, under: 0 });
             let mut unseen = Outbox::default();
             self.controller.step(now, &mut unseen);
             self.outbox.changed |= unseen.changed;
             self.outbox.events.append(&mut unseen.events);
         }
         self.losses = Some(image.losses);
-        self.controller.handle(now, Input::Inputs { bits: image.bits, valid: image.valid, until });
+        // Numbers of a life before this one mean nothing to it.
+        let (life, number) = image.under;
+        let under = if life == self.boot_id { number } else { 0 };
+        self.controller.handle(now, Input::Inputs { bits: image.bits, valid: image.valid, until, under });
     }
 
     /// Plays the controller one step further and says what there is to say.
@@ -142,7 +145,8 @@ impl StationNode {
             self.outputs = self.outbox.outputs;
             self.outputs_losses = losses;
             let sequence = self.number();
-            let image = Image { boot_id: self.boot_id, sequence, bits: self.outputs, valid: true, losses };
+            let under = (self.boot_id, self.outbox.number);
+            let image = Image { boot_id: self.boot_id, sequence, bits: self.outputs, valid: true, losses, under };
             said.messages.push((Node::Coordinator, Message::Outputs(image)));
         }
         if due || changed {

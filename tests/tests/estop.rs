@@ -97,3 +97,25 @@ fn an_emergency_stop_outlives_the_coordinator_that_gave_it() {
         assert_eq!(sim.positions(), stands);
     }
 }
+
+#[test]
+fn replacing_the_coordinator_is_no_way_out_of_an_emergency_stop() {
+    for reset in [false, true] {
+        let mut sim = Sim::new(&transfer_line(1.0), 2);
+        sim.start();
+        sim.order(Command::EStop);
+        if reset {
+            sim.order(Command::Reset);
+        }
+        sim.run_for(Duration::from_millis(100));
+        sim.kill_coordinator();
+        sim.restart_coordinator(true);
+        sim.settle();
+        assert!(sim.ask(Command::Start).is_err() && sim.ask(Command::Auto).is_err());
+        assert_eq!(sim.mode(), Some(ControlMode::EStop));
+        sim.order(Command::Reset);
+        sim.go_manual();
+        sim.back_to_auto();
+        sim.run_until_done("mill_1", "reset main slide", 2);
+    }
+}

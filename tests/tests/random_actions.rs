@@ -31,6 +31,7 @@ impl World {
         let line = transfer_line_with(if rng.chance(200) { 2 } else { 1 }, *rng.pick(&[0.1, 0.3, 1.0]));
         let mut sim = Sim::with(&line, seed, Conditions::QUIET, 0.1);
         sim.conditions(if rng.chance(400) { Conditions::ROUGH } else { Conditions::QUIET });
+        sim.image_conditions(if rng.chance(300) { Conditions::ROUGH } else { Conditions::QUIET });
         let stations = line.station_ids().collect();
         World { sim, rng, stations, broken: Vec::new(), unplugged: Vec::new() }
     }
@@ -82,7 +83,7 @@ impl World {
             79..82 => match self.rng.below(3) {
                 0 => self.sim.kill_station(station),
                 1 => self.sim.kill_station_at_its_next_record(station),
-                _ => self.sim.restart_station(station),
+                _ => self.up_again(),
             },
             82..84 => self.sim.kill_coordinator(),
             84..89 => self.up_again(),
@@ -133,10 +134,11 @@ impl World {
 
     /// Starts what is down. No process comes back within a message's way: see `known_gaps.rs`.
     fn up_again(&mut self) {
+        let down: Vec<StationId> = self.stations.iter().copied().filter(|&id| !self.sim.is_running(id)).collect();
         self.sim.run_for(Duration::from_millis(50));
         let remembers = self.rng.chance(500);
         self.sim.restart_coordinator(remembers);
-        for station in self.stations.clone() {
+        for station in down {
             self.sim.restart_station(station);
         }
     }
@@ -146,6 +148,7 @@ impl World {
         self.sim.heal();
         self.sim.freeze_fingers(false);
         self.sim.conditions(Conditions::QUIET);
+        self.sim.image_conditions(Conditions::QUIET);
         self.repair_motions();
         self.plug_in();
         self.sim.wire(Owner::Console, "ES_pressed", None);
@@ -154,10 +157,12 @@ impl World {
             self.sim.release(station, true);
             self.sim.release(station, false);
         }
+        for station in self.stations.clone() {
+            self.sim.spare_station(station);
+        }
         self.up_again();
         for station in self.stations.clone() {
             let name = self.name(station);
-            self.sim.spare_station(station);
             self.sim.selector(&name, false);
         }
         self.sim.run_for(Duration::from_secs(3));
