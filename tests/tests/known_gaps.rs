@@ -3,13 +3,7 @@
 //! Each is a minimal story that fails; `cargo test -p linewright-tests --test known_gaps -- --ignored` shows them.
 //! Whoever closes a gap takes the `ignore` off and moves the story to its neighbours.
 
-use std::time::Duration;
-
-use linewright_line::net::{ControlMode, Place};
-use linewright_line::{OpId, Tick};
 use linewright_node_shell::NewestBySequence;
-use linewright_station_logic::{Controller, Input, ModeOrder, Outbox, PanelCommand, Restore};
-use linewright_tests::transfer_line;
 
 /// A writer that is restarted within the time a message is on its way, and a reader that does not know its earlier
 /// life (it has just been started itself, or that life was a short one): the last word of the earlier life comes after
@@ -22,62 +16,4 @@ fn the_last_word_of_a_short_life_does_not_deafen_its_readers() {
     assert!(newest.offer(3, 1).is_newest());
     newest.offer(2, 1);
     assert!(newest.offer(3, 2).is_newest(), "the writer that lives is heard");
-}
-
-/// A clamp that stands half open is opened, taken back and opened again, faster than its images come. The one at hand
-/// is from before all that and shows the switch off; the next one is from the end of the *first* opening and shows it
-/// on. Off and then on looks like an arrival, but neither was taken under the outputs of the motion they are judged for:
-/// the clamp has closed again in between. (With 150 ms between gateway and station, one seed in some ten thousand of
-/// `three_operators_at_three_panels_at_once` lifts the bar under it: 10947.)
-///
-/// An image older than the motion may neither end it nor count as having seen the switch off.
-#[test]
-#[ignore = "a motion takes note of a switch seen off in an image from before it"]
-fn neither_off_nor_on_counts_in_an_image_from_before_the_motion() {
-    let line = transfer_line(1.0);
-    let clamp = line.station_named("clamp_1").expect("a clamp");
-    let described = line.station(clamp);
-    let (open, advance) = (OpId(0), OpId(1));
-    let mut controller = Controller::new(&line, clamp, 1, Restore::Fresh).expect("it compiles");
-    let mut snapshot = controller.snapshot();
-    snapshot.marking = vec![Place::incomplete(open)];
-    (snapshot.cycle, snapshot.done, snapshot.started) = (2, vec![1, 1], vec![2, 1]);
-    assert_eq!(described.operations[advance.index()].name, "advance clamp");
-    controller = Controller::new(&line, clamp, 2, Restore::From(snapshot)).expect("it compiles");
-
-    let is_open = 1 << described.operations[open.index()].normal.complete.0;
-    let mut out = Outbox::default();
-    let mut now = Tick::from_millis(1000);
-    let mut tell = |input: Input<'_>| {
-        now = now + Duration::from_millis(5);
-        controller.handle(now, input);
-        controller.step(now, &mut out);
-        (controller.marking().collect::<Vec<_>>(), out.number)
-    };
-    let image = |bits: u128, under: u64| Input::Inputs { bits, valid: true, until: Tick::NEVER, under };
-    let order = ModeOrder {
-        boot_id: 1,
-        epoch: 1,
-        mode: ControlMode::Manual,
-        enabled: true,
-        master_stop: None,
-        manual_all: true,
-        buttons: 0,
-        lease: Duration::from_secs(10),
-    };
-    tell(Input::Order(order));
-    tell(image(0, 0));
-    let press = |advance: bool, held: bool| {
-        Input::Panel(if advance { PanelCommand::Advance(held) } else { PanelCommand::Retract(held) })
-    };
-    let (opening, first) = tell(press(true, true));
-    assert_eq!(opening, [Place::operating(open)]);
-    tell(press(true, false));
-    assert_eq!(tell(press(false, true)).0, [Place::undoing(open)], "it closes again");
-    tell(press(false, false));
-    let (opening, last) = tell(press(true, true));
-    assert_eq!(opening, [Place::operating(open)]);
-
-    assert_eq!(tell(image(is_open, first)).0, [Place::operating(open)], "that was the first opening");
-    assert_eq!(tell(image(is_open, last)).0, [Place::completed(open)], "this is the last");
 }

@@ -51,7 +51,7 @@ pub const NO_DELAY: u64 = u64::MAX;
 pub struct Outbox {
     /// The output image: bit `i` is output `i` of the description.
     pub outputs: u128,
-    /// Grows with every change of the output image.
+    /// Grows with every change of the output image, and with every motion that begins.
     pub number: u64,
     /// The report differs from that of the step before: send it.
     pub changed: bool,

@@ -21,6 +21,7 @@ impl Controller {
         }
         let mode = self.commands.mode();
         let number = self.output_number + 1;
+        let mut begun = false;
         for index in 0..self.token_count {
             let token = &mut self.tokens[index];
             let table = &self.program.places[token.place as usize];
@@ -30,6 +31,7 @@ impl Controller {
                 (false, true) => {
                     token.deadline = self.now + token.remaining;
                     token.driven_since = number;
+                    begun = true;
                 }
                 (true, false) => token.remaining = token.deadline.since(self.now),
                 (true, true) | (false, false) => {}
@@ -42,7 +44,8 @@ impl Controller {
             outputs |= table.lamp;
             self.watched |= table.complete | table.fault;
         }
-        if outputs != self.outputs {
+        // A motion that begins is a new image even if it drives what was driven before: inputs are asked for under it.
+        if begun || outputs != self.outputs {
             self.outputs = outputs;
             self.output_number = number;
         }

@@ -6,7 +6,7 @@
 use linewright_line::net::{ControlMode, Kind, Stage};
 use linewright_line::{BRANCHES_MAX, Tick};
 
-use crate::controller::{Controller, Outbox, Run};
+use crate::controller::{Controller, NO_DELAY, Outbox, Run};
 use crate::event::{Cause, Happening};
 use crate::program::{Causal, Row, bit};
 use crate::withdraw::{Pending, Standing};
@@ -200,12 +200,13 @@ impl Controller {
         let token = &mut self.tokens[index];
         let table = &self.program.places[token.place as usize];
         let on = self.inputs & table.complete != 0;
-        if token.awaits_image && token.driven && self.inputs_under >= token.driven_since {
-            token.awaits_image = false;
-            token.left_start = true;
+        // An image from before this motion says nothing about it, neither that its switch was off nor that it is on.
+        let own = self.inputs_under == NO_DELAY || (token.driven_since != 0 && self.inputs_under >= token.driven_since);
+        if own {
+            token.left_start |= !on || (token.awaits_image && token.driven);
+            token.awaits_image &= !token.driven;
         }
-        token.left_start |= !on;
-        let mut bits = if on && token.left_start { bit::ARRIVED } else { 0 };
+        let mut bits = if on && own && token.left_start { bit::ARRIVED } else { 0 };
         let late = token.driven && self.now >= token.deadline;
         if !self.devices_valid || late || self.inputs & table.fault != 0 {
             bits |= bit::FAULT;

@@ -120,6 +120,9 @@ struct Shell {
     clock: Clock,
     controller: Controller,
     outbox: Outbox,
+    unperformed: bool,
+    /// Which outputs were last sent: their number, and the life of the devices.
+    driven: Option<(u64, u64)>,
     driver: Option<Driver>,
     journal: Option<Journal>,
     says: Says,
@@ -178,6 +181,8 @@ impl Shell {
             clock,
             controller,
             outbox: Outbox::default(),
+            unperformed: false,
+            driven: None,
             driver,
             journal,
             says,
@@ -286,6 +291,8 @@ impl Shell {
             self.handle(Input::Inputs { bits: 0, valid: false, until: Tick::NEVER, under });
             let now = self.clock.now();
             self.controller.step(now, &mut self.outbox);
+            // What this step has changed is performed after the one that follows.
+            self.unperformed |= self.outbox.changed;
         }
         self.handle(Input::Inputs { bits, valid, until, under });
     }
@@ -293,9 +300,8 @@ impl Shell {
     /// Steps the controller and performs its outbox: remember, drive, tell.
     fn act(&mut self) {
         let now = self.clock.now();
-        let before = self.outbox.outputs;
         self.controller.step(now, &mut self.outbox);
-        let changed = std::mem::take(&mut self.outbox.changed);
+        let changed = std::mem::take(&mut self.outbox.changed) | std::mem::take(&mut self.unperformed);
         if changed && let Some(journal) = &mut self.journal {
             let record = to_record(&self.line, self.station, &self.controller.snapshot());
             if let Err(error) = journal.write(&record) {
@@ -306,7 +312,8 @@ impl Shell {
             }
         }
         let due = now >= self.refresh_due;
-        self.drive(self.outbox.outputs, due || before != self.outbox.outputs);
+        let outputs = self.outbox.outputs;
+        self.drive(outputs, due || self.driven != Some((self.outbox.number, self.lives)));
         if changed || due {
             self.tell_state(now);
         }
@@ -323,6 +330,7 @@ impl Shell {
         if !send {
             return;
         }
+        self.driven = Some((self.outbox.number, self.lives));
         if let Some(driver) = &mut self.driver {
             driver.set_outputs(Owner::Station(self.station), outputs);
         }

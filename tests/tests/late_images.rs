@@ -1,0 +1,65 @@
+//! Input images that are late: what a motion may conclude from one that is older than itself. Nothing.
+
+use std::time::Duration;
+
+use linewright_line::net::{ControlMode, Place};
+use linewright_line::{OpId, Tick};
+use linewright_station_logic::{Controller, Input, ModeOrder, Outbox, PanelCommand, Restore};
+use linewright_tests::transfer_line;
+
+/// A clamp that stands half open is opened, taken back and opened again, faster than its images come. The one at hand
+/// is from before all that and shows the switch off; the next one is from the end of the *first* opening and shows it
+/// on. Off and then on looks like an arrival, but neither was taken under the outputs of the motion they are judged for:
+/// the clamp has closed again in between. (With 150 ms between gateway and station, one seed in some ten thousand of
+/// `three_operators_at_three_panels_at_once` lifts the bar under it: 10947.)
+///
+/// An image older than the motion may neither end it nor count as having seen the switch off.
+#[test]
+fn neither_off_nor_on_counts_in_an_image_from_before_the_motion() {
+    let line = transfer_line(1.0);
+    let clamp = line.station_named("clamp_1").expect("a clamp");
+    let described = line.station(clamp);
+    let (open, advance) = (OpId(0), OpId(1));
+    let mut controller = Controller::new(&line, clamp, 1, Restore::Fresh).expect("it compiles");
+    let mut snapshot = controller.snapshot();
+    snapshot.marking = vec![Place::incomplete(open)];
+    (snapshot.cycle, snapshot.done, snapshot.started) = (2, vec![1, 1], vec![2, 1]);
+    assert_eq!(described.operations[advance.index()].name, "advance clamp");
+    controller = Controller::new(&line, clamp, 2, Restore::From(snapshot)).expect("it compiles");
+
+    let is_open = 1 << described.operations[open.index()].normal.complete.0;
+    let mut out = Outbox::default();
+    let mut now = Tick::from_millis(1000);
+    let mut tell = |input: Input<'_>| {
+        now = now + Duration::from_millis(5);
+        controller.handle(now, input);
+        controller.step(now, &mut out);
+        (controller.marking().collect::<Vec<_>>(), out.number)
+    };
+    let image = |bits: u128, under: u64| Input::Inputs { bits, valid: true, until: Tick::NEVER, under };
+    let order = ModeOrder {
+        boot_id: 1,
+        epoch: 1,
+        mode: ControlMode::Manual,
+        enabled: true,
+        master_stop: None,
+        manual_all: true,
+        buttons: 0,
+        lease: Duration::from_secs(10),
+    };
+    tell(Input::Order(order));
+    tell(image(0, 0));
+    let press = |advance: bool, held: bool| {
+        Input::Panel(if advance { PanelCommand::Advance(held) } else { PanelCommand::Retract(held) })
+    };
+    let (opening, first) = tell(press(true, true));
+    assert_eq!(opening, [Place::operating(open)]);
+    tell(press(true, false));
+    assert_eq!(tell(press(false, true)).0, [Place::undoing(open)], "it closes again");
+    tell(press(false, false));
+    let (opening, last) = tell(press(true, true));
+    assert_eq!(opening, [Place::operating(open)]);
+
+    assert_eq!(tell(image(is_open, first)).0, [Place::operating(open)], "that was the first opening");
+    assert_eq!(tell(image(is_open, last)).0, [Place::completed(open)], "this is the last");
+}
