@@ -11,7 +11,7 @@ use linewright_msgs::{LineState, ModeOrder, ProcessImage, Text};
 use linewright_node_shell::{
     Forward, Journal, JournalError, NewestBySequence, OpenError, Participant, TopicError, fresh_boot_id, stamp,
 };
-use linewright_station_node::{mode_to_code, report_from_message};
+use linewright_station_node::{mode_to_code, quoted, report_from_message};
 use thiserror::Error;
 use tokio::sync::{mpsc, watch};
 
@@ -101,6 +101,10 @@ pub async fn run(
     Ok(())
 }
 
+/// Inputs as told: the bits, whether they are valid, in which life of the devices, and the outputs (boot id and
+/// sequence) they were taken under.
+type Told = (u128, bool, u64, Option<(u64, u64)>);
+
 /// A station behind the gateway.
 struct Behind {
     station: StationId,
@@ -109,7 +113,7 @@ struct Behind {
     /// What the bus was last told to put out, and in which life of the devices.
     put: Option<(u128, u64)>,
     /// What the station was last told of its inputs.
-    told: Option<(u128, bool, u64, Option<(u64, u64)>)>,
+    told: Option<Told>,
 }
 
 /// How often the mode is told in words when it does not change.
@@ -220,7 +224,7 @@ impl Shell {
                 }
                 None => {
                     let known: Vec<&str> = Command::ALL.iter().map(|command| command.name()).collect();
-                    self.refuse(format!("'{}' is no command; commands are {}", word.trim(), known.join(", ")));
+                    self.refuse(format!("'{}' is no command; commands are {}", quoted(word.trim()), known.join(", ")));
                 }
             },
             Arrived::Buttons(names) => match self.buttons(&names) {
@@ -265,8 +269,8 @@ impl Shell {
         let mut held = 0;
         for name in names.split_whitespace() {
             let index = self.line.buttons.iter().position(|button| button == name);
-            let index =
-                index.ok_or_else(|| format!("'{name}' is no button; buttons are {}", self.line.buttons.join(", ")))?;
+            let known = || self.line.buttons.join(", ");
+            let index = index.ok_or_else(|| format!("'{}' is no button; buttons are {}", quoted(name), known()))?;
             held |= 1 << index;
         }
         Ok(held)

@@ -9,11 +9,13 @@ use linewright_msgs::{Answer as AnswerMessage, StationState};
 use linewright_station_logic::{Answer, Controller, Report, Request};
 use thiserror::Error;
 
+use crate::foreign::quoted;
+
 /// Why a message does not fit the description.
 #[derive(Clone, Debug, PartialEq, Eq, Error)]
 pub enum ConvertError {
     /// No such station.
-    #[error("station '{0}' is not in the description")]
+    #[error("station '{}' is not in the description", quoted(.0))]
     Station(String),
     /// A list has another length than the station has operations.
     #[error("{field} has {has} entries; {station} has {needs} operations")]

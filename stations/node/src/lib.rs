@@ -5,9 +5,11 @@
 //! it would remember after being killed. It decides nothing.
 
 mod convert;
+mod foreign;
 mod journal;
 mod node;
 mod topics;
 
 pub use convert::{ConvertError, mode_from_code, mode_to_code, report_from_message, report_to_message};
+pub use foreign::quoted;
 pub use node::{NodeError, Options, run};

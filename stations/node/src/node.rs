@@ -17,6 +17,7 @@ use thiserror::Error;
 use tokio::sync::{mpsc, watch};
 
 use crate::convert::{mode_from_code, report_from_message, report_to_message};
+use crate::foreign::quoted;
 use crate::journal::{RecordError, from_record, to_record};
 use crate::topics::{Arrived, Says, open};
 
@@ -262,7 +263,7 @@ impl Shell {
             Arrived::Selector(text) => match text.trim() {
                 "manual" => self.handle(Input::Panel(PanelCommand::Selector(true))),
                 "auto" => self.handle(Input::Panel(PanelCommand::Selector(false))),
-                other => self.ignore(format!("selector '{other}': expected auto or manual")),
+                other => self.ignore(format!("selector '{}': expected auto or manual", quoted(other))),
             },
             Arrived::Advance(held) => self.handle(Input::Panel(PanelCommand::Advance(held))),
             Arrived::Retract(held) => self.handle(Input::Panel(PanelCommand::Retract(held))),
