@@ -111,9 +111,12 @@ pub fn station(args: StationArgs, ros: &RosArgs) -> miette::Result<ExitCode> {
     }
     runtime()?.block_on(async {
         let stop = stop_signal(args.common.end_with_stdin);
-        let participant = Participant::open(ros).map_err(|error| miette!("{error}"))?;
         let clock = Clock::start();
-        let nodes = stations.into_iter().map(|station| {
+        // Each station has a participant of its own: on the loopback address nodes that share one do not hear each
+        // other. The DDS library answers there to where a datagram came from, and has no address for itself.
+        let open = |_: &StationId| Participant::open(ros).map_err(|error| miette!("{error}"));
+        let participants = stations.iter().map(open).collect::<miette::Result<Vec<_>>>()?;
+        let nodes = stations.into_iter().zip(&participants).map(|(station, participant)| {
             let options = linewright_station_node::Options {
                 line: line.clone(),
                 station,
@@ -121,7 +124,7 @@ pub fn station(args: StationArgs, ros: &RosArgs) -> miette::Result<ExitCode> {
                 bus: BusOptions::default(),
                 clock,
             };
-            linewright_station_node::run(options, &participant, stop.clone())
+            linewright_station_node::run(options, participant, stop.clone())
         });
         // One station's failure ends the process, and with it all of them: a supervisor restarts it whole.
         futures::future::try_join_all(nodes).await.map_err(|error| miette!("{error}"))
