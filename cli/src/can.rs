@@ -13,6 +13,7 @@ use linewright_line::{Bus as BusName, Device, Line, Module, Owner};
 use linewright_plant::FAULT_INDEX;
 use miette::{IntoDiagnostic, miette};
 
+use crate::interrupts::Interrupts;
 use crate::load;
 use crate::nodes::DEFAULT_BUS;
 
@@ -137,10 +138,11 @@ pub async fn candump(args: CandumpArgs) -> miette::Result<ExitCode> {
     let mut bus = Bus::open(&args.interface, &BusOptions::default()).into_diagnostic()?;
     eprintln!("{}", bus.describe());
     let mut left = args.count.unwrap_or(u64::MAX);
+    let mut interrupts = Interrupts::listen()?;
     while left > 0 {
         let frame = tokio::select! {
             frame = bus.recv() => frame,
-            _ = tokio::signal::ctrl_c() => break,
+            () = interrupts.next() => break,
         };
         let now = SystemTime::now().duration_since(UNIX_EPOCH).unwrap_or_default();
         println!("{}", candump::log_line(now, &args.interface, &frame));

@@ -6,6 +6,7 @@
 mod can;
 mod check;
 mod client;
+mod interrupts;
 mod load;
 mod new;
 mod nodes;

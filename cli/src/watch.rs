@@ -16,6 +16,7 @@ use linewright_node_shell::RosArgs;
 use miette::IntoDiagnostic;
 
 use crate::client::{Client, Heard};
+use crate::interrupts::Interrupts;
 use crate::load;
 use crate::run::chart::Chart;
 
@@ -45,11 +46,12 @@ pub async fn run(args: Args, ros: &RosArgs) -> miette::Result<ExitCode> {
     }
     let mut screen = Screen::open()?;
     let mut ticks = tokio::time::interval(PICTURE_EVERY);
+    let mut interrupts = Interrupts::listen()?;
     loop {
         tokio::select! {
             heard = client.next() => view.take(&heard?),
             _ = ticks.tick() => screen.show(&view.picture(&client, Screen::width()))?,
-            _ = tokio::signal::ctrl_c() => break,
+            () = interrupts.next() => break,
         }
     }
     Ok(ExitCode::SUCCESS)

@@ -23,6 +23,7 @@ use miette::{IntoDiagnostic, miette};
 use tokio::sync::mpsc;
 
 use crate::client::{Client, Heard};
+use crate::interrupts::Interrupts;
 use crate::load;
 use crate::nodes::DEFAULT_BUS;
 use crate::watch::{PICTURE_EVERY, Screen, View};
@@ -121,7 +122,13 @@ fn start_all(children: &mut Children, line: &Line, args: &Args, dir: &Path) -> m
 
 /// The ROS arguments this process was given, for the nodes it starts.
 fn forwarded_ros_args() -> Vec<String> {
-    std::env::args().skip_while(|argument| argument != "--ros-args").collect()
+    let mut inside = false;
+    let is_ros = |argument: &String| {
+        inside = (inside && argument != "--") || argument == "--ros-args";
+        inside
+    };
+    // Each stretch begins anew with --ros-args, so that it need not be ended.
+    std::env::args().filter(is_ros).collect()
 }
 
 struct Session {
@@ -193,6 +200,7 @@ impl Session {
     async fn drive(&mut self, children: &mut Children) -> miette::Result<()> {
         let mut screen = if self.live { Some(Screen::open()?) } else { None };
         let mut ticks = tokio::time::interval(PICTURE_EVERY);
+        let mut interrupts = Interrupts::listen()?;
         loop {
             tokio::select! {
                 heard = self.client.next() => self.take(&heard?),
@@ -203,7 +211,7 @@ impl Session {
                         self.view.say(format!("CONFLICT {conflict}"));
                     }
                 }
-                _ = tokio::signal::ctrl_c() => {
+                () = interrupts.next() => {
                     if self.phase != Phase::Running {
                         return Ok(());
                     }
@@ -262,6 +270,10 @@ impl Session {
                 }
                 _ => {}
             },
+            // Somebody else operates it; the cycles are counted all the same.
+            Phase::Starting if state.mode == StationState::MODE_AUTO && state.enabled => {
+                self.tally.begin(&state.header)
+            }
             Phase::Starting => {}
             Phase::Running if state.mode == StationState::MODE_STANDBY && self.target.is_some() => {
                 return Err(miette!("auto ended: {}", self.why(&state)));
@@ -346,7 +358,6 @@ impl Session {
         Ok(if ok { ExitCode::SUCCESS } else { ExitCode::FAILURE })
     }
 }
-
 
 fn mode_name(code: u8) -> &'static str {
     linewright_station_node::mode_from_code(code).map_or("unknown", |mode| mode.name())

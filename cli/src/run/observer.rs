@@ -57,6 +57,10 @@ impl Observer {
         for id in self.line.station_ids() {
             let devices = self.line.devices_of(Owner::Station(id)).enumerate();
             for (index, device) in devices.filter(|(_, d)| d.bus == *bus && d.node_id == node.get()) {
+                // Too short for its inputs: nobody's process data, whatever its identifier says.
+                if payload.bytes().len() * 8 < device.inputs.len() {
+                    continue;
+                }
                 let seen = &mut self.stations[id.index()];
                 seen.heard[index] = true;
                 for (bit, input) in device.inputs.iter().enumerate() {
