@@ -1,0 +1,138 @@
+//! `linewright run --cycles N`: the automatic cycle, on one bus and on two, in many processes and in few.
+//!
+//! ```text
+//!   transfer  lift lift lift lift advance lower lower lower lower ············ return ·········· lift …
+//!   clamp_1   ······································· close ·························· open
+//!   mill_1    ··············································· rapid decel feed rapid reset
+//! ```
+
+use serde_json::Value;
+
+use crate::support::eye::{Seen, Start};
+use crate::support::rig::{OWN_BUS, Rig, line};
+
+/// One cycle, all but the bar's return: a chain in which each waits for the one before.
+const CHAIN: [&str; 16] = [
+    "transfer: lift_to_50",
+    "transfer: lift_to_100",
+    "transfer: lift_to_150",
+    "transfer: lift_to_200",
+    "transfer: advance",
+    "transfer: lower_to_150",
+    "transfer: lower_to_100",
+    "transfer: lower_to_50",
+    "transfer: lower_to_0",
+    "clamp_1: close",
+    "mill_1: rapid_advance",
+    "mill_1: slow_advance",
+    "mill_1: feed",
+    "mill_1: rapid_return",
+    "mill_1: reset",
+    "clamp_1: open",
+];
+/// Runs beside the mill: after the clamp has closed, before the next lift.
+const RETURN: &str = "transfer: return";
+
+/// The starts seen are the chart's, cycle by cycle, and nothing else.
+pub fn starts_follow_the_chart(starts: &[Start], cycles: usize) {
+    let order: Vec<&str> = starts.iter().map(|start| start.what.as_str()).collect();
+    let chain: Vec<&str> = order.iter().copied().filter(|what| *what != RETURN).collect();
+    let expected: Vec<&str> = CHAIN.iter().copied().cycle().take(CHAIN.len() * cycles).collect();
+    assert_eq!(chain, expected);
+    assert_eq!(order.iter().filter(|what| **what == RETURN).count(), cycles);
+    for (cycle, round) in order.chunks(CHAIN.len() + 1).enumerate() {
+        // With as many starts in each round, a return in the wrong one would show in its neighbours.
+        let at = round.iter().position(|what| *what == RETURN);
+        let closed = round.iter().position(|what| *what == "clamp_1: close");
+        assert!(at > closed && closed.is_some(), "cycle {}: {round:?}", cycle + 1);
+    }
+}
+
+/// In every cycle the bar runs back while the mill works.
+fn bar_and_mill_overlap(starts: &[Start], cycles: usize) {
+    let together = |start: &&Start| {
+        let mill_beside = start.beside.iter().any(|what| what.starts_with("mill_1"));
+        let bar_beside = start.beside.iter().any(|what| what == RETURN);
+        (start.what == RETURN && mill_beside) || (start.what == "mill_1: rapid_advance" && bar_beside)
+    };
+    assert_eq!(starts.iter().filter(together).count(), cycles, "{starts:?}");
+}
+
+fn stands_at_home(seen: &Seen) {
+    assert_eq!(seen.energised(), [""; 0]);
+    for (station, switch) in [
+        ("transfer", "LS_vertical_0"),
+        ("transfer", "LS_horizontal_0"),
+        ("clamp_1", "LS_open"),
+        ("mill_1", "LS_main_0"),
+    ] {
+        assert!(seen.input(station, switch), "{station} {switch}");
+    }
+}
+
+fn report_is_of(report: &Value, cycles: usize) {
+    assert_eq!(report["line"], "transfer_line");
+    assert_eq!(report["cycles"], cycles);
+    assert_eq!(report["mode"], "home");
+    assert_eq!(report["conflicts_seen"], Value::Array(Vec::new()));
+    assert_eq!(report["restarts"], 0);
+    assert!(report.get("error").is_none(), "{report}");
+    let times = report["cycle_time_s"].as_array().expect("a list");
+    assert!(times.len() == cycles && times.iter().all(|time| time.as_f64().is_some_and(|t| t > 0.0)), "{times:?}");
+    for (station, operations) in [("transfer", 10), ("clamp_1", 2), ("mill_1", 5)] {
+        let station = &report["stations"][station];
+        assert_eq!((&station["cycles"], &station["faults"]), (&cycles.into(), &0.into()));
+        let listed = station["operations"].as_object().expect("an object");
+        assert_eq!(listed.len(), operations);
+        for (name, operation) in listed {
+            assert_eq!(operation["count"], cycles, "{name}");
+            assert!(operation["duration_s"].as_f64().is_some_and(|duration| duration > 0.0), "{name}: {operation}");
+        }
+    }
+}
+
+fn run_cycles(text: &str, cycles: usize, options: &[&str]) -> Rig {
+    let mut rig = Rig::new(text);
+    let number = cycles.to_string();
+    let mut all = vec!["--cycles", &number];
+    all.extend(options);
+    rig.start(&all);
+    let (code, report) = rig.ended();
+    assert_eq!(code, 0, "{report}");
+    report_is_of(&report, cycles);
+    {
+        let seen = rig.eye.seen();
+        assert_eq!(seen.conflicts(), [""; 0]);
+        starts_follow_the_chart(seen.starts(), cycles);
+        bar_and_mill_overlap(seen.starts(), cycles);
+        stands_at_home(&seen);
+        for operation in &rig.plan.operations {
+            let times = i32::try_from(cycles).expect("few");
+            assert_eq!(seen.arrivals(&operation.station, &operation.name), times, "{operation:?}");
+        }
+        assert!(seen.frames() > 100);
+    }
+    assert!(rig.processes().is_empty(), "nothing is left: {:?}", rig.processes());
+    rig
+}
+
+#[test]
+fn ten_cycles_follow_the_chart_without_a_conflict() {
+    run_cycles(&line(0.3), 10, &[]);
+}
+
+#[test]
+fn a_station_with_a_bus_of_its_own_runs_the_same() {
+    let bus = format!("name = \"mill_1\"\nbus = \"{OWN_BUS}\"\n");
+    let text = line(0.3).replacen("name = \"mill_1\"\n", &bus, 1);
+    assert!(text.contains(OWN_BUS));
+    let rig = run_cycles(&text, 3, &[]);
+    assert!(rig.log("mill_1").contains(OWN_BUS), "it drives its devices itself");
+}
+
+#[test]
+fn all_stations_in_one_process_run_the_same() {
+    let rig = run_cycles(&line(0.3), 2, &["--stations-per-process", "3"]);
+    let log = rig.log("transfer+clamp_1+mill_1");
+    assert!(["transfer", "clamp_1", "mill_1"].iter().all(|name| log.contains(name)), "one log, of one process");
+}

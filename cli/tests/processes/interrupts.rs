@@ -1,0 +1,50 @@
+//! Ctrl-C: once stops at home, twice ends at once.
+
+use std::time::Duration;
+
+use linewright_msgs::StationState;
+
+use crate::support::operator::Operator;
+use crate::support::pause;
+use crate::support::rig::{Rig, line};
+
+/// Asking nicely takes up to two seconds, then the children are killed.
+const AT_ONCE: Duration = Duration::from_secs(10);
+
+fn running_in_auto() -> (Rig, Operator) {
+    let mut rig = Rig::new(&line(0.3));
+    rig.start(&[]);
+    let operator = Operator::join(&rig);
+    operator.wait("auto", |heard| heard.in_mode(StationState::MODE_AUTO));
+    operator.cycles(1);
+    rig.eye.wait("the bar advances", |seen| seen.output("transfer", "advance"));
+    (rig, operator)
+}
+
+#[test]
+fn the_first_ctrl_c_ends_the_round_at_home() {
+    let (mut rig, _operator) = running_in_auto();
+    rig.signal("INT");
+    let (code, report) = rig.ended();
+    assert_eq!((code, &report["mode"]), (0, &"home".into()), "{report}");
+    let cycles = usize::try_from(report["cycles"].as_u64().expect("a number")).expect("few");
+    let seen = rig.eye.seen();
+    crate::auto_cycles::starts_follow_the_chart(seen.starts(), cycles);
+    assert_eq!(seen.conflicts(), [""; 0]);
+    drop(seen);
+    assert!(rig.processes().is_empty(), "nothing is left: {:?}", rig.processes());
+}
+
+#[test]
+fn the_second_ctrl_c_ends_at_once_with_every_output_off() {
+    let (mut rig, _operator) = running_in_auto();
+    // The clamp does not close: the line never comes home.
+    rig.fail("clamp_1", "advance clamp", "slip");
+    rig.signal("INT");
+    pause(200);
+    rig.signal("INT");
+    let (_, report) = rig.ended_within(AT_ONCE);
+    assert_ne!(report["mode"], "home", "{report}");
+    assert!(rig.processes().is_empty(), "nothing is left: {:?}", rig.processes());
+    assert_eq!(rig.eye.seen().energised(), [""; 0]);
+}

@@ -1,0 +1,100 @@
+//! Processes killed by SIGKILL: in the middle of a motion, while waiting, and the coordinator.
+//!
+//! ```text
+//!   mill_1       ── feed ──✝  run starts it again ── "goes on from its journal" ──▶ incomplete ── advance ──▶
+//!   its output   ──────────┘ off
+//!   everybody    ─ finishes ── stand-by until an operator has looked ─────────────────────────────────────▶ auto
+//! ```
+
+use linewright_msgs::StationState;
+
+use crate::faults::counts_are_what_was_seen;
+use crate::support::operator::Operator;
+use crate::support::pause;
+use crate::support::rig::{Rig, line};
+
+#[test]
+fn a_station_and_the_coordinator_killed_come_back_and_no_count_is_lost() {
+    // Slow enough to be hit in the middle.
+    let mut rig = Rig::new(&line(0.8));
+    rig.start(&["--no-auto"]);
+    let operator = Operator::join(&rig);
+    operator.order("start", StationState::MODE_STANDBY);
+    let counted_before = operator.counts();
+    operator.order("auto", StationState::MODE_AUTO);
+
+    a_moving_station(&rig, &operator);
+    operator.cycles(1);
+    the_coordinator(&rig, &operator);
+    operator.cycles(1);
+    a_waiting_station(&rig, &operator);
+    operator.cycles(1);
+
+    operator.go_home();
+    counts_are_what_was_seen(&rig, &operator, &counted_before);
+    rig.signal("INT");
+    let (_, report) = rig.ended();
+    assert_eq!(report["restarts"], 3, "{report}");
+    assert!(report["cycles"].as_u64().is_some_and(|cycles| cycles >= 3), "{report}");
+    assert_eq!(rig.eye.seen().conflicts(), [""; 0]);
+}
+
+fn a_moving_station(rig: &Rig, operator: &Operator) {
+    rig.eye.wait("the mill feeds", |seen| seen.output("mill_1", "feed"));
+    let before = operator.station("mill_1");
+    let killed = rig.kill(&["--station", "mill_1"]);
+    rig.eye.wait("its output is off", |seen| !seen.output("mill_1", "feed"));
+    comes_back(operator, "mill_1", &before);
+    assert_ne!(rig.process(&["--station", "mill_1"]), Some(killed));
+    assert!(rig.log("mill_1").contains("goes on from its journal"));
+    nothing_starts(rig, operator);
+    let after = operator.station("mill_1");
+    assert_eq!((after.cycle, &after.done), (before.cycle, &before.done), "it knows where it was");
+    assert_eq!(after.incomplete, [2], "and that its feed was cut short");
+    let refusal = operator.refused("auto");
+    assert!(refusal.contains("mill_1"), "{refusal}");
+    operator.recover();
+}
+
+fn the_coordinator(rig: &Rig, operator: &Operator) {
+    rig.eye.wait("the bar advances", |seen| seen.output("transfer", "advance"));
+    let before = operator.heard().line.clone();
+    rig.kill(&["coordinator"]);
+    rig.eye.wait("every output is off", |seen| seen.energised().is_empty());
+    operator.wait("another coordinator", |heard| heard.line.boot_id != before.boot_id);
+    operator.wait("above every epoch before it", |heard| heard.line.epoch > before.epoch);
+    operator.wait_until_connected();
+    assert_ne!(operator.heard().line.mode, StationState::MODE_AUTO, "nobody has asked for auto");
+    nothing_starts(rig, operator);
+    operator.recover();
+}
+
+fn a_waiting_station(rig: &Rig, operator: &Operator) {
+    rig.eye.wait("the bar lifts", |seen| seen.output("transfer", "lift_to_50"));
+    let before = operator.station("mill_1");
+    assert!(before.stopped, "the mill waits");
+    rig.kill(&["--station", "mill_1"]);
+    comes_back(operator, "mill_1", &before);
+    operator.wait("auto has ended", |heard| heard.line.mode == StationState::MODE_STANDBY);
+    nothing_starts(rig, operator);
+    let refusal = operator.refused("auto");
+    assert!(refusal.contains("mill_1 was restarted"), "{refusal}");
+    // It stood still, so the operator's word that it was looked at is enough.
+    operator.say("start");
+    operator.order("auto", StationState::MODE_AUTO);
+}
+
+fn comes_back(operator: &Operator, station: &str, before: &StationState) {
+    operator.wait("it comes back", |heard| heard.station(station).boot_id != before.boot_id);
+    operator.wait_until_connected();
+}
+
+/// Once everybody knows, nothing starts by itself.
+fn nothing_starts(rig: &Rig, operator: &Operator) {
+    operator.wait("nobody is in auto", |heard| heard.all(|state| state.mode != StationState::MODE_AUTO));
+    pause(200);
+    let started = rig.eye.seen().starts().len();
+    operator.wait("everything stands", |heard| heard.all(|state| state.stopped));
+    pause(700);
+    assert_eq!(&rig.eye.seen().starts()[started..], []);
+}

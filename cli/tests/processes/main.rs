@@ -1,0 +1,22 @@
+//! The fourth ring: whole lines of real processes, over loopback DDS and the virtual bus.
+//!
+//! The inner rings prove the decisions, in virtual time and by the million. Here a few scenarios are played once each,
+//! with everything real that can be: the command as a user starts it, one process per node, signals, sockets, files.
+//! What they look for is what only the joints can get wrong. Every assertion is made from outside, from the frames on
+//! the bus and the topics of ROS 2.
+//!
+//! No test asserts a speed: the machine may be busy with other things.
+
+#[path = "../support/mod.rs"]
+mod support;
+
+mod auto_cycles;
+mod estop;
+mod faults;
+mod hand_mode;
+mod interrupts;
+mod kills;
+mod panels;
+mod remaps;
+mod rubbish;
+mod rubbish_senders;

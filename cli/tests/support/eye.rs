@@ -1,0 +1,239 @@
+//! The observer: what the machine does, read from the frames on its bus.
+//!
+//! It knows the wiring (names to bits, from the description's text) and what must never happen on this machine, which
+//! is written down here by hand:
+//!
+//! * the bar is off its rest (`LS_vertical_0` is off) while the clamp is not open (`LS_open` is off);
+//! * the tool is forward (`LS_positioning_0` is off) while the clamp is not closed (`LS_closed` is off).
+//!
+//! It also keeps the order in which outputs came on, and how often each operation arrived at its switch.
+
+use std::collections::HashMap;
+use std::path::PathBuf;
+use std::sync::atomic::{AtomicBool, Ordering};
+use std::sync::{Arc, Mutex, MutexGuard, PoisonError};
+use std::thread::JoinHandle;
+use std::time::Duration;
+
+use super::bus::{EYE, Member};
+use super::plan::Plan;
+use super::{PATIENCE, wait_for};
+
+/// An output that moves something came on.
+#[derive(Clone, Debug, PartialEq, Eq)]
+pub struct Start {
+    /// `station: output`.
+    pub what: String,
+    /// What was on already, likewise.
+    pub beside: Vec<String>,
+}
+
+/// What has been seen so far.
+pub struct Seen {
+    plan: Plan,
+    /// By node id. An input is unknown until its device has spoken.
+    inputs: HashMap<u8, u64>,
+    outputs: HashMap<u8, u64>,
+    holding: [bool; 2],
+    conflicts: Vec<String>,
+    starts: Vec<Start>,
+    arrivals: HashMap<(String, String), i32>,
+    frames: u64,
+}
+
+/// The observer's thread and its notes.
+pub struct Eye {
+    seen: Arc<Mutex<Seen>>,
+    stop: Arc<AtomicBool>,
+    thread: Option<JoinHandle<()>>,
+}
+
+impl Eye {
+    /// Begins to look at the buses in these directories.
+    pub fn open(plan: Plan, buses: Vec<PathBuf>) -> Self {
+        let member = Member::join(buses, EYE).expect("a place on the bus");
+        let seen = Arc::new(Mutex::new(Seen::new(plan)));
+        let stop = Arc::new(AtomicBool::new(false));
+        let (notes, ended) = (seen.clone(), stop.clone());
+        let thread = std::thread::spawn(move || {
+            let mut bytes = [0; 64];
+            while !ended.load(Ordering::Relaxed) {
+                if let Some(datagram) = member.receive(&mut bytes) {
+                    lock(&notes).datagram(datagram);
+                }
+            }
+        });
+        Eye { seen, stop, thread: Some(thread) }
+    }
+
+    /// What has been seen so far.
+    pub fn seen(&self) -> MutexGuard<'_, Seen> {
+        lock(&self.seen)
+    }
+
+    /// Waits until something is seen.
+    pub fn wait(&self, what: &str, holds: impl Fn(&Seen) -> bool) {
+        self.within(PATIENCE, what, holds);
+    }
+
+    /// Waits until something is seen, no longer than this.
+    pub fn within(&self, long: Duration, what: &str, holds: impl Fn(&Seen) -> bool) {
+        if !wait_for(long, || holds(&self.seen())) {
+            panic!("not seen within {long:?}: {what}; on are {:?}", self.seen().energised());
+        }
+    }
+}
+
+impl Drop for Eye {
+    fn drop(&mut self) {
+        self.stop.store(true, Ordering::Relaxed);
+        if let Some(thread) = self.thread.take() {
+            let _ = thread.join();
+        }
+    }
+}
+
+fn lock(seen: &Mutex<Seen>) -> MutexGuard<'_, Seen> {
+    seen.lock().unwrap_or_else(PoisonError::into_inner)
+}
+
+impl Seen {
+    fn new(plan: Plan) -> Self {
+        Seen {
+            plan,
+            inputs: HashMap::new(),
+            outputs: HashMap::new(),
+            holding: [false; 2],
+            conflicts: Vec::new(),
+            starts: Vec::new(),
+            arrivals: HashMap::new(),
+            frames: 0,
+        }
+    }
+
+    /// Conflicts, each time one began.
+    pub fn conflicts(&self) -> &[String] {
+        &self.conflicts
+    }
+
+    /// Outputs that came on, in order.
+    pub fn starts(&self) -> &[Start] {
+        &self.starts
+    }
+
+    /// Frames seen.
+    pub fn frames(&self) -> u64 {
+        self.frames
+    }
+
+    /// How often an operation arrived at its switch while it was driven there.
+    pub fn arrivals(&self, station: &str, operation: &str) -> i32 {
+        self.arrivals.get(&(station.to_owned(), operation.to_owned())).copied().unwrap_or(0)
+    }
+
+    /// An input of a station; off until its device has spoken.
+    pub fn input(&self, station: &str, name: &str) -> bool {
+        self.known(station, name) == Some(true)
+    }
+
+    /// Whether a station is told to put this output on.
+    pub fn output(&self, station: &str, name: &str) -> bool {
+        let device = self.plan.device(station);
+        let bit = device.outputs.iter().position(|output| output == name).expect("a known output");
+        self.outputs.get(&device.node).is_some_and(|bits| bits >> bit & 1 == 1)
+    }
+
+    /// Every output that moves something and is on.
+    pub fn energised(&self) -> Vec<String> {
+        let mut on = Vec::new();
+        for device in &self.plan.devices {
+            let Some(station) = &device.station else { continue };
+            let moving = device.outputs.iter().filter(|o| self.plan.moves(station, o) && self.output(station, o));
+            on.extend(moving.map(|output| format!("{station}: {output}")));
+        }
+        on
+    }
+
+    fn known(&self, station: &str, name: &str) -> Option<bool> {
+        let device = self.plan.device(station);
+        let bit = device.inputs.iter().position(|input| input == name).expect("a known input");
+        self.inputs.get(&device.node).map(|bits| bits >> bit & 1 == 1)
+    }
+
+    fn datagram(&mut self, datagram: &[u8]) {
+        let Ok(bytes) = <[u8; 16]>::try_from(datagram) else { return };
+        let word = u32::from_ne_bytes([bytes[0], bytes[1], bytes[2], bytes[3]]);
+        let length = usize::from(bytes[4]);
+        // The top three bits mark extended, remote and error frames; a line uses none of them.
+        if word > 0x7FF || length > 8 {
+            return;
+        }
+        self.frames += 1;
+        let data = &bytes[8..8 + length];
+        let node = (word & 0x7F) as u8;
+        match word & 0x780 {
+            0x180 => self.heard_inputs(node, number(data)),
+            0x200 => self.heard_outputs(node, number(data)),
+            // Emergency 8130h: the device has lost its manager and has switched its outputs off.
+            0x080 if node != 0 && data.starts_with(&[0x30, 0x81]) => self.heard_outputs(node, 0),
+            // Boot-up, or anything but operational: no outputs.
+            0x700 if data != [5] => self.heard_outputs(node, 0),
+            _ => {}
+        }
+    }
+
+    fn heard_inputs(&mut self, node: u8, bits: u64) {
+        let Some(before) = self.inputs.insert(node, bits) else { return };
+        let Some(device) = self.plan.devices.iter().find(|device| device.node == node).cloned() else { return };
+        let Some(station) = device.station else { return };
+        let came_on = bits & !before;
+        for (_, input) in device.inputs.iter().enumerate().filter(|(bit, _)| came_on >> bit & 1 == 1) {
+            let arrived: Vec<String> = self
+                .plan
+                .operations
+                .iter()
+                .filter(|o| o.station == station && o.complete == *input && self.output(&station, &o.actuator))
+                .map(|o| o.name.clone())
+                .collect();
+            for operation in arrived {
+                *self.arrivals.entry((station.clone(), operation)).or_default() += 1;
+            }
+        }
+        self.judge();
+    }
+
+    fn heard_outputs(&mut self, node: u8, bits: u64) {
+        let before = self.outputs.insert(node, 0).unwrap_or(0);
+        let Some(device) = self.plan.devices.iter().find(|device| device.node == node).cloned() else { return };
+        let Some(station) = device.station else { return };
+        let mut beside = self.energised();
+        self.outputs.insert(node, bits);
+        for (bit, output) in device.outputs.iter().enumerate() {
+            let what = format!("{station}: {output}");
+            if (bits & !before) >> bit & 1 == 1 && self.plan.moves(&station, output) {
+                self.starts.push(Start { what: what.clone(), beside: beside.clone() });
+                beside.push(what);
+            }
+        }
+    }
+
+    fn judge(&mut self) {
+        let off = |station: &str, input: &str| self.known(station, input) == Some(false);
+        let now = [
+            off("transfer", "LS_vertical_0") && off("clamp_1", "LS_open"),
+            off("mill_1", "LS_positioning_0") && off("clamp_1", "LS_closed"),
+        ];
+        let why = ["the bar is off its rest while the clamp is not open", "the tool is forward on a clamp not closed"];
+        for (index, why) in why.into_iter().enumerate() {
+            if now[index] && !self.holding[index] {
+                self.conflicts.push(format!("{why}, after {} starts", self.starts.len()));
+            }
+        }
+        self.holding = now;
+    }
+}
+
+/// The bytes as one number, the first byte lowest: bit 0 is bit 0 of the first byte.
+fn number(data: &[u8]) -> u64 {
+    data.iter().rev().fold(0, |number, byte| number << 8 | u64::from(*byte))
+}

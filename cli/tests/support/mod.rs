@@ -1,0 +1,42 @@
+//! A line of real processes, and what can be seen of it and done to it from outside.
+//!
+//! ```text
+//!   Rig ── starts ──▶ linewright run ──▶ plant, coordinator, stations
+//!   Eye ◀── CAN frames ── the virtual bus           (reads switches and outputs, bit by bit)
+//!   Operator ◀── ROS topics ──▶ the nodes           (what any ROS user could do)
+//! ```
+//!
+//! Nothing here asks a controller for its opinion of itself where it can look at the machine instead: [`eye`] decodes
+//! frames by hand, with bit numbers from the description's text, and shares no code with the programs it watches.
+
+pub mod bus;
+pub mod eye;
+pub mod operator;
+pub mod plan;
+pub mod rig;
+
+use std::time::{Duration, Instant};
+
+/// How long to wait for something that should happen: this machine may be busy with other things.
+pub const PATIENCE: Duration = Duration::from_secs(30);
+/// How often to look while waiting.
+const LOOK_EVERY: Duration = Duration::from_millis(2);
+
+/// Waits until `holds`; gives whether it came true within `long`.
+pub fn wait_for(long: Duration, mut holds: impl FnMut() -> bool) -> bool {
+    let until = Instant::now() + long;
+    loop {
+        if holds() {
+            return true;
+        }
+        if Instant::now() > until {
+            return false;
+        }
+        std::thread::sleep(LOOK_EVERY);
+    }
+}
+
+/// Lets time pass.
+pub fn pause(millis: u64) {
+    std::thread::sleep(Duration::from_millis(millis));
+}

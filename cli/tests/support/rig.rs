@@ -1,0 +1,220 @@
+//! One line on this machine, with a ROS domain, a bus and a directory that nobody else uses.
+//!
+//! One rig at a time: the machine's two or four cores are busy enough with one line. Whatever becomes of a test, no
+//! process of its rig outlives it.
+
+use std::fs::{self, File};
+use std::io::Read;
+use std::net::UdpSocket;
+use std::path::PathBuf;
+use std::process::{Child, Command, Stdio};
+use std::sync::{Mutex, MutexGuard, PoisonError};
+use std::time::Duration;
+
+use serde_json::Value;
+use tempfile::TempDir;
+
+use super::bus::{self, Member};
+use super::eye::Eye;
+use super::plan::Plan;
+use super::{PATIENCE, wait_for};
+
+static ALONE: Mutex<()> = Mutex::new(());
+
+/// No CAN interface has this name, so it is a virtual bus even where the kernel has `vcan0`, or a machine on `can0`.
+pub const BUS: &str = "rig-line";
+/// Another one, for a station's own devices.
+pub const OWN_BUS: &str = "rig-own";
+
+/// Ages and leases are longer than those of a plant: a busy machine must not look like a broken one.
+const TIMING: &str = "\n[timing]\nstale_ms = 500\nlease_ms = 1000\nheartbeat_timeout_ms = 400\n";
+
+/// The shipped line, its mechanisms faster or slower.
+pub fn line(time_scale: f64) -> String {
+    linewright_line::TransferLine { machines: 1, time_scale }.text() + TIMING
+}
+
+/// A line and everything around it.
+pub struct Rig {
+    pub eye: Eye,
+    pub plan: Plan,
+    run: Option<Child>,
+    domain: u16,
+    directory: TempDir,
+    _alone: MutexGuard<'static, ()>,
+}
+
+impl Rig {
+    /// A rig for this description; nothing runs yet.
+    pub fn new(text: &str) -> Self {
+        let alone = ALONE.lock().unwrap_or_else(PoisonError::into_inner);
+        let directory = tempfile::Builder::new().prefix("lw").tempdir().expect("a directory");
+        fs::create_dir_all(directory.path().join("line")).expect("a directory");
+        fs::create_dir_all(directory.path().join("state")).expect("a directory");
+        fs::write(directory.path().join("line/line.toml"), text).expect("a description");
+        let plan = Plan::of(text);
+        let buses = [BUS, OWN_BUS].map(|bus| directory.path().join("bus").join(bus));
+        let eye = Eye::open(plan.clone(), buses.to_vec());
+        Rig { eye, plan, run: None, domain: free_domain(), directory, _alone: alone }
+    }
+
+    /// The ROS domain of this rig.
+    pub fn domain(&self) -> u16 {
+        self.domain
+    }
+
+    /// The `linewright` command in this rig's surroundings: `words`, then the line, then `more`.
+    pub fn command(&self, words: &[&str], more: &[&str]) -> Command {
+        let mut command = Command::new(env!("CARGO_BIN_EXE_linewright"));
+        command.args(words).arg(self.directory.path().join("line")).args(more);
+        for other in ["ROS_AUTOMATIC_DISCOVERY_RANGE", "ROS_LOCALHOST_ONLY", "RUST_LOG"] {
+            command.env_remove(other);
+        }
+        command.env("ROS_DOMAIN_ID", self.domain.to_string());
+        command.env("LINEWRIGHT_BUS_DIR", self.directory.path().join("bus"));
+        command
+    }
+
+    /// Starts `linewright run` with these options.
+    pub fn start(&mut self, options: &[&str]) {
+        let state = self.state().display().to_string();
+        let mut all = vec!["--bus", BUS, "--json", "--state-dir", &state];
+        all.extend(options);
+        let said = File::create(self.directory.path().join("run.err")).expect("a file");
+        let mut command = self.command(&["run"], &all);
+        let run = command.stdin(Stdio::null()).stdout(Stdio::piped()).stderr(said).spawn();
+        self.run = Some(run.expect("the command starts"));
+    }
+
+    /// Waits for `linewright run` to end; gives its exit code and its report.
+    pub fn ended(&mut self) -> (i32, Value) {
+        self.ended_within(PATIENCE * 2)
+    }
+
+    /// The same, no longer than this.
+    pub fn ended_within(&mut self, long: Duration) -> (i32, Value) {
+        let run = self.run.as_mut().expect("it runs");
+        let mut status = None;
+        let done = wait_for(long, || {
+            status = run.try_wait().expect("a child");
+            status.is_some()
+        });
+        assert!(done, "`linewright run` has not ended after {long:?}");
+        let mut text = String::new();
+        run.stdout.take().expect("its output").read_to_string(&mut text).expect("text");
+        self.run = None;
+        let report = serde_json::from_str(&text).unwrap_or_else(|error| panic!("{error}: {text:?}"));
+        (status.and_then(|status| status.code()).unwrap_or(-1), report)
+    }
+
+    /// Sends a signal to `linewright run`.
+    pub fn signal(&self, name: &str) {
+        send_signal(name, self.run.as_ref().expect("it runs").id());
+    }
+
+    /// The process whose command line has all these words.
+    pub fn process(&self, words: &[&str]) -> Option<u32> {
+        let all = |args: &[String]| words.iter().all(|word| args.iter().any(|arg| arg == word));
+        self.processes().into_iter().find(|(_, args)| all(args)).map(|(id, _)| id)
+    }
+
+    /// Every process of this rig, with its command line.
+    pub fn processes(&self) -> Vec<(u32, Vec<String>)> {
+        let ours = self.directory.path().display().to_string();
+        let mut found = Vec::new();
+        for entry in fs::read_dir("/proc").into_iter().flatten().flatten() {
+            let Some(id) = entry.file_name().to_str().and_then(|name| name.parse().ok()) else { continue };
+            let line = fs::read(entry.path().join("cmdline")).unwrap_or_default();
+            let args: Vec<String> =
+                line.split(|byte| *byte == 0).map(|arg| String::from_utf8_lossy(arg).into_owned()).collect();
+            if args.iter().any(|arg| arg.contains(&ours)) {
+                found.push((id, args));
+            }
+        }
+        found
+    }
+
+    /// Kills a process as no handler can prevent.
+    pub fn kill(&self, words: &[&str]) -> u32 {
+        let id = self.process(words).unwrap_or_else(|| panic!("a process with {words:?}"));
+        send_signal("KILL", id);
+        id
+    }
+
+    /// Makes a mechanism fail (1 sticks, 3 breaks, 0 works again) by one SDO frame, as `cansend` would.
+    pub fn fault(&self, station: &str, operation: &str, code: u8) {
+        let sub = self.plan.output_bit(station, operation) + 1;
+        let request = 0x600 + u32::from(self.plan.device(station).node);
+        self.member().send(&bus::frame(request, &[0x2F, 0x00, 0x5F, sub, code, 0, 0, 0]));
+    }
+
+    /// The same by the command.
+    pub fn fail(&self, station: &str, operation: &str, what: &str) {
+        let more = [station, what, "--operation", operation, "--bus", BUS];
+        let output = self.command(&["fail"], &more).output().expect("the command starts");
+        assert!(output.status.success(), "{output:?}");
+    }
+
+    /// One more place on the line's bus.
+    pub fn member(&self) -> Member {
+        Member::join(vec![self.bus()], &bus::fresh_name()).expect("a place on the bus")
+    }
+
+    /// The log of one process.
+    pub fn log(&self, name: &str) -> String {
+        fs::read_to_string(self.state().join(format!("{name}.log"))).unwrap_or_default()
+    }
+
+    fn bus(&self) -> PathBuf {
+        self.directory.path().join("bus").join(BUS)
+    }
+
+    fn state(&self) -> PathBuf {
+        self.directory.path().join("state")
+    }
+}
+
+impl Drop for Rig {
+    fn drop(&mut self) {
+        if std::thread::panicking() {
+            self.tell_what_was_said();
+        }
+        if let Some(mut run) = self.run.take() {
+            let _ = run.kill();
+            let _ = run.wait();
+        }
+        // Its children end when their standard input does; whoever has not by then is ended.
+        if !wait_for(Duration::from_secs(3), || self.processes().is_empty()) {
+            for (id, _) in self.processes() {
+                send_signal("KILL", id);
+            }
+        }
+    }
+}
+
+impl Rig {
+    fn tell_what_was_said(&self) {
+        let logs = fs::read_dir(self.state()).into_iter().flatten().flatten().map(|entry| entry.path());
+        let logs = logs.filter(|path| path.extension().is_some_and(|extension| extension == "log"));
+        for path in logs.chain([self.directory.path().join("run.err")]) {
+            let text = fs::read_to_string(&path).unwrap_or_default();
+            let lines: Vec<&str> = text.lines().collect();
+            let last = &lines[lines.len().saturating_sub(25)..];
+            eprintln!("--- {}\n{}", path.display(), last.join("\n"));
+        }
+    }
+}
+
+fn send_signal(name: &str, id: u32) {
+    let status = Command::new("kill").args([&format!("-{name}"), &id.to_string()]).stderr(Stdio::null()).status();
+    assert!(status.is_ok(), "the kill command is there");
+}
+
+/// A domain in which no participant of this machine sits: the first one's port is free. Below 34 people work, above
+/// 101 Linux gives the ports to anybody.
+fn free_domain() -> u16 {
+    let first = (std::process::id() % 57) as u16;
+    let domains = (0..57).map(|step| 34 + (first + step) % 57);
+    let is_free = |domain: &u16| UdpSocket::bind(("0.0.0.0", 7400 + 250 * domain + 10)).is_ok();
+    domains.into_iter().find(is_free).expect("a ROS domain that nobody uses")
+}
