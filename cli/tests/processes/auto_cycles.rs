@@ -136,3 +136,20 @@ fn all_stations_in_one_process_run_the_same() {
     let log = rig.log("transfer+clamp_1+mill_1");
     assert!(["transfer", "clamp_1", "mill_1"].iter().all(|name| log.contains(name)), "one log, of one process");
 }
+
+/// An observer that never complains proves nothing: without the arrow that keeps the clamp open, it does.
+#[test]
+fn a_line_with_an_arrow_missing_is_seen_to_reach_its_conflict() {
+    let arrow = "[[arrow]]\nfrom = \"transfer: 4th lower\"\nto = \"clamp_1: advance clamp\"\nlag = 0\n";
+    let text = line(0.3);
+    let (before, after) = text.split_once(arrow).expect("the arrow");
+    let after = after.split_once('\n').expect("its modes").1;
+    let mut rig = Rig::new(&format!("{before}{after}"));
+    rig.start(&["--cycles", "1", "--patience", "5"]);
+    let (code, report) = rig.ended();
+    assert_eq!(code, 1, "{report}");
+    let by_run = report["conflicts_seen"].as_array().expect("a list");
+    assert!(by_run.iter().any(|text| text.as_str().is_some_and(|t| t.contains("off its rest"))), "{report}");
+    let seen = rig.eye.seen();
+    assert!(seen.conflicts().iter().any(|text| text.contains("off its rest")), "{:?}", seen.conflicts());
+}
