@@ -7,7 +7,9 @@ use std::time::{Duration, Instant};
 
 use linewright_line::{Line, StationId};
 use linewright_msgs::{Flag, LineState, StationEvent, StationState, Text};
-use linewright_node_shell::{Forward, NewestBySequence, Node, Participant, Publisher, RosArgs, TopicError, forward, qos};
+use linewright_node_shell::{
+    Forward, NewestBySequence, Node, Participant, Publisher, RosArgs, TopicError, forward, qos,
+};
 use miette::miette;
 use tokio::sync::mpsc;
 

@@ -21,7 +21,12 @@ use linewright_node_shell::{RosArgs, init_logging};
 
 /// Describe, check, run and operate a production line.
 #[derive(Debug, Parser)]
-#[command(name = "linewright", version, about, after_help = "ROS 2 arguments go behind --ros-args, e.g. --ros-args -r __ns:=/hall_2 --log-level debug.")]
+#[command(
+    name = "linewright",
+    version,
+    about,
+    after_help = "ROS 2 arguments go behind --ros-args, e.g. --ros-args -r __ns:=/hall_2 --log-level debug."
+)]
 struct Cli {
     #[command(subcommand)]
     command: Command,

@@ -177,7 +177,8 @@ impl Screen {
         for line in lines.iter().take(usize::from(height).saturating_sub(1)) {
             let shown: String = line.chars().take(usize::from(width)).collect();
             write!(out, "{shown}").into_diagnostic()?;
-            queue!(out, terminal::Clear(terminal::ClearType::UntilNewLine), cursor::MoveToNextLine(1)).into_diagnostic()?;
+            queue!(out, terminal::Clear(terminal::ClearType::UntilNewLine), cursor::MoveToNextLine(1))
+                .into_diagnostic()?;
         }
         queue!(out, terminal::Clear(terminal::ClearType::FromCursorDown)).into_diagnostic()?;
         out.flush().into_diagnostic()

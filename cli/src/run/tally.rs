@@ -144,7 +144,14 @@ impl Tally {
     }
 
     /// The report.
-    pub fn report(&self, mode: &str, conflicts: &[String], frames: u64, restarts: u32, error: Option<String>) -> Report {
+    pub fn report(
+        &self,
+        mode: &str,
+        conflicts: &[String],
+        frames: u64,
+        restarts: u32,
+        error: Option<String>,
+    ) -> Report {
         let mut stations = serde_json::Map::new();
         for (id, tally) in self.line.station_ids().zip(&self.stations) {
             stations.insert(self.line.station(id).name.clone(), self.station_report(id, tally));
@@ -170,8 +177,7 @@ impl Tally {
             let count = tally.done.get(index).copied().unwrap_or(first) - first;
             least = least.min(count);
             let durations = &tally.durations[index];
-            let mean = (!durations.is_empty())
-                .then(|| round(durations.iter().sum::<f64>() / durations.len() as f64));
+            let mean = (!durations.is_empty()).then(|| round(durations.iter().sum::<f64>() / durations.len() as f64));
             operations.insert(operation.name.clone(), serde_json::json!({ "count": count, "duration_s": mean }));
         }
         serde_json::json!({ "cycles": least, "operations": operations, "faults": tally.faults })
