@@ -134,13 +134,16 @@ impl Running {
 
     /// For each process: clock ticks of processor time, and resident memory in KiB.
     fn usage(&self) -> Result<Vec<(String, u64, u64)>> {
-        self.children.iter().map(|(name, child)| {
-            let stat = fs::read_to_string(format!("/proc/{}/stat", child.id()))?;
-            // Fields after the command's name, which may contain anything.
-            let fields: Vec<&str> = stat.rsplit(')').next().unwrap_or("").split_whitespace().collect();
-            let number = |at: usize| fields.get(at).and_then(|field| field.parse::<u64>().ok()).unwrap_or(0);
-            Ok((name.clone(), number(11) + number(12), number(21) * 4))
-        }).collect()
+        self.children
+            .iter()
+            .map(|(name, child)| {
+                let stat = fs::read_to_string(format!("/proc/{}/stat", child.id()))?;
+                // Fields after the command's name, which may contain anything.
+                let fields: Vec<&str> = stat.rsplit(')').next().unwrap_or("").split_whitespace().collect();
+                let number = |at: usize| fields.get(at).and_then(|field| field.parse::<u64>().ok()).unwrap_or(0);
+                Ok((name.clone(), number(11) + number(12), number(21) * 4))
+            })
+            .collect()
     }
 }
 
@@ -211,7 +214,8 @@ impl Listener {
     async fn listen(&mut self, long: Duration) {
         let until = tokio::time::Instant::now() + long;
         loop {
-            let receivers = self.buses.iter_mut().map(|(bus, can)| Box::pin(async move { (bus.clone(), can.recv().await) }));
+            let receivers =
+                self.buses.iter_mut().map(|(bus, can)| Box::pin(async move { (bus.clone(), can.recv().await) }));
             let next = futures::future::select_all(receivers);
             let Ok(((bus, frame), _, _)) = tokio::time::timeout_at(until, next).await else { return };
             let at = Instant::now();

@@ -101,9 +101,14 @@ pub async fn run(
     Ok(())
 }
 
-/// Inputs as told: the bits, whether they are valid, in which life of the devices, and the outputs (boot id and
-/// sequence) they were taken under.
-type Told = (u128, bool, u64, Option<(u64, u64)>);
+/// What an input message says, for telling whether it would say anything new.
+#[derive(Clone, Copy, PartialEq, Eq)]
+struct ToldInputs {
+    bits: u128,
+    valid: bool,
+    lives: u64,
+    under: Option<(u64, u64)>,
+}
 
 /// A station behind the gateway.
 struct Behind {
@@ -113,7 +118,7 @@ struct Behind {
     /// What the bus was last told to put out, and in which life of the devices.
     put: Option<(u128, u64)>,
     /// What the station was last told of its inputs.
-    told: Option<Told>,
+    told: Option<ToldInputs>,
 }
 
 /// How often the mode is told in words when it does not change.
@@ -347,7 +352,7 @@ impl Shell {
                 self.driver.set_outputs(owner, in_force.bits);
                 behind.put = Some((in_force.bits, lives));
             }
-            let news = (image.bits, image.valid, lives, in_force.image);
+            let news = ToldInputs { bits: image.bits, valid: image.valid, lives, under: in_force.image };
             if due || behind.told != Some(news) {
                 behind.told = Some(news);
                 if let Some(publisher) = &self.says.inputs[behind.station.index()] {

@@ -4,9 +4,9 @@
 //! gives the output image, [`Controller::next_deadline`] says when to step again if nothing arrives. There is no
 //! clock, no thread and no message format here: the same code runs in a node, in a simulation and under a checker.
 //!
-//! The net comes from [`linewright_line::net`]; here it is compiled to tables ([`program`](mod@program)) and played.
+//! The net comes from [`linewright_line::net`]; here it is compiled to tables (`program`) and played.
 //! What the paper does not have — counted internal variables, and taking a count back only when every station that
-//! could build on it has agreed — is in [`views`](mod@views) and [`withdraw`](mod@withdraw).
+//! could build on it has agreed — is in `views` and `withdraw`.
 
 mod controller;
 mod drive;

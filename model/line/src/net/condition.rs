@@ -148,11 +148,7 @@ impl Literal {
         match (self.var, other.var, other.on) {
             (Var::AdvancePressed, Var::Advance, true) | (Var::RetractPressed, Var::Retract, true) => true,
             (Var::Pressed(a), Var::Held(b), true) => a == b,
-            (
-                Var::Advance | Var::AdvancePressed,
-                Var::Retract | Var::RetractPressed,
-                false,
-            )
+            (Var::Advance | Var::AdvancePressed, Var::Retract | Var::RetractPressed, false)
             | (Var::Retract | Var::RetractPressed, Var::Advance | Var::AdvancePressed, false) => true,
             (Var::OnPath(_), Var::OnAnyPath, true) => true,
             (Var::OnPath(a), Var::OnPath(b), false) => a != b,

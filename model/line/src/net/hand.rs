@@ -53,9 +53,7 @@ impl Hand {
     /// t9: start again an operation that has been undone.
     pub(super) fn restart(&self) -> Option<Term> {
         match *self {
-            Hand::ReversedStart { forward, .. } | Hand::Single { forward, .. } => {
-                Some(vec![on(Var::Pressed(forward))])
-            }
+            Hand::ReversedStart { forward, .. } | Hand::Single { forward, .. } => Some(vec![on(Var::Pressed(forward))]),
             Hand::Sequence { .. }
             | Hand::SequenceEnd { .. }
             | Hand::ReversedMiddle { .. }
@@ -69,10 +67,7 @@ impl Hand {
     pub(super) fn reverse_on(&self) -> Option<ButtonId> {
         match *self {
             Hand::ReversedMiddle { back, .. } | Hand::ReversedEnd { back, .. } => Some(back),
-            Hand::Sequence { .. }
-            | Hand::SequenceEnd { .. }
-            | Hand::ReversedStart { .. }
-            | Hand::Single { .. } => None,
+            Hand::Sequence { .. } | Hand::SequenceEnd { .. } | Hand::ReversedStart { .. } | Hand::Single { .. } => None,
         }
     }
 }

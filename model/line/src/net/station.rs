@@ -51,8 +51,7 @@ impl StationNet {
 fn assemble(station: &Station, places: &[Place], transitions: &[Transition]) -> Net {
     let home = Place::completed(station.home);
     let mut builder = NetBuilder::new(station.name.clone());
-    let ids: Vec<_> =
-        places.iter().map(|&p| builder.place(place_name(station, p), u32::from(p == home))).collect();
+    let ids: Vec<_> = places.iter().map(|&p| builder.place(place_name(station, p), u32::from(p == home))).collect();
     let id_of = |place: &Place| {
         let index = places.iter().position(|p| p == place).expect("transitions join places of their own station");
         ids[index]
