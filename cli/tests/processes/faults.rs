@@ -59,7 +59,7 @@ fn fails(rig: &Rig, operator: &Operator, station: &str, operation: &str, output:
     let is_it = |event: &StationEvent| event.kind == StationEvent::KIND_FAULT && event.operation == operation;
     operator.wait(&format!("{operation} fails"), |heard| heard.events.iter().any(is_it));
     rig.eye.wait("its actuator is off", |seen| !seen.output(station, output));
-    assert!(!operator.station(station).fault.is_empty(), "and the station says what is wrong");
+    operator.wait("the station says what is wrong", |heard| !heard.station(station).fault.is_empty());
 }
 
 fn the_others_finish_and_nothing_starts(rig: &Rig, operator: &Operator, station: &str, operation: &str) {

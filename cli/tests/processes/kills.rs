@@ -41,6 +41,8 @@ fn a_station_and_the_coordinator_killed_come_back_and_no_count_is_lost() {
 
 fn a_moving_station(rig: &Rig, operator: &Operator) {
     rig.eye.wait("the mill feeds", |seen| seen.output("mill_1", "feed"));
+    // The frame is seen before the state is heard.
+    operator.wait("and says so", |heard| heard.station("mill_1").places[2] == StationState::PLACE_OPERATING);
     let before = operator.station("mill_1");
     let killed = rig.kill(&["--station", "mill_1"]);
     rig.eye.wait("its output is off", |seen| !seen.output("mill_1", "feed"));
