@@ -38,11 +38,19 @@ fn main() -> Result<()> {
 }
 
 /// The peer: a message there and back between two processes, over the client library alone.
+///
+/// Once as fast as it goes, and once at the rhythm of a line, in which every thread it wakes has been asleep: that is
+/// what a hop has to be compared with.
 fn ping(when: &str) -> Result<()> {
+    ping_every(when, "1000", "1000")?;
+    ping_every(when, "150", "50000")
+}
+
+fn ping_every(when: &str, count: &str, period_us: &str) -> Result<()> {
     let mut cargo = Command::new(option_env!("CARGO").unwrap_or("cargo"));
     cargo.args(["run", "--release", "--quiet", "--package", "linewright-node-shell", "--example", "oneway", "--"]);
-    let output = cargo.args(["1000", "1000", "reliable", "bare"]).env("ROS_DOMAIN_ID", "91").output()?;
-    println!("bare ping, {when}:\n{}", String::from_utf8_lossy(&output.stdout));
+    let output = cargo.args([count, period_us, "reliable", "bare"]).env("ROS_DOMAIN_ID", "91").output()?;
+    println!("bare ping every {period_us} µs, {when}:\n{}", String::from_utf8_lossy(&output.stdout));
     Ok(())
 }
 

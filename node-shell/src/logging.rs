@@ -39,7 +39,14 @@ fn directives(level: LogLevel) -> String {
         LogLevel::Warn => ("warn", "error"),
         LogLevel::Error | LogLevel::Fatal => ("error", "error"),
     };
-    format!("{ours},rustdds={theirs},ros2_client={theirs}")
+    // At an orderly end the DDS library reports its own threads gone before its readers, some twenty errors a node.
+    let orderly_end = match level {
+        LogLevel::Debug => "",
+        LogLevel::Info | LogLevel::Warn | LogLevel::Error | LogLevel::Fatal => {
+            ",rustdds::network::udp_listener=off,rustdds::dds::pubsub=off"
+        }
+    };
+    format!("{ours},rustdds={theirs},ros2_client={theirs}{orderly_end}")
 }
 
 #[cfg(test)]

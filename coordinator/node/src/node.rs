@@ -121,6 +121,8 @@ struct Behind {
     told: Option<ToldInputs>,
 }
 
+/// How soon a refusal may follow another one in what is sent and logged.
+const ANSWER_EVERY: Duration = Duration::from_millis(20);
 /// How often the mode is told in words when it does not change.
 const TEXT_EVERY: Duration = Duration::from_secs(1);
 
@@ -147,6 +149,9 @@ struct Shell {
     text: String,
     text_due: Tick,
     refresh_due: Tick,
+    /// When state and order were last sent.
+    told: Tick,
+    refusal_log_due: Tick,
     ignored: u64,
     failed: Option<NodeError>,
     // The node must outlive its publishers and subscriptions.
@@ -196,6 +201,8 @@ impl Shell {
             text: String::new(),
             text_due: Tick::ZERO,
             refresh_due: Tick::ZERO,
+            told: Tick::ZERO,
+            refusal_log_due: Tick::ZERO,
             ignored: 0,
             failed: None,
             clock,
@@ -282,11 +289,15 @@ impl Shell {
     }
 
     fn refuse(&mut self, text: String) {
-        tracing::warn!("{text}");
         self.refusals += 1;
+        let now = self.clock.now();
+        if now >= self.refusal_log_due {
+            self.refusal_log_due = now + ANSWER_EVERY;
+            tracing::warn!(refusals = self.refusals, "{text}");
+        }
         self.refusal = text;
-        // Tell it now.
-        self.refresh_due = Tick::ZERO;
+        // Tell it now, but a flood of foolish commands no faster than reliable topics can bear.
+        self.refresh_due = self.refresh_due.min(self.told + ANSWER_EVERY);
     }
 
     fn bus_events(&mut self, events: &[BusEvent]) {
@@ -375,6 +386,7 @@ impl Shell {
     }
 
     fn tell(&mut self, now: Tick) {
+        self.told = now;
         let order = self.coordinator.order();
         self.order_sequence += 1;
         self.says.order.send(ModeOrder {
