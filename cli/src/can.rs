@@ -89,7 +89,7 @@ pub async fn fail(args: FailArgs) -> miette::Result<ExitCode> {
     sdo_client::write(&mut bus, node, FAULT_INDEX, sub, SdoData::u32(code), Duration::from_secs(1))
         .await
         .map_err(|error| miette!("{error} on {}; is the simulated plant running?", bus.describe()))?;
-    println!("{} (node {node}, object {FAULT_INDEX:04X}h:{sub:02X}): {:?}", device.name, args.what);
+    crate::out::say!("{} (node {node}, object {FAULT_INDEX:04X}h:{sub:02X}): {:?}", device.name, args.what);
     Ok(ExitCode::SUCCESS)
 }
 
@@ -145,7 +145,9 @@ pub async fn candump(args: CandumpArgs) -> miette::Result<ExitCode> {
             () = interrupts.next() => break,
         };
         let now = SystemTime::now().duration_since(UNIX_EPOCH).unwrap_or_default();
-        println!("{}", candump::log_line(now, &args.interface, &frame));
+        if !crate::out::line(format_args!("{}", candump::log_line(now, &args.interface, &frame))) {
+            break;
+        }
         left -= 1;
     }
     Ok(ExitCode::SUCCESS)

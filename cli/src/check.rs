@@ -50,7 +50,7 @@ pub fn run(args: &Args) -> miette::Result<ExitCode> {
         Err(error) => return Err(error),
     };
     if args.json {
-        println!("{}", serde_json::to_string_pretty(&report).into_diagnostic()?);
+        crate::out::say!("{}", serde_json::to_string_pretty(&report).into_diagnostic()?);
     } else {
         print!("{}", show::text(&report));
     }

@@ -11,6 +11,7 @@ mod load;
 mod new;
 mod nodes;
 mod operate;
+mod out;
 mod run;
 mod watch;
 

@@ -65,9 +65,9 @@ pub fn run(args: &Args) -> miette::Result<ExitCode> {
     create_dir_all(&args.dir).into_diagnostic().wrap_err_with(|| format!("cannot make {}", args.dir.display()))?;
     write(&file, &line.text(), args.force)?;
     let dir = args.dir.display();
-    println!("wrote {}: {} stations", file.display(), 1 + 2 * args.machines);
-    println!("next:  linewright check {dir}");
-    println!("       linewright run {dir}");
+    crate::out::say!("wrote {}: {} stations", file.display(), 1 + 2 * args.machines);
+    crate::out::say!("next:  linewright check {dir}");
+    crate::out::say!("       linewright run {dir}");
     Ok(ExitCode::SUCCESS)
 }
 

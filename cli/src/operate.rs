@@ -59,7 +59,7 @@ pub async fn mode(args: ModeArgs, ros: &RosArgs) -> miette::Result<ExitCode> {
             }
         }
     }
-    println!("{}", client.coordinator().map_or("the coordinator is not heard", |state| &state.text));
+    crate::out::say!("{}", client.coordinator().map_or("the coordinator is not heard", |state| &state.text));
     Ok(ExitCode::SUCCESS)
 }
 
@@ -146,8 +146,8 @@ async fn hold(client: &mut Client, seconds: f64, say: impl Fn(&Client, bool)) ->
 fn print_station(client: &Client, id: StationId) {
     let name = &client.line().station(id).name;
     match client.station(id) {
-        Some(state) if state.blocked_by.is_empty() => println!("{name}: {}", state.operation),
-        Some(state) => println!("{name}: {}; waits for {}", state.operation, state.blocked_by.join("; ")),
-        None => println!("{name}: not heard"),
+        Some(state) if state.blocked_by.is_empty() => crate::out::say!("{name}: {}", state.operation),
+        Some(state) => crate::out::say!("{name}: {}; waits for {}", state.operation, state.blocked_by.join("; ")),
+        None => crate::out::say!("{name}: not heard"),
     }
 }

@@ -41,7 +41,7 @@ pub async fn run(args: Args, ros: &RosArgs) -> miette::Result<ExitCode> {
         while let Ok(heard) = tokio::time::timeout_at(until, client.next()).await {
             view.take(&heard?);
         }
-        println!("{}", view.picture(&client, 100).join("\n"));
+        crate::out::say!("{}", view.picture(&client, 100).join("\n"));
         return Ok(ExitCode::SUCCESS);
     }
     let mut screen = Screen::open()?;

@@ -174,7 +174,7 @@ impl Session {
         head.push(format!("logs and journals: {}", dir.display()));
         let live = !args.json && std::io::stdout().is_terminal();
         if !args.json && !live {
-            println!("{}", head.join("\n"));
+            crate::out::say!("{}", head.join("\n"));
         }
         let mut view = View::new(line);
         view.head = head;
@@ -343,9 +343,9 @@ impl Session {
         let mode = self.client.coordinator().map_or("not heard", |state| mode_name(state.mode));
         let report = self.tally.report(mode, conflicts, self.observer.frames(), restarts, error.clone());
         if args.json {
-            println!("{}", serde_json::to_string(&report).into_diagnostic()?);
+            crate::out::say!("{}", serde_json::to_string(&report).into_diagnostic()?);
         } else {
-            println!(
+            crate::out::say!(
                 "{} cycles, {faults} faults, {} conflicts seen in {} CAN frames",
                 report.cycles,
                 conflicts.len(),

@@ -1,0 +1,16 @@
+//! Writing to standard output, which may be a pipe that somebody has closed.
+
+use std::io::Write;
+
+/// Writes a line; false when nobody reads any more (`linewright candump | head`), which is no error.
+pub fn line(text: std::fmt::Arguments<'_>) -> bool {
+    writeln!(std::io::stdout().lock(), "{text}").is_ok()
+}
+
+/// `println!` for this program: a closed pipe does not end it in a panic.
+macro_rules! say {
+    ($($text:tt)*) => {{
+        let _ = $crate::out::line(format_args!($($text)*));
+    }};
+}
+pub(crate) use say;
