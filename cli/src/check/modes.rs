@@ -1,6 +1,6 @@
 //! The mode decision: the same net for every line, checked with each all the same.
 
-use linewright_coordinator_logic::decision::{ARCS, Command, Facts, net};
+use linewright_coordinator_logic::decision::{ARCS, Facts, net};
 use linewright_line::net::ControlMode;
 use linewright_nets::state_machine_verdict;
 
@@ -18,7 +18,7 @@ pub fn verdict() -> Result<String, String> {
 pub fn at_most_one_arc() -> Result<String, String> {
     let mut cases = 0;
     for mode in ControlMode::ALL {
-        for facts in all_facts() {
+        for facts in Facts::all() {
             let allowed: Vec<ControlMode> =
                 ARCS.iter().filter(|arc| arc.from == mode && (arc.when)(&facts)).map(|arc| arc.to).collect();
             if let [one, other, ..] = allowed[..] {
@@ -28,21 +28,6 @@ pub fn at_most_one_arc() -> Result<String, String> {
         }
     }
     Ok(format!("one arc at most in all {cases} cases of mode, command and facts"))
-}
-
-fn all_facts() -> impl Iterator<Item = Facts> {
-    (0..1u32 << 6).flat_map(|bits| {
-        let on = move |bit: u32| bits & (1 << bit) != 0;
-        std::iter::once(None).chain(Command::ALL.map(Some)).map(move |command| Facts {
-            command,
-            estop: on(0),
-            trouble: on(1),
-            stopping: on(2),
-            all_home: on(3),
-            all_stopped: on(4),
-            any_manual: on(5),
-        })
-    })
 }
 
 #[cfg(test)]

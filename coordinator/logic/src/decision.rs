@@ -85,6 +85,24 @@ pub struct Facts {
     pub any_manual: bool,
 }
 
+impl Facts {
+    /// Every combination of facts and command, for whoever wants to try them all.
+    pub fn all() -> impl Iterator<Item = Facts> {
+        (0..1u32 << 6).flat_map(|bits| {
+            let on = move |bit: u32| bits & (1 << bit) != 0;
+            std::iter::once(None).chain(Command::ALL.map(Some)).map(move |command| Facts {
+                command,
+                estop: on(0),
+                trouble: on(1),
+                stopping: on(2),
+                all_home: on(3),
+                all_stopped: on(4),
+                any_manual: on(5),
+            })
+        })
+    }
+}
+
 /// An arc of the mode decision net.
 #[derive(Clone, Copy, Debug)]
 pub struct Arc {
@@ -167,25 +185,10 @@ pub fn net() -> Net {
 mod tests {
     use super::*;
 
-    fn all_facts() -> impl Iterator<Item = Facts> {
-        (0..1u32 << 6).flat_map(|bits| {
-            let on = move |bit: u32| bits & (1 << bit) != 0;
-            std::iter::once(None).chain(Command::ALL.map(Some)).map(move |command| Facts {
-                command,
-                estop: on(0),
-                trouble: on(1),
-                stopping: on(2),
-                all_home: on(3),
-                all_stopped: on(4),
-                any_manual: on(5),
-            })
-        })
-    }
-
     #[test]
     fn at_most_one_arc_is_allowed_out_of_every_place_under_all_facts() {
         for mode in ControlMode::ALL {
-            for facts in all_facts() {
+            for facts in Facts::all() {
                 let allowed: Vec<_> = ARCS.iter().filter(|a| a.from == mode && (a.when)(&facts)).collect();
                 assert!(allowed.len() <= 1, "{mode} under {facts:?}: {allowed:?}");
             }
@@ -195,7 +198,7 @@ mod tests {
     #[test]
     fn every_arc_is_allowed_under_some_facts() {
         for arc in ARCS {
-            assert!(all_facts().any(|facts| (arc.when)(&facts)), "{arc:?}");
+            assert!(Facts::all().any(|facts| (arc.when)(&facts)), "{arc:?}");
         }
     }
 
