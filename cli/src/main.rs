@@ -3,6 +3,7 @@
 //! Each subcommand is a module. This file parses the command line, sets up what all of them share, and turns an error
 //! into words and an exit code: 0 done, 1 it could not be done, 2 the command line is wrong.
 
+mod analyse;
 mod can;
 mod check;
 mod client;
@@ -13,6 +14,7 @@ mod nodes;
 mod operate;
 mod out;
 mod run;
+mod simulate;
 mod watch;
 
 use std::process::ExitCode;

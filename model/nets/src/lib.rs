@@ -47,15 +47,22 @@
 //! the [`Marking`]; whatever structure proves about conserved sums holds for the restricted net unchanged.
 
 mod builder;
+pub mod certificate;
+pub mod coloured;
 mod components;
+pub mod coverability;
 mod dot;
+pub mod explicit;
 pub mod game;
 mod id;
 mod marking;
 mod net;
 pub mod reach;
+pub mod semiflows;
+pub mod siphons;
 pub mod structure;
 mod table;
+pub mod tnces;
 
 pub use builder::{ArcName, Direction, MAX_NODES, NetBuilder, NetError};
 pub use dot::dot;

@@ -6,19 +6,37 @@ use super::Member;
 use crate::part::{Stream, cargo, lines};
 
 /// Crates that decide and never act: called with the time and their inputs, they return outputs.
-pub const PURE: [&str; 4] =
-    ["linewright-nets", "linewright-line", "linewright-station-logic", "linewright-coordinator-logic"];
+pub const PURE: [&str; 7] = [
+    "linewright-nets",
+    "linewright-pnml",
+    "linewright-line",
+    "linewright-station-logic",
+    "linewright-coordinator-logic",
+    "linewright-proof",
+    "linewright-simulation",
+];
 
 /// What neither they nor the messages may need, at any distance.
 const IMPURE: [&str; 4] = ["ros2-client", "rustdds", "tokio", "socketcan"];
 
-/// What the sources of a pure crate do not mention: clocks, threads, sockets, files, the environment.
-const FORBIDDEN: [&str; 8] =
-    ["Instant::now", "SystemTime", "std::thread", "std::net", "std::fs", "std::process", "std::env", "async fn"];
+/// What the sources of a pure crate do not mention: clocks, threads that outlive a call, sockets, files, the
+/// environment. `thread::scope` is allowed: what it starts has ended when the call returns.
+const FORBIDDEN: [&str; 9] = [
+    "Instant::now",
+    "SystemTime",
+    "thread::spawn",
+    "thread::sleep",
+    "std::net",
+    "std::fs",
+    "std::process",
+    "std::env",
+    "async fn",
+];
 
 /// For each crate, those of the workspace it may build on. Dependencies point one way; a new crate gets a row here.
-const MAY_USE: [(&str, &[&str]); 13] = [
+const MAY_USE: [(&str, &[&str]); 16] = [
     ("linewright-nets", &[]),
+    ("linewright-pnml", &["linewright-nets"]),
     ("linewright-line", &["linewright-nets"]),
     ("linewright-station-logic", &["linewright-nets", "linewright-line"]),
     ("linewright-coordinator-logic", &["linewright-nets", "linewright-line"]),
@@ -26,6 +44,14 @@ const MAY_USE: [(&str, &[&str]); 13] = [
     ("linewright-node-shell", &["linewright-msgs"]),
     ("linewright-fieldbus", &["linewright-line"]),
     ("linewright-plant", &["linewright-line", "linewright-fieldbus"]),
+    (
+        "linewright-proof",
+        &["linewright-nets", "linewright-line", "linewright-station-logic", "linewright-coordinator-logic"],
+    ),
+    (
+        "linewright-simulation",
+        &["linewright-line", "linewright-station-logic", "linewright-coordinator-logic", "linewright-plant"],
+    ),
     (
         "linewright-station-node",
         &[
@@ -57,6 +83,7 @@ const MAY_USE: [(&str, &[&str]); 13] = [
 /// Whatever is not a top itself.
 const EVERYTHING: &[&str] = &[
     "linewright-nets",
+    "linewright-pnml",
     "linewright-line",
     "linewright-station-logic",
     "linewright-coordinator-logic",
@@ -64,6 +91,8 @@ const EVERYTHING: &[&str] = &[
     "linewright-node-shell",
     "linewright-fieldbus",
     "linewright-plant",
+    "linewright-proof",
+    "linewright-simulation",
     "linewright-station-node",
     "linewright-coordinator-node",
 ];

@@ -1,0 +1,1 @@
+//! What structure proves, with the evidence, and a small checker that believes only the evidence.

@@ -1,0 +1,1 @@
+//! Whether a net is bounded, by the coverability graph.

@@ -1,0 +1,1 @@
+//! Minimal semiflows: sums of tokens that never change, and firings that lead back.

@@ -1,0 +1,1 @@
+//! Siphons and traps: sets of places that stay empty, and sets that stay marked.

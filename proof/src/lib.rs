@@ -1,0 +1,1 @@
+//! Decides whether a line is right: its real controllers composed and explored.
