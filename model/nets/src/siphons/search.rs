@@ -1,0 +1,114 @@
+//! All minimal siphons, by growing sets from a place until nothing is missing.
+//!
+//! For each place in turn: all minimal siphons with this place, without those before it. A set that is not a siphon yet
+//! has a transition that gives to it and does not take from it; one of the inputs of that transition must join. The
+//! search tries them one after the other, and excludes those already tried, so that no set is met twice. A branch ends
+//! early when it cannot become a siphon (the largest siphon in what is allowed does not contain the set) and when it
+//! cannot become a minimal one (there is a smaller siphon in it already).
+
+use super::sides::Sides;
+use super::{Cause, Limits, Undecided};
+
+#[derive(Clone, Copy, PartialEq, Eq)]
+enum Is {
+    Open,
+    In,
+    Out,
+}
+
+struct Search<'a> {
+    sides: &'a Sides,
+    limits: &'a Limits,
+    sets: usize,
+    found: Vec<Vec<bool>>,
+}
+
+/// All minimal siphons of the net, or of its reverse.
+pub(super) fn minimal(sides: &Sides, limits: &Limits) -> Result<Vec<Vec<bool>>, Undecided> {
+    let mut search = Search { sides, limits, sets: 0, found: Vec::new() };
+    let mut allowed = sides.largest_in(vec![true; sides.place_count()]);
+    for root in 0..sides.place_count() {
+        if allowed[root] {
+            search.with(root, &allowed)?;
+            allowed[root] = false;
+            allowed = sides.largest_in(allowed);
+        }
+    }
+    Ok(search.found)
+}
+
+impl Search<'_> {
+    /// All minimal siphons with `root` within what is allowed.
+    fn with(&mut self, root: usize, allowed: &[bool]) -> Result<(), Undecided> {
+        let mut start: Vec<Is> = allowed.iter().map(|&allowed| if allowed { Is::Open } else { Is::Out }).collect();
+        start[root] = Is::In;
+        let mut stack = vec![start];
+        while let Some(mut set) = stack.pop() {
+            self.sets += 1;
+            self.check(stack.len())?;
+            let Some(inputs) = self.grow(&mut set) else { continue };
+            if inputs.is_empty() {
+                let members: Vec<bool> = set.iter().map(|&is| is == Is::In).collect();
+                if self.is_minimal(&members) {
+                    self.found.push(members);
+                }
+                continue;
+            }
+            let mut without = set;
+            for &input in &inputs {
+                let mut with = without.clone();
+                with[input] = Is::In;
+                stack.push(with);
+                without[input] = Is::Out;
+            }
+        }
+        Ok(())
+    }
+
+    fn check(&self, open: usize) -> Result<(), Undecided> {
+        let stop = |cause| Undecided { sets: self.sets - 1, found: self.found.len(), cause };
+        if self.sets > self.limits.sets {
+            return Err(stop(Cause::Sets));
+        }
+        if (open + self.found.len() + 1) * self.sides.place_count() > self.limits.bytes {
+            return Err(stop(Cause::Bytes));
+        }
+        Ok(())
+    }
+
+    /// Lets join what must. The inputs among which to choose then; none of them if the set is a siphon; nothing if it
+    /// cannot become a minimal one.
+    fn grow(&self, set: &mut [Is]) -> Option<Vec<usize>> {
+        loop {
+            let open_inputs = |t: usize| self.sides.inputs[t].iter().copied().filter(|&p| set[p] == Is::Open);
+            let wanting = |t: &usize| {
+                self.sides.outputs[*t].iter().any(|&p| set[p] == Is::In)
+                    && !self.sides.inputs[*t].iter().any(|&p| set[p] == Is::In)
+            };
+            let tightest = (0..self.sides.inputs.len()).filter(wanting).min_by_key(|&t| open_inputs(t).count());
+            let Some(t) = tightest else { return Some(Vec::new()) };
+            let inputs: Vec<usize> = open_inputs(t).collect();
+            match inputs[..] {
+                [] => return None,
+                [only] => set[only] = Is::In,
+                _ => return self.is_promising(set).then_some(inputs),
+            }
+        }
+    }
+
+    fn is_promising(&self, set: &[Is]) -> bool {
+        let possible = self.sides.largest_in(set.iter().map(|&is| is != Is::Out).collect());
+        let within = self.sides.largest_in(set.iter().map(|&is| is == Is::In).collect());
+        set.iter().zip(possible).all(|(&is, possible)| is != Is::In || possible) && !within.contains(&true)
+    }
+
+    /// Whether nothing but the empty set is left when any one place is taken out.
+    fn is_minimal(&self, siphon: &[bool]) -> bool {
+        let without = |place: usize| {
+            let mut rest = siphon.to_vec();
+            rest[place] = false;
+            self.sides.largest_in(rest)
+        };
+        (0..siphon.len()).filter(|&place| siphon[place]).all(|place| !without(place).contains(&true))
+    }
+}
