@@ -1,1 +1,0 @@
-//! Whether a net is bounded, by the coverability graph.
