@@ -24,7 +24,7 @@ pub(crate) struct Matrix {
 
 /// The vectors of minimal support among all y ≥ 0, y ≠ 0 with y · matrix = 0, each divided by its common divisor,
 /// ordered.
-pub(super) fn minimal_solutions(matrix: &Matrix, limits: &Limits) -> Result<Vec<Sparse>, Undecided> {
+pub(crate) fn minimal_solutions(matrix: &Matrix, limits: &Limits) -> Result<Vec<Sparse>, Undecided> {
     let mut rays = Rays::new(matrix, *limits);
     rays.check_size()?;
     while let Some((_, column)) = rays.queue.pop_first() {

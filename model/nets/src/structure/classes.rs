@@ -136,7 +136,7 @@ impl Net {
     }
 
     /// The first arc whose weight is not 1.
-    fn heavy_arc(&self) -> Option<HeavyArc> {
+    pub(super) fn heavy_arc(&self) -> Option<HeavyArc> {
         let heavy = |direction, t, arcs: &[(PlaceId, u32)]| {
             arcs.iter().find(|&&(_, weight)| weight > 1).map(|&(place, weight)| HeavyArc {
                 arc: ArcName { direction, place: self.place(place), transition: self.transition(t) },

@@ -1,21 +1,28 @@
 //! What a net is, without playing it.
 //!
-//! Everything here is decided on the arcs (and, for the verdict on state machines, on the initial marking) in time
-//! linear in the size of the net. Nothing here knows which markings are reachable; that is [`crate::reach`].
+//! Everything here is decided on the arcs (and, for the verdict on state machines, on the initial marking), nearly all of
+//! it in time linear in the size of the net. Nothing here knows which markings are reachable; that is [`crate::reach`].
 //!
 //! Each question is a method of [`crate::Net`] that answers `Ok(())` or the counterexample, so that a caller who
 //! wanted "yes" can print why not:
 //! - classes: [`crate::Net::is_state_machine`], [`crate::Net::is_marked_graph`], [`crate::Net::is_free_choice`]
+//! - wider classes: [`crate::Net::is_extended_free_choice`], [`crate::Net::is_asymmetric_choice`],
+//!   [`crate::Net::is_choice_free`]
 //! - connection: [`crate::Net::is_strongly_connected`]
 //! - conserved sums: [`crate::Net::is_conservative`], [`crate::Net::incidence`]
+//! - linear inequalities: [`crate::Net::linear_properties`]; these need a search for semiflows, which has limits
 //! - and all of it put to use: [`state_machine_verdict`].
 
+mod choice;
 mod classes;
 mod connected;
 mod incidence;
+mod linear;
 mod state_machine;
 
+pub use choice::{Choice, NotAsymmetricChoice, NotExtendedFreeChoice};
 pub use classes::{HeavyArc, NotFreeChoice, NotMarkedGraph, NotStateMachine};
 pub use connected::NotConnected;
 pub use incidence::{Incidence, NotConservative, NotPlaceInvariant, NotTransitionInvariant};
+pub use linear::{Linear, Positive};
 pub use state_machine::{NotLive, NotReversible, NotSafe, Verdict, state_machine_verdict};
