@@ -1,0 +1,91 @@
+//! How much a search may use, and what it says when that is not enough.
+
+use thiserror::Error;
+
+use crate::FireError;
+
+/// What a search may use.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub struct Limits {
+    /// The most states that are still decided.
+    pub states: u64,
+    /// The most bytes that the search may hold at a time, as it accounts for them itself: the tables whose size grows
+    /// with the states. What depends on the size of the net alone is not counted.
+    pub bytes: usize,
+    /// How many threads work on it; 0 counts as 1. Results do not depend on it.
+    pub threads: usize,
+}
+
+impl Default for Limits {
+    /// A hundred million states in two gigabytes, on one thread.
+    fn default() -> Self {
+        Limits { states: 100_000_000, bytes: 2 << 30, threads: 1 }
+    }
+}
+
+/// The search did not come to an end: nothing is known about the net as a whole.
+#[derive(Clone, Debug, PartialEq, Eq, Error)]
+#[error("undecided after {states} states: {cause}")]
+pub struct Undecided {
+    /// The states found until then.
+    pub states: u64,
+    /// What stopped it.
+    pub cause: Cause,
+}
+
+/// What stops a search.
+#[derive(Clone, Debug, PartialEq, Eq, Error)]
+pub enum Cause {
+    /// There are more states than allowed.
+    #[error("there are more than the {limit} allowed; allow more, or decide first whether the net is bounded")]
+    States {
+        /// [`Limits::states`].
+        limit: u64,
+    },
+    /// The next table would not fit.
+    #[error("the search needs {needs} bytes, and {limit} are allowed")]
+    Bytes {
+        /// What it would have held at a time.
+        needs: usize,
+        /// [`Limits::bytes`].
+        limit: usize,
+    },
+    /// A place gets more tokens than can be counted.
+    #[error("{0}")]
+    Overflow(FireError),
+}
+
+/// Counts the bytes that a search holds.
+#[derive(Clone, Copy, Debug)]
+pub(super) struct Budget {
+    limit: usize,
+    held: usize,
+    peak: usize,
+}
+
+impl Budget {
+    pub(super) fn new(limit: usize) -> Self {
+        Budget { limit, held: 0, peak: 0 }
+    }
+
+    /// Accounts for a table before it is made.
+    pub(super) fn take(&mut self, bytes: usize, states: u64) -> Result<(), Undecided> {
+        let needs = self.held.saturating_add(bytes);
+        if needs > self.limit {
+            return Err(Undecided { states, cause: Cause::Bytes { needs, limit: self.limit } });
+        }
+        self.held = needs;
+        self.peak = self.peak.max(needs);
+        Ok(())
+    }
+
+    /// Accounts for a table that is gone.
+    pub(super) fn give_back(&mut self, bytes: usize) {
+        self.held -= bytes;
+    }
+
+    /// The most that was held at a time.
+    pub(super) fn peak(&self) -> usize {
+        self.peak
+    }
+}

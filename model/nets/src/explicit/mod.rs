@@ -1,0 +1,72 @@
+//! Every reachable marking of a bounded net, exactly, in little memory and fast.
+//!
+//! [`decide`] plays a net out and says all there is to say without a question: how many markings and arcs, deadlocks,
+//! bounds, which transitions are live, whether the net is reversible and which markings are home. [`find`] looks for
+//! one marking and the shortest way to it. Both answer exactly or say that they do not know; neither ever guesses, and
+//! no comparison of markings relies on a hash.
+//!
+//! It works in layers, each in a module and each knowing only those before it: conserved sums of tokens
+//! (`invariants`), the numbers that a marking is written with (`encoding`), when transitions fire, said about those
+//! numbers (`rules`), and two ways to store sets of markings: one bit per possible code, fired 64 at a time (`bitmap`,
+//! `sweep`), or a table of keys (`table`). The slow and obvious way to the same facts is [`crate::reach`], and the tests
+//! hold the two against each other.
+//!
+//! It does not recognise an unbounded net: the search ends at a limit. That is the business of [`crate::coverability`].
+
+mod bitmap;
+mod encoding;
+mod facts;
+mod find;
+mod invariants;
+mod limits;
+mod on_bitmap;
+mod on_table;
+mod path;
+mod rules;
+mod space;
+mod sparse;
+mod sweep;
+mod table;
+mod terminal;
+#[cfg(test)]
+mod testnets;
+#[cfg(test)]
+mod tests;
+
+pub use facts::{Facts, Found, Home, Storage};
+pub use find::{find, find_marking};
+pub use limits::{Cause, Limits, Undecided};
+pub use on_table::View;
+
+use self::bitmap::Layout;
+use self::encoding::Encoding;
+use crate::Net;
+
+/// A bitmap of so few words is used without further thought: half a megabyte.
+const WORDS_SMALL: usize = 1 << 15;
+/// A larger one is used when there is a state for every so many words: going over them then costs less than a table.
+const WORDS_PER_STATE: u64 = 64;
+
+/// Plays a net out and says what follows.
+///
+/// # Errors
+/// [`Undecided`] if there are more states than allowed, if the tables would need more bytes than allowed, or if a place
+/// gets more tokens than 32 bits can count. An unbounded net always ends so.
+pub fn decide(net: &Net, limits: &Limits) -> Result<Facts, Undecided> {
+    if limits.states == 0 {
+        return Err(Undecided { states: 0, cause: Cause::States { limit: 0 } });
+    }
+    let encoding = Encoding::of(net);
+    let Some(layout) = Layout::of(&encoding).filter(|layout| on_bitmap::bytes(layout) <= limits.bytes) else {
+        return on_table::decide(net, &encoding, limits);
+    };
+    let few = layout.words as u64 / WORDS_PER_STATE;
+    if layout.words > WORDS_SMALL {
+        let first = Limits { states: few.min(limits.states), ..*limits };
+        match on_table::decide(net, &encoding, &first) {
+            Err(Undecided { cause: Cause::States { .. } | Cause::Bytes { .. }, .. }) if few < limits.states => {}
+            decided => return decided,
+        }
+    }
+    on_bitmap::decide(net, &encoding, &layout, limits)
+}
