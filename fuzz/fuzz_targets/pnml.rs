@@ -1,0 +1,43 @@
+//! Any bytes as PNML: a net or problems with their places, never a panic; and a net that is read is written and read
+//! again as the same one.
+
+#![no_main]
+
+use libfuzzer_sys::fuzz_target;
+use linewright_pnml::{Problems, limits, read, write};
+use miette::{GraphicalReportHandler, GraphicalTheme};
+
+/// No drawing of a few dozen problems is longer, whatever the lines of the file are.
+const DRAWN_MAX: usize = 200_000;
+
+fuzz_target!(|bytes: &[u8]| {
+    match read("any.pnml", bytes, None) {
+        Ok(net) => {
+            let text = write(&net);
+            let again = read("again.pnml", text.as_bytes(), None).expect("what is written can be read");
+            assert_eq!(again.to_string(), net.to_string());
+            assert_eq!(write(&again), text);
+        }
+        Err(problems) => draw(bytes, &problems),
+    }
+    // One of several nets, or none of that id.
+    if let Err(problems) = read("any.pnml", bytes, Some("n2")) {
+        draw(bytes, &problems);
+    }
+});
+
+fn draw(bytes: &[u8], problems: &Problems) {
+    assert!((1..=limits::PROBLEMS_MAX).contains(&problems.errors()));
+    let lines = bytes.iter().filter(|&&byte| byte == b'\n').count() + 1;
+    for problem in problems.iter() {
+        assert!((1..=lines).contains(&problem.line) && problem.column >= 1, "{problem}");
+        assert!(problem.message.len() < 1000, "{problem}");
+        // ISO-8859-1 becomes longer as text, twice at most.
+        assert!(problem.span.start <= problem.span.end && problem.span.end <= 2 * bytes.len(), "{problem}");
+    }
+    let mut drawn = String::new();
+    GraphicalReportHandler::new_themed(GraphicalTheme::unicode_nocolor())
+        .render_report(&mut drawn, problems)
+        .expect("every report can be drawn");
+    assert!(drawn.len() < DRAWN_MAX, "a drawing of {} bytes", drawn.len());
+}

@@ -1,0 +1,90 @@
+//! The few lines of a file around a problem, kept to be drawn.
+//!
+//! PNML is often written by programs, as one line of many megabytes. A drawing of such a line would be as long, and the
+//! whole text would have to be kept until then. So each problem takes with it what a reader needs: its line with the
+//! ones before and after, or of a long line the part around the problem.
+
+use std::ops::Range;
+
+use miette::{MietteError, MietteSpanContents, SourceCode, SourceSpan, SpanContents};
+
+/// The longest line that is shown whole, in bytes.
+const LINE_MAX: usize = 160;
+
+/// Of a longer one, how much is shown before the problem and how much from it on.
+const BEFORE: usize = 40;
+const AFTER: usize = 80;
+
+/// Part of a text, and where it stands in it.
+#[derive(Clone, Debug, PartialEq, Eq)]
+pub(crate) struct Excerpt {
+    file_name: String,
+    text: String,
+    /// What it is about, in `text`.
+    pub(crate) span: Range<usize>,
+    /// How many lines of the file come before `text`.
+    lines_before: usize,
+    /// The line and column of the problem in the file, from 1.
+    line: usize,
+    column: usize,
+}
+
+impl Excerpt {
+    /// What is around `span`, which lies in the line that starts at `line_start` and is the `line`-th one.
+    pub(crate) fn of(file_name: &str, text: &str, span: &Range<usize>, line_start: usize, line: usize) -> Self {
+        let whole = |at: usize| (0..=at.min(text.len())).rev().find(|&at| text.is_char_boundary(at)).unwrap_or(0);
+        let line_end = text[line_start..].find('\n').map_or(text.len(), |length| line_start + length);
+        let (from, lines_before) = if line_end - line_start > LINE_MAX {
+            (whole(span.start.saturating_sub(BEFORE).max(line_start)), line - 1)
+        } else {
+            let before = text[..line_start.saturating_sub(1)].rfind('\n').map_or(0, |at| at + 1);
+            let has_before = line_start > 0 && line_start - before <= LINE_MAX;
+            if has_before { (before, line - 2) } else { (line_start, line - 1) }
+        };
+        let to = if line_end - line_start > LINE_MAX {
+            whole(line_end.min(span.start + AFTER))
+        } else {
+            let after =
+                text.get(line_end + 1..).map_or(line_end, |rest| line_end + 1 + rest.find('\n').unwrap_or(rest.len()));
+            if after - line_end <= LINE_MAX { after } else { line_end }
+        };
+        Excerpt {
+            file_name: file_name.to_owned(),
+            // A terminal obeys control characters; these are of no use here, and one byte each like their stand-in.
+            text: text[from..to].replace(|c: char| c.is_ascii_control() && c != '\n' && c != '\t', " "),
+            span: span.start - from..span.end.clamp(span.start, to) - from,
+            lines_before,
+            line,
+            column: text[line_start..span.start].chars().count() + 1,
+        }
+    }
+
+    /// The column of the problem in the file, in characters, from 1.
+    pub(crate) fn column(&self) -> usize {
+        self.column
+    }
+}
+
+impl SourceCode for Excerpt {
+    fn read_span<'a>(
+        &'a self,
+        span: &SourceSpan,
+        lines_before: usize,
+        lines_after: usize,
+    ) -> Result<Box<dyn SpanContents<'a> + 'a>, MietteError> {
+        let found = self.text.read_span(span, lines_before, lines_after)?;
+        // Asked for the span alone, `miette` wants to know where it is; otherwise which lines it is going to draw.
+        let (line, column) = match lines_before {
+            0 => (self.line - 1, self.column - 1),
+            _ => (self.lines_before + found.line(), found.column()),
+        };
+        Ok(Box::new(MietteSpanContents::new_named(
+            self.file_name.clone(),
+            found.data(),
+            *found.span(),
+            line,
+            column,
+            found.line_count(),
+        )))
+    }
+}

@@ -1,0 +1,68 @@
+//! The labels of a node or arc: `<name>`, `<initialMarking>`, `<inscription>` and the like.
+//!
+//! The standard puts the text of a label in `<text>`; PIPE puts it in `<value>`, and numbers as `Default,1`: one token of
+//! the only colour that its place/transition nets have.
+
+use crate::limits::NAME_BYTES_MAX;
+use crate::problem::{At, Finding, Report, shown};
+use crate::xml::{Stop, Value, Xml};
+
+/// Reads the label that is open: its text, or none if it is only drawn.
+pub(crate) fn label<'a>(xml: &mut Xml<'a>, report: &mut Report) -> Result<Option<Value<'a>>, Stop> {
+    let mut found: Option<Value<'a>> = None;
+    while let Some(tag) = xml.child(report)? {
+        if !matches!(tag.name, "text" | "value") {
+            xml.skip(report)?;
+            continue;
+        }
+        let value = xml.content(report)?;
+        // A label may be given twice by a tool that writes for two readers; it may not say two things.
+        match &found {
+            Some(first) if first.text != value.text => {
+                report.add(Finding::new(tag.at, "this label has two texts").hint("keep the one that is meant"));
+            }
+            _ => found = Some(Value { at: if value.text.is_empty() { tag.at } else { value.at }, ..value }),
+        }
+    }
+    Ok(found)
+}
+
+/// A name that is short enough; an empty one is none.
+pub(crate) fn name(value: Value<'_>, report: &mut Report) -> Option<String> {
+    if value.text.len() > NAME_BYTES_MAX {
+        report.add(Finding::new(value.at, format!("a name has more than {NAME_BYTES_MAX} bytes")).hint("shorten it"));
+        return None;
+    }
+    (!value.text.is_empty()).then(|| value.text.into_owned())
+}
+
+/// A number of tokens, if one is given. `what` names it in messages: "the initial marking of the place `p`".
+pub(crate) fn number(value: &Value<'_>, what: impl Fn() -> String, report: &mut Report) -> Option<u32> {
+    let text = value.text.trim();
+    if text.is_empty() {
+        return None;
+    }
+    let (colour, digits) = text.rsplit_once(',').map_or(("Default", text), |(colour, n)| (colour.trim(), n.trim()));
+    match digits.parse() {
+        Ok(number) if colour == "Default" => return Some(number),
+        _ => {}
+    }
+    report.add(refusal(value.at, &what(), text, colour, digits));
+    // It has been reported; so that nothing is reported in its wake, any number will do.
+    Some(1)
+}
+
+fn refusal(at: At, what: &str, text: &str, colour: &str, digits: &str) -> Finding {
+    let finding = Finding::new(at, format!("{what} is `{}`", shown(text)));
+    let unsigned = digits.trim_start_matches(['-', '+']);
+    let is_number = !unsigned.is_empty() && unsigned.bytes().all(|byte| byte.is_ascii_digit());
+    if colour != "Default" {
+        finding.hint("tokens with colours are not read; only place/transition nets are")
+    } else if is_number && digits.starts_with('-') {
+        finding.hint("it cannot be negative")
+    } else if is_number {
+        finding.hint(format!("at most {} is possible", u32::MAX))
+    } else {
+        finding.hint("a whole number is needed")
+    }
+}

@@ -1,0 +1,73 @@
+//! Is this PNML, and which nets are in it? One pass over the whole file before any net is read.
+//!
+//! It costs little and makes the rest simple: what is read afterwards is known to be XML to its end, and a file of
+//! several nets is not read half.
+
+use crate::problem::{At, Finding, Report, shown};
+use crate::xml::{Stop, Xml};
+
+/// The most nets in one file.
+const NETS_MAX: usize = 10_000;
+
+/// How many ids are named in the advice on a file of several nets.
+const NAMED_MAX: usize = 8;
+
+/// The position, among the nets of the file, of the one to read.
+pub(crate) fn choose(text: &str, wanted: Option<&str>, report: &mut Report) -> Option<usize> {
+    let nets = survey(text, report).ok()?;
+    let named = || {
+        let more = if nets.len() > NAMED_MAX { ", …" } else { "" };
+        let ids: Vec<_> = nets.iter().take(NAMED_MAX).map(|(id, _)| format!("`{}`", shown(id))).collect();
+        format!("{}{more}", ids.join(", "))
+    };
+    let (_, second) = nets.get(1).unwrap_or(nets.first()?);
+    let finding = match (wanted, nets.len()) {
+        (None, 1) => return Some(0),
+        (None, count) => Finding::new(*second, format!("the file has {count} nets: {}", named()))
+            .hint("say which one with `--net ID`"),
+        (Some(wanted), _) => match nets.iter().filter(|(id, _)| id == wanted).count() {
+            1 => return nets.iter().position(|(id, _)| id == wanted),
+            0 => Finding::new(nets[0].1, format!("no net of this file has the id `{}`", shown(wanted)))
+                .hint(format!("there is {}", named())),
+            count => Finding::new(*second, format!("{count} nets of this file have the id `{}`", shown(wanted)))
+                .hint("ids are unique in a file"),
+        },
+    };
+    report.add(finding);
+    None
+}
+
+/// The ids of all nets, empty where there is none, and where they are. Reports if there is no net at all.
+fn survey(text: &str, report: &mut Report) -> Result<Vec<(String, At)>, Stop> {
+    let mut xml = Xml::new(text);
+    let Some(root) = xml.child(report)? else {
+        let finding = Finding::new(At::default(), "there is no XML element in this file");
+        report.add(finding.hint("is this the right file?"));
+        return Err(Stop);
+    };
+    if root.name != "pnml" {
+        let finding = Finding::new(root.at, format!("the outermost element is `{}`, not `pnml`", shown(root.name)));
+        report.add(finding.hint("only PNML is read; is this the right file?"));
+        return Err(Stop);
+    }
+    let mut nets = Vec::new();
+    while let Some(tag) = xml.child(report)? {
+        if tag.name == "net" {
+            if nets.len() == NETS_MAX {
+                report.add(Finding::new(tag.at, format!("the file has more than {NETS_MAX} nets")));
+                return Err(Stop);
+            }
+            let [id] = tag.attributes(&xml, ["id"], &mut Report::default());
+            nets.push((id.map(|id| id.text.into_owned()).unwrap_or_default(), tag.at));
+        }
+        xml.skip(report)?;
+    }
+    // Behind the outermost element there is nothing, or that is reported.
+    xml.child(report)?;
+    if nets.is_empty() {
+        report
+            .add(Finding::new(root.at, "there is no net in this file").hint("a net is an element `<net>` in `<pnml>`"));
+        return Err(Stop);
+    }
+    Ok(nets)
+}
