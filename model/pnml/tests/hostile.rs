@@ -70,9 +70,9 @@ fn ids_names_and_attributes_are_bounded() {
 #[test]
 fn many_problems_are_cut() {
     refused_soon(&with(&"<place/>\n".repeat(200_000)), "this place has no id");
-    refused_soon(&with(&"<arc source=\"p\" target=\"q\"/>".repeat(300_000)), "this arc comes from `p`");
+    refused_soon(&with(&"<arc source=\"p\" target=\"q\"/>".repeat(100_000)), "this arc comes from `p`");
     let ring: String =
-        (0..300_000).map(|n| format!("<referencePlace id=\"r{n}\" ref=\"r{}\"/>", (n + 1) % 300_000)).collect();
+        (0..100_000).map(|n| format!("<referencePlace id=\"r{n}\" ref=\"r{}\"/>", (n + 1) % 100_000)).collect();
     refused_soon(&with(&ring), "`r0` refers to itself");
     assert_eq!(said(with(&ring).as_bytes()).len(), 1, "one ring is one problem");
 }
@@ -80,8 +80,8 @@ fn many_problems_are_cut() {
 #[test]
 fn a_large_net_is_read() {
     let start = Instant::now();
-    let places: String = (0..300_000).map(|n| format!("<place id=\"p{n}\"/>")).collect();
-    let references: String = (0..300_000)
+    let places: String = (0..100_000).map(|n| format!("<place id=\"p{n}\"/>")).collect();
+    let references: String = (0..100_000)
         .map(|n| {
             format!(
                 "<referencePlace id=\"r{n}\" ref=\"{}\"/>",
@@ -89,9 +89,8 @@ fn a_large_net_is_read() {
             )
         })
         .collect();
-    let net =
-        sound(&with(&format!("{places}{references}<transition id=\"t\"/><arc source=\"r299999\" target=\"t\"/>")));
-    assert_eq!((net.place_count(), net.consumers(net.place_named("p0").unwrap()).len()), (300_000, 1));
+    let net = sound(&with(&format!("{places}{references}<transition id=\"t\"/><arc source=\"r99999\" target=\"t\"/>")));
+    assert_eq!((net.place_count(), net.consumers(net.place_named("p0").unwrap()).len()), (100_000, 1));
     assert!(start.elapsed() < SOON, "took {:?}", start.elapsed());
 }
 
