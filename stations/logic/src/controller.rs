@@ -16,6 +16,7 @@ use crate::panel::{Commands, ModeOrder, PanelCommand};
 use crate::program::{CompileError, Program, bit};
 use crate::report::{Report, Restore};
 use crate::rules::Rules;
+use crate::step::PASSES_MAX;
 use crate::views::Views;
 use crate::withdraw::Pending;
 
@@ -89,6 +90,9 @@ pub(crate) struct Token {
     pub remaining: Duration,
 }
 
+/// As many transitions as one step can fire: every branch once in each pass.
+const FIRED_MAX: usize = PASSES_MAX * BRANCHES_MAX;
+
 /// The controller of one station.
 #[derive(Clone, Debug)]
 pub struct Controller {
@@ -133,6 +137,9 @@ pub struct Controller {
     pub(crate) dirty: bool,
     /// The last step changed nothing, and nothing was heard since: until the deadline a step has nothing to do.
     pub(crate) settled: bool,
+    /// The transitions the last look fired, the first `fired_count` of them.
+    fired: [u16; FIRED_MAX],
+    fired_count: usize,
     pub(crate) deadline: Tick,
     pub(crate) changed: bool,
     pub(crate) events: Vec<Event>,
@@ -197,6 +204,8 @@ impl Controller {
             output_number: 0,
             dirty: true,
             settled: false,
+            fired: [0; FIRED_MAX],
+            fired_count: 0,
             deadline: Tick::ZERO,
             changed: true,
             events: Vec::with_capacity(64),
@@ -245,6 +254,22 @@ impl Controller {
     /// The cycle it is in.
     pub fn cycle(&self) -> i32 {
         self.cycle
+    }
+
+    /// The transitions that the last step that did anything has fired, in order, as indices into the station's net.
+    pub fn fired(&self) -> &[u16] {
+        &self.fired[..self.fired_count]
+    }
+
+    pub(crate) fn note_fired(&mut self, transition: u16) {
+        if let Some(slot) = self.fired.get_mut(self.fired_count) {
+            *slot = transition;
+            self.fired_count += 1;
+        }
+    }
+
+    pub(crate) fn forget_fired(&mut self) {
+        self.fired_count = 0;
     }
 
     /// Takes what has arrived. Follow with [`Controller::step`]. Gives false if the input was ignored: an order of an

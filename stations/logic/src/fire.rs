@@ -27,6 +27,7 @@ use crate::program::path_index;
 impl Controller {
     /// Fires a transition whose places are marked and whose condition holds.
     pub(crate) fn fire(&mut self, transition: u16) {
+        self.note_fired(transition);
         let kind = self.program.actions[transition as usize].kind;
         match kind {
             Kind::Stop(op, block) => {

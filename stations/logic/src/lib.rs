@@ -29,4 +29,4 @@ pub use panel::{ModeOrder, PanelCommand};
 pub use program::{CompileError, Program};
 pub use report::{Answer, Report, Request, Restore, Snapshot};
 pub use rules::Rules;
-pub use situation::Writer;
+pub use situation::{Held, Writer};

@@ -5,9 +5,10 @@
 //! writer has open, and of a life whether it is the present one. They grow for ever while the situation repeats. Moments in time are left out: a checker keeps
 //! the clock still, and lets things expire by telling the controller so.
 
-use linewright_line::StationId;
+use linewright_line::{OpId, StationId};
 
 use crate::controller::Controller;
+use crate::report::{Answer, Request};
 
 /// What a situation is relative to, for one writer of requests.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
@@ -18,7 +19,44 @@ pub struct Writer {
     pub open: Option<u64>,
 }
 
+/// What a controller holds of one other station.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub struct Held<'a> {
+    /// The cycle in which each operation was last completed.
+    pub done: &'a [i32],
+    /// The cycle it is in.
+    pub cycle: i32,
+    /// The request it has made.
+    pub request: Option<Request>,
+    /// Our answer to that request.
+    pub answer: Option<Answer>,
+    /// Its answer to a request of ours: its number, and the operation in the way.
+    pub verdict: Option<(u64, Option<OpId>)>,
+}
+
 impl Controller {
+    /// What it holds of another station; `None` if it does not listen to it.
+    pub fn held(&self, station: StationId) -> Option<Held<'_>> {
+        let view = self.views.peers.iter().find(|view| view.station == station)?;
+        Some(Held {
+            done: &view.done,
+            cycle: view.cycle,
+            request: view.request,
+            answer: view.answer,
+            verdict: view.verdict.map(|(_, number, in_the_way)| (number, in_the_way)),
+        })
+    }
+
+    /// Its count of completions of one operation.
+    pub fn done(&self, op: OpId) -> i32 {
+        self.done[op.index()]
+    }
+
+    /// The request it has open.
+    pub fn request(&self) -> Option<Request> {
+        self.pending.map(|pending| pending.request)
+    }
+
     /// This controller as a writer of requests.
     pub fn writer(&self) -> Writer {
         Writer { boot_id: self.boot_id, open: self.pending.map(|p| p.request.number) }

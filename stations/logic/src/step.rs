@@ -13,7 +13,7 @@ use crate::withdraw::{Pending, Standing};
 
 /// Transitions looked at in one step before the next image is asked for. An operation that completes leads on to the
 /// next at once; a longer chain means a description with operations that take no time.
-const PASSES_MAX: usize = 4;
+pub(crate) const PASSES_MAX: usize = 4;
 
 impl Controller {
     /// Plays the net one image further. Call it after every [`Controller::handle`] and at every deadline.
@@ -46,6 +46,7 @@ impl Controller {
 
     fn look(&mut self) {
         self.settled = true;
+        self.forget_fired();
         let edges = bit::edges(self.levels & !self.levels_before);
         self.levels_before = self.levels;
         let mut fired = self.pending.is_some() && self.settle();

@@ -168,7 +168,7 @@ impl World {
             }
             let report = report.get_or_insert_with(|| Rc::new(self.nodes[writer].controller.report()));
             let newest = waiting.last().unwrap_or(held);
-            if !link.says_the_same(newest, report) {
+            if !link.says_the_same(newest, report, setting.rules.counted) {
                 waiting.push(Rc::clone(report));
                 if waiting.len() > setting.reports_max {
                     waiting.remove(0);
@@ -305,10 +305,11 @@ impl World {
 }
 
 impl Link {
-    fn says_the_same(&self, a: &Report, b: &Report) -> bool {
+    fn says_the_same(&self, a: &Report, b: &Report, counted: bool) -> bool {
         let to_reader = |report: &Report| report.answers.iter().find(|x| x.to.index() == self.reader).copied();
         a.boot_id == b.boot_id
-            && a.cycle == b.cycle
+            // Only the rule that reads flags looks at the writer's cycle.
+            && (counted || a.cycle == b.cycle)
             && a.request == b.request
             && to_reader(a) == to_reader(b)
             && self.counts.iter().all(|&op| a.done[op] == b.done[op])

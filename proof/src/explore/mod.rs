@@ -1,0 +1,74 @@
+//! Exploration: the real controllers of several stations, composed with an environment that may do anything.
+//!
+//! Motions complete, fail or stay at any moment; operators press, hold and release at every panel at once; a station
+//! hears of a change of mode when it hears of it; every reader holds any report between its last one and the newest.
+//! In every state the line's conflicts and the soundness of each station are judged from the description alone, and
+//! of all states together it is decided whether home and the start can be reached from each.
+//!
+//! Controllers are not modelled but called. What keeps this fast is that a station by itself has few situations
+//! ([`station`]): what its controller makes of each is worked out once, and the composed line is played with numbers.
+//!
+//! Time stands still here. What time does to a controller is among what may happen anyway ([`Setting`]).
+
+mod facts;
+mod search;
+mod setting;
+mod state;
+mod station;
+mod story;
+mod system;
+mod table;
+mod verdict;
+mod word;
+
+pub use search::Limits;
+pub use setting::{Grants, Setting};
+pub use story::Story;
+pub use verdict::{Explored, Property, Verdict};
+
+use linewright_station_logic::CompileError;
+use thiserror::Error;
+
+/// Why a line cannot be explored at all.
+#[derive(Clone, Debug, PartialEq, Eq, Error)]
+pub enum NotExplorable {
+    /// A station does not compile.
+    #[error("{0}")]
+    Compile(#[from] CompileError),
+    /// More conflicts than there are bits for them.
+    #[error("{found} conflicts are more than the {max} that can be watched at once; explore the line in parts")]
+    Conflicts {
+        /// So many.
+        found: usize,
+        /// The most there may be.
+        max: usize,
+    },
+    /// More incoming links at one station than there are bits for them.
+    #[error("{station} listens to {found} stations, more than the {max} an exploration can keep apart")]
+    Links {
+        /// The station.
+        station: String,
+        /// So many.
+        found: usize,
+        /// The most there may be.
+        max: usize,
+    },
+}
+
+/// Explores a line as far as the limits allow.
+///
+/// # Errors
+/// When the line cannot be explored at all.
+pub fn explore(setting: &Setting, limits: Limits) -> Result<Explored, NotExplorable> {
+    let found = setting.line.conflicts.len();
+    if found > facts::CONFLICTS_MAX {
+        return Err(NotExplorable::Conflicts { found, max: facts::CONFLICTS_MAX });
+    }
+    for (nth, station) in setting.line.stations.iter().enumerate() {
+        let found = setting.into(nth).count();
+        if found > station::LINKS_MAX {
+            return Err(NotExplorable::Links { station: station.name.clone(), found, max: station::LINKS_MAX });
+        }
+    }
+    Ok(search::explore_with(setting, limits, verdict::Judge)?)
+}

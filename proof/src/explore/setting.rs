@@ -1,0 +1,114 @@
+//! What is explored, and how freely.
+//!
+//! The line is taken out of time: views, leases and watchdogs do not run out by themselves. What running out would do
+//! is among what may happen anyway: a watchdog is a failing motion, a lapsed lease is a change of mode, and a stale
+//! view only ever delays.
+
+use std::time::Duration;
+
+use linewright_line::net::ControlMode;
+use linewright_line::{Line, OpId, StationId};
+use linewright_station_logic::Rules;
+
+/// What is explored, and how freely. Made by [`Setting::new`]; the fields may be changed before exploring.
+#[derive(Clone, Debug)]
+pub struct Setting {
+    pub(crate) line: Line,
+    /// The rules in force; all of them on a machine.
+    pub rules: Rules,
+    /// The modes that may be granted.
+    pub modes: Vec<ControlMode>,
+    /// How modes come to the stations.
+    pub grants: Grants,
+    /// How many reports may be on their way to one reader; one more pushes the oldest out. 0: every report is heard
+    /// at once.
+    pub lag: usize,
+    /// Motions may fail, and devices may be lost for a moment.
+    pub faults: bool,
+    /// Operators let go of their panels before the mode changes. Fewer situations.
+    pub tidy_hands: bool,
+    pub(crate) links: Vec<Link>,
+}
+
+/// How modes come to the stations.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub enum Grants {
+    /// By the coordinator's rule: a mode that enables motion is acted on only when every station has acknowledged its
+    /// epoch, and so has left the mode before. Until then, and whenever an order or its lease ends, a station is in
+    /// stand-by. Which mode comes when is anybody's choice: what holds here holds under every decision.
+    InEpochs,
+    /// Each station hears of any mode at any moment, whatever the others act on: a coordinator that keeps no rule.
+    Anyhow,
+}
+
+/// Who reads whom, and which of the writer's counts matter to the reader.
+#[derive(Clone, Debug)]
+pub(crate) struct Link {
+    pub writer: usize,
+    pub reader: usize,
+    pub counts: Vec<OpId>,
+    /// The link the other way.
+    pub reverse: usize,
+}
+
+/// Nothing runs out within the one moment in which everything happens.
+const FOR_EVER: Duration = Duration::from_secs(1 << 20);
+
+impl Setting {
+    /// Everything on: every rule, auto, hand and manual mode, faults, and reports that lag.
+    ///
+    /// Home and emergency stop are left out because they add nothing: they start nothing, as stand-by starts nothing,
+    /// and what the emergency stop interrupts may fail in any mode.
+    pub fn new(line: &Line) -> Self {
+        let mut line = line.clone();
+        (line.timing.stale, line.timing.lease) = (FOR_EVER, FOR_EVER);
+        let links = links_of(&line);
+        Setting {
+            line,
+            rules: Rules::default(),
+            modes: vec![ControlMode::Auto, ControlMode::Hand, ControlMode::Manual],
+            grants: Grants::InEpochs,
+            lag: 1,
+            faults: true,
+            tidy_hands: true,
+            links,
+        }
+    }
+
+    /// The line, out of time.
+    pub fn line(&self) -> &Line {
+        &self.line
+    }
+
+    /// The links that end at a station, in their own order.
+    pub(crate) fn into(&self, station: usize) -> impl Iterator<Item = usize> + '_ {
+        (0..self.links.len()).filter(move |&link| self.links[link].reader == station)
+    }
+
+    /// The links that begin at a station, in their own order.
+    pub(crate) fn out_of(&self, station: usize) -> impl Iterator<Item = usize> + '_ {
+        (0..self.links.len()).filter(move |&link| self.links[link].writer == station)
+    }
+}
+
+fn links_of(line: &Line) -> Vec<Link> {
+    let mut links: Vec<Link> = Vec::new();
+    for writer in line.station_ids() {
+        for reader in line.station_ids() {
+            let between = |a: StationId, b: StationId| line.arrows.iter().any(|x| x.from.0 == a && x.to.0 == b);
+            if between(writer, reader) || between(reader, writer) {
+                let read = line.arrows.iter().filter(|a| a.from.0 == writer && a.to.0 == reader);
+                let mut counts: Vec<OpId> = read.map(|a| a.from.1).collect();
+                counts.sort_unstable();
+                counts.dedup();
+                links.push(Link { writer: writer.index(), reader: reader.index(), counts, reverse: 0 });
+            }
+        }
+    }
+    for link in 0..links.len() {
+        let (writer, reader) = (links[link].writer, links[link].reader);
+        let back = links.iter().position(|other| other.writer == reader && other.reader == writer);
+        links[link].reverse = back.expect("stations joined by an arrow read each other");
+    }
+    links
+}

@@ -1,0 +1,398 @@
+//! One station on its own: the situations it can be in, and what each thing that may happen makes of them.
+//!
+//! A situation is a real controller together with its operator's hands and the mode it has heard of. Two controllers
+//! whose [`Controller::situation`] is equal relative to their own cycle go on alike, so each situation is entered once,
+//! under a number, and what a stimulus makes of it is worked out once, by the controller itself. The composed line is
+//! then played with numbers: what costs a microsecond here costs a look into a table there.
+
+use linewright_line::net::{Block, ControlMode};
+use linewright_line::{OpId, StationId, Tick};
+use linewright_station_logic::{
+    CompileError, Controller, Event, Input, ModeOrder, NO_DELAY, Outbox, PanelCommand, Report, Restore, Writer,
+};
+use rustc_hash::FxHashMap;
+
+use super::facts::{Facts, actuator, bits_of};
+use super::setting::Setting;
+use super::word::{Numbers, Word, Words, report};
+
+/// The one moment at which everything happens.
+const NOW: Tick = Tick::from_millis(1);
+
+/// At most this many incoming links: one bit each.
+pub(crate) const LINKS_MAX: usize = 64;
+
+/// The panel's buttons.
+#[derive(Clone, Copy, Debug, PartialEq, Eq, Hash)]
+pub(crate) enum Key {
+    Advance,
+    Return,
+}
+
+/// Something that may happen to a station by itself.
+#[derive(Clone, Copy, Debug, PartialEq, Eq, Hash)]
+pub(crate) enum Act {
+    /// It hears of a mode.
+    Mode(ControlMode),
+    /// Its panel.
+    Key(Option<Key>),
+    /// A hand-mode button of the console, as the station hears of it.
+    Button(Option<u16>),
+    /// A motion arrives: its switch comes on, and is off again in the next image.
+    Arrive(OpId, Block),
+    /// A motion fails. Where it has no fault input, the devices are lost and come back.
+    Fail(OpId, Block),
+    /// A step without anything new, where one may matter: a request is open.
+    Step,
+}
+
+/// What a situation becomes.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub(crate) struct Effect {
+    pub to: u32,
+    /// By how much the station's cycle changed.
+    pub cycles: i32,
+    /// The request that was open is not open any more.
+    pub closed: bool,
+    /// Nobody can tell that anything has happened.
+    pub quiet: bool,
+    /// An image with every switch off is still to come: what others may hear in between matters.
+    pub off_follows: bool,
+}
+
+const UNKNOWN: Effect = Effect { to: u32::MAX, cycles: 0, closed: false, quiet: false, off_follows: false };
+
+/// A controller with everything around it.
+#[derive(Clone, Debug)]
+pub(crate) struct Situation {
+    pub controller: Controller,
+    pub key: Option<Key>,
+    pub button: Option<u16>,
+    pub mode: ControlMode,
+    pub outputs: u128,
+    epoch: u64,
+    /// For each incoming link, whether the request held is still open at its writer.
+    open: u64,
+}
+
+/// A report for this station, relative to its cycle.
+#[derive(Clone, Copy, Debug, PartialEq, Eq, Hash)]
+struct Hearing {
+    situation: u32,
+    /// Position among the incoming links.
+    link: u32,
+    word: Word,
+}
+
+/// All situations of one station that have been met.
+#[derive(Debug)]
+pub(crate) struct Situations {
+    pub station: usize,
+    /// Incoming and outgoing links, by their numbers in the setting.
+    pub incoming: Vec<usize>,
+    pub outgoing: Vec<usize>,
+    numbers: FxHashMap<Box<[i64]>, u32>,
+    pub all: Vec<Situation>,
+    pub facts: Vec<Facts>,
+    /// For each act of each situation, one situation after the other.
+    effects: Vec<Effect>,
+    /// Where those of a situation begin.
+    first_effect: Vec<u32>,
+    /// By situation: the image in which every switch is off again.
+    off: Vec<Effect>,
+    heard: FxHashMap<Hearing, Effect>,
+    closings: FxHashMap<(u32, u32), u32>,
+    /// Transitions of its net that have fired, a flag each.
+    pub fired: Vec<bool>,
+    words_scratch: Vec<i64>,
+}
+
+impl Situations {
+    pub fn new(setting: &Setting, station: usize, transitions: usize) -> Self {
+        Situations {
+            station,
+            incoming: setting.into(station).collect(),
+            outgoing: setting.out_of(station).collect(),
+            numbers: FxHashMap::default(),
+            all: Vec::new(),
+            facts: Vec::new(),
+            effects: Vec::new(),
+            first_effect: Vec::new(),
+            off: Vec::new(),
+            heard: FxHashMap::default(),
+            closings: FxHashMap::default(),
+            fired: vec![false; transitions],
+            words_scratch: Vec::new(),
+        }
+    }
+
+    /// The number of a situation, a new one if it has not been met.
+    pub fn enter(&mut self, setting: &Setting, words: &mut [Words], situation: Situation) -> u32 {
+        situation.write(setting, &self.incoming, &mut self.words_scratch);
+        if let Some(&number) = self.numbers.get(self.words_scratch.as_slice()) {
+            return number;
+        }
+        let number = self.all.len() as u32;
+        let facts = Facts::of(setting, words, self, &situation);
+        self.numbers.insert(self.words_scratch.as_slice().into(), number);
+        self.first_effect.push(self.effects.len() as u32);
+        self.effects.resize(self.effects.len() + facts.acts.len(), UNKNOWN);
+        self.facts.push(facts);
+        self.off.push(UNKNOWN);
+        self.all.push(situation);
+        number
+    }
+
+    /// What the `nth` act of a situation makes of it.
+    #[inline]
+    pub fn effect(&mut self, setting: &Setting, words: &mut [Words], from: u32, nth: usize) -> Effect {
+        let effect = self.effects[self.first_effect[from as usize] as usize + nth];
+        if effect.to == u32::MAX { self.work_out(setting, words, from, nth) } else { effect }
+    }
+
+    #[cold]
+    fn work_out(&mut self, setting: &Setting, words: &mut [Words], from: u32, nth: usize) -> Effect {
+        let act = self.facts[from as usize].acts[nth];
+        let mut next = self.all[from as usize].clone();
+        next.act(setting, act, &mut Vec::new());
+        let mut effect = self.conclude(setting, words, from, next);
+        if matches!(act, Act::Arrive(..) | Act::Fail(..)) {
+            let off = self.off(setting, words, effect.to);
+            effect = self.both(words, from, effect, off);
+        }
+        let at = self.first_effect[from as usize] as usize + nth;
+        self.effects[at] = effect;
+        effect
+    }
+
+    /// Two images as one effect, unless somebody could hear something between them.
+    fn both(&self, words: &[Words], from: u32, on: Effect, off: Effect) -> Effect {
+        if !off.quiet || off.closed {
+            return Effect { off_follows: true, quiet: false, ..on };
+        }
+        let cycles = on.cycles + off.cycles;
+        let quiet = self.says_the_same(words, from, off.to, cycles);
+        Effect { to: off.to, cycles, closed: on.closed, quiet, off_follows: false }
+    }
+
+    fn says_the_same(&self, words: &[Words], from: u32, to: u32, cycles: i32) -> bool {
+        let pairs = self.facts[from as usize].says.iter().zip(&self.facts[to as usize].says);
+        pairs.zip(&self.outgoing).all(|((&before, &after), &link)| before == after.shifted(cycles, &words[link]))
+    }
+
+    /// The image in which all switches are off, and the devices vouch for it.
+    pub fn off(&mut self, setting: &Setting, words: &mut [Words], from: u32) -> Effect {
+        let known = self.off[from as usize];
+        if known.to != u32::MAX {
+            return known;
+        }
+        let mut next = self.all[from as usize].clone();
+        next.image(0, true, &mut Vec::new());
+        let effect = self.conclude(setting, words, from, next);
+        self.off[from as usize] = effect;
+        effect
+    }
+
+    /// A word arrives over the `nth` incoming link; its base is relative to the station's cycle.
+    pub fn hear(&mut self, setting: &Setting, words: &mut [Words], from: u32, nth: usize, word: Word) -> Effect {
+        let hearing = Hearing { situation: from, link: nth as u32, word };
+        if let Some(&effect) = self.heard.get(&hearing) {
+            return effect;
+        }
+        let mut next = self.all[from as usize].clone();
+        next.hear(setting, words, self.incoming[nth], nth, word, &mut Vec::new());
+        let effect = self.conclude(setting, words, from, next);
+        self.heard.insert(hearing, effect);
+        effect
+    }
+
+    /// The writer of the `nth` incoming link has closed its request, which changes nothing but what answers are worth.
+    pub fn close(&mut self, setting: &Setting, words: &mut [Words], from: u32, nth: usize) -> u32 {
+        if !setting.rules.fresh_numbers || self.all[from as usize].open & (1 << nth) == 0 {
+            return from;
+        }
+        if let Some(&to) = self.closings.get(&(from, nth as u32)) {
+            return to;
+        }
+        let mut next = self.all[from as usize].clone();
+        next.open &= !(1 << nth);
+        let to = self.enter(setting, words, next);
+        self.closings.insert((from, nth as u32), to);
+        to
+    }
+
+    fn conclude(&mut self, setting: &Setting, words: &mut [Words], from: u32, next: Situation) -> Effect {
+        let before = &self.all[from as usize].controller;
+        let open = |controller: &Controller| controller.request().map(|request| request.number);
+        let closed = setting.rules.fresh_numbers && open(before).is_some() && open(before) != open(&next.controller);
+        let cycles = next.controller.cycle() - before.cycle();
+        for &transition in next.controller.fired() {
+            self.fired[usize::from(transition)] = true;
+        }
+        let to = self.enter(setting, words, next);
+        Effect { to, cycles, closed, quiet: self.says_the_same(words, from, to, cycles), off_follows: false }
+    }
+
+    /// Bytes, about: situations dominate.
+    pub fn bytes(&self) -> usize {
+        let situation = size_of::<Situation>() + 1024;
+        self.all.len() * situation + self.heard.len() * 2 * size_of::<(Hearing, Effect)>()
+    }
+}
+
+impl Situation {
+    /// A station at home that has heard nobody yet.
+    pub fn at_home(setting: &Setting, station: StationId) -> Result<Self, CompileError> {
+        let line = &setting.line;
+        let controller = Controller::new(line, station, 1, Restore::Fresh)?.with_rules(setting.rules);
+        let mode = ControlMode::StandBy;
+        let mut situation = Situation { controller, key: None, button: None, mode, outputs: 0, epoch: 0, open: 0 };
+        let home = line.station(station).home;
+        let at_home = 1u128 << line.operation((station, home)).normal.complete.0;
+        situation.image(at_home, true, &mut Vec::new());
+        situation.image(0, true, &mut Vec::new());
+        situation.order(setting, &mut Vec::new());
+        Ok(situation)
+    }
+
+    fn step(&mut self, events: &mut Vec<Event>) {
+        let mut out = Outbox::default();
+        self.controller.step(NOW, &mut out);
+        self.outputs = out.outputs;
+        events.append(&mut out.events);
+    }
+
+    pub fn image(&mut self, bits: u128, valid: bool, events: &mut Vec<Event>) {
+        self.controller.handle(NOW, Input::Inputs { bits, valid, until: Tick::NEVER, under: NO_DELAY });
+        self.step(events);
+    }
+
+    fn order(&mut self, setting: &Setting, events: &mut Vec<Event>) {
+        self.epoch += 1;
+        let order = ModeOrder {
+            boot_id: 1,
+            epoch: self.epoch,
+            mode: self.mode,
+            enabled: true,
+            master_stop: None,
+            manual_all: true,
+            buttons: self.button.map_or(0, |button| 1 << button),
+            lease: setting.line.timing.lease,
+        };
+        self.controller.handle(NOW, Input::Order(order));
+        self.step(events);
+    }
+
+    /// Lets something happen. Of an arrival or a failure, the first image only.
+    pub fn act(&mut self, setting: &Setting, act: Act, events: &mut Vec<Event>) {
+        let station = self.controller.station();
+        match act {
+            Act::Mode(mode) => {
+                self.mode = mode;
+                self.order(setting, events);
+            }
+            Act::Button(button) => {
+                self.button = button;
+                self.order(setting, events);
+            }
+            Act::Key(key) => {
+                self.key = key;
+                let advance = PanelCommand::Advance(key == Some(Key::Advance));
+                let retract = PanelCommand::Retract(key == Some(Key::Return));
+                for command in [advance, retract] {
+                    self.controller.handle(NOW, Input::Panel(command));
+                }
+                self.step(events);
+            }
+            Act::Arrive(op, block) => self.image(bits_of(&setting.line, station, op, block).0, true, events),
+            Act::Fail(op, block) => match bits_of(&setting.line, station, op, block).1 {
+                Some(fault) => self.image(fault, true, events),
+                None => self.image(0, false, events),
+            },
+            Act::Step => self.step(events),
+        }
+    }
+
+    /// A word arrives. A request that is not the one held gets the next number, so that it is a new one.
+    pub fn hear(
+        &mut self,
+        setting: &Setting,
+        words: &[Words],
+        link: usize,
+        nth: usize,
+        word: Word,
+        events: &mut Vec<Event>,
+    ) {
+        let content = words[link].content(word.id).clone();
+        let described = &setting.links[link];
+        let writer = StationId::at(described.writer);
+        let held = self.controller.held(writer).and_then(|held| held.request);
+        let was_open = self.open & (1 << nth) != 0;
+        let number = match (content.request, held) {
+            _ if !setting.rules.fresh_numbers => 1,
+            (Some((_, true)), Some(held)) if was_open => held.number,
+            (_, held) => held.map_or(1, |held| held.number + 1),
+        };
+        let numbers = Numbers { request: number, answered: self.awaited(setting) };
+        let base = self.controller.cycle() + word.base;
+        let ops = setting.line.station(writer).operations.len();
+        let me = (self.controller.station(), self.controller.writer().boot_id);
+        let report: Report = report(&content, base, &described.counts, ops, me, &numbers);
+        self.controller.handle(NOW, Input::View(writer, &report));
+        self.open &= !(1 << nth);
+        if content.request.is_some_and(|(_, open)| open) {
+            self.open |= 1 << nth;
+        }
+        self.step(events);
+    }
+
+    fn awaited(&self, setting: &Setting) -> Option<u64> {
+        if setting.rules.fresh_numbers { self.controller.request().map(|request| request.number) } else { Some(1) }
+    }
+
+    /// What it tells the reader of a link; bases are relative to its own cycle.
+    pub fn says(&self, setting: &Setting, link: usize, words: &mut Words) -> Word {
+        let (described, cycle) = (&setting.links[link], self.controller.cycle());
+        let reader = StationId::at(described.reader);
+        let position = setting.into(described.writer).position(|incoming| incoming == described.reverse);
+        let answers = !setting.rules.fresh_numbers || position.is_some_and(|nth| self.open & (1 << nth) != 0);
+        let held = self.controller.held(reader);
+        let answer = held.filter(|_| answers).and_then(|held| held.answer).map(|answer| answer.in_the_way);
+        let counts = described.counts.iter().map(|&op| self.controller.done(op) - cycle);
+        words.word(counts, 0, self.controller.request().map(|request| (request.ops, true)), answer)
+    }
+
+    /// What it holds over its `nth` incoming link; bases are relative to its own cycle.
+    pub fn holds(&self, setting: &Setting, link: usize, nth: usize, words: &mut Words) -> Word {
+        let (described, cycle) = (&setting.links[link], self.controller.cycle());
+        let Some(held) = self.controller.held(StationId::at(described.writer)) else { return Word::NONE };
+        let open = !setting.rules.fresh_numbers || self.open & (1 << nth) != 0;
+        let awaited = self.awaited(setting);
+        let verdict = held.verdict.filter(|&(number, _)| Some(number) == awaited).map(|(_, in_the_way)| in_the_way);
+        let counts = described.counts.iter().map(|&op| held.done[op.index()].wrapping_sub(cycle));
+        words.word(counts, held.cycle - cycle, held.request.map(|request| (request.ops, open)), verdict)
+    }
+
+    /// Everything that decides what it will do, relative to its own cycle.
+    fn write(&self, setting: &Setting, incoming: &[usize], out: &mut Vec<i64>) {
+        out.clear();
+        let key = match self.key {
+            None => 0,
+            Some(Key::Advance) => 1,
+            Some(Key::Return) => 2,
+        };
+        out.extend([key, self.button.map_or(-1, i64::from), self.mode as i64, self.open as i64]);
+        let writers = |station: StationId| {
+            let nth = incoming.iter().position(|&link| setting.links[link].writer == station.index());
+            let open = !setting.rules.fresh_numbers || nth.is_some_and(|nth| self.open & (1 << nth) != 0);
+            let held = self.controller.held(station).and_then(|held| held.request);
+            Writer { boot_id: 1, open: held.filter(|_| open).map(|request| request.number) }
+        };
+        self.controller.situation(self.controller.cycle(), writers, out);
+    }
+
+    /// Whether a motion of this place is driven; one that is not stays where it is.
+    pub fn drives(&self, setting: &Setting, op: OpId, block: Block) -> bool {
+        self.outputs & actuator(&setting.line, self.controller.station(), op, block) != 0
+    }
+}

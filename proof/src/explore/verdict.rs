@@ -1,0 +1,225 @@
+//! What an exploration says about a line: each property, whether it holds, and a story where it does not.
+
+use linewright_line::net::{ControlMode, StationNet};
+use linewright_nets::TransitionId;
+
+use super::search::{Conclude, End, Search};
+use super::station::Situations;
+use super::story::Story;
+use super::system::Wrong;
+
+/// Whether a property holds.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub enum Verdict {
+    /// In every state.
+    Holds,
+    /// There is a counterexample, or nothing that would have to be there.
+    Fails,
+    /// The search ended before it could be known.
+    Undecided,
+}
+
+/// One property of the line.
+#[derive(Clone, Debug, PartialEq, Eq)]
+pub struct Property {
+    /// What was asked.
+    pub name: String,
+    /// The answer.
+    pub verdict: Verdict,
+    /// Why, in words.
+    pub reason: String,
+    /// How it comes to be, where it fails.
+    pub counterexample: Option<Story>,
+}
+
+/// What an exploration came to.
+#[derive(Clone, Debug, PartialEq, Eq)]
+pub struct Explored {
+    /// States seen.
+    pub states: usize,
+    /// Moves from state to state that were looked at.
+    pub arcs: u64,
+    /// Memory it took, about.
+    pub bytes: usize,
+    /// Every state was seen: there are no others.
+    pub exhausted: bool,
+    /// For each station, how many situations its controller, operator and view of the others were met in.
+    pub situations: Vec<usize>,
+    /// One by one.
+    pub properties: Vec<Property>,
+}
+
+impl Explored {
+    /// Whether every property holds.
+    pub fn holds(&self) -> bool {
+        self.properties.iter().all(|property| property.verdict == Verdict::Holds)
+    }
+
+    /// The first counterexample, if there is one.
+    pub fn counterexample(&self) -> Option<&Story> {
+        self.properties.iter().find_map(|property| property.counterexample.as_ref())
+    }
+}
+
+/// Draws the conclusions.
+pub(crate) struct Judge;
+
+impl Conclude<Explored> for Judge {
+    fn conclude<const N: usize>(&mut self, mut search: Search<N>) -> Explored {
+        let mut properties = never_wrong(&mut search);
+        properties.extend(of_all_states(&mut search));
+        Explored {
+            states: search.table.len(),
+            arcs: search.arcs(),
+            bytes: search.bytes(),
+            exhausted: search.end == End::Exhausted,
+            situations: search.system.stations.iter().map(|station| station.all.len()).collect(),
+            properties,
+        }
+    }
+}
+
+/// What must not be in any state.
+fn never_wrong<const N: usize>(search: &mut Search<N>) -> Vec<Property> {
+    let found = match search.end {
+        End::Wrong(number) => {
+            let state = search.state(number);
+            search.system.wrong(&state).map(|wrong| (wrong, story(search, number, wrong)))
+        }
+        End::Exhausted | End::Limit => None,
+    };
+    let conflicts = search.system.setting.line.conflicts.iter().enumerate();
+    let names = conflicts.map(|(nth, conflict)| (format!("never: {}", conflict.why), Wrong::Conflict(nth)));
+    let others = [
+        (
+            "stations sound: one token in each branch, counts of one cycle, no output without a motion",
+            Wrong::Station(0),
+        ),
+        ("stations stay within the cycles their arrows allow", Wrong::Apart(0, 0)),
+    ];
+    let others = others.map(|(name, wrong)| (name.to_owned(), wrong));
+    let properties: Vec<(String, Wrong)> = names.chain(others).collect();
+    properties
+        .into_iter()
+        .map(|(name, kind)| {
+            let story = found.as_ref().filter(|(wrong, _)| is_kind(*wrong, kind)).map(|(_, story)| story.clone());
+            let verdict = match (&story, &search.end) {
+                (Some(_), _) => Verdict::Fails,
+                (None, End::Exhausted) => Verdict::Holds,
+                (None, End::Wrong(_) | End::Limit) => Verdict::Undecided,
+            };
+            let reason = match (&story, verdict) {
+                (Some(story), _) => format!("{}, after {} steps", story.end, story.steps.len()),
+                (None, Verdict::Holds) => format!("in all {} states", search.table.len()),
+                (None, _) => undecided(search),
+            };
+            Property { name, verdict, reason, counterexample: story }
+        })
+        .collect()
+}
+
+fn is_kind(wrong: Wrong, kind: Wrong) -> bool {
+    match (wrong, kind) {
+        (Wrong::Conflict(a), Wrong::Conflict(b)) => a == b,
+        (Wrong::Station(_), Wrong::Station(_)) | (Wrong::Apart(..), Wrong::Apart(..)) => true,
+        (Wrong::Conflict(_) | Wrong::Station(_) | Wrong::Apart(..), _) => false,
+    }
+}
+
+fn undecided<const N: usize>(search: &Search<N>) -> String {
+    let states = search.table.len();
+    match search.end {
+        End::Wrong(_) => format!("not met in {states} states; the search ended with the first thing wrong"),
+        End::Limit | End::Exhausted => format!("undecided after {states} states: the limit was reached"),
+    }
+}
+
+fn story<const N: usize>(search: &mut Search<N>, number: u32, wrong: Wrong) -> Story {
+    let state = search.state(number);
+    let end = search.system.wrong_text(&state, wrong);
+    tell(search, number, end)
+}
+
+fn tell<const N: usize>(search: &mut Search<N>, number: u32, end: String) -> Story {
+    let way = search.way_to(number);
+    let told = search.moves_along(&way);
+    Story::tell(&search.system, &told, &search.state(number), end)
+}
+
+/// What is decided by looking at all states together.
+fn of_all_states<const N: usize>(search: &mut Search<N>) -> Vec<Property> {
+    let mut properties = Vec::new();
+    let ask = |name: &str, found: Option<Result<String, (String, Option<Story>)>>, undecided: &str| {
+        let (verdict, reason, counterexample) = match found {
+            None => (Verdict::Undecided, undecided.to_owned(), None),
+            Some(Ok(reason)) => (Verdict::Holds, reason, None),
+            Some(Err((reason, story))) => (Verdict::Fails, reason, story),
+        };
+        Property { name: name.to_owned(), verdict, reason, counterexample }
+    };
+    let open = undecided(search);
+    let exhausted = search.end == End::Exhausted;
+    let deadlocks = exhausted.then(|| match search.deadlocks() {
+        0 => Ok("something can follow every state".to_owned()),
+        found => Err((format!("nothing can follow {found} states"), None)),
+    });
+    properties.push(ask("no deadlock", deadlocks, &open));
+    // Without manual mode a stopped motion cannot be recovered: then home is promised only where nothing fails.
+    let setting = &search.system.setting;
+    if setting.modes.contains(&ControlMode::Manual) || !setting.faults {
+        let homes = exhausted.then(|| home(search));
+        properties.push(ask("home can be reached from every state", homes, &open));
+        let back = exhausted.then(|| reversible(search));
+        properties.push(ask("reversible and live", back, &open));
+    }
+    let setting = &search.system.setting;
+    if setting.faults
+        && [ControlMode::Auto, ControlMode::Hand, ControlMode::Manual].iter().all(|m| setting.modes.contains(m))
+    {
+        let fires = exhausted.then(|| every_transition(search));
+        properties.push(ask("every transition fires", fires, &open));
+    }
+    properties
+}
+
+type Found = Result<String, (String, Option<Story>)>;
+
+fn home<const N: usize>(search: &mut Search<N>) -> Found {
+    match search.stranded() {
+        None => Ok(format!("from all {} states", search.table.len())),
+        Some(number) => {
+            let story = tell(search, number, "from here on there is no way home".to_owned());
+            Err((format!("not from the state after {} steps", story.steps.len()), Some(story)))
+        }
+    }
+}
+
+fn reversible<const N: usize>(search: &mut Search<N>) -> Found {
+    match search.no_return() {
+        None => {
+            Ok("every state leads back to the start, so whatever fires once can fire again from anywhere".to_owned())
+        }
+        Some(number) => {
+            let story = tell(search, number, "from here on nothing leads back to the start".to_owned());
+            Err((format!("nothing leads back from the state after {} steps", story.steps.len()), Some(story)))
+        }
+    }
+}
+
+fn every_transition<const N: usize>(search: &Search<N>) -> Found {
+    let line = &search.system.setting.line;
+    let mut count = 0;
+    let mut idle = Vec::new();
+    for (id, Situations { fired, .. }) in line.station_ids().zip(&search.system.stations) {
+        let net = StationNet::of(line, id);
+        count += fired.len();
+        for (index, _) in fired.iter().enumerate().filter(|(_, fired)| !**fired) {
+            let name = net.net().transition_name(TransitionId(index as u32));
+            idle.push(format!("{}: {name}", line.station(id).name));
+        }
+    }
+    if idle.is_empty() {
+        return Ok(format!("all {count} transitions of all stations"));
+    }
+    Err((format!("{} of {count} transitions never fire: {}", idle.len(), idle.join("; ")), None))
+}

@@ -1,0 +1,152 @@
+//! What one reader can tell of a report, as a word: equal words, equal reports to that reader.
+//!
+//! A word holds the counts the reader's arrows read, the request that the writer has open, and the writer's answer to
+//! the reader. Counts grow for ever while the line repeats itself, so they are kept relative to a base that follows
+//! from the word's own content: two equal reports then have the same word and the same base, whenever they were made.
+//!
+//! Request numbers never repeat and so grow for ever as well. Of a number matters only whether it is the one that is
+//! open: a request that has been closed still blocks the counts it names until the reader hears that it is gone, but
+//! an answer to it is worth nothing to anybody.
+
+use linewright_line::{OpId, StationId};
+use linewright_station_logic::{Answer, Report, Request};
+use rustc_hash::FxHashMap;
+
+/// A word with its base; 0 is "no word".
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Hash)]
+pub(crate) struct Word {
+    pub id: u32,
+    pub base: i32,
+}
+
+impl Word {
+    /// Nothing on its way.
+    pub const NONE: Word = Word { id: 0, base: 0 };
+
+    /// The same word when the origin its base refers to moves by `by`.
+    pub fn shifted(self, by: i32, words: &Words) -> Word {
+        if self.id == 0 || !words.has_base { self } else { Word { id: self.id, base: self.base + by } }
+    }
+}
+
+/// What a word says.
+#[derive(Clone, Debug, PartialEq, Eq, Hash)]
+pub(crate) struct Content {
+    /// The counts, relative to the base.
+    pub counts: Vec<i32>,
+    /// The writer's cycle, relative to the base, where a rule reads it; otherwise 0.
+    pub cycle: i32,
+    /// The operations of the request it has made, and whether that is still open.
+    pub request: Option<(u64, bool)>,
+    /// Its answer to the request that the reader has open.
+    pub answer: Option<Option<OpId>>,
+}
+
+/// The words of one link.
+#[derive(Debug)]
+pub(crate) struct Words {
+    /// The rule that reads flags instead of counts compares with the writer's cycle.
+    with_cycle: bool,
+    has_base: bool,
+    numbers: FxHashMap<Content, u32>,
+    contents: Vec<Content>,
+}
+
+impl Words {
+    pub fn new(with_cycle: bool, counts: usize) -> Self {
+        let nothing = Content { counts: Vec::new(), cycle: 0, request: None, answer: None };
+        Words { with_cycle, has_base: with_cycle || counts > 0, numbers: FxHashMap::default(), contents: vec![nothing] }
+    }
+
+    /// Whether its words have a base.
+    pub fn has_base(&self) -> bool {
+        self.has_base
+    }
+
+    pub fn content(&self, id: u32) -> &Content {
+        &self.contents[id as usize]
+    }
+
+    /// The word for counts and cycle as they stand relative to some origin; its base is relative to the same.
+    pub fn word(
+        &mut self,
+        counts: impl Iterator<Item = i32>,
+        cycle: i32,
+        request: Option<(u64, bool)>,
+        answer: Option<Option<OpId>>,
+    ) -> Word {
+        let mut counts: Vec<i32> = counts.collect();
+        let base = match counts.first() {
+            Some(&first) => first,
+            None if self.with_cycle => cycle,
+            None => 0,
+        };
+        counts.iter_mut().for_each(|count| *count -= base);
+        let cycle = if self.with_cycle { cycle - base } else { 0 };
+        Word { id: self.number(Content { counts, cycle, request, answer }), base }
+    }
+
+    fn number(&mut self, content: Content) -> u32 {
+        if let Some(&number) = self.numbers.get(&content) {
+            return number;
+        }
+        let number = self.contents.len() as u32;
+        self.contents.push(content.clone());
+        self.numbers.insert(content, number);
+        number
+    }
+
+    /// The word after its writer has closed the request it names.
+    pub fn closed(&mut self, word: Word) -> Word {
+        let content = self.content(word.id);
+        let Some((ops, true)) = content.request else { return word };
+        let content = Content { request: Some((ops, false)), ..content.clone() };
+        Word { id: self.number(content), base: word.base }
+    }
+
+    /// The word after its reader has closed the request it answers.
+    pub fn unanswered(&mut self, word: Word) -> Word {
+        let content = self.content(word.id);
+        if content.answer.is_none() {
+            return word;
+        }
+        let content = Content { answer: None, ..content.clone() };
+        Word { id: self.number(content), base: word.base }
+    }
+}
+
+/// The numbers a report needs to be told to a controller.
+pub(crate) struct Numbers {
+    /// The number of the writer's request.
+    pub request: u64,
+    /// The reader's open request, if it has one.
+    pub answered: Option<u64>,
+}
+
+/// A report that says to `reader` what the word says. `ops` is how many operations the writer has; counts that the
+/// reader does not read are anything.
+pub(crate) fn report(
+    content: &Content,
+    base: i32,
+    read: &[OpId],
+    ops: usize,
+    reader: (StationId, u64),
+    numbers: &Numbers,
+) -> Report {
+    let mut done = vec![base; ops];
+    for (op, count) in read.iter().zip(&content.counts) {
+        done[op.index()] = base + count;
+    }
+    let answers = match (content.answer, numbers.answered) {
+        (Some(in_the_way), Some(number)) => vec![Answer { to: reader.0, boot_id: reader.1, number, in_the_way }],
+        _ => Vec::new(),
+    };
+    Report {
+        boot_id: 1,
+        cycle: base + content.cycle,
+        done,
+        request: content.request.map(|(ops, _)| Request { number: numbers.request, ops }),
+        answers,
+        ..Report::default()
+    }
+}

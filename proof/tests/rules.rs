@@ -1,0 +1,52 @@
+//! With any one rule off something goes wrong on the shipped line, and it is found: that is how we know that the
+//! explorer would see it.
+
+use linewright_line::{Line, TransferLine, parse};
+use linewright_proof::explore::{Explored, Limits, Setting, Verdict, explore};
+use linewright_station_logic::Rules;
+
+fn shipped() -> Line {
+    parse("line.toml", &TransferLine::default().text()).expect("the shipped line is sound").line
+}
+
+fn without(rules: Rules) -> Explored {
+    let mut setting = Setting::new(&shipped());
+    setting.rules = rules;
+    explore(&setting, Limits { states: 1_000_000, ..Limits::default() }).expect("the shipped line can be explored")
+}
+
+/// The end of the counterexample that the missing rule leads to.
+fn goes_wrong(rules: Rules) -> String {
+    let explored = without(rules);
+    let story = explored.counterexample().unwrap_or_else(|| panic!("nothing wrong in {} states", explored.states));
+    assert_eq!(explored.properties.iter().filter(|p| p.verdict == Verdict::Fails).count(), 1, "the first thing wrong");
+    println!("{story}");
+    story.end.clone()
+}
+
+const BAR: &str = "the bar is off its rest while clamp 1 is not open";
+
+#[test]
+fn flags_instead_of_counts_let_the_bar_lift_under_a_closing_clamp() {
+    assert_eq!(goes_wrong(Rules { counted: false, ..Rules::default() }), BAR);
+}
+
+#[test]
+fn a_count_withdrawn_late_lets_another_station_start_on_it() {
+    assert_eq!(goes_wrong(Rules { withdraw_first: false, ..Rules::default() }), BAR);
+}
+
+#[test]
+fn a_count_withdrawn_without_agreement_closes_the_clamp_under_the_bar() {
+    assert_eq!(goes_wrong(Rules { ask: false, ..Rules::default() }), BAR);
+}
+
+#[test]
+fn a_request_number_used_twice_makes_an_old_agreement_good_again() {
+    assert_eq!(goes_wrong(Rules { fresh_numbers: false, ..Rules::default() }), BAR);
+}
+
+#[test]
+fn going_home_without_withdrawing_the_round_counts_a_part_that_was_never_machined() {
+    assert!(goes_wrong(Rules { redo_round: false, ..Rules::default() }).contains("are of no cycle"));
+}
