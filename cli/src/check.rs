@@ -7,12 +7,8 @@
 //! Structure says a lot about one station and about the normal cycle of all of them. It does not explore what faults,
 //! operators and delayed messages can do to the composed line, and the output says so each time.
 
-mod chart;
-mod modes;
-mod reduce;
 mod report;
 mod show;
-mod station;
 
 use std::path::PathBuf;
 use std::process::ExitCode;

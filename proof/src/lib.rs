@@ -1,7 +1,8 @@
-//! Decides whether a line is right: its real controllers composed and explored.
+//! Decides whether a line is right: by structure, and by exploring its real controllers, composed.
 //!
 //! This crate knows nets, lines and controllers, and asks everything that can be asked of them before anything moves.
 //! It does not know how a question is put or an answer printed, and it has no clock: how far it looks is said in states
 //! and bytes.
 
 pub mod explore;
+pub mod structure;

@@ -2,7 +2,9 @@
 
 use std::fmt::Write;
 
-use super::report::{Check, Report, StationReport};
+use linewright_proof::structure::{Check, StationReport};
+
+use super::report::Report;
 
 /// Column headings for the checks of a station, in the order of the table.
 const COLUMNS: [(&str, &str); 10] = [

@@ -12,7 +12,7 @@ use std::collections::{BTreeMap, BinaryHeap};
 
 use linewright_line::{Conflict, Line, OpId, Span, StationId};
 
-use super::report::full_name;
+use super::full_name;
 
 type Operation = (StationId, OpId);
 

@@ -6,7 +6,7 @@ use linewright_nets::{Net, PlaceId, Verdict, state_machine_verdict};
 use linewright_station_logic::Program;
 
 use super::reduce::{Group, reduce};
-use super::report::{Check, StationReport};
+use super::{Check, StationReport};
 
 /// Checks the net of one station.
 pub fn judge(line: &Line, id: StationId) -> StationReport {

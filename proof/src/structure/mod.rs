@@ -1,0 +1,96 @@
+//! What structure says of a line without playing it: of each station's net, of the mode decision, and of the timing bar
+//! chart as an event graph. It takes time linear in the size of the line, or nearly, so it is what scales.
+//!
+//! It says a lot about one station and about the forward motion of all of them. What faults, operators and delayed
+//! messages can do to the composed line is for [`crate::explore`].
+
+pub mod chart;
+mod modes;
+mod reduce;
+mod station;
+
+use linewright_line::{Line, Module, Station, StationId};
+use serde::Serialize;
+
+/// What was found about one station.
+#[derive(Clone, Debug, Serialize)]
+pub struct StationReport {
+    /// Its name.
+    pub name: String,
+    /// Reversible operations, j.
+    pub reversible: usize,
+    /// Irreversible operations, k.
+    pub irreversible: usize,
+    /// Places of its net.
+    pub places: usize,
+    /// Transitions of its net.
+    pub transitions: usize,
+    /// One by one.
+    pub checks: Vec<Check>,
+}
+
+/// One property, and why it holds or does not.
+#[derive(Clone, Debug, Serialize)]
+pub struct Check {
+    /// What was checked.
+    pub name: String,
+    /// Whether it holds.
+    pub ok: bool,
+    /// Why, or why not.
+    pub reason: String,
+}
+
+impl Check {
+    /// A property with what decided it: `Ok` is why it holds, `Err` why it does not.
+    pub fn of(name: impl Into<String>, found: Result<String, String>) -> Self {
+        let ok = found.is_ok();
+        Check { name: name.into(), ok, reason: found.unwrap_or_else(|why_not| why_not) }
+    }
+}
+
+impl StationReport {
+    /// An empty report on a station.
+    fn of(station: &Station, places: usize, transitions: usize) -> Self {
+        let is_reversible = |module: &Module| matches!(module, Module::Reversible { .. });
+        let reversible = station.operations.iter().filter(|op| is_reversible(&op.module)).count();
+        StationReport {
+            name: station.name.clone(),
+            reversible,
+            irreversible: station.operations.len() - reversible,
+            places,
+            transitions,
+            checks: Vec::new(),
+        }
+    }
+
+    /// Whether all its checks hold.
+    pub fn ok(&self) -> bool {
+        self.checks.iter().all(|check| check.ok)
+    }
+}
+
+/// Checks the net of each station, and its tables.
+pub fn judge_stations(line: &Line) -> Vec<StationReport> {
+    line.station_ids().map(|id| station::judge(line, id)).collect()
+}
+
+/// Checks what concerns the whole line: home, the event graph, the mode decision, and each conflict in forward motion.
+pub fn judge_line(line: &Line) -> Vec<Check> {
+    let mut checks = vec![
+        Check::of("home", chart::home_is_consistent(line)),
+        Check::of("operation causality", chart::every_circuit_has_a_token(line)),
+        Check::of("mode decision net", modes::verdict()),
+        Check::of("mode decision exclusive", modes::at_most_one_arc()),
+    ];
+    let separated = line
+        .conflicts
+        .iter()
+        .map(|conflict| Check::of(format!("separated: {}", conflict.why), chart::separated(line, conflict)));
+    checks.extend(separated);
+    checks
+}
+
+/// An operation's full name.
+fn full_name(line: &Line, (station, op): (StationId, linewright_line::OpId)) -> String {
+    format!("{}: {}", line.station(station).name, line.operation((station, op)).name)
+}
