@@ -39,6 +39,7 @@
 //! - [`structure`]: what can be said without playing: classes of nets, connection, conserved sums, and the verdict on
 //!   state machines. Linear in the size of the net, so this is what scales.
 //! - [`reach`]: what can be said by playing everything out. Exponential, hence bounded; it confirms the structure.
+//! - [`tnces`]: nets with conditions, events and time, and modules that are joined at their ports.
 //! - [`dot()`] and the `Display` of [`Net`]: for eyes.
 //!
 //! # How richer nets fit

@@ -1,0 +1,154 @@
+//! Composition: modules and composites joined at their ports (seed 003 §3.2.2, L411-421).
+//!
+//! What may be joined is Ic and Ie of the source: an output of a part to an input of a part, an input of the composite
+//! to an input of a part, an output of a part to an output of the composite. A condition input carries one signal and
+//! has one source. An event input may have several and is called by any of them: "the output event of both models
+//! (controller and plant) is connected to the input event of this module" (L842). Every input must be driven; an output
+//! may be left alone.
+
+use super::flatten;
+use super::{ComposeError, Module, Semantics, Tnces};
+
+/// A part of a composite.
+#[derive(Clone, Debug)]
+pub enum Element {
+    /// A net with ports.
+    Module(Box<Module>),
+    /// Parts with ports.
+    Composite(Composite),
+}
+
+impl Element {
+    /// Its name.
+    pub fn name(&self) -> &str {
+        match self {
+            Element::Module(module) => &module.name,
+            Element::Composite(composite) => &composite.name,
+        }
+    }
+}
+
+impl From<Module> for Element {
+    fn from(module: Module) -> Element {
+        Element::Module(Box::new(module))
+    }
+}
+
+impl From<Composite> for Element {
+    fn from(composite: Composite) -> Element {
+        Element::Composite(composite)
+    }
+}
+
+/// A part, numbered in the order in which it was added.
+#[derive(Clone, Copy, Debug, PartialEq, Eq, PartialOrd, Ord, Hash)]
+pub struct Part(pub usize);
+
+/// One end of a connection: a port of a part, or one of the composite's own. A pair `(part, "port")` and a plain
+/// `"port"` convert into it.
+#[derive(Clone, Debug, PartialEq, Eq, PartialOrd, Ord, Hash)]
+pub enum End {
+    /// A port of the composite.
+    Own(String),
+    /// A port of a part.
+    Of(Part, String),
+}
+
+impl From<&str> for End {
+    fn from(port: &str) -> End {
+        End::Own(port.to_owned())
+    }
+}
+
+impl From<(Part, &str)> for End {
+    fn from((part, port): (Part, &str)) -> End {
+        End::Of(part, port.to_owned())
+    }
+}
+
+/// What a port carries.
+#[derive(Clone, Copy, Debug, PartialEq, Eq, PartialOrd, Ord, Hash)]
+pub(super) enum Kind {
+    Condition,
+    Event,
+}
+
+impl Kind {
+    pub(super) fn word(self) -> &'static str {
+        match self {
+            Kind::Condition => "condition",
+            Kind::Event => "event",
+        }
+    }
+}
+
+/// A composite TNCES module under construction. It is checked when it is flattened.
+#[derive(Clone, Debug)]
+pub struct Composite {
+    pub(super) name: String,
+    pub(super) parts: Vec<Element>,
+    pub(super) inputs: Vec<(Kind, String)>,
+    pub(super) outputs: Vec<(Kind, String)>,
+    pub(super) links: Vec<(Kind, End, End)>,
+}
+
+impl Composite {
+    /// A composite with nothing in it yet.
+    pub fn new(name: impl Into<String>) -> Self {
+        Composite { name: name.into(), parts: Vec::new(), inputs: Vec::new(), outputs: Vec::new(), links: Vec::new() }
+    }
+
+    /// Its name.
+    pub fn name(&self) -> &str {
+        &self.name
+    }
+
+    /// Adds a module or a composite.
+    pub fn add(&mut self, part: impl Into<Element>) -> Part {
+        self.parts.push(part.into());
+        Part(self.parts.len() - 1)
+    }
+
+    /// Cm^inp: a condition input of the composite.
+    pub fn condition_in(&mut self, name: impl Into<String>) -> &mut Self {
+        self.inputs.push((Kind::Condition, name.into()));
+        self
+    }
+
+    /// Em^inp: an event input of the composite.
+    pub fn event_in(&mut self, name: impl Into<String>) -> &mut Self {
+        self.inputs.push((Kind::Event, name.into()));
+        self
+    }
+
+    /// Cm^out: a condition output of the composite.
+    pub fn condition_out(&mut self, name: impl Into<String>) -> &mut Self {
+        self.outputs.push((Kind::Condition, name.into()));
+        self
+    }
+
+    /// Em^out: an event output of the composite.
+    pub fn event_out(&mut self, name: impl Into<String>) -> &mut Self {
+        self.outputs.push((Kind::Event, name.into()));
+        self
+    }
+
+    /// Ic: a condition leads from an output of a part, or an input of this composite, to an input of a part, or an
+    /// output of this composite.
+    pub fn condition(&mut self, from: impl Into<End>, to: impl Into<End>) -> &mut Self {
+        self.links.push((Kind::Condition, from.into(), to.into()));
+        self
+    }
+
+    /// Ie: an event leads likewise.
+    pub fn event(&mut self, from: impl Into<End>, to: impl Into<End>) -> &mut Self {
+        self.links.push((Kind::Event, from.into(), to.into()));
+        self
+    }
+
+    /// The flat system: each node is named by the way to it, `part.node` or `outer.inner.node`. Or everything that is
+    /// wrong with the composition; what is wrong with the nets and tables is told once the ports are right.
+    pub fn flatten(&self, semantics: Semantics) -> Result<Tnces, Vec<ComposeError>> {
+        flatten::flatten(self, semantics)
+    }
+}

@@ -1,0 +1,236 @@
+//! What can be wrong with a system or a composition, in words that name the nodes and ports concerned.
+
+use thiserror::Error;
+
+use super::Interval;
+use crate::{Named, NetError, PlaceId, TransitionId};
+
+/// One thing wrong with the tables beside a net.
+#[derive(Clone, Debug, PartialEq, Eq, Error)]
+pub enum TncesError {
+    /// A table names a place that the net does not have.
+    #[error("{what} names place #{}, but the net has {places} places", place.0)]
+    UnknownPlace {
+        /// Which entry of which table.
+        what: String,
+        /// The place.
+        place: PlaceId,
+        /// How many there are.
+        places: usize,
+    },
+    /// A table names a transition that the net does not have.
+    #[error("{what} names transition #{}, but the net has {transitions} transitions", transition.0)]
+    UnknownTransition {
+        /// Which entry of which table.
+        what: String,
+        /// The transition.
+        transition: TransitionId,
+        /// How many there are.
+        transitions: usize,
+    },
+    /// A condition arc that always holds.
+    #[error("the condition arc {place} → {transition} has weight 0")]
+    ZeroWeight {
+        /// The place.
+        place: Named<PlaceId>,
+        /// The transition.
+        transition: Named<TransitionId>,
+    },
+    /// The same condition arc twice.
+    #[error("the condition arc {place} → {transition} is declared {times} times")]
+    DuplicateCondition {
+        /// The place.
+        place: Named<PlaceId>,
+        /// The transition.
+        transition: Named<TransitionId>,
+        /// How often.
+        times: usize,
+    },
+    /// The same event arc twice.
+    #[error("the event arc {from} → {to} is declared {times} times")]
+    DuplicateEvent {
+        /// The source.
+        from: Named<TransitionId>,
+        /// The transition it forces.
+        to: Named<TransitionId>,
+        /// How often.
+        times: usize,
+    },
+    /// A set of alternative sources with nothing in it: the transition could never fire.
+    #[error("{transition} waits for one event of none; name its sources")]
+    NoSource {
+        /// The transition.
+        transition: Named<TransitionId>,
+    },
+    /// Event arcs that lead back to where they start: each would wait for the others.
+    #[error("the event arcs form a cycle: {}", names(cycle))]
+    EventCycle {
+        /// The transitions along it; the last one calls the first.
+        cycle: Vec<Named<TransitionId>>,
+    },
+    /// An interval where the net has no input arc.
+    #[error("the interval {interval} is on {place} → {transition}, which is no arc of the net")]
+    NoSuchArc {
+        /// The place.
+        place: Named<PlaceId>,
+        /// The transition.
+        transition: Named<TransitionId>,
+        /// The interval.
+        interval: Interval,
+    },
+    /// DR > DL.
+    #[error("the interval {interval} on {place} → {transition} ends before it begins")]
+    Reversed {
+        /// The place.
+        place: Named<PlaceId>,
+        /// The transition.
+        transition: Named<TransitionId>,
+        /// The interval.
+        interval: Interval,
+    },
+    /// A bound beyond [`super::TIME_MAX`].
+    #[error("the interval {interval} on {place} → {transition} goes beyond {limit}; choose a coarser unit of time")]
+    TooLong {
+        /// The place.
+        place: Named<PlaceId>,
+        /// The transition.
+        transition: Named<TransitionId>,
+        /// The interval.
+        interval: Interval,
+        /// The limit.
+        limit: u32,
+    },
+    /// Two intervals on one arc.
+    #[error("{place} → {transition} has {times} intervals")]
+    DuplicateInterval {
+        /// The place.
+        place: Named<PlaceId>,
+        /// The transition.
+        transition: Named<TransitionId>,
+        /// How many.
+        times: usize,
+    },
+    /// A transition that is both forced and left to the environment.
+    #[error("{transition} is external, but event arcs force it; leave one of the two out")]
+    ExternalForced {
+        /// The transition.
+        transition: Named<TransitionId>,
+    },
+    /// So many forced transitions compete for tokens that the maximal steps cannot be listed.
+    #[error("{trigger} forces {contested} transitions that compete for tokens; at most {limit} are possible")]
+    TooManyChoices {
+        /// The spontaneous transition.
+        trigger: Named<TransitionId>,
+        /// How many of those it forces share an input place with another.
+        contested: usize,
+        /// The limit.
+        limit: usize,
+    },
+    /// The event arcs, followed from each spontaneous transition, make more entries than fit.
+    #[error("the spontaneous transitions force more than {limit} transitions, added up")]
+    TooManyForced {
+        /// The limit.
+        limit: usize,
+    },
+}
+
+fn names(cycle: &[Named<TransitionId>]) -> String {
+    cycle.iter().map(ToString::to_string).collect::<Vec<_>>().join(" → ")
+}
+
+/// One thing wrong with a composition. A port is shown as `part.port`, a part within a part as `outer.inner`.
+#[derive(Clone, Debug, PartialEq, Eq, Error)]
+pub enum ComposeError {
+    /// Two parts of one composite have the same name.
+    #[error("two parts of `{composite}` are named `{name}`")]
+    DuplicatePart {
+        /// The composite.
+        composite: String,
+        /// The name.
+        name: String,
+    },
+    /// Two ports of one direction and kind have the same name.
+    #[error("`{owner}` has two {port}")]
+    DuplicatePort {
+        /// The module or composite.
+        owner: String,
+        /// Kind, direction and name, as in "condition inputs named `x`".
+        port: String,
+    },
+    /// A connection to a part that was never added.
+    #[error("a connection in `{composite}` names part #{part}, but it has {parts} parts")]
+    UnknownPart {
+        /// The composite.
+        composite: String,
+        /// The number of the part.
+        part: usize,
+        /// How many there are.
+        parts: usize,
+    },
+    /// A connection to a port that does not exist.
+    #[error("`{owner}` has no {port}")]
+    UnknownPort {
+        /// The module or composite.
+        owner: String,
+        /// Kind, direction and name, as in "condition input `x`".
+        port: String,
+    },
+    /// The same connection twice, or a condition input with two sources: it carries one signal.
+    #[error("{port} has {times} sources: {sources}")]
+    DoubleConnection {
+        /// The port that is driven.
+        port: String,
+        /// How many connections end there.
+        times: usize,
+        /// Where they come from.
+        sources: String,
+    },
+    /// A port that nothing drives.
+    #[error("{port} is not connected")]
+    NotConnected {
+        /// The port.
+        port: String,
+    },
+    /// An input that reaches no transition.
+    #[error("{port} is an input, but no arc starts at it")]
+    Idle {
+        /// The port.
+        port: String,
+    },
+    /// A composite input joined to a composite output: no part is between.
+    #[error("`{composite}` joins its input `{from}` to its output `{to}`, through no part")]
+    PassThrough {
+        /// The composite.
+        composite: String,
+        /// The input.
+        from: String,
+        /// The output.
+        to: String,
+    },
+    /// A module that uses the id of another.
+    #[error("module `{module}` has {count} {nodes}, but one of its arcs or ports names #{id}")]
+    ForeignId {
+        /// The module.
+        module: String,
+        /// "places" or "transitions".
+        nodes: &'static str,
+        /// How many there are.
+        count: usize,
+        /// The number that is none of them.
+        id: u32,
+    },
+    /// Parts within parts, deeper than any drawing.
+    #[error("`{composite}` nests parts more than {limit} deep")]
+    TooDeep {
+        /// The innermost composite that was looked at.
+        composite: String,
+        /// The limit.
+        limit: usize,
+    },
+    /// The flat net is not sound.
+    #[error(transparent)]
+    Net(#[from] NetError),
+    /// The flat system is not sound.
+    #[error(transparent)]
+    Tnces(#[from] TncesError),
+}

@@ -1,0 +1,221 @@
+//! One run of a system: a token player with a clock of its own, for a simulated plant.
+//!
+//! The player is told the time and reads none. Where several transitions could fire at one instant it takes the one with
+//! the lowest number, and of its maximal steps the first, so that a run is determined by the system, the policy and the
+//! calls.
+
+use std::borrow::Borrow;
+
+use thiserror::Error;
+
+use super::engine::Engine;
+use super::{TimedState, Tnces};
+use crate::{FireError, Marking, Move, Named, PlaceId, TransitionId};
+
+/// When the player fires what need not fire at once.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Hash)]
+pub enum Policy {
+    /// As soon as the intervals allow.
+    #[default]
+    Soonest,
+    /// When no more time may pass; what may wait for ever is left to [`Player::fire`].
+    WhenDue,
+}
+
+/// A step that has been fired.
+#[derive(Clone, Debug, PartialEq, Eq)]
+pub struct Fired {
+    /// When.
+    pub time: u64,
+    /// The spontaneous transition, then what it forced.
+    pub step: Box<[TransitionId]>,
+}
+
+/// Why a transition does not fire now. Nothing has changed.
+#[derive(Clone, Debug, PartialEq, Eq, Error)]
+pub enum Refusal {
+    /// Only other transitions make it fire.
+    #[error("{transition} fires only when it is forced")]
+    Forced {
+        /// The transition.
+        transition: Named<TransitionId>,
+    },
+    /// Too few tokens, or too many to count.
+    #[error(transparent)]
+    Tokens(#[from] FireError),
+    /// A condition does not hold.
+    #[error("{transition} waits for {place}: it has {has} of the {needs} tokens needed")]
+    Condition {
+        /// The transition.
+        transition: Named<TransitionId>,
+        /// The place.
+        place: Named<PlaceId>,
+        /// What it has.
+        has: u32,
+        /// What is needed.
+        needs: u32,
+    },
+    /// Its time has not come.
+    #[error("{transition} can fire from time {from} on; it is {now}")]
+    Early {
+        /// The transition.
+        transition: Named<TransitionId>,
+        /// The first instant at which it can, if nothing else happens.
+        from: u64,
+        /// The time.
+        now: u64,
+    },
+    /// Its time has passed.
+    #[error("{transition} could have fired before time {now}; its tokens are too old now")]
+    Late {
+        /// The transition.
+        transition: Named<TransitionId>,
+        /// The time.
+        now: u64,
+    },
+}
+
+/// A run went on for more steps than allowed.
+#[derive(Clone, Debug, PartialEq, Eq, Error)]
+pub enum Restless {
+    /// The bound was met; what has been fired is done, and the run can be continued.
+    #[error("stopped at time {time} after {} steps, the most allowed", fired.len())]
+    Limit {
+        /// Where the run stands.
+        time: u64,
+        /// What has been fired.
+        fired: Vec<Fired>,
+    },
+    /// A place would hold more tokens than can be counted.
+    #[error("stopped at time {time}: {error}")]
+    Overflow {
+        /// Where the run stands.
+        time: u64,
+        /// What stopped it.
+        error: FireError,
+        /// What has been fired.
+        fired: Vec<Fired>,
+    },
+}
+
+/// One run. `T` is a [`Tnces`], a reference to one, or an `Arc`.
+#[derive(Clone, Debug)]
+pub struct Player<T> {
+    engine: Engine<T>,
+    state: TimedState,
+    now: u64,
+    policy: Policy,
+}
+
+impl<T: Borrow<Tnces>> Player<T> {
+    /// At time 0, in the initial state.
+    pub fn new(system: T, policy: Policy) -> Self {
+        let engine = Engine::new(system, Some(1));
+        Player { state: engine.initial(), engine, now: 0, policy }
+    }
+
+    /// The system that is played.
+    pub fn system(&self) -> &Tnces {
+        self.engine.system()
+    }
+
+    /// The time.
+    pub fn now(&self) -> u64 {
+        self.now
+    }
+
+    /// Where the tokens are.
+    pub fn marking(&self) -> &Marking {
+        self.state.marking()
+    }
+
+    /// Every step that is possible now, those of external transitions among them.
+    pub fn steps(&self) -> Vec<Box<[TransitionId]>> {
+        self.engine.steps(&self.state)
+    }
+
+    /// When [`Player::advance`] fires next, if nothing is fired by hand before; never earlier than now.
+    pub fn next_time(&self) -> Option<u64> {
+        self.next().map(|(delay, _)| self.now.saturating_add(u64::from(delay)))
+    }
+
+    /// Fires a spontaneous transition now, and what it forces.
+    pub fn fire(&mut self, transition: TransitionId) -> Result<Fired, Refusal> {
+        self.admit(transition)?;
+        let steps = self.engine.steps_of(&self.state, transition);
+        let step = steps.into_iter().next().expect("a ripe transition has a step");
+        self.state = self.engine.fire(&self.state, &step)?;
+        Ok(Fired { time: self.now, step })
+    }
+
+    /// Lets time pass until `until`, firing what the policy fires on the way, that very instant included. At most
+    /// `most` steps. A time that has passed already changes nothing but what is ripe now.
+    pub fn advance(&mut self, until: u64, most: usize) -> Result<Vec<Fired>, Restless> {
+        let mut fired = Vec::new();
+        while let Some((delay, transition)) = self.next() {
+            let time = self.now.saturating_add(u64::from(delay));
+            if time > until.max(self.now) {
+                break;
+            }
+            if fired.len() == most {
+                return Err(Restless::Limit { time: self.now, fired });
+            }
+            self.wait(u64::from(delay));
+            match self.fire(transition) {
+                Ok(step) => fired.push(step),
+                Err(Refusal::Tokens(error)) => return Err(Restless::Overflow { time: self.now, error, fired }),
+                Err(refusal) => unreachable!("{refusal}"),
+            }
+        }
+        self.wait(until.saturating_sub(self.now));
+        Ok(fired)
+    }
+
+    /// The lowest of the transitions that fire next, and how long until then.
+    fn next(&self) -> Option<(u32, TransitionId)> {
+        let own = self.engine.spontaneous().iter().filter(|&&t| !self.system().is_external(t));
+        let due = own.filter_map(|&t| {
+            let delay = match self.policy {
+                Policy::Soonest => self.engine.until_ripe(&self.state, t),
+                Policy::WhenDue => self.engine.until_due(&self.state, t),
+            };
+            delay.map(|delay| (delay, t))
+        });
+        due.min()
+    }
+
+    fn wait(&mut self, delay: u64) {
+        if delay > 0 {
+            // Clocks stop far below 32 bits' worth of waiting more.
+            self.state = self.engine.aged(&self.state, u32::try_from(delay).unwrap_or(u32::MAX));
+            self.now = self.now.saturating_add(delay);
+        }
+    }
+
+    fn admit(&self, t: TransitionId) -> Result<(), Refusal> {
+        let net = self.system().net();
+        let marking = self.state.marking();
+        if self.system().is_forced(t) {
+            return Err(Refusal::Forced { transition: net.transition(t) });
+        }
+        if let Some(&(place, needs)) = net.preset(t).iter().find(|&&(place, needs)| marking.tokens(place) < needs) {
+            let (transition, has) = (net.transition(t), marking.tokens(place));
+            return Err(
+                FireError::Lacking { attempt: Move::Fire, transition, place: net.place(place), has, needs }.into()
+            );
+        }
+        let lacking = |&&(place, needs): &&(PlaceId, u32)| marking.tokens(place) < needs;
+        if let Some(&(place, needs)) = self.system().conditions(t).iter().find(lacking) {
+            let (transition, has) = (net.transition(t), marking.tokens(place));
+            return Err(Refusal::Condition { transition, place: net.place(place), has, needs });
+        }
+        match self.engine.until_ripe(&self.state, t) {
+            Some(0) => Ok(()),
+            Some(delay) => {
+                let from = self.now.saturating_add(u64::from(delay));
+                Err(Refusal::Early { transition: net.transition(t), from, now: self.now })
+            }
+            None => Err(Refusal::Late { transition: net.transition(t), now: self.now }),
+        }
+    }
+}
