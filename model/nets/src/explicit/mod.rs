@@ -2,7 +2,8 @@
 //!
 //! [`decide`] plays a net out and says all there is to say without a question: how many markings and arcs, deadlocks,
 //! bounds, which transitions are live, whether the net is reversible and which markings are home. [`find`] looks for
-//! one marking and the shortest way to it. Both answer exactly or say that they do not know; neither ever guesses, and
+//! one marking and the shortest way to it, [`find_deadlock`] for a marking at which nothing is enabled, leaving out what
+//! cannot matter to that; [`walk`] shows the whole graph to whoever wants to write it down. All answer exactly or say that they do not know; none ever guesses, and
 //! no comparison of markings relies on a hash.
 //!
 //! It works in layers, each in a module and each knowing only those before it: conserved sums of tokens
@@ -25,9 +26,12 @@ mod path;
 mod rules;
 mod space;
 mod sparse;
+mod stubborn;
 mod sweep;
 mod table;
 mod terminal;
+mod walk;
+
 #[cfg(test)]
 mod testnets;
 #[cfg(test)]
@@ -37,6 +41,8 @@ pub use facts::{Facts, Found, Home, Storage};
 pub use find::{find, find_marking};
 pub use limits::{Cause, Limits, Undecided};
 pub use on_table::View;
+pub use stubborn::{Search, find_deadlock};
+pub use walk::{Event, walk};
 
 use self::bitmap::Layout;
 use self::encoding::Encoding;

@@ -10,7 +10,7 @@
 use super::encoding::Encoding;
 use super::limits::{Budget, Cause, Limits, Undecided};
 use super::rules::{Filter, Rule, rules};
-use crate::{Marking, Move, Net};
+use crate::{Marking, Move, Net, TransitionId};
 
 /// Bits that a digit without a bound starts with, above what its first value takes.
 const SPARE_BITS: u32 = 2;
@@ -207,6 +207,11 @@ impl<'a> Table<'a> {
         self.packing.fields.iter().map(|field| field.bits).sum()
     }
 
+    /// Per rule, its transition.
+    pub(super) fn transitions(&self) -> Vec<TransitionId> {
+        self.forth.rules.iter().map(|rule| rule.transition).collect()
+    }
+
     pub(super) fn scratch(&self) -> Scratch {
         let digits = vec![0; self.encoding.radices.len()];
         let width = self.forth.filter.width.max(self.back.filter.width);
@@ -236,6 +241,17 @@ impl<'a> Table<'a> {
         &mut self,
         state: u32,
         scratch: &mut Scratch,
+        found: impl FnMut(u32, u32, bool),
+    ) -> Result<usize, Undecided> {
+        self.expand_some(state, scratch, |_, _| {}, found)
+    }
+
+    /// The same with only those rules that `choose` leaves of the enabled ones; it also gets the digits.
+    pub(super) fn expand_some(
+        &mut self,
+        state: u32,
+        scratch: &mut Scratch,
+        mut choose: impl FnMut(&[u32], &mut Vec<u32>),
         mut found: impl FnMut(u32, u32, bool),
     ) -> Result<usize, Undecided> {
         self.packing.unpack(self.key(state), &mut scratch.digits);
@@ -243,6 +259,7 @@ impl<'a> Table<'a> {
         enabled.clear();
         let width = self.forth.filter.width;
         self.forth.enabled(&scratch.digits, &mut scratch.set[..width], |rule| enabled.push(rule as u32));
+        choose(&scratch.digits, &mut enabled);
         for &rule in &enabled {
             let transition = self.forth.rules[rule as usize].transition.0;
             loop {

@@ -1,38 +1,6 @@
-//! Nets for the unit tests: the ring of stations, and small random nets of many kinds.
+//! Small random nets of many kinds, bounded and not, for the unit tests.
 
-use crate::{Net, NetBuilder, PlaceId};
-
-/// A ring of stations of six operations, with a buffer between neighbours.
-pub(super) fn ring(stations: usize) -> Net {
-    const OPERATIONS: usize = 6;
-    let mut b = NetBuilder::new("ring");
-    let mut places: Vec<Vec<[PlaceId; 2]>> = Vec::new();
-    let mut buffers = Vec::new();
-    for i in 0..stations {
-        let pair = |j: usize| [b.place(format!("o_{i}_{j}"), 0), b.place(format!("c_{i}_{j}"), u32::from(j == 5))];
-        places.push((0..OPERATIONS).map(pair).collect());
-        let full = u32::from(i % 2 == 0);
-        buffers.push([b.place(format!("f_{i}"), full), b.place(format!("e_{i}"), 1 - full)]);
-    }
-    for i in 0..stations {
-        let ([full, empty], [next_full, next_empty]) = (buffers[i], buffers[(i + 1) % stations]);
-        for j in 0..OPERATIONS {
-            let [operating, complete] = places[i][j];
-            let before = places[i][(j + OPERATIONS - 1) % OPERATIONS][1];
-            let start = b.transition(format!("s_{i}_{j}"));
-            let finish = b.transition(format!("d_{i}_{j}"));
-            b.input(start, before, 1).output(start, operating, 1);
-            b.input(finish, operating, 1).output(finish, complete, 1);
-            if j == 2 {
-                b.input(start, full, 1).output(finish, empty, 1);
-            }
-            if j == 4 {
-                b.input(start, next_empty, 1).output(finish, next_full, 1);
-            }
-        }
-    }
-    b.build().expect("the ring is written down correctly")
-}
+use crate::{Net, NetBuilder};
 
 /// Random numbers that are the same on every run.
 pub(super) struct Dice(pub(super) u64);

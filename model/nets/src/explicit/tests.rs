@@ -3,7 +3,7 @@
 use super::bitmap::Layout;
 use super::encoding::Encoding;
 use super::table::Table;
-use super::testnets::{Dice, any, ring};
+use super::testnets::{Dice, any};
 use super::*;
 use crate::reach::{self, Reachability, StateId, explore};
 use crate::{FireError, Marking, TransitionId};
@@ -226,28 +226,61 @@ fn what_is_found_is_found_by_a_shortest_way() {
 }
 
 #[test]
-fn the_ring_of_stations_has_its_known_states() {
-    for (stations, states) in [(2, 168), (3, 3_444), (4, 46_256)] {
-        let net = ring(stations);
-        let explored = explore(&net, 100_000).unwrap();
-        assert_eq!(explored.states().len(), states);
-        for threads in [1, 2] {
-            let facts = decide(&net, &Limits { threads, ..Limits::default() }).unwrap();
-            assert_eq!((facts.states, facts.arcs), (states as u64, explored.steps().len() as u64));
-            assert_eq!((facts.deadlocks, facts.bound()), (0, 1));
-            assert!(facts.is_live() && facts.is_reversible() && facts.is_safe());
-            assert!(matches!(facts.storage, Storage::Bitmap { .. }));
+fn a_reduced_search_finds_a_deadlock_if_there_is_one() {
+    let (mut deadlocks, mut free, mut saved) = (0, 0, 0);
+    for net in nets(6, 6000) {
+        let Ok(explored) = explore(&net, ENOUGH) else { continue };
+        let search = find_deadlock(&net, &limits(ENOUGH as u64)).unwrap();
+        assert_eq!(search.deadlock.is_some(), explored.deadlocks().next().is_some(), "{net}");
+        if let Some(found) = search.deadlock {
+            let mut played = net.initial_marking();
+            found.path.iter().for_each(|&t| net.fire(&mut played, t).expect("the path can be played"));
+            assert_eq!(played, found.marking);
+            assert!(net.enabled(&played).next().is_none(), "{net}");
+            deadlocks += 1;
+        } else {
+            free += 1;
+            saved += usize::from(search.states < explored.states().len() as u64);
         }
+    }
+    assert!(deadlocks > 1000 && free > 1000 && saved > 30, "{deadlocks} {free} {saved}");
+}
+
+#[test]
+fn a_walk_shows_the_graph_of_the_obvious_exploration() {
+    for net in nets(7, 1000) {
+        let Ok(explored) = explore(&net, ENOUGH) else { continue };
+        let (mut states, mut steps) = (Vec::new(), Vec::new());
+        walk(&net, &limits(ENOUGH as u64), |event| match event {
+            Event::State(state, view) => {
+                assert_eq!(state.index(), states.len());
+                states.push(view.to_marking());
+            }
+            Event::Arc { transition, to } => {
+                let from = StateId(states.len() as u32 - 1);
+                steps.push(reach::Step { from, transition, to });
+            }
+        })
+        .unwrap();
+        assert_eq!(states, explored.states());
+        assert_eq!(steps, explored.steps());
     }
 }
 
 #[test]
 fn the_facts_do_not_depend_on_threads() {
-    for net in [ring(3), ring(4)] {
-        let facts = |threads| decide(&net, &Limits { threads, ..Limits::default() }).unwrap();
-        assert_eq!(facts(1), facts(2));
-        assert_eq!(facts(1), facts(7));
+    let mut compared = 0;
+    for net in nets(8, 2000) {
+        let encoding = Encoding::of(&net);
+        let Some(layout) = Layout::with_bits(&encoding, 4).filter(|layout| (8..10_000).contains(&layout.words)) else {
+            continue;
+        };
+        let facts = |threads| on_bitmap::decide(&net, &encoding, &layout, &Limits { threads, ..limits(10_000) });
+        assert_eq!(facts(1), facts(2), "{net}");
+        assert_eq!(facts(1), facts(5), "{net}");
+        compared += 1;
     }
+    assert!(compared > 100, "{compared}");
 }
 
 #[test]
