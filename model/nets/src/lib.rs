@@ -38,6 +38,10 @@
 //! - [`Marking`] and [`game`]: where the tokens are, and how they move.
 //! - [`structure`]: what can be said without playing: classes of nets, connection, conserved sums, and the verdict on
 //!   state machines. Linear in the size of the net, so this is what scales.
+//! - [`semiflows`], [`siphons`], [`coverability`]: conserved sums and repetitions, sets that stay empty or marked, and
+//!   boundedness of any net. Each is complete or says where it stopped.
+//! - [`certificate`]: live, bounded, safe, reversible and free of deadlocks by structure, each answer with evidence that
+//!   a small checker accepts on its own.
 //! - [`reach`]: what can be said by playing everything out. Exponential, hence bounded; it confirms the structure.
 //! - [`tnces`]: nets with conditions, events and time, and modules that are joined at their ports.
 //! - [`dot()`] and the `Display` of [`Net`]: for eyes.

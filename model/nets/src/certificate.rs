@@ -1,1 +1,0 @@
-//! What structure proves, with the evidence, and a small checker that believes only the evidence.

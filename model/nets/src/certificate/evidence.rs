@@ -1,0 +1,194 @@
+//! What a certificate is made of: plain data, no behaviour.
+//!
+//! Each kind of evidence says here what it proves and why. The reasons are theorems; the data is what makes their
+//! conditions easy to check. Whoever wants to believe a claim reads this file and [`super::check`], nothing else.
+
+use std::fmt;
+
+use crate::{PlaceId, TransitionId};
+
+/// What is claimed of a marked net, or denied.
+#[derive(Clone, Copy, Debug, PartialEq, Eq, PartialOrd, Ord, Hash)]
+pub enum Property {
+    /// In every reachable marking some transition is enabled.
+    DeadlockFree,
+    /// From every reachable marking every transition can be enabled again (seed 002 §3.1, Definition 1).
+    Live,
+    /// For each place there is a number of tokens that it never exceeds.
+    Bounded,
+    /// No place ever holds more than one token (Definition 1).
+    Safe,
+    /// From every reachable marking the initial one can be reached (Definition 1).
+    Reversible,
+}
+
+impl Property {
+    /// All of them.
+    pub const ALL: [Property; 5] =
+        [Property::DeadlockFree, Property::Live, Property::Bounded, Property::Safe, Property::Reversible];
+}
+
+impl fmt::Display for Property {
+    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
+        f.write_str(match self {
+            Property::DeadlockFree => "deadlock-free",
+            Property::Live => "live",
+            Property::Bounded => "bounded",
+            Property::Safe => "safe",
+            Property::Reversible => "reversible",
+        })
+    }
+}
+
+/// A claim about a net, with what proves it.
+#[derive(Clone, Debug, PartialEq, Eq)]
+pub struct Certificate {
+    /// What the claim is about.
+    pub property: Property,
+    /// Whether it is claimed to hold, or not to hold.
+    pub holds: bool,
+    /// Why.
+    pub evidence: Evidence,
+}
+
+/// Why a claim is true.
+#[derive(Clone, Debug, PartialEq, Eq)]
+pub enum Evidence {
+    /// See [`Order`].
+    Order(Order),
+    /// See [`Component`]. Proves *live* when every transition starts in one of the components and each has a token;
+    /// *reversible* when every token is in one; *deadlock-free* when one of them has a token and a transition.
+    Components(Vec<Component>),
+    /// A marked trap whose places each have a transition that needs nothing else. Proves *deadlock-free*: the trap
+    /// always has a token, and that token can move.
+    Trap(Vec<PlaceId>),
+    /// See [`Sums`]. Proves *bounded*, and *safe* when no bound is above 1.
+    Sums(Sums),
+    /// See [`WellFormed`]. Proves *live* and *deadlock-free*; and *reversible* when every trap is marked (Desel and
+    /// Esparza 1995, chapter 8: in a live and bounded free-choice net the home markings are those that mark all traps).
+    WellFormed(WellFormed),
+    /// Refutes *reversible*: the net is live by the first part, so a transition that feeds the trap will fire. The trap
+    /// has no token initially and always one thereafter.
+    UnmarkedTrap(WellFormed, Vec<PlaceId>),
+    /// See [`Dead`]. Refutes *live*.
+    Dead(Dead),
+    /// Refutes *deadlock-free*: a sequence after which nothing is enabled.
+    Deadlock(Vec<Run>),
+    /// Refutes *safe*: a sequence after which the place holds more than one token.
+    Overfull(Vec<Run>, PlaceId),
+    /// See [`Pump`]. Refutes *bounded*.
+    Pump(Pump),
+    /// See [`NoReturn`]. Refutes *reversible*.
+    NoReturn(NoReturn),
+}
+
+/// One transition, fired several times in a row.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub struct Run {
+    /// The transition.
+    pub transition: TransitionId,
+    /// How often, at least once.
+    pub times: u64,
+}
+
+/// Transitions in an order that rises along every empty place between them.
+///
+/// Each input place of a listed transition has exactly one producer, listed too, and exactly one consumer, all with
+/// weight 1: the listed transitions are a marked graph on which nothing else has any influence. If a circuit in it had
+/// no token, the order would rise all the way round and come back to where it began. So every circuit has a token, and
+/// a marked graph is live iff that is so (Commoner, Holt, Even and Pnueli, *Marked directed graphs*, 1971, Theorem 1;
+/// Murata 1989, §VI). Proves *live* when all transitions are listed, *deadlock-free* when one is.
+///
+/// Proves *reversible* when the output places of listed transitions have one consumer, listed too, and no other
+/// transition is enabled: what is listed and what is not share no place, the rest stands still for ever, and in a live
+/// marked graph any firing counts x are completed to the same number k of firings of each by k − x, which can be
+/// played (Murata 1989, §VI), and lead back.
+#[derive(Clone, Debug, Default, PartialEq, Eq)]
+pub struct Order {
+    /// The transitions, first to last.
+    pub transitions: Vec<TransitionId>,
+}
+
+/// A part of a state machine that can be walked through from everywhere to everywhere, and not left.
+///
+/// Walking from the root by `out`, each transition starting where the walk has been, gives the places of the part; each
+/// of them is led back to the root by `back`, each transition ending where a way to the root is known. Then a token in
+/// the part can reach every transition of it, again and again, and return (seed 002 §3.1, Theorems 1 and 2).
+#[derive(Clone, Debug, PartialEq, Eq)]
+pub struct Component {
+    /// Any place of the part.
+    pub root: PlaceId,
+    /// Transitions that lead from the root to all other places.
+    pub out: Vec<TransitionId>,
+    /// Transitions that lead from all other places to the root, the last steps first.
+    pub back: Vec<TransitionId>,
+}
+
+/// Weighted sums of tokens that never grow.
+///
+/// No transition makes a sum larger, except such as take from `dead`, a siphon that is empty initially: these never
+/// fire. A place with weight w in a sum that is s initially never holds more than s / w tokens.
+#[derive(Clone, Debug, Default, PartialEq, Eq)]
+pub struct Sums {
+    /// An empty siphon, in order; often without places.
+    pub dead: Vec<PlaceId>,
+    /// The sums: place and weight.
+    pub sums: Vec<Vec<(PlaceId, u64)>>,
+    /// For each place of the net, in order, which sum bounds it, and the bound: s / w, rounded down.
+    pub bounds: Vec<(usize, u128)>,
+}
+
+/// That a free-choice net is live and bounded, by the rank theorem.
+///
+/// A connected net of extended free choice, with places and transitions, is live and bounded iff it has a positive
+/// conserved sum and a positive repetition, the rank of its incidence matrix is one less than the number of its
+/// clusters, and no siphon is empty initially (Desel and Esparza, *Free Choice Petri Nets*, 1995, chapter 6). A cluster
+/// is a place with all that take from it, and all that these take from.
+///
+/// The rank is at most the number of transitions less the number of independent vectors in `flows`. It is at least what
+/// it is modulo a prime. The checker computes the second and compares.
+#[derive(Clone, Debug, Default, PartialEq, Eq)]
+pub struct WellFormed {
+    /// A weight for each place, positive; their sum is conserved.
+    pub conserved: Vec<u64>,
+    /// A count for each transition, positive; firing so often leads back.
+    pub repeated: Vec<u64>,
+    /// Independent solutions of C·x = 0.
+    pub flows: Vec<Vec<(TransitionId, i64)>>,
+}
+
+/// A transition that is dead after a sequence: it takes from a siphon that is empty then.
+#[derive(Clone, Debug, PartialEq, Eq)]
+pub struct Dead {
+    /// What to fire first.
+    pub run: Vec<Run>,
+    /// The siphon, empty after that.
+    pub siphon: Vec<PlaceId>,
+    /// A transition that takes from it.
+    pub transition: TransitionId,
+}
+
+/// A sequence that can be repeated for ever, and leaves more tokens on a place each time.
+#[derive(Clone, Debug, PartialEq, Eq)]
+pub struct Pump {
+    /// What to fire first.
+    pub prefix: Vec<Run>,
+    /// What can be repeated: it takes away nothing on balance.
+    pub cycle: Vec<Run>,
+    /// A place that gains.
+    pub place: PlaceId,
+}
+
+/// A sequence that makes a weighted sum larger which nothing makes smaller.
+///
+/// No transition makes the sum smaller, except such as take from `dead`, a siphon that is empty initially: these never
+/// fire. So the initial marking, where the sum was smaller, is out of reach.
+#[derive(Clone, Debug, PartialEq, Eq)]
+pub struct NoReturn {
+    /// The sequence.
+    pub run: Vec<Run>,
+    /// An empty siphon, in order; often without places.
+    pub dead: Vec<PlaceId>,
+    /// Place and weight, which may be negative.
+    pub weights: Vec<(PlaceId, i64)>,
+}

@@ -1,0 +1,212 @@
+//! What structure proves, with the evidence, and a small checker that believes only the evidence.
+//!
+//! [`decide_by_structure`] looks at the arcs and the initial marking and answers five questions about a net: whether it
+//! is free of deadlocks, live, bounded, safe and reversible. Every "yes" and every "no" is a [`Certificate`]: the claim
+//! together with data from which [`check`] can see that it is true, without trusting a line of the analyses. A
+//! certificate can be written down as text and read back ([`Certificate::parse`]).
+//!
+//! Marked graphs and state machines are decided completely, in time about linear in the net for the usual ones.
+//! Connected free-choice nets are decided when they are live and bounded, and often when they are not. For every other
+//! net the answers are those that conserved sums and empty siphons give, and [`Unknown`] says why there are no more.
+//! Nothing is explored, except for a few thousand markings where theory says that a counterexample exists.
+
+mod check;
+mod evidence;
+mod free_choice;
+mod marked_graph;
+mod play;
+mod state_machine;
+mod text;
+
+use std::fmt;
+
+use thiserror::Error;
+
+use crate::{Net, PlaceId, semiflows, siphons};
+
+pub use check::{Rejected, Rule, check};
+pub use evidence::{Certificate, Component, Dead, Evidence, NoReturn, Order, Property, Pump, Run, Sums, WellFormed};
+pub use text::ParseError;
+
+/// What structure says about a marked net.
+#[derive(Clone, Debug, PartialEq, Eq)]
+pub struct StructuralVerdict {
+    /// The class by which it was decided.
+    pub class: Class,
+    /// In every reachable marking some transition is enabled.
+    pub deadlock_free: Answer,
+    /// From every reachable marking every transition can be enabled again.
+    pub live: Answer,
+    /// Every place has a bound.
+    pub bounded: Answer,
+    /// Every place has the bound 1.
+    pub safe: Answer,
+    /// From every reachable marking the initial one can be reached.
+    pub reversible: Answer,
+    /// Per place, in order, the most tokens it ever holds. That it holds no more is certified where `bounded` is; that
+    /// an exact bound is reached follows from the theorem named in the module that decides the class.
+    pub bounds: Vec<Bound>,
+}
+
+impl StructuralVerdict {
+    /// The answer to one of the questions.
+    pub fn answer(&self, property: Property) -> &Answer {
+        match property {
+            Property::DeadlockFree => &self.deadlock_free,
+            Property::Live => &self.live,
+            Property::Bounded => &self.bounded,
+            Property::Safe => &self.safe,
+            Property::Reversible => &self.reversible,
+        }
+    }
+
+    /// All certificates.
+    pub fn certificates(&self) -> impl Iterator<Item = &Certificate> {
+        Property::ALL.into_iter().filter_map(|property| self.answer(property).certificate())
+    }
+}
+
+impl fmt::Display for StructuralVerdict {
+    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
+        write!(f, "class: {}", self.class)?;
+        for property in Property::ALL {
+            write!(f, "\n{property}: {}", self.answer(property))?;
+        }
+        Ok(())
+    }
+}
+
+/// The class of nets that decides how much structure can say.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub enum Class {
+    /// Every place has one producer and one consumer.
+    MarkedGraph,
+    /// Every transition has one input and one output place.
+    StateMachine,
+    /// Transitions that share an input place share all: extended free choice.
+    FreeChoice,
+    /// None of these.
+    Other,
+}
+
+impl fmt::Display for Class {
+    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
+        f.write_str(match self {
+            Class::MarkedGraph => "marked graph",
+            Class::StateMachine => "state machine",
+            Class::FreeChoice => "free-choice net",
+            Class::Other => "none that structure decides",
+        })
+    }
+}
+
+/// The most tokens that a place ever holds.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub enum Bound {
+    /// It can hold so many, and no more.
+    Exactly(u128),
+    /// It never holds more.
+    AtMost(u128),
+    /// There is no most.
+    Unbounded,
+    /// Structure does not tell.
+    Unknown,
+}
+
+/// The answer to one question.
+#[derive(Clone, Debug, PartialEq, Eq)]
+pub enum Answer {
+    /// It holds, and this is why.
+    Yes(Certificate),
+    /// It does not hold, and this is why.
+    No(Certificate),
+    /// Nothing is claimed.
+    Unknown(Unknown),
+}
+
+impl Answer {
+    fn yes(property: Property, evidence: Evidence) -> Answer {
+        Answer::Yes(Certificate { property, holds: true, evidence })
+    }
+
+    fn no(property: Property, evidence: Evidence) -> Answer {
+        Answer::No(Certificate { property, holds: false, evidence })
+    }
+
+    /// Yes or no, if that is known.
+    pub fn holds(&self) -> Option<bool> {
+        match self {
+            Answer::Yes(_) => Some(true),
+            Answer::No(_) => Some(false),
+            Answer::Unknown(_) => None,
+        }
+    }
+
+    /// The certificate, if there is an answer.
+    pub fn certificate(&self) -> Option<&Certificate> {
+        match self {
+            Answer::Yes(certificate) | Answer::No(certificate) => Some(certificate),
+            Answer::Unknown(_) => None,
+        }
+    }
+}
+
+impl fmt::Display for Answer {
+    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
+        match self {
+            Answer::Yes(_) => f.write_str("yes"),
+            Answer::No(_) => f.write_str("no"),
+            Answer::Unknown(why) => write!(f, "unknown: {why}"),
+        }
+    }
+}
+
+/// Why nothing is claimed.
+#[derive(Clone, Debug, PartialEq, Eq, Error)]
+pub enum Unknown {
+    /// The class of the net does not allow it.
+    #[error("structure alone does not decide this for nets of this class ({0})")]
+    Class(Class),
+    /// There are too many semiflows.
+    #[error("the search for conserved sums and repetitions: {0}")]
+    Semiflows(semiflows::Undecided),
+    /// There are too many siphons.
+    #[error("the search for siphons: {0}")]
+    Siphons(siphons::Undecided),
+    /// The conditions of the rank theorem do not hold for a free-choice net.
+    #[error("the rank theorem does not show that the net is live and bounded; it asks for a net in one piece")]
+    NotWellFormed,
+    /// Commoner's theorem says "live", but its list of siphons is no certificate.
+    #[error(
+        "every siphon found contains a marked trap, so the net is live; but that all were found cannot be certified"
+    )]
+    Uncertified,
+    /// Commoner's theorem says "not live", and no sequence was found that shows it.
+    #[error("a siphon of {} places has no marked trap, so the net is not live; but none of the first {markings} markings shows it", siphon.len())]
+    NotFound {
+        /// The siphon.
+        siphon: Vec<PlaceId>,
+        /// How many markings were looked at.
+        markings: usize,
+    },
+    /// A place in no conserved sum.
+    #[error("a place is in no conserved sum; whether it is bounded depends on the marking")]
+    Uncovered,
+    /// The conserved sums allow more than one token somewhere, and no marking with them was found.
+    #[error("conserved sums do not exclude a second token, and no marking with one was found")]
+    Loose,
+    /// The sequence that shows it is too long to write down.
+    #[error("the evidence would take more than {} steps", play::LONGEST)]
+    TooLong,
+}
+
+/// Decides by structure what it can, and certifies every answer.
+pub fn decide_by_structure(net: &Net) -> StructuralVerdict {
+    if net.is_marked_graph().is_ok() {
+        marked_graph::decide(net)
+    } else if net.is_state_machine().is_ok() {
+        state_machine::decide(net)
+    } else {
+        free_choice::decide(net)
+    }
+}

@@ -1,0 +1,220 @@
+//! Verdicts on state machines: exact for every one of them.
+//!
+//! Each token walks on its own through the graph whose nodes are the places and whose edges are the transitions.
+//! [`crate::state_machine_verdict`] has the argument; here every answer gets its evidence, and every place its bound:
+//! the number of tokens that can walk there.
+
+use std::collections::VecDeque;
+
+use super::evidence::{Component, Dead, Evidence, NoReturn, Property, Run, Sums};
+use super::{Answer, Bound, Class, StructuralVerdict};
+use crate::components::Components;
+use crate::{Net, PlaceId, TransitionId};
+
+/// The most entries in the sums that bound places; with more, all places share the sum of all tokens.
+const SUMS_MAX: usize = 20_000_000;
+
+struct Machine<'net> {
+    net: &'net Net,
+    /// Per transition, where it leads from and to.
+    steps: Vec<(usize, usize)>,
+    parts: Components,
+    tokens: Vec<u32>,
+}
+
+/// The verdict on a state machine; the caller has checked that it is one.
+pub(super) fn decide(net: &Net) -> StructuralVerdict {
+    let steps: Vec<(usize, usize)> =
+        net.transitions().map(|t| (net.preset(t)[0].0.index(), net.postset(t)[0].0.index())).collect();
+    let parts = Components::new(net.place_count(), steps.iter().copied());
+    let machine = Machine { net, steps, parts, tokens: net.initial_marking().as_slice().to_vec() };
+    let (bounds, bounded, safe) = machine.bounds();
+    StructuralVerdict {
+        class: Class::StateMachine,
+        deadlock_free: machine.deadlock_free(),
+        live: machine.live(),
+        bounded,
+        safe,
+        reversible: machine.reversible(),
+        bounds,
+    }
+}
+
+fn id(place: usize) -> PlaceId {
+    PlaceId(place as u32)
+}
+
+impl Machine<'_> {
+    /// The places that can be reached, each with the step by which it was found; in the order of discovery.
+    fn ahead(&self, start: usize) -> (Vec<usize>, Vec<Option<TransitionId>>) {
+        self.walk(start, |place| {
+            self.net.consumers(id(place)).iter().map(|&(t, _)| (t, self.steps[t.index()].1)).collect()
+        })
+    }
+
+    /// The places from which this one can be reached, each with the step that leads on from there.
+    fn behind(&self, start: usize) -> (Vec<usize>, Vec<Option<TransitionId>>) {
+        self.walk(start, |place| {
+            self.net.producers(id(place)).iter().map(|&(t, _)| (t, self.steps[t.index()].0)).collect()
+        })
+    }
+
+    fn walk(
+        &self,
+        start: usize,
+        neighbours: impl Fn(usize) -> Vec<(TransitionId, usize)>,
+    ) -> (Vec<usize>, Vec<Option<TransitionId>>) {
+        let mut by = vec![None; self.net.place_count()];
+        let mut found = vec![start];
+        let mut queue = VecDeque::from([start]);
+        while let Some(place) = queue.pop_front() {
+            for (t, other) in neighbours(place) {
+                if other != start && by[other].is_none() {
+                    by[other] = Some(t);
+                    found.push(other);
+                    queue.push_back(other);
+                }
+            }
+        }
+        (found, by)
+    }
+
+    /// Sends tokens from a place along the steps of [`Self::behind`] to its start.
+    fn send(&self, from: usize, times: u64, on: &[Option<TransitionId>], run: &mut Vec<Run>) {
+        let mut at = from;
+        while let Some(transition) = on[at] {
+            run.push(Run { transition, times });
+            at = self.steps[transition.index()].1;
+        }
+    }
+
+    fn component(&self, place: usize) -> Component {
+        let inside = |other: &usize| self.parts.of(*other) == self.parts.of(place);
+        let steps = |(found, by): (Vec<usize>, Vec<Option<TransitionId>>)| {
+            found.into_iter().filter(inside).filter_map(|place| by[place]).collect()
+        };
+        Component { root: id(place), out: steps(self.ahead(place)), back: steps(self.behind(place)) }
+    }
+
+    /// A component for each of the given places, none twice.
+    fn components(&self, places: impl Iterator<Item = usize>) -> Evidence {
+        let mut done = vec![false; self.parts.count()];
+        let new = |&place: &usize| !std::mem::replace(&mut done[self.parts.of(place)], true);
+        Evidence::Components(places.filter(new).map(|place| self.component(place)).collect())
+    }
+
+    fn live(&self) -> Answer {
+        let leaves = |t: &TransitionId| {
+            let (from, to) = self.steps[t.index()];
+            self.parts.of(from) != self.parts.of(to)
+        };
+        let mut marked = vec![false; self.parts.count()];
+        (0..self.tokens.len()).filter(|&p| self.tokens[p] > 0).for_each(|p| marked[self.parts.of(p)] = true);
+        let empty = |t: &TransitionId| !marked[self.parts.of(self.steps[t.index()].0)];
+        let transition = self.net.transitions().find(leaves).or_else(|| self.net.transitions().find(empty));
+        let Some(transition) = transition else {
+            return Answer::yes(Property::Live, self.components(self.steps.iter().map(|step| step.0)));
+        };
+        // All tokens that could ever come to the transition go through it, and none comes back.
+        let (mut siphon, on) = self.behind(self.steps[transition.index()].0);
+        let mut run = Vec::new();
+        for &place in siphon.iter().filter(|&&place| self.tokens[place] > 0) {
+            let times = self.tokens[place].into();
+            self.send(place, times, &on, &mut run);
+            run.push(Run { transition, times });
+        }
+        siphon.sort_unstable();
+        let siphon = siphon.into_iter().map(id).collect();
+        Answer::no(Property::Live, Evidence::Dead(Dead { run, siphon, transition }))
+    }
+
+    fn deadlock_free(&self) -> Answer {
+        let mut run = Vec::new();
+        for place in (0..self.tokens.len()).filter(|&place| self.tokens[place] > 0) {
+            let (mut found, by) = self.ahead(place);
+            let Some(&end) = found.iter().find(|&&place| self.net.consumers(id(place)).is_empty()) else {
+                found.sort_unstable();
+                return Answer::yes(Property::DeadlockFree, Evidence::Trap(found.into_iter().map(id).collect()));
+            };
+            let mut path = Vec::new();
+            let mut at = end;
+            while let Some(transition) = by[at] {
+                path.push(Run { transition, times: self.tokens[place].into() });
+                at = self.steps[transition.index()].0;
+            }
+            run.extend(path.into_iter().rev());
+        }
+        Answer::no(Property::DeadlockFree, Evidence::Deadlock(run))
+    }
+
+    fn reversible(&self) -> Answer {
+        let marked = (0..self.tokens.len()).filter(|&place| self.tokens[place] > 0);
+        let Some(place) = marked.clone().find(|&place| !self.parts.is_terminal(self.parts.of(place))) else {
+            return Answer::yes(Property::Reversible, self.components(marked));
+        };
+        let home = self.parts.of(place);
+        let leads_out = |t: &TransitionId| {
+            let (from, to) = self.steps[t.index()];
+            self.parts.of(from) == home && self.parts.of(to) != home
+        };
+        let exit = self.net.transitions().find(leads_out).expect("an edge leaves a component that is not terminal");
+        let (from, to) = self.steps[exit.index()];
+        let mut run = Vec::new();
+        self.send(place, 1, &self.behind(from).1, &mut run);
+        run.push(Run { transition: exit, times: 1 });
+        let mut beyond = self.ahead(to).0;
+        beyond.sort_unstable();
+        let weights = beyond.into_iter().map(|place| (id(place), 1)).collect();
+        Answer::no(Property::Reversible, Evidence::NoReturn(NoReturn { run, dead: Vec::new(), weights }))
+    }
+
+    fn bounds(&self) -> (Vec<Bound>, Answer, Answer) {
+        let mut sums = Sums::default();
+        let mut of_part: Vec<Option<(usize, u128)>> = vec![None; self.parts.count()];
+        let mut size = 0;
+        let total: u128 = self.tokens.iter().map(|&count| u128::from(count)).sum();
+        for place in 0..self.tokens.len() {
+            let part = self.parts.of(place);
+            if of_part[part].is_none() && size < SUMS_MAX {
+                let mut behind = self.behind(place).0;
+                behind.sort_unstable();
+                size += behind.len();
+                let bound = behind.iter().map(|&place| u128::from(self.tokens[place])).sum();
+                of_part[part] = Some((sums.sums.len(), bound));
+                sums.sums.push(behind.into_iter().map(|place| (id(place), 1)).collect());
+            }
+        }
+        if of_part.contains(&None) {
+            sums.sums.push((0..self.tokens.len()).map(|place| (id(place), 1)).collect());
+        }
+        let all = (sums.sums.len().saturating_sub(1), total);
+        sums.bounds = (0..self.tokens.len()).map(|place| of_part[self.parts.of(place)].unwrap_or(all)).collect();
+        let exact = |place: usize| match of_part[self.parts.of(place)] {
+            Some((_, bound)) => Bound::Exactly(bound),
+            None => Bound::AtMost(total),
+        };
+        let bounds = (0..self.tokens.len()).map(exact).collect();
+        let over = (0..self.tokens.len()).find(|&p| of_part[self.parts.of(p)].is_some_and(|(_, bound)| bound > 1));
+        let safe = match over {
+            Some(place) => Answer::no(Property::Safe, Evidence::Overfull(self.two_on(place), id(place))),
+            None if sums.bounds.iter().all(|&(_, bound)| bound <= 1) => {
+                Answer::yes(Property::Safe, Evidence::Sums(sums.clone()))
+            }
+            None => Answer::Unknown(super::Unknown::TooLong),
+        };
+        (bounds, Answer::yes(Property::Bounded, Evidence::Sums(sums)), safe)
+    }
+
+    fn two_on(&self, place: usize) -> Vec<Run> {
+        let (found, on) = self.behind(place);
+        let (mut run, mut missing) = (Vec::new(), 2);
+        for from in found {
+            let times = u64::from(self.tokens[from]).min(missing);
+            if times > 0 {
+                self.send(from, times, &on, &mut run);
+                missing -= times;
+            }
+        }
+        run
+    }
+}
