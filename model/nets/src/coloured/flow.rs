@@ -5,9 +5,9 @@
 //! flow can say "the position after the last one stored is the one that is offered". A transition-flow is a bag of modes
 //! that, fired in any order that is possible, lead back.
 //!
-//! A flow is *checked* here, not found: first as an equation between functions, which decides most transitions for all
+//! A coloured flow is *checked* here, not found: first as an equation between functions, which decides most transitions for all
 //! their modes at once; where that leaves something over, mode by mode. Guards count: what a guard excludes cannot
-//! break a place-flow.
+//! break a place-flow. What can be found are the flows of the unfolding, by [`crate::semiflows`].
 
 use std::collections::BTreeMap;
 
@@ -18,7 +18,9 @@ use super::function::Function;
 use super::linear::{FunctionError, Linear, Pick, Term, compile, turn};
 use super::marking::ColouredMarking;
 use super::net::{ColouredNet, Mode, Transition};
-use crate::{Named, PlaceId};
+use super::unfold::Unfolding;
+use crate::semiflows::{self, Semiflow};
+use crate::{Named, PlaceId, TransitionId};
 
 /// What is wrong with a flow as it is written.
 #[derive(Clone, Debug, PartialEq, Eq, Error)]
@@ -229,6 +231,25 @@ impl TransitionFlow {
         }
         flow.modes.retain(|_, times| *times > 0);
         flow
+    }
+
+    /// The minimal transition semiflows of an unfolding, as bags of modes. Guards are obeyed, as the unfolding has no
+    /// mode that they exclude.
+    pub fn minimal(
+        unfolding: &Unfolding,
+        limits: &semiflows::Limits,
+    ) -> Result<Vec<TransitionFlow>, semiflows::Undecided> {
+        let found = semiflows::transition_semiflows(unfolding.net(), limits)?;
+        let mode = |&(transition, times): &(TransitionId, u64)| (unfolding.mode(transition), times);
+        let flow = |flow: &Semiflow<_>| TransitionFlow { modes: flow.weights.iter().map(mode).collect() };
+        Ok(found.all().iter().map(flow).collect())
+    }
+
+    /// The transitions that have a mode in the bag: the t-support, seen without colours.
+    pub fn transitions(&self) -> Vec<TransitionId> {
+        let mut found: Vec<_> = self.modes.keys().map(|mode| mode.transition).collect();
+        found.dedup();
+        found
     }
 
     /// The modes with their counts, ordered.

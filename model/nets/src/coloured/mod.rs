@@ -44,4 +44,4 @@ pub use linear::FunctionError;
 pub use marking::{Cell, ColouredMarking};
 pub use net::{ColouredNet, Mode};
 pub use reach::{ColouredReachability, ColouredStep, Limits, Stop, Undecided, explore};
-pub use unfold::{Colours, TooLarge, Unfolding, unfold};
+pub use unfold::{Colours, UnfoldError, Unfolding, unfold};

@@ -22,12 +22,18 @@ pub enum Colours {
     Reachable,
 }
 
-/// The unfolding would have more places and transitions than allowed.
+/// Why there is no ordinary net.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Error)]
-#[error("the unfolding has more than {limit} places and transitions")]
-pub struct TooLarge {
-    /// What is allowed.
-    pub limit: usize,
+pub enum UnfoldError {
+    /// It would have more places and transitions than allowed.
+    #[error("the unfolding has more than {limit} places and transitions")]
+    TooLarge {
+        /// What is allowed.
+        limit: usize,
+    },
+    /// Of the colours that could ever be there, there is none: no token, and no transition that needs none.
+    #[error("nothing is left to unfold: the net has no token, and no transition that could fire without one")]
+    Nothing,
 }
 
 /// An ordinary net and where its nodes come from. Both tables are ascending, which is also the order of the nodes.
@@ -41,13 +47,16 @@ pub struct Unfolding {
 }
 
 /// Writes down the ordinary net, unless it has more than `limit` places and transitions together.
-pub fn unfold(net: &ColouredNet, colours: Colours, limit: usize) -> Result<Unfolding, TooLarge> {
-    let too_large = TooLarge { limit };
+pub fn unfold(net: &ColouredNet, colours: Colours, limit: usize) -> Result<Unfolding, UnfoldError> {
+    let too_large = UnfoldError::TooLarge { limit };
     let (cells, modes) = match colours {
         Colours::All => all(net, limit),
         Colours::Reachable => reachable(net, limit),
     }
     .ok_or(too_large)?;
+    if cells.is_empty() && modes.is_empty() {
+        return Err(UnfoldError::Nothing);
+    }
     let mut b = NetBuilder::new(net.name());
     for &cell in &cells {
         b.place(net.cell_name(cell), super::marking::count_in(&net.initial.entries, cell));
@@ -159,13 +168,5 @@ impl Unfolding {
     pub fn coloured(&self, marking: &Marking) -> ColouredMarking {
         let entries = self.cells.iter().copied().zip(marking.as_slice().iter().copied());
         ColouredMarking { entries: entries.filter(|&(_, count)| count > 0).collect() }
-    }
-
-    /// The coloured transitions that these transitions come from, each once: a support of the unfolding, seen from far.
-    pub fn transitions_of(&self, transitions: impl IntoIterator<Item = TransitionId>) -> Vec<TransitionId> {
-        let mut found: Vec<_> = transitions.into_iter().map(|t| self.mode(t).transition).collect();
-        found.sort_unstable();
-        found.dedup();
-        found
     }
 }
