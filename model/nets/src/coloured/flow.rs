@@ -5,9 +5,9 @@
 //! flow can say "the position after the last one stored is the one that is offered". A transition-flow is a bag of modes
 //! that, fired in any order that is possible, lead back.
 //!
-//! A coloured flow is *checked* here, not found: first as an equation between functions, which decides most transitions for all
-//! their modes at once; where that leaves something over, mode by mode. Guards count: what a guard excludes cannot
-//! break a place-flow. What can be found are the flows of the unfolding, by [`crate::semiflows`].
+//! A coloured flow is *checked* here, not found: first as an equation between functions, which decides most transitions
+//! for all their modes at once; where that leaves something over, mode by mode. Guards count: what a guard excludes
+//! cannot break a place-flow. What can be found are the flows of the unfolding, by [`crate::semiflows`].
 
 use std::collections::BTreeMap;
 
