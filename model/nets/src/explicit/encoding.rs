@@ -18,7 +18,7 @@ use crate::{Marking, Net, TransitionId};
 pub(super) type Radix = Option<u32>;
 
 /// Up to which radix the bits of what a digit allows are tabulated per value.
-pub(super) const TABLE_MAX: u32 = 1024;
+pub(super) const TABLE_MAX: u32 = 256;
 
 /// How markings of one net are written.
 #[derive(Debug)]
@@ -96,8 +96,9 @@ impl Form {
 
     /// Adds `factor` times a form whose divisor is 1; false if the numbers become too large.
     fn add(&mut self, factor: i64, other: &Form) -> bool {
-        // Digits are less than 2³²: sums of a few million such terms stay countable.
-        const LIMIT: i64 = 1 << 20;
+        // Digits are less than 2³², so sums of such terms stay countable; and masks are tabulated per value of a sum
+        // over the digits of one word, which bounds those tables.
+        const LIMIT: i64 = 1 << 10;
         let product = |value: i64| value.checked_mul(factor).filter(|value| value.abs() < LIMIT);
         let Some(constant) = other.constant.checked_mul(factor).and_then(|c| self.constant.checked_add(c)) else {
             return false;
