@@ -5,4 +5,5 @@
 //! and bytes.
 
 pub mod explore;
+pub mod generate;
 pub mod structure;

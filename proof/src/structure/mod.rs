@@ -69,9 +69,30 @@ impl StationReport {
     }
 }
 
-/// Checks the net of each station, and its tables.
+/// Stations that are worth a thread of their own.
+const SHARE_MIN: usize = 32;
+/// At most so many threads.
+const SHARES_MAX: usize = 4;
+
+/// Checks the net of each station, and its tables. What one is found to be has nothing to do with the others, so
+/// those of a long line are shared out.
 pub fn judge_stations(line: &Line) -> Vec<StationReport> {
-    line.station_ids().map(|id| station::judge(line, id)).collect()
+    let ids: Vec<StationId> = line.station_ids().collect();
+    let shares = (ids.len() / SHARE_MIN).clamp(1, SHARES_MAX);
+    let judge = |ids: &[StationId]| ids.iter().map(|&id| station::judge(line, id)).collect::<Vec<_>>();
+    std::thread::scope(|scope| {
+        let mut shares = ids.chunks(ids.len().div_ceil(shares).max(1));
+        let first = shares.next().unwrap_or_default();
+        let others: Vec<_> = shares.map(|share| scope.spawn(move || judge(share))).collect();
+        let mut reports = judge(first);
+        for other in others {
+            match other.join() {
+                Ok(found) => reports.extend(found),
+                Err(panic) => std::panic::resume_unwind(panic),
+            }
+        }
+        reports
+    })
 }
 
 /// Checks what concerns the whole line: home, the event graph, the mode decision, and each conflict in forward motion.
@@ -82,11 +103,10 @@ pub fn judge_line(line: &Line) -> Vec<Check> {
         Check::of("mode decision net", modes::verdict()),
         Check::of("mode decision exclusive", modes::at_most_one_arc()),
     ];
-    let separated = line
-        .conflicts
-        .iter()
-        .map(|conflict| Check::of(format!("separated: {}", conflict.why), chart::separated(line, conflict)));
-    checks.extend(separated);
+    let separated = line.conflicts.iter().zip(chart::all_separated(line));
+    checks.extend(separated.map(|(conflict, found)| {
+        Check::of(format!("separated: {}", conflict.why), found.map_err(|gap| gap.to_string()))
+    }));
     checks
 }
 

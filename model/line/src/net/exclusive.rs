@@ -6,7 +6,7 @@
 //! which sensors and buttons are.
 
 use crate::net::condition::{ControlMode, Term};
-use crate::net::connect::Kind;
+use crate::net::connect::{Kind, Transition};
 use crate::net::module::Place;
 use crate::net::station::StationNet;
 
@@ -26,9 +26,14 @@ pub struct Overlap {
 /// Every pair of output transitions of a place that is not exclusive. Empty for every net the connection algorithm
 /// builds; a caller checks it all the same.
 pub fn overlaps(net: &StationNet) -> Vec<Overlap> {
+    overlaps_among(net.places(), net.transitions())
+}
+
+/// The same of any transitions: of a station's as they would be if a condition were another.
+pub fn overlaps_among(places: &[Place], transitions: &[Transition]) -> Vec<Overlap> {
     let mut found = Vec::new();
-    for &place in net.places() {
-        let outgoing: Vec<_> = net.transitions().iter().filter(|t| t.from.contains(&place)).collect();
+    for &place in places {
+        let outgoing: Vec<_> = transitions.iter().filter(|t| t.from.contains(&place)).collect();
         for (i, a) in outgoing.iter().enumerate() {
             for b in &outgoing[i + 1..] {
                 for mode in ControlMode::ALL {

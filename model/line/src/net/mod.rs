@@ -13,6 +13,6 @@ mod station;
 
 pub use condition::{ControlMode, Literal, Term, Var};
 pub use connect::{Kind, Transition};
-pub use exclusive::{Overlap, overlaps};
+pub use exclusive::{Overlap, overlaps, overlaps_among};
 pub use module::{Block, Place, Stage};
 pub use station::StationNet;

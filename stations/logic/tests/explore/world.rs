@@ -4,7 +4,9 @@ use std::rc::Rc;
 
 use linewright_line::net::ControlMode;
 use linewright_line::{Line, OpId, StationId, Tick};
-use linewright_station_logic::{Controller, Event, Input, ModeOrder, Outbox, PanelCommand, Report, Restore, Rules};
+use linewright_station_logic::{
+    Answer, Controller, Event, Input, ModeOrder, Outbox, PanelCommand, Report, Restore, Rules,
+};
 
 /// The one moment at which everything happens.
 const NOW: Tick = Tick::from_millis(1);
@@ -168,7 +170,8 @@ impl World {
             }
             let report = report.get_or_insert_with(|| Rc::new(self.nodes[writer].controller.report()));
             let newest = waiting.last().unwrap_or(held);
-            if !link.says_the_same(newest, report, setting.rules.counted) {
+            let reader = &self.nodes[link.reader].controller;
+            if !link.says_the_same(newest, report, reader, setting.rules.counted) {
                 waiting.push(Rc::clone(report));
                 if waiting.len() > setting.reports_max {
                     waiting.remove(0);
@@ -286,9 +289,8 @@ impl World {
             None => out.push(-1),
             Some(request) => out.extend([i64::from(writer.open == Some(request.number)), request.ops as i64]),
         }
-        let to_reader = |a: &&linewright_station_logic::Answer| {
-            a.to == reader.station() && a.boot_id == reader.writer().boot_id && reader.awaits(a.number)
-        };
+        let to_reader =
+            |a: &&Answer| a.to == reader.station() && a.boot_id == reader.writer().boot_id && reader.awaits(a.number);
         match report.answers.iter().find(to_reader) {
             None => out.push(-1),
             Some(answer) => out.push(answer.in_the_way.map_or(0, |op| 1 + i64::from(op.0))),
@@ -305,8 +307,10 @@ impl World {
 }
 
 impl Link {
-    fn says_the_same(&self, a: &Report, b: &Report, counted: bool) -> bool {
-        let to_reader = |report: &Report| report.answers.iter().find(|x| x.to.index() == self.reader).copied();
+    fn says_the_same(&self, a: &Report, b: &Report, reader: &Controller, counted: bool) -> bool {
+        // That an answer nobody waits for any more is gone is no news.
+        let awaited = |x: &&Answer| x.to.index() == self.reader && reader.awaits(x.number);
+        let to_reader = |report: &Report| report.answers.iter().find(awaited).copied();
         a.boot_id == b.boot_id
             // Only the rule that reads flags looks at the writer's cycle.
             && (counted || a.cycle == b.cycle)

@@ -1,24 +1,48 @@
 //! The timing bar chart as an event graph: operations, and what each waits for.
 //!
 //! An edge from A to B with lag k says that B starts in its cycle c only when A is done in cycle c − k: the arrows, the
-//! order inside a station (lag 0), and the step from a station's last operation to its first (lag 1). It is a marked
-//! graph, with an operation for each transition and an edge for each place; at home an edge holds as many tokens as
-//! starts it already allows. Firing never changes the tokens on a circuit, and these are the sum of its lags.
+//! order inside a station (lag 0), and the step from a station's last operation to its first (lag 1). Operations side
+//! by side start together, when the arrows into all of them hold: an arrow into one is an edge to each. The chart is a
+//! marked graph, with an operation for each transition and an edge for each place; at home an edge holds as many
+//! tokens as starts it already allows. This is forward motion alone: nothing here knows of faults, or of operations
+//! taken back.
 //!
-//! This is forward motion alone: nothing here knows of faults, or of operations taken back.
+//! **Tokens.** Let x(A) be the cycles that A counts as done, and y(B) those that B has started; y(B) is x(B), or one
+//! more while B moves. B may start once more when x(A) ≥ y(B) + 1 − k for each edge into it. So an edge carries
+//! m = x(A) − y(B) + k tokens, a start takes one from each edge into B, and completion gives one to each edge out of
+//! it. Neither makes m negative: if home is consistent, m ≥ 0 for ever. On a circuit the x and y cancel but for
+//! operations under way, so that its tokens and the operations moving on it come to the sum of its lags, always.
+//!
+//! **Live iff every circuit has a token**, where home is consistent. If the lags of a circuit come to 0, nothing on it
+//! can ever start: each edge of it is empty and stays so. If on the other hand none do, let B be asked for cycle c.
+//! What that needs and is not done is the end of some A in cycle c − k, and so on. Cycles never grow on the way back, and
+//! below those counted at home everything is done; so if this never ended it would come to an operation again in the
+//! same cycle, round a circuit whose lags are 0. It ends, with something that may start at once. Motions end if
+//! nothing fails, so by running what is needed in that order every operation comes to every cycle, from every state.
+//!
+//! Arrows of all modes count for this. A line that is only ever in auto goes round a circuit that an arrow of manual
+//! alone closes; but a hand mode observes both, and it would stand still.
 
-use std::cmp::Reverse;
-use std::collections::{BTreeMap, BinaryHeap};
+mod separated;
 
-use linewright_line::{Conflict, Line, OpId, Span, StationId};
+use linewright_line::{Line, OpId, StationId};
+
+pub use separated::{Gap, all_separated, separated};
 
 use super::full_name;
 
 type Operation = (StationId, OpId);
 
+/// What waits, and how.
 struct Edge {
     to: usize,
     lag: u32,
+    /// Waited for in auto mode.
+    auto: bool,
+    /// Waited for in manual mode.
+    manual: bool,
+    /// The arrow leads into an operation beside this one.
+    beside: bool,
 }
 
 /// Operations numbered through all stations, and for each what waits for it.
@@ -30,18 +54,8 @@ struct Chart<'a> {
     followers: Vec<Vec<Edge>>,
 }
 
-/// Which arrows count.
-#[derive(Clone, Copy)]
-enum Arrows {
-    /// All of them: what has to be waited for at worst, however modes change.
-    Any,
-    /// Those that hold in both modes: what has to be waited for at least, however modes change.
-    InBothModes,
-    InAuto,
-}
-
 impl<'a> Chart<'a> {
-    fn of(line: &'a Line, arrows: Arrows) -> Self {
+    fn of(line: &'a Line) -> Self {
         let operations: Vec<Operation> =
             line.station_ids().flat_map(|id| line.station(id).op_ids().map(move |op| (id, op))).collect();
         let mut first = Vec::with_capacity(line.stations.len());
@@ -53,14 +67,12 @@ impl<'a> Chart<'a> {
         let followers = operations.iter().map(|_| Vec::new()).collect();
         let mut chart = Chart { line, operations, first, followers };
         chart.add_cycles();
-        for arrow in &line.arrows {
-            let counts = match arrows {
-                Arrows::Any => arrow.auto || arrow.manual,
-                Arrows::InBothModes => arrow.auto && arrow.manual,
-                Arrows::InAuto => arrow.auto,
-            };
-            if counts {
-                chart.add(arrow.from, arrow.to, arrow.lag);
+        for arrow in line.arrows.iter().filter(|arrow| arrow.auto || arrow.manual) {
+            let station = line.station(arrow.to.0);
+            for &op in &station.steps[station.step_of(arrow.to.1)] {
+                let (auto, manual, beside) = (arrow.auto, arrow.manual, op != arrow.to.1);
+                let to = chart.number((arrow.to.0, op));
+                chart.add(arrow.from, Edge { to, lag: arrow.lag, auto, manual, beside });
             }
         }
         chart
@@ -70,9 +82,9 @@ impl<'a> Chart<'a> {
         self.first[station.index()] + op.index()
     }
 
-    fn add(&mut self, from: Operation, to: Operation, lag: u32) {
-        let (from, to) = (self.number(from), self.number(to));
-        self.followers[from].push(Edge { to, lag });
+    fn add(&mut self, from: Operation, edge: Edge) {
+        let from = self.number(from);
+        self.followers[from].push(edge);
     }
 
     fn add_cycles(&mut self) {
@@ -82,7 +94,8 @@ impl<'a> Chart<'a> {
                 let next = (index + 1) % steps.len();
                 for &from in step {
                     for &to in &steps[next] {
-                        self.add((id, from), (id, to), u32::from(next == 0));
+                        let (to, lag) = (self.number((id, to)), u32::from(next == 0));
+                        self.add((id, from), Edge { to, lag, auto: true, manual: true, beside: false });
                     }
                 }
             }
@@ -107,30 +120,6 @@ impl<'a> Chart<'a> {
         full_name(self.line, self.operations[number])
     }
 
-    /// The least sum of lags on a way, if it is at most `limit`.
-    fn least_lag(&self, from: Operation, to: Operation, limit: u32) -> Option<u32> {
-        let (from, to) = (self.number(from), self.number(to));
-        // Ordered, not hashed, and only as large as what is within the limit.
-        let mut least = BTreeMap::from([(from, 0)]);
-        let mut open = BinaryHeap::from([Reverse((0, from))]);
-        while let Some(Reverse((lag, at))) = open.pop() {
-            if at == to {
-                return Some(lag);
-            }
-            if least.get(&at).is_some_and(|&known| known < lag) {
-                continue;
-            }
-            for edge in &self.followers[at] {
-                let there = lag + edge.lag;
-                if there <= limit && least.get(&edge.to).is_none_or(|&known| there < known) {
-                    least.insert(edge.to, there);
-                    open.push(Reverse((there, edge.to)));
-                }
-            }
-        }
-        None
-    }
-
     /// Whether every operation waits, through others, for every other: then no station can run away from another.
     fn is_strongly_connected(&self) -> bool {
         let mut predecessors: Vec<Vec<usize>> = self.followers.iter().map(|_| Vec::new()).collect();
@@ -152,7 +141,7 @@ impl<'a> Chart<'a> {
 
 /// What counts as done at home did not need what is not done: no edge is in debt.
 pub fn home_is_consistent(line: &Line) -> Result<String, String> {
-    let chart = Chart::of(line, Arrows::Any);
+    let chart = Chart::of(line);
     match chart.edges().find(|(from, edge)| chart.tokens_at_home(*from, edge) < 0) {
         None => Ok("all stations can stand at home together".to_owned()),
         Some((from, edge)) => Err(format!(
@@ -163,9 +152,10 @@ pub fn home_is_consistent(line: &Line) -> Result<String, String> {
     }
 }
 
-/// The operation causality condition: the event graph is live, since every circuit carries a token.
+/// The operation causality condition: every circuit carries a token, so the event graph is live (see the module's
+/// proof).
 pub fn every_circuit_has_a_token(line: &Line) -> Result<String, String> {
-    let chart = Chart::of(line, Arrows::Any);
+    let chart = Chart::of(line);
     if let Some(circuit) = circuit_without_token(&chart) {
         let names: Vec<String> = circuit.iter().map(|&number| chart.name(number)).collect();
         return Err(format!("each of these waits for the one before it: {}", names.join(" → ")));
@@ -216,47 +206,6 @@ fn circuit_without_token(chart: &Chart<'_>) -> Option<Vec<usize>> {
     }
 }
 
-/// Whether the two states of a conflict exclude each other in forward motion, in every mode and across changes of mode.
-///
-/// Let `b` start only after `a` of P cycles before has ended (P the least lag from `a.until` to `b.from`), and the
-/// other way round with Q. The i-th `a` ends in cycle i, or in the next one if it crosses the boundary (w = 1). So it
-/// is over before the j-th `b` begins if i ≤ j − P − w(a), and begins after it if j ≤ i − Q − w(b). Every pair i, j is
-/// in one of the two cases exactly if P + Q + w(a) + w(b) ≤ 1. If it is not, nothing orders some pair, and a run exists
-/// in which both states hold: forward motion needs no more than what its own waits ask for.
-///
-/// Only arrows that hold in both modes count: an arrow of one mode can be got round by changing to the other.
-pub fn separated(line: &Line, conflict: &Conflict) -> Result<String, String> {
-    match gaps(line, conflict, Arrows::InBothModes) {
-        Ok(()) => Ok("forward motion keeps them apart in every mode; for the rest see below".to_owned()),
-        Err(why) => {
-            let only_auto = gaps(line, conflict, Arrows::InAuto).is_ok();
-            let hint = if only_auto { "; arrows of auto alone would, and manual gets round them" } else { "" };
-            Err(format!("forward motion can reach it: {why}{hint}"))
-        }
-    }
-}
-
-fn gaps(line: &Line, Conflict { a, b, .. }: &Conflict, arrows: Arrows) -> Result<(), String> {
-    let chart = Chart::of(line, arrows);
-    let crosses = |span: &Span| u32::from(span.until < span.from);
-    let lag = |before: &Span, after: &Span| {
-        let (from, to) = ((before.station, before.until), (after.station, after.from));
-        chart.least_lag(from, to, 1).ok_or_else(|| {
-            format!("nothing in both modes makes `{}` wait for `{}`", full_name(line, to), full_name(line, from))
-        })
-    };
-    let (there, back) = (lag(a, b)?, lag(b, a)?);
-    let sum = there + back + crosses(a) + crosses(b);
-    if sum <= 1 {
-        return Ok(());
-    }
-    Err(format!(
-        "`{}` and `{}` wait for each other's ends, but for those of too early a cycle ({sum} in all, 1 at most)",
-        full_name(line, (a.station, a.from)),
-        full_name(line, (b.station, b.from))
-    ))
-}
-
 #[cfg(test)]
 mod tests {
     use super::*;
@@ -276,33 +225,6 @@ mod tests {
                 separated(&line, conflict).unwrap();
             }
         }
-    }
-
-    #[test]
-    fn every_arrow_in_both_modes_is_needed_to_keep_the_conflicts_apart() {
-        for index in 0..4 {
-            let mut line = shipped(1);
-            line.arrows.remove(index);
-            let found: Vec<_> = line.conflicts.iter().filter_map(|conflict| separated(&line, conflict).err()).collect();
-            assert!(!found.is_empty(), "without arrow {index} a conflict must be found");
-            assert!(found[0].contains("wait for"), "{}", found[0]);
-        }
-    }
-
-    #[test]
-    fn an_arrow_for_auto_alone_does_not_separate() {
-        let mut line = shipped(1);
-        line.arrows[0].manual = false;
-        let why = separated(&line, &line.conflicts[0]).unwrap_err();
-        assert!(why.contains("manual gets round them"), "{why}");
-    }
-
-    #[test]
-    fn a_lag_more_lets_the_states_overlap() {
-        let mut line = shipped(1);
-        line.arrows[1].lag = 1;
-        let why = separated(&line, &line.conflicts[0]).unwrap_err();
-        assert!(why.contains("too early a cycle (2 in all"), "{why}");
     }
 
     #[test]

@@ -1,0 +1,136 @@
+//! Lines nobody has thought of: random, well formed, and the same again for the same seed.
+//!
+//! What is generated is what [`linewright_line::parse`] accepts, and [`text`] writes it the way it is read: motions chain along their axes and lead home, hand-mode types form sequences, recovery paths take back what
+//! has been done since home, neighbours in one another's way have the arrows that keep them apart. [`break_it`] then
+//! spoils a line in one known way. A check is worth believing if it accepts all of the first and sees through the
+//! second.
+//!
+//! Nothing here knows how a line is judged: that the generated lines are sound is for tests to find out.
+
+mod arrows;
+mod breakage;
+mod random;
+mod station;
+mod text;
+
+use std::ops::RangeInclusive;
+
+use linewright_line::{Bus, Console, Device, Line, Owner, Station, StationId, Timing};
+
+pub use breakage::{Breakage, break_it, breakages, without_literal};
+pub use random::Random;
+pub use text::text;
+
+/// The kind of lines to generate. Chances are in percent.
+#[derive(Clone, Debug, PartialEq, Eq)]
+pub struct Shape {
+    /// How many stations.
+    pub stations: RangeInclusive<usize>,
+    /// How many operations a station has, from 2 to 24.
+    pub operations: RangeInclusive<usize>,
+    /// That an operation which may be irreversible is.
+    pub irreversible: u32,
+    /// That a step which may be a concurrent group is.
+    pub groups: u32,
+    /// That hand mode runs several operations with one button, where it may.
+    pub sequences: u32,
+    /// That a motion has a sensor for its fault, and that it has a lamp.
+    pub sensors: u32,
+    /// That an arrow is written as two, one for each mode, where it holds in both.
+    pub divided: u32,
+    /// How often to try another arrow, between any two stations, with any lag up to 2 and in any modes. It stays if
+    /// the line stays live and its home consistent.
+    pub more_arrows: usize,
+    /// How often to try another conflict, between any two stations, with its pair of arrows.
+    pub more_conflicts: usize,
+}
+
+impl Default for Shape {
+    /// Two or three stations of two to five operations, with something of everything.
+    fn default() -> Self {
+        Shape {
+            stations: 2..=3,
+            operations: 2..=5,
+            irreversible: 25,
+            groups: 25,
+            sequences: 50,
+            sensors: 50,
+            divided: 10,
+            more_arrows: 2,
+            more_conflicts: 1,
+        }
+    }
+}
+
+impl Shape {
+    /// Two stations of two or three operations: few enough states to look at each, with every freedom.
+    pub fn small() -> Self {
+        Shape { stations: 2..=2, operations: 2..=3, more_arrows: 1, more_conflicts: 0, ..Shape::default() }
+    }
+
+    /// A row of so many stations of about ten operations, as a transfer line has them: each shares its room with the
+    /// next.
+    pub fn row(stations: usize) -> Self {
+        Shape {
+            stations: stations..=stations,
+            operations: 8..=12,
+            more_arrows: stations / 4,
+            more_conflicts: stations / 8,
+            ..Shape::default()
+        }
+    }
+}
+
+/// A line of this shape; the same for the same seed.
+///
+/// # Panics
+/// When the shape asks for no station, or for operations out of their bounds.
+pub fn line(shape: &Shape, seed: u64) -> Line {
+    let mut random = Random::new(seed);
+    let count = random.within(&shape.stations);
+    assert!(count > 0, "a line has at least one station");
+    let mut buttons = Vec::new();
+    let stations: Vec<Station> =
+        (0..count).map(|number| station::random(shape, number, &mut buttons, &mut random)).collect();
+    let devices = stations.iter().enumerate().flat_map(|(number, station)| devices(number, station)).collect();
+    let mut line = Line {
+        name: "generated".to_owned(),
+        title: format!("Generated line {seed}"),
+        stations,
+        arrows: Vec::new(),
+        conflicts: Vec::new(),
+        devices,
+        console: Console { buttons: vec![None; buttons.len()], ..Console::default() },
+        buttons,
+        timing: Timing::default(),
+    };
+    arrows::draw(&mut line, shape, &mut random);
+    line
+}
+
+/// Bits of one device, each way.
+const DEVICE_BITS: usize = 64;
+
+/// As many devices on the station's own bus as its signals need.
+fn devices(number: usize, station: &Station) -> impl Iterator<Item = Device> + use<> {
+    let (inputs, outputs) = (station.inputs.len(), station.outputs.len());
+    let (name, bus) = (station.name.clone(), station.bus.clone());
+    let count = inputs.max(outputs).div_ceil(DEVICE_BITS);
+    (0..count).map(move |nth| Device {
+        name: format!("{name} io {nth}"),
+        node_id: nth as u8 + 1,
+        owner: Owner::Station(StationId::at(number)),
+        bus: bus.clone(),
+        inputs: bits(nth, inputs).map(|bit| Some(linewright_line::InputId::at(bit))).collect(),
+        outputs: bits(nth, outputs).map(|bit| Some(linewright_line::OutputId::at(bit))).collect(),
+    })
+}
+
+fn bits(device: usize, count: usize) -> std::ops::Range<usize> {
+    (device * DEVICE_BITS).min(count)..((device + 1) * DEVICE_BITS).min(count)
+}
+
+/// A bus of the station's own: node ids are few, and a line may have hundreds of stations.
+fn bus(number: usize) -> Bus {
+    Bus::Own(format!("can{number}"))
+}

@@ -1,0 +1,196 @@
+//! A line, written as the description it could have been read from.
+//!
+//! Signals, axes and operations have no text of their own to go back to, so this is for lines made in code: comments
+//! and the order of keys are nobody's. A line whose times are whole microseconds reads back the same.
+
+use std::fmt::{self, Display, Write};
+use std::time::Duration;
+
+use linewright_line::{
+    Arrow, Bus, ButtonId, Device, InputId, Line, Module, OpId, Operation, OutputId, Owner, Signals, Span, Station,
+    StationId,
+};
+
+/// The description of a line, as [`linewright_line::parse`] reads it.
+pub fn text(line: &Line) -> String {
+    let mut out = String::new();
+    write_line(&mut out, line).expect("writing to a string does not fail");
+    out
+}
+
+/// A text in quotes.
+fn quoted(text: &str) -> String {
+    let mut out = String::from("\"");
+    for c in text.chars() {
+        match c {
+            '"' | '\\' => out.extend(['\\', c]),
+            c if c.is_control() => out.push_str(&format!("\\u{:04X}", u32::from(c))),
+            c => out.push(c),
+        }
+    }
+    out.push('"');
+    out
+}
+
+fn list(items: impl IntoIterator<Item = String>) -> String {
+    format!("[{}]", items.into_iter().collect::<Vec<_>>().join(", "))
+}
+
+fn seconds(duration: Duration) -> impl Display {
+    format!("{:?}", duration.as_secs_f64())
+}
+
+fn write_line(out: &mut String, line: &Line) -> fmt::Result {
+    writeln!(out, "name = {}\ntitle = {}", quoted(&line.name), quoted(&line.title))?;
+    writeln!(out, "buttons = {}", list(line.buttons.iter().map(|name| quoted(name))))?;
+    let timing = &line.timing;
+    writeln!(out, "\n[timing]")?;
+    for (key, value) in [
+        ("refresh_ms", timing.refresh),
+        ("stale_ms", timing.stale),
+        ("lease_ms", timing.lease),
+        ("heartbeat_ms", timing.heartbeat),
+        ("heartbeat_timeout_ms", timing.heartbeat_timeout),
+    ] {
+        writeln!(out, "{key} = {}", value.as_millis())?;
+    }
+    write_console(out, line)?;
+    line.stations.iter().try_for_each(|station| write_station(out, line, station))?;
+    line.arrows.iter().try_for_each(|arrow| write_arrow(out, line, arrow))?;
+    for conflict in &line.conflicts {
+        let span = |span: &Span| {
+            let name = |op: OpId| quoted(&line.operation((span.station, op)).name);
+            let station = quoted(&line.station(span.station).name);
+            format!("{{ station = {station}, from = {}, until = {} }}", name(span.from), name(span.until))
+        };
+        writeln!(out, "\n[[conflict]]\nwhy = {}", quoted(&conflict.why))?;
+        writeln!(out, "a = {}\nb = {}", span(&conflict.a), span(&conflict.b))?;
+    }
+    line.devices.iter().try_for_each(|device| write_device(out, line, device))
+}
+
+fn write_console(out: &mut String, line: &Line) -> fmt::Result {
+    let console = &line.console;
+    let input = |id: InputId| quoted(&console.inputs[id.index()]);
+    let keys = [
+        ("start", console.start),
+        ("stop", console.stop),
+        ("auto", console.auto),
+        ("hand", console.hand),
+        ("estop", console.estop),
+        ("reset", console.reset),
+    ];
+    let lamps: Vec<String> = ["auto", "hand", "manual", "fault"]
+        .iter()
+        .zip(console.lamps)
+        .filter_map(|(key, lamp)| Some(format!("{key} = {}", quoted(&console.outputs[lamp?.index()]))))
+        .collect();
+    if keys.iter().all(|(_, id)| id.is_none()) && lamps.is_empty() {
+        return Ok(());
+    }
+    writeln!(out, "\n[console]")?;
+    for (key, id) in keys {
+        if let Some(id) = id {
+            writeln!(out, "{key} = {}", input(id))?;
+        }
+    }
+    if lamps.is_empty() { Ok(()) } else { writeln!(out, "lamps = {{ {} }}", lamps.join(", ")) }
+}
+
+fn write_station(out: &mut String, line: &Line, station: &Station) -> fmt::Result {
+    let op = |id: OpId| quoted(&station.operations[id.index()].name);
+    writeln!(out, "\n[[station]]\nname = {}\ntitle = {}", quoted(&station.name), quoted(&station.title))?;
+    writeln!(out, "home = {}", op(station.home))?;
+    if let Bus::Own(interface) = &station.bus {
+        writeln!(out, "bus = {}", quoted(interface))?;
+    }
+    let axes: Vec<String> =
+        station.axes.iter().map(|axis| format!("{} = {:?}", quoted(&axis.name), axis.home)).collect();
+    writeln!(out, "axes = {{ {} }}", axes.join(", "))?;
+    let panel =
+        [("manual", station.panel.manual), ("advance", station.panel.advance), ("return", station.panel.retract)];
+    let panel: Vec<String> = panel
+        .iter()
+        .filter_map(|(key, input)| Some(format!("{key} = {}", quoted(&station.inputs[(*input)?.index()]))))
+        .collect();
+    if !panel.is_empty() {
+        writeln!(out, "panel = {{ {} }}", panel.join(", "))?;
+    }
+    station.op_ids().try_for_each(|id| write_operation(out, line, station, id))
+}
+
+fn write_operation(out: &mut String, line: &Line, station: &Station, id: OpId) -> fmt::Result {
+    let operation: &Operation = &station.operations[id.index()];
+    let op = |id: OpId| quoted(&station.operations[id.index()].name);
+    writeln!(out, "\n[[station.operation]]\nname = {}", op(id))?;
+    let step = &station.steps[station.step_of(id)];
+    if step[0] != id {
+        writeln!(out, "with = {}", op(step[0]))?;
+    }
+    let motion = &operation.motion;
+    let axis = quoted(&station.axes[motion.axis.index()].name);
+    writeln!(out, "moves = {{ axis = {axis}, from = {:?}, to = {:?} }}", motion.from, motion.to)?;
+    writeln!(out, "duration_s = {}", seconds(operation.duration))?;
+    writeln!(out, "watchdog_s = {}", seconds(operation.watchdog))?;
+    writeln!(out, "normal = {{ {} }}", signals(station, &operation.normal))?;
+    match &operation.module {
+        Module::Reversible { recovery, recovery_duration, recovery_watchdog } => {
+            let (duration, watchdog) = (seconds(*recovery_duration), seconds(*recovery_watchdog));
+            let signals = signals(station, recovery);
+            writeln!(out, "module = \"R\"")?;
+            writeln!(out, "recovery = {{ {signals}, duration_s = {duration}, watchdog_s = {watchdog} }}")?;
+        }
+        Module::Irreversible { recovery_path } => {
+            writeln!(out, "module = \"I\"\nrecovery_path = {}", list(recovery_path.iter().map(|&id| op(id))))?;
+        }
+    }
+    let button = |key: &str, id: Option<ButtonId>| {
+        id.map_or_else(String::new, |id| format!(", {key} = {}", quoted(&line.buttons[id.index()])))
+    };
+    let hand = &operation.hand;
+    let buttons = [("forward", Some(hand.forward())), ("back", hand.back()), ("next", hand.next())];
+    let buttons: String = buttons.iter().map(|&(key, id)| button(key, id)).collect();
+    writeln!(out, "hand = {{ type = {}{buttons} }}", hand.number())
+}
+
+fn signals(station: &Station, signals: &Signals) -> String {
+    let input = |id: InputId| quoted(&station.inputs[id.index()]);
+    let output = |id: OutputId| quoted(&station.outputs[id.index()]);
+    let mut text = format!("actuator = {}, complete = {}", output(signals.actuator), input(signals.complete));
+    text.extend(signals.fault.map(|id| format!(", fault = {}", input(id))));
+    text.extend(signals.lamp.map(|id| format!(", lamp = {}", output(id))));
+    text
+}
+
+fn write_arrow(out: &mut String, line: &Line, arrow: &Arrow) -> fmt::Result {
+    let end = |(station, op): (StationId, OpId)| {
+        quoted(&format!("{}: {}", line.station(station).name, line.operation((station, op)).name))
+    };
+    writeln!(out, "\n[[arrow]]\nfrom = {}\nto = {}\nlag = {}", end(arrow.from), end(arrow.to), arrow.lag)?;
+    match (arrow.auto, arrow.manual) {
+        (true, true) => Ok(()),
+        (auto, manual) => {
+            let modes = [("auto", auto), ("manual", manual)];
+            let modes = modes.iter().filter(|(_, holds)| *holds).map(|(mode, _)| quoted(mode));
+            writeln!(out, "modes = {}", list(modes))
+        }
+    }
+}
+
+fn write_device(out: &mut String, line: &Line, device: &Device) -> fmt::Result {
+    writeln!(out, "\n[[device]]\nname = {}\nnode = {}", quoted(&device.name), device.node_id)?;
+    let (inputs, outputs) = match device.owner {
+        Owner::Station(id) => {
+            let station = line.station(id);
+            writeln!(out, "station = {}", quoted(&station.name))?;
+            (&station.inputs, &station.outputs)
+        }
+        Owner::Console => {
+            writeln!(out, "console = true")?;
+            (&line.console.inputs, &line.console.outputs)
+        }
+    };
+    let name = |names: &[String], index: Option<usize>| quoted(index.map_or("", |index| names[index].as_str()));
+    writeln!(out, "inputs = {}", list(device.inputs.iter().map(|bit| name(inputs, bit.map(InputId::index)))))?;
+    writeln!(out, "outputs = {}", list(device.outputs.iter().map(|bit| name(outputs, bit.map(OutputId::index)))))
+}

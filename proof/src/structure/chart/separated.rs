@@ -1,0 +1,217 @@
+//! Whether the arrows keep the two states of a conflict apart in forward motion: least sums of lags on the chart.
+//!
+//! What is proved here is proved of forward motion, in every mode and across changes of mode, of a line whose home is
+//! consistent and whose circuits have tokens. That nobody gets round it by taking something back is not said by the
+//! chart, but by the rule that a count is withdrawn only when nothing has started on it. That rule goes along the
+//! arrows, so it guards an order that follows from arrows and the order in a station. It does not guard one that only
+//! follows from operations starting side by side: of these, each is taken back alone, and the one that waits for an
+//! arrow may be undone while its neighbour is not. So such waits count for the line's going on, but not for keeping a
+//! conflict apart ([`Gap::TakenBack`]).
+//!
+//! **What must have come before.** B, in cycle c, has waited for A of cycle c − k if some edge into B leads back to it, of
+//! those that were observed. A start observes the arrows of one mode, auto's or manual's, and any start may be in
+//! either, since modes may change between any two. (Hand mode observes both: it waits for no less.) So B needs A with
+//! lag k iff it does so in each of the two modes: D(B) = max over the two modes of the min over that mode's edges
+//! C → B of D(C) + lag, and D(A) = 0. Every operation that can avoid an event avoids it by one and the same choice of
+//! its mode, whatever the others choose: so the least solution says exactly what cannot be avoided. It is found in the
+//! order of D, as least ways are, since max and min only grow with what they are given.
+//!
+//! **Separated iff every pair of cycles is ordered.** Let `b` begin only after `a` of P cycles before has ended: P is
+//! D(b.from) from `a.until`, and Q the same the other way round. The i-th `a` ends in cycle i, or in the next one if it
+//! crosses the boundary (w = 1). So it is over before the j-th `b` begins if i ≤ j − P − w(a), and begins after it if
+//! j ≤ i − Q − w(b). Every pair i, j is in one of the two cases exactly if P + Q + w(a) + w(b) ≤ 1.
+//! * If so, no two ever hold together: while `a` holds in its cycle i and `b` in its j, neither had to be over before
+//!   the other began. At home too: with all edges free of debt, what is counted there has come in such an order.
+//! * If not, take a pair i, j that is in neither case, late enough to be beyond home; if there is one, there is one
+//!   with i and j as much later as one likes. Let each operation that leads to the start of `a` in i choose its mode so
+//!   as to avoid the end of `b` in j, and each that leads to that of `b` so as to avoid the end of `a`. One that leads
+//!   to both has nothing to choose: were the end of `b` on a way to it, this would be on a way to the start of `b`, and
+//!   close a circuit without a token. Running what is then needed, and no more, starts both and ends neither.
+
+use std::collections::VecDeque;
+
+use linewright_line::{Conflict, Line, Span};
+use thiserror::Error;
+
+use super::{Chart, Operation};
+use crate::structure::full_name;
+
+/// The most that the lags and the crossings of a separated conflict come to.
+const SUM_MAX: u32 = 1;
+/// Farther than anything asked for.
+const FAR: u32 = u32::MAX;
+
+/// Which waits count.
+#[derive(Clone, Copy)]
+enum Waits {
+    /// Those that cannot be got round by changing the mode.
+    InEveryMode,
+    /// Of these, those that stay when operations side by side are taken back one by one.
+    Guarded,
+    /// Those of auto mode.
+    InAuto,
+}
+
+/// How the two states of a conflict can come together, or why nothing is known to prevent it.
+#[derive(Clone, Debug, PartialEq, Eq, Error)]
+pub enum Gap {
+    /// In forward motion, for certain.
+    #[error("forward motion can reach it: {0}")]
+    Forward(String),
+    /// Forward motion keeps them apart, but only because operations side by side start together.
+    #[error(
+        "forward motion keeps them apart, but of operations side by side one can be taken back alone, and then {0}; an \
+         arrow of its own to each of them would hold"
+    )]
+    TakenBack(String),
+}
+
+/// Least lags on a chart; room to work in, kept from one question to the next.
+struct Lags<'a> {
+    chart: Chart<'a>,
+    /// For each operation, how far back auto and manual make it wait, as far as is known.
+    least: Vec<[u32; 2]>,
+    touched: Vec<usize>,
+    /// Operations by how far back they wait.
+    open: [VecDeque<usize>; SUM_MAX as usize + 1],
+}
+
+impl<'a> Lags<'a> {
+    fn of(line: &'a Line) -> Self {
+        let chart = Chart::of(line);
+        let least = vec![[FAR; 2]; chart.operations.len()];
+        Lags { chart, least, touched: Vec::new(), open: Default::default() }
+    }
+
+    /// How many cycles back `to` waits for the end of `from`, if it is at most [`SUM_MAX`].
+    fn least(&mut self, from: Operation, to: Operation, waits: Waits) -> Option<u32> {
+        let (from, to) = (self.chart.number(from), self.chart.number(to));
+        for number in self.touched.drain(..) {
+            self.least[number] = [FAR; 2];
+        }
+        self.open.iter_mut().for_each(VecDeque::clear);
+        self.least[from] = [0; 2];
+        self.touched.push(from);
+        self.open[0].push_back(from);
+        for lag in 0..=SUM_MAX {
+            // First come, first served: what waits for something directly is found before the whole line is.
+            while let Some(at) = self.open[lag as usize].pop_front() {
+                let [auto, manual] = self.least[at];
+                if auto.max(manual) < lag {
+                    continue;
+                }
+                if at == to {
+                    return Some(lag);
+                }
+                self.look_on(at, lag, waits);
+            }
+        }
+        None
+    }
+
+    fn look_on(&mut self, at: usize, lag: u32, waits: Waits) {
+        for edge in &self.chart.followers[at] {
+            let there = lag.saturating_add(edge.lag);
+            let modes = match waits {
+                Waits::InEveryMode => [edge.auto, edge.manual],
+                Waits::Guarded => [edge.auto, edge.manual].map(|counts| counts && !edge.beside),
+                Waits::InAuto => [edge.auto; 2],
+            };
+            let known = &mut self.least[edge.to];
+            let before = known[0].max(known[1]);
+            if there >= before {
+                continue;
+            }
+            for (known, _) in known.iter_mut().zip(modes).filter(|(_, counts)| *counts) {
+                *known = there.min(*known);
+            }
+            self.touched.push(edge.to);
+            let now = known[0].max(known[1]);
+            if now < before && now <= SUM_MAX {
+                self.open[now as usize].push_back(edge.to);
+            }
+        }
+    }
+
+    fn judge(&mut self, conflict: &Conflict) -> Result<String, Gap> {
+        let Err(unguarded) = self.gaps(conflict, Waits::Guarded) else {
+            return Ok("forward motion keeps them apart in every mode; for the rest see below".to_owned());
+        };
+        let Err(why) = self.gaps(conflict, Waits::InEveryMode) else { return Err(Gap::TakenBack(unguarded)) };
+        let only_auto = self.gaps(conflict, Waits::InAuto).is_ok();
+        let hint = if only_auto { "; arrows of auto alone would, and manual gets round them" } else { "" };
+        Err(Gap::Forward(format!("{why}{hint}")))
+    }
+
+    fn gaps(&mut self, Conflict { a, b, .. }: &Conflict, waits: Waits) -> Result<(), String> {
+        let line = self.chart.line;
+        let crosses = |span: &Span| u32::from(span.until < span.from);
+        let mut lag = |before: &Span, after: &Span| {
+            let (from, to) = ((before.station, before.until), (after.station, after.from));
+            self.least(from, to, waits).ok_or_else(|| {
+                format!("nothing in both modes makes `{}` wait for `{}`", full_name(line, to), full_name(line, from))
+            })
+        };
+        let (there, back) = (lag(a, b)?, lag(b, a)?);
+        let sum = there + back + crosses(a) + crosses(b);
+        if sum <= SUM_MAX {
+            return Ok(());
+        }
+        Err(format!(
+            "`{}` and `{}` wait for each other's ends, but for those of too early a cycle ({sum} in all, {SUM_MAX} at \
+             most)",
+            full_name(line, (a.station, a.from)),
+            full_name(line, (b.station, b.from))
+        ))
+    }
+}
+
+/// Whether the two states of a conflict exclude each other in forward motion, in every mode and across changes of mode.
+///
+/// Where home is consistent and every circuit has a token, `Ok` and [`Gap::Forward`] are exact (see the module's proof).
+pub fn separated(line: &Line, conflict: &Conflict) -> Result<String, Gap> {
+    Lags::of(line).judge(conflict)
+}
+
+/// The same for each of the line's conflicts; the chart is drawn once.
+pub fn all_separated(line: &Line) -> Vec<Result<String, Gap>> {
+    let mut lags = Lags::of(line);
+    line.conflicts.iter().map(|conflict| lags.judge(conflict)).collect()
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use linewright_line::{TransferLine, parse};
+
+    fn shipped(machines: usize) -> Line {
+        parse("line.toml", &TransferLine { machines, time_scale: 1.0 }.text()).expect("the shipped line is sound").line
+    }
+
+    #[test]
+    fn every_arrow_in_both_modes_is_needed_to_keep_the_conflicts_apart() {
+        for index in 0..4 {
+            let mut line = shipped(1);
+            line.arrows.remove(index);
+            let found: Vec<_> = line.conflicts.iter().filter_map(|conflict| separated(&line, conflict).err()).collect();
+            assert!(!found.is_empty(), "without arrow {index} a conflict must be found");
+            assert!(found[0].to_string().contains("wait for"), "{}", found[0]);
+        }
+    }
+
+    #[test]
+    fn an_arrow_for_auto_alone_does_not_separate() {
+        let mut line = shipped(1);
+        line.arrows[0].manual = false;
+        let why = separated(&line, &line.conflicts[0]).unwrap_err().to_string();
+        assert!(why.contains("manual gets round them"), "{why}");
+    }
+
+    #[test]
+    fn a_lag_more_lets_the_states_overlap() {
+        let mut line = shipped(1);
+        line.arrows[1].lag = 1;
+        let why = separated(&line, &line.conflicts[0]).unwrap_err().to_string();
+        assert!(why.contains("too early a cycle (2 in all"), "{why}");
+    }
+}

@@ -1,0 +1,178 @@
+//! Two explorers, written apart from each other, say the same.
+//!
+//! The older one, beside the controllers, plays each state with real controllers from end to end and knows nothing of
+//! situations, words or packed states; it is slow and plain. Where both see every state they must see equally many.
+
+#[path = "../../../stations/logic/tests/explore/actions.rs"]
+mod actions;
+#[path = "../../../model/line/tests/common/mod.rs"]
+mod build;
+#[path = "../common/mod.rs"]
+mod common;
+#[path = "../../../stations/logic/tests/explore/lines.rs"]
+#[allow(dead_code, reason = "the shipped line takes it too long")]
+mod lines;
+#[path = "../../../stations/logic/tests/explore/oracle.rs"]
+mod oracle;
+#[path = "../../../stations/logic/tests/explore/search.rs"]
+#[allow(dead_code, reason = "walks are for the tests it was written with")]
+mod search;
+#[path = "../../../stations/logic/tests/explore/world.rs"]
+mod world;
+
+use linewright_line::Line;
+use linewright_line::net::ControlMode;
+use linewright_proof::explore::{Explored, Grants, Verdict};
+use linewright_proof::generate::{self, Breakage, Random, Shape, break_it, breakages};
+use linewright_station_logic::Rules;
+
+use common::{HOME, auto_and_manual, explored, verdict};
+
+/// What both are asked.
+#[derive(Clone, Copy, Debug)]
+struct Freedom {
+    lag: usize,
+    hand: bool,
+    tidy: bool,
+}
+
+const PLAIN: Freedom = Freedom { lag: 1, hand: false, tidy: true };
+
+/// What one of them says; `home` only where every state was seen.
+#[derive(Debug, PartialEq, Eq)]
+enum Said {
+    Wrong,
+    Open,
+    All { states: usize, home: bool },
+}
+
+fn older(line: &Line, freedom: Freedom, states: usize) -> Said {
+    let mut setting = world::Setting::new(lines::without_haste(line.clone()), Rules::default());
+    (setting.reports_max, setting.tidy_hands) = (freedom.lag, freedom.tidy);
+    if freedom.hand {
+        setting.modes = vec![ControlMode::Auto, ControlMode::Hand];
+    }
+    let found = search::breadth_first(&setting, states);
+    match (&found.counterexample, found.home_from_everywhere) {
+        (Some(_), _) => Said::Wrong,
+        (None, Some(home)) => Said::All { states: found.states, home },
+        (None, None) => Said::Open,
+    }
+}
+
+fn newer(line: &Line, freedom: Freedom, states: usize) -> (Said, Explored) {
+    let mut setting = auto_and_manual(line);
+    (setting.lag, setting.tidy_hands, setting.grants) = (freedom.lag, freedom.tidy, Grants::Anyhow);
+    if freedom.hand {
+        setting.modes = vec![ControlMode::Auto, ControlMode::Hand];
+    }
+    let explored = explored(&setting, states);
+    let never = explored.properties.iter().filter(|p| p.name.starts_with("never") || p.name.starts_with("stations"));
+    let said = if never.into_iter().any(|p| p.verdict == Verdict::Fails) {
+        Said::Wrong
+    } else if explored.exhausted {
+        // Without manual mode nothing is said about home.
+        let home = !freedom.hand && verdict(&explored, HOME) == Verdict::Holds;
+        Said::All { states: explored.states, home }
+    } else {
+        Said::Open
+    };
+    (said, explored)
+}
+
+/// Both are asked, and the answers compared; whether both saw every state.
+fn agree(what: &str, line: &Line, freedom: Freedom, states: usize) -> bool {
+    let (new, explored) = newer(line, freedom, states);
+    let old = match (&new, freedom.hand) {
+        // The slow one is not made to look where the fast one has not come to the end.
+        (Said::Open, _) => return false,
+        (Said::Wrong, _) => older(line, freedom, 4 * explored.states.max(states)),
+        (Said::All { .. }, _) => older(line, freedom, states),
+    };
+    if freedom.hand {
+        // Which buttons may be held when the mode changes is decided otherwise there, so only verdicts are compared.
+        assert_eq!(old == Said::Wrong, new == Said::Wrong, "{what}, {freedom:?}\n{}", generate::text(line));
+        return old != Said::Open;
+    }
+    assert_eq!(old, new, "{what}, {freedom:?}\n{}", generate::text(line));
+    true
+}
+
+#[test]
+fn of_small_lines_both_see_equally_many_states() {
+    let fixed = [
+        ("bar and clamp", lines::bar_and_clamp()),
+        ("clamp and mill", lines::clamp_and_mill()),
+        ("two jaws", lines::two_jaws()),
+        ("home in the way", lines::home_in_the_way()),
+    ];
+    for (name, line) in &fixed {
+        assert!(agree(name, line, PLAIN, 60_000), "{name} was not seen to the end");
+    }
+    for (name, line) in &fixed[..2] {
+        assert!(agree(name, line, Freedom { lag: 2, ..PLAIN }, 60_000), "{name} was not seen to the end");
+        assert!(agree(name, line, Freedom { tidy: false, ..PLAIN }, 60_000), "{name} was not seen to the end");
+    }
+}
+
+#[test]
+#[ignore = "takes the older one some minutes, even optimised"]
+fn of_the_small_line_both_see_equally_many_states() {
+    assert!(agree("small", &lines::small(), PLAIN, 600_000));
+}
+
+/// Two stations of two operations each: few enough states for the older one.
+fn tiny() -> Shape {
+    Shape { operations: 2..=2, more_arrows: 1, ..Shape::small() }
+}
+
+/// Generated lines are compared until so many were seen to the end by both.
+fn generated_lines_agree(freedom: Freedom, wanted: u64, states: usize) {
+    let (wanted, mut compared, mut seed) = (common::lines(wanted), 0, 0);
+    while compared < wanted && seed < 20 * wanted {
+        let line = generate::line(&tiny(), seed);
+        compared += u64::from(agree(&format!("line {seed}"), &line, freedom, states));
+        seed += 1;
+    }
+    println!("{compared} of {seed} lines compared with {freedom:?}");
+    assert!(2 * compared >= wanted, "too few of them are small enough");
+}
+
+#[test]
+fn of_generated_lines_both_see_equally_many_states() {
+    generated_lines_agree(PLAIN, 8, 9_000);
+}
+
+#[test]
+fn of_generated_lines_both_see_equally_many_states_when_reports_pile_up() {
+    generated_lines_agree(Freedom { lag: 2, ..PLAIN }, 2, 20_000);
+}
+
+#[test]
+fn of_generated_lines_both_see_equally_many_states_when_hands_are_careless() {
+    generated_lines_agree(Freedom { tidy: false, ..PLAIN }, 2, 20_000);
+}
+
+#[test]
+fn of_generated_lines_in_hand_mode_both_say_the_same() {
+    generated_lines_agree(Freedom { hand: true, ..PLAIN }, 4, 9_000);
+}
+
+#[test]
+fn of_broken_lines_both_say_the_same() {
+    let mut random = Random::new(1);
+    let (mut wrong, mut compared) = (0, 0);
+    for seed in 0..common::lines(40) {
+        let line = generate::line(&tiny(), seed);
+        let all: Vec<Breakage> = breakages(&line);
+        let breakage = *random.pick(&all);
+        let Some(broken) = break_it(&line, breakage) else { continue };
+        let what = format!("line {seed} with {breakage:?}");
+        if agree(&what, &broken, PLAIN, 6_000) {
+            compared += 1;
+            wrong += u64::from(newer(&broken, PLAIN, 6_000).0 == Said::Wrong);
+        }
+    }
+    println!("{compared} broken lines compared, {wrong} of them wrong");
+    assert!(wrong > 0 && compared > wrong);
+}

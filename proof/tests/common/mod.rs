@@ -1,0 +1,76 @@
+//! What several tests need: how many lines, a line's parts, and a property by its name.
+#![allow(dead_code, reason = "each test binary uses its part")]
+
+use linewright_line::net::ControlMode;
+use linewright_line::{Arrow, Conflict, Line};
+use linewright_proof::explore::{Explored, Grants, Limits, Setting, Verdict, explore};
+use linewright_proof::structure::chart::{every_circuit_has_a_token, home_is_consistent};
+
+/// How many lines to generate: what a build can wait for, or `GENERATED_LINES` times as many hundredths of it.
+pub fn lines(default: u64) -> u64 {
+    let percent = std::env::var("GENERATED_LINES").ok().and_then(|text| text.parse().ok()).unwrap_or(100);
+    (default * percent / 100).max(1)
+}
+
+/// As far as a test looks.
+pub fn limit(states: usize) -> Limits {
+    Limits { states, ..Limits::default() }
+}
+
+/// The line as it is in auto mode alone.
+pub fn in_auto(line: &Line) -> Line {
+    let arrows = line.arrows.iter().filter(|arrow| arrow.auto);
+    Line { arrows: arrows.map(|arrow| Arrow { manual: true, ..*arrow }).collect(), ..line.clone() }
+}
+
+/// The line with one of its conflicts.
+pub fn with_conflict(line: &Line, conflict: &Conflict) -> Line {
+    Line { conflicts: vec![conflict.clone()], ..line.clone() }
+}
+
+/// Auto mode, and nothing fails.
+pub fn undisturbed(line: &Line) -> Setting {
+    let mut setting = Setting::new(line);
+    (setting.modes, setting.grants, setting.faults) = (vec![ControlMode::Auto], Grants::Anyhow, false);
+    setting
+}
+
+/// Auto and manual, each station in whichever it hears of.
+pub fn auto_and_manual(line: &Line) -> Setting {
+    let mut setting = Setting::new(line);
+    (setting.modes, setting.grants) = (vec![ControlMode::Auto, ControlMode::Manual], Grants::Anyhow);
+    setting
+}
+
+pub fn explored(setting: &Setting, states: usize) -> Explored {
+    explore(setting, limit(states)).expect("a generated line can be explored")
+}
+
+/// The verdict on the property whose name begins like this.
+pub fn verdict(explored: &Explored, name: &str) -> Verdict {
+    let found = explored.properties.iter().find(|property| property.name.starts_with(name));
+    found.unwrap_or_else(|| panic!("nothing was asked that begins with `{name}`")).verdict
+}
+
+pub const CONFLICT: &str = "never: ";
+pub const APART: &str = "stations stay within";
+pub const SOUND: &str = "stations sound";
+pub const DEADLOCK: &str = "no deadlock";
+pub const REVERSIBLE: &str = "reversible and live";
+pub const TRANSITIONS: &str = "every transition fires";
+pub const HOME: &str = "home can be reached";
+
+/// Whether some conflict was met.
+pub fn met(explored: &Explored) -> bool {
+    explored.properties.iter().any(|p| p.name.starts_with(CONFLICT) && p.verdict == Verdict::Fails)
+}
+
+/// Whether the chart may be taken at its word: home is consistent and the line is live.
+pub fn begins_well(line: &Line) -> bool {
+    home_is_consistent(line).is_ok() && every_circuit_has_a_token(line).is_ok()
+}
+
+/// Whether no station can run away from another.
+pub fn keeps_together(line: &Line) -> bool {
+    every_circuit_has_a_token(line).is_ok_and(|how| how.contains("no station can run away"))
+}

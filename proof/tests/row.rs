@@ -1,0 +1,67 @@
+//! A line of five hundred stations in a row: judged by structure, which no exploration could do, and a mistake
+//! anywhere in it is found.
+
+mod common;
+
+use std::time::Instant;
+
+use linewright_line::Line;
+use linewright_proof::generate::{self, Breakage, Shape, break_it};
+use linewright_proof::structure::{judge_line, judge_stations};
+
+const STATIONS: usize = 500;
+
+fn row() -> Line {
+    generate::line(&Shape::row(STATIONS), 1)
+}
+
+fn wrong(line: &Line) -> usize {
+    judge_line(line).iter().filter(|check| !check.ok).count()
+}
+
+#[test]
+fn five_hundred_stations_are_sound() {
+    let line = row();
+    let operations: usize = line.stations.iter().map(|station| station.operations.len()).sum();
+    let began = Instant::now();
+    let stations = judge_stations(&line);
+    let after_stations = began.elapsed();
+    let checks = judge_line(&line);
+    let after_line = began.elapsed() - after_stations;
+    println!(
+        "{operations} operations, {} arrows, {} conflicts: the stations took {after_stations:?}, the line {after_line:?}",
+        line.arrows.len(),
+        line.conflicts.len()
+    );
+    assert!(line.conflicts.len() >= STATIONS - 1);
+    for station in &stations {
+        assert!(station.ok(), "{station:?}");
+    }
+    assert!(checks.iter().all(|check| check.ok));
+}
+
+#[test]
+fn a_mistake_anywhere_in_five_hundred_stations_is_found() {
+    let line = row();
+    let is_of_pair = |nth: usize| {
+        let arrow = &line.arrows[nth];
+        let ends = |c: &linewright_line::Conflict| [(c.a, c.b), (c.b, c.a)];
+        let joins = |(before, after): (linewright_line::Span, linewright_line::Span)| {
+            arrow.from == (before.station, before.until) && arrow.to == (after.station, after.from)
+        };
+        line.conflicts.iter().flat_map(ends).any(joins)
+    };
+    let needed: Vec<usize> = (0..line.arrows.len()).filter(|&nth| is_of_pair(nth)).collect();
+    let (mut found, mut harmless) = (0, 0);
+    // Every so many arrows, the first and the last among them.
+    for nth in (0..needed.len()).step_by(needed.len() / 12).chain([needed.len() - 1]) {
+        for breakage in
+            [Breakage::Removed(needed[nth]), Breakage::Reversed(needed[nth]), Breakage::LagMore(needed[nth])]
+        {
+            let broken = break_it(&line, breakage).expect("any arrow can be broken like this");
+            if wrong(&broken) > 0 { found += 1 } else { harmless += 1 }
+        }
+    }
+    println!("{found} mistakes found, {harmless} that another arrow makes up for");
+    assert!(found >= 9 * harmless && found > 30);
+}
