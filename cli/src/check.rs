@@ -1,12 +1,10 @@
-//! `linewright check`: what can be said of a line before anything moves.
+//! `linewright check`: whether a line is right, before anything moves.
 //!
-//! The text is checked by the parser, with every problem at once; then the nets that follow from it are checked by
-//! their structure, which takes time linear in the size of the line. The decisions are in pure functions
-//! ([`report::judge`]); this file reads, prints and picks the exit code.
-//!
-//! Structure says a lot about one station and about the normal cycle of all of them. It does not explore what faults,
-//! operators and delayed messages can do to the composed line, and the output says so each time.
+//! The text is checked by the parser, with every problem at once; the nets and arrows that follow from it by their
+//! structure; and the composed line by exploring what its controllers can do together. The decisions are in
+//! `linewright-proof`; this file reads, prints and picks the exit code.
 
+mod explored;
 mod report;
 mod show;
 
@@ -19,7 +17,7 @@ use miette::IntoDiagnostic;
 use crate::load;
 use report::Report;
 
-/// Check a description: text, nets and structure.
+/// Check a description: text, structure, and everything its controllers can do together.
 #[derive(Debug, clap::Args)]
 pub struct Args {
     /// The line's directory, or its description file.
@@ -27,13 +25,15 @@ pub struct Args {
     /// Print one JSON object instead of tables, problems of the text included.
     #[arg(long)]
     json: bool,
+    #[command(flatten)]
+    options: explored::Options,
 }
 
 /// `linewright check`
 pub fn run(args: &Args) -> miette::Result<ExitCode> {
     let report = match load::parsed(&args.line) {
         Ok(parsed) => {
-            let report = report::judge(&parsed);
+            let report = report::judge(&parsed, &args.options).into_diagnostic()?;
             if !args.json {
                 draw_warnings(args, parsed.warnings)?;
             }

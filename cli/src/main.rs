@@ -39,7 +39,7 @@ struct Cli {
 enum Command {
     /// Write the description of a new line.
     New(new::Args),
-    /// Check a description: text, nets and structure.
+    /// Check a description: text, structure, and everything its controllers can do together.
     Check(check::Args),
     /// Run a whole line on this machine, with simulated devices.
     Run(run::Args),

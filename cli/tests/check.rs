@@ -57,6 +57,17 @@ fn the_shipped_line_passes_every_check() {
     assert!(output.status.success(), "{output:?}");
     let found = json(&output);
     assert_eq!((&found["line"], &found["ok"]), (&"transfer_line".into(), &true.into()));
+    let explorations = found["explorations"].as_array().unwrap();
+    assert_eq!(explorations.len(), 2, "auto undisturbed, and everything");
+    for exploration in explorations {
+        assert_eq!(exploration["exhausted"], true, "{exploration}");
+        let properties = exploration["properties"].as_array().unwrap();
+        assert!(properties.len() >= 7 && properties.iter().all(|p| p["verdict"] == "holds"), "{exploration}");
+        assert!(exploration["arcs"].as_u64() > exploration["states"].as_u64(), "{exploration}");
+    }
+    assert!(explorations[1]["states"].as_u64().unwrap() > 1_000_000, "{}", explorations[1]["states"]);
+    let last = explorations[1]["properties"].as_array().unwrap().last().unwrap();
+    assert_eq!(last["name"], "every transition fires");
     let station = |index: usize| {
         let station = &found["stations"][index];
         let count = |key: &str| station[key].as_u64().unwrap();
@@ -71,17 +82,25 @@ fn the_shipped_line_passes_every_check() {
         assert!(checks.iter().all(|check| check["ok"] == true && check["reason"] != ""), "{station}");
     }
     let line_checks = found["line_checks"].as_array().unwrap();
-    assert_eq!(line_checks.len(), 6, "home, causality, two of the modes, two conflicts");
+    assert_eq!(line_checks.len(), 7, "home, causality, three of the modes, two conflicts");
     assert!(line_checks.iter().all(|check| check["ok"] == true), "{line_checks:?}");
     assert_eq!((&found["warnings"], &found["problems"]), (&Value::Array(vec![]), &Value::Array(vec![])));
 }
 
 #[test]
 fn the_table_names_every_station_and_what_is_not_decided() {
-    let output = linewright(&["check", shipped().join("line.toml").to_str().unwrap()]);
+    let output = linewright(&["check", shipped().join("line.toml").to_str().unwrap(), "--structure"]);
     assert!(output.status.success(), "{output:?}");
     let out = text(&output.stdout);
-    for part in ["transfer ", "clamp_1 ", "mill_1 ", "✓ operation causality", "not decided here:", "checks hold"] {
+    for part in [
+        "transfer ",
+        "clamp_1 ",
+        "mill_1 ",
+        "✓ operation causality",
+        "not decided here:",
+        "without --structure",
+        "checks hold",
+    ] {
         assert!(out.contains(part), "no '{part}' in:\n{out}");
     }
     assert!(!out.contains('✗'), "{out}");
@@ -92,7 +111,7 @@ fn the_table_names_every_station_and_what_is_not_decided() {
 fn a_conflict_that_no_arrow_prevents_is_a_failed_check() {
     let scratch = Scratch::new("conflict");
     let file = scratch.changed("lag = 0\nmodes = [\"auto\", \"manual\"]", "lag = 0\nmodes = [\"auto\"]");
-    let output = linewright(&["check", &file, "--json"]);
+    let output = linewright(&["check", &file, "--structure", "--json"]);
     assert_eq!(output.status.code(), Some(1));
     let found = json(&output);
     assert_eq!((&found["ok"], &found["problems"]), (&false.into(), &Value::Array(vec![])));
@@ -101,9 +120,73 @@ fn a_conflict_that_no_arrow_prevents_is_a_failed_check() {
     let reason = failed[0]["reason"].as_str().unwrap();
     assert!(reason.contains("`transfer: 1st lift`") && reason.contains("manual gets round"), "{reason}");
 
+    // Exploring finds it as well, and tells how.
     let plain = linewright(&["check", &file]);
     assert_eq!(plain.status.code(), Some(1));
-    assert!(text(&plain.stdout).contains("✗ separated: the bar is off its rest"), "{plain:?}");
+    let out = text(&plain.stdout);
+    assert!(out.contains("✗ separated: the bar is off its rest"), "{out}");
+    assert!(out.contains("✗ never: the bar is off its rest") && out.contains("clamp_1: "), "{out}");
+    assert!(out.contains("and so: the bar is off its rest"), "{out}");
+}
+
+/// Explores the shipped line with something switched off; gives the one property that fails, with its story.
+fn missed(options: &[&str]) -> Value {
+    let dir = shipped();
+    let output = linewright(&[&["check", dir.to_str().unwrap(), "--json"], options].concat());
+    assert_eq!(output.status.code(), Some(1), "{output:?}");
+    let found = json(&output);
+    let explorations = found["explorations"].as_array().unwrap();
+    let properties = explorations.iter().flat_map(|exploration| exploration["properties"].as_array().unwrap());
+    let failed: Vec<&Value> = properties.filter(|property| property["verdict"] == "fails").collect();
+    let last = *failed.last().expect("something fails");
+    assert!(!last["counterexample"]["steps"].as_array().unwrap().is_empty(), "{last}");
+    assert!(!last["counterexample"]["chart"].as_array().unwrap().is_empty(), "{last}");
+    last.clone()
+}
+
+#[test]
+fn flags_let_the_bar_lift_under_a_closed_clamp_with_views_late_or_not() {
+    for views in ["stale", "fresh"] {
+        let found = missed(&["--flags", "--views", views]);
+        assert_eq!(found["name"], "never: the bar is off its rest while clamp 1 is not open", "{views}");
+    }
+}
+
+#[test]
+fn each_rule_switched_off_has_a_counterexample_of_its_own() {
+    let bar = "never: the bar is off its rest while clamp 1 is not open";
+    for (rule, name) in [
+        ("withdraw-first", bar),
+        ("agreement", bar),
+        ("fresh-numbers", bar),
+        ("redo-round", "stations sound: one token in each branch, counts of one cycle, no output without a motion"),
+    ] {
+        assert_eq!(missed(&["--without", rule])["name"], name, "{rule}");
+    }
+}
+
+#[test]
+fn a_line_of_many_stations_is_explored_in_parts_and_like_parts_once() {
+    let scratch = Scratch::new("parts");
+    let dir = scratch.path("long");
+    assert!(linewright(&["new", "transfer-line", "--dir", &dir, "--machines", "4"]).status.success());
+    // Flags in every part: the first part has a counterexample, and the others are not taken for sound because of it.
+    let output = linewright(&["check", &dir, "--flags", "--json"]);
+    assert_eq!(output.status.code(), Some(1), "{output:?}");
+    let found = json(&output);
+    let explorations = found["explorations"].as_array().unwrap();
+    assert_eq!(explorations.len(), 4);
+    assert_eq!(explorations[0]["scope"].as_str().unwrap().split(':').nth(1), Some(" transfer, clamp_1, mill_1"));
+    assert!(explorations[0]["properties"].to_string().contains("counterexample"));
+    assert!(explorations[1..].iter().all(|part| part["properties"].to_string().contains("undecided")), "{found}");
+}
+
+#[test]
+fn a_limit_leaves_it_undecided_and_is_no_yes() {
+    let output = linewright(&["check", shipped().to_str().unwrap(), "--states", "1000"]);
+    assert_eq!(output.status.code(), Some(1), "{output:?}");
+    let out = text(&output.stdout);
+    assert!(out.contains("undecided after") && out.contains("? transfer_line:") && !out.contains('✗'), "{out}");
 }
 
 #[test]
@@ -135,11 +218,11 @@ fn a_deadlock_among_arrows_is_a_problem_of_the_text() {
 fn a_warning_is_shown_and_does_not_fail() {
     let scratch = Scratch::new("warning");
     let file = scratch.changed("buttons = [\"PB_1\"", "buttons = [\"PB_9\", \"PB_1\"");
-    let output = linewright(&["check", &file, "--json"]);
+    let output = linewright(&["check", &file, "--structure", "--json"]);
     assert!(output.status.success(), "{output:?}");
     assert!(json(&output)["warnings"].to_string().contains("PB_9"), "{output:?}");
 
-    let plain = linewright(&["check", &file]);
+    let plain = linewright(&["check", &file, "--structure"]);
     assert!(plain.status.success() && text(&plain.stderr).contains("PB_9"), "{plain:?}");
 }
 
@@ -163,7 +246,7 @@ fn a_new_line_can_be_checked_and_is_not_overwritten() {
     let written = std::fs::read_to_string(format!("{dir}/line.toml")).unwrap();
     assert!(written.contains("mill_3") && written.contains("duration_s = 0.07"));
 
-    let checked = linewright(&["check", &dir, "--json"]);
+    let checked = linewright(&["check", &dir, "--structure", "--json"]);
     assert!(checked.status.success(), "{checked:?}");
     assert_eq!(json(&checked)["stations"].as_array().unwrap().len(), 7);
 

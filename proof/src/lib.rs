@@ -6,4 +6,5 @@
 
 pub mod explore;
 pub mod generate;
+pub mod parts;
 pub mod structure;

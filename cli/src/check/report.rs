@@ -1,16 +1,22 @@
 //! What a check finds, as data: the JSON of `--json`, and what the tables are made from.
 
 use linewright_line::{Parsed, Problem, Problems};
+use linewright_proof::explore::NotExplorable;
 use linewright_proof::structure::{Check, StationReport, judge_line, judge_stations};
 use serde::Serialize;
 
-/// What this command leaves open, in words; printed with every result so that nobody takes it for more than it is.
-const NOT_DECIDED: [&str; 3] = [
-    "whether a conflict can be reached through faults, undone operations, recovery paths, restarts and late messages: \
-     that takes an exploration of the composed line, which this command does not do",
+use super::explored::{Exploration, Options};
+
+/// What no exploration settles, in words; printed with every result so that nobody takes it for more than it is.
+const DEVICES: &str = "whether mechanisms and devices behave as the description says";
+/// What structure alone leaves open.
+const NOT_EXPLORED: [&str; 2] = [
+    "whether a conflict can be reached through faults, undone operations, recovery paths and late messages: explore for \
+     that, without --structure",
     "whether every wait ends outside the normal cycle: a live net can still be held by a condition that never comes true",
-    "whether mechanisms and devices behave as the description says",
 ];
+/// What parts leave open.
+const IN_PARTS: &str = "whether home can be reached from every state of the whole line: parts decide conflicts alone";
 
 /// Everything that was found.
 #[derive(Debug, Serialize)]
@@ -23,6 +29,8 @@ pub struct Report {
     pub stations: Vec<StationReport>,
     /// What concerns the whole line.
     pub line_checks: Vec<Check>,
+    /// What was found by exploring the composed line.
+    pub explorations: Vec<Exploration>,
     /// What the checks do not say.
     pub not_decided: Vec<&'static str>,
     /// What is suspicious about the text.
@@ -79,6 +87,7 @@ impl Report {
             ok: false,
             stations: Vec::new(),
             line_checks: Vec::new(),
+            explorations: Vec::new(),
             not_decided: Vec::new(),
             warnings: Vec::new(),
             problems: Vec::new(),
@@ -86,18 +95,31 @@ impl Report {
     }
 }
 
-/// Checks everything that structure can say of a description that parses.
-pub fn judge(parsed: &Parsed) -> Report {
+/// Checks a description that parses: by structure, then by exploring it as asked.
+///
+/// # Errors
+/// When the line cannot be explored at all.
+pub fn judge(parsed: &Parsed, options: &Options) -> Result<Report, NotExplorable> {
     let Parsed { line, warnings } = parsed;
     let stations: Vec<StationReport> = judge_stations(line);
     let line_checks = judge_line(line);
-    Report {
+    let sound = stations.iter().all(StationReport::ok) && line_checks.iter().all(|check| check.ok);
+    let explorations = options.explore(line)?;
+    let mut not_decided = Vec::new();
+    if explorations.is_empty() {
+        not_decided.extend(NOT_EXPLORED);
+    } else if explorations.iter().all(|exploration| exploration.scope.starts_with("part")) {
+        not_decided.push(IN_PARTS);
+    }
+    not_decided.push(DEVICES);
+    Ok(Report {
         line: Some(line.name.clone()),
-        ok: stations.iter().all(StationReport::ok) && line_checks.iter().all(|check| check.ok),
+        ok: sound && explorations.iter().all(Exploration::holds),
         stations,
         line_checks,
-        not_decided: NOT_DECIDED.to_vec(),
+        explorations,
+        not_decided,
         warnings: warnings.iter().map(Place::from).collect(),
         problems: Vec::new(),
-    }
+    })
 }

@@ -4,6 +4,7 @@ use std::fmt::Write;
 
 use linewright_proof::structure::{Check, StationReport};
 
+use super::explored::{Counterexample, Exploration, Found};
 use super::report::Report;
 
 /// Column headings for the checks of a station, in the order of the table.
@@ -39,16 +40,55 @@ fn write(report: &Report, out: &mut String) -> std::fmt::Result {
     for Check { name, ok, reason } in &report.line_checks {
         writeln!(out, "{} {name}: {reason}", mark(*ok))?;
     }
+    report.explorations.iter().try_for_each(|exploration| explored(exploration, out))?;
     writeln!(out, "\nnot decided here:")?;
     for open in &report.not_decided {
         writeln!(out, "- {open}")?;
     }
     let checks = || report.stations.iter().flat_map(|station| &station.checks).chain(&report.line_checks);
+    let properties = || report.explorations.iter().flat_map(|exploration| &exploration.properties);
+    let all = checks().count() + properties().count();
+    let failed = checks().filter(|check| !check.ok).count() + properties().filter(|p| p.verdict == "fails").count();
+    let open = properties().filter(|property| property.verdict == "undecided").count();
     let name = report.line.as_deref().unwrap_or("the line");
-    match checks().filter(|check| !check.ok).count() {
-        0 => writeln!(out, "\n✓ {name}: {} checks hold", checks().count()),
-        failed => writeln!(out, "\n✗ {name}: {failed} of {} checks do not hold", checks().count()),
+    match (failed, open) {
+        (0, 0) => writeln!(out, "\n✓ {name}: {all} checks hold"),
+        (0, open) => writeln!(out, "\n? {name}: {open} of {all} checks are undecided"),
+        (failed, 0) => writeln!(out, "\n✗ {name}: {failed} of {all} checks do not hold"),
+        (failed, open) => writeln!(out, "\n✗ {name}: {failed} of {all} checks do not hold, {open} are undecided"),
     }
+}
+
+/// One exploration: its size, its properties, and how the first that fails comes to be.
+fn explored(exploration: &Exploration, out: &mut String) -> std::fmt::Result {
+    let Exploration { scope, states, arcs, bytes, .. } = exploration;
+    let mebibytes = bytes.div_ceil(1 << 20);
+    match states {
+        0 => writeln!(out, "\n{scope}")?,
+        _ => writeln!(out, "\n{scope}\n  {states} states, {arcs} arcs, {mebibytes} MiB")?,
+    }
+    for Found { name, verdict, reason, counterexample } in &exploration.properties {
+        let mark = match *verdict {
+            "holds" => "✓",
+            "fails" => "✗",
+            _ => "?",
+        };
+        writeln!(out, "{mark} {name}: {reason}")?;
+        if let Some(counterexample) = counterexample {
+            story(counterexample, out)?;
+        }
+    }
+    Ok(())
+}
+
+fn story(counterexample: &Counterexample, out: &mut String) -> std::fmt::Result {
+    writeln!(out)?;
+    for (nth, step) in counterexample.steps.iter().enumerate() {
+        writeln!(out, "{:6}. {step}", nth + 1)?;
+    }
+    writeln!(out, "        and so: {}\n", counterexample.end)?;
+    counterexample.chart.iter().try_for_each(|row| writeln!(out, "    {row}"))?;
+    writeln!(out)
 }
 
 fn stations(stations: &[StationReport], out: &mut String) -> std::fmt::Result {

@@ -11,6 +11,9 @@ use super::word::{Word, Words};
 /// At most this many conflicts: one bit each.
 pub(crate) const CONFLICTS_MAX: usize = 64;
 
+/// At most this many stations: one bit each.
+pub(crate) const STATIONS_MAX: usize = 32;
+
 /// What is true of one situation.
 #[derive(Debug)]
 pub(crate) struct Facts {
@@ -25,6 +28,8 @@ pub(crate) struct Facts {
     /// The conflicts of which it is in the other.
     pub in_b: u64,
     pub at_home: bool,
+    /// It is not in stand-by.
+    pub acts_on_a_mode: bool,
     /// What is wrong with the station by itself.
     pub wrong: Option<Box<str>>,
 }
@@ -49,6 +54,7 @@ impl Facts {
             in_a: bits(|conflict| &conflict.a),
             in_b: bits(|conflict| &conflict.b),
             at_home: situation.controller.is_at_home(),
+            acts_on_a_mode: situation.mode != ControlMode::StandBy,
             wrong: wrong(line, StationId::at(of.station), situation).map(Into::into),
         }
     }

@@ -43,6 +43,14 @@ pub enum NotExplorable {
         /// The most there may be.
         max: usize,
     },
+    /// More stations than there are bits for them.
+    #[error("{found} stations are more than the {max} that can be kept apart; explore the line in parts")]
+    Stations {
+        /// So many.
+        found: usize,
+        /// The most there may be.
+        max: usize,
+    },
     /// More incoming links at one station than there are bits for them.
     #[error("{station} listens to {found} stations, more than the {max} an exploration can keep apart")]
     Links {
@@ -63,6 +71,10 @@ pub fn explore(setting: &Setting, limits: Limits) -> Result<Explored, NotExplora
     let found = setting.line.conflicts.len();
     if found > facts::CONFLICTS_MAX {
         return Err(NotExplorable::Conflicts { found, max: facts::CONFLICTS_MAX });
+    }
+    let (found, max) = (setting.line.stations.len(), facts::STATIONS_MAX);
+    if found > max {
+        return Err(NotExplorable::Stations { found, max });
     }
     for (nth, station) in setting.line.stations.iter().enumerate() {
         let found = setting.into(nth).count();

@@ -28,6 +28,13 @@ pub(crate) enum Move {
     Grant(usize),
 }
 
+/// The mode that is granted, by its number, and the stations that act on it, a bit each.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub(crate) struct Granted {
+    pub mode: u8,
+    pub acting: u32,
+}
+
 /// What must never be.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub(crate) enum Wrong {
@@ -116,8 +123,16 @@ impl System {
     }
 
     fn all_idle(&self, state: &State) -> bool {
-        let idle = |(s, &number): (&Situations, &u32)| s.all[number as usize].mode == ControlMode::StandBy;
-        self.stations.iter().zip(&state.situations).all(idle)
+        self.granted(state).acting == 0
+    }
+
+    /// The mode that is granted, and who acts on it.
+    pub fn granted(&self, state: &State) -> Granted {
+        let stations = self.stations.iter().zip(&state.situations).enumerate();
+        let acting = stations.fold(0, |bits, (nth, (station, &number))| {
+            bits | u32::from(station.facts[number as usize].acts_on_a_mode) << nth
+        });
+        Granted { mode: state.granted as u8, acting }
     }
 
     /// What an act comes to, where it changes the situation of its station and nothing else.

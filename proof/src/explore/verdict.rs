@@ -69,7 +69,7 @@ impl Conclude<Explored> for Judge {
         let mut properties = never_wrong(&mut search);
         properties.extend(of_all_states(&mut search));
         Explored {
-            states: search.table.len(),
+            states: search.states(),
             arcs: search.arcs(),
             bytes: search.bytes(),
             exhausted: search.end == End::Exhausted,
@@ -110,7 +110,7 @@ fn never_wrong<const N: usize>(search: &mut Search<N>) -> Vec<Property> {
             };
             let reason = match (&story, verdict) {
                 (Some(story), _) => format!("{}, after {} steps", story.end, story.steps.len()),
-                (None, Verdict::Holds) => format!("in all {} states", search.table.len()),
+                (None, Verdict::Holds) => format!("in all {} states", search.states()),
                 (None, _) => undecided(search),
             };
             Property { name, verdict, reason, counterexample: story }
@@ -127,7 +127,7 @@ fn is_kind(wrong: Wrong, kind: Wrong) -> bool {
 }
 
 fn undecided<const N: usize>(search: &Search<N>) -> String {
-    let states = search.table.len();
+    let states = search.states();
     match search.end {
         End::Wrong(_) => format!("not met in {states} states; the search ended with the first thing wrong"),
         End::Limit | End::Exhausted => format!("undecided after {states} states: the limit was reached"),
@@ -185,11 +185,12 @@ fn of_all_states<const N: usize>(search: &mut Search<N>) -> Vec<Property> {
 type Found = Result<String, (String, Option<Story>)>;
 
 fn home<const N: usize>(search: &mut Search<N>) -> Found {
+    let by = if search.system.setting.modes.contains(&ControlMode::Manual) { ", by manual mode alone" } else { "" };
     match search.stranded() {
-        None => Ok(format!("from all {} states", search.table.len())),
+        None => Ok(format!("from all {} states{by}", search.states())),
         Some(number) => {
             let story = tell(search, number, "from here on there is no way home".to_owned());
-            Err((format!("not from the state after {} steps", story.steps.len()), Some(story)))
+            Err((format!("not from the state after {} steps{by}", story.steps.len()), Some(story)))
         }
     }
 }

@@ -102,6 +102,7 @@ pub fn judge_line(line: &Line) -> Vec<Check> {
         Check::of("operation causality", chart::every_circuit_has_a_token(line)),
         Check::of("mode decision net", modes::verdict()),
         Check::of("mode decision exclusive", modes::at_most_one_arc()),
+        Check::of("manual from every mode", modes::manual_from_everywhere()),
     ];
     let separated = line.conflicts.iter().zip(chart::all_separated(line));
     checks.extend(separated.map(|(conflict, found)| {

@@ -30,10 +30,35 @@ pub fn at_most_one_arc() -> Result<String, String> {
     Ok(format!("one arc at most in all {cases} cases of mode, command and facts"))
 }
 
+/// From every mode an operator can come to manual, whatever is wrong: pressing and resetting the emergency stop, asking
+/// for manual, and waiting until what moves has stopped is enough. Recovery relies on it.
+pub fn manual_from_everywhere() -> Result<String, String> {
+    let at_hand = || Facts::all().filter(|facts| facts.trouble && facts.all_stopped && !facts.all_home);
+    let mut leads = vec![ControlMode::Manual];
+    loop {
+        let before = leads.len();
+        for mode in ControlMode::ALL {
+            let on = |arc: &&linewright_coordinator_logic::decision::Arc| arc.from == mode && leads.contains(&arc.to);
+            let follows = ARCS.iter().filter(on).any(|arc| at_hand().any(|facts| (arc.when)(&facts)));
+            if follows && !leads.contains(&mode) {
+                leads.push(mode);
+            }
+        }
+        if leads.len() == before {
+            break;
+        }
+    }
+    match ControlMode::ALL.iter().find(|mode| !leads.contains(mode)) {
+        None => Ok("by commands alone, whatever is wrong with stations and devices".to_owned()),
+        Some(mode) => Err(format!("nothing leads from {mode} to manual while there is trouble")),
+    }
+}
+
 #[cfg(test)]
 mod tests {
     #[test]
     fn the_decision_holds() {
         assert!(super::verdict().is_ok() && super::at_most_one_arc().is_ok());
+        assert!(super::manual_from_everywhere().is_ok());
     }
 }

@@ -1,0 +1,253 @@
+//! The exploration of a line as part of a check: what is explored, and what it found as data.
+
+use clap::{Args, ValueEnum};
+use linewright_line::Line;
+use linewright_line::net::ControlMode;
+use linewright_proof::explore::{Explored, Grants, Limits, NotExplorable, Property, Setting, Story, Verdict, explore};
+use linewright_proof::parts::{Part, parts};
+use serde::Serialize;
+
+/// What is explored, and how freely.
+#[derive(Clone, Debug, Args)]
+#[command(next_help_heading = "Exploration")]
+pub struct Options {
+    /// Structure only: explore nothing.
+    #[arg(long)]
+    structure: bool,
+    /// A mode that may be granted; repeat it for several. All of them if none is named.
+    #[arg(long = "mode", value_enum)]
+    modes: Vec<Mode>,
+    /// Whether a station may act on an older report than the newest sent, or hears each at once.
+    #[arg(long, value_enum, default_value_t = Views::Stale)]
+    views: Views,
+    /// Nothing fails.
+    #[arg(long)]
+    no_faults: bool,
+    /// Stations hear of modes in any order and mixture, as from a coordinator that keeps no rule.
+    #[arg(long)]
+    any_grants: bool,
+    /// Use one Boolean per operation instead of counts, as the published controllers do, to see what that allows.
+    #[arg(long)]
+    flags: bool,
+    /// Switch off a rule, to see what it is good for; repeat it for several.
+    #[arg(long, value_enum)]
+    without: Vec<Rule>,
+    /// Explore the whole line, however many stations it has, instead of its parts.
+    #[arg(long)]
+    whole: bool,
+    /// Give up after this many states.
+    #[arg(long, default_value_t = 50_000_000)]
+    states: usize,
+    /// Give up at about this much memory, in MiB.
+    #[arg(long, default_value_t = 3072)]
+    memory: usize,
+}
+
+#[derive(Clone, Copy, Debug, PartialEq, Eq, ValueEnum)]
+enum Mode {
+    Auto,
+    Hand,
+    Manual,
+}
+
+#[derive(Clone, Copy, Debug, PartialEq, Eq, ValueEnum)]
+enum Views {
+    /// Reports take as long as they like, and some are lost.
+    Stale,
+    /// Every report is heard at once.
+    Fresh,
+}
+
+#[derive(Clone, Copy, Debug, PartialEq, Eq, ValueEnum)]
+enum Rule {
+    /// Counts go back before the recovery motion starts, not when it is complete.
+    WithdrawFirst,
+    /// Counts go back only when every station that could build on them agrees.
+    Agreement,
+    /// Every request has a number that was never used before.
+    FreshNumbers,
+    /// Going home on a recovery path takes the round's counts back; the home operation does not count.
+    RedoRound,
+    /// The way home waits for the arrows into everything it skips.
+    WayHome,
+}
+
+/// A line of more stations than this is explored in parts.
+const WHOLE_STATIONS_MAX: usize = 3;
+
+/// One exploration, for people and programs.
+#[derive(Debug, Serialize)]
+pub struct Exploration {
+    /// What was explored: the line or some of its stations, and under what.
+    pub scope: String,
+    /// States seen.
+    pub states: usize,
+    /// Moves from state to state.
+    pub arcs: u64,
+    /// Memory it took, about.
+    pub bytes: usize,
+    /// Every state was seen.
+    pub exhausted: bool,
+    /// One by one.
+    pub properties: Vec<Found>,
+}
+
+/// One property.
+#[derive(Debug, Serialize)]
+pub struct Found {
+    /// What was asked.
+    pub name: String,
+    /// `holds`, `fails` or `undecided`.
+    pub verdict: &'static str,
+    /// Why.
+    pub reason: String,
+    /// How it comes to be, where it fails.
+    #[serde(skip_serializing_if = "Option::is_none")]
+    pub counterexample: Option<Counterexample>,
+}
+
+/// A story as data.
+#[derive(Debug, Serialize)]
+pub struct Counterexample {
+    /// What happened, in order.
+    pub steps: Vec<String>,
+    /// What is wrong at the end.
+    pub end: String,
+    /// The bar chart, a line of text each.
+    pub chart: Vec<String>,
+}
+
+impl Options {
+    /// Explores as asked. The first thing that fails ends it: what is wrong once need not be found twice.
+    ///
+    /// # Errors
+    /// When the line cannot be explored at all.
+    pub fn explore(&self, line: &Line) -> Result<Vec<Exploration>, NotExplorable> {
+        let mut found = Vec::new();
+        if self.structure {
+            return Ok(found);
+        }
+        if self.whole || line.stations.len() <= WHOLE_STATIONS_MAX {
+            if self.modes.is_empty() {
+                found.push(self.undisturbed(line)?);
+            }
+            found.push(self.one(line, "the whole line")?);
+            return Ok(found);
+        }
+        let mut seen: Vec<(Part, bool)> = Vec::new();
+        for part in parts(line) {
+            let like = seen.iter().find(|(other, _)| part.is_like(other));
+            if let Some((other, holds)) = like.map(|(other, holds)| (other.names(), *holds)) {
+                found.push(Exploration::like(&part, &other, holds));
+                continue;
+            }
+            let explored = self.one(&part.line, &format!("part: {}", part.names()))?;
+            seen.push((part, explored.holds()));
+            found.push(explored);
+        }
+        Ok(found)
+    }
+
+    fn setting(&self, line: &Line) -> Setting {
+        let mut setting = Setting::new(line);
+        if !self.modes.is_empty() {
+            setting.modes = self.modes.iter().map(|mode| mode.control()).collect();
+            setting.modes.dedup();
+        }
+        setting.faults = !self.no_faults;
+        setting.lag = if self.views == Views::Fresh { 0 } else { setting.lag };
+        setting.grants = if self.any_grants { Grants::Anyhow } else { Grants::InEpochs };
+        let rules = &mut setting.rules;
+        rules.counted = !self.flags;
+        for rule in &self.without {
+            match rule {
+                Rule::WithdrawFirst => rules.withdraw_first = false,
+                Rule::Agreement => rules.ask = false,
+                Rule::FreshNumbers => rules.fresh_numbers = false,
+                Rule::RedoRound => rules.redo_round = false,
+                Rule::WayHome => rules.home_waits = false,
+            }
+        }
+        setting
+    }
+
+    fn limits(&self) -> Limits {
+        Limits { states: self.states, bytes: self.memory << 20 }
+    }
+
+    fn one(&self, line: &Line, what: &str) -> Result<Exploration, NotExplorable> {
+        let setting = self.setting(line);
+        let modes: Vec<&str> = setting.modes.iter().map(|mode| mode.name()).collect();
+        let faults = if setting.faults { "anything may fail" } else { "nothing fails" };
+        let views = if setting.lag == 0 { "reports heard at once" } else { "late and lost reports" };
+        let scope = format!("{what}: {}; {faults}; {views}", modes.join(", "));
+        Ok(Exploration::of(scope, explore(&setting, self.limits())?))
+    }
+
+    /// Auto mode alone, with nothing failing: whether every wait of the normal cycle ends.
+    fn undisturbed(&self, line: &Line) -> Result<Exploration, NotExplorable> {
+        let mut setting = self.setting(line);
+        (setting.modes, setting.faults) = (vec![ControlMode::Auto], false);
+        Ok(Exploration::of("the whole line in auto, undisturbed".to_owned(), explore(&setting, self.limits())?))
+    }
+}
+
+impl Mode {
+    const fn control(self) -> ControlMode {
+        match self {
+            Mode::Auto => ControlMode::Auto,
+            Mode::Hand => ControlMode::Hand,
+            Mode::Manual => ControlMode::Manual,
+        }
+    }
+}
+
+impl Exploration {
+    fn of(scope: String, explored: Explored) -> Self {
+        let Explored { states, arcs, bytes, exhausted, properties, .. } = explored;
+        let properties = properties.into_iter().map(Found::from).collect();
+        Exploration { scope, states, arcs, bytes, exhausted, properties }
+    }
+
+    /// A part that differs in names alone from one that has been explored.
+    fn like(part: &Part, other: &str, holds: bool) -> Self {
+        let verdict = if holds { "holds" } else { "undecided" };
+        let property = |&nth: &usize| Found {
+            name: format!("conflict {} of the description never", nth + 1),
+            verdict,
+            reason: format!("differs from {other} in names alone"),
+            counterexample: None,
+        };
+        Exploration {
+            scope: format!("part: {}", part.names()),
+            states: 0,
+            arcs: 0,
+            bytes: 0,
+            exhausted: holds,
+            properties: part.conflicts.iter().map(property).collect(),
+        }
+    }
+
+    /// Whether every property holds.
+    pub fn holds(&self) -> bool {
+        self.properties.iter().all(|property| property.verdict == "holds")
+    }
+}
+
+impl From<Property> for Found {
+    fn from(property: Property) -> Self {
+        let verdict = match property.verdict {
+            Verdict::Holds => "holds",
+            Verdict::Fails => "fails",
+            Verdict::Undecided => "undecided",
+        };
+        let counterexample = property.counterexample.map(Counterexample::from);
+        Found { name: property.name, verdict, reason: property.reason, counterexample }
+    }
+}
+
+impl From<Story> for Counterexample {
+    fn from(Story { steps, end, chart }: Story) -> Self {
+        Counterexample { steps, end, chart }
+    }
+}
