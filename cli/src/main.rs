@@ -9,6 +9,7 @@ mod check;
 mod client;
 mod interrupts;
 mod load;
+mod nets;
 mod new;
 mod nodes;
 mod operate;
@@ -41,6 +42,10 @@ enum Command {
     New(new::Args),
     /// Check a description: text, structure, and everything its controllers can do together.
     Check(check::Args),
+    /// Write the nets of a line: one of each station, and the mode decision's.
+    Nets(nets::Args),
+    /// Analyse a place/transition net: bounded, live, reversible, deadlocks, invariants.
+    Analyse(analyse::Args),
     /// Run a whole line on this machine, with simulated devices.
     Run(run::Args),
     /// Run the node of one or more stations.
@@ -84,6 +89,8 @@ fn dispatch(command: Command, ros: RosArgs) -> miette::Result<ExitCode> {
     match command {
         Command::New(args) => new::run(&args),
         Command::Check(args) => check::run(&args),
+        Command::Nets(args) => nets::run(&args),
+        Command::Analyse(args) => analyse::run(&args),
         Command::Run(args) => asynchronous(async move { run::run(args, ros).await }),
         Command::Station(args) => logged(&ros, || nodes::station(args, &ros)),
         Command::Coordinator(args) => logged(&ros, || nodes::coordinator(args, &ros)),

@@ -1,9 +1,10 @@
-//! The project's own commands: `cargo xtask test`, `cargo xtask tidy`, `cargo xtask bench`.
+//! The project's own commands: `cargo xtask test`, `tidy`, `bench`, `fuzz`.
 //!
 //! They only start what anybody could start by hand, in the right order, and add up what it says. Nothing here is
 //! needed to build or to run a line, and there is nothing outside the standard library to download for it.
 
 mod bench;
+mod fuzz;
 mod part;
 mod suite;
 mod tally;
@@ -18,7 +19,8 @@ usage: cargo xtask COMMAND
   test [--quick]     format, house rules, lints, all tests, documentation; ends with `N passed, N failed`
                      --quick: of the tests only those that need no socket, process or clock; no documentation
   tidy               the house rules alone
-  bench [FILTER]...  every benchmark; what follows goes to the benchmarks";
+  bench [FILTER]...  every benchmark; what follows goes to the benchmarks
+  fuzz TARGET SECS   description or pnml: inputs that nobody would write (nightly toolchain, cargo install cargo-fuzz)";
 
 fn main() -> ExitCode {
     let args: Vec<String> = std::env::args().skip(1).collect();
@@ -29,6 +31,7 @@ fn main() -> ExitCode {
         ["test", "--quick"] => suite::run(&root, suite::Extent::Quick),
         ["tidy"] => tidy::run(&root),
         ["bench", ref rest @ ..] => bench::run(&root, rest),
+        ["fuzz", target, seconds] => fuzz::run(&root, target, seconds),
         ["help" | "-h" | "--help"] => {
             println!("{USAGE}");
             true

@@ -1,1 +1,0 @@
-//! `linewright analyse`: what is true of any place/transition net, read from PNML.

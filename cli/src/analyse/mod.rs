@@ -1,0 +1,116 @@
+//! `linewright analyse`: what is true of any place/transition net, read from PNML.
+//!
+//! Structure is asked first, because it answers at once whatever the size and proves its answers; then the markings are
+//! played out as far as allowed; and a net that may be unbounded gets a coverability graph. The analyses are those of
+//! [`linewright_nets`]: this command chooses among them ([`decide`]), puts their answers together ([`report`]) and shows
+//! them. What none of them decides is said to be undecided.
+
+mod decide;
+mod export;
+mod open;
+mod plays;
+mod report;
+mod show;
+
+use std::path::PathBuf;
+use std::process::ExitCode;
+use std::time::Instant;
+
+use linewright_nets::explicit::Limits;
+use miette::{IntoDiagnostic, miette};
+
+use crate::out::say;
+
+/// States that are looked at unless told otherwise.
+const STATES: u64 = 64_000_000;
+
+/// Megabytes that a search may use unless told otherwise.
+const MEGABYTES: usize = 1024;
+
+/// Analyse a place/transition net: bounded, live, reversible, deadlocks, invariants.
+#[derive(Debug, clap::Args)]
+#[command(
+    after_help = "The format of --graph follows from the name: .dot, .json, or .aut (Aldebaran, for model checkers)."
+)]
+pub struct Args {
+    /// The net, a PNML file.
+    file: PathBuf,
+    /// Which net of the file, by its id; needed if there are several.
+    #[arg(long, value_name = "ID")]
+    net: Option<String>,
+    /// Print one JSON object instead of a table.
+    #[arg(long)]
+    json: bool,
+    /// Write the reachability graph.
+    #[arg(long, value_name = "FILE")]
+    graph: Option<PathBuf>,
+    /// Write the net as a GraphViz drawing.
+    #[arg(long, value_name = "FILE")]
+    dot: Option<PathBuf>,
+    /// Write what structure proves, with the evidence.
+    #[arg(long, value_name = "FILE")]
+    certificate: Option<PathBuf>,
+    /// Look at this many states at most.
+    #[arg(long, value_name = "N")]
+    states: Option<u64>,
+    /// Use this many megabytes at most to keep them.
+    #[arg(long, value_name = "MB")]
+    memory: Option<usize>,
+    /// Threads for the search; the answers do not depend on it.
+    #[arg(long, value_name = "N")]
+    threads: Option<usize>,
+}
+
+impl Args {
+    fn limits(&self) -> Limits {
+        let cores = || std::thread::available_parallelism().map_or(1, usize::from);
+        Limits {
+            states: self.states.unwrap_or(STATES),
+            bytes: self.memory.unwrap_or(MEGABYTES).saturating_mul(1 << 20),
+            threads: self.threads.unwrap_or_else(cores).clamp(1, 64),
+        }
+    }
+
+    /// Whether the user has said how far to look, so that this is not cut short.
+    fn insists(&self) -> bool {
+        self.states.is_some() || self.memory.is_some()
+    }
+}
+
+/// `linewright analyse`
+pub fn run(args: &Args) -> miette::Result<ExitCode> {
+    let start = Instant::now();
+    let net = match open::net(&args.file, args.net.as_deref()) {
+        Ok(net) => net,
+        Err(error) if args.json => {
+            say!("{}", serde_json::to_string_pretty(&open::problems(&error)).into_diagnostic()?);
+            return Ok(ExitCode::FAILURE);
+        }
+        Err(error) => return Err(error),
+    };
+    if let Some(file) = &args.dot {
+        export::text(file, &linewright_nets::dot(&net))?;
+    }
+    let findings = decide::decide(&net, &args.limits(), args.insists());
+    if let Some(contradiction) = &findings.contradiction {
+        return Err(miette!(
+            help = "this is a mistake of the program: please report it, with the file",
+            "the analyses contradict each other: {contradiction}"
+        ));
+    }
+    let seconds = start.elapsed().as_secs_f64();
+    let report = report::report(&net, &findings, seconds);
+    if args.json {
+        say!("{}", serde_json::to_string_pretty(&report).into_diagnostic()?);
+    } else {
+        say!("{}", show::text(&report).trim_end());
+    }
+    // What is written after the answers cannot hide them.
+    if let Some(file) = &args.certificate {
+        export::certificates(file, &net, &findings)?;
+    }
+    if let Some(file) = &args.graph {
+        export::graph(file, &net, args.limits().states)?;
+    }
+    Ok(ExitCode::SUCCESS)
+}
