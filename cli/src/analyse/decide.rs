@@ -12,6 +12,9 @@ use linewright_nets::{Net, PlaceId, TransitionId};
 /// States that are looked at first when it is not known whether there is an end to them.
 const STATES_BEFORE_COVERABILITY: u64 = 1_000_000;
 
+/// Labels of a coverability graph that are tried before anything else where there is reason to.
+const LABELS_BEFORE_EXPLORATION: usize = 20_000;
+
 /// States that are looked at only to count them, when all else is known and there may be any number.
 const STATES_TO_COUNT: u64 = 500_000;
 
@@ -112,6 +115,15 @@ fn explore_bounded(net: &Net, limits: &Limits, insists: bool, findings: &mut Fin
 }
 
 fn explore_or_cover(net: &Net, limits: &Limits, findings: &mut Findings) {
+    // A place in no conserved sum is suspicious, and a net that grows is mostly seen to do so at once.
+    if !findings.place_flows.as_ref().is_ok_and(|flows| flows.uncovered(net).next().is_none()) {
+        let few = coverability::Limits { labels: LABELS_BEFORE_EXPLORATION, ..Default::default() };
+        let covered = coverability(net, &few);
+        if covered.as_ref().is_ok_and(|graph| graph.is_bounded().is_err()) {
+            findings.covered = Some(covered);
+            return;
+        }
+    }
     let first = Limits { states: limits.states.min(STATES_BEFORE_COVERABILITY), ..*limits };
     let explored = explicit::decide(net, &first);
     if explored.is_ok() {

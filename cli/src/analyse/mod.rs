@@ -50,13 +50,13 @@ pub struct Args {
     /// Write what structure proves, with the evidence.
     #[arg(long, value_name = "FILE")]
     certificate: Option<PathBuf>,
-    /// Look at this many states at most.
+    /// Look at this many states at most; 64 million unless given.
     #[arg(long, value_name = "N")]
     states: Option<u64>,
-    /// Use this many megabytes at most to keep them.
+    /// Use this many megabytes at most to keep them; 1024 unless given.
     #[arg(long, value_name = "MB")]
     memory: Option<usize>,
-    /// Threads for the search; the answers do not depend on it.
+    /// Threads for the search, as many as there are cores unless given; the answers do not depend on it.
     #[arg(long, value_name = "N")]
     threads: Option<usize>,
 }

@@ -61,6 +61,9 @@ fn ids_names_and_attributes_are_bounded() {
     );
     refused_soon(&with(&format!("<{long} id=\"p\"/><place/>")), "this place has no id");
     refused_soon(&with("<place id=\"a&#27;\"/>"), "the attribute `id` has a character that is not allowed in XML");
+    refused_soon(&with(&format!("<place id=\"p\"></{long}>")), "`</place>` is expected here, not `</xxx");
+    refused_soon(&with(&format!("<place id=\"&{long};\"/>")), "the attribute `id` has 10000002 bytes");
+    refused_soon(&with(&format!("<place id=\"&{};\"/>", "x".repeat(4000))), "the attribute `id` cannot be read");
     let many: String = (0..200_000).map(|n| format!(" a{n}=\"\"")).collect();
     refused_soon(&with(&format!("<place{many} id=\"p\"/>")), "more than 64 attributes");
     refused_soon(&with(&format!("<place id=\"p\"{many}>")), "`</place>` is expected here, not `</net>`");
