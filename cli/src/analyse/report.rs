@@ -132,10 +132,7 @@ pub fn report(net: &Net, findings: &Findings, seconds: f64) -> Report {
             live: by(live),
             reversible: by(reversible),
         },
-        home_states: facts.and_then(|facts| match &facts.home {
-            Some(home) => Some(home.states),
-            None => Some(0),
-        }),
+        home_states: facts.map(|facts| facts.home.as_ref().map_or(0, |home| home.states)),
         dead_transitions: dead(net, findings, holds(live)),
         transitions_not_live: not_live(net, findings, holds(live)),
         unbounded_places: unbounded(net, findings, holds(bounded)),
