@@ -97,7 +97,7 @@ pub struct Exploration {
 pub struct Found {
     /// What was asked.
     pub name: String,
-    /// `holds`, `fails` or `undecided`.
+    /// `holds`, `fails`, `undecided` or `remark`.
     pub verdict: &'static str,
     /// Why.
     pub reason: String,
@@ -228,9 +228,9 @@ impl Exploration {
         }
     }
 
-    /// Whether every property holds.
+    /// Whether every property holds; a remark does not speak against the line.
     pub fn holds(&self) -> bool {
-        self.properties.iter().all(|property| property.verdict == "holds")
+        self.properties.iter().all(|property| matches!(property.verdict, "holds" | "remark"))
     }
 }
 
@@ -240,6 +240,7 @@ impl From<Property> for Found {
             Verdict::Holds => "holds",
             Verdict::Fails => "fails",
             Verdict::Undecided => "undecided",
+            Verdict::Remark => "remark",
         };
         let counterexample = property.counterexample.map(Counterexample::from);
         Found { name: property.name, verdict, reason: property.reason, counterexample }

@@ -71,6 +71,7 @@ fn explored(exploration: &Exploration, out: &mut String) -> std::fmt::Result {
         let mark = match *verdict {
             "holds" => "✓",
             "fails" => "✗",
+            "remark" => "!",
             _ => "?",
         };
         writeln!(out, "{mark} {name}: {reason}")?;

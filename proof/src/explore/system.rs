@@ -17,6 +17,11 @@ use super::word::{Word, Words};
 /// a cycle ahead; operations listed before the arrow's end may have begun another.
 const CYCLES_APART_MAX: i32 = 2;
 
+/// A view that is this many cycles behind has long been too old to be relied on, and unknown blocks: the reader hears
+/// the report that would put it there. Without a bound, a view that no arrow of the present mode reads could fall
+/// behind for ever.
+const CYCLES_BEHIND_MAX: i32 = 4;
+
 /// One thing that happens.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub(crate) enum Move {
@@ -215,7 +220,9 @@ impl System {
             if word == newest {
                 continue;
             }
-            if lag == 0 {
+            let has_base = self.words[link].has_base();
+            if lag == 0 || (has_base && word.base - self.held(state, link).base >= CYCLES_BEHIND_MAX) {
+                state.mail[link * lag..][..lag].fill(Word::NONE);
                 self.deliver(state, link, word);
                 continue;
             }
@@ -243,11 +250,14 @@ impl System {
     fn newest(&self, state: &State, link: usize) -> Word {
         let lag = self.setting.lag;
         let waiting = state.mail[link * lag..][..lag].iter().rev().find(|word| word.id != 0);
-        waiting.copied().unwrap_or_else(|| {
-            let reader = self.setting.links[link].reader;
-            let held = self.stations[reader].facts[state.situations[reader] as usize].holds[self.nth_incoming[link]];
-            held.shifted(state.cycles[reader], &self.words[link])
-        })
+        waiting.copied().unwrap_or_else(|| self.held(state, link))
+    }
+
+    /// What the reader of a link holds.
+    fn held(&self, state: &State, link: usize) -> Word {
+        let reader = self.setting.links[link].reader;
+        let held = self.stations[reader].facts[state.situations[reader] as usize].holds[self.nth_incoming[link]];
+        held.shifted(state.cycles[reader], &self.words[link])
     }
 
     /// The first thing that is wrong in this state.

@@ -57,7 +57,6 @@ pub const APART: &str = "stations stay within";
 pub const SOUND: &str = "stations sound";
 pub const DEADLOCK: &str = "no deadlock";
 pub const REVERSIBLE: &str = "reversible and live";
-pub const TRANSITIONS: &str = "every transition fires";
 pub const HOME: &str = "home can be reached";
 
 /// Whether some conflict was met.

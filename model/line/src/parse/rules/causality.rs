@@ -53,8 +53,14 @@ fn waits_within_a_cycle(draft: &Draft<'_>) -> Waits {
     for (number, arrow) in draft.arrows.iter().enumerate().filter(|(_, arrow)| arrow.lag == 0) {
         let (Some(from), Some(to)) = (&arrow.from, &arrow.to) else { continue };
         // An arrow within a station is another rule's business.
-        if from.value.0 != to.value.0 {
-            graph.add_edge(nodes[&from.value], nodes[&to.value], Some(number));
+        if from.value.0 == to.value.0 {
+            continue;
+        }
+        // Operations side by side start together, when the arrows into all of them hold.
+        let (station, op) = to.value;
+        let described = &draft.stations[station.index()];
+        for &beside in &described.steps[described.step_of(op)] {
+            graph.add_edge(nodes[&from.value], nodes[&(station, beside)], Some(number));
         }
     }
     graph

@@ -17,6 +17,20 @@ pub(super) fn conflicts_join_stations(draft: &Draft<'_>, report: &mut Report) {
     }
 }
 
+/// Operations side by side start and end each in its own time, so a stretch from one to another of them is none.
+pub(super) fn conflict_spans_have_an_order(draft: &Draft<'_>, report: &mut Report) {
+    for span in draft.conflicts.iter().flat_map(|conflict| [&conflict.a, &conflict.b]).flatten() {
+        let station = &draft.stations[span.value.station.index()];
+        let (from, until) = (span.value.from, span.value.until);
+        if from != until && station.step_of(from) == station.step_of(until) {
+            report.add(
+                Problem::error(span.at.clone(), "`from` and `until` run side by side")
+                    .hint("name one of them as both ends, or the operations before and after the group"),
+            );
+        }
+    }
+}
+
 /// Whether the station is inside the stretch while it stands at home: its home operation lies in it, and the end of
 /// the stretch is still to come.
 fn holds_at_home(draft: &Draft<'_>, span: crate::Span) -> Option<bool> {
