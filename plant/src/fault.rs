@@ -1,5 +1,6 @@
 //! What can be made to go wrong, and by which number over CAN.
 
+#[cfg(feature = "can")]
 use linewright_fieldbus::codec::Abort;
 
 /// Manufacturer object 5F00h of a simulated device. Subindex 0 is the whole device, subindex n output bit n − 1.
@@ -21,6 +22,7 @@ pub enum Fault {
     SlipBack,
 }
 
+#[cfg(feature = "can")]
 impl Fault {
     /// The fault a number stands for; 0 clears (`Ok(None)`).
     pub fn from_code(code: u32) -> Result<Option<Self>, Abort> {
@@ -44,6 +46,7 @@ pub enum DeviceFault {
     Reboot,
 }
 
+#[cfg(feature = "can")]
 impl DeviceFault {
     /// The fault a number stands for; 0 clears (`Ok(None)`).
     pub fn from_code(code: u32) -> Result<Option<Self>, Abort> {

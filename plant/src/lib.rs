@@ -5,20 +5,29 @@
 //! - [`Rack`]: the devices of one bus wired to the mechanisms, pure;
 //! - [`run_plant`]: the shell that puts racks on their buses.
 //!
+//! The last three need the feature `can`, which is on by default. A simulation that carries process images itself does
+//! without it, and is pure.
+//!
 //! The plant knows the description and the laws of motion, and nothing of modes, cycles or controllers: whoever
 //! energises an output moves an axis. That makes it a fair opponent in a test. It can be made to fail, in process or
 //! over CAN.
 
 mod axis;
+#[cfg(feature = "can")]
 mod device;
 mod fault;
 mod mechanism;
 mod plant;
+#[cfg(feature = "can")]
 mod rack;
+#[cfg(feature = "can")]
 mod run;
 
+#[cfg(feature = "can")]
 pub use device::{DeviceNode, DeviceOutbox, Order};
 pub use fault::{DeviceFault, FAULT_INDEX, Fault, PRESS_INDEX};
 pub use plant::{Plant, PlantOptions};
+#[cfg(feature = "can")]
 pub use rack::Rack;
+#[cfg(feature = "can")]
 pub use run::{Options, RackRunner, open_plant, run_plant};

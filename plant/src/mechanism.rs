@@ -54,6 +54,9 @@ pub(crate) struct Mechanism {
     opposed: bool,
     /// Motions begun so far: makes every one's random factor its own.
     begun: u64,
+    /// The moments at which its present motion changes an input or ends, in order; worked out when the motion begins,
+    /// because whoever plays time asks far more often than motions begin.
+    changes: Vec<Tick>,
 }
 
 /// What a change of outputs or faults did to an axis.
@@ -72,6 +75,7 @@ impl Mechanism {
             moving: None,
             opposed: false,
             begun: 0,
+            changes: Vec::new(),
         };
         for (at, operation) in station.operations.iter().enumerate() {
             let motion = operation.motion;
@@ -91,7 +95,10 @@ impl Mechanism {
         let (from, target) = way;
         // A motion that goes nowhere is complete where it stands.
         let reach = ((target - from).abs() * REACH).max(f64::EPSILON);
-        self.switches.push(Switch { input: signals.complete, at: target, reach });
+        // Operations that end at the same place mostly share its switch.
+        if !self.switches.iter().any(|s| (s.input, s.at, s.reach) == (signals.complete, target, reach)) {
+            self.switches.push(Switch { input: signals.complete, at: target, reach });
+        }
         self.drives.push(Drive {
             op,
             stroke,
@@ -118,19 +125,28 @@ impl Mechanism {
 
     /// The next moment after `now` at which its inputs change or its motion ends, if outputs stay as they are.
     pub(crate) fn next_change(&self, now: Tick) -> Option<Tick> {
-        let arrival = self.state.arrival().filter(|at| *at > now);
-        let here = self.position(now);
-        let crossing = |switch: &Switch| {
-            let was = switch.is_on(here);
-            let moments = self.state.crossings(switch.at, switch.reach);
-            moments.filter(|t| *t > now && switch.is_on(self.position(*t)) != was).min()
-        };
-        self.switches.iter().filter_map(crossing).chain(arrival).min()
+        self.changes.iter().copied().find(|at| *at > now)
+    }
+
+    /// Works out [`Mechanism::changes`] anew: the arrival, and every tick at which a switch differs from the tick
+    /// before.
+    fn plan_changes(&mut self) {
+        let (state, switches) = (&self.state, &self.switches);
+        self.changes.clear();
+        self.changes.extend(state.arrival());
+        for switch in switches {
+            let is_on = |at: Tick| switch.is_on(state.position(at));
+            let flips = |at: &Tick| is_on(*at) != is_on(*at - Duration::from_micros(1));
+            self.changes.extend(state.crossings(switch.at, switch.reach).filter(flips));
+        }
+        self.changes.sort_unstable();
+        self.changes.dedup();
     }
 
     /// When its motion ends; whoever advances time looks here, as another drive may take over.
     pub(crate) fn arrival(&self) -> Option<Tick> {
-        self.moving.and_then(|_| self.state.arrival())
+        // Nothing changes after it.
+        self.moving.and_then(|_| self.changes.last().copied())
     }
 
     /// Does what the outputs in `image` and the faults say from `now` on. `random` gives a motion's duration its
@@ -162,6 +178,7 @@ impl Mechanism {
         });
         let travel = self.moving.map(|(at, fault, factor)| self.drives[at].travel(fault, factor));
         self.state.change(now, travel);
+        self.plan_changes();
         change
     }
 
@@ -172,9 +189,9 @@ impl Mechanism {
     fn choose(&self, now: Tick, image: u128) -> Option<usize> {
         let here = self.position(now);
         let is_on = |d: &Drive| image & bit(d.output.index()) != 0 && d.from != d.target;
-        let on: Vec<(usize, &Drive)> = self.drives.iter().enumerate().filter(|(_, d)| is_on(d)).collect();
-        if let Some((at, slipping)) = on.iter().find(|(_, d)| d.fault == Some(Fault::SlipBack)) {
-            return (here != slipping.from).then_some(*at);
+        let on = || self.drives.iter().enumerate().filter(|(_, d)| is_on(d));
+        if let Some((at, slipping)) = on().find(|(_, d)| d.fault == Some(Fault::SlipBack)) {
+            return (here != slipping.from).then_some(at);
         }
         let ahead = |d: &Drive| (d.target - here) * (d.target - d.from).signum() > 0.0;
         // Two operations may share output and target, from different ends: the one whose way begins here is meant, and
@@ -185,12 +202,12 @@ impl Mechanism {
             (d.fault.is_none(), (d.target - here).abs(), way_here)
         };
         let nearest = |only_ahead: bool| {
-            let candidates = on.iter().filter(|(_, d)| !only_ahead || ahead(d)).map(|(at, d)| (*at, key(*at, d)));
+            let candidates = on().filter(|(_, d)| !only_ahead || ahead(d)).map(|(at, d)| (at, key(at, d)));
             let first =
                 candidates.min_by(|(_, a), (_, b)| a.0.cmp(&b.0).then(a.1.total_cmp(&b.1)).then(a.2.total_cmp(&b.2)));
             first.map(|(at, _)| at)
         };
-        let arrived = on.iter().any(|(_, d)| d.target == here);
+        let arrived = on().any(|(_, d)| d.target == here);
         nearest(true).or_else(|| if arrived { None } else { nearest(false) })
     }
 }

@@ -4,8 +4,6 @@
 //! same for a microsecond and for an hour, and [`Plant::next_change`] says exactly when to look again. The same seed
 //! gives the same plant.
 
-use std::collections::HashMap;
-
 use linewright_line::{AxisId, InputId, Line, OpId, OutputId, Owner, StationId, Tick};
 
 use crate::fault::Fault;
@@ -26,8 +24,13 @@ pub struct Plant {
     now: Tick,
     /// By station, by axis.
     stations: Vec<Vec<Mechanism>>,
-    outputs: HashMap<Owner, u128>,
-    forced: HashMap<(Owner, InputId), bool>,
+    /// By station: when the first of its motions ends.
+    arrivals: Vec<Tick>,
+    /// By station.
+    outputs: Vec<u128>,
+    lamps: u128,
+    /// By station, at its end the console: inputs held, and those of them held on.
+    forced: Vec<(u128, u128)>,
     alarms: u64,
 }
 
@@ -41,8 +44,10 @@ impl Plant {
             options,
             now: Tick::ZERO,
             stations: line.stations.iter().map(axes).collect(),
-            outputs: HashMap::new(),
-            forced: HashMap::new(),
+            arrivals: vec![Tick::NEVER; line.stations.len()],
+            outputs: vec![0; line.stations.len()],
+            lamps: 0,
+            forced: vec![(0, 0); line.stations.len() + 1],
             alarms: 0,
         }
     }
@@ -56,9 +61,12 @@ impl Plant {
     pub fn advance(&mut self, now: Tick) {
         // Where one drive ends another may take over, if one output serves two operations: such moments are settled
         // one by one, at their own time, so that it does not matter when somebody looks.
-        while let Some((at, station, axis)) = self.next_arrival().filter(|(at, ..)| *at <= now) {
+        while let Some((at, station)) = self.next_arrival().filter(|(at, _)| *at <= now) {
             self.now = self.now.max(at);
-            self.redrive(station, axis);
+            let arrived = |mechanism: &Mechanism| mechanism.arrival() == Some(at);
+            if let Some(axis) = self.stations[station].iter().position(arrived) {
+                self.redrive(station, axis);
+            }
         }
         self.now = self.now.max(now);
     }
@@ -66,7 +74,11 @@ impl Plant {
     /// Sets the outputs of `owner` at `now`: bit `i` is output `i`. The console's outputs are lamps and move nothing.
     pub fn set_outputs(&mut self, now: Tick, owner: Owner, image: u128) {
         self.advance(now);
-        if self.outputs.insert(owner, image) == Some(image) {
+        let held = match owner {
+            Owner::Station(id) => &mut self.outputs[id.index()],
+            Owner::Console => &mut self.lamps,
+        };
+        if std::mem::replace(held, image) == image {
             return;
         }
         if let Owner::Station(id) = owner {
@@ -76,7 +88,10 @@ impl Plant {
 
     /// The outputs of `owner` as last set.
     pub fn outputs(&self, owner: Owner) -> u128 {
-        self.outputs.get(&owner).copied().unwrap_or(0)
+        match owner {
+            Owner::Station(id) => self.outputs.get(id.index()).copied().unwrap_or(0),
+            Owner::Console => self.lamps,
+        }
     }
 
     /// The inputs of `owner`: bit `i` is input `i`. Those no mechanism presses are off until they are forced.
@@ -86,14 +101,27 @@ impl Plant {
             Owner::Console => &[],
         };
         let image = pressed.iter().fold(0, |image, mechanism| image | mechanism.inputs(self.now));
-        self.forced.iter().filter(|((of, _), _)| *of == owner).fold(image, |image, ((_, input), on)| {
-            if *on { image | bit(input.index()) } else { image & !bit(input.index()) }
-        })
+        let (held, on) = self.forced[self.place_of(owner)];
+        image & !held | on
+    }
+
+    /// The place of an owner's entry in `forced`.
+    fn place_of(&self, owner: Owner) -> usize {
+        match owner {
+            Owner::Station(id) => id.index(),
+            Owner::Console => self.stations.len(),
+        }
     }
 
     /// The next moment at which an input changes or a motion ends, if nothing is set before.
     pub fn next_change(&self) -> Option<Tick> {
         self.stations.iter().flatten().filter_map(|mechanism| mechanism.next_change(self.now)).min()
+    }
+
+    /// The same of one station alone, for whoever plays stations one by one.
+    pub fn next_change_of(&self, station: StationId) -> Option<Tick> {
+        let mechanisms = self.stations.get(station.index())?;
+        mechanisms.iter().filter_map(|mechanism| mechanism.next_change(self.now)).min()
     }
 
     /// Where an axis stands, in its own unit.
@@ -127,10 +155,14 @@ impl Plant {
     /// Holds an input of `owner` on or off, whatever the mechanism does, or lets go of it (`None`): a finger on a
     /// button, a stuck switch.
     pub fn force(&mut self, owner: Owner, input: InputId, value: Option<bool>) {
-        match value {
-            Some(on) => self.forced.insert((owner, input), on),
-            None => self.forced.remove(&(owner, input)),
-        };
+        let place = self.place_of(owner);
+        let (held, on) = &mut self.forced[place];
+        let input = bit(input.index());
+        (*held, *on) = (*held & !input, *on & !input);
+        if let Some(value) = value {
+            *held |= input;
+            *on |= if value { input } else { 0 };
+        }
     }
 
     fn set_fault(
@@ -148,12 +180,9 @@ impl Plant {
         self.redrive_station(station.index());
     }
 
-    fn next_arrival(&self) -> Option<(Tick, usize, usize)> {
-        let at = |(station, axes): (usize, &Vec<Mechanism>)| {
-            let arrivals = axes.iter().enumerate().filter_map(|(axis, m)| Some((m.arrival()?, axis)));
-            arrivals.min().map(|(at, axis)| (at, station, axis))
-        };
-        self.stations.iter().enumerate().filter_map(at).min()
+    fn next_arrival(&self) -> Option<(Tick, usize)> {
+        let arrivals = self.arrivals.iter().enumerate().filter(|(_, at)| **at != Tick::NEVER);
+        arrivals.map(|(station, at)| (*at, station)).min()
     }
 
     fn redrive_station(&mut self, station: usize) {
@@ -169,6 +198,8 @@ impl Plant {
         let factor = |begun| 1.0 + variation.clamp(0.0, 0.9) * (2.0 * unit(seed ^ mix(place | begun)) - 1.0);
         let change = self.stations[station][axis].drive(self.now, image, factor);
         self.alarms += u64::from(change.alarm);
+        let arrivals = self.stations[station].iter().filter_map(Mechanism::arrival);
+        self.arrivals[station] = arrivals.min().unwrap_or(Tick::NEVER);
     }
 }
 
