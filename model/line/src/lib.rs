@@ -10,6 +10,6 @@ mod time;
 mod transfer_line;
 
 pub use line::*;
-pub use parse::{Parsed, Problem, Problems, parse};
+pub use parse::{Parsed, Problem, Problems, parse, suggestion};
 pub use time::Tick;
 pub use transfer_line::TransferLine;

@@ -24,6 +24,7 @@ mod suggest;
 mod wiring;
 
 pub use problem::{Problem, Problems};
+pub use suggest::hint as suggestion;
 
 use crate::Line;
 use problem::Report;

@@ -33,7 +33,7 @@ fn distance(wanted: &str, candidate: &str) -> usize {
 }
 
 /// The hint for an unknown name: the nearest known one, or else all of them where they are few.
-pub(super) fn hint<'a>(name: &str, candidates: impl IntoIterator<Item = &'a str> + Clone) -> Option<String> {
+pub fn hint<'a>(name: &str, candidates: impl IntoIterator<Item = &'a str> + Clone) -> Option<String> {
     /// More than these are no help to read.
     const LISTED_MAX: usize = 12;
     if let Some(candidate) = nearest(name, candidates.clone()) {
