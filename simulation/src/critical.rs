@@ -1,0 +1,93 @@
+//! The chain of operations and arrows that made the line as slow as it was.
+//!
+//! Every start has a cause that came true last. Followed back from the end of the last cycle, causes lead from motion to
+//! motion; once an operation comes up again, a cycle or more earlier, the motions in between are what decides the
+//! cycle time: whatever is not among them could be a little slower and nobody would notice.
+
+use std::collections::HashMap;
+
+use linewright_line::net::Block;
+use linewright_line::{Line, OpId, StationId, Tick};
+
+use crate::record::{By, Ended, Motion, Record};
+
+/// One motion of the chain.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct Link {
+    /// The motion.
+    pub motion: Motion,
+    /// From the end of the motion that caused it to its start: messages, and nothing else.
+    pub late: std::time::Duration,
+}
+
+/// The chain that determines the cycle time.
+#[derive(Clone, Debug, PartialEq)]
+pub struct CriticalPath {
+    /// Its motions, in order; each is what the next one waited for, and the last what the first waits for again.
+    pub links: Vec<Link>,
+    /// The time from the first motion's start to its next start by the same chain.
+    pub time: std::time::Duration,
+    /// How many cycles that took.
+    pub cycles: u32,
+}
+
+impl CriticalPath {
+    /// The chain, if a steady one is on record: none before the second cycle, or where a person's command was last.
+    pub fn of(line: &Line, record: &Record) -> Option<Self> {
+        let end = *record.cycle_ends().last()?;
+        let motions: HashMap<(StationId, OpId, i32), &Motion> = record
+            .motions()
+            .iter()
+            .filter(|m| m.block == Block::Normal && m.ended == Ended::Done)
+            .map(|m| ((m.station, m.op, m.cycle), m))
+            .collect();
+        let mut motion = *motions.values().copied().filter(|m| m.end == end).min_by_key(|m| (m.station, m.op))?;
+        let mut chain: Vec<Motion> = vec![motion];
+        // Backwards; every operation at most once before one comes up again.
+        loop {
+            motion = *cause(line, &motions, &motion)?;
+            let again = chain.iter().position(|m| (m.station, m.op) == (motion.station, motion.op));
+            chain.push(motion);
+            if let Some(again) = again {
+                chain.drain(..again);
+                break;
+            }
+        }
+        let (last, first) = (chain[0], motion);
+        let cycles = u32::try_from(last.cycle - first.cycle).ok().filter(|&cycles| cycles > 0)?;
+        chain.reverse();
+        let late = |pair: &[Motion]| Link { motion: pair[1], late: pair[1].start.since(pair[0].end) };
+        let mut links: Vec<Link> = chain.windows(2).map(late).collect();
+        // The last is the first again, a round later.
+        links.rotate_right(1);
+        Some(CriticalPath { links, time: last.start.since(first.start), cycles })
+    }
+
+    /// Seconds per cycle.
+    pub fn cycle_time_s(&self) -> f64 {
+        self.time.as_secs_f64() / f64::from(self.cycles)
+    }
+}
+
+fn cause<'a>(
+    line: &Line,
+    motions: &HashMap<(StationId, OpId, i32), &'a Motion>,
+    motion: &Motion,
+) -> Option<&'a Motion> {
+    match motion.by {
+        By::Person => None,
+        By::Arrow(arrow) => {
+            let arrow = &line.arrows[arrow];
+            let cycle = motion.cycle - i32::try_from(arrow.lag).ok()?;
+            motions.get(&(arrow.from.0, arrow.from.1, cycle)).copied()
+        }
+        By::Previous => {
+            let station = line.station(motion.station);
+            let step = station.step_of(motion.op);
+            let before = &station.steps[(step + station.steps.len() - 1) % station.steps.len()];
+            let cycle = motion.cycle - i32::from(step == 0);
+            let ended: fn(&&Motion) -> Tick = |m| m.end;
+            before.iter().filter_map(|&op| motions.get(&(motion.station, op, cycle)).copied()).max_by_key(ended)
+        }
+    }
+}

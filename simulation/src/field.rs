@@ -1,0 +1,220 @@
+//! The machine as the controllers meet it: process images of the plant, through devices that may be lost.
+//!
+//! A lost device neither hears nor is heard. Its outputs stay as they were until its own heartbeat consumer turns them
+//! off, and at the same time its station learns that it is gone; until then the station sees the image as it was. When
+//! it comes back its outputs are off until its station asks for something else. That is what a CANopen device does
+//! (compare the full one in the plant crate), without the frames.
+
+use linewright_line::{AxisId, Bus, Device, InputId, Line, OpId, Owner, StationId, Tick};
+use linewright_plant::{Fault, Plant, PlantOptions};
+
+struct Slot {
+    device: usize,
+    inputs: u128,
+    outputs: u128,
+    /// Why it is not heard: unplugged, or the node that reads its bus is down.
+    unplugged: bool,
+    unread: bool,
+    /// When the loss is noticed on both sides.
+    noticed: Tick,
+}
+
+impl Slot {
+    fn is_lost(&self) -> bool {
+        self.unplugged || self.unread
+    }
+}
+
+/// The devices of one owner: of a station or, at the end, of the console.
+struct Rack {
+    owner: Owner,
+    slots: Vec<Slot>,
+    /// Of lost devices: inputs as last seen, outputs as last heard.
+    frozen_inputs: u128,
+    frozen_outputs: u128,
+    lost_inputs: u128,
+    lost_outputs: u128,
+    asked: u128,
+    /// When what the owner asked for runs out, because the owner is down.
+    runs_out: Tick,
+}
+
+/// The plant behind its devices.
+pub(crate) struct Field {
+    plant: Plant,
+    racks: Vec<Rack>,
+    timeout: std::time::Duration,
+}
+
+impl Field {
+    pub(crate) fn new(line: &Line, options: PlantOptions) -> Self {
+        let owners = line.station_ids().map(Owner::Station).chain([Owner::Console]);
+        let rack = |owner: Owner| Rack {
+            owner,
+            slots: line.devices.iter().enumerate().filter(|(_, d)| d.owner == owner).map(slot).collect(),
+            frozen_inputs: 0,
+            frozen_outputs: 0,
+            lost_inputs: 0,
+            lost_outputs: 0,
+            asked: 0,
+            runs_out: Tick::NEVER,
+        };
+        Field {
+            plant: Plant::new(line, options),
+            racks: owners.map(rack).collect(),
+            timeout: line.timing.heartbeat_timeout,
+        }
+    }
+
+    pub(crate) fn plant(&self) -> &Plant {
+        &self.plant
+    }
+
+    pub(crate) fn position(&self, station: StationId, axis: AxisId) -> f64 {
+        self.plant.position(station, axis)
+    }
+
+    /// Whether the console has devices at all.
+    pub(crate) fn has_console(&self) -> bool {
+        self.racks.last().is_some_and(|rack| !rack.slots.is_empty())
+    }
+
+    /// Lets time pass for everything, and notices what is to be noticed at rack `at`.
+    pub(crate) fn poll(&mut self, now: Tick, at: usize) {
+        self.plant.advance(now);
+        let rack = &mut self.racks[at];
+        let noticed = rack.slots.iter().any(|slot| slot.is_lost() && slot.noticed <= now);
+        let ran_out = rack.runs_out <= now;
+        if noticed || ran_out {
+            for slot in rack.slots.iter().filter(|slot| slot.is_lost() && slot.noticed <= now) {
+                rack.frozen_outputs &= !slot.outputs;
+            }
+            if ran_out {
+                rack.asked = 0;
+                rack.runs_out = Tick::NEVER;
+            }
+            self.carry(now, at);
+        }
+    }
+
+    /// The image of an owner's inputs, and whether its devices vouch for it.
+    pub(crate) fn image(&self, at: usize) -> (u128, bool) {
+        let rack = &self.racks[at];
+        let now = self.plant.now();
+        let gone = rack.slots.iter().any(|slot| slot.is_lost() && slot.noticed <= now);
+        let bits = self.plant.inputs(rack.owner) & !rack.lost_inputs | rack.frozen_inputs;
+        if gone { (0, false) } else { (bits, true) }
+    }
+
+    /// What an owner asks of its outputs from now on.
+    pub(crate) fn ask(&mut self, now: Tick, at: usize, outputs: u128) {
+        self.plant.advance(now);
+        self.racks[at].asked = outputs;
+        self.carry(now, at);
+    }
+
+    fn carry(&mut self, now: Tick, at: usize) {
+        let rack = &self.racks[at];
+        let outputs = rack.asked & !rack.lost_outputs | rack.frozen_outputs;
+        self.plant.set_outputs(now, rack.owner, outputs);
+    }
+
+    /// When a rack wants to be polled next.
+    pub(crate) fn deadline(&self, at: usize) -> Tick {
+        let rack = &self.racks[at];
+        let change = match rack.owner {
+            Owner::Station(id) => self.plant.next_change_of(id).unwrap_or(Tick::NEVER),
+            Owner::Console => Tick::NEVER,
+        };
+        let now = self.plant.now();
+        let noticed = rack.slots.iter().filter(|slot| slot.is_lost() && slot.noticed > now).map(|slot| slot.noticed);
+        noticed.fold(change, Tick::min).min(rack.runs_out)
+    }
+
+    /// The owner's process has died: what it asked for stands until `until`.
+    pub(crate) fn owner_down(&mut self, at: usize, until: Tick) {
+        self.racks[at].runs_out = until;
+    }
+
+    /// The owner's process is back.
+    pub(crate) fn owner_up(&mut self, now: Tick, at: usize) {
+        self.racks[at].runs_out = Tick::NEVER;
+        self.ask(now, at, 0);
+    }
+
+    /// Unplugs a device of the description, or plugs it in again. Gives the rack it is in.
+    pub(crate) fn unplug(&mut self, now: Tick, device: usize, unplugged: bool) -> Option<usize> {
+        let at = self.racks.iter().position(|rack| rack.slots.iter().any(|slot| slot.device == device))?;
+        self.lose(now, at, |slot| {
+            if slot.device == device {
+                slot.unplugged = unplugged;
+            }
+        });
+        Some(at)
+    }
+
+    /// The node that reads the line's bus is down, or up again.
+    pub(crate) fn bus_read(&mut self, now: Tick, line: &Line, read: bool) {
+        for at in 0..self.racks.len() {
+            self.lose(now, at, |slot| {
+                if line.devices[slot.device].bus == Bus::Line {
+                    slot.unread = !read;
+                }
+            });
+        }
+    }
+
+    fn lose(&mut self, now: Tick, at: usize, change: impl Fn(&mut Slot)) {
+        self.plant.advance(now);
+        let seen = self.plant.inputs(self.racks[at].owner);
+        let noticed = now + self.timeout;
+        let rack = &mut self.racks[at];
+        for slot in &mut rack.slots {
+            let was = slot.is_lost();
+            change(slot);
+            if slot.is_lost() && !was {
+                slot.noticed = noticed;
+                rack.lost_inputs |= slot.inputs;
+                rack.lost_outputs |= slot.outputs;
+                rack.frozen_inputs |= seen & slot.inputs;
+                rack.frozen_outputs |= rack.asked & slot.outputs;
+            }
+            if was && !slot.is_lost() {
+                rack.lost_inputs &= !slot.inputs;
+                rack.lost_outputs &= !slot.outputs;
+                rack.frozen_inputs &= !slot.inputs;
+                rack.frozen_outputs &= !slot.outputs;
+                if slot.noticed <= now {
+                    // It started over: what was asked for before is not put on again.
+                    rack.asked &= !slot.outputs;
+                }
+            }
+        }
+        self.carry(now, at);
+    }
+
+    pub(crate) fn fail(&mut self, now: Tick, (station, op): (StationId, OpId), normal: bool, fault: Option<Fault>) {
+        if normal {
+            self.plant.inject(now, station, op, fault);
+        } else {
+            self.plant.inject_recovery(now, station, op, fault);
+        }
+    }
+
+    pub(crate) fn force(&mut self, now: Tick, at: usize, input: InputId, value: Option<bool>) {
+        self.plant.advance(now);
+        self.plant.force(self.racks[at].owner, input, value);
+    }
+}
+
+fn slot((number, device): (usize, &Device)) -> Slot {
+    let bits = |wired: &mut dyn Iterator<Item = u16>| wired.fold(0, |bits, bit| bits | 1 << bit);
+    Slot {
+        device: number,
+        inputs: bits(&mut device.inputs.iter().flatten().map(|input| input.0)),
+        outputs: bits(&mut device.outputs.iter().flatten().map(|output| output.0)),
+        unplugged: false,
+        unread: false,
+        noticed: Tick::NEVER,
+    }
+}

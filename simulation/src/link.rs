@@ -1,0 +1,250 @@
+//! One directed way of messages, from one writer to one reader.
+//!
+//! Messages arrive in their order, as a reliable or a keep-newest reader sees them, each after the network's delay.
+//! Nodes repeat their whole state every refresh period. A repetition that says nothing new to *this* reader only renews
+//! a term: it moves the moment at which the reader's view would run out. Such a message is queued like any other, with
+//! its own delay and its own chance to be lost, but nobody is woken for it: the reader takes it, at the time of its
+//! arrival, before the next thing it does. Between two things it does, it cannot tell the difference. If the writer
+//! dies nothing is queued any more, and the reader's own deadline finds the view run out at the right microsecond. A
+//! repetition that comes after that is news, for what was unknown is known again: it wakes the reader.
+
+use std::collections::VecDeque;
+use std::rc::Rc;
+use std::time::Duration;
+
+use linewright_coordinator_logic::{Command, Heard};
+use linewright_line::{OpId, StationId, Tick};
+use linewright_station_logic::{ModeOrder, PanelCommand, Report};
+
+use crate::options::Network;
+use crate::rng::mix;
+
+/// What is said.
+#[derive(Clone, Debug)]
+pub(crate) enum Said {
+    /// The same as before, to this reader.
+    Again,
+    /// A station's state, to another station.
+    Report(Rc<Report>),
+    /// A station's state, as far as the coordinator looks at it.
+    Heard(Heard),
+    /// The coordinator's order.
+    Order(ModeOrder),
+    /// A panel's button or selector.
+    Panel(PanelCommand),
+    /// An operator's command.
+    Command(Command),
+    /// Hand-mode buttons held.
+    Buttons(u32),
+}
+
+#[derive(Clone, Debug)]
+struct Message {
+    arrives: Tick,
+    said: Said,
+    /// The reader must look at once.
+    wakes: bool,
+}
+
+/// One directed way.
+#[derive(Clone, Debug)]
+pub(crate) struct Link {
+    pub(crate) from: usize,
+    pub(crate) to: usize,
+    /// Between stations: the operations of the writer that the reader has an arrow from. It looks at no other count.
+    reads: Vec<OpId>,
+    /// The reader judges by the writer's cycle; see [`linewright_station_logic::Rules::counted`].
+    reads_cycle: bool,
+    queue: VecDeque<Message>,
+    last_arrival: Tick,
+    /// For how long a message holds.
+    term: Duration,
+    /// Until when the reader relies on what it has taken so far.
+    holds_until: Tick,
+    sent: u64,
+    key: u64,
+    /// What was said last and not lost.
+    said: Option<Said>,
+    /// Which state of the writer that was.
+    said_version: u64,
+    /// What has arrived last.
+    pub(crate) heard: Option<Said>,
+    /// The reader is woken by repetitions too.
+    pub(crate) wakes_always: bool,
+    /// When the first message arrives that wakes the reader.
+    wakes: Tick,
+}
+
+impl Link {
+    pub(crate) fn new(from: usize, to: usize, reads: Vec<OpId>, reads_cycle: bool, term: Duration, seed: u64) -> Self {
+        let key = mix(seed ^ mix((from as u64) << 32 | to as u64));
+        Link {
+            from,
+            to,
+            reads,
+            reads_cycle,
+            queue: VecDeque::new(),
+            last_arrival: Tick::ZERO,
+            term,
+            holds_until: Tick::ZERO,
+            sent: 0,
+            key,
+            said: None,
+            said_version: 0,
+            heard: None,
+            wakes_always: false,
+            wakes: Tick::NEVER,
+        }
+    }
+
+    /// Whether state number `version` of the writer has been said already: then it is the same again.
+    pub(crate) fn has_said(&self, version: u64) -> bool {
+        self.said.is_some() && self.said_version == version
+    }
+
+    /// Repeats what was said last.
+    pub(crate) fn say_again(&mut self, now: Tick, network: &Network) {
+        self.say_state(now, network, true, self.said_version, || Said::Again);
+    }
+
+    /// Says a station's state, number `version`.
+    pub(crate) fn say_report(&mut self, now: Tick, network: &Network, report: &Rc<Report>, version: u64) {
+        let is_known = match &self.said {
+            Some(Said::Report(before)) => self.is_same(before, report),
+            _ => false,
+        };
+        self.say_state(now, network, is_known, version, || Said::Report(Rc::clone(report)));
+    }
+
+    /// Says a station's state to the coordinator.
+    pub(crate) fn say_heard(&mut self, now: Tick, network: &Network, heard: Heard, version: u64) {
+        let is_known = matches!(&self.said, Some(Said::Heard(before)) if *before == heard);
+        self.say_state(now, network, is_known, version, || Said::Heard(heard));
+    }
+
+    /// Says the order.
+    pub(crate) fn say_order(&mut self, now: Tick, network: &Network, order: ModeOrder, version: u64) {
+        let is_known = matches!(&self.said, Some(Said::Order(before)) if *before == order);
+        self.say_state(now, network, is_known, version, || Said::Order(order));
+    }
+
+    fn say_state(&mut self, now: Tick, network: &Network, is_known: bool, version: u64, what: impl Fn() -> Said) {
+        let before = self.last_arrival;
+        let Some(arrives) = self.way(now, network) else { return };
+        self.said_version = version;
+        let said = if is_known { Said::Again } else { what() };
+        if !is_known {
+            self.said = Some(said.clone());
+        }
+        self.push(Message { arrives, said, wakes: !is_known || arrives >= before + self.term });
+    }
+
+    /// Says what a person says; it is not lost.
+    pub(crate) fn say_word(&mut self, now: Tick, network: &Network, said: Said) {
+        if let Some(arrives) = self.way(now, &Network { loss_per_mille: 0, ..*network }) {
+            self.push(Message { arrives, said, wakes: true });
+        }
+    }
+
+    fn is_same(&self, before: &Report, now: &Report) -> bool {
+        let reader = StationId::at(self.to);
+        let answer = |report: &Report| report.answers.iter().find(|answer| answer.to == reader).copied();
+        before.boot_id == now.boot_id
+            && before.request == now.request
+            && self.reads.iter().all(|op| before.done[op.index()] == now.done[op.index()])
+            && answer(before) == answer(now)
+            && (!self.reads_cycle || before.cycle == now.cycle)
+    }
+
+    /// When a message arrives that is sent now, if it does.
+    fn way(&mut self, now: Tick, network: &Network) -> Option<Tick> {
+        self.sent += 1;
+        let mut arrives = now + network.delay;
+        if network.loss_per_mille > 0 && mix(self.key ^ mix(self.sent)) % 1000 < u64::from(network.loss_per_mille) {
+            return None;
+        }
+        let jitter = network.jitter.as_micros() as u64;
+        if jitter > 0 {
+            let drawn = mix(self.key.rotate_left(32) ^ mix(self.sent)) % (jitter + 1);
+            arrives = Tick::from_micros(arrives.as_micros() + drawn);
+        }
+        self.last_arrival = self.last_arrival.max(arrives);
+        Some(self.last_arrival)
+    }
+
+    fn push(&mut self, message: Message) {
+        if self.wakes == Tick::NEVER && (self.wakes_always || message.wakes) {
+            self.wakes = message.arrives;
+        }
+        self.queue.push_back(message);
+    }
+
+    /// When it next wants the reader woken.
+    pub(crate) fn wakes(&self) -> Tick {
+        self.wakes
+    }
+
+    fn find_wake(&mut self) {
+        let wakes_always = self.wakes_always;
+        let first = self.queue.iter().find(|message| wakes_always || message.wakes);
+        self.wakes = first.map_or(Tick::NEVER, |message| message.arrives);
+    }
+
+    /// Whether repetitions wake the reader from now on.
+    pub(crate) fn wake_always(&mut self, always: bool) {
+        self.wakes_always = always;
+        self.find_wake();
+    }
+
+    /// Takes the repetitions that have arrived until `now` in front of whatever says something new, and puts the moments
+    /// that matter to the reader into `moments`, with `number`: the last one, and of the others only those without which
+    /// the term would have run out in between.
+    #[inline]
+    pub(crate) fn take_repetitions(&mut self, now: Tick, number: usize, moments: &mut Vec<(Tick, usize)>) {
+        let mut last = None;
+        while let Some(&Message { arrives, said: Said::Again, .. }) = self.queue.front()
+            && arrives <= now
+        {
+            if let Some(before) = last
+                && arrives >= self.holds_until
+            {
+                moments.push((before, number));
+                self.holds_until = before + self.term;
+            }
+            last = Some(arrives);
+            self.queue.pop_front();
+        }
+        if let Some(last) = last {
+            moments.push((last, number));
+            self.holds_until = last + self.term;
+            if last >= self.wakes {
+                self.find_wake();
+            }
+        }
+    }
+
+    /// Takes the message that has arrived at `now` and says something new.
+    pub(crate) fn take_news(&mut self, now: Tick) -> Option<Said> {
+        if self.queue.front().is_none_or(|message| message.arrives > now) {
+            return None;
+        }
+        let Message { arrives, said, .. } = self.queue.pop_front()?;
+        self.holds_until = arrives + self.term;
+        self.find_wake();
+        self.heard = Some(said.clone());
+        Some(said)
+    }
+
+    /// The writer has started anew and knows nothing of what its predecessor said.
+    pub(crate) fn forget_said(&mut self) {
+        self.said = None;
+    }
+
+    /// The reader has started anew: it will hear nothing again before it has heard it once.
+    pub(crate) fn forget_heard(&mut self) {
+        self.said = None;
+        self.heard = None;
+        self.queue.clear();
+        self.wakes = Tick::NEVER;
+    }
+}

@@ -1,0 +1,90 @@
+//! What happened in a run, in order: for assertions, and for a person when one fails.
+
+use linewright_line::net::ControlMode;
+use linewright_line::{Line, StationId, Tick};
+use linewright_station_logic::Event;
+
+/// What happened.
+#[derive(Clone, Debug, PartialEq)]
+pub enum What {
+    /// At a station, by its own account.
+    Station(StationId, Event),
+    /// The coordinator entered a mode.
+    Mode(ControlMode),
+    /// The coordinator refused a command, in words.
+    Refusal(String),
+    /// Somebody did something: an operator, the scenario.
+    Act(String),
+}
+
+/// One line of the log.
+#[derive(Clone, Debug, PartialEq)]
+pub struct Entry {
+    /// When.
+    pub at: Tick,
+    /// What.
+    pub what: What,
+}
+
+/// The log of a run.
+#[derive(Clone, Debug, Default)]
+pub struct Log {
+    entries: Vec<Entry>,
+}
+
+/// A run that never ends must not eat the machine: beyond this the older half is forgotten.
+const ENTRIES_MAX: usize = 400_000;
+
+impl Log {
+    /// Adds an entry.
+    pub fn push(&mut self, at: Tick, what: What) {
+        if self.entries.len() == ENTRIES_MAX {
+            self.entries.drain(..ENTRIES_MAX / 2);
+        }
+        self.entries.push(Entry { at, what });
+    }
+
+    /// All entries, oldest first.
+    pub fn entries(&self) -> &[Entry] {
+        &self.entries
+    }
+
+    /// The events of one station.
+    pub fn of(&self, station: StationId) -> impl Iterator<Item = (Tick, Event)> + '_ {
+        self.entries.iter().filter_map(move |entry| match entry.what {
+            What::Station(id, event) if id == station => Some((entry.at, event)),
+            _ => None,
+        })
+    }
+
+    /// The modes the coordinator entered.
+    pub fn modes(&self) -> Vec<ControlMode> {
+        let mode = |entry: &Entry| if let What::Mode(mode) = entry.what { Some(mode) } else { None };
+        self.entries.iter().filter_map(mode).collect()
+    }
+
+    /// All entries in words, a line each.
+    pub fn text(&self, line: &Line) -> String {
+        self.tail(line, usize::MAX)
+    }
+
+    /// The last `count` entries in words.
+    pub fn tail(&self, line: &Line, count: usize) -> String {
+        let from = self.entries.len().saturating_sub(count);
+        self.entries[from..].iter().map(|entry| entry.text(line) + "\n").collect()
+    }
+}
+
+impl Entry {
+    /// The entry in words.
+    pub fn text(&self, line: &Line) -> String {
+        match &self.what {
+            What::Station(id, event) => {
+                format!("{} {} (cycle {}) {}", self.at, line.station(*id).name, event.cycle, event.text(line, *id))
+            }
+            What::Mode(mode) => format!("{} the line enters {mode}", self.at),
+            What::Refusal(text) => format!("{} {text}", self.at),
+            What::Act(text) => format!("{} -- {text}", self.at),
+        }
+    }
+}

@@ -1,0 +1,166 @@
+//! Has a conflict of the description happened? Decided by where the mechanisms stand, and by nothing else.
+//!
+//! A conflict names a stretch of each station's cycle. Outside of that stretch the chart leads the station's axes along
+//! certain ways: each operation along its own, several at once along their common box. Whoever is on none of these ways
+//! is in the stretch. Where the same positions belong to the stretch and to the rest of the cycle, positions cannot tell
+//! them apart; the observer then keeps silent, so what it says is certain and what it does not say is not.
+//!
+//! It looks whenever a motion of one of the two begins, ends or passes a switch, and judges the way covered since it
+//! looked last. Two stretches touched between the same two looks count as held together. That errs on the safe side, and
+//! an honest line never comes near it: what follows a motion waits for its switch, and the switch is a look.
+
+use linewright_line::{AxisId, Conflict, Line, OpId, Span, StationId, Tick};
+
+use crate::field::Field;
+
+/// As part of an operation's way: an axis within this of where it should be is there. A switch is on within a
+/// thousandth, and a motion stopped by its switch stands at the edge of that.
+const TOLERANCE: f64 = 0.002;
+
+/// For each axis of a station, from where to where.
+type Ranges = Vec<(f64, f64)>;
+
+/// One station's part in a conflict.
+struct Side {
+    station: StationId,
+    axes: usize,
+    /// Where the rest of the cycle leads.
+    outside: Vec<Ranges>,
+    before: Vec<f64>,
+    now: Vec<f64>,
+}
+
+/// A conflict that happened.
+#[derive(Clone, Debug, PartialEq)]
+pub struct Seen {
+    /// When it was seen.
+    pub at: Tick,
+    /// Which, by its place in [`Line::conflicts`].
+    pub conflict: usize,
+    /// Where the axes stood, in words.
+    pub positions: String,
+}
+
+/// The observer.
+pub(crate) struct Observer {
+    pairs: Vec<[Side; 2]>,
+    holds: Vec<bool>,
+    /// By station: the conflicts it takes part in.
+    of: Vec<Vec<usize>>,
+    seen: Vec<Seen>,
+}
+
+/// Enough to understand a run; one conflict is too many already.
+const SEEN_MAX: usize = 100;
+
+impl Observer {
+    pub(crate) fn new(line: &Line, field: &Field) -> Self {
+        let pair = |conflict: &Conflict| [side(line, field, &conflict.a), side(line, field, &conflict.b)];
+        let takes_part = |id: StationId| {
+            let conflicts = line.conflicts.iter().enumerate();
+            conflicts.filter(|(_, c)| c.a.station == id || c.b.station == id).map(|(at, _)| at).collect()
+        };
+        Observer {
+            pairs: line.conflicts.iter().map(pair).collect(),
+            holds: vec![false; line.conflicts.len()],
+            of: line.station_ids().map(takes_part).collect(),
+            seen: Vec::new(),
+        }
+    }
+
+    /// Looks at the conflicts of a station; gives whether one has begun.
+    pub(crate) fn look(&mut self, line: &Line, field: &Field, station: usize) -> bool {
+        let mut begun = false;
+        for &at in &self.of[station] {
+            let [a, b] = &mut self.pairs[at];
+            let holds = a.look(field) & b.look(field);
+            if holds && !self.holds[at] && self.seen.len() < SEEN_MAX {
+                begun = true;
+                let positions = format!("{}; {}", a.text(line), b.text(line));
+                self.seen.push(Seen { at: field.plant().now(), conflict: at, positions });
+            }
+            self.holds[at] = holds;
+        }
+        begun
+    }
+
+    pub(crate) fn seen(&self) -> &[Seen] {
+        &self.seen
+    }
+}
+
+impl Side {
+    /// Whether the stretch was touched since the last look.
+    fn look(&mut self, field: &Field) -> bool {
+        std::mem::swap(&mut self.before, &mut self.now);
+        for axis in 0..self.axes {
+            self.now[axis] = field.position(self.station, AxisId::at(axis));
+        }
+        !self.outside.iter().any(|ranges| {
+            ranges.iter().enumerate().all(|(axis, &(low, high))| {
+                let (before, now) = (self.before[axis], self.now[axis]);
+                low <= before.min(now) && before.max(now) <= high
+            })
+        })
+    }
+
+    fn text(&self, line: &Line) -> String {
+        let described = line.station(self.station);
+        let axis = |(axis, at): (&linewright_line::Axis, &f64)| format!("{} at {at:.1}", axis.name);
+        let axes: Vec<String> = described.axes.iter().zip(&self.now).map(axis).collect();
+        format!("{}: {}", described.name, axes.join(", "))
+    }
+}
+
+fn side(line: &Line, field: &Field, span: &Span) -> Side {
+    let described = line.station(span.station);
+    let axes = described.axes.len();
+    let here: Vec<f64> = (0..axes).map(|axis| field.position(span.station, AxisId::at(axis))).collect();
+    Side { station: span.station, axes, outside: outside(line, span), before: here.clone(), now: here }
+}
+
+/// Walks the cycle once from home and collects where it leads outside of the stretch.
+fn outside(line: &Line, span: &Span) -> Vec<Ranges> {
+    let described = line.station(span.station);
+    let slack = slacks(line, span.station);
+    let mut at: Vec<f64> = described.axes.iter().map(|axis| axis.home).collect();
+    let count = described.steps.len();
+    let home = described.step_of(described.home);
+    let (from, until) = (described.step_of(span.from), described.step_of(span.until));
+    // How far into the stretch a step lies; the stretch may cross the boundary of the cycle.
+    let length = (until + count - from) % count;
+    let mut outside = Vec::new();
+    for offset in 1..=count {
+        let step = (home + offset) % count;
+        let inside = (step + count - from) % count <= length;
+        let before = at.clone();
+        for &OpId(op) in &described.steps[step] {
+            let motion = described.operations[usize::from(op)].motion;
+            at[motion.axis.index()] = motion.to;
+        }
+        let widen = |(axis, (a, b)): (usize, (&f64, &f64))| (a.min(*b) - slack[axis], a.max(*b) + slack[axis]);
+        let way = |a: &[f64], b: &[f64]| a.iter().zip(b).enumerate().map(widen).collect::<Ranges>();
+        if inside {
+            // Where the stretch begins and ends the station is not yet, or no longer, in it.
+            if step == from {
+                outside.push(way(&before, &before));
+            }
+            if step == until {
+                outside.push(way(&at, &at));
+            }
+        } else {
+            outside.push(way(&before, &at));
+        }
+    }
+    outside
+}
+
+/// How far from where it should be an axis may stand.
+fn slacks(line: &Line, station: StationId) -> Vec<f64> {
+    let described = line.station(station);
+    let way = |axis: usize| {
+        let motions = described.operations.iter().map(|operation| operation.motion);
+        motions.filter(|m| m.axis.index() == axis).map(|m| (m.to - m.from).abs()).fold(0.0, f64::max)
+    };
+    (0..described.axes.len()).map(|axis| way(axis) * TOLERANCE).collect()
+}

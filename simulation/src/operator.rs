@@ -1,0 +1,215 @@
+//! What people, and bad luck, do to a line.
+//!
+//! Commands and buttons go by message, like those of a console or a page; held buttons are said again every refresh
+//! period, as long as they are held. Faults act on the mechanisms, the devices and the processes themselves.
+
+use std::collections::BTreeSet;
+
+use linewright_coordinator_logic::Command;
+use linewright_line::{InputId, OpId, StationId};
+use linewright_plant::Fault;
+use linewright_station_logic::{CompileError, PanelCommand};
+
+use crate::link::Said;
+use crate::options::Network;
+use crate::sim::Sim;
+
+/// Whose process.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub enum Process {
+    /// A station's.
+    Station(StationId),
+    /// The coordinator's.
+    Coordinator,
+}
+
+/// Which motions of an operation.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub enum Way {
+    /// The normal one.
+    Normal,
+    /// The one that undoes it.
+    Recovery,
+    /// Both.
+    Both,
+}
+
+/// One thing done to a line.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub enum Action {
+    /// A command at the console.
+    Command(Command),
+    /// A panel button goes down (`true`) or up, advance (`true`) or return.
+    Panel {
+        /// At which station.
+        station: StationId,
+        /// Advance rather than return.
+        advance: bool,
+        /// Down rather than up.
+        down: bool,
+    },
+    /// Exactly these hand-mode buttons are held, a bit each.
+    Buttons(u32),
+    /// A station's selector: true is manual.
+    Selector(StationId, bool),
+    /// Motions of an operation fail, or work again (`None`).
+    Fail((StationId, OpId), Way, Option<Fault>),
+    /// An input of a station, or of the console (`None`), is held on or off, or let go of.
+    Force(Option<StationId>, InputId, Option<bool>),
+    /// A device, by its place in the description, is unplugged (`true`) or plugged in.
+    Device(usize, bool),
+    /// A process dies.
+    Kill(Process),
+    /// A process is started again, with what it has kept.
+    Restart(Process),
+    /// What the network does from now on.
+    Network(Network),
+}
+
+/// What people hold down.
+#[derive(Clone, Debug, Default)]
+pub(crate) struct Hands {
+    panel: BTreeSet<(StationId, bool)>,
+    buttons: u32,
+}
+
+impl Sim {
+    /// Does something to the line now.
+    ///
+    /// # Errors
+    /// When a process that is to be started does not come up.
+    pub fn act(&mut self, action: Action) -> Result<(), CompileError> {
+        let text = action.text(self.line());
+        self.note(text);
+        let now = self.now;
+        match action {
+            Action::Command(command) => self.say_word(self.coordinator_node(), Said::Command(command)),
+            Action::Panel { station, advance, down } => {
+                let known = if down {
+                    self.hands.panel.insert((station, advance))
+                } else {
+                    self.hands.panel.remove(&(station, advance))
+                };
+                if known {
+                    self.say_panel(station, advance, down);
+                }
+            }
+            Action::Buttons(held) => {
+                self.hands.buttons = held;
+                self.say_word(self.coordinator_node(), Said::Buttons(held));
+            }
+            Action::Selector(station, manual) => {
+                self.say_word(station.index(), Said::Panel(PanelCommand::Selector(manual)));
+            }
+            Action::Fail(op, way, fault) => {
+                if way != Way::Recovery {
+                    self.field.fail(now, op, true, fault);
+                }
+                if way != Way::Normal {
+                    self.field.fail(now, op, false, fault);
+                }
+                self.wake_field(op.0.index());
+            }
+            Action::Force(owner, input, value) => {
+                let at = owner.map_or(self.coordinator_node(), StationId::index);
+                self.field.force(now, at, input, value);
+                self.wake_field(at);
+            }
+            Action::Device(device, unplugged) => {
+                if let Some(at) = self.field.unplug(now, device, unplugged) {
+                    self.wake_field(at);
+                }
+            }
+            Action::Kill(Process::Station(station)) => self.kill_station(station.index()),
+            Action::Kill(Process::Coordinator) => self.kill_coordinator(),
+            Action::Restart(Process::Station(station)) => self.restart_station(station.index())?,
+            Action::Restart(Process::Coordinator) => self.restart_coordinator(),
+            Action::Network(network) => self.options.network = network,
+        }
+        Ok(())
+    }
+
+    fn say_panel(&mut self, station: StationId, advance: bool, down: bool) {
+        let command = if advance { PanelCommand::Advance(down) } else { PanelCommand::Retract(down) };
+        self.say_word(station.index(), Said::Panel(command));
+    }
+
+    /// Says again what is held.
+    pub(crate) fn say_held(&mut self) {
+        if !self.hands.panel.is_empty() {
+            for (station, advance) in self.hands.panel.clone() {
+                self.say_panel(station, advance, true);
+            }
+        }
+        if self.hands.buttons != 0 {
+            self.say_word(self.coordinator_node(), Said::Buttons(self.hands.buttons));
+        }
+    }
+}
+
+impl Action {
+    /// The action in words.
+    pub fn text(&self, line: &linewright_line::Line) -> String {
+        let name = |id: StationId| line.station(id).name.as_str();
+        match *self {
+            Action::Command(command) => format!("command {}", command.name()),
+            Action::Panel { station, advance, down } => {
+                let (side, way) = (if advance { "advance" } else { "return" }, if down { "down" } else { "up" });
+                format!("{side} of {} {way}", name(station))
+            }
+            Action::Buttons(0) => "hand-mode buttons let go".to_owned(),
+            Action::Buttons(held) => {
+                let buttons = line.buttons.iter().enumerate().filter(|(at, _)| held >> at & 1 == 1);
+                format!("{} held", buttons.map(|(_, name)| name.as_str()).collect::<Vec<_>>().join(" and "))
+            }
+            Action::Selector(station, manual) => {
+                format!("selector of {} to {}", name(station), if manual { "manual" } else { "auto" })
+            }
+            Action::Fail((station, op), way, fault) => {
+                let undoing = if way == Way::Recovery { "undoing " } else { "" };
+                let what = fault.map_or("works again", fault_text);
+                format!("{}: {undoing}{} {what}", name(station), line.operation((station, op)).name)
+            }
+            Action::Force(owner, input, value) => {
+                let (who, inputs) = match owner {
+                    Some(id) => (name(id), &line.station(id).inputs),
+                    None => ("console", &line.console.inputs),
+                };
+                let how = match value {
+                    Some(true) => "held on",
+                    Some(false) => "held off",
+                    None => "let go",
+                };
+                format!("{who}: {} {how}", inputs[input.index()])
+            }
+            Action::Device(device, unplugged) => {
+                format!("{} {}", line.devices[device].name, if unplugged { "lost" } else { "back" })
+            }
+            Action::Kill(process) => format!("{} killed", process.name(line)),
+            Action::Restart(process) => format!("{} restarted", process.name(line)),
+            Action::Network(network) => format!(
+                "network: {:?} delay, {:?} jitter, {} of 1000 lost",
+                network.delay, network.jitter, network.loss_per_mille
+            ),
+        }
+    }
+}
+
+impl Process {
+    /// Its node's name.
+    pub fn name(self, line: &linewright_line::Line) -> &str {
+        match self {
+            Process::Station(id) => &line.station(id).name,
+            Process::Coordinator => "coordinator",
+        }
+    }
+}
+
+fn fault_text(fault: Fault) -> &'static str {
+    match fault {
+        Fault::Stick => "jams",
+        Fault::Slip => "slows down",
+        Fault::Break => "breaks",
+        Fault::SlipBack => "slips back",
+    }
+}

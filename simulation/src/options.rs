@@ -1,0 +1,54 @@
+//! What a run may be told: chance, network, and how much to remember.
+
+use std::time::Duration;
+
+use linewright_station_logic::Rules;
+
+/// What the network does to messages between the nodes of a line.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct Network {
+    /// What every message takes.
+    pub delay: Duration,
+    /// What a message may take longer, drawn for each alone.
+    pub jitter: Duration,
+    /// How many of a thousand reports and orders are lost. What people say is not.
+    pub loss_per_mille: u32,
+}
+
+impl Default for Network {
+    /// One millisecond, nothing drawn, nothing lost.
+    fn default() -> Self {
+        Network { delay: Duration::from_millis(1), jitter: Duration::ZERO, loss_per_mille: 0 }
+    }
+}
+
+/// What a run may be told.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct Options {
+    /// What everything random follows from.
+    pub seed: u64,
+    /// The network.
+    pub network: Network,
+    /// How far a motion's duration may deviate from the description, as a fraction.
+    pub variation: f64,
+    /// The rules the station controllers keep. Anything but all of them is for seeing that they are needed.
+    pub rules: Rules,
+    /// Wake the receiver of every message, also of one that says nothing new. Slower, and the same run: a test holds
+    /// the two against each other.
+    pub one_by_one: bool,
+    /// Keep the log of everything that happened.
+    pub keeps_log: bool,
+}
+
+impl Default for Options {
+    fn default() -> Self {
+        Options {
+            seed: 1,
+            network: Network::default(),
+            variation: 0.0,
+            rules: Rules::default(),
+            one_by_one: false,
+            keeps_log: false,
+        }
+    }
+}

@@ -1,0 +1,163 @@
+//! A run from switching on to its end, whatever that is.
+
+use std::time::Duration;
+
+use linewright_coordinator_logic::Command;
+use linewright_line::net::ControlMode;
+use linewright_line::{Line, Tick};
+use linewright_station_logic::CompileError;
+
+use crate::condition::{Condition, StationState};
+use crate::options::Options;
+use crate::script::{Deed, Failure, Player, Script, Step};
+use crate::sim::Sim;
+
+/// What a run is to achieve.
+#[derive(Clone, Debug, PartialEq)]
+pub struct Goal {
+    /// So many cycles of the line.
+    pub cycles: usize,
+    /// Give start and auto first.
+    pub starts: bool,
+    /// And this to its end.
+    pub script: Script,
+}
+
+impl Goal {
+    /// Start, auto, and `cycles` cycles.
+    pub fn cycles(cycles: usize) -> Self {
+        Goal { cycles, starts: true, script: Script::default() }
+    }
+}
+
+/// How a run ended.
+#[derive(Clone, Debug, PartialEq)]
+pub enum End {
+    /// Its goal is reached.
+    Done,
+    /// A conflict of the description happened, or drives both ways of an axis came on at once: see [`Sim::conflicts`].
+    Conflict,
+    /// A station lost or doubled a cycle: see [`crate::Record::errors`].
+    Miscounted,
+    /// Nothing has happened for so long that nothing will. With what each station waits for.
+    Stuck(Vec<String>),
+    /// A step of the scenario failed; from 0, not counting start and auto. `None` is start and auto themselves.
+    Failed {
+        /// Which step.
+        step: Option<usize>,
+        /// Why.
+        why: String,
+    },
+    /// Something happens again and again and no time passes: a bug.
+    Spins,
+}
+
+/// Events at one moment that no line needs.
+const SPIN_MAX: u32 = 1_000_000;
+/// No line needs longer, beyond twice its longest watchdog, to do the next thing.
+const PATIENCE: Duration = Duration::from_secs(10);
+
+/// Runs a line towards a goal.
+///
+/// # Errors
+/// When a station of the line does not compile.
+pub fn run(line: &Line, options: Options, goal: &Goal) -> Result<(Sim, End), CompileError> {
+    let mut sim = Sim::new(line, options)?;
+    let end = sim.run(goal);
+    Ok((sim, end))
+}
+
+impl Sim {
+    /// Runs towards a goal.
+    pub fn run(&mut self, goal: &Goal) -> End {
+        let opening = if goal.starts { opening() } else { Vec::new() };
+        let skipped = opening.len();
+        let steps = opening.into_iter().chain(goal.script.steps.iter().cloned()).collect();
+        let mut player = Player::new(Script { steps });
+        let patience = PATIENCE + longest_watchdog(self.line()) * 2;
+        let (mut spins, mut last) = (0, self.now());
+        loop {
+            if !player.is_done()
+                && let Err(Failure { step, why }) = player.play(self)
+            {
+                return End::Failed { step: step.checked_sub(skipped), why };
+            }
+            if player.is_done() && self.record().cycles() >= goal.cycles {
+                return End::Done;
+            }
+            let deadline = player.deadline(self.now());
+            let next = self.next_event();
+            if next.min(deadline) > self.last_event.max(self.waited_for(deadline)) + patience {
+                return self.stuck(&player, skipped);
+            }
+            if deadline <= next {
+                self.now = deadline.max(self.now);
+            } else {
+                self.step();
+            }
+            if !self.conflicts().is_empty() || self.alarms() > 0 {
+                return End::Conflict;
+            }
+            if !self.record().errors().is_empty() {
+                return End::Miscounted;
+            }
+            spins = if self.now() == last { spins + 1 } else { 0 };
+            last = self.now();
+            if spins > SPIN_MAX {
+                return End::Spins;
+            }
+        }
+    }
+
+    /// A scenario that waits for a time is no reason to give up before that.
+    fn waited_for(&self, deadline: Tick) -> Tick {
+        if deadline == Tick::NEVER { Tick::ZERO } else { deadline }
+    }
+
+    fn stuck(&self, player: &Player, skipped: usize) -> End {
+        if !player.is_done() {
+            let why = format!("waited in vain until {}; {}", self.now(), self.reasons().join("; "));
+            return End::Failed { step: player.step().checked_sub(skipped), why };
+        }
+        End::Stuck(self.reasons())
+    }
+
+    /// What each station that does not move waits for, in words.
+    pub fn reasons(&self) -> Vec<String> {
+        let mode = format!("the line is in {}", self.mode());
+        let station = |id: linewright_line::StationId| {
+            let name = &self.line().station(id).name;
+            let Some(controller) = self.controller(id) else { return Some(format!("{name} is down")) };
+            let reasons = controller.blocked_by(self.line(), self.now());
+            (!reasons.is_empty()).then(|| format!("{name} waits for {}", reasons.join("; ")))
+        };
+        [mode].into_iter().chain(self.line().station_ids().filter_map(station)).collect()
+    }
+}
+
+fn longest_watchdog(line: &Line) -> Duration {
+    let all = line.stations.iter().flat_map(|station| &station.operations);
+    let longest = |operation: &linewright_line::Operation| match &operation.module {
+        linewright_line::Module::Reversible { recovery_watchdog, .. } => operation.watchdog.max(*recovery_watchdog),
+        linewright_line::Module::Irreversible { .. } => operation.watchdog,
+    };
+    all.map(longest).max().unwrap_or_default()
+}
+
+/// Start as soon as everybody is heard, then auto.
+fn opening() -> Vec<Step> {
+    let step = |when: Condition, command: Command| Step {
+        at: None,
+        when: Some(when),
+        after: Duration::ZERO,
+        deed: Deed::Order(command),
+        expect: None,
+        expect_text: String::new(),
+        span: 0..0,
+        line: 0,
+    };
+    vec![
+        step(Condition::Every(StationState::Heard), Command::Start),
+        step(Condition::Mode(ControlMode::StandBy), Command::Auto),
+    ]
+}

@@ -1,0 +1,75 @@
+//! A scenario as text: what people and bad luck do to a line, and what is expected of it.
+//!
+//! TOML, read like a line description: all problems at once, each with its place and advice, and the names of the line
+//! checked while reading. What comes out is a [`Script`], which knows no text.
+
+mod fields;
+mod read;
+mod words;
+
+use linewright_line::{Line, Problem, Problems};
+
+use crate::options::Network;
+use crate::script::Script;
+use fields::Report;
+
+/// Longest scenario, in bytes.
+const TEXT_MAX: usize = 1 << 20;
+
+/// A scenario.
+#[derive(Clone, Debug)]
+pub struct Scenario {
+    /// What a person calls it.
+    pub title: Option<String>,
+    /// How many cycles to run, where it says so.
+    pub cycles: Option<usize>,
+    /// Start and auto are given first.
+    pub starts: bool,
+    /// How far a motion's duration may deviate, as a fraction.
+    pub variation: f64,
+    /// The network.
+    pub network: Network,
+    /// The steps.
+    pub script: Script,
+    file_name: String,
+    text: String,
+}
+
+impl Scenario {
+    /// Reads the scenario `text` for `line`; `file_name` is for messages.
+    ///
+    /// # Errors
+    /// All problems of the text at once, each with its place.
+    pub fn parse(line: &Line, file_name: &str, text: &str) -> Result<Self, Problems> {
+        let mut report = Report::default();
+        let scenario = if text.len() > TEXT_MAX {
+            report.error(0..0, format!("the scenario has {} bytes", text.len()), Some(format!("at most {TEXT_MAX}")));
+            None
+        } else {
+            read::scenario(line, text, &mut report)
+        };
+        let problems = report.into_vec();
+        match scenario {
+            Some(scenario) if problems.is_empty() => {
+                Ok(Scenario { file_name: file_name.to_owned(), text: text.to_owned(), ..scenario })
+            }
+            _ => Err(Problems::new(file_name, text, problems)),
+        }
+    }
+
+    /// The place of a step that failed, from 0, with the reason.
+    pub fn failed_at(&self, step: usize, why: &str) -> Option<Problems> {
+        let span = self.script.steps.get(step)?.span.clone();
+        let problem = Problem {
+            message: format!("this step failed: {why}"),
+            span,
+            line: 1,
+            column: 1,
+            hint: None,
+            label: Some("here".to_owned()),
+            also: Vec::new(),
+            is_warning: false,
+        };
+        Some(Problems::new(&self.file_name, &self.text, vec![problem]))
+    }
+}

@@ -1,0 +1,195 @@
+//! The words of a scenario: operations, buttons, conditions, by the names of the line.
+//!
+//! An operation is `station: operation`, as in a description's arrows. A condition is one or more clauses joined by
+//! ` and `; a clause compares (`cycles >= 3`) or says what something is (`clamp_1 is incomplete`).
+
+use std::ops::Range;
+
+use linewright_coordinator_logic::Command;
+use linewright_line::net::ControlMode;
+use linewright_line::{InputId, Line, OpId, StationId, suggestion};
+
+use super::fields::{At, Report};
+use crate::condition::{Compare, Condition, OperationState, StationState};
+use crate::operator::{Process, Way};
+
+type Text<'a> = At<&'a str>;
+
+fn one_of<T: Copy>(known: &[(&str, T)], what: &str, (word, at): Text<'_>, report: &mut Report) -> Option<T> {
+    let found = known.iter().find(|(name, _)| *name == word).map(|(_, value)| *value);
+    if found.is_none() {
+        let hint = suggestion(word, known.iter().map(|(name, _)| *name));
+        report.error(at, format!("unknown {what} `{word}`"), hint);
+    }
+    found
+}
+
+pub(super) fn command(word: Text<'_>, report: &mut Report) -> Option<Command> {
+    one_of(&Command::ALL.map(|command| (command.name(), command)), "command", word, report)
+}
+
+pub(super) fn way(word: Text<'_>, report: &mut Report) -> Option<Way> {
+    let known = [("normal", Way::Normal), ("recovery", Way::Recovery), ("both", Way::Both)];
+    one_of(&known, "motion", word, report)
+}
+
+fn station(line: &Line, word: Text<'_>, report: &mut Report) -> Option<StationId> {
+    let known: Vec<(&str, StationId)> = line.station_ids().map(|id| (line.station(id).name.as_str(), id)).collect();
+    one_of(&known, "station", word, report)
+}
+
+/// The two sides of `station: something`, each with its place.
+fn sides<'a>((text, at): Text<'a>, what: &str, report: &mut Report) -> Option<(Text<'a>, Text<'a>)> {
+    let Some((left, right)) = text.split_once(':') else {
+        report.error(at, format!("`{text}` names no {what}"), Some(format!("write `station: {what}`")));
+        return None;
+    };
+    Some((within(text, &at, left), within(text, &at, right)))
+}
+
+/// A part of a text, trimmed, with its place in the file; `at` includes the quotes.
+fn within<'a>(text: &str, at: &Range<usize>, part: &'a str) -> Text<'a> {
+    let trimmed = part.trim();
+    // An escape in the text moves everything behind it; the whole is then close enough.
+    if at.len() != text.len() + 2 {
+        return (trimmed, at.clone());
+    }
+    let start = at.start + 1 + (trimmed.as_ptr() as usize - text.as_ptr() as usize);
+    (trimmed, start..start + trimmed.len())
+}
+
+pub(super) fn operation(line: &Line, text: Text<'_>, report: &mut Report) -> Option<(StationId, OpId)> {
+    let (left, right) = sides(text, "operation", report)?;
+    let id = station(line, left, report)?;
+    let described = line.station(id);
+    let known: Vec<(&str, OpId)> =
+        described.op_ids().map(|op| (described.operations[op.index()].name.as_str(), op)).collect();
+    Some((id, one_of(&known, "operation", right, report)?))
+}
+
+pub(super) fn panel(line: &Line, text: Text<'_>, report: &mut Report) -> Option<(StationId, bool)> {
+    let (left, right) = sides(text, "advance", report)?;
+    let side = one_of(&[("advance", true), ("return", false)], "panel button", right, report);
+    Some((station(line, left, report)?, side?))
+}
+
+pub(super) fn selector(line: &Line, text: Text<'_>, report: &mut Report) -> Option<(StationId, bool)> {
+    let (left, right) = sides(text, "manual", report)?;
+    let side = one_of(&[("manual", true), ("auto", false)], "selector position", right, report);
+    Some((station(line, left, report)?, side?))
+}
+
+pub(super) fn button(line: &Line, word: Text<'_>, report: &mut Report) -> Option<usize> {
+    let known: Vec<(&str, usize)> = line.buttons.iter().enumerate().map(|(at, name)| (name.as_str(), at)).collect();
+    one_of(&known, "hand-mode button", word, report)
+}
+
+pub(super) fn input(line: &Line, text: Text<'_>, report: &mut Report) -> Option<(Option<StationId>, InputId)> {
+    let (left, right) = sides(text, "input", report)?;
+    let owner = if left.0 == "console" { None } else { Some(station(line, left, report)?) };
+    let inputs = owner.map_or(&line.console.inputs, |id| &line.station(id).inputs);
+    let known: Vec<(&str, InputId)> =
+        inputs.iter().enumerate().map(|(at, name)| (name.as_str(), InputId::at(at))).collect();
+    Some((owner, one_of(&known, "input", right, report)?))
+}
+
+pub(super) fn device(line: &Line, word: Text<'_>, report: &mut Report) -> Option<usize> {
+    let known: Vec<(&str, usize)> =
+        line.devices.iter().enumerate().map(|(at, device)| (device.name.as_str(), at)).collect();
+    one_of(&known, "device", word, report)
+}
+
+pub(super) fn process(line: &Line, word: Text<'_>, report: &mut Report) -> Option<Process> {
+    let stations = line.station_ids().map(|id| (line.station(id).name.as_str(), Process::Station(id)));
+    let known: Vec<(&str, Process)> = stations.chain([("coordinator", Process::Coordinator)]).collect();
+    one_of(&known, "process", word, report)
+}
+
+pub(super) fn condition(line: &Line, (text, at): Text<'_>, report: &mut Report) -> Option<Condition> {
+    let clauses: Vec<Option<Condition>> =
+        text.split(" and ").map(|part| clause(line, within(text, &at, part), report)).collect();
+    let mut clauses: Vec<Condition> = clauses.into_iter().collect::<Option<_>>()?;
+    if clauses.len() == 1 { clauses.pop() } else { Some(Condition::All(clauses)) }
+}
+
+const COMPARISONS: [(&str, Compare); 5] = [
+    (">=", Compare::AtLeast),
+    ("<=", Compare::AtMost),
+    ("==", Compare::Equal),
+    (">", Compare::More),
+    ("<", Compare::Less),
+];
+
+fn clause(line: &Line, (text, at): Text<'_>, report: &mut Report) -> Option<Condition> {
+    let part = |part| within_trimmed(text, &at, part);
+    let comparison = COMPARISONS.iter().find_map(|&(sign, how)| Some((how, text.split_once(sign)?)));
+    if let Some((how, (left, right))) = comparison {
+        let Ok(number) = right.trim().parse::<i64>() else {
+            let (right, at) = part(right);
+            report.error(at, format!("`{right}` is no whole number"), None);
+            return None;
+        };
+        return Some(match part(left) {
+            ("cycles", _) => Condition::Cycles(how, number),
+            left => Condition::Count(operation(line, left, report)?, how, number),
+        });
+    }
+    if let Some((left, right)) = text.split_once(" obeys ").or_else(|| text.split_once(" obey ")) {
+        let mode = mode(part(right), report);
+        return about(line, part(left), StationState::Obeys(mode?), report);
+    }
+    let Some((left, right)) = text.split_once(" is ").or_else(|| text.split_once(" are ")) else {
+        let hint = "`cycles >= 3`, `line is auto`, `clamp_1 is incomplete`, `all are home`, `clamp_1: advance clamp is \
+                    operating`, joined by `and`";
+        report.error(at.clone(), format!("`{text}` is no condition"), Some(hint.to_owned()));
+        return None;
+    };
+    match part(left) {
+        ("line", _) => Some(Condition::Mode(mode(part(right), report)?)),
+        left if left.0.contains(':') => {
+            let known = [
+                ("operating", OperationState::Operating),
+                ("incomplete", OperationState::Incomplete),
+                ("done", OperationState::Done),
+                ("undone", OperationState::Undone),
+            ];
+            let state = one_of(&known, "state of an operation", part(right), report);
+            Some(Condition::Operation(operation(line, left, report)?, state?))
+        }
+        left => {
+            let known = [
+                ("home", StationState::Home),
+                ("stopped", StationState::Stopped),
+                ("moving", StationState::Moving),
+                ("incomplete", StationState::Incomplete),
+                ("blocked", StationState::Blocked),
+                ("up", StationState::Up),
+                ("down", StationState::Down),
+                ("heard", StationState::Heard),
+            ];
+            let state = one_of(&known, "state of a station", part(right), report);
+            about(line, left, state?, report)
+        }
+    }
+}
+
+fn about(line: &Line, who: Text<'_>, state: StationState, report: &mut Report) -> Option<Condition> {
+    if who.0 == "all" {
+        return Some(Condition::Every(state));
+    }
+    Some(Condition::Station(station(line, who, report)?, state))
+}
+
+fn mode(word: Text<'_>, report: &mut Report) -> Option<ControlMode> {
+    one_of(&ControlMode::ALL.map(|mode| (mode.name(), mode)), "mode", word, report)
+}
+
+/// A part of a part, whose place carries no quotes.
+fn within_trimmed<'a>(text: &str, at: &Range<usize>, part: &'a str) -> Text<'a> {
+    let trimmed = part.trim();
+    if at.len() != text.len() {
+        return (trimmed, at.clone());
+    }
+    let start = at.start + (trimmed.as_ptr() as usize - text.as_ptr() as usize);
+    (trimmed, start..start + trimmed.len())
+}

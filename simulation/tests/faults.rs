@@ -1,0 +1,198 @@
+//! What goes wrong, what the line makes of it, and how people bring it back.
+
+mod common;
+
+use std::time::Duration;
+
+use common::*;
+use linewright_line::net::{Block, ControlMode};
+use linewright_line::{StationId, Tick};
+use linewright_simulation::{Action, End, Goal, Process, Sim, What, run};
+use linewright_station_logic::{Cause, Happening, Rules};
+
+const MILL: StationId = StationId(2);
+
+#[test]
+fn a_jam_in_auto_stops_one_and_lets_the_others_finish_then_a_person_goes_on() {
+    let shipped = include_str!("../../launch-config/lines/transfer-line/scenarios/jammed-clamp.toml");
+    let sim = played(shipped);
+    assert_eq!(sim.record().cycles(), 4);
+    let (clamp, advance) = op(sim.line(), "clamp_1", "advance clamp");
+    let faults = sim.record().faults();
+    assert_eq!(faults.len(), 1);
+    assert_eq!((faults[0].station, faults[0].op, faults[0].cause), (clamp, advance, Cause::Watchdog));
+    let stopped = |entry: &linewright_simulation::Entry| matches!(entry.what, What::Station(id, event) if id != clamp && matches!(event.what, Happening::Stopped(..)));
+    assert!(!sim.log().entries().iter().any(stopped), "nobody else stops half-way");
+    let modes = sim.log().modes();
+    use ControlMode::{Auto, Manual, StandBy};
+    assert_eq!(modes, [StandBy, Auto, StandBy, Manual, StandBy, Auto]);
+}
+
+#[test]
+fn a_mill_that_breaks_goes_home_by_its_path_and_does_the_round_again() {
+    let sim = played(
+        r#"
+        cycles = 3
+        [[step]]
+        when = "cycles >= 1 and mill_1: feed main slide is operating"
+        after_s = 0.3
+        break = "mill_1: feed main slide"
+        [[step]]
+        when = "line is stand-by and all are stopped"
+        repair = "mill_1: feed main slide"
+        expect = "mill_1 is incomplete"
+        [[step]]
+        command = "manual"
+        [[step]]
+        when = "all obey manual"
+        jog = "mill_1: return"
+        [[step]]
+        jog = "mill_1: return"
+        expect = "mill_1 is home and mill_1: feed main slide == 1"
+        [[step]]
+        command = "auto"
+        "#,
+    );
+    assert_eq!(sim.record().cycles(), 3);
+    assert!(sim.record().withdrawn() > 0, "the round is taken back");
+}
+
+#[test]
+fn an_emergency_stop_leaves_everything_where_it_is_and_only_manual_leads_out() {
+    let sim = played(
+        r#"
+        cycles = 2
+        [[step]]
+        when = "transfer: advance transfer is operating"
+        after_s = 0.2
+        command = "estop"
+        [[step]]
+        when = "line is e-stop and all are stopped"
+        expect = "transfer is incomplete"
+        [[step]]
+        refused = "auto"
+        [[step]]
+        command = "reset"
+        [[step]]
+        refused = "auto"
+        [[step]]
+        command = "manual"
+        [[step]]
+        when = "all obey manual"
+        jog = "transfer: advance"
+        [[step]]
+        command = "auto"
+        "#,
+    );
+    let faults = sim.record().faults();
+    assert_eq!((faults.len(), faults[0].cause), (1, Cause::EStop));
+}
+
+#[test]
+fn a_lost_device_stops_its_station_after_its_heartbeat_s_time() {
+    let sim = played(
+        r#"
+        cycles = 2
+        [[step]]
+        when = "mill_1: feed main slide is operating"
+        after_s = 0.1
+        device_lost = "mill 1 io"
+        [[step]]
+        when = "mill_1 is incomplete and line is stand-by"
+        after_s = 1
+        device_back = "mill 1 io"
+        [[step]]
+        when = "all are heard and all are stopped"
+        command = "manual"
+        [[step]]
+        when = "all obey manual"
+        jog = "mill_1: advance"
+        [[step]]
+        command = "auto"
+        "#,
+    );
+    let entries = sim.log().entries();
+    let lost = entries.iter().find(|e| matches!(&e.what, What::Act(text) if text == "mill 1 io lost")).unwrap().at;
+    let noticed = |e: &&linewright_simulation::Entry| matches!(e.what, What::Station(MILL, event) if event.what == Happening::Devices(false));
+    let noticed = entries.iter().find(noticed).unwrap().at;
+    assert_eq!(noticed.since(lost), sim.line().timing.heartbeat_timeout);
+    assert_eq!(sim.record().faults()[0].cause, Cause::Devices);
+}
+
+#[test]
+fn a_killed_station_is_missed_when_its_last_report_runs_out() {
+    let line = transfer_line(1);
+    let mut sim = Sim::new(&line, logged()).unwrap();
+    let goal = Goal::cycles(1);
+    assert_eq!(sim.run(&goal), End::Done);
+    // In the middle of the feed the mill has nothing new to say: its last report is its last repetition.
+    let (_, feed) = op(&line, "mill_1", "feed main slide");
+    while !sim.controller(MILL).unwrap().marking().any(|p| p.op == feed && p.is_operating()) {
+        sim.step();
+    }
+    let killed = sim.now() + Duration::from_millis(234);
+    sim.run_to(killed);
+    sim.act(Action::Kill(Process::Station(MILL))).unwrap();
+    sim.run_to(killed + Duration::from_secs(1));
+    let refresh = line.timing.refresh.as_micros() as u64;
+    let said = Tick::from_micros(killed.as_micros() / refresh * refresh);
+    let entered = sim.log().entries().iter().rfind(|e| e.what == What::Mode(ControlMode::StandBy)).unwrap().at;
+    assert_eq!(entered, said + Duration::from_millis(1) + line.timing.stale);
+    // It comes back where it was, incomplete, and waits for a person.
+    sim.act(Action::Restart(Process::Station(MILL))).unwrap();
+    sim.run_to(sim.now() + Duration::from_secs(1));
+    assert!(sim.hears(MILL));
+    assert!(sim.controller(MILL).unwrap().marking().any(|p| p.op == feed && p.is_incomplete()));
+    assert_eq!(sim.mode(), ControlMode::StandBy);
+}
+
+#[test]
+fn a_coordinator_that_dies_is_outlived_by_its_lease_alone() {
+    let sim = played(
+        r#"
+        cycles = 0
+        [[step]]
+        when = "cycles >= 1 and mill_1: decel is operating"
+        kill = "coordinator"
+        [[step]]
+        when = "all obey stand-by"
+        after_s = 1
+        restart = "coordinator"
+        [[step]]
+        when = "all are heard"
+        after_s = 0.5
+        expect = "line is home"
+        "#,
+    );
+    assert_eq!(sim.record().cycles(), 1);
+}
+
+#[test]
+fn with_flags_instead_of_counts_the_observer_sees_the_bar_lift_under_a_closed_clamp() {
+    let line = transfer_line(1);
+    let rules = Rules { counted: false, ..Rules::default() };
+    let (sim, end) = run(&line, linewright_simulation::Options { rules, ..logged() }, &Goal::cycles(5)).unwrap();
+    assert_eq!(end, End::Conflict, "{}", sim.log().tail(&line, 40));
+    assert!(line.conflicts[sim.conflicts()[0].conflict].why.contains("clamp"));
+    let (transfer, lift) = op(&line, "transfer", "1st lift");
+    let lifted = |e: &linewright_simulation::Entry| matches!(e.what, What::Station(id, event) if id == transfer && event.what == Happening::Started(lift, Block::Normal));
+    assert!(sim.log().entries().iter().filter(|e| lifted(e)).count() >= 1);
+}
+
+#[test]
+fn a_line_that_cannot_go_on_says_what_everybody_waits_for() {
+    let (_, end) = play(
+        r#"
+        cycles = 3
+        [[step]]
+        when = "cycles >= 1"
+        jam = "transfer: advance transfer"
+        "#,
+    );
+    let End::Stuck(reasons) = end else { panic!("{end:?}") };
+    assert!(reasons[0].contains("stand-by"), "{reasons:?}");
+    assert!(
+        reasons.iter().any(|r| r.contains("recovery of advance transfer in manual (took too long)")),
+        "{reasons:?}"
+    );
+}

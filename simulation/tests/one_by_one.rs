@@ -1,0 +1,90 @@
+//! Messages that say nothing new wake nobody. That must change nothing: every run here is played twice, once with every
+//! message waking its reader, and the two traces are the same to the microsecond — through jitter, loss, deaths, lost
+//! devices, buttons and emergency stops. Only what different nodes do in the same microsecond may stand in another order.
+
+mod common;
+
+use std::time::Duration;
+
+use common::*;
+use linewright_coordinator_logic::Command;
+use linewright_line::{Line, StationId, Tick};
+use linewright_plant::Fault;
+use linewright_simulation::{Action, Network, Options, Process, Rng, Sim, Way};
+
+/// Somebody does something at random.
+fn action(line: &Line, rng: &mut Rng) -> Action {
+    let station = StationId::at(rng.below(line.stations.len() as u64) as usize);
+    let op = line.station(station).op_ids().nth(rng.below(2) as usize).unwrap();
+    let process = if rng.chance(300) { Process::Coordinator } else { Process::Station(station) };
+    match rng.below(16) {
+        0 => Action::Command(*rng.pick(&Command::ALL)),
+        1 | 2 => Action::Command(*rng.pick(&[Command::Start, Command::Auto])),
+        3 => Action::Command(*rng.pick(&[Command::Manual, Command::Hand])),
+        4 | 5 => Action::Panel { station, advance: rng.chance(600), down: true },
+        6 => Action::Panel { station, advance: rng.chance(600), down: false },
+        7 => Action::Buttons(1 << rng.below(line.buttons.len() as u64)),
+        8 => Action::Buttons(0),
+        9 => Action::Selector(station, rng.chance(400)),
+        10 => Action::Fail((station, op), Way::Both, Some(*rng.pick(&[Fault::Stick, Fault::Slip, Fault::SlipBack]))),
+        11 => Action::Fail((station, op), Way::Both, None),
+        12 => Action::Device(rng.below(line.devices.len() as u64) as usize, rng.chance(500)),
+        13 => Action::Kill(process),
+        14 => Action::Restart(process),
+        _ => Action::Command(Command::Reset),
+    }
+}
+
+fn trace(line: &Line, seed: u64, one_by_one: bool) -> (String, u64) {
+    let mut rng = Rng::new(seed);
+    let network = Network {
+        delay: Duration::from_micros(rng.within(1, 5000)),
+        jitter: Duration::from_micros(rng.below(2) * rng.within(0, 30_000)),
+        loss_per_mille: (rng.below(2) * rng.within(0, 300)) as u32,
+    };
+    let options = Options { seed, network, variation: 0.1, one_by_one, keeps_log: true, ..Options::default() };
+    let mut sim = Sim::new(line, options).unwrap();
+    sim.run_to(Tick::from_millis(500));
+    for command in [Command::Start, Command::Auto] {
+        sim.act(Action::Command(command)).unwrap();
+        sim.run_to(sim.now() + Duration::from_millis(100));
+    }
+    for _ in 0..60 {
+        let pause = rng.within(0, 900_000);
+        sim.run_to(sim.now() + Duration::from_micros(pause));
+        sim.act(action(line, &mut rng)).unwrap();
+    }
+    sim.run_to(sim.now() + Duration::from_secs(5));
+    assert_eq!(sim.conflicts(), [], "seed {seed}: {}", sim.log().tail(line, 80));
+    assert_eq!(sim.record().errors(), [] as [String; 0], "seed {seed}");
+    (sorted(&sim.log().text(line)), sim.events())
+}
+
+/// The lines by time and, within a microsecond, by who speaks; what one node says keeps its order.
+fn sorted(trace: &str) -> String {
+    let mut lines: Vec<&str> = trace.lines().collect();
+    let key = |line: &&str| {
+        let mut words = line.split(' ');
+        let micros: u64 = words.next().and_then(|time| time.replace('.', "").parse().ok()).expect("a line has a time");
+        (micros, words.nth(1).map(str::to_owned))
+    };
+    lines.sort_by_key(key);
+    lines.join("\n")
+}
+
+#[test]
+fn a_message_that_says_nothing_new_changes_nothing() {
+    let mut events = (0, 0);
+    for (machines, seeds) in [(1, 120), (3, 30)] {
+        let line = transfer_line(machines);
+        for seed in 1..=seeds {
+            let (few, many) = (trace(&line, seed, false), trace(&line, seed, true));
+            for (number, (a, b)) in few.0.lines().zip(many.0.lines()).enumerate() {
+                assert_eq!(a, b, "seed {seed}, {machines} machines, line {number}");
+            }
+            assert_eq!(few.0.len(), many.0.len(), "seed {seed}, {machines} machines");
+            events = (events.0 + few.1, events.1 + many.1);
+        }
+    }
+    assert!(events.0 * 3 < events.1 * 2, "the shorter way is shorter: {events:?}");
+}
