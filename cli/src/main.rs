@@ -46,6 +46,8 @@ enum Command {
     Nets(nets::Args),
     /// Analyse a place/transition net: bounded, live, reversible, deadlocks, invariants.
     Analyse(analyse::Args),
+    /// Run a line's controllers against the simulated plant in virtual time: its bar chart, cycle time, faults.
+    Simulate(simulate::Args),
     /// Run a whole line on this machine, with simulated devices.
     Run(run::Args),
     /// Run the node of one or more stations.
@@ -91,6 +93,7 @@ fn dispatch(command: Command, ros: RosArgs) -> miette::Result<ExitCode> {
         Command::Check(args) => check::run(&args),
         Command::Nets(args) => nets::run(&args),
         Command::Analyse(args) => analyse::run(&args),
+        Command::Simulate(args) => simulate::run(&args),
         Command::Run(args) => asynchronous(async move { run::run(args, ros).await }),
         Command::Station(args) => logged(&ros, || nodes::station(args, &ros)),
         Command::Coordinator(args) => logged(&ros, || nodes::coordinator(args, &ros)),

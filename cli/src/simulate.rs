@@ -1,1 +1,154 @@
 //! `linewright simulate`: the bar chart that the line's own controllers produce, in virtual time.
+//!
+//! The real station controllers and the real mode controller run against the simulated plant; [`linewright_simulation`]
+//! plays them, and this command reads the files, shows what came out and decides the exit code: 0 if the cycles are
+//! done, the scenario went as it expected and no conflict happened; 1 otherwise, with the reason.
+
+mod chart;
+mod json;
+mod report;
+mod svg;
+
+use std::path::{Path, PathBuf};
+use std::process::ExitCode;
+use std::time::Duration;
+
+use linewright_line::Line;
+use linewright_simulation::{End, Goal, Network, Options, Scenario, Sim};
+use miette::{IntoDiagnostic, WrapErr, miette};
+
+use crate::load;
+use crate::out::say;
+use report::Report;
+
+/// A scenario may be this large.
+const SCENARIO_BYTES_MAX: u64 = 1 << 20;
+/// Cycles that are run when nobody says how many.
+const CYCLES: usize = 3;
+/// More are no more informative, and their motions would be forgotten.
+const CYCLES_MAX: usize = 10_000_000;
+
+/// Options of `simulate`.
+#[derive(Debug, clap::Args)]
+pub struct Args {
+    /// The line's directory, or its description.
+    line: PathBuf,
+    /// How many cycles of the whole line to run [default: what the scenario says, or 3].
+    #[arg(long, value_parser = clap::value_parser!(u64).range(1..=CYCLES_MAX as u64))]
+    cycles: Option<u64>,
+    /// What everything random follows from.
+    #[arg(long, default_value_t = 1)]
+    seed: u64,
+    /// What people and bad luck do meanwhile: a TOML file, see docs/simulate.md.
+    #[arg(long, value_name = "FILE")]
+    scenario: Option<PathBuf>,
+    /// What a message between nodes takes, in milliseconds [default: what the scenario says, or 1].
+    #[arg(long, value_name = "MS", value_parser = millis)]
+    delay: Option<Duration>,
+    /// What it may take longer, drawn for each message, in milliseconds [default: what the scenario says, or 0].
+    #[arg(long, value_name = "MS", value_parser = millis)]
+    jitter: Option<Duration>,
+    /// How much longer or shorter than described a motion may take, in percent [default: what the scenario says, or 0].
+    #[arg(long, value_name = "PERCENT", value_parser = percent)]
+    variation: Option<f64>,
+    /// Print one JSON object instead of text.
+    #[arg(long)]
+    json: bool,
+    /// Write the bar chart as SVG.
+    #[arg(long, value_name = "FILE")]
+    svg: Option<PathBuf>,
+    /// Write everything that happened, a line of text each.
+    #[arg(long, value_name = "FILE")]
+    trace: Option<PathBuf>,
+}
+
+fn millis(text: &str) -> Result<Duration, String> {
+    let millis: f64 = text.parse().map_err(|_| "not a number of milliseconds".to_owned())?;
+    if (0.0..=10_000.0).contains(&millis) {
+        Ok(Duration::from_secs_f64(millis / 1e3))
+    } else {
+        Err("between 0 and 10000 ms".to_owned())
+    }
+}
+
+fn percent(text: &str) -> Result<f64, String> {
+    let percent: f64 = text.parse().map_err(|_| "not a number".to_owned())?;
+    if (0.0..=90.0).contains(&percent) { Ok(percent / 100.0) } else { Err("between 0 and 90 percent".to_owned()) }
+}
+
+/// Runs the command.
+pub fn run(args: &Args) -> miette::Result<ExitCode> {
+    let line = load::line(&args.line, args.json)?;
+    let scenario = match &args.scenario {
+        Some(path) => Some(read_scenario(path, &line)?),
+        None => None,
+    };
+    let (goal, options) = told(args, scenario.as_ref());
+    let (sim, end) = linewright_simulation::run(&line, options, &goal).map_err(|error| miette!("{error}"))?;
+    let report = Report::new(&sim, &end, &goal, scenario.as_ref());
+    if let Some(path) = &args.trace {
+        write(path, &sim.log().text(&line))?;
+    }
+    if let Some(path) = &args.svg {
+        write(path, &svg::draw(&line, &report))?;
+    }
+    if args.json {
+        let text = serde_json::to_string_pretty(&json::Object::new(&line, &sim, &report)).into_diagnostic()?;
+        say!("{text}");
+    } else {
+        say!("{}", report.text(&line).trim_end());
+        print_end(&sim, &end, scenario.as_ref());
+    }
+    Ok(if end == End::Done { ExitCode::SUCCESS } else { ExitCode::FAILURE })
+}
+
+/// What the command line says goes before what the scenario says.
+fn told(args: &Args, scenario: Option<&Scenario>) -> (Goal, Options) {
+    let default = Network::default();
+    let network = scenario.map_or(default, |scenario| scenario.network);
+    let options = Options {
+        seed: args.seed,
+        network: Network {
+            delay: args.delay.unwrap_or(network.delay),
+            jitter: args.jitter.unwrap_or(network.jitter),
+            ..network
+        },
+        variation: args.variation.unwrap_or(scenario.map_or(0.0, |scenario| scenario.variation)),
+        keeps_log: args.trace.is_some() || args.json,
+        ..Options::default()
+    };
+    let asked = args.cycles.map(|cycles| cycles as usize).or(scenario.and_then(|scenario| scenario.cycles));
+    let goal = Goal {
+        cycles: asked.unwrap_or(CYCLES),
+        starts: scenario.is_none_or(|scenario| scenario.starts),
+        script: scenario.map(|scenario| scenario.script.clone()).unwrap_or_default(),
+    };
+    (goal, options)
+}
+
+fn read_scenario(path: &Path, line: &Line) -> miette::Result<Scenario> {
+    let name = path.display().to_string();
+    let size = std::fs::metadata(path).into_diagnostic().wrap_err_with(|| format!("cannot read {name}"))?.len();
+    if size > SCENARIO_BYTES_MAX {
+        return Err(miette!("{name} has {size} bytes; a scenario has {SCENARIO_BYTES_MAX} at most"));
+    }
+    let text = std::fs::read_to_string(path).into_diagnostic().wrap_err_with(|| format!("cannot read {name}"))?;
+    Scenario::parse(line, &name, &text).map_err(miette::Report::new)
+}
+
+fn write(path: &Path, text: &str) -> miette::Result<()> {
+    std::fs::write(path, text).into_diagnostic().wrap_err_with(|| format!("cannot write {}", path.display()))
+}
+
+/// A failed step of a scenario is shown in its file, everything else in words.
+fn print_end(sim: &Sim, end: &End, scenario: Option<&Scenario>) {
+    if let (End::Failed { step: Some(step), why }, Some(scenario)) = (end, scenario)
+        && let Some(problem) = scenario.failed_at(*step, why)
+    {
+        eprintln!("{:?}", miette::Report::new(problem));
+        return;
+    }
+    if let Some(text) = report::end_text(sim, end) {
+        eprintln!("linewright: {text}");
+    }
+}

@@ -1,0 +1,156 @@
+//! The one object that `--json` prints.
+
+use linewright_line::Line;
+use linewright_simulation::{By, Sim};
+use serde::Serialize;
+
+use super::report::{Bar, Report, micros, op_text};
+
+/// Everything that came out. Times are seconds.
+#[derive(Serialize)]
+pub struct Object {
+    line: String,
+    ok: bool,
+    #[serde(skip_serializing_if = "Option::is_none")]
+    error: Option<String>,
+    #[serde(skip_serializing_if = "Option::is_none")]
+    scenario: Option<String>,
+    cycles: usize,
+    cycle_time_s: Option<f64>,
+    planned_cycle_time_s: f64,
+    cycle_ends_s: Vec<f64>,
+    drawn_cycle: i32,
+    operations: Vec<Operation>,
+    critical_path: Vec<Critical>,
+    waits: Vec<Wait>,
+    conflicts: Vec<Conflict>,
+    faults: Vec<Fault>,
+    withdrawn: u64,
+    events: Vec<String>,
+}
+
+#[derive(Serialize)]
+struct Operation {
+    station: String,
+    operation: String,
+    planned: Option<Span>,
+    simulated: Option<Span>,
+    critical: bool,
+    done: i32,
+}
+
+#[derive(Serialize)]
+struct Span {
+    start_s: f64,
+    end_s: f64,
+}
+
+#[derive(Serialize)]
+struct Critical {
+    operation: String,
+    cycle: i32,
+    duration_s: f64,
+    /// What it waited for last: `step` or the arrow's tail.
+    waited_for: String,
+    late_s: f64,
+}
+
+#[derive(Serialize)]
+struct Wait {
+    operation: String,
+    waits_for: String,
+    starts: u64,
+    total_s: f64,
+    mean_s: f64,
+}
+
+#[derive(Serialize)]
+struct Conflict {
+    at_s: f64,
+    why: String,
+    positions: String,
+}
+
+#[derive(Serialize)]
+struct Fault {
+    at_s: f64,
+    operation: String,
+    cause: &'static str,
+}
+
+impl Object {
+    /// The object of a run.
+    pub fn new(line: &Line, sim: &Sim, report: &Report) -> Self {
+        let span = |bar: Bar| Span { start_s: bar.0, end_s: bar.1 };
+        let operations = report.rows.iter().map(|row| Operation {
+            station: line.station(row.station).name.clone(),
+            operation: line.operation((row.station, row.op)).name.clone(),
+            planned: row.planned.map(span),
+            simulated: row.simulated.map(span),
+            critical: row.is_critical,
+            done: sim.done(row.station, row.op),
+        });
+        let waits = report.waits.iter().map(|&(arrow, starts, total_s)| Wait {
+            operation: op_text(line, line.arrows[arrow].to),
+            waits_for: op_text(line, line.arrows[arrow].from),
+            starts,
+            total_s,
+            mean_s: micros(total_s / starts as f64),
+        });
+        Object {
+            line: line.name.clone(),
+            ok: report.error.is_none(),
+            error: report.error.clone(),
+            scenario: report.title.clone(),
+            cycles: report.cycles,
+            cycle_time_s: report.cycle_time_s.map(micros),
+            planned_cycle_time_s: micros(report.planned_s),
+            cycle_ends_s: report.ends_s.clone(),
+            drawn_cycle: report.drawn,
+            operations: operations.collect(),
+            critical_path: critical(line, report),
+            waits: waits.collect(),
+            conflicts: conflicts(line, sim),
+            faults: faults(line, sim),
+            withdrawn: sim.record().withdrawn(),
+            events: sim.log().entries().iter().map(|entry| entry.text(line)).collect(),
+        }
+    }
+}
+
+fn critical(line: &Line, report: &Report) -> Vec<Critical> {
+    let links = report.critical.iter().flat_map(|path| &path.links);
+    links
+        .map(|link| Critical {
+            operation: op_text(line, (link.motion.station, link.motion.op)),
+            cycle: link.motion.cycle,
+            duration_s: link.motion.end.since(link.motion.start).as_secs_f64(),
+            waited_for: match link.motion.by {
+                By::Arrow(arrow) => op_text(line, line.arrows[arrow].from),
+                By::Previous | By::Person => "step".to_owned(),
+            },
+            late_s: link.late.as_secs_f64(),
+        })
+        .collect()
+}
+
+fn conflicts(line: &Line, sim: &Sim) -> Vec<Conflict> {
+    let seen = sim.conflicts().iter();
+    seen.map(|seen| Conflict {
+        at_s: seen.at.as_micros() as f64 / 1e6,
+        why: line.conflicts[seen.conflict].why.clone(),
+        positions: seen.positions.clone(),
+    })
+    .collect()
+}
+
+fn faults(line: &Line, sim: &Sim) -> Vec<Fault> {
+    let faults = sim.record().faults().iter();
+    faults
+        .map(|fault| Fault {
+            at_s: fault.at.as_micros() as f64 / 1e6,
+            operation: op_text(line, (fault.station, fault.op)),
+            cause: fault.cause.text(),
+        })
+        .collect()
+}
