@@ -19,6 +19,7 @@ mod condition;
 mod critical;
 mod field;
 mod link;
+mod lives;
 mod log;
 mod node;
 mod observer;
@@ -31,7 +32,9 @@ mod run;
 mod scenario;
 mod script;
 mod sim;
+mod talk;
 mod timers;
+mod view;
 
 pub use condition::{Compare, Condition, OperationState, StationState};
 pub use critical::{CriticalPath, Link};

@@ -8,18 +8,19 @@ use std::collections::VecDeque;
 
 use linewright_coordinator_logic::{Command, Refusal};
 use linewright_line::net::ControlMode;
-use linewright_line::{Line, OpId, StationId, Tick};
+use linewright_line::{Line, Tick};
 use linewright_plant::PlantOptions;
-use linewright_station_logic::{CompileError, Controller, Restore};
+use linewright_station_logic::{CompileError, Restore};
 
 use crate::field::Field;
 use crate::link::{Link, Said};
 use crate::log::{Log, What};
 use crate::node::{CoordinatorNode, StationNode};
-use crate::observer::{Observer, Seen};
+use crate::observer::Observer;
 use crate::operator::Hands;
 use crate::options::Options;
 use crate::record::Record;
+use crate::talk::links_of;
 use crate::timers::Timers;
 
 /// An answer to a command: obeyed, or refused.
@@ -38,27 +39,27 @@ pub struct Sim {
     pub(crate) coordinator: CoordinatorNode,
     pub(crate) hands: Hands,
     pub(crate) field: Field,
-    observer: Observer,
+    pub(crate) observer: Observer,
     pub(crate) links: Vec<Link>,
     /// By node: links to it and from it.
     pub(crate) into: Vec<Vec<usize>>,
-    out_of: Vec<Vec<usize>>,
+    pub(crate) out_of: Vec<Vec<usize>>,
     /// By link between stations: the arrows from its writer into its reader.
-    arrows: Vec<Vec<usize>>,
-    timers: Timers,
+    pub(crate) arrows: Vec<Vec<usize>>,
+    pub(crate) timers: Timers,
     /// Who repeats its state when, and in which life; sorted, because all have the same period.
-    repeats: VecDeque<(Tick, usize, u64)>,
+    pub(crate) repeats: VecDeque<(Tick, usize, u64)>,
     /// By node: its life, for whoever knew it before it died.
-    lives: Vec<u64>,
-    life: u64,
-    log: Log,
-    record: Record,
+    pub(crate) lives: Vec<u64>,
+    pub(crate) life: u64,
+    pub(crate) log: Log,
+    pub(crate) record: Record,
     pub(crate) answers: Vec<Answer>,
-    mode: ControlMode,
+    pub(crate) mode: ControlMode,
     /// When a station last had something to tell.
     pub(crate) last_event: Tick,
-    renewals: Vec<(Tick, usize)>,
-    events: u64,
+    pub(crate) renewals: Vec<(Tick, usize)>,
+    pub(crate) events: u64,
 }
 
 impl Sim {
@@ -111,11 +112,6 @@ impl Sim {
         Ok(sim)
     }
 
-    fn next_life(&mut self) -> u64 {
-        self.life += 1;
-        self.life
-    }
-
     pub(crate) fn coordinator_node(&self) -> usize {
         self.line.stations.len()
     }
@@ -124,85 +120,18 @@ impl Sim {
         self.line.stations.len() + 1
     }
 
-    /// A node begins a life now: it looks at its devices and says its state, now and from now on.
-    fn begin(&mut self, node: usize, life: u64) {
-        self.lives[node] = life;
-        for at in 0..self.out_of[node].len() {
-            self.links[self.out_of[node][at]].forget_said();
-        }
-        for at in 0..self.into[node].len() {
-            let link = self.into[node][at];
-            self.links[link].forget_heard();
-            self.timers.set(link, Tick::NEVER);
-        }
-        self.repeats.push_front((self.now, node, life));
-        self.wake_field(node);
-        self.wake_node(node, self.now);
-    }
-
-    /// Starts a station that is down, from its journal.
-    pub(crate) fn restart_station(&mut self, at: usize) -> Result<(), CompileError> {
-        let Some(journal) = self.stations[at].journal.take() else { return Ok(()) };
-        let life = self.next_life();
-        let id = StationId::at(at);
-        self.stations[at] = StationNode::start(&self.line, id, life, Restore::From(journal), self.options.rules)?;
-        self.field.owner_up(self.now, at);
-        self.begin(at, life);
-        Ok(())
-    }
-
-    /// Ends a station's process.
-    pub(crate) fn kill_station(&mut self, at: usize) {
-        let node = &mut self.stations[at];
-        if node.is_up() {
-            node.journal = Some(node.controller.snapshot());
-            // What it asked for stands until the gateway or its own bus's devices miss it.
-            let timing = &self.line.timing;
-            let until = match self.line.stations[at].bus {
-                linewright_line::Bus::Line => timing.stale,
-                linewright_line::Bus::Own(_) => timing.heartbeat_timeout,
-            };
-            self.field.owner_down(at, self.now + until);
-            self.timers.set(self.node_slot(at), Tick::NEVER);
-            self.wake_field(at);
-        }
-    }
-
-    /// Ends the coordinator's process, and with it whoever reads the line's bus.
-    pub(crate) fn kill_coordinator(&mut self) {
-        if self.coordinator.is_up {
-            self.coordinator.is_up = false;
-            self.field.bus_read(self.now, &self.line, false);
-            self.timers.set(self.node_slot(self.coordinator_node()), Tick::NEVER);
-            self.wake_fields();
-        }
-    }
-
-    /// Starts a coordinator that has the journal of the one before.
-    pub(crate) fn restart_coordinator(&mut self) {
-        if !self.coordinator.is_up {
-            let (epoch, estopped) = (self.coordinator.coordinator.epoch(), self.coordinator.coordinator.is_estopped());
-            let life = self.next_life();
-            self.coordinator = CoordinatorNode::start(&self.line, life, epoch, estopped);
-            self.mode = self.coordinator.coordinator.mode();
-            self.field.bus_read(self.now, &self.line, true);
-            self.wake_fields();
-            self.begin(self.coordinator_node(), life);
-        }
-    }
-
-    fn is_up(&self, node: usize) -> bool {
+    pub(crate) fn is_up(&self, node: usize) -> bool {
         match self.stations.get(node) {
             Some(station) => station.is_up(),
             None => node != self.coordinator_node() || self.coordinator.is_up,
         }
     }
 
-    fn field_slot(&self, at: usize) -> usize {
+    pub(crate) fn field_slot(&self, at: usize) -> usize {
         self.links.len() + at
     }
 
-    fn node_slot(&self, node: usize) -> usize {
+    pub(crate) fn node_slot(&self, node: usize) -> usize {
         self.links.len() + self.line.stations.len() + 1 + node
     }
 
@@ -218,7 +147,7 @@ impl Sim {
         }
     }
 
-    fn wake_node(&mut self, node: usize, at: Tick) {
+    pub(crate) fn wake_node(&mut self, node: usize, at: Tick) {
         self.timers.set(self.node_slot(node), at);
     }
 
@@ -261,27 +190,6 @@ impl Sim {
             self.step();
         }
         self.now = self.now.max(end);
-    }
-
-    /// Takes what has arrived and says nothing new, each at its own time.
-    #[inline]
-    fn catch_up(&mut self, node: usize) {
-        let mut renewals = std::mem::take(&mut self.renewals);
-        for &at in &self.into[node] {
-            self.links[at].take_repetitions(self.now, at, &mut renewals);
-        }
-        if renewals.len() > 1 {
-            renewals.sort_unstable();
-        }
-        for (arrived, at) in renewals.drain(..) {
-            let link = &self.links[at];
-            let Some(said) = &link.heard else { continue };
-            match self.stations.get_mut(node) {
-                Some(station) => station.hear(arrived, link.from, said),
-                None => self.coordinator.hear(arrived, link.from, said),
-            }
-        }
-        self.renewals = renewals;
     }
 
     fn arrival(&mut self, at: usize) {
@@ -379,20 +287,6 @@ impl Sim {
         self.wake_node(at, deadline.max(now));
     }
 
-    /// Where a person's button decides what a station does next, its controller is woken by every message: a press is
-    /// looked at again in the step after the one it arrived in.
-    fn attend(&mut self, at: usize) {
-        let mode = self.stations[at].controller.mode();
-        let attends = self.options.one_by_one || matches!(mode, ControlMode::Hand | ControlMode::Manual);
-        for index in 0..self.into[at].len() {
-            let link = self.into[at][index];
-            if self.links[link].wakes_always != attends {
-                self.links[link].wake_always(attends);
-                self.timers.set(link, self.links[link].wakes());
-            }
-        }
-    }
-
     fn play_coordinator(&mut self, asked: Option<Command>) {
         let now = self.now;
         let node = &mut self.coordinator;
@@ -421,169 +315,9 @@ impl Sim {
         self.wake_node(self.coordinator_node(), deadline.max(now));
     }
 
-    /// A node repeats its state.
-    fn repeat(&mut self, node: usize, life: u64) {
-        if self.lives[node] != life || !self.is_up(node) {
-            return;
-        }
-        if node < self.stations.len() {
-            self.say_station(node);
-        } else if node == self.coordinator_node() {
-            self.say_order();
-        } else {
-            self.say_held();
-        }
-        let again = (self.now + self.line.timing.refresh, node, life);
-        let place = self.repeats.partition_point(|repeat| repeat.0 <= again.0);
-        self.repeats.insert(place, again);
-    }
-
-    fn say_station(&mut self, at: usize) {
-        self.stations[at].write_report();
-        let (now, network, coordinator) = (self.now, self.options.network, self.coordinator_node());
-        for index in 0..self.out_of[at].len() {
-            let number = self.out_of[at][index];
-            if !self.is_up(self.links[number].to) {
-                continue;
-            }
-            let (link, node) = (&mut self.links[number], &self.stations[at]);
-            if link.has_said(node.version) {
-                link.say_again(now, &network);
-            } else if link.to == coordinator {
-                link.say_heard(now, &network, node.heard(), node.version);
-            } else {
-                link.say_report(now, &network, &node.report, node.version);
-            }
-            self.timers.set(number, self.links[number].wakes());
-        }
-    }
-
-    fn say_order(&mut self) {
-        // Buttons held by message run out without a word.
-        let order = self.coordinator.order();
-        let (now, network, version) = (self.now, self.options.network, self.coordinator.version);
-        let node = self.coordinator_node();
-        for index in 0..self.out_of[node].len() {
-            let number = self.out_of[node][index];
-            if self.is_up(self.links[number].to) {
-                self.links[number].say_order(now, &network, order, version);
-                self.timers.set(number, self.links[number].wakes());
-            }
-        }
-    }
-
-    /// Says a word of the operator's to a node.
-    pub(crate) fn say_word(&mut self, to: usize, said: Said) {
-        let operator = self.operator_node();
-        let number = self.out_of[operator].iter().copied().find(|&at| self.links[at].to == to);
-        if let Some(number) = number.filter(|_| self.is_up(to)) {
-            self.links[number].say_word(self.now, &self.options.network, said);
-            self.timers.set(number, self.links[number].wakes());
-        }
-    }
-
     pub(crate) fn note(&mut self, what: String) {
         if self.options.keeps_log {
             self.log.push(self.now, What::Act(what));
         }
     }
-
-    /// The line.
-    pub fn line(&self) -> &Line {
-        &self.line
-    }
-
-    /// The present moment.
-    pub fn now(&self) -> Tick {
-        self.now
-    }
-
-    /// Events played so far.
-    pub fn events(&self) -> u64 {
-        self.events
-    }
-
-    /// What has happened, if the log is kept.
-    pub fn log(&self) -> &Log {
-        &self.log
-    }
-
-    /// Motions, counts, cycles.
-    pub fn record(&self) -> &Record {
-        &self.record
-    }
-
-    /// The conflicts that were seen.
-    pub fn conflicts(&self) -> &[Seen] {
-        self.observer.seen()
-    }
-
-    /// How often drives both ways of one axis came on at once.
-    pub fn alarms(&self) -> u64 {
-        self.field.plant().alarms()
-    }
-
-    /// The mode of the line, by the coordinator that was last up.
-    pub fn mode(&self) -> ControlMode {
-        self.mode
-    }
-
-    /// The controller of a station; none while its process is down.
-    pub fn controller(&self, station: StationId) -> Option<&Controller> {
-        let node = &self.stations[station.index()];
-        node.is_up().then_some(&node.controller)
-    }
-
-    /// The mode a station acts on.
-    pub fn mode_of(&self, station: StationId) -> Option<ControlMode> {
-        self.controller(station).map(Controller::mode)
-    }
-
-    /// The last cycle in which an operation is done.
-    pub fn done(&self, station: StationId, op: OpId) -> i32 {
-        self.record.count(station, op)
-    }
-
-    /// A station is up, heard by the coordinator, and has its devices.
-    pub fn hears(&self, station: StationId) -> bool {
-        self.coordinator.is_up
-            && self.coordinator.coordinator.hears(station)
-            && self.controller(station).is_some_and(|controller| controller.report().devices_valid)
-    }
-
-    /// Where an axis stands.
-    pub fn position(&self, station: StationId, axis: linewright_line::AxisId) -> f64 {
-        self.field.position(station, axis)
-    }
-}
-
-/// Every way of the line with, for those between stations, the arrows it carries.
-fn links_of(line: &Line, options: &Options) -> (Vec<Link>, Vec<Vec<usize>>) {
-    let (coordinator, operator) = (line.stations.len(), line.stations.len() + 1);
-    let (mut links, mut arrows) = (Vec::new(), Vec::new());
-    let mut add = |from: usize, to: usize, reads: Vec<OpId>, carried: Vec<usize>| {
-        let term = if from == coordinator { line.timing.lease } else { line.timing.stale };
-        let mut link = Link::new(from, to, reads, !options.rules.counted, term, options.seed);
-        link.wakes_always = options.one_by_one;
-        links.push(link);
-        arrows.push(carried);
-    };
-    for from in 0..coordinator {
-        for to in (0..coordinator).filter(|&to| to != from) {
-            let joins = |a: &linewright_line::Arrow, x: usize, y: usize| a.from.0.index() == x && a.to.0.index() == y;
-            let carried: Vec<usize> = (0..line.arrows.len()).filter(|&at| joins(&line.arrows[at], from, to)).collect();
-            // A reader of whom the writer has arrows is asked for agreement, and answers.
-            if !carried.is_empty() || line.arrows.iter().any(|a| joins(a, to, from)) {
-                let mut reads: Vec<OpId> = carried.iter().map(|&at| line.arrows[at].from.1).collect();
-                reads.sort_unstable();
-                reads.dedup();
-                add(from, to, reads, carried);
-            }
-        }
-        add(from, coordinator, Vec::new(), Vec::new());
-        add(coordinator, from, Vec::new(), Vec::new());
-        add(operator, from, Vec::new(), Vec::new());
-    }
-    add(operator, coordinator, Vec::new(), Vec::new());
-    (links, arrows)
 }

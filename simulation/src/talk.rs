@@ -1,0 +1,140 @@
+//! Who says what to whom, and when it is taken.
+//!
+//! A node says its state when it changes and repeats it every refresh period; each link decides whether that is news to
+//! its reader. What is no news the reader takes before the next thing it does, each message at its own time.
+
+use linewright_line::net::ControlMode;
+use linewright_line::{Line, OpId};
+
+use crate::link::{Link, Said};
+use crate::options::Options;
+use crate::sim::Sim;
+
+impl Sim {
+    /// Takes what has arrived and says nothing new, each at its own time.
+    #[inline]
+    pub(crate) fn catch_up(&mut self, node: usize) {
+        let mut renewals = std::mem::take(&mut self.renewals);
+        for &at in &self.into[node] {
+            self.links[at].take_repetitions(self.now, at, &mut renewals);
+        }
+        if renewals.len() > 1 {
+            renewals.sort_unstable();
+        }
+        for (arrived, at) in renewals.drain(..) {
+            let link = &self.links[at];
+            let Some(said) = &link.heard else { continue };
+            match self.stations.get_mut(node) {
+                Some(station) => station.hear(arrived, link.from, said),
+                None => self.coordinator.hear(arrived, link.from, said),
+            }
+        }
+        self.renewals = renewals;
+    }
+
+    /// Where a person's button decides what a station does next, its controller is woken by every message: a press is
+    /// looked at again in the step after the one it arrived in.
+    pub(crate) fn attend(&mut self, at: usize) {
+        let mode = self.stations[at].controller.mode();
+        let attends = self.options.one_by_one || matches!(mode, ControlMode::Hand | ControlMode::Manual);
+        for index in 0..self.into[at].len() {
+            let link = self.into[at][index];
+            if self.links[link].wakes_always != attends {
+                self.links[link].wake_always(attends);
+                self.timers.set(link, self.links[link].wakes());
+            }
+        }
+    }
+
+    /// A node repeats its state.
+    pub(crate) fn repeat(&mut self, node: usize, life: u64) {
+        if self.lives[node] != life || !self.is_up(node) {
+            return;
+        }
+        if node < self.stations.len() {
+            self.say_station(node);
+        } else if node == self.coordinator_node() {
+            self.say_order();
+        } else {
+            self.say_held();
+        }
+        let again = (self.now + self.line.timing.refresh, node, life);
+        let place = self.repeats.partition_point(|repeat| repeat.0 <= again.0);
+        self.repeats.insert(place, again);
+    }
+
+    pub(crate) fn say_station(&mut self, at: usize) {
+        self.stations[at].write_report();
+        let (now, network, coordinator) = (self.now, self.options.network, self.coordinator_node());
+        for index in 0..self.out_of[at].len() {
+            let number = self.out_of[at][index];
+            if !self.is_up(self.links[number].to) {
+                continue;
+            }
+            let (link, node) = (&mut self.links[number], &self.stations[at]);
+            if link.has_said(node.version) {
+                link.say_again(now, &network);
+            } else if link.to == coordinator {
+                link.say_heard(now, &network, node.heard(), node.version);
+            } else {
+                link.say_report(now, &network, &node.report, node.version);
+            }
+            self.timers.set(number, self.links[number].wakes());
+        }
+    }
+
+    pub(crate) fn say_order(&mut self) {
+        // Buttons held by message run out without a word.
+        let order = self.coordinator.order();
+        let (now, network, version) = (self.now, self.options.network, self.coordinator.version);
+        let node = self.coordinator_node();
+        for index in 0..self.out_of[node].len() {
+            let number = self.out_of[node][index];
+            if self.is_up(self.links[number].to) {
+                self.links[number].say_order(now, &network, order, version);
+                self.timers.set(number, self.links[number].wakes());
+            }
+        }
+    }
+
+    /// Says a word of the operator's to a node.
+    pub(crate) fn say_word(&mut self, to: usize, said: Said) {
+        let operator = self.operator_node();
+        let number = self.out_of[operator].iter().copied().find(|&at| self.links[at].to == to);
+        if let Some(number) = number.filter(|_| self.is_up(to)) {
+            self.links[number].say_word(self.now, &self.options.network, said);
+            self.timers.set(number, self.links[number].wakes());
+        }
+    }
+}
+
+/// Every way of the line with, for those between stations, the arrows it carries.
+pub(crate) fn links_of(line: &Line, options: &Options) -> (Vec<Link>, Vec<Vec<usize>>) {
+    let (coordinator, operator) = (line.stations.len(), line.stations.len() + 1);
+    let (mut links, mut arrows) = (Vec::new(), Vec::new());
+    let mut add = |from: usize, to: usize, reads: Vec<OpId>, carried: Vec<usize>| {
+        let term = if from == coordinator { line.timing.lease } else { line.timing.stale };
+        let mut link = Link::new(from, to, reads, !options.rules.counted, term, options.seed);
+        link.wakes_always = options.one_by_one;
+        links.push(link);
+        arrows.push(carried);
+    };
+    for from in 0..coordinator {
+        for to in (0..coordinator).filter(|&to| to != from) {
+            let joins = |a: &linewright_line::Arrow, x: usize, y: usize| a.from.0.index() == x && a.to.0.index() == y;
+            let carried: Vec<usize> = (0..line.arrows.len()).filter(|&at| joins(&line.arrows[at], from, to)).collect();
+            // A reader of whom the writer has arrows is asked for agreement, and answers.
+            if !carried.is_empty() || line.arrows.iter().any(|a| joins(a, to, from)) {
+                let mut reads: Vec<OpId> = carried.iter().map(|&at| line.arrows[at].from.1).collect();
+                reads.sort_unstable();
+                reads.dedup();
+                add(from, to, reads, carried);
+            }
+        }
+        add(from, coordinator, Vec::new(), Vec::new());
+        add(coordinator, from, Vec::new(), Vec::new());
+        add(operator, from, Vec::new(), Vec::new());
+    }
+    add(operator, coordinator, Vec::new(), Vec::new());
+    (links, arrows)
+}
