@@ -31,20 +31,17 @@
 mod bus;
 mod coordinator;
 mod ledger;
-mod log;
 mod network;
 mod observer;
 mod operator;
 mod queue;
-mod rng;
 mod scenario;
 mod sim;
 mod station;
 
 pub use ledger::Ledger;
-pub use log::{Entry, Log, What};
+pub use linewright_simulation::{Entry, Log, Rng, What};
 pub use network::{Conditions, Message, Node};
 pub use observer::Observer;
-pub use rng::Rng;
 pub use scenario::{hand_button, soak, transfer_line, transfer_line_with};
 pub use sim::Sim;

@@ -12,7 +12,7 @@ use linewright_coordinator_logic::Command;
 use linewright_line::{StationId, Tick};
 use linewright_station_logic::{ModeOrder, PanelCommand, Report};
 
-use crate::rng::Rng;
+use linewright_simulation::Rng;
 
 /// Who speaks or listens.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, PartialOrd, Ord, Hash)]

@@ -7,9 +7,9 @@ use linewright_line::net::ControlMode;
 use linewright_line::{ButtonId, OpId, Owner, StationId, Tick};
 use linewright_station_logic::PanelCommand;
 
-use crate::log::What;
 use crate::network::{Message, Node};
 use crate::sim::Sim;
+use linewright_simulation::What;
 
 /// How long a person waits for something that should happen before calling for help.
 const PATIENCE: Duration = Duration::from_secs(60);

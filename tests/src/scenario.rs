@@ -9,10 +9,10 @@ use linewright_plant::{DeviceFault, Fault};
 use linewright_station_logic::{Controller, Restore};
 
 use crate::ledger::Ledger;
-use crate::log::Log;
 use crate::network::{Conditions, Node};
 use crate::observer::Observer;
 use crate::sim::{Process, Sim};
+use linewright_simulation::Log;
 
 /// The shipped transfer line with its times multiplied.
 pub fn transfer_line(time_scale: f64) -> Line {

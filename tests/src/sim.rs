@@ -14,11 +14,11 @@ use linewright_station_logic::{Happening, PanelCommand, Restore, Snapshot};
 use crate::bus::{FRAME_TIME, Field};
 use crate::coordinator::{self, CoordinatorNode};
 use crate::ledger::Ledger;
-use crate::log::{Log, What};
 use crate::network::{Conditions, Message, Network, Node};
 use crate::queue::{Due, Queue};
-use crate::rng::Rng;
 use crate::station::{self, StationNode};
+use linewright_simulation::Rng;
+use linewright_simulation::{Log, What};
 
 /// A station as the simulation knows it: running, or what is left of it.
 pub(crate) enum Process {
