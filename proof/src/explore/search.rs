@@ -113,7 +113,7 @@ impl<const N: usize> Search<N> {
     fn run(&mut self, limits: Limits) -> Result<End, Unfit> {
         let first = self.layout.pack(&self.start)?;
         let Search { system, layout, store, start, at_home, grants, .. } = self;
-        let mut player = Player { system, layout, here: start.clone(), next: start.clone(), moves: Vec::new() };
+        let mut player = Player { system, layout, here: start.clone(), next: start.clone() };
         thread::scope(|scope| {
             let (batches, incoming) = sync_channel::<Batch<N>>(BATCHES_MAX);
             let (entered, results) = sync_channel::<Entered<N>>(BATCHES_MAX);
@@ -207,8 +207,7 @@ impl<const N: usize> Search<N> {
         for pair in way.windows(2) {
             let state = self.state(pair[0]);
             let goal = *self.store.table.key(pair[1]);
-            let mut moves = Vec::new();
-            self.system.moves(&state, &mut moves);
+            let moves = self.system.moves(&state);
             let leads = |what: &Move| {
                 let mut next = state.clone();
                 self.system.play(&mut next, *what);
@@ -286,25 +285,40 @@ struct Player<'a> {
     layout: &'a Layout,
     here: State,
     next: State,
-    moves: Vec<Move>,
 }
 
 impl Player<'_> {
     /// Appends what follows the state taken up.
     fn expand<const N: usize>(&mut self, key: &Key<N>, batch: &mut Batch<N>) -> Result<(), Unfit> {
-        self.system.moves(&self.here, &mut self.moves);
-        for &what in &self.moves {
-            let key = match self.system.quiet_effect(&self.here, what) {
-                Some((station, to)) => self.layout.with_situation(key, station, to).ok_or(Unfit::Situation)?,
-                None => {
+        for link in 0..self.system.setting.links.len() {
+            for nth in 0..self.system.waiting(&self.here, link) {
+                self.play(Move::Hear { link, nth }, batch)?;
+            }
+        }
+        for station in 0..self.here.situations.len() {
+            for nth in 0..self.system.acts(&self.here, station) {
+                let Some(effect) = self.system.act(&self.here, station, nth) else { continue };
+                // Most of what happens is nobody else's business.
+                batch.keys.push(if effect.is_local() {
+                    self.layout.with_situation(key, station, effect.to).ok_or(Unfit::Situation)?
+                } else {
                     self.next.take(&self.here);
-                    self.system.play(&mut self.next, what);
+                    self.system.happen(&mut self.next, station, effect);
                     self.layout.pack(&self.next)?
-                }
-            };
-            batch.keys.push(key);
+                });
+            }
+        }
+        for mode in self.system.grants(&self.here) {
+            self.play(Move::Grant(mode), batch)?;
         }
         batch.ends.push(batch.keys.len());
+        Ok(())
+    }
+
+    fn play<const N: usize>(&mut self, what: Move, batch: &mut Batch<N>) -> Result<(), Unfit> {
+        self.next.take(&self.here);
+        self.system.play(&mut self.next, what);
+        batch.keys.push(self.layout.pack(&self.next)?);
         Ok(())
     }
 }

@@ -13,7 +13,7 @@ use linewright_station_logic::{
 use rustc_hash::FxHashMap;
 
 use super::facts::{Facts, actuator, bits_of};
-use super::setting::Setting;
+use super::setting::{Grants, Setting};
 use super::word::{Numbers, Word, Words, report};
 
 /// The one moment at which everything happens.
@@ -58,9 +58,23 @@ pub(crate) struct Effect {
     pub quiet: bool,
     /// An image with every switch off is still to come: what others may hear in between matters.
     pub off_follows: bool,
+    /// Happens only while this mode is granted, by its number; [`ANY_MODE`] for always.
+    pub granted: u8,
 }
 
-const UNKNOWN: Effect = Effect { to: u32::MAX, cycles: 0, closed: false, quiet: false, off_follows: false };
+/// Every mode that is granted, or none.
+pub(crate) const ANY_MODE: u8 = u8::MAX;
+
+const NOTHING: Effect = Effect { to: 0, cycles: 0, closed: false, quiet: false, off_follows: false, granted: ANY_MODE };
+const UNKNOWN: Effect = Effect { to: u32::MAX, ..NOTHING };
+
+impl Effect {
+    /// The situation of its station is all that changes.
+    #[inline]
+    pub fn is_local(&self) -> bool {
+        self.quiet && !self.closed && self.cycles == 0
+    }
+}
 
 /// A controller with everything around it.
 #[derive(Clone, Debug)]
@@ -160,6 +174,14 @@ impl Situations {
             let off = self.off(setting, words, effect.to);
             effect = self.both(words, from, effect, off);
         }
+        // Of the modes a station may hear of, only the granted one and stand-by are there to be heard.
+        if let Act::Mode(mode) = act
+            && setting.grants == Grants::InEpochs
+            && let Some(number) = setting.modes.iter().position(|&granted| granted == mode)
+            && mode != ControlMode::StandBy
+        {
+            effect.granted = number as u8;
+        }
         let at = self.first_effect[from as usize] as usize + nth;
         self.effects[at] = effect;
         effect
@@ -172,7 +194,7 @@ impl Situations {
         }
         let cycles = on.cycles + off.cycles;
         let quiet = self.says_the_same(words, from, off.to, cycles);
-        Effect { to: off.to, cycles, closed: on.closed, quiet, off_follows: false }
+        Effect { to: off.to, cycles, closed: on.closed, quiet, ..NOTHING }
     }
 
     fn says_the_same(&self, words: &[Words], from: u32, to: u32, cycles: i32) -> bool {
@@ -230,7 +252,7 @@ impl Situations {
             self.fired[usize::from(transition)] = true;
         }
         let to = self.enter(setting, words, next);
-        Effect { to, cycles, closed, quiet: self.says_the_same(words, from, to, cycles), off_follows: false }
+        Effect { to, cycles, closed, quiet: self.says_the_same(words, from, to, cycles), ..NOTHING }
     }
 
     /// Bytes, about: situations dominate.

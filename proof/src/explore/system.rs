@@ -5,12 +5,12 @@
 //! stations: there is no other way for one to learn of another.
 
 use linewright_line::StationId;
-use linewright_line::net::{ControlMode, StationNet};
+use linewright_line::net::StationNet;
 use linewright_station_logic::{CompileError, Event};
 
 use super::setting::{Grants, Setting};
 use super::state::{Layout, State, Widths};
-use super::station::{Act, Effect, Situation, Situations};
+use super::station::{ANY_MODE, Act, Effect, Situation, Situations};
 use super::word::{Word, Words};
 
 /// How far apart the cycles of two neighbours may be. A pair of arrows, one of lag 0 and one of lag 1, lets the one be
@@ -103,28 +103,32 @@ impl System {
     }
 
     /// Everything that may happen in this state.
-    pub fn moves(&self, state: &State, out: &mut Vec<Move>) {
-        out.clear();
-        let lag = self.setting.lag;
+    pub fn moves(&mut self, state: &State) -> Vec<Move> {
+        let mut moves = Vec::new();
         for link in 0..self.setting.links.len() {
-            let waiting = state.mail[link * lag..][..lag].iter().take_while(|word| word.id != 0).count();
-            out.extend((0..waiting).map(|nth| Move::Hear { link, nth }));
+            moves.extend((0..self.waiting(state, link)).map(|nth| Move::Hear { link, nth }));
         }
-        let in_epochs = self.setting.grants == Grants::InEpochs;
-        let granted = self.setting.modes.get(state.granted as usize).copied();
-        for (station, situations) in self.stations.iter().enumerate() {
-            let acts = situations.facts[state.situations[station] as usize].acts.iter().enumerate();
-            // Of the modes a station may hear of, only the granted one and stand-by are there to be heard.
-            let may = |act: &Act| match act {
-                Act::Mode(mode) => !in_epochs || *mode == ControlMode::StandBy || granted == Some(*mode),
-                _ => true,
-            };
-            out.extend(acts.filter(|(_, act)| may(act)).map(|(nth, _)| Move::Act { station, nth }));
+        for station in 0..self.stations.len() {
+            let acts = 0..self.acts(state, station);
+            let possible = acts.filter(|&nth| self.act(state, station, nth).is_some());
+            moves.extend(possible.map(|nth| Move::Act { station, nth }));
         }
-        if in_epochs && self.all_idle(state) {
-            let others = (0..self.setting.modes.len()).filter(|&mode| mode != state.granted as usize);
-            out.extend(others.map(Move::Grant));
-        }
+        moves.extend(self.grants(state).map(Move::Grant));
+        moves
+    }
+
+    /// How many words are on their way over a link.
+    #[inline]
+    pub fn waiting(&self, state: &State, link: usize) -> usize {
+        let lag = self.setting.lag;
+        state.mail[link * lag..][..lag].iter().take_while(|word| word.id != 0).count()
+    }
+
+    /// The modes that may be granted next, by number.
+    pub fn grants(&self, state: &State) -> impl Iterator<Item = usize> + use<> {
+        let may = self.setting.grants == Grants::InEpochs && self.all_idle(state);
+        let (modes, granted) = (if may { self.setting.modes.len() } else { 0 }, state.granted as usize);
+        (0..modes).filter(move |&mode| mode != granted)
     }
 
     fn all_idle(&self, state: &State) -> bool {
@@ -140,13 +144,18 @@ impl System {
         Granted { mode: state.granted as u8, acting }
     }
 
-    /// What an act comes to, where it changes the situation of its station and nothing else.
+    /// How many acts there are for a station in this state, possible or not.
     #[inline]
-    pub fn quiet_effect(&mut self, state: &State, what: Move) -> Option<(usize, u32)> {
-        let Move::Act { station, nth } = what else { return None };
+    pub fn acts(&self, state: &State, station: usize) -> usize {
+        self.stations[station].facts[state.situations[station] as usize].acts.len()
+    }
+
+    /// What an act comes to, if it can happen in this state.
+    #[inline]
+    pub fn act(&mut self, state: &State, station: usize, nth: usize) -> Option<Effect> {
         let from = state.situations[station];
         let effect = self.stations[station].effect(&self.setting, &mut self.words, from, nth);
-        (effect.quiet && !effect.closed && effect.cycles == 0).then_some((station, effect.to))
+        (effect.granted == ANY_MODE || u32::from(effect.granted) == state.granted).then_some(effect)
     }
 
     /// Lets it happen.
@@ -155,12 +164,7 @@ impl System {
             Move::Act { station, nth } => {
                 let from = state.situations[station];
                 let effect = self.stations[station].effect(&self.setting, &mut self.words, from, nth);
-                self.come_to(state, station, effect);
-                if effect.off_follows {
-                    let from = state.situations[station];
-                    let effect = self.stations[station].off(&self.setting, &mut self.words, from);
-                    self.come_to(state, station, effect);
-                }
+                self.happen(state, station, effect);
             }
             Move::Grant(mode) => state.granted = mode as u32,
             Move::Hear { link, nth } => {
@@ -171,6 +175,16 @@ impl System {
                 slots[lag - nth - 1..].fill(Word::NONE);
                 self.deliver(state, link, word);
             }
+        }
+    }
+
+    /// An act takes effect, all of it.
+    pub fn happen(&mut self, state: &mut State, station: usize, effect: Effect) {
+        self.come_to(state, station, effect);
+        if effect.off_follows {
+            let from = state.situations[station];
+            let effect = self.stations[station].off(&self.setting, &mut self.words, from);
+            self.come_to(state, station, effect);
         }
     }
 
