@@ -618,15 +618,6 @@ fn arrows() {
             "a deadlock: each of these waits for the one before it: feeder: push → press: approach → press: raise → feeder: push",
             "lag = 1",
         ),
-        // `grip` and `turn` start together, so what `grip` waits for `turn` waits for.
-        (
-            &[(
-                "[[arrow]]",
-                "«[[arrow]]\nfrom = \"feeder: push\"\nto = \"lifter: grip\"\n\n[[arrow]]\nfrom = \"lifter: turn\"\nto = \"feeder: push\"\n\n[[arrow]]",
-            )],
-            "a deadlock: each of these waits for the one before it: feeder: push → lifter: grip → lifter: turn → feeder: push",
-            "lag = 1",
-        ),
     ]);
     warnings(&[(&[("lag = 1", "lag = «2")], "a lag of 2 cycles", "ahead")]);
 }
@@ -641,14 +632,6 @@ fn conflicts() {
             )],
             "a conflict of a station with itself",
             "two stations",
-        ),
-        (
-            &[(
-                "a = { station = \"feeder\", from = \"push\", until = \"pull back\" }",
-                "a = «{ station = \"lifter\", from = \"grip\", until = \"turn\" }",
-            )],
-            "`from` and `until` run side by side",
-            "one of them as both ends",
         ),
         (
             &[
