@@ -1,8 +1,8 @@
 //! The exploration of a line as part of a check: what is explored, and what it found as data.
 
 use clap::{Args, ValueEnum};
-use linewright_line::Line;
 use linewright_line::net::ControlMode;
+use linewright_line::{Conflict, Line};
 use linewright_proof::explore::{Explored, Grants, Limits, NotExplorable, Property, Setting, Story, Verdict, explore};
 use linewright_proof::parts::{Part, parts};
 use serde::Serialize;
@@ -212,8 +212,8 @@ impl Exploration {
     /// A part that differs in names alone from one that has been explored.
     fn like(part: &Part, other: &str, holds: bool) -> Self {
         let verdict = if holds { "holds" } else { "undecided" };
-        let property = |&nth: &usize| Found {
-            name: format!("conflict {} of the description never", nth + 1),
+        let property = |conflict: &Conflict| Found {
+            name: format!("never: {}", conflict.why),
             verdict,
             reason: format!("differs from {other} in names alone"),
             counterexample: None,
@@ -224,7 +224,7 @@ impl Exploration {
             arcs: 0,
             bytes: 0,
             exhausted: holds,
-            properties: part.conflicts.iter().map(property).collect(),
+            properties: part.line.conflicts.iter().map(property).collect(),
         }
     }
 

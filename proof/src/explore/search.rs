@@ -237,16 +237,20 @@ impl<const N: usize> Search<N> {
     /// decision lets an operator come to manual from everywhere, whatever is wrong; it lets nobody into auto or hand
     /// while something is.
     pub fn stranded(&self) -> Option<u32> {
-        let manual = self.system.setting.modes.iter().position(|&mode| mode == ControlMode::Manual);
-        match manual {
-            Some(manual) if self.system.setting.grants == Grants::InEpochs => {
-                self.cut_off_from(self.at_home.clone(), |from, to| {
-                    let (from, to) = (self.grants[from as usize], self.grants[to as usize]);
-                    usize::from(to.mode) == manual || (to.mode == from.mode && to.acting & !from.acting == 0)
-                })
-            }
-            Some(_) | None => self.cut_off_from(self.at_home.clone(), |_, _| true),
+        match self.home_by_manual() {
+            None => self.cut_off_from(self.at_home.clone(), |_, _| true),
+            Some(manual) => self.cut_off_from(self.at_home.clone(), |from, to| {
+                let (from, to) = (self.grants[from as usize], self.grants[to as usize]);
+                to.mode == manual || (to.mode == from.mode && to.acting & !from.acting == 0)
+            }),
         }
+    }
+
+    /// The number of manual mode, where home is asked for by it alone.
+    pub fn home_by_manual(&self) -> Option<u8> {
+        let Setting { modes, grants, .. } = &self.system.setting;
+        let manual = modes.iter().position(|&mode| mode == ControlMode::Manual)?;
+        (*grants == Grants::InEpochs).then_some(manual as u8)
     }
 
     /// Of an exhausted search: a state from which the start cannot be reached, if there is one.

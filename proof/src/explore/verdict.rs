@@ -1,5 +1,7 @@
 //! What an exploration says about a line: each property, whether it holds, and a story where it does not.
 
+use std::thread;
+
 use linewright_line::net::{ControlMode, StationNet};
 use linewright_nets::TransitionId;
 
@@ -169,9 +171,10 @@ fn of_all_states<const N: usize>(search: &mut Search<N>) -> Vec<Property> {
     // Without manual mode a stopped motion cannot be recovered: then home is promised only where nothing fails.
     let setting = &search.system.setting;
     if setting.modes.contains(&ControlMode::Manual) || !setting.faults {
-        let homes = exhausted.then(|| home(search));
+        let cut_off = exhausted.then(|| cut_off(search));
+        let homes = cut_off.map(|(stranded, _)| home(search, stranded));
         properties.push(ask("home can be reached from every state", homes, &open));
-        let back = exhausted.then(|| reversible(search));
+        let back = cut_off.map(|(_, no_return)| reversible(search, no_return));
         properties.push(ask("reversible and live", back, &open));
     }
     let setting = &search.system.setting;
@@ -191,19 +194,28 @@ fn of_all_states<const N: usize>(search: &mut Search<N>) -> Vec<Property> {
 
 type Found = Result<String, (String, Option<Story>)>;
 
-fn home<const N: usize>(search: &mut Search<N>) -> Found {
-    let by = if search.system.setting.modes.contains(&ControlMode::Manual) { ", by manual mode alone" } else { "" };
-    match search.stranded() {
+/// A state from which home cannot be reached, and one from which the start cannot, looked for side by side.
+fn cut_off<const N: usize>(search: &Search<N>) -> (Option<u32>, Option<u32>) {
+    thread::scope(|scope| {
+        let stranded = scope.spawn(|| search.stranded());
+        let no_return = search.no_return();
+        (stranded.join().expect("a search among known states ends"), no_return)
+    })
+}
+
+fn home<const N: usize>(search: &mut Search<N>, stranded: Option<u32>) -> Found {
+    let by = if search.home_by_manual().is_some() { ", by manual mode alone" } else { "" };
+    match stranded {
         None => Ok(format!("from all {} states{by}", search.states())),
         Some(number) => {
-            let story = tell(search, number, "from here on there is no way home".to_owned());
+            let story = tell(search, number, format!("from here on there is no way home{by}"));
             Err((format!("not from the state after {} steps{by}", story.steps.len()), Some(story)))
         }
     }
 }
 
-fn reversible<const N: usize>(search: &mut Search<N>) -> Found {
-    match search.no_return() {
+fn reversible<const N: usize>(search: &mut Search<N>, no_return: Option<u32>) -> Found {
+    match no_return {
         None => {
             Ok("every state leads back to the start, so whatever fires once can fire again from anywhere".to_owned())
         }
