@@ -12,7 +12,8 @@
 //! the stations of a part can do within the line, they can do in the part; a conflict that the part never reaches, the
 //! line never reaches.
 //!
-//! The converse does not hold: a conflict reached in a part may be prevented by somebody outside it.
+//! The converse does not hold: a conflict reached in a part may be prevented by somebody outside it, and stations that
+//! run away from each other in a part may be held back.
 
 use linewright_line::net::{ControlMode, StationNet, Var};
 use linewright_line::{Arrow, Conflict, Console, Line, Span, StationId};

@@ -118,6 +118,11 @@ pub struct Counterexample {
 }
 
 impl Options {
+    /// Whether anything is to be explored at all.
+    pub fn asks_to_explore(&self) -> bool {
+        !self.structure
+    }
+
     /// Explores as asked. The first thing that fails ends it: what is wrong once need not be found twice.
     ///
     /// # Errors
@@ -151,8 +156,7 @@ impl Options {
     fn setting(&self, line: &Line) -> Setting {
         let mut setting = Setting::new(line);
         if !self.modes.is_empty() {
-            setting.modes = self.modes.iter().map(|mode| mode.control()).collect();
-            setting.modes.dedup();
+            setting.modes.retain(|mode| self.modes.iter().any(|named| named.control() == *mode));
         }
         setting.faults = !self.no_faults;
         setting.lag = if self.views == Views::Fresh { 0 } else { setting.lag };

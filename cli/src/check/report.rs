@@ -1,7 +1,7 @@
 //! What a check finds, as data: the JSON of `--json`, and what the tables are made from.
 
 use linewright_line::{Parsed, Problem, Problems};
-use linewright_proof::explore::NotExplorable;
+use linewright_proof::explore::{NotExplorable, Setting};
 use linewright_proof::structure::{Check, StationReport, judge_line, judge_stations};
 use serde::Serialize;
 
@@ -15,6 +15,9 @@ const NOT_EXPLORED: [&str; 2] = [
      that, without --structure",
     "whether every wait ends outside the normal cycle: a live net can still be held by a condition that never comes true",
 ];
+/// What one report on its way over each link leaves open.
+const RING: &str = "what a report can do that arrives after newer ones were sent: stations of this line wait for each \
+     other in a ring of three or more, where that may matter";
 /// What parts leave open.
 const IN_PARTS: &str = "whether home can be reached from every state of the whole line: parts decide conflicts alone";
 
@@ -106,10 +109,13 @@ pub fn judge(parsed: &Parsed, options: &Options) -> Result<Report, NotExplorable
     let sound = stations.iter().all(StationReport::ok) && line_checks.iter().all(|check| check.ok);
     let explorations = options.explore(line)?;
     let mut not_decided = Vec::new();
-    if explorations.is_empty() {
+    if !options.asks_to_explore() {
         not_decided.extend(NOT_EXPLORED);
     } else if explorations.iter().all(|exploration| exploration.scope.starts_with("part")) {
         not_decided.push(IN_PARTS);
+    }
+    if options.asks_to_explore() && !Setting::new(line).covers_every_delay() {
+        not_decided.push(RING);
     }
     not_decided.push(DEVICES);
     Ok(Report {

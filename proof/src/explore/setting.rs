@@ -80,6 +80,20 @@ impl Setting {
         &self.line
     }
 
+    /// Whether one report on its way over each link is every delay there is.
+    ///
+    /// It is where the stations that read each other form no ring. A reader that hears a report only after a newer one
+    /// was sent could then as well have heard it before: nothing it did in between can have come from the newer one,
+    /// for the link itself is the only way from its writer.
+    pub fn covers_every_delay(&self) -> bool {
+        let mut group: Vec<usize> = (0..self.line.stations.len()).collect();
+        self.links.iter().filter(|link| link.writer < link.reader).all(|link| {
+            let (from, to) = (group[link.writer], group[link.reader]);
+            group.iter_mut().filter(|number| **number == from).for_each(|number| *number = to);
+            from != to
+        })
+    }
+
     /// The links that end at a station, in their own order.
     pub(crate) fn into(&self, station: usize) -> impl Iterator<Item = usize> + '_ {
         (0..self.links.len()).filter(move |&link| self.links[link].reader == station)
@@ -111,4 +125,19 @@ fn links_of(line: &Line) -> Vec<Link> {
         links[link].reverse = back.expect("stations joined by an arrow read each other");
     }
     links
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use linewright_line::{Arrow, TransferLine, parse};
+
+    #[test]
+    fn a_row_of_stations_needs_one_report_for_each_link_and_a_ring_may_need_more() {
+        let mut line = parse("line.toml", &TransferLine::default().text()).expect("the shipped line is sound").line;
+        assert!(Setting::new(&line).covers_every_delay());
+        let end = |station| (StationId(station), OpId(0));
+        line.arrows.push(Arrow { from: end(2), to: end(0), lag: 1, auto: true, manual: true });
+        assert!(!Setting::new(&line).covers_every_delay());
+    }
 }
