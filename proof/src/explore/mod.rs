@@ -6,7 +6,7 @@
 //! of all states together it is decided whether home and the start can be reached from each.
 //!
 //! Controllers are not modelled but called. What keeps this fast is that a station by itself has few situations
-//! ([`station`]): what its controller makes of each is worked out once, and the composed line is played with numbers.
+//! (`station.rs`): what its controller makes of each is worked out once, and the composed line is played with numbers.
 //!
 //! Time stands still here. What time does to a controller is among what may happen anyway ([`Setting`]).
 

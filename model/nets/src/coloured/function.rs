@@ -81,7 +81,7 @@ pub fn abs() -> Function {
     single(vec![Step::Discolour])
 }
 
-/// R<k> = succ(k₀) + succ(k₁) + … + succ(kₛ₋₁): every tone of component k once (seed 000, equation 2.12).
+/// `R‹k›` = succ(k₀) + succ(k₁) + … + succ(kₛ₋₁): every tone of component k once (seed 000, equation 2.12).
 pub fn ring(component: u32) -> Function {
     single(vec![Step::Ring(component)])
 }
