@@ -48,7 +48,7 @@ pub fn run(args: &Args) -> miette::Result<ExitCode> {
     if args.json {
         crate::out::say!("{}", serde_json::to_string_pretty(&report).into_diagnostic()?);
     } else {
-        print!("{}", show::text(&report));
+        crate::out::say!("{}", show::text(&report).trim_end());
     }
     Ok(if report.ok { ExitCode::SUCCESS } else { ExitCode::FAILURE })
 }

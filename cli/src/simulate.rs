@@ -25,7 +25,7 @@ use report::Report;
 const SCENARIO_BYTES_MAX: u64 = 1 << 20;
 /// Cycles that are run when nobody says how many.
 const CYCLES: usize = 3;
-/// More are no more informative, and their motions would be forgotten.
+/// More are no more informative.
 const CYCLES_MAX: usize = 10_000_000;
 
 /// Options of `simulate`.

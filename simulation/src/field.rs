@@ -17,11 +17,18 @@ struct Slot {
     unread: bool,
     /// When the loss is noticed on both sides.
     noticed: Tick,
+    /// That moment has come, and has been dealt with.
+    is_noticed: bool,
 }
 
 impl Slot {
     fn is_lost(&self) -> bool {
         self.unplugged || self.unread
+    }
+
+    /// Its loss is to be noticed by now, and has not been dealt with.
+    fn is_due(&self, now: Tick) -> bool {
+        self.is_lost() && !self.is_noticed && self.noticed <= now
     }
 }
 
@@ -83,16 +90,18 @@ impl Field {
     pub(crate) fn poll(&mut self, now: Tick, at: usize) {
         self.plant.advance(now);
         let rack = &mut self.racks[at];
-        let noticed = rack.slots.iter().any(|slot| slot.is_lost() && slot.noticed <= now);
-        let ran_out = rack.runs_out <= now;
-        if noticed || ran_out {
-            for slot in rack.slots.iter().filter(|slot| slot.is_lost() && slot.noticed <= now) {
-                rack.frozen_outputs &= !slot.outputs;
-            }
-            if ran_out {
-                rack.asked = 0;
-                rack.runs_out = Tick::NEVER;
-            }
+        let mut changes = false;
+        for slot in rack.slots.iter_mut().filter(|slot| slot.is_due(now)) {
+            slot.is_noticed = true;
+            rack.frozen_outputs &= !slot.outputs;
+            changes = true;
+        }
+        if rack.runs_out <= now {
+            rack.asked = 0;
+            rack.runs_out = Tick::NEVER;
+            changes = true;
+        }
+        if changes {
             self.carry(now, at);
         }
     }
@@ -100,8 +109,7 @@ impl Field {
     /// The image of an owner's inputs, and whether its devices vouch for it.
     pub(crate) fn image(&self, at: usize) -> (u128, bool) {
         let rack = &self.racks[at];
-        let now = self.plant.now();
-        let gone = rack.slots.iter().any(|slot| slot.is_lost() && slot.noticed <= now);
+        let gone = rack.slots.iter().any(|slot| slot.is_lost() && slot.is_noticed);
         let bits = self.plant.inputs(rack.owner) & !rack.lost_inputs | rack.frozen_inputs;
         if gone { (0, false) } else { (bits, true) }
     }
@@ -126,8 +134,7 @@ impl Field {
             Owner::Station(id) => self.plant.next_change_of(id).unwrap_or(Tick::NEVER),
             Owner::Console => Tick::NEVER,
         };
-        let now = self.plant.now();
-        let noticed = rack.slots.iter().filter(|slot| slot.is_lost() && slot.noticed > now).map(|slot| slot.noticed);
+        let noticed = rack.slots.iter().filter(|slot| slot.is_lost() && !slot.is_noticed).map(|slot| slot.noticed);
         noticed.fold(change, Tick::min).min(rack.runs_out)
     }
 
@@ -153,6 +160,11 @@ impl Field {
         Some(at)
     }
 
+    /// Whether a device of the description is unplugged.
+    pub(crate) fn is_unplugged(&self, device: usize) -> bool {
+        self.racks.iter().flat_map(|rack| &rack.slots).any(|slot| slot.device == device && slot.unplugged)
+    }
+
     /// The node that reads the line's bus is down, or up again.
     pub(crate) fn bus_read(&mut self, now: Tick, line: &Line, read: bool) {
         for at in 0..self.racks.len() {
@@ -173,7 +185,7 @@ impl Field {
             let was = slot.is_lost();
             change(slot);
             if slot.is_lost() && !was {
-                slot.noticed = noticed;
+                (slot.noticed, slot.is_noticed) = (noticed, false);
                 rack.lost_inputs |= slot.inputs;
                 rack.lost_outputs |= slot.outputs;
                 rack.frozen_inputs |= seen & slot.inputs;
@@ -184,7 +196,7 @@ impl Field {
                 rack.lost_outputs &= !slot.outputs;
                 rack.frozen_inputs &= !slot.inputs;
                 rack.frozen_outputs &= !slot.outputs;
-                if slot.noticed <= now {
+                if slot.is_noticed {
                     // It started over: what was asked for before is not put on again.
                     rack.asked &= !slot.outputs;
                 }
@@ -216,5 +228,28 @@ fn slot((number, device): (usize, &Device)) -> Slot {
         unplugged: false,
         unread: false,
         noticed: Tick::NEVER,
+        is_noticed: false,
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use linewright_line::{TransferLine, parse};
+
+    use super::*;
+
+    #[test]
+    fn a_loss_is_noticed_though_its_owner_acts_at_the_same_moment() {
+        let text = TransferLine { machines: 1, time_scale: 1.0 }.text();
+        let line = parse("line.toml", &text).expect("it is sound").line;
+        let mut field = Field::new(&line, PlantOptions::default());
+        let device = line.devices.iter().position(|d| d.owner == Owner::Station(StationId(0))).expect("it has one");
+        field.unplug(Tick::ZERO, device, true);
+        let noticed = Tick::ZERO + line.timing.heartbeat_timeout;
+        assert_eq!(field.deadline(0), noticed);
+        field.ask(noticed, 0, 1);
+        assert_eq!((field.deadline(0), field.image(0).1), (noticed, true));
+        field.poll(noticed, 0);
+        assert_eq!((field.deadline(0), field.image(0).1), (Tick::NEVER, false));
     }
 }

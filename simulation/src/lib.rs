@@ -18,6 +18,7 @@
 mod condition;
 mod critical;
 mod field;
+mod idle;
 mod link;
 mod lives;
 mod log;
@@ -41,7 +42,7 @@ pub use critical::{CriticalPath, Link};
 pub use log::{Entry, Log, What};
 pub use observer::Seen;
 pub use operator::{Action, Process, Way};
-pub use options::{Network, Options};
+pub use options::{Network, NetworkChange, Options};
 pub use plan::{Circuit, Plan, Planned, Schedule};
 pub use record::{By, Ended, FaultSeen, Motion, Record, Wait};
 pub use rng::{Rng, mix};

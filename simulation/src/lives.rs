@@ -47,6 +47,7 @@ impl Sim {
         let node = &mut self.stations[at];
         if node.is_up() {
             node.journal = Some(node.controller.snapshot());
+            self.record.lost(self.now, StationId::at(at));
             // What it asked for stands until the gateway or its own bus's devices miss it.
             let timing = &self.line.timing;
             let until = match self.line.stations[at].bus {
@@ -76,6 +77,7 @@ impl Sim {
             let life = self.next_life();
             self.coordinator = CoordinatorNode::start(&self.line, life, epoch, estopped);
             self.mode = self.coordinator.coordinator.mode();
+            self.entered = (self.now, self.coordinator.coordinator.text());
             self.field.bus_read(self.now, &self.line, true);
             self.wake_fields();
             self.begin(self.coordinator_node(), life);

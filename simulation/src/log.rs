@@ -30,6 +30,7 @@ pub struct Entry {
 #[derive(Clone, Debug, Default)]
 pub struct Log {
     entries: Vec<Entry>,
+    forgotten: u64,
 }
 
 /// A run that never ends must not eat the machine: beyond this the older half is forgotten.
@@ -40,13 +41,19 @@ impl Log {
     pub fn push(&mut self, at: Tick, what: What) {
         if self.entries.len() == ENTRIES_MAX {
             self.entries.drain(..ENTRIES_MAX / 2);
+            self.forgotten += ENTRIES_MAX as u64 / 2;
         }
         self.entries.push(Entry { at, what });
     }
 
-    /// All entries, oldest first.
+    /// All entries, oldest first; of a very long run the latest.
     pub fn entries(&self) -> &[Entry] {
         &self.entries
+    }
+
+    /// How many entries came before those and are not kept.
+    pub fn forgotten(&self) -> u64 {
+        self.forgotten
     }
 
     /// The events of one station.
@@ -63,9 +70,13 @@ impl Log {
         self.entries.iter().filter_map(mode).collect()
     }
 
-    /// All entries in words, a line each.
+    /// All entries in words, a line each; where the oldest are not kept, the first line says so.
     pub fn text(&self, line: &Line) -> String {
-        self.tail(line, usize::MAX)
+        let missing = match self.forgotten {
+            0 => String::new(),
+            count => format!("-- {count} earlier entries are not kept\n"),
+        };
+        missing + &self.tail(line, usize::MAX)
     }
 
     /// The last `count` entries in words.

@@ -11,7 +11,7 @@ use linewright_plant::Fault;
 use linewright_station_logic::{CompileError, PanelCommand};
 
 use crate::link::Said;
-use crate::options::Network;
+use crate::options::NetworkChange;
 use crate::sim::Sim;
 
 /// Whose process.
@@ -62,8 +62,8 @@ pub enum Action {
     Kill(Process),
     /// A process is started again, with what it has kept.
     Restart(Process),
-    /// What the network does from now on.
-    Network(Network),
+    /// What the network does otherwise from now on.
+    Network(NetworkChange),
 }
 
 /// What people hold down.
@@ -82,6 +82,8 @@ impl Sim {
         let text = action.text(self.line());
         self.note(text);
         let now = self.now;
+        // Whatever comes of it takes a moment.
+        self.last_event = now;
         match action {
             Action::Command(command) => self.say_word(self.coordinator_node(), Said::Command(command)),
             Action::Panel { station, advance, down } => {
@@ -124,9 +126,33 @@ impl Sim {
             Action::Kill(Process::Coordinator) => self.kill_coordinator(),
             Action::Restart(Process::Station(station)) => self.restart_station(station.index())?,
             Action::Restart(Process::Coordinator) => self.restart_coordinator(),
-            Action::Network(network) => self.options.network = network,
+            Action::Network(change) => self.options.network = change.of(self.options.network),
         }
         Ok(())
+    }
+
+    /// Why an action would change nothing, if so: whoever wrote it down was mistaken about the line.
+    pub(crate) fn idle(&self, action: &Action) -> Option<String> {
+        let line = self.line();
+        let is_up = |process: Process| match process {
+            Process::Station(id) => self.is_up(id.index()),
+            Process::Coordinator => self.is_up(self.coordinator_node()),
+        };
+        match *action {
+            Action::Panel { station, advance, down } if down == self.hands.panel.contains(&(station, advance)) => {
+                let side = if advance { "advance" } else { "return" };
+                let state = if down { "held already" } else { "not held" };
+                Some(format!("{side} of {} is {state}", line.station(station).name))
+            }
+            Action::Device(device, unplugged) if unplugged == self.field.is_unplugged(device) => Some(format!(
+                "{} is {}",
+                line.devices[device].name,
+                if unplugged { "lost already" } else { "not lost" }
+            )),
+            Action::Kill(process) if !is_up(process) => Some(format!("{} is down already", process.name(line))),
+            Action::Restart(process) if is_up(process) => Some(format!("{} is up", process.name(line))),
+            _ => None,
+        }
     }
 
     fn say_panel(&mut self, station: StationId, advance: bool, down: bool) {
@@ -187,10 +213,13 @@ impl Action {
             }
             Action::Kill(process) => format!("{} killed", process.name(line)),
             Action::Restart(process) => format!("{} restarted", process.name(line)),
-            Action::Network(network) => format!(
-                "network: {:?} delay, {:?} jitter, {} of 1000 lost",
-                network.delay, network.jitter, network.loss_per_mille
-            ),
+            Action::Network(change) => {
+                let delay = change.delay.map(|delay| format!("{delay:?} delay"));
+                let jitter = change.jitter.map(|jitter| format!("{jitter:?} jitter"));
+                let loss = change.loss_per_mille.map(|loss| format!("{loss} of 1000 lost"));
+                let parts: Vec<String> = [delay, jitter, loss].into_iter().flatten().collect();
+                format!("network: {}", if parts.is_empty() { "as before".to_owned() } else { parts.join(", ") })
+            }
         }
     }
 }

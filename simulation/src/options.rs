@@ -22,6 +22,28 @@ impl Default for Network {
     }
 }
 
+/// What changes about a network; whatever is not named stays.
+#[derive(Clone, Copy, Debug, Default, PartialEq)]
+pub struct NetworkChange {
+    /// See [`Network::delay`].
+    pub delay: Option<Duration>,
+    /// See [`Network::jitter`].
+    pub jitter: Option<Duration>,
+    /// See [`Network::loss_per_mille`].
+    pub loss_per_mille: Option<u32>,
+}
+
+impl NetworkChange {
+    /// The network that `before` becomes.
+    pub fn of(self, before: Network) -> Network {
+        Network {
+            delay: self.delay.unwrap_or(before.delay),
+            jitter: self.jitter.unwrap_or(before.jitter),
+            loss_per_mille: self.loss_per_mille.unwrap_or(before.loss_per_mille),
+        }
+    }
+}
+
 /// What a run may be told.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Options {

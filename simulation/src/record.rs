@@ -7,9 +7,11 @@
 use std::collections::VecDeque;
 use std::time::Duration;
 
-use linewright_line::net::Block;
+use linewright_line::net::{Block, ControlMode};
 use linewright_line::{Line, OpId, StationId, Tick};
 use linewright_station_logic::{Cause, Event, Happening, Report};
+
+use crate::idle::Idle;
 
 /// What a motion waited for last.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
@@ -56,7 +58,8 @@ pub struct Motion {
     pub ready: Tick,
 }
 
-/// How long starts have waited for an arrow after everything in their own station was ready.
+/// How long starts in auto have waited for an arrow after everything in their own station was ready; time that the
+/// station spent in other modes meanwhile does not count.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
 pub struct Wait {
     /// How many starts.
@@ -92,6 +95,14 @@ pub struct Record {
     forgotten: usize,
     open: Vec<Vec<Option<usize>>>,
     done_at: Vec<Vec<Tick>>,
+    /// For how long each station had been out of auto when an operation was done.
+    idle_at: Vec<Vec<Duration>>,
+    idle: Vec<Idle>,
+    /// When the first motion began.
+    began: Option<Tick>,
+    /// Something has kept the line's present cycle from going its way.
+    is_disturbed: bool,
+    undisturbed: Vec<bool>,
     base: Vec<Vec<i32>>,
     counts: Vec<Vec<i32>>,
     /// By arrow: counts of its tail, and when the reader heard them.
@@ -131,6 +142,11 @@ impl Record {
             forgotten: 0,
             open: sizes.iter().map(|&n| vec![None; n]).collect(),
             done_at: sizes.iter().map(|&n| vec![Tick::ZERO; n]).collect(),
+            idle_at: sizes.iter().map(|&n| vec![Duration::ZERO; n]).collect(),
+            idle: vec![Idle::from_the_start(); sizes.len()],
+            began: None,
+            is_disturbed: false,
+            undisturbed: Vec::new(),
             counts: base.clone(),
             base,
             heard: vec![VecDeque::with_capacity(HEARD_MAX + 1); line.arrows.len()],
@@ -183,8 +199,11 @@ impl Record {
                 if cause == Cause::NotAtHome {
                     self.take_back(station, 1 << op.0);
                 }
-                if cause.is_fault() && self.faults.len() < FAULTS_MAX {
-                    self.faults.push(FaultSeen { at: now, station, op, cause });
+                if cause.is_fault() {
+                    self.is_disturbed = true;
+                    if self.faults.len() < FAULTS_MAX {
+                        self.faults.push(FaultSeen { at: now, station, op, cause });
+                    }
                 }
             }
             Happening::Withdrawn(ops) => self.take_back(station, ops),
@@ -193,18 +212,26 @@ impl Record {
                 let home = line.station(station).home;
                 self.ended(now, station, home, Ended::Done);
             }
-            Happening::Asked(_)
-            | Happening::NotAgreed { .. }
-            | Happening::Refused
-            | Happening::Mode(_)
-            | Happening::Devices(_) => {}
+            Happening::Mode(mode) => {
+                self.idle[station.index()].enter(now, mode);
+                self.is_disturbed |= mode != ControlMode::Auto;
+            }
+            Happening::Asked(_) | Happening::NotAgreed { .. } | Happening::Refused | Happening::Devices(_) => {}
         }
+    }
+
+    /// A station's process has died: it obeys no mode any more.
+    pub(crate) fn lost(&mut self, now: Tick, station: StationId) {
+        self.idle[station.index()].enter(now, ControlMode::StandBy);
+        self.is_disturbed = true;
     }
 
     fn started(&mut self, line: &Line, now: Tick, station: StationId, op: OpId, block: Block, cycle: i32) {
         let done_at = &self.done_at[station.index()];
         let before = &self.before[station.index()][op.index()];
-        let ready = before.iter().map(|op| done_at[op.index()]).max().unwrap_or(Tick::ZERO);
+        let idle_at = &self.idle_at[station.index()];
+        let ended = before.iter().map(|op| (done_at[op.index()], idle_at[op.index()]));
+        let (ready, idle_at) = ended.max().unwrap_or_default();
         let mut by = if ready == now { By::Previous } else { By::Person };
         if block == Block::Normal {
             let mut last = ready;
@@ -216,9 +243,12 @@ impl Record {
                     by = if heard == now { By::Arrow(arrow) } else { By::Person };
                 }
             }
-            if let By::Arrow(arrow) = by {
+            let idle = self.idle[station.index()];
+            if let By::Arrow(arrow) = by
+                && !idle.is_on()
+            {
                 self.waits[arrow].starts += 1;
-                self.waits[arrow].total += now.since(ready);
+                self.waits[arrow].total += now.since(ready).saturating_sub(idle.until(now).saturating_sub(idle_at));
             }
         }
         if self.motions.len() == MOTIONS_MAX {
@@ -226,6 +256,7 @@ impl Record {
             self.forgotten += MOTIONS_MAX / 2;
         }
         self.begun[station.index()] += 1;
+        self.began.get_or_insert(now);
         self.open[station.index()][op.index()] = Some(self.forgotten + self.motions.len());
         self.motions.push(Motion { station, op, block, cycle, start: now, end: now, ended: Ended::Open, by, ready });
     }
@@ -241,6 +272,7 @@ impl Record {
 
     fn completed(&mut self, line: &Line, now: Tick, station: StationId, op: OpId, cycle: i32) {
         self.done_at[station.index()][op.index()] = now;
+        self.idle_at[station.index()][op.index()] = self.idle[station.index()].until(now);
         let count = &mut self.counts[station.index()][op.index()];
         *count += 1;
         if *count != cycle {
@@ -255,6 +287,8 @@ impl Record {
             self.missing -= 1;
             if self.missing == 0 {
                 self.ends.push(now);
+                self.undisturbed.push(!self.is_disturbed);
+                self.is_disturbed = self.idle.iter().any(|idle| idle.is_on());
                 self.count_missing();
             }
         }
@@ -285,6 +319,16 @@ impl Record {
     /// When each of them ended.
     pub fn cycle_ends(&self) -> &[Tick] {
         &self.ends
+    }
+
+    /// For each of them, whether it went its way: every station in auto all the time, and no motion stopped on a fault.
+    pub fn undisturbed(&self) -> &[bool] {
+        &self.undisturbed
+    }
+
+    /// When the first motion began.
+    pub fn began(&self) -> Option<Tick> {
+        self.began
     }
 
     /// The motions, in the order in which they began; of a very long run the latest.

@@ -54,8 +54,11 @@ pub enum End {
 
 /// Events at one moment that no line needs.
 const SPIN_MAX: u32 = 1_000_000;
-/// No line needs longer, beyond twice its longest watchdog, to do the next thing.
+/// No line needs longer, beyond twice its longest watchdog and some messages, to do the next thing.
 const PATIENCE: Duration = Duration::from_secs(10);
+/// Messages that may follow each other before a station has something to tell: a mode is ordered, acknowledged and put
+/// in force; a taking back is announced, agreed to and done.
+const MESSAGES_IN_A_ROW: u32 = 4;
 
 /// Runs a line towards a goal.
 ///
@@ -74,7 +77,7 @@ impl Sim {
         let skipped = opening.len();
         let steps = opening.into_iter().chain(goal.script.steps.iter().cloned()).collect();
         let mut player = Player::new(Script { steps });
-        let patience = PATIENCE + longest_watchdog(self.line()) * 2;
+        let watchdogs = longest_watchdog(self.line()) * 2;
         let (mut spins, mut last) = (0, self.now());
         loop {
             if !player.is_done()
@@ -87,6 +90,8 @@ impl Sim {
             }
             let deadline = player.deadline(self.now());
             let next = self.next_event();
+            let network = self.options.network;
+            let patience = PATIENCE + watchdogs + (network.delay + network.jitter) * MESSAGES_IN_A_ROW;
             if next.min(deadline) > self.last_event.max(self.waited_for(deadline)) + patience {
                 return self.stuck(&player, skipped);
             }
@@ -122,9 +127,11 @@ impl Sim {
         End::Stuck(self.reasons())
     }
 
-    /// What each station that does not move waits for, in words.
+    /// What mode the line is in and what the coordinator said when it entered it; then what each station that does not
+    /// move waits for, in words.
     pub fn reasons(&self) -> Vec<String> {
-        let mode = format!("the line is in {}", self.mode());
+        let (since, why) = &self.entered;
+        let mode = format!("the line is in {} since {since}", if why.is_empty() { self.mode().name() } else { why });
         let station = |id: linewright_line::StationId| {
             let name = &self.line().station(id).name;
             let Some(controller) = self.controller(id) else { return Some(format!("{name} is down")) };

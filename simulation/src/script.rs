@@ -68,7 +68,7 @@ pub struct Failure {
     pub why: String,
 }
 
-/// For how long a refused command is given again, and how often.
+/// For how long a refused command is given again, and how often; beyond the time that messages take.
 const PATIENCE: Duration = Duration::from_secs(5);
 const AGAIN: Duration = Duration::from_millis(100);
 /// A press that moves nothing for this long will not.
@@ -159,11 +159,14 @@ impl Player {
         match deed {
             Deed::Nothing => return self.finish(sim),
             Deed::Act(action) => {
+                if let Some(why) = sim.idle(&action) {
+                    return Err(why);
+                }
                 act(sim, action)?;
                 return self.finish(sim);
             }
             Deed::Order(command) | Deed::Refused(command) => {
-                self.phase = Phase::Asked { since: now, again: now + AGAIN, answers: sim.answers.len() };
+                self.phase = Phase::Asked { since: now, again: now + again(sim), answers: sim.answers.len() };
                 act(sim, Action::Command(command))?;
             }
             Deed::Jog(station, advance) => {
@@ -178,26 +181,27 @@ impl Player {
         Ok(true)
     }
 
-    fn asked(&mut self, sim: &mut Sim, since: Tick, again: Tick, answers: usize) -> Result<bool, String> {
+    fn asked(&mut self, sim: &mut Sim, since: Tick, at: Tick, answers: usize) -> Result<bool, String> {
         let now = sim.now();
         let (command, wants) = match self.script.steps[self.at].deed {
             Deed::Order(command) => (command, true),
             Deed::Refused(command) => (command, false),
             Deed::Nothing | Deed::Act(_) | Deed::Jog(..) | Deed::Press(..) => return self.finish(sim),
         };
+        let patience = PATIENCE + again(sim);
         let answer = sim.answers[answers..].iter().find(|answer| answer.command == command).cloned();
         match answer {
             Some(answer) if answer.refusal.is_none() == wants => return self.finish(sim),
             Some(_) if !wants => return Err(format!("{} was obeyed", command.name())),
-            _ if now < again => return Ok(false),
-            Some(answer) if now.since(since) >= PATIENCE => {
+            _ if now < at => return Ok(false),
+            Some(answer) if now.since(since) >= patience => {
                 let text = answer.refusal.map(|refusal| refusal.text(sim.line())).unwrap_or_default();
                 return Err(format!("not obeyed: {text}"));
             }
-            None if now.since(since) >= PATIENCE => return Err(format!("{}: no answer", command.name())),
+            None if now.since(since) >= patience => return Err(format!("{}: no answer", command.name())),
             Some(_) | None => {}
         }
-        self.phase = Phase::Asked { since, again: now + AGAIN, answers: sim.answers.len() };
+        self.phase = Phase::Asked { since, again: now + again(sim), answers: sim.answers.len() };
         act(sim, Action::Command(command))?;
         Ok(true)
     }
@@ -236,6 +240,11 @@ impl Player {
         sim.answers.clear();
         Ok(true)
     }
+}
+
+/// Nobody asks again before the first word can have been heard.
+fn again(sim: &Sim) -> Duration {
+    AGAIN + sim.options.network.delay + sim.options.network.jitter
 }
 
 fn act(sim: &mut Sim, action: Action) -> Result<(), String> {

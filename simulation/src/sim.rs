@@ -56,7 +56,9 @@ pub struct Sim {
     pub(crate) record: Record,
     pub(crate) answers: Vec<Answer>,
     pub(crate) mode: ControlMode,
-    /// When a station last had something to tell.
+    /// When the line entered it, and what the coordinator said of it then.
+    pub(crate) entered: (Tick, String),
+    /// When a station last had something to tell, the line entered a mode, or somebody did something.
     pub(crate) last_event: Tick,
     pub(crate) renewals: Vec<(Tick, usize)>,
     pub(crate) events: u64,
@@ -93,6 +95,7 @@ impl Sim {
             record: Record::new(line),
             answers: Vec::new(),
             mode: ControlMode::Home,
+            entered: (Tick::ZERO, String::new()),
             last_event: Tick::ZERO,
             renewals: Vec::new(),
             events: 0,
@@ -293,6 +296,7 @@ impl Sim {
         node.coordinator.step(now, &mut node.outbox);
         for mode in node.outbox.modes.drain(..) {
             self.mode = mode;
+            self.entered = (now, node.coordinator.text());
             self.last_event = now;
             if self.options.keeps_log {
                 self.log.push(now, What::Mode(mode));

@@ -69,6 +69,16 @@ fn who_waits_for_whom() {
 }
 
 #[test]
+fn a_run_longer_than_its_memory_knows_when_it_began() {
+    let line = transfer_line(1);
+    let sim = cycles(&line, Options::default(), 12_000);
+    let (began, oldest) = (sim.record().began().expect("it ran"), sim.record().motions()[0].start);
+    assert!(oldest > began, "the oldest motions are forgotten");
+    let mean = sim.record().cycle_ends()[11_999].since(began).as_secs_f64() / 12_000.0;
+    assert!((3.55..3.57).contains(&mean), "{mean}");
+}
+
+#[test]
 fn a_run_follows_from_its_seed() {
     let line = transfer_line(2);
     let network = Network { jitter: Duration::from_millis(5), ..Network::default() };
@@ -84,4 +94,14 @@ fn a_run_follows_from_its_seed() {
 fn a_cycle_as_a_trace() {
     let line = transfer_line(1);
     insta::assert_snapshot!(cycles(&line, logged(), 1).log().text(&line));
+}
+
+#[test]
+fn the_slowest_network_there_is_makes_a_line_slow_and_nothing_else() {
+    let line = transfer_line(1);
+    let network = Network { delay: Duration::from_secs(10), ..Network::default() };
+    let sim = cycles(&line, Options { network, ..logged() }, 3);
+    let path = CriticalPath::of(&line, sim.record()).expect("three cycles are steady");
+    let moving: Duration = path.links.iter().map(|link| link.motion.end.since(link.motion.start)).sum();
+    assert_eq!(path.time, moving + Duration::from_secs(4 * 10), "four arrows, a message each");
 }

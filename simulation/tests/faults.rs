@@ -196,3 +196,41 @@ fn a_line_that_cannot_go_on_says_what_everybody_waits_for() {
         "{reasons:?}"
     );
 }
+
+#[test]
+fn time_out_of_auto_is_nobody_s_wait_and_no_cycle_s_time() {
+    let line = transfer_line(1);
+    let quiet = run(&line, logged(), &Goal::cycles(8)).expect("the line compiles").0;
+    let sim = played(
+        r#"
+        cycles = 8
+        starts = false
+        [[step]]
+        at_s = 100
+        command = "start"
+        [[step]]
+        command = "auto"
+        [[step]]
+        when = "cycles >= 3"
+        command = "stop"
+        [[step]]
+        when = "line is home"
+        after_s = 60
+        command = "start"
+        [[step]]
+        command = "auto"
+        "#,
+    );
+    let record = sim.record();
+    assert_eq!(record.faults(), [], "nothing failed");
+    assert_eq!(record.undisturbed(), [false, true, true, false, true, true, true, true]);
+    let went = record.cycle_ends().windows(2).zip(&record.undisturbed()[1..]);
+    for (pair, _) in went.filter(|(_, went)| **went) {
+        let time = pair[1].since(pair[0]).as_secs_f64();
+        assert!((3.55..3.57).contains(&time), "{time}");
+    }
+    for (wait, like) in record.waits().iter().zip(quiet.record().waits()) {
+        let mean = |wait: &linewright_simulation::Wait| wait.total.as_secs_f64() / wait.starts as f64;
+        assert!(mean(wait) < mean(like) + 0.1, "{wait:?}, undisturbed {like:?}");
+    }
+}

@@ -2,8 +2,12 @@
 
 mod common;
 
+use std::time::Duration;
+
 use common::*;
-use linewright_simulation::{End, Scenario};
+use linewright_simulation::{
+    Compare, Condition, CriticalPath, End, Goal, Network, OperationState, Options, Scenario, StationState, run,
+};
 
 fn problems(text: &str) -> Vec<String> {
     let line = transfer_line(1);
@@ -100,4 +104,107 @@ fn waiting_in_vain_ends() {
     let (_, end) = play("[[step]]\nat_s = 5\ncommand = \"hand\"\n");
     let End::Failed { step: Some(0), why } = end else { panic!("{end:?}") };
     assert!(why.contains("not obeyed"), "{why}");
+}
+
+#[test]
+fn what_would_be_without_effect_is_a_mistake() {
+    let text = r#"cycles = 2.5
+[[step]]
+command = "stop"
+for_s = 3
+[[step]]
+when = "all are home"
+motion = "normal"
+[[step]]
+jam = "mill_1: feed main slide"
+motion = "recovery"
+[[step]]
+"#;
+    assert_eq!(
+        problems(text),
+        [
+            "1:10: `cycles` must be a whole number",
+            "4:9: `for_s` without `press` (a step waits with `after_s`)",
+            "7:10: `motion` of nothing (it says which motions of `jam`, `slow`, `break`, `slip_back` or `repair` are meant)",
+            "10:10: `feed main slide` is irreversible: no motion undoes it (what its recovery path does are motions of the \
+             operations it names)",
+            "11:1: an empty step (a step waits, does one thing, or expects)",
+        ]
+    );
+    assert_eq!(problems("cycles = -1\n"), ["1:10: `cycles` is -1 (between 0 and 10000000)"]);
+}
+
+#[test]
+fn a_step_that_changes_nothing_fails() {
+    for (step, expected) in [
+        ("restart = \"mill_1\"", "mill_1 is up"),
+        ("restart = \"coordinator\"", "coordinator is up"),
+        ("device_back = \"mill 1 io\"", "mill 1 io is not lost"),
+        ("release = \"clamp_1: return\"", "return of clamp_1 is not held"),
+    ] {
+        let (_, end) = play(&format!("[[step]]\n{step}\n"));
+        assert_eq!(end, End::Failed { step: Some(0), why: expected.to_owned() });
+    }
+    for (step, expected) in [
+        ("kill = \"mill_1\"", "mill_1 is down already"),
+        ("device_lost = \"mill 1 io\"", "mill 1 io is lost already"),
+        ("hold = \"clamp_1: return\"", "return of clamp_1 is held already"),
+    ] {
+        let (_, end) = play(&format!("[[step]]\n{step}\n[[step]]\n{step}\n"));
+        assert_eq!(end, End::Failed { step: Some(1), why: expected.to_owned() });
+    }
+}
+
+#[test]
+fn an_operation_may_have_the_words_of_a_condition_in_its_name() {
+    let mut line = transfer_line(1);
+    let (mill, decel) = op(&line, "mill_1", "decel");
+    line.stations[mill.index()].operations[decel.index()].name = "turn and is slow and are low".to_owned();
+    let text = "[[step]]\nwhen = \"cycles >= 0 and mill_1: turn and is slow and are low is done and all are home\"\n";
+    let scenario = Scenario::parse(&line, "s.toml", text).unwrap_or_else(|problems| panic!("{problems:#}"));
+    let done = Condition::Operation((mill, decel), OperationState::Done);
+    let all = [Condition::Cycles(Compare::AtLeast, 0), done, Condition::Every(StationState::Home)];
+    assert_eq!(scenario.script.steps[0].when, Some(Condition::All(all.to_vec())));
+}
+
+#[test]
+fn a_step_changes_of_the_network_what_it_names() {
+    let line = transfer_line(1);
+    let text = "[network]\ndelay_ms = 5\n[[step]]\nwhen = \"cycles >= 1\"\nnetwork = { loss_percent = 0 }\n";
+    let scenario = Scenario::parse(&line, "s.toml", text).expect("it is sound");
+    assert_eq!(scenario.network.delay, Duration::from_millis(5));
+    // As if somebody had asked for another delay on the command line.
+    let network = Network { delay: Duration::from_millis(20), ..scenario.network };
+    let goal = Goal { cycles: 4, starts: true, script: scenario.script };
+    let (sim, end) = run(&line, Options { network, ..logged() }, &goal).expect("the line compiles");
+    assert_eq!(end, End::Done);
+    let path = CriticalPath::of(&line, sim.record()).expect("four cycles are steady");
+    let late: Duration = path.links.iter().map(|link| link.late).sum();
+    assert_eq!(late, Duration::from_millis(4 * 20), "four arrows, a message each");
+}
+
+#[test]
+fn what_somebody_does_after_a_long_time_is_given_its_time() {
+    let sim = played(
+        r#"
+        [[step]]
+        when = "mill_1: decel is operating"
+        kill = "mill_1"
+        [[step]]
+        after_s = 600
+        restart = "mill_1"
+        [[step]]
+        when = "all are heard"
+        command = "manual"
+        [[step]]
+        after_s = 600
+        hold = "mill_1: advance"
+        [[step]]
+        when = "mill_1: decel is done"
+        release = "mill_1: advance"
+        [[step]]
+        command = "auto"
+        "#,
+    );
+    assert!(sim.now().as_micros() > 1_200_000_000);
 }

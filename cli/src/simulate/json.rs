@@ -26,6 +26,8 @@ pub struct Object {
     conflicts: Vec<Conflict>,
     faults: Vec<Fault>,
     withdrawn: u64,
+    /// Events before those that are kept.
+    events_forgotten: u64,
     events: Vec<String>,
 }
 
@@ -113,6 +115,7 @@ impl Object {
             conflicts: conflicts(line, sim),
             faults: faults(line, sim),
             withdrawn: sim.record().withdrawn(),
+            events_forgotten: sim.log().forgotten(),
             events: sim.log().entries().iter().map(|entry| entry.text(line)).collect(),
         }
     }

@@ -6,7 +6,7 @@ use std::fmt::Write;
 
 use linewright_line::net::Block;
 use linewright_line::{Line, OpId, StationId};
-use linewright_simulation::{By, CriticalPath, End, Ended, Goal, Motion, Plan, Scenario, Sim};
+use linewright_simulation::{By, CriticalPath, End, Ended, Goal, Motion, Plan, Record, Scenario, Sim};
 
 use super::chart;
 
@@ -35,8 +35,8 @@ pub struct Report {
     pub cycles: usize,
     /// When each ended, in seconds after the first motion began.
     pub ends_s: Vec<f64>,
-    /// What a cycle takes when the line has run in: the mean of all but the first, or of those that began after the
-    /// last fault. If there is none of these, of all.
+    /// What a cycle takes when the line has run in: the mean of all but the first that went undisturbed. Where the first
+    /// is the only one, that one.
     pub cycle_time_s: Option<f64>,
     /// What the description alone promises.
     pub planned_s: f64,
@@ -58,10 +58,8 @@ impl Report {
     /// The report of a run that has ended.
     pub fn new(sim: &Sim, end: &End, goal: &Goal, scenario: Option<&Scenario>) -> Self {
         let (line, record) = (sim.line(), sim.record());
-        let origin = record.motions().first().map_or(0.0, |motion| motion.start.as_micros() as f64);
+        let origin = record.began().map_or(0.0, |began| began.as_micros() as f64);
         let ends_s: Vec<f64> = record.cycle_ends().iter().map(|at| (at.as_micros() as f64 - origin) / 1e6).collect();
-        let disturbed = record.faults().last().map_or(0.0, |fault| fault.at.as_micros() as f64);
-        let disturbed_s = (disturbed - origin) / 1e6;
         let plan = Plan::of(line);
         let critical = CriticalPath::of(line, record);
         let every = line.station_ids().flat_map(|id| line.station(id).op_ids().map(move |op| (id, op)));
@@ -77,7 +75,7 @@ impl Report {
         Report {
             asked: goal.cycles,
             cycles: record.cycles(),
-            cycle_time_s: cycle_time(&ends_s, disturbed_s),
+            cycle_time_s: cycle_time(&ends_s, record),
             ends_s,
             planned_s: plan.cycle_time() / 1e6,
             drawn,
@@ -125,13 +123,14 @@ pub fn op_text(line: &Line, (id, op): (StationId, OpId)) -> String {
     format!("{}: {}", line.station(id).name, line.operation((id, op)).name)
 }
 
-fn cycle_time(ends: &[f64], disturbed: f64) -> Option<f64> {
-    let mean = |ends: &[f64]| match ends {
-        [first, .., last] => Some((last - first) / (ends.len() - 1) as f64),
-        _ => None,
-    };
-    let quiet = ends.partition_point(|end| *end <= disturbed);
-    mean(&ends[quiet..]).or_else(|| Some(ends.last()? / ends.len() as f64))
+fn cycle_time(ends: &[f64], record: &Record) -> Option<f64> {
+    if let ([only], []) = (ends, record.faults()) {
+        return Some(*only);
+    }
+    let went = record.undisturbed().iter().skip(1);
+    let times: Vec<f64> =
+        ends.windows(2).zip(went).filter(|(_, went)| **went).map(|(pair, _)| pair[1] - pair[0]).collect();
+    (!times.is_empty()).then(|| times.iter().sum::<f64>() / times.len() as f64)
 }
 
 /// Seconds to the microsecond: a difference of two moments has more digits than it knows.

@@ -54,6 +54,10 @@ impl<'a> Fields<'a> {
         Fields { table, at, what, asked: Vec::new() }
     }
 
+    pub(super) fn is_empty(&self) -> bool {
+        self.table.is_empty()
+    }
+
     fn read<T>(
         &mut self,
         report: &mut Report,
@@ -88,6 +92,18 @@ impl<'a> Fields<'a> {
         }
         report.error(at, format!("`{key}` is {value}"), Some(format!("between {low} and {high}")));
         None
+    }
+
+    /// A whole number from 0 to `high`.
+    pub(super) fn whole(&mut self, report: &mut Report, key: &'static str, high: usize) -> Option<At<usize>> {
+        let (value, at) = self.read(report, key, "a whole number", Item::as_integer)?;
+        match usize::try_from(value) {
+            Ok(whole) if whole <= high => Some((whole, at)),
+            Ok(_) | Err(_) => {
+                report.error(at, format!("`{key}` is {value}"), Some(format!("between 0 and {high}")));
+                None
+            }
+        }
     }
 
     /// A time in seconds, at most a day.

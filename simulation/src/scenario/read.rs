@@ -2,18 +2,20 @@
 
 use std::time::Duration;
 
-use linewright_line::{Line, Tick};
+use linewright_line::{Line, Module, Tick};
 use linewright_plant::Fault;
 
 use super::Scenario;
 use super::fields::{At, Fields, Report};
 use super::words;
 use crate::operator::{Action, Way};
-use crate::options::Network;
+use crate::options::{Network, NetworkChange};
 use crate::script::{Deed, Script, Step};
 
 /// Steps in one scenario.
 const STEPS_MAX: usize = 10_000;
+/// Cycles that a scenario may ask for.
+const CYCLES_MAX: usize = 10_000_000;
 
 pub(super) fn scenario(line: &Line, text: &str, report: &mut Report) -> Option<Scenario> {
     let document = match toml_edit::Document::parse(text) {
@@ -25,14 +27,14 @@ pub(super) fn scenario(line: &Line, text: &str, report: &mut Report) -> Option<S
     };
     let mut fields = Fields::new(document.as_table(), 0..0, "a scenario");
     let title = fields.text(report, "title").map(|(title, _)| title.to_owned());
-    let cycles = fields.number(report, "cycles", 0.0, 1e7).map(|(cycles, _)| cycles as usize);
+    let cycles = fields.whole(report, "cycles", CYCLES_MAX).map(|(cycles, _)| cycles);
     let starts = fields.flag(report, "starts").is_none_or(|(starts, _)| starts);
     let variation = fields.number(report, "variation_percent", 0.0, 90.0).map_or(0.0, |(percent, _)| percent / 100.0);
-    let network = fields.table(report, "network", "`network`").map(|table| network(table, Network::default(), report));
+    let network = fields.table(report, "network", "`network`").map(|table| network(table, report));
     let blocks = fields.blocks(report, "step", "a step", STEPS_MAX);
     fields.finish(report);
-    let network = network.unwrap_or_default();
-    let steps = blocks.into_iter().filter_map(|block| step(line, text, network, block, report)).collect();
+    let network = network.unwrap_or_default().of(Network::default());
+    let steps = blocks.into_iter().filter_map(|block| step(line, text, block, report)).collect();
     Some(Scenario {
         title,
         cycles,
@@ -45,20 +47,24 @@ pub(super) fn scenario(line: &Line, text: &str, report: &mut Report) -> Option<S
     })
 }
 
-fn network(mut table: Fields<'_>, before: Network, report: &mut Report) -> Network {
-    let mut millis = |key: &'static str, before: Duration| {
+fn network(mut table: Fields<'_>, report: &mut Report) -> NetworkChange {
+    let mut millis = |key: &'static str| {
         let number = table.number(report, key, 0.0, 10_000.0);
-        number.map_or(before, |(millis, _)| Duration::from_secs_f64(millis / 1e3))
+        number.map(|(millis, _)| Duration::from_secs_f64(millis / 1e3))
     };
-    let (delay, jitter) = (millis("delay_ms", before.delay), millis("jitter_ms", before.jitter));
+    let (delay, jitter) = (millis("delay_ms"), millis("jitter_ms"));
     let loss = table.number(report, "loss_percent", 0.0, 100.0);
     table.finish(report);
-    let loss_per_mille = loss.map_or(before.loss_per_mille, |(percent, _)| (percent * 10.0).round() as u32);
-    Network { delay, jitter, loss_per_mille }
+    let loss_per_mille = loss.map(|(percent, _)| (percent * 10.0).round() as u32);
+    NetworkChange { delay, jitter, loss_per_mille }
 }
 
-fn step(line: &Line, text: &str, before: Network, mut fields: Fields<'_>, report: &mut Report) -> Option<Step> {
+fn step(line: &Line, text: &str, mut fields: Fields<'_>, report: &mut Report) -> Option<Step> {
     let span = fields.at.clone();
+    if fields.is_empty() {
+        report.error(span, "an empty step", Some("a step waits, does one thing, or expects".to_owned()));
+        return None;
+    }
     let at = fields.seconds(report, "at_s").map(|(at, _)| Tick::ZERO + at);
     let when = fields.text(report, "when").and_then(|when| words::condition(line, when, report));
     let after = fields.seconds(report, "after_s").map_or(Duration::ZERO, |(after, _)| after);
@@ -70,7 +76,7 @@ fn step(line: &Line, text: &str, before: Network, mut fields: Fields<'_>, report
     deeds.faults(line, &mut fields, report);
     if let Some(table) = fields.table(report, "network", "`network`") {
         let at = table.at.clone();
-        deeds.found.push((Deed::Act(Action::Network(network(table, before, report))), at));
+        deeds.add(at, Some(Deed::Act(Action::Network(network(table, report)))));
     }
     fields.finish(report);
     if let [_, (_, second), ..] = deeds.found.as_slice() {
@@ -99,9 +105,12 @@ impl Deeds {
                 self.add(word.1.clone(), words::command(word, report).map(deed));
             }
         }
-        let time = fields.seconds(report, "for_s").map_or(Duration::from_secs(1), |(time, _)| time);
+        let held = fields.seconds(report, "for_s");
+        let time = held.as_ref().map_or(Duration::from_secs(1), |(time, _)| *time);
+        let mut presses = false;
         for key in ["jog", "press", "hold", "release"] {
             let Some(word) = fields.text(report, key) else { continue };
+            presses |= key == "press";
             let at = word.1.clone();
             let deed = words::panel(line, word, report).map(|(station, advance)| match key {
                 "jog" => Deed::Jog(station, advance),
@@ -109,6 +118,9 @@ impl Deeds {
                 _ => Deed::Act(Action::Panel { station, advance, down: key == "hold" }),
             });
             self.add(at, deed);
+        }
+        if let Some((_, at)) = held.filter(|_| !presses) {
+            report.error(at, "`for_s` without `press`", Some("a step waits with `after_s`".to_owned()));
         }
         if let Some(word) = fields.text(report, "selector") {
             let at = word.1.clone();
@@ -123,7 +135,10 @@ impl Deeds {
     }
 
     fn faults(&mut self, line: &Line, fields: &mut Fields<'_>, report: &mut Report) {
-        let way = fields.text(report, "motion").map_or(Some(Way::Both), |word| words::way(word, report));
+        let motion = fields.text(report, "motion");
+        let motion_at = motion.as_ref().map(|(_, at)| at.clone());
+        let way = motion.map_or(Some(Way::Both), |word| words::way(word, report));
+        let mut fails = false;
         let faults = [
             ("jam", Some(Fault::Stick)),
             ("slow", Some(Fault::Slip)),
@@ -133,9 +148,25 @@ impl Deeds {
         ];
         for (key, fault) in faults {
             let Some(word) = fields.text(report, key) else { continue };
+            fails = true;
             let at = word.1.clone();
             let op = words::operation(line, word, report);
+            if let (Some(op), Some(Way::Recovery), Some(at)) = (op, way, &motion_at)
+                && let Module::Irreversible { .. } = line.operation(op).module
+            {
+                let name = &line.operation(op).name;
+                let hint = "what its recovery path does are motions of the operations it names";
+                report.error(
+                    at.clone(),
+                    format!("`{name}` is irreversible: no motion undoes it"),
+                    Some(hint.to_owned()),
+                );
+            }
             self.add(at, op.zip(way).map(|(op, way)| Deed::Act(Action::Fail(op, way, fault))));
+        }
+        if let Some(at) = motion_at.filter(|_| !fails) {
+            let hint = "it says which motions of `jam`, `slow`, `break`, `slip_back` or `repair` are meant";
+            report.error(at, "`motion` of nothing", Some(hint.to_owned()));
         }
         for (key, value) in [("input_on", Some(true)), ("input_off", Some(false)), ("input_free", None)] {
             let Some(word) = fields.text(report, key) else { continue };

@@ -107,9 +107,30 @@ pub(super) fn process(line: &Line, word: Text<'_>, report: &mut Report) -> Optio
 
 pub(super) fn condition(line: &Line, (text, at): Text<'_>, report: &mut Report) -> Option<Condition> {
     let clauses: Vec<Option<Condition>> =
-        text.split(" and ").map(|part| clause(line, within(text, &at, part), report)).collect();
+        clauses(line, text).into_iter().map(|part| clause(line, within(text, &at, part), report)).collect();
     let mut clauses: Vec<Condition> = clauses.into_iter().collect::<Option<_>>()?;
     if clauses.len() == 1 { clauses.pop() } else { Some(Condition::All(clauses)) }
+}
+
+/// A text cut at its ` and `s, except for those within an operation's name.
+fn clauses<'a>(line: &Line, text: &'a str) -> Vec<&'a str> {
+    const AND: &str = " and ";
+    let goes_on = |part: &str| {
+        part.split_once(':').is_some_and(|(station, begun)| {
+            let begun = format!("{}{AND}", begun.trim());
+            let id = line.station_named(station.trim());
+            id.is_some_and(|id| line.station(id).operations.iter().any(|operation| operation.name.starts_with(&begun)))
+        })
+    };
+    let (mut clauses, mut start) = (Vec::new(), 0);
+    for (at, _) in text.match_indices(AND) {
+        if !goes_on(&text[start..at]) {
+            clauses.push(&text[start..at]);
+            start = at + AND.len();
+        }
+    }
+    clauses.push(&text[start..]);
+    clauses
 }
 
 const COMPARISONS: [(&str, Compare); 5] = [
@@ -138,7 +159,8 @@ fn clause(line: &Line, (text, at): Text<'_>, report: &mut Report) -> Option<Cond
         let mode = mode(part(right), report);
         return about(line, part(left), StationState::Obeys(mode?), report);
     }
-    let Some((left, right)) = text.split_once(" is ").or_else(|| text.split_once(" are ")) else {
+    // The last one: an operation's name may have such a word in it.
+    let Some((left, right)) = text.rsplit_once(" is ").or_else(|| text.rsplit_once(" are ")) else {
         let hint = "`cycles >= 3`, `line is auto`, `clamp_1 is incomplete`, `all are home`, `clamp_1: advance clamp is \
                     operating`, joined by `and`";
         report.error(at.clone(), format!("`{text}` is no condition"), Some(hint.to_owned()));
