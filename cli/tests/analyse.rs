@@ -1,53 +1,13 @@
 //! `linewright analyse` and `linewright nets`, as a user meets them: the built command, its output and its exit code.
 
+#[path = "support/command.rs"]
+mod command;
+
 use std::fmt::Write as _;
-use std::path::{Path, PathBuf};
-use std::process::{Command, Output, Stdio};
+use std::process::{Command, Stdio};
 
+use command::{Scratch, json, linewright, shipped, text};
 use serde_json::Value;
-
-fn linewright(args: &[&str]) -> Output {
-    Command::new(env!("CARGO_BIN_EXE_linewright")).args(args).output().expect("the command starts")
-}
-
-/// A directory of this test's own, removed when it ends.
-struct Scratch(PathBuf);
-
-impl Scratch {
-    fn new(test: &str) -> Self {
-        let dir = std::env::temp_dir().join(format!("linewright-{test}-{}", std::process::id()));
-        std::fs::create_dir_all(&dir).expect("a directory for temporary files");
-        Scratch(dir)
-    }
-
-    fn path(&self, name: &str) -> String {
-        self.0.join(name).to_str().expect("a plain path").to_owned()
-    }
-
-    fn file(&self, name: &str, text: &str) -> String {
-        let path = self.path(name);
-        std::fs::write(&path, text).expect("a scratch file");
-        path
-    }
-
-    fn read(&self, name: &str) -> String {
-        std::fs::read_to_string(self.0.join(name)).unwrap_or_else(|error| panic!("{name}: {error}"))
-    }
-}
-
-impl Drop for Scratch {
-    fn drop(&mut self) {
-        let _ = std::fs::remove_dir_all(&self.0);
-    }
-}
-
-fn text(bytes: &[u8]) -> &str {
-    std::str::from_utf8(bytes).expect("output is text")
-}
-
-fn json(output: &Output) -> Value {
-    serde_json::from_slice(&output.stdout).unwrap_or_else(|error| panic!("{error}: {output:?}"))
-}
 
 /// What is found out about a file, as JSON.
 fn analysed(file: &str, more: &[&str]) -> Value {
@@ -100,7 +60,7 @@ fn ring(stations: usize, is_dead: bool) -> String {
 /// The numbers are those of an independent program that plays the nets out on bit masks.
 #[test]
 fn a_ring_of_stations_is_live_safe_and_reversible_with_so_many_states() {
-    let scratch = Scratch::new("ring");
+    let scratch = Scratch::new();
     for (stations, states, arcs) in [(3, 3444, 9588), (4, 46256, 169_456)] {
         let found = analysed(&scratch.file("ring.pnml", &ring(stations, false)), &[]);
         let number = |key: &str| found[key].as_u64();
@@ -123,7 +83,7 @@ fn a_ring_of_stations_is_live_safe_and_reversible_with_so_many_states() {
 
 #[test]
 fn the_answers_do_not_depend_on_the_threads() {
-    let scratch = Scratch::new("threads");
+    let scratch = Scratch::new();
     let file = scratch.file("ring.pnml", &ring(3, false));
     let answers = |threads| {
         let mut found = analysed(&file, &["--threads", threads]);
@@ -138,7 +98,7 @@ fn the_answers_do_not_depend_on_the_threads() {
 
 #[test]
 fn a_ring_in_which_all_wait_is_found_with_the_way_into_it() {
-    let scratch = Scratch::new("dead");
+    let scratch = Scratch::new();
     let file = scratch.file("dead.pnml", &ring(3, true));
     let found = analysed(&file, &[]);
     assert_eq!(
@@ -162,7 +122,7 @@ fn a_ring_in_which_all_wait_is_found_with_the_way_into_it() {
 
 #[test]
 fn what_is_too_large_is_undecided_and_not_guessed() {
-    let scratch = Scratch::new("large");
+    let scratch = Scratch::new();
     // Two stations that share a tool, so that no class of nets decides it.
     let words = |words: &[&str]| words.iter().map(ToString::to_string).collect::<Vec<_>>();
     let shared = pnml(
@@ -201,7 +161,7 @@ fn what_is_too_large_is_undecided_and_not_guessed() {
 
 #[test]
 fn an_unbounded_net_is_shown_to_grow() {
-    let scratch = Scratch::new("unbounded");
+    let scratch = Scratch::new();
     let p = |name: &str| vec![name.to_owned()];
     let net = pnml(
         &[("idle".into(), 1), ("busy".into(), 0), ("parts".into(), 0)],
@@ -222,7 +182,7 @@ fn an_unbounded_net_is_shown_to_grow() {
 
 #[test]
 fn what_does_not_hold_is_played() {
-    let scratch = Scratch::new("plays");
+    let scratch = Scratch::new();
     let p = |names: &[&str]| names.iter().map(ToString::to_string).collect::<Vec<_>>();
     // Once `leave` has fired, nothing leads back, and `stay` is lost; the other two go on and on.
     let net = pnml(
@@ -245,7 +205,7 @@ fn what_does_not_hold_is_played() {
 
 #[test]
 fn a_broken_file_is_explained_and_not_analysed() {
-    let scratch = Scratch::new("broken");
+    let scratch = Scratch::new();
     let file = scratch.file(
         "broken.pnml",
         "<pnml><net id=\"n\">\n<place id=\"p\"/>\n<arc id=\"a\" source=\"p\" target=\"q\"/>\n</net></pnml>",
@@ -270,7 +230,7 @@ fn a_broken_file_is_explained_and_not_analysed() {
 
 #[test]
 fn one_of_several_nets_is_chosen_by_id() {
-    let scratch = Scratch::new("several");
+    let scratch = Scratch::new();
     let file = scratch.file(
         "nets.pnml",
         "<pnml><net id=\"a\"><place id=\"p\"/></net><net id=\"b\"><transition id=\"t\"/></net></pnml>",
@@ -282,7 +242,7 @@ fn one_of_several_nets_is_chosen_by_id() {
 
 #[test]
 fn the_graph_the_drawing_and_the_certificates_are_written() {
-    let scratch = Scratch::new("written");
+    let scratch = Scratch::new();
     let file = scratch.file("ring.pnml", &ring(1, true));
     let found = analysed(&file, &[]);
     let (states, arcs) = (found["states"].as_u64().unwrap() as usize, found["arcs"].as_u64().unwrap() as usize);
@@ -314,7 +274,7 @@ fn the_graph_the_drawing_and_the_certificates_are_written() {
 
 #[test]
 fn a_closed_pipe_is_no_error() {
-    let scratch = Scratch::new("pipe");
+    let scratch = Scratch::new();
     let file = scratch.file("ring.pnml", &ring(3, false));
     for more in [&["--json"][..], &[]] {
         let mut child = Command::new(env!("CARGO_BIN_EXE_linewright"))
@@ -331,8 +291,8 @@ fn a_closed_pipe_is_no_error() {
 
 #[test]
 fn the_nets_of_the_shipped_line_are_written_and_hold() {
-    let scratch = Scratch::new("nets");
-    let line = Path::new(env!("CARGO_MANIFEST_DIR")).join("../launch-config/lines/transfer-line");
+    let scratch = Scratch::new();
+    let line = shipped();
     let (line, out) = (line.to_str().unwrap(), scratch.path("out"));
     let output = linewright(&["nets", line, "--out", &out]);
     assert!(output.status.success() && text(&output.stdout).contains("transfer.pnml: 60 places"), "{output:?}");

@@ -1,55 +1,12 @@
 //! `linewright check` and `linewright new`, as a user meets them: the built command, its output and its exit code.
 
-use std::path::{Path, PathBuf};
-use std::process::{Command, Output};
+#[path = "support/command.rs"]
+mod command;
 
+use std::path::Path;
+
+use command::{Scratch, json, linewright, shipped, text, unread};
 use serde_json::Value;
-
-fn linewright(args: &[&str]) -> Output {
-    Command::new(env!("CARGO_BIN_EXE_linewright")).args(args).output().expect("the command starts")
-}
-
-fn shipped() -> PathBuf {
-    Path::new(env!("CARGO_MANIFEST_DIR")).join("../launch-config/lines/transfer-line")
-}
-
-/// A directory of this test's own, removed when it ends.
-struct Scratch(PathBuf);
-
-impl Scratch {
-    fn new(test: &str) -> Self {
-        let dir = std::env::temp_dir().join(format!("linewright-{test}-{}", std::process::id()));
-        std::fs::create_dir_all(&dir).expect("a directory for temporary files");
-        Scratch(dir)
-    }
-
-    fn path(&self, name: &str) -> String {
-        self.0.join(name).to_str().expect("a plain path").to_owned()
-    }
-
-    /// The shipped line with some text replaced.
-    fn changed(&self, from: &str, to: &str) -> String {
-        let text = std::fs::read_to_string(shipped().join("line.toml")).expect("the shipped line is there");
-        assert!(text.contains(from), "nothing to replace: {from}");
-        let file = self.path("line.toml");
-        std::fs::write(&file, text.replacen(from, to, 1)).expect("a scratch file");
-        file
-    }
-}
-
-impl Drop for Scratch {
-    fn drop(&mut self) {
-        let _ = std::fs::remove_dir_all(&self.0);
-    }
-}
-
-fn json(output: &Output) -> Value {
-    serde_json::from_slice(&output.stdout).unwrap_or_else(|error| panic!("{error}: {output:?}"))
-}
-
-fn text(bytes: &[u8]) -> &str {
-    std::str::from_utf8(bytes).expect("output is text")
-}
 
 #[test]
 fn the_shipped_line_passes_every_check() {
@@ -109,7 +66,7 @@ fn the_table_names_every_station_and_what_is_not_decided() {
 
 #[test]
 fn a_conflict_that_no_arrow_prevents_is_a_failed_check() {
-    let scratch = Scratch::new("conflict");
+    let scratch = Scratch::new();
     let file = scratch.changed("lag = 0\nmodes = [\"auto\", \"manual\"]", "lag = 0\nmodes = [\"auto\"]");
     let output = linewright(&["check", &file, "--structure", "--json"]);
     assert_eq!(output.status.code(), Some(1));
@@ -167,7 +124,7 @@ fn each_rule_switched_off_has_a_counterexample_of_its_own() {
 
 #[test]
 fn a_line_of_many_stations_is_explored_in_parts_and_like_parts_once() {
-    let scratch = Scratch::new("parts");
+    let scratch = Scratch::new();
     let dir = scratch.path("long");
     assert!(linewright(&["new", "transfer-line", "--dir", &dir, "--machines", "4"]).status.success());
     // Flags in every part: the first part has a counterexample, and the others are not taken for sound because of it.
@@ -191,7 +148,7 @@ fn a_limit_leaves_it_undecided_and_is_no_yes() {
 
 #[test]
 fn all_problems_of_a_text_are_reported_with_their_places() {
-    let scratch = Scratch::new("problems");
+    let scratch = Scratch::new();
     let file = scratch.changed("watchdog_s = 1.0", "watchdog_s = 0.1\nwatchdogs = 2");
     let output = linewright(&["check", &file, "--json"]);
     assert_eq!(output.status.code(), Some(1));
@@ -208,7 +165,7 @@ fn all_problems_of_a_text_are_reported_with_their_places() {
 
 #[test]
 fn a_deadlock_among_arrows_is_a_problem_of_the_text() {
-    let scratch = Scratch::new("deadlock");
+    let scratch = Scratch::new();
     let output = linewright(&["check", &scratch.changed("lag = 1", "lag = 0"), "--json"]);
     assert_eq!(output.status.code(), Some(1));
     assert!(json(&output)["problems"].to_string().contains("deadlock"), "{output:?}");
@@ -216,7 +173,7 @@ fn a_deadlock_among_arrows_is_a_problem_of_the_text() {
 
 #[test]
 fn a_warning_is_shown_and_does_not_fail() {
-    let scratch = Scratch::new("warning");
+    let scratch = Scratch::new();
     let file = scratch.changed("buttons = [\"PB_1\"", "buttons = [\"PB_9\", \"PB_1\"");
     let output = linewright(&["check", &file, "--structure", "--json"]);
     assert!(output.status.success(), "{output:?}");
@@ -224,6 +181,17 @@ fn a_warning_is_shown_and_does_not_fail() {
 
     let plain = linewright(&["check", &file, "--structure"]);
     assert!(plain.status.success() && text(&plain.stderr).contains("PB_9"), "{plain:?}");
+}
+
+#[test]
+fn a_reader_that_has_enough_is_no_accident() {
+    let dir = shipped();
+    for args in
+        [&["check", "--structure"][..], &["check", "--structure", "--json"], &["simulate"], &["simulate", "--json"]]
+    {
+        let output = unread(&[args, &[dir.to_str().unwrap()]].concat());
+        assert!(output.status.success() && output.stderr.is_empty(), "{args:?}: {output:?}");
+    }
 }
 
 #[test]
@@ -238,7 +206,7 @@ fn a_file_that_is_not_there_fails_and_says_so() {
 
 #[test]
 fn a_new_line_can_be_checked_and_is_not_overwritten() {
-    let scratch = Scratch::new("new");
+    let scratch = Scratch::new();
     let dir = scratch.path("fast");
     let new = ["new", "transfer-line", "--dir", &dir];
     let output = linewright(&[&new[..], &["--machines", "3", "--time-scale", "0.1"]].concat());
@@ -263,7 +231,7 @@ fn a_new_line_can_be_checked_and_is_not_overwritten() {
 
 #[test]
 fn a_new_line_keeps_to_its_bounds() {
-    let scratch = Scratch::new("bounds");
+    let scratch = Scratch::new();
     let dir = scratch.path("line");
     for (option, values) in [("--machines", ["0", "32"]), ("--time-scale", ["0.001", "nan"])] {
         for value in values {

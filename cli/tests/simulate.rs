@@ -1,34 +1,14 @@
 //! `linewright simulate`, as a user meets it: the built command, its output, its files and its exit code.
 
-use std::path::{Path, PathBuf};
-use std::process::{Command, Output};
+#[path = "support/command.rs"]
+mod command;
 
-use serde_json::Value;
+use std::process::Output;
+
+use command::{Scratch, json, linewright, shipped, text};
 
 fn simulate(args: &[&str]) -> Output {
-    let line = shipped();
-    let mut command = Command::new(env!("CARGO_BIN_EXE_linewright"));
-    command.arg("simulate").arg(&line).args(args).output().expect("the command starts")
-}
-
-fn shipped() -> PathBuf {
-    Path::new(env!("CARGO_MANIFEST_DIR")).join("../launch-config/lines/transfer-line")
-}
-
-fn text(bytes: &[u8]) -> &str {
-    std::str::from_utf8(bytes).expect("output is text")
-}
-
-fn json(output: &Output) -> Value {
-    serde_json::from_slice(&output.stdout).unwrap_or_else(|error| panic!("{error}: {output:?}"))
-}
-
-fn scratch(name: &str, content: &str) -> (tempfile::TempDir, String) {
-    let dir = tempfile::tempdir().expect("a directory for temporary files");
-    let path = dir.path().join(name);
-    std::fs::write(&path, content).expect("a scratch file");
-    let path = path.to_str().expect("a plain path").to_owned();
-    (dir, path)
+    linewright(&[&["simulate", shipped().to_str().unwrap()], args].concat())
 }
 
 #[test]
@@ -71,14 +51,13 @@ fn the_json_holds_everything_and_follows_from_the_seed() {
 #[test]
 fn the_shipped_scenario_goes_as_it_expects_and_leaves_its_trace_and_chart() {
     let scenario = shipped().join("scenarios/jammed-clamp.toml");
-    let dir = tempfile::tempdir().expect("a directory for temporary files");
-    let path = |name: &str| dir.path().join(name).to_str().expect("a plain path").to_owned();
-    let (trace, chart) = (path("trace.txt"), path("chart.svg"));
+    let scratch = Scratch::new();
+    let (trace, chart) = (scratch.path("trace.txt"), scratch.path("chart.svg"));
     let output = simulate(&["--scenario", scenario.to_str().unwrap(), "--trace", &trace, "--svg", &chart]);
     assert!(output.status.success(), "{output:?}");
-    let trace = std::fs::read_to_string(trace).expect("the trace is written");
+    let trace = scratch.read("trace.txt");
     assert!(trace.contains("clamp_1 (cycle 2) stops advance clamp: took too long"), "{trace}");
-    let chart = std::fs::read_to_string(chart).expect("the chart is written");
+    let chart = scratch.read("chart.svg");
     assert!(chart.starts_with("<svg") && chart.ends_with("</svg>\n"));
     // Of 17 operations two bars each, and the three of the legend, and the ground.
     assert_eq!(chart.matches("<rect").count(), 17 * 2 + 3 + 1);
@@ -87,7 +66,8 @@ fn the_shipped_scenario_goes_as_it_expects_and_leaves_its_trace_and_chart() {
 
 #[test]
 fn a_line_that_cannot_go_on_is_a_failure_with_its_reasons() {
-    let (_dir, path) = scratch("jam.toml", "[[step]]\nwhen = \"cycles >= 1\"\njam = \"transfer: advance transfer\"\n");
+    let scratch = Scratch::new();
+    let path = scratch.file("jam.toml", "[[step]]\nwhen = \"cycles >= 1\"\njam = \"transfer: advance transfer\"\n");
     let output = simulate(&["--scenario", &path]);
     assert_eq!(output.status.code(), Some(1));
     let said = text(&output.stderr);
@@ -97,8 +77,8 @@ fn a_line_that_cannot_go_on_is_a_failure_with_its_reasons() {
 
 #[test]
 fn mistakes_of_a_scenario_are_shown_in_their_place_all_at_once() {
-    let (_dir, path) =
-        scratch("slip.toml", "[[step]]\njam = \"clmp_1: advance clamp\"\n\n[[step]]\ncomand = \"stop\"\n");
+    let scratch = Scratch::new();
+    let path = scratch.file("slip.toml", "[[step]]\njam = \"clmp_1: advance clamp\"\n\n[[step]]\ncomand = \"stop\"\n");
     let output = simulate(&["--scenario", &path]);
     assert_eq!(output.status.code(), Some(1));
     let said = text(&output.stderr);
@@ -111,7 +91,8 @@ fn mistakes_of_a_scenario_are_shown_in_their_place_all_at_once() {
 
 #[test]
 fn a_failed_expectation_is_shown_where_it_stands() {
-    let (_dir, path) = scratch("no.toml", "[[step]]\nwhen = \"cycles >= 1\"\nexpect = \"line is hand\"\n");
+    let scratch = Scratch::new();
+    let path = scratch.file("no.toml", "[[step]]\nwhen = \"cycles >= 1\"\nexpect = \"line is hand\"\n");
     let output = simulate(&["--scenario", &path]);
     assert_eq!(output.status.code(), Some(1));
     assert!(text(&output.stderr).contains("expected line is hand, which does not hold"), "{output:?}");
@@ -123,4 +104,21 @@ fn a_file_that_is_not_there_is_named() {
     assert_eq!(output.status.code(), Some(1));
     assert!(text(&output.stderr).contains("nowhere.toml"), "{output:?}");
     assert_eq!(simulate(&["--delay", "-1"]).status.code(), Some(2));
+}
+
+#[test]
+fn long_names_get_room_in_the_picture() {
+    let scratch = Scratch::new();
+    let width = |name: &str| {
+        let name = format!("name = \"{name}\"");
+        let line = scratch.changed("name = \"decel\"", &name);
+        let chart = scratch.path("chart.svg");
+        let output = linewright(&["simulate", &line, "--cycles", "1", "--svg", &chart]);
+        assert!(output.status.success(), "{output:?}");
+        let chart = scratch.read("chart.svg");
+        let size = chart.split("viewBox=\"0 0 ").nth(1).and_then(|rest| rest.split(' ').next());
+        size.and_then(|size| size.parse::<f64>().ok()).unwrap_or_else(|| panic!("{chart}"))
+    };
+    let (short, long) = (width("forward"), width(&"decelerate ".repeat(6)[..64]));
+    assert!(long >= short + 100.0, "{short}, {long}");
 }

@@ -1,0 +1,72 @@
+//! The built command as a user meets it: its arguments, its output, and a directory of the test's own.
+//!
+//! For tests of commands that end by themselves. It starts no nodes; the rest of this directory does.
+// No test uses all of it.
+#![allow(dead_code)]
+
+use std::path::{Path, PathBuf};
+use std::process::{Command, Output};
+
+use serde_json::Value;
+
+/// Runs the command to its end.
+pub fn linewright(args: &[&str]) -> Output {
+    Command::new(env!("CARGO_BIN_EXE_linewright")).args(args).output().expect("the command starts")
+}
+
+/// Runs the command with nobody reading what it says, as `| head` does once it has enough.
+pub fn unread(args: &[&str]) -> Output {
+    let mut command = Command::new(env!("CARGO_BIN_EXE_linewright"));
+    let (reader, writer) = std::io::pipe().expect("a pipe");
+    drop(reader);
+    command.args(args).stdout(writer).output().expect("the command starts")
+}
+
+/// The shipped line's directory.
+pub fn shipped() -> PathBuf {
+    Path::new(env!("CARGO_MANIFEST_DIR")).join("../launch-config/lines/transfer-line")
+}
+
+/// Output as text.
+pub fn text(bytes: &[u8]) -> &str {
+    std::str::from_utf8(bytes).expect("output is text")
+}
+
+/// Output as one JSON object.
+pub fn json(output: &Output) -> Value {
+    serde_json::from_slice(&output.stdout).unwrap_or_else(|error| panic!("{error}: {output:?}"))
+}
+
+/// A directory of this test's own, removed when it ends.
+pub struct Scratch(tempfile::TempDir);
+
+impl Scratch {
+    /// An empty one.
+    pub fn new() -> Self {
+        Scratch(tempfile::tempdir().expect("a directory for temporary files"))
+    }
+
+    /// The path of a file in it, which need not be there.
+    pub fn path(&self, name: &str) -> String {
+        self.0.path().join(name).to_str().expect("a plain path").to_owned()
+    }
+
+    /// Writes a file; gives its path.
+    pub fn file(&self, name: &str, text: &str) -> String {
+        let path = self.path(name);
+        std::fs::write(&path, text).expect("a scratch file");
+        path
+    }
+
+    /// What a file says.
+    pub fn read(&self, name: &str) -> String {
+        std::fs::read_to_string(self.path(name)).unwrap_or_else(|error| panic!("{name}: {error}"))
+    }
+
+    /// The shipped line with the first such text replaced.
+    pub fn changed(&self, from: &str, to: &str) -> String {
+        let text = std::fs::read_to_string(shipped().join("line.toml")).expect("the shipped line is there");
+        assert!(text.contains(from), "nothing to replace: {from}");
+        self.file("line.toml", &text.replacen(from, to, 1))
+    }
+}
