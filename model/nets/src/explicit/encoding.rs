@@ -20,6 +20,13 @@ pub(super) type Radix = Option<u32>;
 /// Up to which radix the bits of what a digit allows are tabulated per value.
 pub(super) const TABLE_MAX: u32 = 256;
 
+/// A form has no larger divisor. Whoever needs a weight of 32 bits of such a place needs that many times as much of its
+/// sum, and compares it with other sums in 64 bits.
+const DIVISOR_MAX: u64 = 1 << 20;
+
+/// Nor a larger constant, for the same reason: what the digits add to it has up to 55 bits.
+const CONSTANT_MAX: u64 = 1 << 60;
+
 /// How markings of one net are written.
 #[derive(Debug)]
 pub(super) struct Encoding {
@@ -239,6 +246,7 @@ impl Encoding {
         }
     }
 
+    /// The count of a place as its sum gives it; none if the numbers are too large to be computed with.
     fn follow(&self, place: u32, sum: &Invariant) -> Option<Form> {
         let own = entry(&sum.weights, place);
         let sign = own.signum();
@@ -246,8 +254,9 @@ impl Encoding {
         for &(other, weight) in sum.weights.iter().filter(|&&(other, _)| other != place) {
             form.add(weight.checked_mul(-sign)?, &self.forms[other as usize]).then_some(())?;
         }
-        form.divisor = own.abs();
-        Some(form)
+        form.divisor = own.checked_abs()?;
+        let is_small = own.unsigned_abs() <= DIVISOR_MAX && form.constant.unsigned_abs() <= CONSTANT_MAX;
+        is_small.then_some(form)
     }
 
     /// The digits of a marking.

@@ -296,6 +296,26 @@ fn a_place_that_overflows_is_named() {
 }
 
 #[test]
+fn weights_of_32_bits_are_compared_without_overflow() {
+    const MANY: u32 = u32::MAX;
+    // `made` turns into MANY of `bits`, so either follows from the other; `never` asks for MANY of `made`.
+    for (makes, asks) in [(MANY, MANY), (1 << 31, MANY), (1 << 20, MANY), (1000, MANY), (MANY, 2), (3, 2)] {
+        let mut b = crate::NetBuilder::new("heavy");
+        let [made, bits, once] = [("made", 0), ("bits", 0), ("once", 1)].map(|(name, n)| b.place(name, n));
+        let [make, drop, never] = ["make", "drop", "never"].map(|name| b.transition(name));
+        b.input(make, once, 1).output(make, made, 1).output(make, bits, makes);
+        b.input(drop, once, 1);
+        b.input(never, made, asks).output(never, made, asks);
+        let net = b.build().unwrap();
+        let truth = Truth::of(explore(&net, 10).unwrap());
+        assert_eq!(truth.explored.deadlocks().count(), 2);
+        for (_, facts) in every_way(&net, &limits(10)) {
+            truth.compare(&net, &facts.unwrap());
+        }
+    }
+}
+
+#[test]
 fn a_digit_widens_as_often_as_it_must() {
     // A counter that nothing bounds until 2⁲⁰ − 1 is drained by halves.
     let mut b = crate::NetBuilder::new("doubling");
