@@ -1,30 +1,50 @@
 //! The labels of a node or arc: `<name>`, `<initialMarking>`, `<inscription>` and the like.
 //!
 //! The standard puts the text of a label in `<text>`; PIPE puts it in `<value>`, and numbers as `Default,1`: one token of
-//! the only colour that its place/transition nets have.
+//! the only colour that its place/transition nets have. Text that stands in neither is read as well: a marking that is
+//! passed over makes another net. For the same reason a label that holds only what is not known here is refused.
 
 use crate::limits::NAME_BYTES_MAX;
 use crate::problem::{At, Finding, Report, shown};
-use crate::xml::{Stop, Value, Xml};
+use crate::xml::{Stop, Text, Value, Xml};
 
 /// Reads the label that is open: its text, or none if it is only drawn.
 pub(crate) fn label<'a>(xml: &mut Xml<'a>, report: &mut Report) -> Result<Option<Value<'a>>, Stop> {
     let mut found: Option<Value<'a>> = None;
-    while let Some(tag) = xml.child(report)? {
-        if !matches!(tag.name, "text" | "value") {
-            xml.skip(report)?;
+    let mut unknown: Option<Finding> = None;
+    let mut bare = Text::default();
+    while let Some(tag) = xml.child_behind(&mut bare, report)? {
+        if matches!(tag.name, "text" | "value") {
+            let value = xml.content(report)?;
+            let at = if value.text.is_empty() { tag.at } else { value.at };
+            add(&mut found, Value { at, ..value }, tag.at, report);
             continue;
         }
-        let value = xml.content(report)?;
-        // A label may be given twice by a tool that writes for two readers; it may not say two things.
-        match &found {
-            Some(first) if first.text != value.text => {
-                report.add(Finding::new(tag.at, "this label has two texts").hint("keep the one that is meant"));
-            }
-            _ => found = Some(Value { at: if value.text.is_empty() { tag.at } else { value.at }, ..value }),
+        if !matches!(tag.name, "graphics" | "toolspecific") {
+            let finding = Finding::new(tag.at, format!("`{}` in a label is not known here", shown(tag.name)));
+            unknown.get_or_insert(finding.hint("write what the label says in `<text>`"));
         }
+        xml.skip(report)?;
+    }
+    let bare = bare.value();
+    if !bare.text.is_empty() {
+        let at = bare.at;
+        add(&mut found, bare, at, report);
+    }
+    if let (None, Some(finding)) = (&found, unknown) {
+        report.add(finding);
     }
     Ok(found)
+}
+
+/// A label may be given twice by a tool that writes for two readers; it may not say two things.
+fn add<'a>(found: &mut Option<Value<'a>>, value: Value<'a>, at: At, report: &mut Report) {
+    match found {
+        Some(first) if first.text != value.text => {
+            report.add(Finding::new(at, "this label has two texts").hint("keep the one that is meant"));
+        }
+        _ => *found = Some(value),
+    }
 }
 
 /// A name that is short enough; an empty one is none.

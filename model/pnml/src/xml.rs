@@ -78,28 +78,30 @@ impl<'a> Xml<'a> {
     /// The text in the element that is open, without blanks around it; other elements in it are passed over. Blanks that
     /// are written as references (`&#32;`) are meant, and stay.
     pub(crate) fn content(&mut self, report: &mut Report) -> Result<Value<'a>, Stop> {
-        let mut content = Content::default();
-        let mut at: Option<At> = None;
+        let mut text = Text::default();
+        while self.child_behind(&mut text, report)?.is_some() {
+            self.skip(report)?;
+        }
+        Ok(text.value())
+    }
+
+    /// As [`Xml::child`]; adds to `text` what stands before the child.
+    pub(crate) fn child_behind(&mut self, text: &mut Text, report: &mut Report) -> Result<Option<Tag<'a>>, Stop> {
         loop {
-            let (event, here) = self.event(report)?;
+            let (event, at) = self.event(report)?;
             match event {
-                Event::Text(text) => content.literal(&text.xml10_content()),
-                Event::CData(text) => content.literal(&text.xml10_content()),
-                Event::GeneralRef(reference) => match character(&reference, here) {
-                    Ok(c) => content.meant(c),
+                Event::Text(part) => text.content.literal(&part.xml10_content()),
+                Event::CData(part) => text.content.literal(&part.xml10_content()),
+                Event::GeneralRef(reference) => match character(&reference, at) {
+                    Ok(c) => text.content.meant(c),
                     Err(finding) => report.add(finding),
                 },
-                Event::Start(start) => {
-                    self.opened(start, here, report)?;
-                    self.skip(report)?;
-                    continue;
-                }
-                Event::End(_) | Event::Eof => break,
+                Event::Start(start) => return self.opened(start, at, report).map(Some),
+                Event::End(_) | Event::Eof => return Ok(None),
                 _ => continue,
             }
-            at = Some(At { end: here.end, ..at.unwrap_or(here) });
+            text.at = Some(At { end: at.end, ..text.at.unwrap_or(at) });
         }
-        Ok(Value { text: content.finish().into(), at: at.unwrap_or_default() })
     }
 
     /// One event with its place. Closing more than was opened, or less, is an error of `quick-xml` or here.
@@ -254,6 +256,19 @@ fn character(reference: &quick_xml::events::BytesRef<'_>, at: At) -> Result<char
 /// Whether XML allows this character.
 pub(crate) fn is_legal(c: char) -> bool {
     (c >= ' ' || matches!(c, '\t' | '\n' | '\r')) && !matches!(c, '\u{FFFE}' | '\u{FFFF}')
+}
+
+/// The text in an element, with its place.
+#[derive(Default)]
+pub(crate) struct Text {
+    content: Content,
+    at: Option<At>,
+}
+
+impl Text {
+    pub(crate) fn value<'a>(self) -> Value<'a> {
+        Value { text: self.content.finish().into(), at: self.at.unwrap_or_default() }
+    }
 }
 
 /// Text being put together, bounded.

@@ -67,6 +67,22 @@ const IN_A_NET: &[(&str, &[&str])] = &[
         &["3:35: this label has two texts => keep the one that is meant"],
     ),
     (
+        r#"<place id="p"><initialMarking>1<text>2</text></initialMarking></place>"#,
+        &["3:31: this label has two texts => keep the one that is meant"],
+    ),
+    (
+        r#"<place id="p"><initialMarking>two</initialMarking></place>"#,
+        &["3:31: the initial marking of the place `p` is `two` => a whole number is needed"],
+    ),
+    (
+        r#"<place id="p"><initialMarking><graphics/><token>2</token></initialMarking></place>"#,
+        &["3:42: `token` in a label is not known here => write what the label says in `<text>`"],
+    ),
+    (
+        r#"<place id="p"/><transition id="t"/><arc id="a" source="p" target="t"><arctype>inhibitor</arctype></arc>"#,
+        &["3:79: the arc `a` is of the type `inhibitor` => only ordinary arcs are read, which take and give tokens"],
+    ),
+    (
         r#"<place id="p"><capacity><value>2</value></capacity></place>"#,
         &["3:15: the capacity of the place `p` is 2 => capacities are not read; write it as a complementary place"],
     ),

@@ -44,6 +44,11 @@ fn the_same_net_is_read_however_it_is_written() {
         // Labels as PIPE and TAPAAL write them.
         with(&format!("<place id=\"p\"><initialMarking><value>Default,1</value></initialMarking><capacity><value>0</value></capacity></place>{rest}")),
         with(&format!("<place id=\"p\" initialMarking=\"1\"/>{rest}")),
+        // Text that stands in the label itself, and labels that say more than their text.
+        with(&format!("<place id=\"p\"><name>p</name><initialMarking>\n 1 </initialMarking></place>{rest}")),
+        with(&format!("<place id=\"p\"><initialMarking><graphics/>1</initialMarking></place>{rest}")),
+        with(&format!("<place id=\"p\"><initialMarking>1<value>1</value><more/></initialMarking></place>{rest}")),
+        arc("><inscription>1</inscription><type>normal</type></arc>"),
         arc("><inscription><value>Default,1</value></inscription><type value=\"normal\"/></arc>"),
         arc(" type=\"normal\" inscription=\"1\"/>"),
         arc("><inscription><text>1</text><graphics/></inscription><arctype><text>ordinary</text></arctype></arc>"),
