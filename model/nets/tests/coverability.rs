@@ -193,6 +193,31 @@ fn a_store_without_a_limit_is_unbounded_and_its_counter_is_not() {
     assert!(replays(&net, found.is_bounded().unwrap_err()));
 }
 
+/// Each label of a drain is compared with all before it, and in the other net all have ω and none covers another.
+#[test]
+fn what_would_take_hours_of_comparing_is_undecided() {
+    let mut b = NetBuilder::new("drain");
+    let (pool, drain) = (b.place("pool", 1_000_000), b.transition("drain"));
+    b.input(drain, pool, 1);
+    let long = b.build().unwrap();
+
+    let mut b = NetBuilder::new("switches");
+    let (pool, spring) = (b.place("pool", 0), b.transition("spring"));
+    b.output(spring, pool, 1);
+    for i in 0..20 {
+        let [on, off] = ["on", "off"].map(|name| b.place(format!("{name} {i}"), u32::from(name == "on")));
+        let [set, reset] = ["set", "reset"].map(|name| b.transition(format!("{name} {i}")));
+        b.input(set, off, 1).output(set, on, 1).input(reset, on, 1).output(reset, off, 1);
+    }
+    let wide = b.build().unwrap();
+    for net in [long, wide] {
+        let limits = Limits { comparisons: 10_000_000, ..Limits::default() };
+        let stopped = coverability(&net, &limits).unwrap_err();
+        assert_eq!(stopped.cause, Cause::Comparisons);
+        assert!((1000..100_000).contains(&stopped.labels), "{stopped}");
+    }
+}
+
 #[test]
 fn what_does_not_fit_is_undecided() {
     let limits = Limits { labels: 2, ..Limits::default() };
@@ -201,6 +226,8 @@ fn what_does_not_fit_is_undecided() {
     assert_eq!(error.to_string(), "undecided after 2 generalised markings: there are more than allowed");
     let limits = Limits { bytes: 100, ..Limits::default() };
     assert_eq!(coverability(&store(), &limits).unwrap_err().cause, Cause::Bytes);
+    let limits = Limits { comparisons: 3, ..Limits::default() };
+    assert_eq!(coverability(&store(), &limits).unwrap_err().cause, Cause::Comparisons);
 
     let mut b = NetBuilder::new("flood");
     let (pool, spring) = (b.place("pool", 1), b.transition("spring"));

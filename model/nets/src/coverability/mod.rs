@@ -28,12 +28,15 @@ pub struct Limits {
     pub labels: usize,
     /// The most bytes that they may take.
     pub bytes: usize,
+    /// The most comparisons of two labels, which is what takes the time: a label is compared with those that led to it,
+    /// and with those that have ω.
+    pub comparisons: u64,
 }
 
 impl Default for Limits {
     /// Some seconds, and a quarter of a gigabyte.
     fn default() -> Self {
-        Limits { labels: 1_000_000, bytes: 256 << 20 }
+        Limits { labels: 1_000_000, bytes: 256 << 20, comparisons: 1 << 29 }
     }
 }
 
@@ -56,6 +59,9 @@ pub enum Cause {
     /// [`Limits::bytes`].
     #[error("they take more memory than allowed")]
     Bytes,
+    /// [`Limits::comparisons`].
+    #[error("more of them had to be compared than allowed")]
+    Comparisons,
     /// A place gets more tokens than can be counted.
     #[error("{0}")]
     Overflow(FireError),

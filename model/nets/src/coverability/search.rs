@@ -32,6 +32,7 @@ pub fn coverability(net: &Net, limits: &Limits) -> Result<Coverability, Undecide
                 continue;
             }
             let label = if graph.may_grow { graph.accelerated(fired, next, t) } else { fired };
+            graph.check_comparisons()?;
             if !graph.number_of.contains_key(&label) && !graph.below_omega(&label) {
                 graph.add(label, Some((next, t)))?;
             }
@@ -60,6 +61,7 @@ struct Graph {
     /// Whether some place is in no conserved sum.
     may_grow: bool,
     pump: Option<Pump>,
+    comparisons: u64,
 }
 
 impl Graph {
@@ -75,7 +77,15 @@ impl Graph {
             tops: Vec::new(),
             may_grow: !covered,
             pump: None,
+            comparisons: 0,
         }
+    }
+
+    fn check_comparisons(&self) -> Result<(), Undecided> {
+        if self.comparisons > self.limits.comparisons {
+            return Err(Undecided { labels: self.labels.len(), cause: Cause::Comparisons });
+        }
+        Ok(())
     }
 
     fn add(&mut self, label: Label, from: Option<(usize, TransitionId)>) -> Result<(), Undecided> {
@@ -89,6 +99,7 @@ impl Graph {
             return Err(Undecided { labels: number, cause: Cause::Bytes });
         }
         if label.has_omega() {
+            self.comparisons += self.tops.len() as u64;
             let labels = &self.labels;
             self.tops.retain(|&top| !label.covers(&labels[top].0));
             self.tops.push(number);
@@ -99,7 +110,8 @@ impl Graph {
         Ok(())
     }
 
-    fn below_omega(&self, label: &Label) -> bool {
+    fn below_omega(&mut self, label: &Label) -> bool {
+        self.comparisons += self.tops.len() as u64;
         self.tops.iter().any(|&top| self.labels[top].covers(&label.0))
     }
 
@@ -110,6 +122,7 @@ impl Graph {
             let mut changed = false;
             let mut at = Some(parent);
             while let Some(number) = at {
+                self.comparisons += 1;
                 let ancestor = &self.nodes[number];
                 at = ancestor.from.map(|(from, _)| from);
                 // What lies strictly above has more ω, or as many and more tokens.
