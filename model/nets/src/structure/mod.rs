@@ -19,6 +19,8 @@ mod connected;
 mod incidence;
 mod linear;
 mod state_machine;
+#[cfg(test)]
+mod testnets;
 
 pub use choice::{Choice, NotAsymmetricChoice, NotExtendedFreeChoice};
 pub use classes::{HeavyArc, NotFreeChoice, NotMarkedGraph, NotStateMachine};
