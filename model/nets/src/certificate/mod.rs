@@ -5,7 +5,8 @@
 //! together with data from which [`check`] can see that it is true, without trusting a line of the analyses. A
 //! certificate can be written down as text and read back ([`Certificate::parse`]).
 //!
-//! Marked graphs and state machines are decided completely, in time about linear in the net for the usual ones.
+//! Marked graphs and state machines are decided completely, in time about linear in the net for the usual ones; of those
+//! with thousands of nodes some bounds may stay open.
 //! Connected free-choice nets are decided when they are live and bounded, and often when they are not. For every other
 //! net the answers are those that conserved sums and empty siphons give, and [`Unknown`] says why there are no more.
 //! Nothing is explored, except for a few thousand markings where theory says that a counterexample exists.
@@ -198,6 +199,9 @@ pub enum Unknown {
     /// The sequence that shows it is too long to write down.
     #[error("the evidence would take more than {} steps", play::LONGEST)]
     TooLong,
+    /// A bound for each place would take too long to find.
+    #[error("the net is too large for a bound of each place to be worked out")]
+    TooLarge,
 }
 
 /// Decides by structure what it can, and certifies every answer.

@@ -4,7 +4,7 @@
 //! [`crate::state_machine_verdict`] has the argument; here every answer gets its evidence, and every place its bound:
 //! the number of tokens that can walk there.
 
-use std::collections::VecDeque;
+use std::collections::HashMap;
 
 use super::evidence::{Component, Dead, Evidence, NoReturn, Property, Run, Sums};
 use super::{Answer, Bound, Class, StructuralVerdict};
@@ -13,6 +13,9 @@ use crate::{Net, PlaceId, TransitionId};
 
 /// The most entries in the sums that bound places; with more, all places share the sum of all tokens.
 const SUMS_MAX: usize = 20_000_000;
+
+/// The places that a walk has found, each with the step by which; those where it began have none.
+type Steps = HashMap<usize, Option<TransitionId>>;
 
 struct Machine<'net> {
     net: &'net Net,
@@ -45,55 +48,73 @@ fn id(place: usize) -> PlaceId {
 }
 
 impl Machine<'_> {
-    /// The places that can be reached, each with the step by which it was found; in the order of discovery.
-    fn ahead(&self, start: usize) -> (Vec<usize>, Vec<Option<TransitionId>>) {
-        self.walk(start, |place| {
-            self.net.consumers(id(place)).iter().map(|&(t, _)| (t, self.steps[t.index()].1)).collect()
-        })
+    /// The places that can be reached, in the order of discovery, and the steps by which they are found.
+    fn ahead(&self, start: usize) -> (Vec<usize>, Steps) {
+        self.walk(vec![start], |place| self.leading_on(place).collect())
     }
 
-    /// The places from which this one can be reached, each with the step that leads on from there.
-    fn behind(&self, start: usize) -> (Vec<usize>, Vec<Option<TransitionId>>) {
-        self.walk(start, |place| {
-            self.net.producers(id(place)).iter().map(|&(t, _)| (t, self.steps[t.index()].0)).collect()
-        })
+    /// The places from which one of these can be reached, nearest first, and the steps that lead on from there.
+    fn behind(&self, starts: Vec<usize>) -> (Vec<usize>, Steps) {
+        self.walk(starts, |place| self.leading_here(place).collect())
     }
 
-    fn walk(
-        &self,
-        start: usize,
-        neighbours: impl Fn(usize) -> Vec<(TransitionId, usize)>,
-    ) -> (Vec<usize>, Vec<Option<TransitionId>>) {
-        let mut by = vec![None; self.net.place_count()];
-        let mut found = vec![start];
-        let mut queue = VecDeque::from([start]);
-        while let Some(place) = queue.pop_front() {
-            for (t, other) in neighbours(place) {
-                if other != start && by[other].is_none() {
-                    by[other] = Some(t);
+    fn leading_on(&self, place: usize) -> impl Iterator<Item = (TransitionId, usize)> {
+        self.net.consumers(id(place)).iter().map(|&(t, _)| (t, self.steps[t.index()].1))
+    }
+
+    fn leading_here(&self, place: usize) -> impl Iterator<Item = (TransitionId, usize)> {
+        self.net.producers(id(place)).iter().map(|&(t, _)| (t, self.steps[t.index()].0))
+    }
+
+    /// Takes time and memory for what it finds, not for the whole net.
+    fn walk(&self, starts: Vec<usize>, next: impl Fn(usize) -> Vec<(TransitionId, usize)>) -> (Vec<usize>, Steps) {
+        let mut by: Steps = starts.iter().map(|&start| (start, None)).collect();
+        let mut found = starts;
+        let mut at = 0;
+        while at < found.len() {
+            for (t, other) in next(found[at]) {
+                by.entry(other).or_insert_with(|| {
                     found.push(other);
-                    queue.push_back(other);
-                }
+                    Some(t)
+                });
             }
+            at += 1;
         }
         (found, by)
     }
 
-    /// Sends tokens from a place along the steps of [`Self::behind`] to its start.
-    fn send(&self, from: usize, times: u64, on: &[Option<TransitionId>], run: &mut Vec<Run>) {
+    /// Sends tokens from a place along the steps of [`Self::behind`] to a start.
+    fn send(&self, from: usize, times: u64, on: &Steps, run: &mut Vec<Run>) {
         let mut at = from;
-        while let Some(transition) = on[at] {
+        while let Some(transition) = on[&at] {
             run.push(Run { transition, times });
             at = self.steps[transition.index()].1;
         }
     }
 
-    fn component(&self, place: usize) -> Component {
-        let inside = |other: &usize| self.parts.of(*other) == self.parts.of(place);
-        let steps = |(found, by): (Vec<usize>, Vec<Option<TransitionId>>)| {
-            found.into_iter().filter(inside).filter_map(|place| by[place]).collect()
-        };
-        Component { root: id(place), out: steps(self.ahead(place)), back: steps(self.behind(place)) }
+    /// Sends all tokens there are to the starts of [`Self::behind`]: from the farthest places first, so that each step
+    /// is taken by all tokens together.
+    fn gather(&self, found: &[usize], on: &Steps) -> Vec<Run> {
+        let mut run = Vec::new();
+        let mut brought: HashMap<usize, u64> = HashMap::new();
+        for place in found.iter().rev() {
+            let times = brought.get(place).copied().unwrap_or(0) + u64::from(self.tokens[*place]);
+            if let (Some(transition), 1..) = (on[place], times) {
+                run.push(Run { transition, times });
+                *brought.entry(self.steps[transition.index()].1).or_default() += times;
+            }
+        }
+        run
+    }
+
+    fn component(&self, root: usize) -> Component {
+        let inside = |(_, other): &(TransitionId, usize)| self.parts.of(*other) == self.parts.of(root);
+        let steps = |(found, by): (Vec<usize>, Steps)| found.into_iter().filter_map(|place| by[&place]).collect();
+        Component {
+            root: id(root),
+            out: steps(self.walk(vec![root], |place| self.leading_on(place).filter(inside).collect())),
+            back: steps(self.walk(vec![root], |place| self.leading_here(place).filter(inside).collect())),
+        }
     }
 
     /// A component for each of the given places, none twice.
@@ -116,11 +137,10 @@ impl Machine<'_> {
             return Answer::yes(Property::Live, self.components(self.steps.iter().map(|step| step.0)));
         };
         // All tokens that could ever come to the transition go through it, and none comes back.
-        let (mut siphon, on) = self.behind(self.steps[transition.index()].0);
-        let mut run = Vec::new();
-        for &place in siphon.iter().filter(|&&place| self.tokens[place] > 0) {
-            let times = self.tokens[place].into();
-            self.send(place, times, &on, &mut run);
+        let (mut siphon, on) = self.behind(vec![self.steps[transition.index()].0]);
+        let mut run = self.gather(&siphon, &on);
+        let times = siphon.iter().map(|&place| u64::from(self.tokens[place])).sum();
+        if times > 0 {
             run.push(Run { transition, times });
         }
         siphon.sort_unstable();
@@ -129,22 +149,16 @@ impl Machine<'_> {
     }
 
     fn deadlock_free(&self) -> Answer {
-        let mut run = Vec::new();
-        for place in (0..self.tokens.len()).filter(|&place| self.tokens[place] > 0) {
-            let (mut found, by) = self.ahead(place);
-            let Some(&end) = found.iter().find(|&&place| self.net.consumers(id(place)).is_empty()) else {
-                found.sort_unstable();
-                return Answer::yes(Property::DeadlockFree, Evidence::Trap(found.into_iter().map(id).collect()));
-            };
-            let mut path = Vec::new();
-            let mut at = end;
-            while let Some(transition) = by[at] {
-                path.push(Run { transition, times: self.tokens[place].into() });
-                at = self.steps[transition.index()].0;
+        let ends = (0..self.tokens.len()).filter(|&place| self.net.consumers(id(place)).is_empty()).collect();
+        let (found, on) = self.behind(ends);
+        match (0..self.tokens.len()).find(|place| self.tokens[*place] > 0 && !on.contains_key(place)) {
+            Some(place) => {
+                let mut trap = self.ahead(place).0;
+                trap.sort_unstable();
+                Answer::yes(Property::DeadlockFree, Evidence::Trap(trap.into_iter().map(id).collect()))
             }
-            run.extend(path.into_iter().rev());
+            None => Answer::no(Property::DeadlockFree, Evidence::Deadlock(self.gather(&found, &on))),
         }
-        Answer::no(Property::DeadlockFree, Evidence::Deadlock(run))
     }
 
     fn reversible(&self) -> Answer {
@@ -160,7 +174,7 @@ impl Machine<'_> {
         let exit = self.net.transitions().find(leads_out).expect("an edge leaves a component that is not terminal");
         let (from, to) = self.steps[exit.index()];
         let mut run = Vec::new();
-        self.send(place, 1, &self.behind(from).1, &mut run);
+        self.send(place, 1, &self.behind(vec![from]).1, &mut run);
         run.push(Run { transition: exit, times: 1 });
         let mut beyond = self.ahead(to).0;
         beyond.sort_unstable();
@@ -176,7 +190,7 @@ impl Machine<'_> {
         for place in 0..self.tokens.len() {
             let part = self.parts.of(place);
             if of_part[part].is_none() && size < SUMS_MAX {
-                let mut behind = self.behind(place).0;
+                let mut behind = self.behind(vec![place]).0;
                 behind.sort_unstable();
                 size += behind.len();
                 let bound = behind.iter().map(|&place| u128::from(self.tokens[place])).sum();
@@ -206,7 +220,7 @@ impl Machine<'_> {
     }
 
     fn two_on(&self, place: usize) -> Vec<Run> {
-        let (found, on) = self.behind(place);
+        let (found, on) = self.behind(vec![place]);
         let (mut run, mut missing) = (Vec::new(), 2);
         for from in found {
             let times = u64::from(self.tokens[from]).min(missing);

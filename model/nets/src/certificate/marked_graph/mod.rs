@@ -1,4 +1,5 @@
-//! Verdicts on marked graphs: exact for every one of them, connected or not, live or not.
+//! Verdicts on marked graphs: exact for every one of them, connected or not, live or not; of very large ones that are
+//! not safe, [`bounds`] may leave some bounds open.
 //!
 //! A marked graph is a directed graph with transitions as nodes and places as edges, each with its tokens. Firing keeps
 //! the tokens of every circuit (Commoner, Holt, Even and Pnueli, *Marked directed graphs*, 1971; Murata 1989, §VI), and
@@ -11,12 +12,16 @@
 //!
 //! In each case the counts that reach the extreme are the lengths of the lightest paths, and they can be played.
 
+mod bounds;
+
 use std::cmp::Reverse;
 use std::collections::{BinaryHeap, VecDeque};
 
-use super::evidence::{Dead, Evidence, NoReturn, Order, Property, Pump, Run, Sums};
+use bounds::Effort;
+
+use super::evidence::{Dead, Evidence, NoReturn, Order, Property, Pump, Run};
 use super::play::play;
-use super::{Answer, Bound, Class, StructuralVerdict, Unknown};
+use super::{Answer, Class, StructuralVerdict, Unknown};
 use crate::components::Components;
 use crate::{Net, PlaceId, TransitionId};
 
@@ -37,7 +42,7 @@ struct Graph<'net> {
 /// The verdict on a marked graph; the caller has checked that it is one.
 pub(super) fn decide(net: &Net) -> StructuralVerdict {
     let graph = Graph::new(net);
-    let (bounds, bounded, safe) = graph.bounds();
+    let (bounds, bounded, safe) = graph.bounds(Effort::of(net));
     StructuralVerdict {
         class: Class::MarkedGraph,
         deadlock_free: graph.deadlock_free(),
@@ -191,38 +196,6 @@ impl<'net> Graph<'net> {
             }
         }
         (lengths, last)
-    }
-
-    fn bounds(&self) -> (Vec<Bound>, Answer, Answer) {
-        let mut sums = Sums { dead: self.siphon.clone(), ..Sums::default() };
-        let mut of_place: Vec<Option<(usize, u64)>> = vec![None; self.edges.len()];
-        let mut bounds = vec![Bound::Unbounded; self.edges.len()];
-        for place in self.net.places() {
-            if of_place[place.index()].is_none() {
-                let Some((path, bound)) = self.heaviest(place) else { continue };
-                of_place[place.index()] = Some((sums.sums.len(), bound));
-                if bound == 1 && self.siphon.is_empty() {
-                    // In a live net no place is always empty, so nothing is less than 1.
-                    path.iter().for_each(|p| of_place[p.index()] = Some((sums.sums.len(), 1)));
-                }
-                sums.sums.push(path.into_iter().map(|place| (place, 1)).collect());
-            }
-            if let Some((_, bound)) = of_place[place.index()] {
-                bounds[place.index()] = Bound::Exactly(bound.into());
-            }
-        }
-        let worst = self.net.places().max_by_key(|p| of_place[p.index()].map_or(u64::MAX, |(_, bound)| bound));
-        let over = worst.filter(|p| of_place[p.index()].is_none_or(|(_, bound)| bound > 1));
-        let endless = worst.filter(|p| of_place[p.index()].is_none());
-        let safe_no = over.map(|place| match self.two_on(place) {
-            Some(run) => Answer::no(Property::Safe, Evidence::Overfull(run, place)),
-            None => Answer::Unknown(Unknown::TooLong),
-        });
-        let bounded_no = endless.map(|place| self.pump(place));
-        sums.bounds = of_place.into_iter().flatten().map(|(sum, bound)| (sum, bound.into())).collect();
-        let bounded = bounded_no.unwrap_or_else(|| Answer::yes(Property::Bounded, Evidence::Sums(sums.clone())));
-        let safe = safe_no.unwrap_or_else(|| Answer::yes(Property::Safe, Evidence::Sums(sums)));
-        (bounds, bounded, safe)
     }
 
     /// The lightest path that limits a place, with the place itself, in order; and the most tokens of the place.
