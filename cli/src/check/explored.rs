@@ -35,7 +35,7 @@ pub struct Options {
     /// Explore the whole line, however many stations it has, instead of its parts.
     #[arg(long)]
     whole: bool,
-    /// Give up after this many states.
+    /// Give up when this many states are kept.
     #[arg(long, default_value_t = 50_000_000)]
     states: usize,
     /// Give up at about this much memory, in MiB.
@@ -81,7 +81,9 @@ pub struct Exploration {
     /// What was explored: the line or some of its stations, and under what.
     pub scope: String,
     /// States seen.
-    pub states: usize,
+    pub states: u64,
+    /// States that were kept and looked at; each stands for all that differ only in what stations come and go between by themselves.
+    pub kept: usize,
     /// Moves from state to state.
     pub arcs: u64,
     /// Memory it took, about.
@@ -208,9 +210,9 @@ impl Mode {
 
 impl Exploration {
     fn of(scope: String, explored: Explored) -> Self {
-        let Explored { states, arcs, bytes, exhausted, properties, .. } = explored;
+        let Explored { states, kept, arcs, bytes, exhausted, properties, .. } = explored;
         let properties = properties.into_iter().map(Found::from).collect();
-        Exploration { scope, states, arcs, bytes, exhausted, properties }
+        Exploration { scope, states, kept, arcs, bytes, exhausted, properties }
     }
 
     /// A part that differs in names alone from one that has been explored.
@@ -225,6 +227,7 @@ impl Exploration {
         Exploration {
             scope: format!("part: {}", part.names()),
             states: 0,
+            kept: 0,
             arcs: 0,
             bytes: 0,
             exhausted: holds,

@@ -61,11 +61,11 @@ fn write(report: &Report, out: &mut String) -> std::fmt::Result {
 
 /// One exploration: its size, its properties, and how the first that fails comes to be.
 fn explored(exploration: &Exploration, out: &mut String) -> std::fmt::Result {
-    let Exploration { scope, states, arcs, bytes, .. } = exploration;
+    let Exploration { scope, states, kept, arcs, bytes, .. } = exploration;
     let mebibytes = bytes.div_ceil(1 << 20);
     match states {
         0 => writeln!(out, "\n{scope}")?,
-        _ => writeln!(out, "\n{scope}\n  {states} states, {arcs} arcs, {mebibytes} MiB")?,
+        _ => writeln!(out, "\n{scope}\n  {states} states ({kept} kept), {arcs} arcs, {mebibytes} MiB")?,
     }
     for Found { name, verdict, reason, counterexample } in &exploration.properties {
         let mark = match *verdict {

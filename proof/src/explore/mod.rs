@@ -10,15 +10,21 @@
 //!
 //! Time stands still here. What time does to a controller is among what may happen anyway ([`Setting`]).
 
+mod classes;
 mod facts;
+mod followers;
+mod home;
+mod judge;
 mod search;
 mod setting;
 mod state;
 mod station;
+mod store;
 mod story;
 mod system;
 mod table;
 mod verdict;
+mod way;
 mod word;
 
 pub use search::Limits;
@@ -82,5 +88,5 @@ pub fn explore(setting: &Setting, limits: Limits) -> Result<Explored, NotExplora
             return Err(NotExplorable::Links { station: station.name.clone(), found, max: station::LINKS_MAX });
         }
     }
-    Ok(search::explore_with(setting, limits, verdict::Judge)?)
+    Ok(search::explore(setting, limits)?)
 }

@@ -10,6 +10,8 @@ use linewright_line::net::ControlMode;
 use linewright_line::{Line, OpId, StationId};
 use linewright_station_logic::Rules;
 
+use super::station::Act;
+
 /// What is explored, and how freely. Made by [`Setting::new`]; the fields may be changed before exploring.
 #[derive(Clone, Debug)]
 pub struct Setting {
@@ -27,6 +29,9 @@ pub struct Setting {
     pub faults: bool,
     /// Operators let go of their panels before the mode changes. Fewer situations.
     pub tidy_hands: bool,
+    /// Keep one state for all that differ only in what stations come and go between by themselves. Every verdict and
+    /// every count is the same without, which is how it is tested; it only takes longer.
+    pub lumped: bool,
     pub(crate) links: Vec<Link>,
 }
 
@@ -71,6 +76,7 @@ impl Setting {
             lag: 1,
             faults: true,
             tidy_hands: true,
+            lumped: true,
             links,
         }
     }
@@ -92,6 +98,17 @@ impl Setting {
             group.iter_mut().filter(|number| **number == from).for_each(|number| *number = to);
             from != to
         })
+    }
+
+    /// Whether a station may hear of a mode, or anything else happen to it, while this mode is granted. Of the modes it
+    /// may hear of, only the granted one and stand-by are there to be heard.
+    pub(crate) fn lets(&self, granted: usize, act: Act) -> bool {
+        match act {
+            Act::Mode(mode) => {
+                self.grants == Grants::Anyhow || mode == ControlMode::StandBy || self.modes[granted] == mode
+            }
+            _ => true,
+        }
     }
 
     /// The links that end at a station, in their own order.

@@ -13,7 +13,7 @@ use linewright_station_logic::{
 use rustc_hash::FxHashMap;
 
 use super::facts::{Facts, actuator, bits_of};
-use super::setting::{Grants, Setting};
+use super::setting::Setting;
 use super::word::{Numbers, Word, Words, report};
 
 /// The one moment at which everything happens.
@@ -58,21 +58,15 @@ pub(crate) struct Effect {
     pub quiet: bool,
     /// An image with every switch off is still to come: what others may hear in between matters.
     pub off_follows: bool,
-    /// Happens only while this mode is granted, by its number; [`ANY_MODE`] for always.
-    pub granted: u8,
 }
 
-/// Every mode that is granted, or none.
-pub(crate) const ANY_MODE: u8 = u8::MAX;
-
-const NOTHING: Effect = Effect { to: 0, cycles: 0, closed: false, quiet: false, off_follows: false, granted: ANY_MODE };
+const NOTHING: Effect = Effect { to: 0, cycles: 0, closed: false, quiet: false, off_follows: false };
 const UNKNOWN: Effect = Effect { to: u32::MAX, ..NOTHING };
 
 impl Effect {
     /// The situation of its station is all that changes.
-    #[inline]
     pub fn is_local(&self) -> bool {
-        self.quiet && !self.closed && self.cycles == 0
+        self.quiet && !self.closed && self.cycles == 0 && !self.off_follows
     }
 }
 
@@ -86,7 +80,7 @@ pub(crate) struct Situation {
     pub outputs: u128,
     epoch: u64,
     /// For each incoming link, whether the request held is still open at its writer.
-    open: u64,
+    pub open: u64,
 }
 
 /// A report for this station, relative to its cycle.
@@ -174,14 +168,6 @@ impl Situations {
             let off = self.off(setting, words, effect.to);
             effect = self.both(words, from, effect, off);
         }
-        // Of the modes a station may hear of, only the granted one and stand-by are there to be heard.
-        if let Act::Mode(mode) = act
-            && setting.grants == Grants::InEpochs
-            && let Some(number) = setting.modes.iter().position(|&granted| granted == mode)
-            && mode != ControlMode::StandBy
-        {
-            effect.granted = number as u8;
-        }
         let at = self.first_effect[from as usize] as usize + nth;
         self.effects[at] = effect;
         effect
@@ -228,9 +214,14 @@ impl Situations {
         effect
     }
 
+    /// Whether the station holds a request over the `nth` incoming link that it takes for open.
+    pub fn minds_closing(&self, setting: &Setting, from: u32, nth: usize) -> bool {
+        setting.rules.fresh_numbers && self.all[from as usize].open & (1 << nth) != 0
+    }
+
     /// The writer of the `nth` incoming link has closed its request, which changes nothing but what answers are worth.
     pub fn close(&mut self, setting: &Setting, words: &mut [Words], from: u32, nth: usize) -> u32 {
-        if !setting.rules.fresh_numbers || self.all[from as usize].open & (1 << nth) == 0 {
+        if !self.minds_closing(setting, from, nth) {
             return from;
         }
         if let Some(&to) = self.closings.get(&(from, nth as u32)) {

@@ -8,14 +8,11 @@ use linewright_line::StationId;
 use linewright_line::net::StationNet;
 use linewright_station_logic::{CompileError, Event};
 
+use super::classes::{Class, Classes, MemberAct};
 use super::setting::{Grants, Setting};
 use super::state::{Layout, State, Widths};
-use super::station::{ANY_MODE, Act, Effect, Situation, Situations};
+use super::station::{Act, Effect, Situation, Situations};
 use super::word::{Word, Words};
-
-/// How far apart the cycles of two neighbours may be. A pair of arrows, one of lag 0 and one of lag 1, lets the one be
-/// a cycle ahead; operations listed before the arrow's end may have begun another.
-const CYCLES_APART_MAX: i32 = 2;
 
 /// A view that is this many cycles behind has long been too old to be relied on, and unknown blocks: the reader hears
 /// the report that would put it there. Without a bound, a view that no arrow of the present mode reads could fall
@@ -40,25 +37,29 @@ pub(crate) struct Granted {
     pub acting: u32,
 }
 
-/// What must never be.
-#[derive(Clone, Copy, Debug, PartialEq, Eq)]
-pub(crate) enum Wrong {
-    /// Both states of a conflict hold.
-    Conflict(usize),
-    /// Something about one station by itself.
-    Station(usize),
-    /// The least and the greatest cycle of a station.
-    Apart(i32, i32),
-}
-
 /// The stations with their situations and words, and the line's own rules.
 #[derive(Debug)]
 pub(crate) struct System {
     pub setting: Setting,
     pub stations: Vec<Situations>,
     pub words: Vec<Words>,
+    /// For each station and each mode that may be granted, what it comes and goes between by itself.
+    classes: Vec<Vec<Classes>>,
     /// For each link, its position among the reader's incoming ones.
     nth_incoming: Vec<usize>,
+    /// For each link, its position among the writer's outgoing ones.
+    nth_outgoing: Vec<usize>,
+}
+
+/// A station of which several situations are considered at once, and now it matters which.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub(crate) struct Matters(pub usize);
+
+/// A station in one situation of its class.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub(crate) struct Pin {
+    pub station: usize,
+    pub member: u32,
 }
 
 impl System {
@@ -71,7 +72,12 @@ impl System {
         let nth_incoming = (0..setting.links.len())
             .map(|link| setting.into(setting.links[link].reader).position(|l| l == link).unwrap_or(0))
             .collect();
-        let mut system = System { setting: setting.clone(), stations, words, nth_incoming };
+        let nth_outgoing = (0..setting.links.len())
+            .map(|link| setting.out_of(setting.links[link].writer).position(|l| l == link).unwrap_or(0))
+            .collect();
+        let classes = line.station_ids().map(|_| vec![Classes::default(); setting.modes.len()]).collect();
+        let setting = setting.clone();
+        let mut system = System { setting, stations, words, classes, nth_incoming, nth_outgoing };
         let start = system.start()?;
         Ok((system, start))
     }
@@ -102,21 +108,6 @@ impl System {
         Layout::new(self.stations.len(), bases, self.setting.lag, widths)
     }
 
-    /// Everything that may happen in this state.
-    pub fn moves(&mut self, state: &State) -> Vec<Move> {
-        let mut moves = Vec::new();
-        for link in 0..self.setting.links.len() {
-            moves.extend((0..self.waiting(state, link)).map(|nth| Move::Hear { link, nth }));
-        }
-        for station in 0..self.stations.len() {
-            let acts = 0..self.acts(state, station);
-            let possible = acts.filter(|&nth| self.act(state, station, nth).is_some());
-            moves.extend(possible.map(|nth| Move::Act { station, nth }));
-        }
-        moves.extend(self.grants(state).map(Move::Grant));
-        moves
-    }
-
     /// How many words are on their way over a link.
     #[inline]
     pub fn waiting(&self, state: &State, link: usize) -> usize {
@@ -124,97 +115,125 @@ impl System {
         state.mail[link * lag..][..lag].iter().take_while(|word| word.id != 0).count()
     }
 
+    /// The class of a station's situation. A state that the search keeps has one situation of each.
+    #[inline]
+    pub fn class(&self, state: &State, station: usize) -> &Class {
+        self.classes[station][state.granted as usize].at(state.situations[station])
+    }
+
+    /// Every station comes to the situation that stands for its class.
+    #[inline]
+    pub fn settle(&mut self, state: &mut State) {
+        let granted = state.granted as usize;
+        for station in 0..state.situations.len() {
+            let situation = state.situations[station];
+            state.situations[station] = match self.classes[station][granted].known(situation) {
+                Some(known) => known,
+                None => self.classify(station, granted, situation),
+            };
+        }
+    }
+
+    #[cold]
+    fn classify(&mut self, station: usize, granted: usize, situation: u32) -> u32 {
+        let classes = &mut self.classes[station][granted];
+        classes.enter(&self.setting, &mut self.words, &mut self.stations[station], granted, situation);
+        classes.known(situation).unwrap_or(situation)
+    }
+
+    /// How a station comes by itself to another situation of its class.
+    pub fn walk(&mut self, state: &State, pin: Pin) -> Vec<MemberAct> {
+        let Pin { station, member } = pin;
+        let (granted, from) = (state.granted as usize, state.situations[station]);
+        let of = &mut self.stations[station];
+        self.classes[station][granted].walk(&self.setting, &mut self.words, of, granted, (from, member))
+    }
+
+    /// The stations of which this state stands for several situations, a bit each.
+    #[inline]
+    pub fn loose(&self, state: &State) -> u32 {
+        let several = |station: usize| u32::from(self.class(state, station).members.len() > 1);
+        (0..self.stations.len()).fold(0, |bits, station| bits | several(station) << station)
+    }
+
     /// The modes that may be granted next, by number.
     pub fn grants(&self, state: &State) -> impl Iterator<Item = usize> + use<> {
-        let may = self.setting.grants == Grants::InEpochs && self.all_idle(state);
+        let may = self.setting.grants == Grants::InEpochs
+            && (0..self.stations.len()).all(|station| !self.class(state, station).idle.is_empty());
         let (modes, granted) = (if may { self.setting.modes.len() } else { 0 }, state.granted as usize);
         (0..modes).filter(move |&mode| mode != granted)
     }
 
-    fn all_idle(&self, state: &State) -> bool {
-        self.granted(state).acting == 0
-    }
-
-    /// The mode that is granted, and who acts on it.
+    /// The mode that is granted, and who acts on it and cannot leave it by itself.
     pub fn granted(&self, state: &State) -> Granted {
-        let stations = self.stations.iter().zip(&state.situations).enumerate();
-        let acting = stations.fold(0, |bits, (nth, (station, &number))| {
-            bits | u32::from(station.facts[number as usize].acts_on_a_mode) << nth
-        });
+        let acts = |station: usize| u32::from(self.class(state, station).idle.is_empty());
+        let acting = (0..self.stations.len()).fold(0, |bits, station| bits | acts(station) << station);
         Granted { mode: state.granted as u8, acting }
     }
 
-    /// How many acts there are for a station in this state, possible or not.
-    #[inline]
-    pub fn acts(&self, state: &State, station: usize) -> usize {
-        self.stations[station].facts[state.situations[station] as usize].acts.len()
-    }
-
-    /// What an act comes to, if it can happen in this state.
-    #[inline]
-    pub fn act(&mut self, state: &State, station: usize, nth: usize) -> Option<Effect> {
-        let from = state.situations[station];
-        let effect = self.stations[station].effect(&self.setting, &mut self.words, from, nth);
-        (effect.granted == ANY_MODE || u32::from(effect.granted) == state.granted).then_some(effect)
-    }
-
-    /// Lets it happen.
-    pub fn play(&mut self, state: &mut State, what: Move) {
+    /// Lets it happen. Of a loose station it may be asked what it says and holds, which is the same in all situations
+    /// of its class; where anything else is needed the state is left half-done, to be tried again for each of them.
+    pub fn play(&mut self, state: &mut State, what: Move, loose: u32) -> Result<(), Matters> {
         match what {
             Move::Act { station, nth } => {
                 let from = state.situations[station];
                 let effect = self.stations[station].effect(&self.setting, &mut self.words, from, nth);
-                self.happen(state, station, effect);
+                self.come_to(state, station, effect, loose)?;
+                if effect.off_follows {
+                    let from = state.situations[station];
+                    let effect = self.stations[station].off(&self.setting, &mut self.words, from);
+                    self.come_to(state, station, effect, loose)?;
+                }
+                Ok(())
             }
-            Move::Grant(mode) => state.granted = mode as u32,
+            Move::Grant(mode) => {
+                state.granted = mode as u32;
+                Ok(())
+            }
             Move::Hear { link, nth } => {
                 let lag = self.setting.lag;
                 let slots = &mut state.mail[link * lag..][..lag];
                 let word = slots[nth];
                 slots.rotate_left(nth + 1);
                 slots[lag - nth - 1..].fill(Word::NONE);
-                self.deliver(state, link, word);
+                self.deliver(state, link, word, loose)
             }
         }
     }
 
-    /// An act takes effect, all of it.
-    pub fn happen(&mut self, state: &mut State, station: usize, effect: Effect) {
-        self.come_to(state, station, effect);
-        if effect.off_follows {
-            let from = state.situations[station];
-            let effect = self.stations[station].off(&self.setting, &mut self.words, from);
-            self.come_to(state, station, effect);
-        }
-    }
-
-    fn deliver(&mut self, state: &mut State, link: usize, word: Word) {
+    fn deliver(&mut self, state: &mut State, link: usize, word: Word, loose: u32) -> Result<(), Matters> {
         let reader = self.setting.links[link].reader;
+        if loose & (1 << reader) != 0 {
+            return Err(Matters(reader));
+        }
         let word = word.shifted(-state.cycles[reader], &self.words[link]);
         let (from, nth) = (state.situations[reader], self.nth_incoming[link]);
         let effect = self.stations[reader].hear(&self.setting, &mut self.words, from, nth, word);
-        self.come_to(state, reader, effect);
+        self.come_to(state, reader, effect, loose)
     }
 
-    fn come_to(&mut self, state: &mut State, station: usize, effect: Effect) {
+    fn come_to(&mut self, state: &mut State, station: usize, effect: Effect, loose: u32) -> Result<(), Matters> {
         state.situations[station] = effect.to;
         state.cycles[station] += effect.cycles;
         if effect.closed {
-            self.close(state, station);
+            self.close(state, station, loose)?;
         }
-        if !effect.quiet {
-            self.post(state, station);
-        }
+        if effect.quiet { Ok(()) } else { self.post(state, station, loose) }
     }
 
     /// What it had asked for is not open any more: answers to it are worth nothing, wherever they are.
-    fn close(&mut self, state: &mut State, writer: usize) {
+    fn close(&mut self, state: &mut State, writer: usize, loose: u32) -> Result<(), Matters> {
         let lag = self.setting.lag;
         for at in 0..self.stations[writer].outgoing.len() {
             let link = self.stations[writer].outgoing[at];
             let reader = self.setting.links[link].reader;
             let (from, nth) = (state.situations[reader], self.nth_incoming[link]);
-            state.situations[reader] = self.stations[reader].close(&self.setting, &mut self.words, from, nth);
+            if self.stations[reader].minds_closing(&self.setting, from, nth) {
+                if loose & (1 << reader) != 0 {
+                    return Err(Matters(reader));
+                }
+                state.situations[reader] = self.stations[reader].close(&self.setting, &mut self.words, from, nth);
+            }
             for word in &mut state.mail[link * lag..][..lag] {
                 *word = self.words[link].closed(*word);
             }
@@ -223,10 +242,11 @@ impl System {
                 *word = self.words[reverse].unanswered(*word);
             }
         }
+        Ok(())
     }
 
     /// The station's report goes on its way to every reader for whom it says something new.
-    fn post(&mut self, state: &mut State, writer: usize) {
+    fn post(&mut self, state: &mut State, writer: usize, loose: u32) -> Result<(), Matters> {
         let lag = self.setting.lag;
         for at in 0..self.stations[writer].outgoing.len() {
             let link = self.stations[writer].outgoing[at];
@@ -237,7 +257,7 @@ impl System {
             let has_base = self.words[link].has_base();
             if lag == 0 || (has_base && word.base - self.held(state, link).base >= CYCLES_BEHIND_MAX) {
                 state.mail[link * lag..][..lag].fill(Word::NONE);
-                self.deliver(state, link, word);
+                self.deliver(state, link, word, loose)?;
                 continue;
             }
             let slots = &mut state.mail[link * lag..][..lag];
@@ -249,14 +269,14 @@ impl System {
                 }
             }
         }
+        Ok(())
     }
 
     /// What the writer of a link says now.
     fn said(&self, state: &State, link: usize) -> Word {
         let writer = self.setting.links[link].writer;
-        let situations = &self.stations[writer];
-        let at = situations.outgoing.iter().position(|&l| l == link).unwrap_or(0);
-        let word = situations.facts[state.situations[writer] as usize].says[at];
+        let facts = &self.stations[writer].facts[state.situations[writer] as usize];
+        let word = facts.says[self.nth_outgoing[link]];
         word.shifted(state.cycles[writer], &self.words[link])
     }
 
@@ -272,42 +292,6 @@ impl System {
         let reader = self.setting.links[link].reader;
         let held = self.stations[reader].facts[state.situations[reader] as usize].holds[self.nth_incoming[link]];
         held.shifted(state.cycles[reader], &self.words[link])
-    }
-
-    /// The first thing that is wrong in this state.
-    pub fn wrong(&self, state: &State) -> Option<Wrong> {
-        let facts = || self.stations.iter().zip(&state.situations).map(|(s, &number)| &s.facts[number as usize]);
-        let in_a = facts().fold(0, |bits, facts| bits | facts.in_a);
-        let in_b = facts().fold(0, |bits, facts| bits | facts.in_b);
-        if in_a & in_b != 0 {
-            return Some(Wrong::Conflict((in_a & in_b).trailing_zeros() as usize));
-        }
-        let station = facts().position(|facts| facts.wrong.is_some()).map(Wrong::Station);
-        station.or_else(|| self.cycles_apart(state).map(|(least, most)| Wrong::Apart(least, most)))
-    }
-
-    /// What is wrong, in words.
-    pub fn wrong_text(&self, state: &State, wrong: Wrong) -> String {
-        match wrong {
-            Wrong::Conflict(nth) => self.setting.line.conflicts[nth].why.clone(),
-            Wrong::Station(station) => {
-                let facts = &self.stations[station].facts[state.situations[station] as usize];
-                let what = facts.wrong.as_deref().unwrap_or("nothing is wrong");
-                format!("{}: {what}", self.setting.line.stations[station].name)
-            }
-            Wrong::Apart(least, most) => format!("stations are in cycles {least} and {most}, too far apart"),
-        }
-    }
-
-    fn cycles_apart(&self, state: &State) -> Option<(i32, i32)> {
-        let (least, most) = (state.cycles.iter().min()?, state.cycles.iter().max()?);
-        let neighbours = self.stations.len() as i32 - 1;
-        (most - least > CYCLES_APART_MAX * neighbours).then_some((*least, *most))
-    }
-
-    pub fn all_at_home(&self, state: &State) -> bool {
-        let facts = |(s, &number): (&Situations, &u32)| s.facts[number as usize].at_home;
-        self.stations.iter().zip(&state.situations).all(facts)
     }
 
     /// What the station concerned says about a move, if it concerns one.
@@ -338,6 +322,7 @@ impl System {
     }
 
     pub fn bytes(&self) -> usize {
-        self.stations.iter().map(Situations::bytes).sum()
+        let classes: usize = self.classes.iter().flatten().map(Classes::bytes).sum();
+        classes + self.stations.iter().map(Situations::bytes).sum::<usize>()
     }
 }

@@ -5,10 +5,11 @@ use std::thread;
 use linewright_line::net::{ControlMode, StationNet};
 use linewright_nets::TransitionId;
 
-use super::search::{Conclude, End, Search};
+use super::judge::Wrong;
+use super::search::{End, Search};
 use super::station::Situations;
 use super::story::Story;
-use super::system::Wrong;
+use super::system::Pin;
 
 /// Whether a property holds.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
@@ -40,7 +41,10 @@ pub struct Property {
 #[derive(Clone, Debug, PartialEq, Eq)]
 pub struct Explored {
     /// States seen.
-    pub states: usize,
+    pub states: u64,
+    /// States that were kept and looked at. Each stands for all that differ from it only in what stations come and go between by
+    /// themselves.
+    pub kept: usize,
     /// Moves from state to state that were looked at.
     pub arcs: u64,
     /// Memory it took, about.
@@ -66,20 +70,17 @@ impl Explored {
 }
 
 /// Draws the conclusions.
-pub(crate) struct Judge;
-
-impl Conclude<Explored> for Judge {
-    fn conclude<const N: usize>(&mut self, mut search: Search<N>) -> Explored {
-        let mut properties = never_wrong(&mut search);
-        properties.extend(of_all_states(&mut search));
-        Explored {
-            states: search.states(),
-            arcs: search.arcs(),
-            bytes: search.bytes(),
-            exhausted: search.end == End::Exhausted,
-            situations: search.system.stations.iter().map(|station| station.all.len()).collect(),
-            properties,
-        }
+pub(crate) fn judge<const N: usize>(mut search: Search<N>) -> Explored {
+    let mut properties = never_wrong(&mut search);
+    properties.extend(of_all_states(&mut search));
+    Explored {
+        states: search.tally.states,
+        kept: search.looked_at(),
+        arcs: search.tally.arcs,
+        bytes: search.bytes(),
+        exhausted: search.end == End::Exhausted,
+        situations: search.system.stations.iter().map(|station| station.all.len()).collect(),
+        properties,
     }
 }
 
@@ -88,7 +89,7 @@ fn never_wrong<const N: usize>(search: &mut Search<N>) -> Vec<Property> {
     let found = match search.end {
         End::Wrong(number) => {
             let state = search.state(number);
-            search.system.wrong(&state).map(|wrong| (wrong, story(search, number, wrong)))
+            search.system.wrong(&state).map(|(wrong, pins)| (wrong, story(search, number, wrong, &pins)))
         }
         End::Exhausted | End::Limit => None,
     };
@@ -114,7 +115,7 @@ fn never_wrong<const N: usize>(search: &mut Search<N>) -> Vec<Property> {
             };
             let reason = match (&story, verdict) {
                 (Some(story), _) => format!("{}, after {} steps", story.end, story.steps.len()),
-                (None, Verdict::Holds) => format!("in all {} states", search.states()),
+                (None, Verdict::Holds) => format!("in all {} states", search.tally.states),
                 (None, _) => undecided(search),
             };
             Property { name, verdict, reason, counterexample: story }
@@ -131,23 +132,22 @@ fn is_kind(wrong: Wrong, kind: Wrong) -> bool {
 }
 
 fn undecided<const N: usize>(search: &Search<N>) -> String {
-    let states = search.states();
+    let states = search.tally.states;
     match search.end {
         End::Wrong(_) => format!("not met in {states} states; the search ended with the first thing wrong"),
         End::Limit | End::Exhausted => format!("undecided after {states} states: the limit was reached"),
     }
 }
 
-fn story<const N: usize>(search: &mut Search<N>, number: u32, wrong: Wrong) -> Story {
-    let state = search.state(number);
-    let end = search.system.wrong_text(&state, wrong);
-    tell(search, number, end)
+fn story<const N: usize>(search: &mut Search<N>, number: u32, wrong: Wrong, pins: &[Pin]) -> Story {
+    let (way, last) = search.way_to(number, pins);
+    let end = search.system.wrong_text(&last, wrong);
+    Story::tell(&search.system, &way, &last, end)
 }
 
 fn tell<const N: usize>(search: &mut Search<N>, number: u32, end: String) -> Story {
-    let way = search.way_to(number);
-    let told = search.moves_along(&way);
-    Story::tell(&search.system, &told, &search.state(number), end)
+    let (way, last) = search.way_to(number, &[]);
+    Story::tell(&search.system, &way, &last, end)
 }
 
 /// What is decided by looking at all states together.
@@ -163,7 +163,7 @@ fn of_all_states<const N: usize>(search: &mut Search<N>) -> Vec<Property> {
     };
     let open = undecided(search);
     let exhausted = search.end == End::Exhausted;
-    let deadlocks = exhausted.then(|| match search.deadlocks() {
+    let deadlocks = exhausted.then(|| match search.tally.deadlocks {
         0 => Ok("something can follow every state".to_owned()),
         found => Err((format!("nothing can follow {found} states"), None)),
     });
@@ -206,7 +206,7 @@ fn cut_off<const N: usize>(search: &Search<N>) -> (Option<u32>, Option<u32>) {
 fn home<const N: usize>(search: &mut Search<N>, stranded: Option<u32>) -> Found {
     let by = if search.home_by_manual().is_some() { ", by manual mode alone" } else { "" };
     match stranded {
-        None => Ok(format!("from all {} states{by}", search.states())),
+        None => Ok(format!("from all {} states{by}", search.tally.states)),
         Some(number) => {
             let story = tell(search, number, format!("from here on there is no way home{by}"));
             Err((format!("not from the state after {} steps{by}", story.steps.len()), Some(story)))

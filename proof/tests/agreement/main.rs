@@ -43,7 +43,7 @@ const PLAIN: Freedom = Freedom { lag: 1, hand: false, tidy: true };
 enum Said {
     Wrong,
     Open,
-    All { states: usize, home: bool },
+    All { states: u64, home: bool },
 }
 
 fn older(line: &Line, freedom: Freedom, states: usize) -> Said {
@@ -55,7 +55,7 @@ fn older(line: &Line, freedom: Freedom, states: usize) -> Said {
     let found = search::breadth_first(&setting, states);
     match (&found.counterexample, found.home_from_everywhere) {
         (Some(_), _) => Said::Wrong,
-        (None, Some(home)) => Said::All { states: found.states, home },
+        (None, Some(home)) => Said::All { states: found.states as u64, home },
         (None, None) => Said::Open,
     }
 }
@@ -86,7 +86,8 @@ fn agree(what: &str, line: &Line, freedom: Freedom, states: usize) -> bool {
     let old = match (&new, freedom.hand) {
         // The slow one is not made to look where the fast one has not come to the end.
         (Said::Open, _) => return false,
-        (Said::Wrong, _) => older(line, freedom, 4 * explored.states.max(states)),
+        (Said::All { states: all, .. }, _) if *all > states as u64 => return false,
+        (Said::Wrong, _) => older(line, freedom, 4 * states.max(explored.states as usize)),
         (Said::All { .. }, _) => older(line, freedom, states),
     };
     if freedom.hand {

@@ -1,0 +1,150 @@
+//! What follows a state that the search keeps: everything that may happen in any of the states it stands for.
+//!
+//! A move is tried with every station in the one situation at hand. Most moves ask of the other stations only what is
+//! the same throughout a class. Where a move needs more of a station, it is tried again with each of its situations.
+
+use super::state::State;
+use super::system::{Matters, Move, Pin, System};
+
+/// Something that may happen.
+pub(crate) struct Follower<'a> {
+    /// The stations for which it matters in which situation they are, and that situation.
+    pub pins: &'a [Pin],
+    pub what: Move,
+    pub next: Next<'a>,
+}
+
+/// What comes of it.
+pub(crate) enum Next<'a> {
+    /// One station is in another situation, and nothing else has changed.
+    Beside { station: usize, to: u32 },
+    /// The whole of it.
+    State(&'a State),
+}
+
+/// Goes through what follows states, without allocating.
+pub(crate) struct Followers {
+    next: State,
+    pins: Vec<Pin>,
+    spare: Vec<State>,
+}
+
+impl Followers {
+    /// `like` gives the shape.
+    pub fn new(like: &State) -> Self {
+        Followers { next: like.clone(), pins: Vec::new(), spare: Vec::new() }
+    }
+
+    /// Visits everything that may happen, until the visitor has had enough.
+    pub fn each<E>(
+        &mut self,
+        system: &mut System,
+        here: &State,
+        visit: &mut impl FnMut(&Follower<'_>) -> Result<(), E>,
+    ) -> Result<(), E> {
+        self.pins.clear();
+        let loose = system.loose(here);
+        for link in 0..system.setting.links.len() {
+            for nth in 0..system.waiting(here, link) {
+                self.follow(system, here, loose, Move::Hear { link, nth }, visit)?;
+            }
+        }
+        for station in 0..here.situations.len() {
+            self.of_one(system, here, loose & !(1 << station), station, visit)?;
+        }
+        for mode in system.grants(here) {
+            self.grant(system, here, mode, visit)?;
+        }
+        Ok(())
+    }
+
+    /// What may happen to one station by itself.
+    fn of_one<E>(
+        &mut self,
+        system: &mut System,
+        here: &State,
+        loose: u32,
+        station: usize,
+        visit: &mut impl FnMut(&Follower<'_>) -> Result<(), E>,
+    ) -> Result<(), E> {
+        for &(act, to) in &system.class(here, station).leads {
+            let pins = &[Pin { station, member: act.from }];
+            let what = Move::Act { station, nth: act.nth as usize };
+            visit(&Follower { pins, what, next: Next::Beside { station, to } })?;
+        }
+        let mut pinned = self.spare(here);
+        for nth in 0..system.class(here, station).acts.len() {
+            let act = system.class(here, station).acts[nth];
+            self.pins.push(Pin { station, member: act.from });
+            pinned.situations[station] = act.from;
+            self.follow(system, &pinned, loose, Move::Act { station, nth: act.nth as usize }, visit)?;
+            self.pins.pop();
+        }
+        self.spare.push(pinned);
+        Ok(())
+    }
+
+    /// A mode is granted when no station acts on any.
+    fn grant<E>(
+        &mut self,
+        system: &mut System,
+        here: &State,
+        mode: usize,
+        visit: &mut impl FnMut(&Follower<'_>) -> Result<(), E>,
+    ) -> Result<(), E> {
+        let mut pinned = self.spare(here);
+        let stations = here.situations.len();
+        let mut nth = vec![0; stations];
+        loop {
+            self.pins.clear();
+            for (station, &nth) in nth.iter().enumerate() {
+                let member = system.class(here, station).idle[nth];
+                pinned.situations[station] = member;
+                self.pins.push(Pin { station, member });
+            }
+            self.follow(system, &pinned, 0, Move::Grant(mode), visit)?;
+            // The next combination, as a number with a digit for each station.
+            let more = (0..stations).find(|&station| {
+                nth[station] = (nth[station] + 1) % system.class(here, station).idle.len();
+                nth[station] != 0
+            });
+            if more.is_none() {
+                break;
+            }
+        }
+        self.pins.clear();
+        self.spare.push(pinned);
+        Ok(())
+    }
+
+    fn follow<E>(
+        &mut self,
+        system: &mut System,
+        from: &State,
+        loose: u32,
+        what: Move,
+        visit: &mut impl FnMut(&Follower<'_>) -> Result<(), E>,
+    ) -> Result<(), E> {
+        self.next.take(from);
+        let Err(Matters(station)) = system.play(&mut self.next, what, loose) else {
+            system.settle(&mut self.next);
+            return visit(&Follower { pins: &self.pins, what, next: Next::State(&self.next) });
+        };
+        let mut pinned = self.spare(from);
+        for nth in 0..system.class(from, station).members.len() {
+            let member = system.class(from, station).members[nth];
+            self.pins.push(Pin { station, member });
+            pinned.situations[station] = member;
+            self.follow(system, &pinned, loose & !(1 << station), what, visit)?;
+            self.pins.pop();
+        }
+        self.spare.push(pinned);
+        Ok(())
+    }
+
+    fn spare(&mut self, like: &State) -> State {
+        let mut spare = self.spare.pop().unwrap_or_else(|| like.clone());
+        spare.take(like);
+        spare
+    }
+}

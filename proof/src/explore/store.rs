@@ -1,0 +1,114 @@
+//! The states that a search keeps, what follows each, and from where each was first reached.
+
+use super::search::Limits;
+use super::table::{Key, Table};
+
+/// States and what follows them, by number.
+#[derive(Debug)]
+pub(crate) struct Store<const N: usize> {
+    table: Table<N>,
+    /// For each state, the one it was first reached from.
+    came_from: Vec<u32>,
+    /// The numbers of the states that follow each, one state after the other.
+    arcs: Vec<u32>,
+    /// Where those of each state end.
+    arcs_until: Vec<u64>,
+    scratch: Vec<(u64, u64)>,
+}
+
+/// Successors that are looked up together.
+#[derive(Debug)]
+pub(crate) struct Batch<const N: usize> {
+    pub keys: Vec<Key<N>>,
+    /// For each state, where its successors end.
+    pub ends: Vec<usize>,
+    /// Memory that the other thread takes.
+    pub bytes: usize,
+}
+
+/// What became of a batch.
+#[derive(Debug)]
+pub(crate) struct Entered<const N: usize> {
+    /// The states that are new, in the order of their numbers.
+    pub new: Vec<Key<N>>,
+    /// There are as many as there may be.
+    pub full: bool,
+}
+
+impl<const N: usize> Batch<N> {
+    /// What was added since `begin` is what follows one state. Each needs to be there once.
+    pub fn close(&mut self, begin: usize) {
+        self.keys[begin..].sort_unstable();
+        let mut until = begin;
+        for at in begin..self.keys.len() {
+            if at == begin || self.keys[at] != self.keys[until - 1] {
+                self.keys[until] = self.keys[at];
+                until += 1;
+            }
+        }
+        self.keys.truncate(until);
+        self.ends.push(until);
+    }
+}
+
+impl<const N: usize> Store<N> {
+    pub fn new() -> Self {
+        Store {
+            table: Table::new(),
+            came_from: Vec::new(),
+            arcs: Vec::new(),
+            arcs_until: Vec::new(),
+            scratch: Vec::new(),
+        }
+    }
+
+    /// Enters the successors of the states that come next in order. The start, alone, is nobody's successor.
+    pub fn enter(&mut self, batch: &Batch<N>, limits: Limits) -> Entered<N> {
+        let (first_new, first_arc) = (self.table.len() as u32, self.arcs.len());
+        self.table.enter_all(&batch.keys, &mut self.scratch, &mut self.arcs);
+        if batch.ends.is_empty() {
+            self.came_from.push(0);
+            self.arcs.clear();
+        }
+        let (mut newest, mut begin) = (first_new, 0);
+        for &end in &batch.ends {
+            let from = self.arcs_until.len() as u32;
+            for &number in &self.arcs[first_arc + begin..first_arc + end] {
+                if number == newest {
+                    self.came_from.push(from);
+                    newest += 1;
+                }
+            }
+            begin = end;
+            self.arcs_until.push((first_arc + end) as u64);
+        }
+        let new = (first_new..self.table.len() as u32).map(|number| *self.table.key(number)).collect();
+        let full = self.table.len() > limits.states || self.bytes() + batch.bytes > limits.bytes;
+        Entered { new, full }
+    }
+
+    pub fn len(&self) -> usize {
+        self.table.len()
+    }
+
+    pub fn key(&self, number: u32) -> &Key<N> {
+        self.table.key(number)
+    }
+
+    /// The state from which one was first reached; the start is its own.
+    pub fn came_from(&self, number: u32) -> u32 {
+        self.came_from[number as usize]
+    }
+
+    /// The numbers of the states that follow one that has been looked at.
+    pub fn followers(&self, number: u32) -> &[u32] {
+        let number = number as usize;
+        let begin = if number == 0 { 0 } else { self.arcs_until[number - 1] };
+        &self.arcs[begin as usize..self.arcs_until[number] as usize]
+    }
+
+    pub fn bytes(&self) -> usize {
+        let numbers = (self.came_from.capacity() + self.arcs.capacity()) * size_of::<u32>();
+        self.table.bytes() + numbers + self.arcs_until.capacity() * size_of::<u64>()
+    }
+}

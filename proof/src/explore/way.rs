@@ -1,0 +1,108 @@
+//! A way through the states that a search keeps, as a way through the line's own.
+
+use super::followers::{Follower, Followers, Next};
+use super::search::Search;
+use super::state::State;
+use super::system::{Move, Pin};
+
+impl<const N: usize> Search<N> {
+    /// How the line comes from the start to one of the states that the kept one stands for, to one with these pins:
+    /// each state with the move from it, and the last.
+    pub fn way_to(&mut self, number: u32, pins: &[Pin]) -> (Vec<(State, Move)>, State) {
+        let mut kept = vec![number];
+        while let Some(&number) = kept.last().filter(|&&number| number != 0) {
+            kept.push(self.store.came_from(number));
+        }
+        kept.reverse();
+        let (mut way, mut here) = (Vec::new(), self.start.clone());
+        for pair in kept.windows(2) {
+            let (needed, what) = self.move_between(pair[0], pair[1]);
+            self.walk_to(&mut here, &needed, &mut way);
+            self.step(&mut here, what, &mut way);
+        }
+        self.walk_to(&mut here, pins, &mut way);
+        (way, here)
+    }
+
+    /// The first move that leads from one kept state to another, and the situations it needs.
+    fn move_between(&mut self, from: u32, to: u32) -> (Vec<Pin>, Move) {
+        let (here, goal) = (self.state(from), *self.store.key(to));
+        let key = *self.store.key(from);
+        let mut found = None;
+        let Search { system, layout, .. } = self;
+        let mut look = |follower: &Follower<'_>| {
+            let next = match follower.next {
+                Next::Beside { station, to } => layout.with_situation(&key, station, to),
+                Next::State(next) => layout.pack(next).ok(),
+            };
+            if next != Some(goal) {
+                return Ok(());
+            }
+            found = Some((follower.pins.to_vec(), follower.what));
+            Err(())
+        };
+        let _ = Followers::new(&here).each(system, &here, &mut look);
+        found.expect("a state was reached by one of its predecessor's moves")
+    }
+
+    /// Each station comes by itself to the situation named.
+    fn walk_to(&mut self, here: &mut State, pins: &[Pin], way: &mut Vec<(State, Move)>) {
+        for &pin in pins {
+            for act in self.system.walk(here, pin) {
+                self.step(here, Move::Act { station: pin.station, nth: act.nth as usize }, way);
+            }
+        }
+    }
+
+    fn step(&mut self, here: &mut State, what: Move, way: &mut Vec<(State, Move)>) {
+        way.push((here.clone(), what));
+        self.system.play(here, what, 0).expect("where no station is loose none matters");
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use linewright_line::{Line, TransferLine, parse};
+    use linewright_station_logic::Rules;
+
+    use crate::explore::Setting;
+    use crate::explore::search::{End, Limits, search};
+    use crate::explore::state::Widths;
+    use crate::explore::system::System;
+
+    fn shipped() -> Line {
+        parse("line.toml", &TransferLine::default().text()).expect("the shipped line is sound").line
+    }
+
+    /// The way found among kept states is one of the line's own, move by move, and ends where something is wrong.
+    fn leads_to_what_is_wrong(rules: Rules) {
+        let mut setting = Setting::new(&shipped());
+        setting.rules = rules;
+        let (system, start) = System::new(&setting).expect("the shipped line compiles");
+        let mut search = search::<4>(system, start, Widths::FIRST, Limits::default()).expect("it fits");
+        let End::Wrong(number) = search.end else { panic!("nothing is wrong in {:?}", search.tally) };
+        let kept = search.state(number);
+        let (_, pins) = search.system.wrong(&kept).expect("the search says so");
+        let (way, last) = search.way_to(number, &pins);
+        let mut here = search.start.clone();
+        for (state, what) in &way {
+            assert_eq!(&here, state);
+            search.system.play(&mut here, *what, 0).expect("nothing is loose");
+        }
+        assert_eq!(here, last);
+        let facts = |station: usize| &search.system.stations[station].facts[last.situations[station] as usize];
+        let stations = || 0..last.situations.len();
+        let in_a = stations().fold(0, |bits, station| bits | facts(station).in_a);
+        let in_b = stations().fold(0, |bits, station| bits | facts(station).in_b);
+        assert!(in_a & in_b != 0 || stations().any(|station| facts(station).wrong.is_some()));
+    }
+
+    #[test]
+    fn a_way_through_kept_states_is_a_way_of_the_line() {
+        leads_to_what_is_wrong(Rules { counted: false, ..Rules::default() });
+        leads_to_what_is_wrong(Rules { withdraw_first: false, ..Rules::default() });
+        leads_to_what_is_wrong(Rules { ask: false, ..Rules::default() });
+        leads_to_what_is_wrong(Rules { fresh_numbers: false, ..Rules::default() });
+        leads_to_what_is_wrong(Rules { redo_round: false, ..Rules::default() });
+    }
+}
