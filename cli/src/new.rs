@@ -67,6 +67,7 @@ pub fn run(args: &Args) -> miette::Result<ExitCode> {
     let dir = args.dir.display();
     crate::out::say!("wrote {}: {} stations", file.display(), 1 + 2 * args.machines);
     crate::out::say!("next:  linewright check {dir}");
+    crate::out::say!("       linewright simulate {dir}");
     crate::out::say!("       linewright run {dir}");
     Ok(ExitCode::SUCCESS)
 }

@@ -195,6 +195,16 @@ fn a_reader_that_has_enough_is_no_accident() {
 }
 
 #[test]
+fn what_is_not_explored_cannot_be_explored_otherwise() {
+    for option in [&["--flags"][..], &["--whole"], &["--states", "5"], &["--without", "agreement"], &["--mode", "auto"]]
+    {
+        let output = linewright(&[&["check", shipped().to_str().unwrap(), "--structure"], option].concat());
+        assert_eq!(output.status.code(), Some(2), "{option:?}");
+        assert!(text(&output.stderr).contains("cannot be used with"), "{output:?}");
+    }
+}
+
+#[test]
 fn a_file_that_is_not_there_fails_and_says_so() {
     let output = linewright(&["check", "no/such/line"]);
     assert_eq!(output.status.code(), Some(1));

@@ -12,7 +12,7 @@ use serde::Serialize;
 #[command(next_help_heading = "Exploration")]
 pub struct Options {
     /// Structure only: explore nothing.
-    #[arg(long)]
+    #[arg(long, conflicts_with_all = ["modes", "views", "no_faults", "any_grants", "flags", "without", "whole", "states", "memory"])]
     structure: bool,
     /// A mode that may be granted; repeat it for several. All of them if none is named.
     #[arg(long = "mode", value_enum)]
@@ -178,7 +178,7 @@ impl Options {
     }
 
     fn limits(&self) -> Limits {
-        Limits { states: self.states, bytes: self.memory << 20 }
+        Limits { states: self.states, bytes: self.memory.saturating_mul(1 << 20) }
     }
 
     fn one(&self, line: &Line, what: &str) -> Result<Exploration, NotExplorable> {
