@@ -1,10 +1,13 @@
 //! The chain of operations and arrows that made the line as slow as it was.
 //!
 //! Every start has a cause that came true last. Followed back from the end of the last cycle, causes lead from motion to
-//! motion; once an operation comes up again, a cycle or more earlier, the motions in between are what decides the
-//! cycle time: whatever is not among them could be a little slower and nobody would notice.
+//! motion; whenever an operation comes up again, a cycle or more earlier, the motions in between are a loop. The loop in
+//! which most of the time went by is what decides the cycle time: whatever is not in it could be a little slower and
+//! nobody would notice. Near the end others may come up as well, where cycles differ in turn; in the long run no loop
+//! stays but the slowest (the critical circuits of a timed event graph).
 
 use std::collections::HashMap;
+use std::time::Duration;
 
 use linewright_line::net::Block;
 use linewright_line::{Line, OpId, StationId, Tick};
@@ -17,7 +20,7 @@ pub struct Link {
     /// The motion.
     pub motion: Motion,
     /// From the end of the motion that caused it to its start: messages, and nothing else.
-    pub late: std::time::Duration,
+    pub late: Duration,
 }
 
 /// The chain that determines the cycle time.
@@ -26,7 +29,7 @@ pub struct CriticalPath {
     /// Its motions, in order; each is what the next one waited for, and the last what the first waits for again.
     pub links: Vec<Link>,
     /// The time from the first motion's start to its next start by the same chain.
-    pub time: std::time::Duration,
+    pub time: Duration,
     /// How many cycles that took.
     pub cycles: u32,
 }
@@ -41,19 +44,33 @@ impl CriticalPath {
             .filter(|m| m.block == Block::Normal && m.ended == Ended::Done)
             .map(|m| ((m.station, m.op, m.cycle), m))
             .collect();
-        let mut motion = *motions.values().copied().filter(|m| m.end == end).min_by_key(|m| (m.station, m.op))?;
-        let mut chain: Vec<Motion> = vec![motion];
-        // Backwards; every operation at most once before one comes up again.
-        loop {
-            motion = *cause(line, &motions, &motion)?;
+        let last = *motions.values().copied().filter(|m| m.end == end).min_by_key(|m| (m.station, m.op))?;
+        // Loops by what they consist of: the latest of them, and the time that went by in all.
+        let mut loops: Vec<(CriticalPath, Duration)> = Vec::new();
+        let mut known: HashMap<Vec<(StationId, OpId)>, usize> = HashMap::new();
+        let mut chain: Vec<Motion> = vec![last];
+        while let Some(&motion) = chain.last().and_then(|last| cause(line, &motions, last)) {
             let again = chain.iter().position(|m| (m.station, m.op) == (motion.station, motion.op));
-            chain.push(motion);
             if let Some(again) = again {
-                chain.drain(..again);
-                break;
+                let mut round = chain.split_off(again);
+                round.push(motion);
+                if let Some(path) = CriticalPath::around(round) {
+                    let at = *known.entry(path.operations()).or_insert(loops.len());
+                    match loops.get_mut(at) {
+                        Some((_, time)) => *time += path.time,
+                        None => loops.push((path.clone(), path.time)),
+                    }
+                }
             }
+            chain.push(motion);
         }
-        let (last, first) = (chain[0], motion);
+        let slowest = loops.iter().map(|(_, time)| *time).max()?;
+        loops.into_iter().find(|(_, time)| *time == slowest).map(|(path, _)| path)
+    }
+
+    /// A loop of causes, latest first: it begins and ends with the same operation.
+    fn around(mut chain: Vec<Motion>) -> Option<Self> {
+        let (last, first) = (*chain.first()?, *chain.last()?);
         let cycles = u32::try_from(last.cycle - first.cycle).ok().filter(|&cycles| cycles > 0)?;
         chain.reverse();
         let late = |pair: &[Motion]| Link { motion: pair[1], late: pair[1].start.since(pair[0].end) };
@@ -61,6 +78,14 @@ impl CriticalPath {
         // The last is the first again, a round later.
         links.rotate_right(1);
         Some(CriticalPath { links, time: last.start.since(first.start), cycles })
+    }
+
+    /// Its operations in order, wherever it was closed.
+    fn operations(&self) -> Vec<(StationId, OpId)> {
+        let mut operations: Vec<_> = self.links.iter().map(|link| (link.motion.station, link.motion.op)).collect();
+        let lowest = operations.iter().enumerate().min_by_key(|(_, op)| **op).map_or(0, |(at, _)| at);
+        operations.rotate_left(lowest);
+        operations
     }
 
     /// Seconds per cycle.

@@ -1,10 +1,11 @@
 //! What the description alone promises: durations and arrows, no controllers, no messages.
 //!
 //! The timing bar chart is an event graph: an operation starts when the step before it in its own station is complete,
-//! and every operation with an arrow into it, in the cycle the arrow names. [`Plan::schedule`] is its earliest schedule
-//! from home; [`Plan::cycle_time`] what it needs per cycle in the long run, the largest ratio of duration to cycles
-//! crossed over all circuits of the graph (Ramamoorthy and Ho, 1980). The ratio is found exactly: a circuit that beats
-//! the best ratio so far is a circuit of positive length when every edge is charged that ratio per cycle it crosses.
+//! and every operation with an arrow for auto into it, or into another of its group, in the cycle the arrow names.
+//! [`Plan::schedule`] is its earliest schedule from home; [`Plan::cycle_time`] what it needs per cycle in the long run,
+//! the largest ratio of duration to cycles crossed over all circuits of the graph (Ramamoorthy and Ho, 1980). The ratio
+//! is found exactly: a circuit that beats the best ratio so far is a circuit of positive length when every edge is
+//! charged that ratio per cycle it crosses.
 
 use linewright_line::{Line, OpId, StationId};
 
@@ -75,7 +76,17 @@ impl Plan {
             }
         }
         let index = |(id, op): Op| first[id.index()] + op.index();
-        edges.extend(line.arrows.iter().map(|a| Edge { from: index(a.from), to: index(a.to), lag: a.lag }));
+        for arrow in line.arrows.iter().filter(|arrow| arrow.auto) {
+            let (station, op) = arrow.to;
+            let described = line.station(station);
+            // A group starts together, so it waits for the arrows into each of its members.
+            let group = &described.steps[described.step_of(op)];
+            edges.extend(group.iter().map(|&op| Edge {
+                from: index(arrow.from),
+                to: index((station, op)),
+                lag: arrow.lag,
+            }));
+        }
         let mut into = vec![Vec::new(); ops.len()];
         for (at, edge) in edges.iter().enumerate() {
             into[edge.to].push(at);

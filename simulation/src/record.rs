@@ -54,8 +54,6 @@ pub struct Motion {
     pub ended: Ended,
     /// What it waited for last.
     pub by: By,
-    /// When the step before it was complete.
-    pub ready: Tick,
 }
 
 /// How long starts in auto have waited for an arrow after everything in their own station was ready; time that the
@@ -108,7 +106,7 @@ pub struct Record {
     /// By arrow: counts of its tail, and when the reader heard them.
     heard: Vec<VecDeque<(i32, Tick)>>,
     waits: Vec<Wait>,
-    /// Arrows into each operation.
+    /// Arrows into each operation and into the others of its group, with which it starts.
     into: Vec<Vec<Vec<usize>>>,
     /// The step before each operation's.
     before: Vec<Vec<Vec<OpId>>>,
@@ -129,7 +127,9 @@ impl Record {
         let base = each(&|id, op| line.station(id).home_count(op, line.station(id).initial_round()));
         let arrows_into = |id: StationId, op: OpId| {
             let arrows = line.arrows.iter().enumerate();
-            arrows.filter(|(_, arrow)| arrow.to == (id, op)).map(|(at, _)| at).collect::<Vec<_>>()
+            let step = |op: OpId| line.station(id).step_of(op);
+            let joins = |to: (StationId, OpId)| to.0 == id && step(to.1) == step(op);
+            arrows.filter(|(_, arrow)| joins(arrow.to)).map(|(at, _)| at).collect::<Vec<_>>()
         };
         let step_before = |id: StationId, op: OpId| {
             let station = line.station(id);
@@ -235,7 +235,9 @@ impl Record {
         let mut by = if ready == now { By::Previous } else { By::Person };
         if block == Block::Normal {
             let mut last = ready;
-            for &arrow in &self.into[station.index()][op.index()] {
+            let is_auto = !self.idle[station.index()].is_on();
+            let holds = |arrow: &&usize| !is_auto || line.arrows[**arrow].auto;
+            for &arrow in self.into[station.index()][op.index()].iter().filter(holds) {
                 let due = cycle - i32::try_from(line.arrows[arrow].lag).unwrap_or(i32::MAX);
                 let heard = self.heard[arrow].iter().find(|(count, _)| *count >= due).map_or(Tick::ZERO, |(_, at)| *at);
                 if heard > last {
@@ -244,8 +246,10 @@ impl Record {
                 }
             }
             let idle = self.idle[station.index()];
+            // A group that starts together has waited once.
             if let By::Arrow(arrow) = by
-                && !idle.is_on()
+                && is_auto
+                && line.arrows[arrow].to == (station, op)
             {
                 self.waits[arrow].starts += 1;
                 self.waits[arrow].total += now.since(ready).saturating_sub(idle.until(now).saturating_sub(idle_at));
@@ -258,7 +262,7 @@ impl Record {
         self.begun[station.index()] += 1;
         self.began.get_or_insert(now);
         self.open[station.index()][op.index()] = Some(self.forgotten + self.motions.len());
-        self.motions.push(Motion { station, op, block, cycle, start: now, end: now, ended: Ended::Open, by, ready });
+        self.motions.push(Motion { station, op, block, cycle, start: now, end: now, ended: Ended::Open, by });
     }
 
     fn ended(&mut self, now: Tick, station: StationId, op: OpId, how: Ended) {
@@ -339,11 +343,6 @@ impl Record {
     /// The last cycle in which an operation is done and not taken back.
     pub fn count(&self, station: StationId, op: OpId) -> i32 {
         self.counts[station.index()][op.index()]
-    }
-
-    /// What an operation counted when the line was switched on.
-    pub fn base(&self, station: StationId, op: OpId) -> i32 {
-        self.base[station.index()][op.index()]
     }
 
     /// How many motions a station has begun.

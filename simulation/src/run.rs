@@ -161,7 +161,6 @@ fn opening() -> Vec<Step> {
         expect: None,
         expect_text: String::new(),
         span: 0..0,
-        line: 0,
     };
     vec![
         step(Condition::Every(StationState::Heard), Command::Start),

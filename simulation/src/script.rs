@@ -48,8 +48,6 @@ pub struct Step {
     pub expect_text: String,
     /// Where the text says so.
     pub span: Range<usize>,
-    /// Its line in the text, from 1.
-    pub line: usize,
 }
 
 /// Steps in their order.

@@ -56,11 +56,6 @@ impl Sim {
         node.is_up().then_some(&node.controller)
     }
 
-    /// The mode a station acts on.
-    pub fn mode_of(&self, station: StationId) -> Option<ControlMode> {
-        self.controller(station).map(Controller::mode)
-    }
-
     /// The last cycle in which an operation is done.
     pub fn done(&self, station: StationId, op: OpId) -> i32 {
         self.record.count(station, op)

@@ -34,7 +34,7 @@ pub(super) fn scenario(line: &Line, text: &str, report: &mut Report) -> Option<S
     let blocks = fields.blocks(report, "step", "a step", STEPS_MAX);
     fields.finish(report);
     let network = network.unwrap_or_default().of(Network::default());
-    let steps = blocks.into_iter().filter_map(|block| step(line, text, block, report)).collect();
+    let steps = blocks.into_iter().filter_map(|block| step(line, block, report)).collect();
     Some(Scenario {
         title,
         cycles,
@@ -59,7 +59,7 @@ fn network(mut table: Fields<'_>, report: &mut Report) -> NetworkChange {
     NetworkChange { delay, jitter, loss_per_mille }
 }
 
-fn step(line: &Line, text: &str, mut fields: Fields<'_>, report: &mut Report) -> Option<Step> {
+fn step(line: &Line, mut fields: Fields<'_>, report: &mut Report) -> Option<Step> {
     let span = fields.at.clone();
     if fields.is_empty() {
         report.error(span, "an empty step", Some("a step waits, does one thing, or expects".to_owned()));
@@ -84,8 +84,7 @@ fn step(line: &Line, text: &str, mut fields: Fields<'_>, report: &mut Report) ->
         report.error(second.clone(), "a step does one thing", Some(hint.to_owned()));
     }
     let deed = deeds.found.into_iter().next().map_or(Deed::Nothing, |(deed, _)| deed);
-    let number = text[..span.start.min(text.len())].matches('\n').count() + 1;
-    Some(Step { at, when, after, deed, expect, expect_text, span, line: number })
+    Some(Step { at, when, after, deed, expect, expect_text, span })
 }
 
 /// What a step does, as far as it is found.
