@@ -268,7 +268,10 @@ fn the_graph_the_drawing_and_the_certificates_are_written() {
 
     let output = linewright(&["analyse", &file, "--graph", &scratch.path("graph.txt")]);
     assert!(output.status.code() == Some(1) && text(&output.stderr).contains(".dot, .json or .aut"), "{output:?}");
+    assert!(output.stdout.is_empty(), "what is asked wrongly is said before the search: {output:?}");
     let output = linewright(&["analyse", &file, "--states", "3", "--graph", &paths[0]]);
+    assert!(output.status.code() == Some(1) && text(&output.stderr).contains("no graph is written"), "{output:?}");
+    let output = linewright(&["analyse", &file, "--memory", "0", "--graph", &paths[0]]);
     assert!(output.status.code() == Some(1) && text(&output.stderr).contains("no graph is written"), "{output:?}");
 }
 

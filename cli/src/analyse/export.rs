@@ -4,7 +4,8 @@ use std::fs::File;
 use std::io::{self, BufWriter, Write};
 use std::path::Path;
 
-use linewright_nets::{Net, Reachability, explore};
+use linewright_nets::Net;
+use linewright_nets::explicit::{Event, Limits, walk};
 use miette::{IntoDiagnostic, WrapErr, miette};
 use serde_json::json;
 
@@ -35,65 +36,127 @@ pub fn certificates(file: &Path, net: &Net, findings: &Findings) -> miette::Resu
 
 /// How a graph is written.
 #[derive(Clone, Copy)]
-enum Format {
+pub enum Format {
     Dot,
     Json,
     Aldebaran,
 }
 
-/// Plays the net out once more, now keeping every step, and writes the graph in the format that the name asks for.
-pub fn graph(file: &Path, net: &Net, states: u64) -> miette::Result<()> {
-    let name = file.display();
-    let format = match file.extension().and_then(|extension| extension.to_str()) {
-        Some("dot" | "gv") => Format::Dot,
-        Some("json") => Format::Json,
-        Some("aut") => Format::Aldebaran,
-        _ => return Err(miette!(help = "end the name in .dot, .json or .aut", "{name} names no format for a graph")),
+impl Format {
+    /// The one that a file's name asks for.
+    pub fn of(file: &Path) -> miette::Result<Format> {
+        match file.extension().and_then(|extension| extension.to_str()) {
+            Some("dot" | "gv") => Ok(Format::Dot),
+            Some("json") => Ok(Format::Json),
+            Some("aut") => Ok(Format::Aldebaran),
+            _ => Err(miette!(
+                help = "end the name in .dot, .json or .aut",
+                "{} names no format for a graph",
+                file.display()
+            )),
+        }
+    }
+}
+
+/// Plays the net out once more, and again while the graph is written: the arcs are never held, and the states are within
+/// the limits.
+pub fn graph(file: &Path, format: Format, net: &Net, limits: &Limits) -> miette::Result<()> {
+    let limits = Limits { states: limits.states.min(STATES_MAX), ..*limits };
+    let (mut states, mut arcs) = (0_u64, 0_u64);
+    let count = |event: Event| match event {
+        Event::State(..) => states += 1,
+        Event::Arc { .. } => arcs += 1,
     };
-    let limit = states.min(STATES_MAX);
-    let graph = explore(net, limit as usize).map_err(|why| {
-        miette!(help = format!("a graph is written up to {limit} states"), "no graph is written: {why}")
+    walk(net, &limits, count).map_err(|why| {
+        miette!(help = format!("a graph is written up to {} states", limits.states), "no graph is written: {why}")
     })?;
-    let cannot = || format!("cannot write {name}");
+    let cannot = || format!("cannot write {}", file.display());
     let mut out = BufWriter::new(File::create(file).into_diagnostic().wrap_err_with(cannot)?);
+    let graph = Graph { net, limits, states, arcs };
     let written = match format {
-        Format::Dot => dot(&mut out, net, &graph),
-        Format::Json => serde_json::to_writer(&mut out, &value(net, &graph)).map_err(io::Error::from),
-        Format::Aldebaran => aldebaran(&mut out, net, &graph),
+        Format::Dot => graph.dot(&mut out),
+        Format::Json => graph.json(&mut out),
+        Format::Aldebaran => graph.aldebaran(&mut out),
     };
     written.and_then(|()| out.flush()).into_diagnostic().wrap_err_with(cannot)
 }
 
-/// A state is a box with the marked places in it, the initial one bold; an arc has the name of its transition.
-fn dot(out: &mut impl Write, net: &Net, graph: &Reachability) -> io::Result<()> {
-    writeln!(out, "digraph \"{}\" {{\n  node [shape=box];", escape(net.name()))?;
-    for (state, marking) in graph.states().iter().enumerate() {
-        let bold = if state == 0 { ", penwidth=2" } else { "" };
-        writeln!(out, "  s{state} [label=\"{}\"{bold}];", escape(&net.describe(marking)))?;
-    }
-    for step in graph.steps() {
-        let label = escape(net.transition_name(step.transition));
-        writeln!(out, "  s{} -> s{} [label=\"{label}\"];", step.from.0, step.to.0)?;
-    }
-    writeln!(out, "}}")
+/// A graph that has been seen to end within the limits.
+struct Graph<'a> {
+    net: &'a Net,
+    limits: Limits,
+    states: u64,
+    arcs: u64,
 }
 
-/// `des (initial, arcs, states)`, then a line per arc.
-fn aldebaran(out: &mut impl Write, net: &Net, graph: &Reachability) -> io::Result<()> {
-    writeln!(out, "des (0, {}, {})", graph.steps().len(), graph.states().len())?;
-    for step in graph.steps() {
-        let label = net.transition_name(step.transition).replace(['"', '\n', '\r'], "'");
-        writeln!(out, "({}, \"{label}\", {})", step.from.0, step.to.0)?;
+impl Graph<'_> {
+    /// Shows the graph, each piece with the number of the last state shown.
+    fn show(&self, mut write: impl FnMut(u32, Event) -> io::Result<()>) -> io::Result<()> {
+        let (mut written, mut last) = (Ok(()), 0);
+        let show = |event: Event| {
+            if let Event::State(state, _) = &event {
+                last = state.0;
+            }
+            if written.is_ok() {
+                written = write(last, event);
+            }
+        };
+        walk(self.net, &self.limits, show).map_err(io::Error::other)?;
+        written
     }
-    Ok(())
-}
 
-fn value(net: &Net, graph: &Reachability) -> serde_json::Value {
-    let places: Vec<_> = net.places().map(|p| net.place_name(p)).collect();
-    let transitions: Vec<_> = net.transitions().map(|t| net.transition_name(t)).collect();
-    let states: Vec<_> = graph.states().iter().map(|marking| marking.as_slice()).collect();
-    let steps: Vec<_> = graph.steps().iter().map(|step| (step.from.0, step.transition.0, step.to.0)).collect();
-    json!({ "places": places, "transitions": transitions, "states": states, "arcs": steps })
+    /// A state is a box with the marked places in it, the initial one bold; an arc has the name of its transition.
+    fn dot(&self, out: &mut impl Write) -> io::Result<()> {
+        writeln!(out, "digraph \"{}\" {{\n  node [shape=box];", escape(self.net.name()))?;
+        self.show(|from, event| match event {
+            Event::State(state, marking) => {
+                let bold = if state.0 == 0 { ", penwidth=2" } else { "" };
+                let label = escape(&self.net.describe(&marking.to_marking()));
+                writeln!(out, "  s{} [label=\"{label}\"{bold}];", state.0)
+            }
+            Event::Arc { transition, to } => {
+                let label = escape(self.net.transition_name(transition));
+                writeln!(out, "  s{from} -> s{} [label=\"{label}\"];", to.0)
+            }
+        })?;
+        writeln!(out, "}}")
+    }
+
+    /// `des (initial, arcs, states)`, then a line per arc.
+    fn aldebaran(&self, out: &mut impl Write) -> io::Result<()> {
+        writeln!(out, "des (0, {}, {})", self.arcs, self.states)?;
+        self.show(|from, event| match event {
+            Event::State(..) => Ok(()),
+            Event::Arc { transition, to } => {
+                let label = self.net.transition_name(transition).replace(['"', '\n', '\r'], "'");
+                writeln!(out, "({from}, \"{label}\", {})", to.0)
+            }
+        })
+    }
+
+    fn json(&self, out: &mut impl Write) -> io::Result<()> {
+        let places: Vec<_> = self.net.places().map(|p| self.net.place_name(p)).collect();
+        let transitions: Vec<_> = self.net.transitions().map(|t| self.net.transition_name(t)).collect();
+        write!(out, "{{\"places\":{},\"transitions\":{},\"states\":[", json!(places), json!(transitions))?;
+        self.show(|_, event| match event {
+            Event::State(state, marking) => {
+                let comma = if state.0 == 0 { "" } else { "," };
+                write!(out, "{comma}{}", json!(marking.to_marking().as_slice()))
+            }
+            Event::Arc { .. } => Ok(()),
+        })?;
+        write!(out, "],\"arcs\":[")?;
+        let mut comma = "";
+        self.show(|from, event| match event {
+            Event::State(..) => Ok(()),
+            Event::Arc { transition, to } => {
+                write!(out, "{comma}[{from},{},{}]", transition.0, to.0)?;
+                comma = ",";
+                Ok(())
+            }
+        })?;
+        writeln!(out, "]}}")
+    }
 }
 
 /// The inside of a quoted DOT string.

@@ -80,6 +80,8 @@ impl Args {
 /// `linewright analyse`
 pub fn run(args: &Args) -> miette::Result<ExitCode> {
     let start = Instant::now();
+    // Before anything is looked at: a search may take long.
+    let graph = args.graph.as_deref().map(|file| export::Format::of(file).map(|format| (file, format))).transpose()?;
     let net = match open::net(&args.file, args.net.as_deref()) {
         Ok(net) => net,
         Err(error) if args.json => {
@@ -109,8 +111,8 @@ pub fn run(args: &Args) -> miette::Result<ExitCode> {
     if let Some(file) = &args.certificate {
         export::certificates(file, &net, &findings)?;
     }
-    if let Some(file) = &args.graph {
-        export::graph(file, &net, args.limits().states)?;
+    if let Some((file, format)) = graph {
+        export::graph(file, format, &net, &args.limits())?;
     }
     Ok(ExitCode::SUCCESS)
 }
