@@ -229,6 +229,8 @@ fn too_many_are_undecided_and_the_basis_is_not() {
     assert!(error.to_string().starts_with("undecided after "), "{error}");
     let limits = Limits { bytes: 100_000, ..Limits::default() };
     assert_eq!(transition_semiflows(&net, &limits).unwrap_err().cause, Cause::Bytes);
+    let limits = Limits { looks: 10_000, ..Limits::default() };
+    assert_eq!(transition_semiflows(&net, &limits).unwrap_err().cause, Cause::Combinations);
     let limits = Limits { combinations: 1_000, ..Limits::default() };
     assert_eq!(transition_semiflows(&net, &limits).unwrap_err().cause, Cause::Combinations);
     assert_eq!(transition_flow_basis(&net).unwrap().len(), 41);

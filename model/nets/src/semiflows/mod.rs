@@ -92,14 +92,16 @@ pub struct Limits {
     pub rows: usize,
     /// The most bytes that these may take.
     pub bytes: usize,
-    /// The most pairs of vectors that are looked at, which is what takes the time.
+    /// The most pairs of vectors that are looked at.
     pub combinations: u64,
+    /// The most looks at entries and third vectors that tell whether a pair counts, which is what takes the time.
+    pub looks: u64,
 }
 
 impl Default for Limits {
     /// Some seconds, and a quarter of a gigabyte.
     fn default() -> Self {
-        Limits { rows: 200_000, bytes: 256 << 20, combinations: 20_000_000 }
+        Limits { rows: 200_000, bytes: 256 << 20, combinations: 20_000_000, looks: 500_000_000 }
     }
 }
 
@@ -126,7 +128,7 @@ pub enum Cause {
     /// [`Limits::bytes`].
     #[error("the vectors take more memory than allowed")]
     Bytes,
-    /// [`Limits::combinations`].
+    /// [`Limits::combinations`] or [`Limits::looks`].
     #[error("more pairs of vectors had to be combined than allowed")]
     Combinations,
     /// A weight does not fit the numbers used.

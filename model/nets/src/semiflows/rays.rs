@@ -57,6 +57,7 @@ struct Rays {
     alive: usize,
     bytes: usize,
     combinations: u64,
+    looks: u64,
     eliminated: usize,
     /// Scratch: the elements of the union that is being tested are those with the current stamp.
     stamps: Vec<u32>,
@@ -85,6 +86,7 @@ impl Rays {
             alive: 0,
             bytes: 0,
             combinations: 0,
+            looks: 0,
             eliminated: 0,
             stamps: vec![0; matrix.rows.len()],
             stamp: 0,
@@ -158,10 +160,11 @@ impl Rays {
         for &a in &positive {
             for &b in &negative {
                 self.combinations += 1;
-                if self.combinations > self.limits.combinations {
+                let is_adjacent = self.adjacent(a, b);
+                if self.combinations > self.limits.combinations || self.looks > self.limits.looks {
                     return Err(self.undecided(Cause::Combinations));
                 }
-                if !self.adjacent(a, b) {
+                if !is_adjacent {
                     continue;
                 }
                 let sum = self.cancel(a, b, column).ok_or_else(|| self.undecided(Cause::Overflow))?;
@@ -210,8 +213,14 @@ impl Rays {
                 && other.row.own.len() <= union.len()
                 && other.row.own.iter().all(|&(element, _)| self.stamps[element as usize] == self.stamp)
         };
+        let mut looks = union.len() as u64;
         let mut others = union.iter().flat_map(|&element| &self.begins_with[element as usize]).copied();
-        !others.any(|other| other != a && other != b && inside(other))
+        let found = others.any(|other| {
+            looks += 1;
+            other != a && other != b && inside(other)
+        });
+        self.looks += looks;
+        !found
     }
 
     /// The positive sum of two rows that is zero in the column.
