@@ -21,7 +21,8 @@ use sides::Sides;
 /// How large the search for minimal sets may become.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub struct Limits {
-    /// The most partial sets that are looked at, each in time linear in the net.
+    /// The most partial sets that are looked at, each in time linear in the net. A set counts again for each place that
+    /// joins it, and for each that is taken out to see whether it is minimal.
     pub sets: usize,
     /// The most bytes that partial sets and results may take.
     pub bytes: usize,
@@ -30,7 +31,7 @@ pub struct Limits {
 impl Default for Limits {
     /// Some seconds on a net of a hundred places.
     fn default() -> Self {
-        Limits { sets: 200_000, bytes: 256 << 20 }
+        Limits { sets: 500_000, bytes: 256 << 20 }
     }
 }
 

@@ -44,12 +44,10 @@ impl Search<'_> {
         start[root] = Is::In;
         let mut stack = vec![start];
         while let Some(mut set) = stack.pop() {
-            self.sets += 1;
-            self.check(stack.len())?;
-            let Some(inputs) = self.grow(&mut set) else { continue };
+            let Some(inputs) = self.grow(&mut set, stack.len())? else { continue };
             if inputs.is_empty() {
                 let members: Vec<bool> = set.iter().map(|&is| is == Is::In).collect();
-                if self.is_minimal(&members) {
+                if self.is_minimal(&members, stack.len())? {
                     self.found.push(members);
                 }
                 continue;
@@ -77,21 +75,24 @@ impl Search<'_> {
     }
 
     /// Lets join what must. The inputs among which to choose then; none of them if the set is a siphon; nothing if it
-    /// cannot become a minimal one.
-    fn grow(&self, set: &mut [Is]) -> Option<Vec<usize>> {
+    /// cannot become a minimal one. Each place that joins makes another partial set, of which there are so many and no
+    /// more; `open` others wait.
+    fn grow(&mut self, set: &mut [Is], open: usize) -> Result<Option<Vec<usize>>, Undecided> {
         loop {
+            self.sets += 1;
+            self.check(open)?;
             let open_inputs = |t: usize| self.sides.inputs[t].iter().copied().filter(|&p| set[p] == Is::Open);
             let wanting = |t: &usize| {
                 self.sides.outputs[*t].iter().any(|&p| set[p] == Is::In)
                     && !self.sides.inputs[*t].iter().any(|&p| set[p] == Is::In)
             };
             let tightest = (0..self.sides.inputs.len()).filter(wanting).min_by_key(|&t| open_inputs(t).count());
-            let Some(t) = tightest else { return Some(Vec::new()) };
+            let Some(t) = tightest else { return Ok(Some(Vec::new())) };
             let inputs: Vec<usize> = open_inputs(t).collect();
             match inputs[..] {
-                [] => return None,
+                [] => return Ok(None),
                 [only] => set[only] = Is::In,
-                _ => return self.is_promising(set).then_some(inputs),
+                _ => return Ok(self.is_promising(set).then_some(inputs)),
             }
         }
     }
@@ -103,12 +104,16 @@ impl Search<'_> {
     }
 
     /// Whether nothing but the empty set is left when any one place is taken out.
-    fn is_minimal(&self, siphon: &[bool]) -> bool {
-        let without = |place: usize| {
+    fn is_minimal(&mut self, siphon: &[bool], open: usize) -> Result<bool, Undecided> {
+        for place in (0..siphon.len()).filter(|&place| siphon[place]) {
+            self.sets += 1;
+            self.check(open)?;
             let mut rest = siphon.to_vec();
             rest[place] = false;
-            self.sides.largest_in(rest)
-        };
-        (0..siphon.len()).filter(|&place| siphon[place]).all(|place| !without(place).contains(&true))
+            if self.sides.largest_in(rest).contains(&true) {
+                return Ok(false);
+            }
+        }
+        Ok(true)
     }
 }
