@@ -12,7 +12,8 @@ use linewright_proof::generate::{self, Random, Shape, break_it, breakages};
 /// Few enough for a build to wait for.
 const STATES_MAX: usize = 100_000;
 
-/// Of both, where the plain one came to an end: how many states it saw, and how many the other kept.
+/// Of both, where the plain one came to an end: how many states it saw, and how many the other kept. Where it ended with
+/// something wrong, all that can be said here is that something is reported: the plain one is asked again for the way.
 fn same(what: &str, line: &Line, change: fn(&mut Setting)) -> Option<(u64, usize)> {
     let mut setting = Setting::new(line);
     change(&mut setting);

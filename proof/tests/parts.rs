@@ -12,7 +12,7 @@ use linewright_proof::parts::parts;
 /// smaller and meets it too. A part in which stations run away from each other, whom others hold back in the whole
 /// line, is not sound either and decides nothing.
 fn whole_and_part(what: &str, line: &Line) -> (bool, bool) {
-    if !met(&explored(&Setting::new(line), 20_000)) {
+    if !met(&explored(&Setting::new(line), 6_000)) {
         return (false, false);
     }
     let parts = parts(line);

@@ -9,6 +9,9 @@
 //! Nothing is lost by it. How many states and moves a product stands for is a product itself; whether one of its
 //! states is wrong is asked of all members; a way through products becomes a way through states by walking inside.
 //!
+//! A class need not be as large as it could be: all that is used is that its members lead to each other. So only so many
+//! situations are looked at together, and a station with more of them has several classes where one would do.
+//!
 //! Taking up a mode other than manual never counts as coming and going, because the way home must do without it.
 
 use std::collections::VecDeque;
@@ -17,7 +20,7 @@ use linewright_line::net::ControlMode;
 use petgraph::algo::kosaraju_scc;
 use petgraph::graph::{DiGraph, NodeIndex};
 use petgraph::visit::EdgeRef;
-use rustc_hash::FxHashMap;
+use rustc_hash::{FxHashMap, FxHashSet};
 
 use super::setting::{Grants, Setting};
 use super::station::{Act, Situations};
@@ -52,7 +55,7 @@ pub(crate) struct Class {
 }
 
 /// A member, and the number of an act of its.
-#[derive(Clone, Copy, Debug, PartialEq, Eq, PartialOrd, Ord)]
+#[derive(Clone, Copy, Debug, PartialEq, Eq, PartialOrd, Ord, Hash)]
 pub(crate) struct MemberAct {
     pub from: u32,
     pub nth: u32,
@@ -84,7 +87,7 @@ impl Classes {
         (class != UNKNOWN).then(|| self.all[class as usize].members[0])
     }
 
-    /// Works out the class of a situation, and of all that the station can come to from it by itself.
+    /// Works out the class of a situation, and of what the station can come to from it by itself.
     pub fn enter(
         &mut self,
         setting: &Setting,
@@ -97,14 +100,18 @@ impl Classes {
         let mut nodes = FxHashMap::<u32, NodeIndex>::default();
         let mut queue = vec![first];
         nodes.insert(first, graph.add_node(first));
-        // Moves into classes that are known already.
-        let mut out: Vec<(MemberAct, u32)> = Vec::new();
+        // Moves into classes that are known already, and moves to situations that are too many to be looked at now.
+        let (mut out, mut beyond) = (Vec::<(MemberAct, u32)>::new(), FxHashSet::<MemberAct>::default());
         while let Some(from) = queue.pop() {
             for nth in 0..station.facts[from as usize].acts.len() {
                 let act = MemberAct { from, nth: nth as u32 };
                 let Some(to) = by_itself(setting, words, station, granted, act) else { continue };
                 if let Some(known) = self.known(to) {
                     out.push((act, known));
+                    continue;
+                }
+                if nodes.len() >= setting.together_max && !nodes.contains_key(&to) {
+                    beyond.insert(act);
                     continue;
                 }
                 let node = *nodes.entry(to).or_insert_with(|| {
@@ -114,6 +121,7 @@ impl Classes {
                 graph.add_edge(nodes[&from], node, act);
             }
         }
+        out.sort_unstable_by_key(|&(act, _)| act.from);
         self.of.resize(station.all.len().max(self.of.len()), UNKNOWN);
         // Those that others lead into come first.
         for component in kosaraju_scc(&graph) {
@@ -126,12 +134,15 @@ impl Classes {
             let leads = edges.map(|edge| (*edge.weight(), graph[edge.target()]));
             let leads = leads.filter(|&(_, to)| self.of[to as usize] != number);
             let leads = leads.map(|(act, to)| (act, self.all[self.of[to as usize] as usize].members[0]));
-            let known = out.iter().copied().filter(|(act, _)| class.members.binary_search(&act.from).is_ok());
+            let known = class.members.iter().flat_map(|&member| {
+                let begin = out.partition_point(|(act, _)| act.from < member);
+                out[begin..].iter().copied().take_while(move |(act, _)| act.from == member)
+            });
             let mut leads: Vec<(MemberAct, u32)> = leads.chain(known).collect();
             leads.sort_unstable_by_key(|&(act, to)| (to, act));
             leads.dedup_by_key(|&mut (_, to)| to);
             class.leads = leads.into();
-            class.acts = class.other_acts(setting, words, station, granted);
+            class.acts = class.other_acts(setting, words, station, granted, &beyond);
             self.lists += class.bytes();
             self.all.push(class);
         }
@@ -152,7 +163,7 @@ impl Classes {
             for nth in 0..station.facts[here as usize].acts.len() {
                 let act = MemberAct { from: here, nth: nth as u32 };
                 if let Some(next) = by_itself(setting, words, station, granted, act)
-                    && self.of[next as usize] == self.of[from as usize]
+                    && self.of.get(next as usize) == self.of.get(from as usize)
                     && next != from
                     && !came_by.contains_key(&next)
                 {
@@ -207,20 +218,24 @@ impl Class {
         class
     }
 
-    /// Every act of a member that is not its station's own business alone.
+    /// Every act of a member that is not its station's own business alone, or leads to where nobody has looked.
     fn other_acts(
         &self,
         setting: &Setting,
         words: &mut [Words],
         station: &mut Situations,
         granted: usize,
+        beyond: &FxHashSet<MemberAct>,
     ) -> Box<[MemberAct]> {
         let mut others = Vec::new();
         for &from in &self.members {
             for nth in 0..station.facts[from as usize].acts.len() {
                 let act = MemberAct { from, nth: nth as u32 };
                 let lets = setting.lets(granted, station.facts[from as usize].acts[nth]);
-                if lets && by_itself(setting, words, station, granted, act).is_none() {
+                if !lets {
+                    continue;
+                }
+                if beyond.contains(&act) || by_itself(setting, words, station, granted, act).is_none() {
                     others.push(act);
                 }
             }

@@ -12,6 +12,8 @@ pub(crate) struct Follower<'a> {
     pub pins: &'a [Pin],
     pub what: Move,
     pub next: Next<'a>,
+    /// Bytes that situations and classes take by now, about: one state's followers can bring in very many.
+    pub bytes: usize,
 }
 
 /// What comes of it.
@@ -70,7 +72,7 @@ impl Followers {
         for &(act, to) in &system.class(here, station).leads {
             let pins = &[Pin { station, member: act.from }];
             let what = Move::Act { station, nth: act.nth as usize };
-            visit(&Follower { pins, what, next: Next::Beside { station, to } })?;
+            visit(&Follower { pins, what, next: Next::Beside { station, to }, bytes: system.bytes_classified })?;
         }
         let mut pinned = self.spare(here);
         for nth in 0..system.class(here, station).acts.len() {
@@ -84,7 +86,8 @@ impl Followers {
         Ok(())
     }
 
-    /// A mode is granted when no station acts on any.
+    /// A mode is granted when no station acts on any. Nothing else changes: situations that are of one class then lead
+    /// to the same.
     fn grant<E>(
         &mut self,
         system: &mut System,
@@ -94,18 +97,19 @@ impl Followers {
     ) -> Result<(), E> {
         let mut pinned = self.spare(here);
         let stations = here.situations.len();
+        let idle: Vec<Vec<u32>> = (0..stations).map(|station| system.idle_by_class(here, station, mode)).collect();
         let mut nth = vec![0; stations];
         loop {
             self.pins.clear();
             for (station, &nth) in nth.iter().enumerate() {
-                let member = system.class(here, station).idle[nth];
+                let member = idle[station][nth];
                 pinned.situations[station] = member;
                 self.pins.push(Pin { station, member });
             }
             self.follow(system, &pinned, 0, Move::Grant(mode), visit)?;
             // The next combination, as a number with a digit for each station.
             let more = (0..stations).find(|&station| {
-                nth[station] = (nth[station] + 1) % system.class(here, station).idle.len();
+                nth[station] = (nth[station] + 1) % idle[station].len();
                 nth[station] != 0
             });
             if more.is_none() {
@@ -128,7 +132,8 @@ impl Followers {
         self.next.take(from);
         let Err(Matters(station)) = system.play(&mut self.next, what, loose) else {
             system.settle(&mut self.next);
-            return visit(&Follower { pins: &self.pins, what, next: Next::State(&self.next) });
+            let next = Next::State(&self.next);
+            return visit(&Follower { pins: &self.pins, what, next, bytes: system.bytes_classified });
         };
         let mut pinned = self.spare(from);
         for nth in 0..system.class(from, station).members.len() {

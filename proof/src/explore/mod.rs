@@ -15,6 +15,8 @@ mod facts;
 mod followers;
 mod home;
 mod judge;
+#[cfg(test)]
+mod lumped;
 mod search;
 mod setting;
 mod state;
@@ -57,6 +59,16 @@ pub enum NotExplorable {
         /// The most there may be.
         max: usize,
     },
+    /// A state takes more bits than a packed one may have.
+    #[error(
+        "a state of these stations takes {found} words of 64 bits, more than the {max} there may be; explore the line in parts, or with fewer reports under way"
+    )]
+    State {
+        /// So many words.
+        found: usize,
+        /// The most there may be.
+        max: usize,
+    },
     /// More incoming links at one station than there are bits for them.
     #[error("{station} listens to {found} stations, more than the {max} an exploration can keep apart")]
     Links {
@@ -88,5 +100,5 @@ pub fn explore(setting: &Setting, limits: Limits) -> Result<Explored, NotExplora
             return Err(NotExplorable::Links { station: station.name.clone(), found, max: station::LINKS_MAX });
         }
     }
-    Ok(search::explore(setting, limits)?)
+    search::explore(setting, limits)
 }

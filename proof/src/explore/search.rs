@@ -4,8 +4,7 @@ use std::collections::VecDeque;
 use std::sync::mpsc::sync_channel;
 use std::thread;
 
-use linewright_station_logic::CompileError;
-
+use super::NotExplorable;
 use super::followers::{Followers, Next};
 use super::judge::Tally;
 use super::setting::Setting;
@@ -18,9 +17,9 @@ use super::verdict::{self, Explored};
 /// How far a search may go.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub struct Limits {
-    /// At most this many states kept.
+    /// At most this many states looked at, each of those that are kept once. What follows them is kept as well.
     pub states: usize,
-    /// At most about this many bytes.
+    /// At most about this many bytes. Where they run out depends on the moment a little; the number of states does not.
     pub bytes: usize,
 }
 
@@ -78,8 +77,19 @@ pub(crate) fn search<const N: usize>(
 
 /// States whose successors are looked up together.
 const BATCH: usize = 64;
+/// With so many successors a batch is full.
+const BATCH_KEYS_MAX: usize = 1 << 16;
 /// Batches on their way from the one thread to the other.
 const BATCHES_MAX: usize = 16;
+/// The successors of one state may take this part of the memory. One kept state stands for many, and so may have many.
+const SHARE_OF_ONE: usize = 4;
+
+/// Why not everything that follows a state is known.
+enum Stop {
+    Unfit(Unfit),
+    /// There is too much of it.
+    Limit,
+}
 
 impl<const N: usize> Search<N> {
     /// Two threads share the work: this one plays, the other keeps the states. States are numbered in the order in
@@ -89,7 +99,9 @@ impl<const N: usize> Search<N> {
         let mut here = start.clone();
         system.settle(&mut here);
         let first = layout.pack(&here)?;
-        let mut player = Player { system, layout, here, followers: Followers::new(start) };
+        let keys_max = limits.bytes / SHARE_OF_ONE / size_of::<Key<N>>();
+        let (followers, bytes_max) = (Followers::new(start), limits.bytes);
+        let mut player = Player { system, layout, here, followers, keys_max, bytes_max };
         thread::scope(|scope| {
             let (batches, incoming) = sync_channel::<Batch<N>>(BATCHES_MAX);
             let (entered, results) = sync_channel::<Entered<N>>(BATCHES_MAX);
@@ -117,7 +129,11 @@ impl<const N: usize> Search<N> {
                     continue;
                 }
                 let mut batch = Batch { keys: Vec::with_capacity(BATCH * 12), ends: Vec::new(), bytes: 0 };
-                while let Some(key) = (batch.ends.len() < BATCH).then(|| queue.pop_front()).flatten() {
+                while batch.ends.len() < BATCH && batch.keys.len() < BATCH_KEYS_MAX {
+                    let Some(key) = queue.pop_front() else { break };
+                    if at_home.len() == limits.states {
+                        return Ok(End::Limit);
+                    }
                     player.layout.unpack(&key, &mut player.here);
                     at_home.push(player.system.all_at_home(&player.here));
                     grants.push(player.system.granted(&player.here));
@@ -125,7 +141,11 @@ impl<const N: usize> Search<N> {
                     if player.system.wrong(&player.here).is_some() {
                         return Ok(End::Wrong(at_home.len() as u32 - 1));
                     }
-                    player.expand(&key, &mut batch)?;
+                    match player.expand(&key, &mut batch) {
+                        Ok(()) => {}
+                        Err(Stop::Unfit(unfit)) => return Err(unfit),
+                        Err(Stop::Limit) => return Ok(End::Limit),
+                    }
                 }
                 batch.bytes = player.system.bytes() + at_home.capacity() + grants.capacity() * size_of::<Granted>();
                 if batches.send(batch).is_err() {
@@ -176,25 +196,34 @@ struct Player<'a> {
     layout: &'a Layout,
     here: State,
     followers: Followers,
+    /// The most that may follow one state.
+    keys_max: usize,
+    /// The most that situations may take.
+    bytes_max: usize,
 }
 
 impl Player<'_> {
     /// Appends what follows the state taken up, each once.
-    fn expand<const N: usize>(&mut self, key: &Key<N>, batch: &mut Batch<N>) -> Result<(), Unfit> {
-        let Player { system, layout, here, followers } = self;
+    fn expand<const N: usize>(&mut self, key: &Key<N>, batch: &mut Batch<N>) -> Result<(), Stop> {
+        let Player { system, layout, here, followers, keys_max, bytes_max } = self;
         let (begin, keys) = (batch.keys.len(), &mut batch.keys);
         followers.each(system, here, &mut |follower| {
-            keys.push(match follower.next {
+            let next = match follower.next {
                 // Most of what happens is nobody else's business.
-                Next::Beside { station, to } => layout.with_situation(key, station, to).ok_or(Unfit::Situation)?,
-                Next::State(next) => layout.pack(next)?,
-            });
-            Ok(())
+                Next::Beside { station, to } => layout.with_situation(key, station, to).ok_or(Unfit::Situation),
+                Next::State(next) => layout.pack(next),
+            };
+            keys.push(next.map_err(Stop::Unfit)?);
+            let too_much = keys.len() - begin > *keys_max || follower.bytes > *bytes_max;
+            if too_much { Err(Stop::Limit) } else { Ok(()) }
         })?;
         batch.close(begin);
         Ok(())
     }
 }
+
+/// The widest that a packed state may be, in words of 64 bits.
+const WORDS_MAX: usize = 64;
 
 /// A counterexample is looked for once more among so many states that stand for themselves.
 const PLAIN_STATES_MAX: usize = 1_000_000;
@@ -202,28 +231,30 @@ const PLAIN_STATES_MAX: usize = 1_000_000;
 /// Explores and draws the conclusions.
 ///
 /// Where each kept state stands for several, the way to the nearest wrong one of those kept need not be the shortest of
-/// the line's own. People read the shortest; it is looked for where that takes about a second.
-pub(crate) fn explore(setting: &Setting, limits: Limits) -> Result<Explored, CompileError> {
+/// the line's own. People read the shortest; it is looked for where that takes about a second. Nor need the nearest
+/// wrong one be among the first that are kept: where the search did not come to an end, it is looked for as well.
+pub(crate) fn explore(setting: &Setting, limits: Limits) -> Result<Explored, NotExplorable> {
     let explored = fit(setting, limits)?;
-    if !setting.lumped || explored.exhausted || explored.counterexample().is_none() {
+    if !setting.lumped || explored.exhausted {
         return Ok(explored);
     }
     let plain = Setting { lumped: false, ..setting.clone() };
     let again = fit(&plain, Limits { states: limits.states.min(PLAIN_STATES_MAX), ..limits })?;
-    Ok(if again.counterexample().is_some() { again } else { explored })
+    Ok(if again.exhausted || again.counterexample().is_some() { again } else { explored })
 }
 
 /// Explores with fields as narrow as they turn out to be possible.
-fn fit(setting: &Setting, limits: Limits) -> Result<Explored, CompileError> {
+fn fit(setting: &Setting, limits: Limits) -> Result<Explored, NotExplorable> {
     let (mut system, mut start) = System::new(setting)?;
     let mut widths = Widths::FIRST;
     loop {
         let found = match system.layout(widths).words64 {
-            1 | 2 => attempt::<2>(system, start, widths, limits),
+            0..=2 => attempt::<2>(system, start, widths, limits),
             3 => attempt::<3>(system, start, widths, limits),
             4 => attempt::<4>(system, start, widths, limits),
             5..=8 => attempt::<8>(system, start, widths, limits),
-            _ => attempt::<32>(system, start, widths, limits),
+            9..=WORDS_MAX => attempt::<WORDS_MAX>(system, start, widths, limits),
+            found => return Err(NotExplorable::State { found, max: WORDS_MAX }),
         };
         let why;
         (system, start, why) = match found {

@@ -32,6 +32,8 @@ pub struct Setting {
     /// Keep one state for all that differ only in what stations come and go between by themselves. Every verdict and
     /// every count is the same without, which is how it is tested; it only takes longer.
     pub lumped: bool,
+    /// So many situations of a station are looked at together, at most, when it is asked which are one.
+    pub(crate) together_max: usize,
     pub(crate) links: Vec<Link>,
 }
 
@@ -59,6 +61,10 @@ pub(crate) struct Link {
 /// Nothing runs out within the one moment in which everything happens.
 const FOR_EVER: Duration = Duration::from_secs(1 << 20);
 
+/// A station with many operations side by side comes by itself to hundreds of thousands of situations: no limit on
+/// states or memory would be heeded before all of them were there.
+const TOGETHER_MAX: usize = 4096;
+
 impl Setting {
     /// Everything on: every rule, auto, hand and manual mode, faults, and reports that lag.
     ///
@@ -77,6 +83,7 @@ impl Setting {
             faults: true,
             tidy_hands: true,
             lumped: true,
+            together_max: TOGETHER_MAX,
             links,
         }
     }

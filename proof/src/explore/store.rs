@@ -31,7 +31,7 @@ pub(crate) struct Batch<const N: usize> {
 pub(crate) struct Entered<const N: usize> {
     /// The states that are new, in the order of their numbers.
     pub new: Vec<Key<N>>,
-    /// There are as many as there may be.
+    /// They take as much memory as they may, or numbers run out.
     pub full: bool,
 }
 
@@ -83,7 +83,7 @@ impl<const N: usize> Store<N> {
             self.arcs_until.push((first_arc + end) as u64);
         }
         let new = (first_new..self.table.len() as u32).map(|number| *self.table.key(number)).collect();
-        let full = self.table.len() > limits.states || self.bytes() + batch.bytes > limits.bytes;
+        let full = self.table.is_full() || self.bytes() + batch.bytes > limits.bytes;
         Entered { new, full }
     }
 

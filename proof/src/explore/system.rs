@@ -5,7 +5,7 @@
 //! stations: there is no other way for one to learn of another.
 
 use linewright_line::StationId;
-use linewright_line::net::StationNet;
+use linewright_line::net::{ControlMode, StationNet};
 use linewright_station_logic::{CompileError, Event};
 
 use super::classes::{Class, Classes, MemberAct};
@@ -45,6 +45,8 @@ pub(crate) struct System {
     pub words: Vec<Words>,
     /// For each station and each mode that may be granted, what it comes and goes between by itself.
     classes: Vec<Vec<Classes>>,
+    /// Bytes, about, when a class was last added.
+    pub bytes_classified: usize,
     /// For each link, its position among the reader's incoming ones.
     nth_incoming: Vec<usize>,
     /// For each link, its position among the writer's outgoing ones.
@@ -62,8 +64,20 @@ pub(crate) struct Pin {
     pub member: u32,
 }
 
+/// The modes in their order. They are numbered, and twice the same would count states twice.
+fn each_once(modes: &[ControlMode]) -> Vec<ControlMode> {
+    let mut each = Vec::new();
+    for mode in modes {
+        if !each.contains(mode) {
+            each.push(*mode);
+        }
+    }
+    each
+}
+
 impl System {
     pub fn new(setting: &Setting) -> Result<(Self, State), CompileError> {
+        let setting = &Setting { modes: each_once(&setting.modes), ..setting.clone() };
         let line = &setting.line;
         let transitions = |id| StationNet::of(line, id).transitions().len();
         let stations = line.station_ids().map(|id| Situations::new(setting, id.index(), transitions(id))).collect();
@@ -75,9 +89,11 @@ impl System {
         let nth_outgoing = (0..setting.links.len())
             .map(|link| setting.out_of(setting.links[link].writer).position(|l| l == link).unwrap_or(0))
             .collect();
-        let classes = line.station_ids().map(|_| vec![Classes::default(); setting.modes.len()]).collect();
+        // Where no mode may be granted, that is how it is from the start to the end.
+        let grants = setting.modes.len().max(1);
+        let classes = line.station_ids().map(|_| vec![Classes::default(); grants]).collect();
         let setting = setting.clone();
-        let mut system = System { setting, stations, words, classes, nth_incoming, nth_outgoing };
+        let mut system = System { setting, stations, words, classes, bytes_classified: 0, nth_incoming, nth_outgoing };
         let start = system.start()?;
         Ok((system, start))
     }
@@ -126,19 +142,39 @@ impl System {
     pub fn settle(&mut self, state: &mut State) {
         let granted = state.granted as usize;
         for station in 0..state.situations.len() {
-            let situation = state.situations[station];
-            state.situations[station] = match self.classes[station][granted].known(situation) {
-                Some(known) => known,
-                None => self.classify(station, granted, situation),
-            };
+            state.situations[station] = self.settled(station, granted, state.situations[station]);
         }
+    }
+
+    /// The situation that stands for the class of this one while a mode is granted.
+    #[inline]
+    fn settled(&mut self, station: usize, granted: usize, situation: u32) -> u32 {
+        match self.classes[station][granted].known(situation) {
+            Some(known) => known,
+            None => self.classify(station, granted, situation),
+        }
+    }
+
+    /// Situations of a station's class in which it acts on no mode: one for each class that they are in once another
+    /// mode is granted.
+    pub fn idle_by_class(&mut self, state: &State, station: usize, mode: usize) -> Vec<u32> {
+        let mut one_each: Vec<(u32, u32)> = Vec::new();
+        for nth in 0..self.class(state, station).idle.len() {
+            let member = self.class(state, station).idle[nth];
+            one_each.push((self.settled(station, mode, member), member));
+        }
+        one_each.sort_unstable();
+        one_each.dedup_by_key(|&mut (class, _)| class);
+        one_each.into_iter().map(|(_, member)| member).collect()
     }
 
     #[cold]
     fn classify(&mut self, station: usize, granted: usize, situation: u32) -> u32 {
         let classes = &mut self.classes[station][granted];
         classes.enter(&self.setting, &mut self.words, &mut self.stations[station], granted, situation);
-        classes.known(situation).unwrap_or(situation)
+        let known = classes.known(situation).unwrap_or(situation);
+        self.bytes_classified = self.bytes();
+        known
     }
 
     /// How a station comes by itself to another situation of its class.

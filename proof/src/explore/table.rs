@@ -17,6 +17,9 @@ pub(crate) struct Table<const N: usize> {
 
 const NUMBER: u64 = u32::MAX as u64;
 
+/// With so many states a table is full. Numbers have 32 bits; what is still to be entered then has room.
+const STATES_MAX: usize = 1 << 31;
+
 impl<const N: usize> Table<N> {
     pub fn new() -> Self {
         Table { keys: Vec::new(), slots: vec![0; 1 << 16] }
@@ -24,6 +27,11 @@ impl<const N: usize> Table<N> {
 
     pub fn len(&self) -> usize {
         self.keys.len()
+    }
+
+    /// Whether no more may be entered.
+    pub fn is_full(&self) -> bool {
+        self.len() > STATES_MAX
     }
 
     pub fn key(&self, number: u32) -> &Key<N> {

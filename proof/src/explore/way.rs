@@ -61,12 +61,13 @@ impl<const N: usize> Search<N> {
 }
 
 #[cfg(test)]
-mod tests {
+pub(super) mod tests {
     use linewright_line::{Line, TransferLine, parse};
     use linewright_station_logic::Rules;
 
     use crate::explore::Setting;
-    use crate::explore::search::{End, Limits, search};
+    use crate::explore::judge::Wrong;
+    use crate::explore::search::{End, Limits, Search, search};
     use crate::explore::state::Widths;
     use crate::explore::system::System;
 
@@ -80,9 +81,14 @@ mod tests {
         setting.rules = rules;
         let (system, start) = System::new(&setting).expect("the shipped line compiles");
         let mut search = search::<4>(system, start, Widths::FIRST, Limits::default()).expect("it fits");
+        check_way(&mut search);
+    }
+
+    /// Of a search that ended with something wrong.
+    pub fn check_way<const N: usize>(search: &mut Search<N>) {
         let End::Wrong(number) = search.end else { panic!("nothing is wrong in {:?}", search.tally) };
         let kept = search.state(number);
-        let (_, pins) = search.system.wrong(&kept).expect("the search says so");
+        let (wrong, pins) = search.system.wrong(&kept).expect("the search says so");
         let (way, last) = search.way_to(number, &pins);
         let mut here = search.start.clone();
         for (state, what) in &way {
@@ -94,7 +100,14 @@ mod tests {
         let stations = || 0..last.situations.len();
         let in_a = stations().fold(0, |bits, station| bits | facts(station).in_a);
         let in_b = stations().fold(0, |bits, station| bits | facts(station).in_b);
-        assert!(in_a & in_b != 0 || stations().any(|station| facts(station).wrong.is_some()));
+        match wrong {
+            Wrong::Conflict(nth) => assert!(in_a & in_b & (1 << nth) != 0),
+            Wrong::Station(station) => assert!(facts(station).wrong.is_some()),
+            Wrong::Apart(least, most) => {
+                let cycles = || last.cycles.iter();
+                assert_eq!(cycles().max().zip(cycles().min()).map(|(max, min)| max - min), Some(most - least));
+            }
+        }
     }
 
     #[test]

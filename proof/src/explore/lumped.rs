@@ -1,0 +1,105 @@
+//! Tests of the search that keeps one state for many, by itself: without the plain search that is asked again where
+//! something is wrong.
+
+use linewright_line::Line;
+use linewright_line::net::ControlMode;
+
+use super::judge::Tally;
+use super::search::{End, Limits, Search, search};
+use super::setting::{Grants, Setting};
+use super::state::Widths;
+use super::system::System;
+use super::way::tests::check_way;
+use crate::generate::{self, Random, Shape, break_it, breakages};
+
+fn searched(setting: &Setting, states: usize) -> Search<8> {
+    let (mut system, mut start) = System::new(setting).expect("a generated line compiles");
+    let mut widths = Widths::FIRST;
+    loop {
+        match search(system, start, widths, Limits { states, ..Limits::default() }) {
+            Ok(search) => return search,
+            Err(unfit) => (system, start, widths) = (unfit.0, unfit.1, widths.wider(unfit.2)),
+        }
+    }
+}
+
+/// A small line with or without a mistake in it, and something that is asked of it.
+fn random_setting(seed: u64) -> Setting {
+    let mut random = Random::new(seed);
+    let stations = *random.pick(&[1, 2, 2, 2, 3]);
+    let (groups, irreversible) = (*random.pick(&[0, 60]), *random.pick(&[0, 50]));
+    let shape = Shape { stations: stations..=stations, operations: 2..=2, groups, irreversible, ..Shape::small() };
+    let line: Line = generate::line(&shape, seed);
+    let all = breakages(&line);
+    let broken = if all.is_empty() || random.chance(50) { None } else { break_it(&line, *random.pick(&all)) };
+    let mut setting = Setting::new(&broken.unwrap_or(line));
+    setting.lag = random.below(4);
+    (setting.faults, setting.tidy_hands) = (random.chance(70), random.chance(70));
+    setting.grants = *random.pick(&[Grants::InEpochs, Grants::Anyhow]);
+    let (auto, hand, manual) = (ControlMode::Auto, ControlMode::Hand, ControlMode::Manual);
+    let modes: [&[ControlMode]; 8] =
+        [&[auto, hand, manual], &[manual, auto], &[hand, manual], &[auto, hand], &[auto], &[hand], &[manual], &[]];
+    setting.modes = random.pick(&modes).to_vec();
+    let rules = &mut setting.rules;
+    let switches = [&mut rules.counted, &mut rules.withdraw_first, &mut rules.ask, &mut rules.fresh_numbers];
+    switches.into_iter().for_each(|rule| *rule = random.chance(85));
+    setting.together_max = *random.pick(&[1, 2, 5, 4096]);
+    setting
+}
+
+/// What is said of all states, once all have been seen.
+fn of_all(search: &Search<8>) -> (Tally, bool, bool) {
+    (search.tally, search.stranded().is_some(), search.no_return().is_some())
+}
+
+#[test]
+fn whatever_is_asked_of_whatever_line_both_say_the_same() {
+    let (mut ended, mut fewer, mut cut_off, mut wrong) = (0, 0, 0, 0);
+    let count = std::env::var("GENERATED_LINES").ok().and_then(|text| text.parse().ok()).unwrap_or(100_u64);
+    for seed in 0..count {
+        let setting = random_setting(seed);
+        let plain = searched(&Setting { lumped: false, ..setting.clone() }, 10_000);
+        let kept = match plain.end {
+            End::Limit => continue,
+            End::Exhausted => 10_000,
+            // The nearest wrong one need not be among the first that are kept.
+            End::Wrong(_) => 1_000_000,
+        };
+        let mut lumped = searched(&setting, kept);
+        if let End::Wrong(_) = plain.end {
+            assert!(matches!(lumped.end, End::Wrong(_)), "seed {seed}: {:?} of {setting:?}", lumped.end);
+            check_way(&mut lumped);
+            wrong += 1;
+            continue;
+        }
+        assert_eq!(lumped.end, End::Exhausted, "seed {seed}: {setting:?}");
+        assert_eq!(of_all(&lumped), of_all(&plain), "seed {seed}: {setting:?}");
+        let situations = |of: &Search<8>| of.system.stations.iter().map(|s| s.all.len()).collect::<Vec<_>>();
+        assert_eq!(situations(&lumped), situations(&plain), "seed {seed}: {setting:?}");
+        ended += 1;
+        fewer += u32::from(lumped.kept() < plain.kept());
+        cut_off += u32::from(of_all(&plain).1 || of_all(&plain).2);
+    }
+    println!("{ended} seen to the end, {fewer} of them with fewer kept, {cut_off} with states cut off; {wrong} wrong");
+    assert!(fewer > 0 && fewer < ended && cut_off > 0 && cut_off < ended && wrong > 0);
+}
+
+#[test]
+fn a_limit_of_states_ends_a_search_at_the_same_state_each_time() {
+    let setting = Setting::new(&generate::line(&Shape::small(), 1));
+    let first = searched(&setting, 5_000);
+    assert_eq!((&first.end, first.looked_at()), (&End::Limit, 5_000));
+    for _ in 0..5 {
+        assert_eq!(searched(&setting, 5_000).tally, first.tally);
+    }
+}
+
+#[test]
+fn a_limit_that_is_just_enough_is_enough() {
+    let mut setting = Setting::new(&generate::line(&Shape::small(), 1));
+    (setting.modes, setting.faults) = (vec![ControlMode::Auto], false);
+    let all = searched(&setting, 1_000_000);
+    assert_eq!(all.end, End::Exhausted);
+    assert_eq!(searched(&setting, all.kept()).end, End::Exhausted);
+    assert_eq!(searched(&setting, all.kept() - 1).end, End::Limit);
+}
