@@ -4,10 +4,10 @@
 
 use std::path::PathBuf;
 use std::process::ExitCode;
-use std::time::{Duration, SystemTime, UNIX_EPOCH};
+use std::time::{SystemTime, UNIX_EPOCH};
 
 use clap::{Args, ValueEnum};
-use linewright_fieldbus::codec::SdoData;
+use linewright_fieldbus::sdo::{ObjectId, Options};
 use linewright_fieldbus::{Bus, NodeId, Options as BusOptions, candump, sdo_client};
 use linewright_line::{Bus as BusName, Device, Line, Module, Owner};
 use linewright_plant::FAULT_INDEX;
@@ -86,10 +86,11 @@ pub async fn fail(args: FailArgs) -> miette::Result<ExitCode> {
     };
     let mut bus = Bus::open(interface, &BusOptions::default()).into_diagnostic()?;
     let node = NodeId::new(device.node_id).ok_or_else(|| miette!("node id {} is out of range", device.node_id))?;
-    sdo_client::write(&mut bus, node, FAULT_INDEX, sub, SdoData::u32(code), Duration::from_secs(1))
+    let object = ObjectId::new(FAULT_INDEX, sub);
+    sdo_client::write(&mut bus, node, object, &code.to_le_bytes(), Options::default())
         .await
         .map_err(|error| miette!("{error} on {}; is the simulated plant running?", bus.describe()))?;
-    crate::out::say!("{} (node {node}, object {FAULT_INDEX:04X}h:{sub:02X}): {:?}", device.name, args.what);
+    crate::out::say!("{} (node {node}, object {object}): {:?}", device.name, args.what);
     Ok(ExitCode::SUCCESS)
 }
 

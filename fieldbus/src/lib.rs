@@ -22,6 +22,7 @@ pub mod codec;
 mod driver;
 mod frame;
 pub mod manager;
+pub mod sdo;
 pub mod sdo_client;
 
 pub use bus::{Bus, BusError, Options, Transport};

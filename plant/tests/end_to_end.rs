@@ -6,7 +6,7 @@ use std::time::Duration;
 
 use common::*;
 use linewright_fieldbus::bus::{self, Transport};
-use linewright_fieldbus::codec::SdoData;
+use linewright_fieldbus::sdo::{self, ObjectId};
 use linewright_fieldbus::{Bus, Clock, Driver, Event, InputImage, Manager, NodeId, sdo_client};
 use linewright_line::{Bus as BusName, Line, Owner};
 use linewright_plant::{FAULT_INDEX, Options, PRESS_INDEX, PlantOptions, run_plant};
@@ -89,23 +89,25 @@ async fn a_lost_device_is_noticed_and_comes_back_with_its_outputs_off() {
     until(&mut driver, owner, valid(0)).await;
     let mut tool = Bus::open(LINE_BUS, &bench.bus).unwrap();
     let node = NodeId::new(4).unwrap();
-    let silence = SdoData::u8(1);
-    sdo_client::write(&mut tool, node, FAULT_INDEX, 0, silence, WAIT).await.unwrap();
+    let fault = ObjectId::new(FAULT_INDEX, 0);
+    let options = sdo::Options::default();
+    sdo_client::write(&mut tool, node, fault, &[1], options).await.unwrap();
     let events = until(&mut driver, owner, |inputs| !inputs.valid).await;
     assert!(events.iter().any(|e| matches!(e, Event::DeviceLost { .. })), "{events:?}");
     tokio::time::timeout(Duration::from_millis(300), until(&mut driver, owner, |_| false)).await.ok();
-    sdo_client::write(&mut tool, node, FAULT_INDEX, 0, SdoData::u8(0), WAIT).await.unwrap();
+    sdo_client::write(&mut tool, node, fault, &[0], options).await.unwrap();
     until(&mut driver, owner, |inputs| inputs.valid).await;
     let outputs = tool_read(&mut tool, &mut driver, node).await;
-    assert_eq!(outputs, 0, "the image from before the loss is forgotten");
+    assert_eq!(outputs, [0], "the image from before the loss is forgotten");
     assert_eq!(driver.inputs(owner).losses, 1);
     bench.plant.abort();
 }
 
 /// Reads the outputs of a device while the manager goes on.
-async fn tool_read(tool: &mut Bus, driver: &mut Driver, node: NodeId) -> u32 {
+async fn tool_read(tool: &mut Bus, driver: &mut Driver, node: NodeId) -> Vec<u8> {
+    let outputs = ObjectId::new(0x6200, 1);
     tokio::select! {
-        read = sdo_client::read(tool, node, 0x6200, 1, WAIT) => read.unwrap().value(),
+        read = sdo_client::read(tool, node, outputs, sdo::Options::default()) => read.unwrap(),
         () = async { loop { driver.next().await; } } => unreachable!(),
     }
 }
@@ -117,7 +119,7 @@ async fn a_finger_on_the_console_reaches_the_manager() {
     until(&mut driver, Owner::Console, valid(0)).await;
     let mut tool = Bus::open(LINE_BUS, &bench.bus).unwrap();
     let node = NodeId::new(10).unwrap();
-    sdo_client::write(&mut tool, node, PRESS_INDEX, 1, SdoData::u8(1), WAIT).await.unwrap();
+    sdo_client::write(&mut tool, node, ObjectId::new(PRESS_INDEX, 1), &[1], sdo::Options::default()).await.unwrap();
     until(&mut driver, Owner::Console, valid(1)).await;
     bench.plant.abort();
 }

@@ -7,7 +7,6 @@
 mod emcy;
 mod nmt;
 mod pdo;
-mod sdo;
 
 use std::fmt;
 
@@ -16,9 +15,10 @@ use thiserror::Error;
 pub use emcy::{Emergency, HEARTBEAT_LOST, NO_ERROR};
 pub use nmt::{NmtCommand, NmtState};
 pub use pdo::Payload;
-pub use sdo::{Abort, SdoData, SdoRequest, SdoResponse};
 
 use crate::frame::{Frame, Kind};
+pub use crate::sdo::Abort;
+use crate::sdo::wire::Raw;
 
 /// A CANopen node id, 1 to 127 (CiA 301 §7.3.5).
 #[derive(Clone, Copy, Debug, PartialEq, Eq, PartialOrd, Ord, Hash)]
@@ -78,19 +78,20 @@ pub enum Message {
         /// Bit `i` is output `i`.
         payload: Payload,
     },
-    /// SDO answer, COB-ID 0x580 + node (CiA 301 §7.2.4), expedited transfers only.
+    /// SDO answer, COB-ID 0x580 + node (CiA 301 §7.2.4). What it says depends on the transfer under way:
+    /// [`sdo::Client`](crate::sdo::Client) knows.
     SdoResponse {
         /// The server.
         node: NodeId,
         /// Its answer.
-        response: SdoResponse,
+        raw: Raw,
     },
-    /// SDO request, COB-ID 0x600 + node (CiA 301 §7.2.4), expedited transfers only.
+    /// SDO request, COB-ID 0x600 + node (CiA 301 §7.2.4). [`sdo::Server`](crate::sdo::Server) knows what it says.
     SdoRequest {
         /// The server.
         node: NodeId,
         /// What is asked of it.
-        request: SdoRequest,
+        raw: Raw,
     },
     /// Heartbeat, or boot-up in state [`NmtState::BootUp`], COB-ID 0x700 + node (CiA 301 §7.2.8.3.2, §7.2.8.3.3).
     Heartbeat {
@@ -178,12 +179,8 @@ impl Message {
             (EMERGENCY, Some(node)) => emcy::decode(cob_id, node, data),
             (TPDO1, Some(node)) => Ok(Message::Tpdo1 { node, payload: Payload::of(data) }),
             (RPDO1, Some(node)) => Ok(Message::Rpdo1 { node, payload: Payload::of(data) }),
-            (SDO_RESPONSE, Some(node)) => {
-                sdo::decode_response(cob_id, data).map(|response| Message::SdoResponse { node, response })
-            }
-            (SDO_REQUEST, Some(node)) => {
-                sdo::decode_request(cob_id, data).map(|request| Message::SdoRequest { node, request })
-            }
+            (SDO_RESPONSE, Some(node)) => Ok(Message::SdoResponse { node, raw: eight(cob_id, data)? }),
+            (SDO_REQUEST, Some(node)) => Ok(Message::SdoRequest { node, raw: eight(cob_id, data)? }),
             (HEARTBEAT, Some(node)) => {
                 let state = nmt::decode_state(cob_id, data)?;
                 Ok(Message::Heartbeat { node, state })
@@ -200,8 +197,8 @@ impl Message {
             Message::Emergency { node, emergency } => frame(EMERGENCY, Some(*node), &emergency.to_bytes()),
             Message::Tpdo1 { node, payload } => frame(TPDO1, Some(*node), payload.bytes()),
             Message::Rpdo1 { node, payload } => frame(RPDO1, Some(*node), payload.bytes()),
-            Message::SdoResponse { node, response } => frame(SDO_RESPONSE, Some(*node), &response.to_bytes()),
-            Message::SdoRequest { node, request } => frame(SDO_REQUEST, Some(*node), &request.to_bytes()),
+            Message::SdoResponse { node, raw } => frame(SDO_RESPONSE, Some(*node), raw),
+            Message::SdoRequest { node, raw } => frame(SDO_REQUEST, Some(*node), raw),
             Message::Heartbeat { node, state } => frame(HEARTBEAT, Some(*node), &[state.code()]),
         }
     }
@@ -211,6 +208,11 @@ impl Message {
 fn frame(base: u16, node: Option<NodeId>, data: &[u8]) -> Frame {
     let cob_id = base | u16::from(node.map_or(0, NodeId::get));
     Frame::data_frame(cob_id, data).expect("every message fits an 11-bit identifier and eight bytes")
+}
+
+/// SDO frames always have eight bytes (CiA 301 §7.2.4.3).
+fn eight(cob_id: u16, data: &[u8]) -> Result<Raw, DecodeError> {
+    data.try_into().map_err(|_| DecodeError::Length { cob_id, expected: "8", actual: data.len() })
 }
 
 /// CiA 301 §7.2.5.3.1: no data, or a counter of one byte.

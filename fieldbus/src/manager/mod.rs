@@ -140,8 +140,8 @@ impl Manager {
             Message::Emergency { node, emergency } => {
                 self.with_peer(now, node, frame, out, |peer, out| peer.emergency(now, emergency, out));
             }
-            Message::SdoResponse { node, response } => {
-                self.with_peer(now, node, frame, out, |peer, out| peer.sdo_answer(now, response, out));
+            Message::SdoResponse { node, raw } => {
+                self.with_peer(now, node, frame, out, |peer, out| peer.sdo_answer(now, &raw, out));
             }
             // Orders and outputs from a technician's tool or another client; the devices answer for themselves.
             Message::Nmt { .. } | Message::Sync { .. } | Message::Rpdo1 { .. } | Message::SdoRequest { .. } => {

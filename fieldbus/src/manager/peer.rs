@@ -19,9 +19,9 @@ use linewright_line::{Device, InputId, OutputId, Owner, Tick, Timing};
 
 use super::event::{Event, IgnoreReason, Outbox};
 use super::{MANAGER_NODE, RETRY, image};
-use crate::codec::{
-    Emergency, HEARTBEAT_LOST, Message, NmtCommand, NmtState, NodeId, Payload, SdoData, SdoRequest, SdoResponse,
-};
+use crate::codec::{Emergency, HEARTBEAT_LOST, Message, NmtCommand, NmtState, NodeId, Payload};
+use crate::sdo::ObjectId;
+use crate::sdo::wire::{Content, Raw, Request, Response};
 
 /// What a frame or the passing of time did to a device.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
@@ -60,7 +60,7 @@ pub(super) struct Peer {
     pub(super) owner: Owner,
     inputs: Vec<Option<InputId>>,
     outputs: Vec<Option<OutputId>>,
-    settings: Vec<(u16, u8, SdoData)>,
+    settings: Vec<Request>,
     timeout: Duration,
     refresh: Duration,
     phase: Phase,
@@ -225,27 +225,27 @@ impl Peer {
         Outcome::Unchanged
     }
 
-    pub(super) fn sdo_answer(&mut self, now: Tick, response: SdoResponse, out: &mut Outbox) -> Outcome {
+    pub(super) fn sdo_answer(&mut self, now: Tick, raw: &Raw, out: &mut Outbox) -> Outcome {
         let step = match self.phase {
             Phase::Absent { .. } => 0,
             Phase::Configuring { step, .. } => step,
             _ => return Outcome::Ignored(IgnoreReason::NotForManager),
         };
-        let (index, sub, _) = self.settings[step];
-        if response.object() != (index, sub) {
+        let Request::Download { object, .. } = self.settings[step] else {
             return Outcome::Ignored(IgnoreReason::NotForManager);
-        }
-        match response {
-            SdoResponse::Uploaded { .. } => return Outcome::Ignored(IgnoreReason::NotForManager),
-            SdoResponse::Downloaded { .. } => {
+        };
+        match Response::decode(raw) {
+            Some(Response::Download { object: answered }) if answered == object => {
                 self.heard = now;
                 self.configure(now, step + 1, out);
             }
-            SdoResponse::Aborted { code, .. } => {
+            Some(Response::Abort { object: answered, code }) if answered == object => {
                 self.heard = now;
                 self.phase = Phase::Refused;
+                let ObjectId { index, sub } = object;
                 out.events.push(Event::ConfigurationRefused { node: self.node, index, sub, code });
             }
+            _ => return Outcome::Ignored(IgnoreReason::NotForManager),
         }
         Outcome::Unchanged
     }
@@ -306,9 +306,7 @@ impl Peer {
     }
 
     fn send_setting(&self, step: usize, out: &mut Outbox) {
-        let (index, sub, data) = self.settings[step];
-        let request = SdoRequest::Download { index, sub, data };
-        out.frames.push(Message::SdoRequest { node: self.node, request }.encode());
+        out.frames.push(Message::SdoRequest { node: self.node, raw: self.settings[step].encode() }.encode());
     }
 
     fn order_start(&mut self, now: Tick, out: &mut Outbox) {
@@ -323,13 +321,19 @@ impl Peer {
 
 /// What every device is told before it is started. Never empty: the first setting also serves to ask whether the
 /// device is there.
-fn settings(device: &Device, timing: &Timing) -> Vec<(u16, u8, SdoData)> {
+fn settings(device: &Device, timing: &Timing) -> Vec<Request> {
     let millis = |span: Duration| u16::try_from(span.as_millis()).unwrap_or(u16::MAX);
     // Object 1017h, producer heartbeat time in ms.
-    let produce = (0x1017, 0, SdoData::u16(millis(timing.heartbeat)));
+    let produce = write(ObjectId::new(0x1017, 0), &millis(timing.heartbeat).to_le_bytes());
     // Object 1016h sub 1, consumer heartbeat time: node id in bits 16 to 23, ms below. What makes outputs safe when
     // the manager is gone, so a device that has outputs must accept it; one that has none need not know the object.
     let watched = u32::from(MANAGER_NODE.get()) << 16 | u32::from(millis(timing.heartbeat_timeout));
-    let consume = (!device.outputs.is_empty()).then_some((0x1016, 1, SdoData::u32(watched)));
-    std::iter::once(produce).chain(consume).collect()
+    let consume = write(ObjectId::new(0x1016, 1), &watched.to_le_bytes());
+    let consume = consume.filter(|_| !device.outputs.is_empty());
+    produce.into_iter().chain(consume).collect()
+}
+
+/// Writes up to four bytes.
+fn write(object: ObjectId, data: &[u8]) -> Option<Request> {
+    Content::expedited(data).map(|content| Request::Download { object, content })
 }

@@ -17,6 +17,7 @@ mod objects;
 use std::time::Duration;
 
 use linewright_fieldbus::codec::{Emergency, HEARTBEAT_LOST, Message, NO_ERROR, NmtCommand, NmtState, NodeId, Payload};
+use linewright_fieldbus::sdo::Server;
 use linewright_fieldbus::{Frame, MANAGER_NODE};
 use linewright_line::{Tick, Timing};
 
@@ -89,6 +90,7 @@ pub struct DeviceNode {
     /// When the watched node counts as lost; `None` until it is heard (CiA 301 §7.2.8.3.2.2).
     lost_at: Option<Tick>,
     error_register: u8,
+    server: Server,
 }
 
 impl DeviceNode {
@@ -108,6 +110,7 @@ impl DeviceNode {
             watched: Some((MANAGER_NODE, timing.heartbeat_timeout)),
             lost_at: None,
             error_register: 0,
+            server: Server::new(objects::LEN_MAX),
         }
     }
 
@@ -146,10 +149,10 @@ impl DeviceNode {
     /// Takes a frame from the bus.
     pub fn handle(&mut self, now: Tick, frame: &Frame, out: &mut DeviceOutbox) {
         let Ok(message) = Message::decode(frame) else { return };
-        if let Message::SdoRequest { node, request } = message
+        if let Message::SdoRequest { node, raw } = message
             && node == self.node
         {
-            return self.serve(now, request, out);
+            return self.serve(now, &raw, out);
         }
         if self.silent || matches!(self.state, State::Booting { .. }) {
             return;
@@ -183,6 +186,7 @@ impl DeviceNode {
         if self.next_inputs <= now {
             self.send_inputs(now, out);
         }
+        self.poll_server(now, out);
     }
 
     /// When [`DeviceNode::poll`] has something to do next.
@@ -191,7 +195,8 @@ impl DeviceNode {
             State::Booting { until } => until,
             _ => Tick::NEVER,
         };
-        let first = boot.min(self.next_heartbeat).min(self.next_inputs).min(self.lost_at.unwrap_or(Tick::NEVER));
+        let own = self.lost_at.into_iter().chain(self.server.next_deadline());
+        let first = own.fold(boot.min(self.next_heartbeat).min(self.next_inputs), Tick::min);
         (first != Tick::NEVER).then_some(first)
     }
 
@@ -221,6 +226,9 @@ impl DeviceNode {
         self.state = state;
         self.outputs = 0;
         self.next_inputs = Tick::NEVER;
+        if state != State::PreOperational {
+            self.server.reset();
+        }
     }
 
     fn take_outputs(&mut self, payload: Payload, out: &mut DeviceOutbox) {

@@ -1,0 +1,26 @@
+//! Service data objects: reading and writing a device's object dictionary (CiA 301 §7.2.4).
+//!
+//! Expedited, segmented and block transfers, in both directions and on both sides, without clock or socket:
+//! - [`Client`] is one transfer to one device; [`Server`] answers for a [`Dictionary`];
+//! - [`wire`] is what the eight bytes of a frame say; [`Abort`] is why a transfer ended without result.
+//!
+//! Neither side knows whose frames it is given: the caller picks those of one channel (COB-IDs 600h and 580h plus the
+//! node id). Whatever comes on it, memory is bounded, a transfer ends in bounded time if it is polled, and a
+//! dictionary is written only once per transfer and only when all of it has arrived.
+
+mod abort;
+mod block;
+mod cause;
+mod client;
+mod object;
+mod server;
+pub mod wire;
+
+pub use abort::Abort;
+pub use cause::{Cause, TransferError};
+pub use client::{Client, Mode, Options, Progress};
+pub use object::{ObjectId, ObjectIdError};
+pub use server::{Dictionary, Server};
+
+#[cfg(test)]
+mod tests;

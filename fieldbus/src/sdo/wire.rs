@@ -1,0 +1,398 @@
+//! The eight bytes of an SDO frame and what they say (CiA 301 §7.2.4.3).
+//!
+//! Pure translation, total: what has no meaning decodes to `None`. The segments of a block carry a number where all
+//! other frames have their command; they are therefore a type of their own, and only who knows that a block is under
+//! way can tell. Reserved bits are sent as 0 and not looked at.
+
+use super::{Abort, ObjectId};
+
+/// An SDO frame's data: always eight bytes.
+pub type Raw = [u8; 8];
+
+/// The first byte of an abort, in either direction. Compared whole: in a block, 81h to FFh are segments.
+pub(super) const ABORT: u8 = 0x80;
+
+/// What an initiating frame carries.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub enum Content {
+    /// The whole object, up to four bytes.
+    Expedited {
+        /// The bytes; those beyond `len` are 0.
+        bytes: [u8; 4],
+        /// How many, 1 to 4.
+        len: u8,
+        /// Whether the sender said how many. If not, `len` is 4, and the object may be shorter.
+        sized: bool,
+    },
+    /// Nothing yet: segments follow.
+    Segmented {
+        /// How many bytes they will carry, where announced.
+        size: Option<u32>,
+    },
+}
+
+impl Content {
+    /// Up to four bytes, but at least one, as an expedited transfer carries them.
+    pub fn expedited(data: &[u8]) -> Option<Self> {
+        let mut bytes = [0; 4];
+        bytes.get_mut(..data.len()).filter(|b| !b.is_empty())?.copy_from_slice(data);
+        Some(Content::Expedited { bytes, len: data.len() as u8, sized: true })
+    }
+
+    fn decode(raw: &Raw) -> Self {
+        let [command, _, _, _, a, b, c, d] = *raw;
+        let sized = command & 0x01 != 0;
+        if command & 0x02 == 0 {
+            return Content::Segmented { size: sized.then(|| u32::from_le_bytes([a, b, c, d])) };
+        }
+        let len = if sized { 4 - ((command >> 2) & 3) } else { 4 };
+        let mut bytes = [0; 4];
+        bytes[..usize::from(len)].copy_from_slice(&raw[4..4 + usize::from(len)]);
+        Content::Expedited { bytes, len, sized }
+    }
+
+    fn encode(self, command: u8, object: ObjectId) -> Raw {
+        match self {
+            Content::Expedited { bytes, len, sized: true } => build(command | (4 - len) << 2 | 0x03, object, bytes),
+            Content::Expedited { bytes, .. } => build(command | 0x02, object, bytes),
+            Content::Segmented { size: Some(size) } => build(command | 0x01, object, size.to_le_bytes()),
+            Content::Segmented { size: None } => build(command, object, [0; 4]),
+        }
+    }
+}
+
+/// Up to seven bytes of a segmented transfer.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub struct Segment {
+    /// Alternates, beginning with `false`.
+    pub toggle: bool,
+    /// Whether it is the last one.
+    pub last: bool,
+    len: u8,
+    bytes: [u8; 7],
+}
+
+impl Segment {
+    /// The segment of `data` that begins at `at`, up to seven bytes.
+    pub fn of(data: &[u8], at: usize, toggle: bool) -> Self {
+        let rest = data.get(at..).unwrap_or(&[]);
+        let len = rest.len().min(7);
+        let mut bytes = [0; 7];
+        bytes[..len].copy_from_slice(&rest[..len]);
+        Segment { toggle, last: rest.len() <= 7, len: len as u8, bytes }
+    }
+
+    /// The bytes carried, 0 to 7.
+    pub fn bytes(&self) -> &[u8] {
+        &self.bytes[..usize::from(self.len)]
+    }
+
+    fn decode(raw: &Raw) -> Self {
+        let [command, ref rest @ ..] = *raw;
+        let len = 7 - (command >> 1 & 7);
+        let mut bytes = [0; 7];
+        bytes[..usize::from(len)].copy_from_slice(&rest[..usize::from(len)]);
+        Segment { toggle: command & TOGGLE != 0, last: command & 0x01 != 0, len, bytes }
+    }
+
+    fn encode(self) -> Raw {
+        let [a, b, c, d, e, f, g] = self.bytes;
+        [toggled(0x00, self.toggle) | (7 - self.len) << 1 | u8::from(self.last), a, b, c, d, e, f, g]
+    }
+}
+
+/// Seven bytes of a block, numbered.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub struct BlockSegment {
+    /// Its number in its block, 1 to 127.
+    pub number: u8,
+    /// Whether it is the last of the transfer. How many of its bytes count, the end frame says.
+    pub last: bool,
+    /// The bytes.
+    pub bytes: [u8; 7],
+}
+
+impl BlockSegment {
+    /// The segment a frame carries while a block is under way; `None` for number 0.
+    pub fn decode(raw: &Raw) -> Option<Self> {
+        let [head, bytes @ ..] = *raw;
+        (head & 0x7F != 0).then_some(BlockSegment { number: head & 0x7F, last: head & 0x80 != 0, bytes })
+    }
+
+    /// Its frame.
+    pub fn encode(&self) -> Raw {
+        let [a, b, c, d, e, f, g] = self.bytes;
+        [self.number & 0x7F | if self.last { 0x80 } else { 0 }, a, b, c, d, e, f, g]
+    }
+}
+
+/// What a client says, segments of a block excepted.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub enum Request {
+    /// Write an object.
+    Download {
+        /// Which.
+        object: ObjectId,
+        /// With what.
+        content: Content,
+    },
+    /// More of what is to be written.
+    DownloadSegment(Segment),
+    /// Read an object.
+    Upload {
+        /// Which.
+        object: ObjectId,
+    },
+    /// Send more of what is read.
+    UploadSegment {
+        /// Alternates, beginning with `false`.
+        toggle: bool,
+    },
+    /// Write an object in blocks.
+    BlockDownload {
+        /// Which.
+        object: ObjectId,
+        /// Whether the client computes the checksum.
+        crc: bool,
+        /// How many bytes, where announced.
+        size: Option<u32>,
+    },
+    /// All blocks are written.
+    BlockDownloadEnd {
+        /// How many bytes of the last segment do not count, 0 to 7.
+        unused: u8,
+        /// The checksum of all bytes.
+        crc: u16,
+    },
+    /// Read an object in blocks.
+    BlockUpload {
+        /// Which.
+        object: ObjectId,
+        /// Whether the client checks the checksum.
+        crc: bool,
+        /// Segments in the first block, 1 to 127.
+        block: u8,
+        /// Up to this many bytes the server may answer as to [`Request::Upload`]; 0 for never.
+        switch_at: u8,
+    },
+    /// Begin to send blocks.
+    BlockUploadStart,
+    /// A block was received.
+    BlockAck(BlockAck),
+    /// All blocks were received, and the checksum was right.
+    BlockUploadEnd,
+    /// The client gives up.
+    Abort {
+        /// The object of the transfer.
+        object: ObjectId,
+        /// Why.
+        code: Abort,
+    },
+}
+
+/// What a server says, segments of a block excepted.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub enum Response {
+    /// The object is written, or its segments may come.
+    Download {
+        /// Which.
+        object: ObjectId,
+    },
+    /// A segment was received.
+    DownloadSegment {
+        /// That of the segment.
+        toggle: bool,
+    },
+    /// The object, or the announcement of its segments.
+    Upload {
+        /// Which.
+        object: ObjectId,
+        /// Its bytes or their number.
+        content: Content,
+    },
+    /// More of the object.
+    UploadSegment(Segment),
+    /// Blocks may come.
+    BlockDownload {
+        /// The object.
+        object: ObjectId,
+        /// Whether the server checks the checksum.
+        crc: bool,
+        /// Segments in the first block, 1 to 127.
+        block: u8,
+    },
+    /// A block was received.
+    BlockAck(BlockAck),
+    /// All blocks were received and written.
+    BlockDownloadEnd,
+    /// Blocks will come.
+    BlockUpload {
+        /// The object.
+        object: ObjectId,
+        /// Whether the server computes the checksum.
+        crc: bool,
+        /// How many bytes, where announced.
+        size: Option<u32>,
+    },
+    /// All blocks are sent.
+    BlockUploadEnd {
+        /// How many bytes of the last segment do not count, 0 to 7.
+        unused: u8,
+        /// The checksum of all bytes.
+        crc: u16,
+    },
+    /// The server refuses, or gives up.
+    Abort {
+        /// The object of the transfer.
+        object: ObjectId,
+        /// Why.
+        code: Abort,
+    },
+}
+
+/// What the receiver of a block says of it.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub struct BlockAck {
+    /// The last segment that came in order, 0 for none: the next block begins after it.
+    pub good: u8,
+    /// Segments in the next block, 1 to 127.
+    pub next: u8,
+}
+
+const TOGGLE: u8 = 0x10;
+
+fn toggled(command: u8, toggle: bool) -> u8 {
+    if toggle { command | TOGGLE } else { command }
+}
+
+fn flag(on: bool, bit: u8) -> u8 {
+    if on { bit } else { 0 }
+}
+
+fn build(command: u8, object: ObjectId, data: [u8; 4]) -> Raw {
+    let [low, high] = object.index.to_le_bytes();
+    let [a, b, c, d] = data;
+    [command, low, high, object.sub, a, b, c, d]
+}
+
+fn object(raw: &Raw) -> ObjectId {
+    ObjectId::new(u16::from_le_bytes([raw[1], raw[2]]), raw[3])
+}
+
+fn number(raw: &Raw) -> u32 {
+    u32::from_le_bytes([raw[4], raw[5], raw[6], raw[7]])
+}
+
+fn end(command: u8, unused: u8, crc: u16) -> Raw {
+    let [low, high] = crc.to_le_bytes();
+    [command | 0x01 | (unused & 7) << 2, low, high, 0, 0, 0, 0, 0]
+}
+
+fn block_size(command: u8, object: ObjectId, crc: bool, size: Option<u32>) -> Raw {
+    build(command | flag(crc, 0x04) | flag(size.is_some(), 0x02), object, size.unwrap_or(0).to_le_bytes())
+}
+
+fn ack(raw: &Raw) -> BlockAck {
+    BlockAck { good: raw[1], next: raw[2] }
+}
+
+impl Request {
+    /// The request in a frame; `None` for a command that does not exist.
+    pub fn decode(raw: &Raw) -> Option<Self> {
+        let command = raw[0];
+        Some(match (command >> 5, command & 0x03) {
+            (0, _) => Request::DownloadSegment(Segment::decode(raw)),
+            (1, _) => Request::Download { object: object(raw), content: Content::decode(raw) },
+            (2, _) => Request::Upload { object: object(raw) },
+            (3, _) => Request::UploadSegment { toggle: command & TOGGLE != 0 },
+            (4, _) if command == ABORT => Request::Abort { object: object(raw), code: Abort(number(raw)) },
+            (5, 0) => {
+                let (crc, block, switch_at) = (command & 0x04 != 0, raw[4], raw[5]);
+                Request::BlockUpload { object: object(raw), crc, block, switch_at }
+            }
+            (5, 1) => Request::BlockUploadEnd,
+            (5, 2) => Request::BlockAck(ack(raw)),
+            (5, _) => Request::BlockUploadStart,
+            (6, 0 | 2) => {
+                let size = (command & 0x02 != 0).then(|| number(raw));
+                Request::BlockDownload { object: object(raw), crc: command & 0x04 != 0, size }
+            }
+            (6, _) => Request::BlockDownloadEnd { unused: command >> 2 & 7, crc: u16::from_le_bytes([raw[1], raw[2]]) },
+            _ => return None,
+        })
+    }
+
+    /// Its frame.
+    pub fn encode(self) -> Raw {
+        match self {
+            Request::Download { object, content } => content.encode(0x20, object),
+            Request::DownloadSegment(segment) => segment.encode(),
+            Request::Upload { object } => build(0x40, object, [0; 4]),
+            Request::UploadSegment { toggle } => [toggled(0x60, toggle), 0, 0, 0, 0, 0, 0, 0],
+            Request::BlockDownload { object, crc, size } => block_size(0xC0, object, crc, size),
+            Request::BlockDownloadEnd { unused, crc } => end(0xC0, unused, crc),
+            Request::BlockUpload { object, crc, block, switch_at } => {
+                build(0xA0 | flag(crc, 0x04), object, [block, switch_at, 0, 0])
+            }
+            Request::BlockUploadStart => [0xA3, 0, 0, 0, 0, 0, 0, 0],
+            Request::BlockAck(BlockAck { good, next }) => [0xA2, good, next, 0, 0, 0, 0, 0],
+            Request::BlockUploadEnd => [0xA1, 0, 0, 0, 0, 0, 0, 0],
+            Request::Abort { object, code } => build(ABORT, object, code.0.to_le_bytes()),
+        }
+    }
+}
+
+impl Response {
+    /// The response in a frame; `None` for a command that does not exist.
+    pub fn decode(raw: &Raw) -> Option<Self> {
+        let command = raw[0];
+        Some(match (command >> 5, command & 0x03) {
+            (0, _) => Response::UploadSegment(Segment::decode(raw)),
+            (1, _) => Response::DownloadSegment { toggle: command & TOGGLE != 0 },
+            (2, _) => Response::Upload { object: object(raw), content: Content::decode(raw) },
+            (3, _) => Response::Download { object: object(raw) },
+            (4, _) if command == ABORT => Response::Abort { object: object(raw), code: Abort(number(raw)) },
+            (5, 0) => Response::BlockDownload { object: object(raw), crc: command & 0x04 != 0, block: raw[4] },
+            (5, 1) => Response::BlockDownloadEnd,
+            (5, 2) => Response::BlockAck(ack(raw)),
+            (6, 0 | 2) => {
+                let size = (command & 0x02 != 0).then(|| number(raw));
+                Response::BlockUpload { object: object(raw), crc: command & 0x04 != 0, size }
+            }
+            (6, _) => Response::BlockUploadEnd { unused: command >> 2 & 7, crc: u16::from_le_bytes([raw[1], raw[2]]) },
+            _ => return None,
+        })
+    }
+
+    /// Its frame.
+    pub fn encode(self) -> Raw {
+        match self {
+            Response::Download { object } => build(0x60, object, [0; 4]),
+            Response::DownloadSegment { toggle } => [toggled(0x20, toggle), 0, 0, 0, 0, 0, 0, 0],
+            Response::Upload { object, content } => content.encode(0x40, object),
+            Response::UploadSegment(segment) => segment.encode(),
+            Response::BlockDownload { object, crc, block } => build(0xA0 | flag(crc, 0x04), object, [block, 0, 0, 0]),
+            Response::BlockAck(BlockAck { good, next }) => [0xA2, good, next, 0, 0, 0, 0, 0],
+            Response::BlockDownloadEnd => [0xA1, 0, 0, 0, 0, 0, 0, 0],
+            Response::BlockUpload { object, crc, size } => block_size(0xC0, object, crc, size),
+            Response::BlockUploadEnd { unused, crc } => end(0xC0, unused, crc),
+            Response::Abort { object, code } => build(ABORT, object, code.0.to_le_bytes()),
+        }
+    }
+
+    /// The object it names; the frames within a transfer name none.
+    pub fn object(&self) -> Option<ObjectId> {
+        match *self {
+            Response::Download { object }
+            | Response::Upload { object, .. }
+            | Response::BlockDownload { object, .. }
+            | Response::BlockUpload { object, .. }
+            | Response::Abort { object, .. } => Some(object),
+            Response::DownloadSegment { .. }
+            | Response::UploadSegment(_)
+            | Response::BlockAck(_)
+            | Response::BlockDownloadEnd
+            | Response::BlockUploadEnd { .. } => None,
+        }
+    }
+}
