@@ -1,8 +1,8 @@
 //! Tests of the search that keeps one state for many, by itself: without the plain search that is asked again where
 //! something is wrong.
 
-use linewright_line::Line;
 use linewright_line::net::ControlMode;
+use linewright_line::{Arrow, Line};
 
 use super::judge::Tally;
 use super::search::{End, Limits, Search, search};
@@ -82,6 +82,41 @@ fn whatever_is_asked_of_whatever_line_both_say_the_same() {
     }
     println!("{ended} seen to the end, {fewer} of them with fewer kept, {cut_off} with states cut off; {wrong} wrong");
     assert!(fewer > 0 && fewer < ended && cut_off > 0 && cut_off < ended && wrong > 0);
+}
+
+/// Two stations that wait for each other in manual mode, for ever: what auto mode has brought past an operation that
+/// cannot be undone comes home by auto mode alone.
+fn stands_still_in_manual(seed: u64) -> Setting {
+    let shape = Shape { operations: 2..=3, irreversible: 100, groups: 0, more_arrows: 0, ..Shape::small() };
+    let mut line = generate::line(&shape, seed);
+    line.arrows.retain(|arrow| arrow.auto);
+    line.arrows.iter_mut().for_each(|arrow| arrow.manual = false);
+    let homes: Vec<_> = line.station_ids().map(|id| (id, line.station(id).home)).collect();
+    for (from, to) in [(homes[0], homes[1]), (homes[1], homes[0])] {
+        line.arrows.push(Arrow { from, to, lag: 0, auto: false, manual: true });
+    }
+    line.conflicts.clear();
+    let mut setting = Setting::new(&line);
+    setting.modes.retain(|&mode| mode != ControlMode::Hand);
+    setting
+}
+
+#[test]
+fn home_by_manual_alone_is_not_home_by_another_mode() {
+    let mut by_auto_alone = 0;
+    for seed in 0..40 {
+        let setting = stands_still_in_manual(seed);
+        let plain = searched(&Setting { lumped: false, ..setting.clone() }, 50_000);
+        if plain.end != End::Exhausted {
+            continue;
+        }
+        let lumped = searched(&setting, 50_000);
+        assert_eq!(lumped.end, End::Exhausted, "seed {seed}");
+        assert_eq!(of_all(&lumped), of_all(&plain), "seed {seed}");
+        by_auto_alone += u32::from(lumped.stranded().is_some() && lumped.no_return().is_none());
+    }
+    println!("{by_auto_alone} lines that auto mode alone brings home");
+    assert!(by_auto_alone > 0);
 }
 
 #[test]
