@@ -7,7 +7,7 @@
 use std::borrow::Cow;
 
 use crate::limits::FILE_BYTES_MAX;
-use crate::problem::{At, Finding, shown};
+use linewright_problems::{At, Finding, shown};
 
 /// How far into the file the XML declaration may reach.
 const DECLARATION_MAX: usize = 256;

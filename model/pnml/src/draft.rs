@@ -9,8 +9,8 @@ use std::collections::HashMap;
 use crate::kinds::{is_coloured_label, is_ordinary_arc, is_place_transition};
 use crate::label::{label, name, number};
 use crate::limits::{ARCS_MAX, NODES_MAX};
-use crate::problem::{At, Finding, Report, shown};
 use crate::xml::{Stop, Tag, Value, Xml};
+use linewright_problems::{At, Finding, Report, shown};
 
 /// An id, as a number: the same text is the same number.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Hash, PartialOrd, Ord)]

@@ -5,8 +5,8 @@
 //! passed over makes another net. For the same reason a label that holds only what is not known here is refused.
 
 use crate::limits::NAME_BYTES_MAX;
-use crate::problem::{At, Finding, Report, shown};
 use crate::xml::{Stop, Text, Value, Xml};
+use linewright_problems::{At, Finding, Report, shown};
 
 /// Reads the label that is open: its text, or none if it is only drawn.
 pub(crate) fn label<'a>(xml: &mut Xml<'a>, report: &mut Report) -> Result<Option<Value<'a>>, Stop> {

@@ -37,21 +37,19 @@
 
 mod decode;
 mod draft;
-mod excerpt;
 mod kinds;
 mod label;
 pub mod limits;
-mod problem;
 mod resolve;
 mod survey;
 mod write;
 mod xml;
 
-pub use problem::{Problem, Problems};
+pub use linewright_problems::{Problem, Problems};
 pub use write::write;
 
 use linewright_nets::Net;
-use problem::Report;
+use linewright_problems::Report;
 
 /// Reads a place/transition net. `file_name` is for messages; `net` is the id of the net to take, and may be absent if
 /// there is only one.
@@ -70,7 +68,7 @@ pub fn read(file_name: &str, bytes: &[u8], net: Option<&str>) -> Result<Net, Pro
         }
     };
     match understand(&text, net, &mut report) {
-        Some(net) if report.is_empty() => Ok(net),
+        Some(net) if report.is_sound() => Ok(net),
         _ => Err(report.into_problems(file_name, &text)),
     }
 }

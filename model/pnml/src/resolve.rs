@@ -5,7 +5,7 @@ use std::collections::HashMap;
 use linewright_nets::{Net, NetBuilder, PlaceId, TransitionId};
 
 use crate::draft::{Being, Draft, Id, Kind, Node};
-use crate::problem::{At, Finding, Report, shown};
+use linewright_problems::{At, Finding, Report, shown};
 
 /// The net of a draft; none if something is wrong, which is reported.
 pub(crate) fn resolve(draft: Draft<'_>, report: &mut Report) -> Option<Net> {
@@ -20,7 +20,7 @@ pub(crate) fn resolve(draft: Draft<'_>, report: &mut Report) -> Option<Net> {
             false => builder.output(transition, place, weight),
         };
     }
-    if !report.is_empty() {
+    if !report.is_sound() {
         return None;
     }
     match builder.build() {

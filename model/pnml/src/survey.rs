@@ -3,8 +3,8 @@
 //! It costs little and makes the rest simple: what is read afterwards is known to be XML to its end, and a file of
 //! several nets is not read half.
 
-use crate::problem::{At, Finding, Report, shown};
 use crate::xml::{Stop, Xml};
+use linewright_problems::{At, Finding, Report, shown};
 
 /// The most nets in one file.
 const NETS_MAX: usize = 10_000;

@@ -12,7 +12,7 @@ use quick_xml::errors::IllFormedError;
 use quick_xml::events::{BytesStart, Event};
 
 use crate::limits::{ATTRIBUTES_MAX, DEPTH_MAX, NAME_BYTES_MAX};
-use crate::problem::{At, Finding, Report, shown};
+use linewright_problems::{At, Finding, Report, shown};
 
 /// The text cannot be read on; the report says why.
 pub(crate) struct Stop;

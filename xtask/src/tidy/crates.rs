@@ -6,9 +6,11 @@ use super::Member;
 use crate::part::{Stream, cargo, lines};
 
 /// Crates that decide and never act: called with the time and their inputs, they return outputs.
-pub const PURE: [&str; 7] = [
+pub const PURE: [&str; 9] = [
     "linewright-nets",
+    "linewright-problems",
     "linewright-pnml",
+    "linewright-eds",
     "linewright-line",
     "linewright-station-logic",
     "linewright-coordinator-logic",
@@ -34,16 +36,18 @@ const FORBIDDEN: [&str; 9] = [
 ];
 
 /// For each crate, those of the workspace it may build on. Dependencies point one way; a new crate gets a row here.
-const MAY_USE: [(&str, &[&str]); 16] = [
+const MAY_USE: [(&str, &[&str]); 18] = [
     ("linewright-nets", &[]),
-    ("linewright-pnml", &["linewright-nets"]),
+    ("linewright-problems", &[]),
+    ("linewright-pnml", &["linewright-nets", "linewright-problems"]),
+    ("linewright-eds", &["linewright-problems"]),
     ("linewright-line", &["linewright-nets"]),
     ("linewright-station-logic", &["linewright-nets", "linewright-line"]),
     ("linewright-coordinator-logic", &["linewright-nets", "linewright-line"]),
     ("linewright-msgs", &[]),
     ("linewright-node-shell", &["linewright-msgs"]),
-    ("linewright-fieldbus", &["linewright-line"]),
-    ("linewright-plant", &["linewright-line", "linewright-fieldbus"]),
+    ("linewright-fieldbus", &["linewright-line", "linewright-eds"]),
+    ("linewright-plant", &["linewright-line", "linewright-eds", "linewright-fieldbus"]),
     (
         "linewright-proof",
         &["linewright-nets", "linewright-line", "linewright-station-logic", "linewright-coordinator-logic"],
@@ -83,7 +87,9 @@ const MAY_USE: [(&str, &[&str]); 16] = [
 /// Whatever is not a top itself.
 const EVERYTHING: &[&str] = &[
     "linewright-nets",
+    "linewright-problems",
     "linewright-pnml",
+    "linewright-eds",
     "linewright-line",
     "linewright-station-logic",
     "linewright-coordinator-logic",

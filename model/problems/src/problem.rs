@@ -1,8 +1,6 @@
 //! What is wrong with a file, where, and what to do about it.
 //!
-//! The readers know neither lines nor columns: they report byte ranges, and the lines are counted once at the end. The
-//! drawings look like those of a line description's problems, which are of another crate because descriptions are
-//! written by people: there the whole text is kept, here an [`Excerpt`] for each problem.
+//! The readers know neither lines nor columns: they report byte ranges, and the lines are counted once at the end.
 
 use std::fmt;
 use std::ops::Range;
@@ -10,23 +8,28 @@ use std::ops::Range;
 use miette::{Diagnostic, LabeledSpan, Severity, SourceCode};
 
 use crate::excerpt::Excerpt;
-use crate::limits::PROBLEMS_MAX;
+
+/// The most errors that are reported of one file, and as many warnings: more would only hide the first cause.
+pub const PROBLEMS_MAX: usize = 50;
 
 /// A stretch of the text, in bytes. Files are far smaller than 32 bits can count.
-#[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
-pub(crate) struct At {
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Hash, PartialOrd, Ord)]
+pub struct At {
+    /// The first byte.
     pub start: u32,
+    /// The byte after the last one.
     pub end: u32,
 }
 
 impl At {
-    pub(crate) fn new(range: Range<usize>) -> Self {
+    /// The stretch `range`.
+    pub fn new(range: Range<usize>) -> Self {
         let narrow = |at: usize| u32::try_from(at).unwrap_or(u32::MAX);
         At { start: narrow(range.start), end: narrow(range.end) }
     }
 }
 
-/// One thing wrong with a file.
+/// One thing wrong with a file, or (as a warning) suspicious about it.
 #[derive(Clone, Debug, PartialEq, Eq)]
 pub struct Problem {
     /// What is wrong, with the names and numbers involved.
@@ -41,6 +44,8 @@ pub struct Problem {
     pub hint: Option<String>,
     /// What to write under the marked text.
     pub label: Option<String>,
+    /// Whether the file is usable all the same.
+    pub is_warning: bool,
     excerpt: Excerpt,
 }
 
@@ -54,7 +59,7 @@ impl std::error::Error for Problem {}
 
 impl Diagnostic for Problem {
     fn severity(&self) -> Option<Severity> {
-        Some(Severity::Error)
+        Some(if self.is_warning { Severity::Warning } else { Severity::Error })
     }
 
     fn help<'a>(&'a self) -> Option<Box<dyn fmt::Display + 'a>> {
@@ -74,8 +79,9 @@ impl Diagnostic for Problem {
 /// All problems of one file, in the order of the text.
 ///
 /// Printed plainly it is a headline, and with `{:#}` also one line per problem, `file:line:column: message`, as editors
-/// and build logs expect it; drawn by `miette` it shows the places.
-#[derive(Debug)]
+/// and build logs expect it; drawn by `miette` it shows the places. The crate that reads the file says which of them it
+/// hands out: a file that is read has warnings at most.
+#[derive(Clone, Debug, PartialEq, Eq)]
 pub struct Problems {
     file_name: String,
     problems: Vec<Problem>,
@@ -89,23 +95,40 @@ impl Problems {
         self.problems.iter()
     }
 
-    /// How many there are.
+    /// How many of them are errors.
     pub fn errors(&self) -> usize {
-        self.problems.len()
+        self.problems.iter().filter(|p| !p.is_warning).count()
+    }
+
+    /// How many of them are warnings.
+    pub fn warnings(&self) -> usize {
+        self.problems.len() - self.errors()
+    }
+
+    /// Whether there are none at all.
+    pub fn is_empty(&self) -> bool {
+        self.problems.is_empty()
     }
 }
 
 impl fmt::Display for Problems {
     fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
-        let (name, count) = (&self.file_name, self.problems.len());
-        match count {
-            _ if self.is_cut => write!(f, "{name}: the first {count} errors of more")?,
-            1 => write!(f, "{name}: 1 error")?,
-            _ => write!(f, "{name}: {count} errors")?,
+        let counted = |count: usize, what: &str| format!("{count} {what}{}", if count == 1 { "" } else { "s" });
+        let count = match (self.errors(), self.warnings()) {
+            (errors, 0) => counted(errors, "error"),
+            (0, warnings) => counted(warnings, "warning"),
+            (errors, warnings) => format!("{} and {}", counted(errors, "error"), counted(warnings, "warning")),
+        };
+        let name = &self.file_name;
+        if self.is_cut {
+            write!(f, "{name}: the first {count} of more")?;
+        } else {
+            write!(f, "{name}: {count}")?;
         }
         if f.alternate() {
             for p in &self.problems {
-                write!(f, "\n{name}:{}:{}: {}", p.line, p.column, p.message)?;
+                let kind = if p.is_warning { "warning: " } else { "" };
+                write!(f, "\n{name}:{}:{}: {kind}{}", p.line, p.column, p.message)?;
             }
         }
         Ok(())
@@ -116,7 +139,7 @@ impl std::error::Error for Problems {}
 
 impl Diagnostic for Problems {
     fn severity(&self) -> Option<Severity> {
-        Some(Severity::Error)
+        Some(if self.errors() == 0 { Severity::Warning } else { Severity::Error })
     }
 
     fn related<'a>(&'a self) -> Option<Box<dyn Iterator<Item = &'a dyn Diagnostic> + 'a>> {
@@ -126,62 +149,75 @@ impl Diagnostic for Problems {
 
 /// A problem as a reader finds it.
 #[derive(Debug)]
-pub(crate) struct Finding {
+pub struct Finding {
     at: At,
     message: String,
     hint: Option<String>,
     label: Option<String>,
     /// Another place, to be named behind the hint.
     earlier: Option<At>,
+    is_warning: bool,
 }
 
 impl Finding {
-    pub(crate) fn new(at: At, message: impl Into<String>) -> Self {
-        Finding { at, message: message.into(), hint: None, label: None, earlier: None }
+    /// An error.
+    pub fn new(at: At, message: impl Into<String>) -> Self {
+        Finding { at, message: message.into(), hint: None, label: None, earlier: None, is_warning: false }
+    }
+
+    /// Suspicious, but no error.
+    pub fn warning(at: At, message: impl Into<String>) -> Self {
+        Finding { is_warning: true, ..Finding::new(at, message) }
     }
 
     /// With this advice.
-    pub(crate) fn hint(mut self, hint: impl Into<String>) -> Self {
+    pub fn hint(mut self, hint: impl Into<String>) -> Self {
         self.hint = Some(hint.into());
         self
     }
 
     /// With this written under the marked text.
-    pub(crate) fn label(mut self, label: impl Into<String>) -> Self {
+    pub fn label(mut self, label: impl Into<String>) -> Self {
         self.label = Some(label.into());
         self
     }
 
     /// With the place of the first of two.
-    pub(crate) fn earlier(mut self, at: At) -> Self {
+    pub fn earlier(mut self, at: At) -> Self {
         self.earlier = Some(at);
         self
     }
 }
 
 /// Where the readers put what they find.
-#[derive(Default)]
-pub(crate) struct Report {
+#[derive(Debug, Default)]
+pub struct Report {
     findings: Vec<Finding>,
+    errors: usize,
     is_cut: bool,
 }
 
 impl Report {
-    /// Adds a problem, unless there are enough already.
-    pub(crate) fn add(&mut self, finding: Finding) {
-        if self.findings.len() < PROBLEMS_MAX {
+    /// Adds a problem, unless there are enough of its kind already.
+    pub fn add(&mut self, finding: Finding) {
+        let warnings = self.findings.len() - self.errors;
+        let so_far = if finding.is_warning { warnings } else { self.errors };
+        if so_far < PROBLEMS_MAX {
+            self.errors += usize::from(!finding.is_warning);
             self.findings.push(finding);
         } else {
             self.is_cut = true;
         }
     }
 
-    pub(crate) fn is_empty(&self) -> bool {
-        self.findings.is_empty()
+    /// Whether nothing was found that makes the file unusable.
+    pub fn is_sound(&self) -> bool {
+        self.errors == 0
     }
 
-    pub(crate) fn into_problems(mut self, file_name: &str, text: &str) -> Problems {
-        self.findings.sort_by_key(|finding| finding.at.start);
+    /// What was found in the text, in its order. `file_name` is for messages.
+    pub fn into_problems(mut self, file_name: &str, text: &str) -> Problems {
+        self.findings.sort_by_key(|finding| (finding.at.start, finding.is_warning));
         let places = Places::of(text, &self.findings);
         let problems = self.findings.into_iter().map(|finding| places.problem(file_name, finding)).collect();
         Problems { file_name: file_name.to_owned(), problems, is_cut: self.is_cut }
@@ -236,12 +272,13 @@ impl<'a> Places<'a> {
             (Some(hint), Some(earlier)) => Some(format!("{hint}; {earlier}")),
             (hint, earlier) => hint.or(earlier),
         };
-        Problem { message: finding.message, line, column: excerpt.column(), span, hint, label: finding.label, excerpt }
+        let (column, is_warning) = (excerpt.column(), finding.is_warning);
+        Problem { message: finding.message, line, column, span, hint, label: finding.label, is_warning, excerpt }
     }
 }
 
 /// Somebody else's text in a message: short, and in one line.
-pub(crate) fn shown(text: &str) -> String {
+pub fn shown(text: &str) -> String {
     const CHARS_MAX: usize = 60;
     let mut short: String = text.chars().take(CHARS_MAX).map(|c| if c.is_control() { ' ' } else { c }).collect();
     if text.chars().nth(CHARS_MAX).is_some() {

@@ -1,6 +1,6 @@
 //! The few lines of a file around a problem, kept to be drawn.
 //!
-//! PNML is often written by programs, as one line of many megabytes. A drawing of such a line would be as long, and the
+//! Files that programs write may be one line of many megabytes. A drawing of such a line would be as long, and the
 //! whole text would have to be kept until then. So each problem takes with it what a reader needs: its line with the
 //! ones before and after, or of a long line the part around the problem.
 
@@ -50,8 +50,7 @@ impl Excerpt {
         };
         Excerpt {
             file_name: file_name.to_owned(),
-            // A terminal obeys control characters; these are of no use here, and one byte each like their stand-in.
-            text: text[from..to].replace(|c: char| c.is_ascii_control() && c != '\n' && c != '\t', " "),
+            text: text[from..to].chars().map(harmless).collect(),
             span: span.start - from..span.end.clamp(span.start, to) - from,
             lines_before,
             line,
@@ -62,6 +61,16 @@ impl Excerpt {
     /// The column of the problem in the file, in characters, from 1.
     pub(crate) fn column(&self) -> usize {
         self.column
+    }
+}
+
+/// A terminal obeys control characters; these are of no use here. Each stand-in has as many bytes as they have.
+fn harmless(c: char) -> char {
+    match c {
+        '\n' | '\t' => c,
+        c if c.is_ascii_control() => ' ',
+        c if c.is_control() => '\u{A0}',
+        c => c,
     }
 }
 

@@ -1,0 +1,254 @@
+//! The basic data types of CiA 301 (§7.4.7, table 44), and values as the bytes of a transfer.
+//!
+//! Types of a profile or a manufacturer survive as numbers: their bytes mean nothing here.
+
+use std::fmt;
+
+use crate::value::Value;
+
+/// Declares the types with their number, their name in the standard and their shape.
+macro_rules! data_types {
+    ($($variant:ident = $code:literal $name:literal $shape:expr;)*) => {
+        /// What the bytes of an entry mean.
+        #[derive(Clone, Copy, Debug, PartialEq, Eq, Hash)]
+        pub enum DataType {
+            $(#[doc = $name] $variant,)*
+            /// A type this crate does not know, by its number.
+            Other(u16),
+        }
+
+        impl DataType {
+            /// All types this crate knows.
+            pub const ALL: &[DataType] = &[$(DataType::$variant),*];
+
+            /// The type with this number in an object dictionary.
+            pub fn from_code(code: u16) -> Self {
+                match code {
+                    $($code => DataType::$variant,)*
+                    other => DataType::Other(other),
+                }
+            }
+
+            /// Its number in an object dictionary.
+            pub fn code(self) -> u16 {
+                match self {
+                    $(DataType::$variant => $code,)*
+                    DataType::Other(code) => code,
+                }
+            }
+
+            pub(crate) fn shape(self) -> Shape {
+                match self {
+                    $(DataType::$variant => $shape,)*
+                    DataType::Other(_) => Shape::Unknown,
+                }
+            }
+        }
+
+        impl fmt::Display for DataType {
+            fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
+                match self {
+                    $(DataType::$variant => f.write_str($name),)*
+                    DataType::Other(code) => write!(f, "data type 0x{code:04X}"),
+                }
+            }
+        }
+    };
+}
+
+data_types! {
+    Boolean = 0x01 "BOOLEAN" Shape::Boolean;
+    Integer8 = 0x02 "INTEGER8" Shape::Signed(1);
+    Integer16 = 0x03 "INTEGER16" Shape::Signed(2);
+    Integer32 = 0x04 "INTEGER32" Shape::Signed(4);
+    Unsigned8 = 0x05 "UNSIGNED8" Shape::Unsigned(1);
+    Unsigned16 = 0x06 "UNSIGNED16" Shape::Unsigned(2);
+    Unsigned32 = 0x07 "UNSIGNED32" Shape::Unsigned(4);
+    Real32 = 0x08 "REAL32" Shape::Real32;
+    VisibleString = 0x09 "VISIBLE_STRING" Shape::Text;
+    OctetString = 0x0A "OCTET_STRING" Shape::Bytes;
+    UnicodeString = 0x0B "UNICODE_STRING" Shape::Utf16;
+    TimeOfDay = 0x0C "TIME_OF_DAY" Shape::Unsigned(6);
+    TimeDifference = 0x0D "TIME_DIFFERENCE" Shape::Unsigned(6);
+    Domain = 0x0F "DOMAIN" Shape::Bytes;
+    Integer24 = 0x10 "INTEGER24" Shape::Signed(3);
+    Real64 = 0x11 "REAL64" Shape::Real64;
+    Integer40 = 0x12 "INTEGER40" Shape::Signed(5);
+    Integer48 = 0x13 "INTEGER48" Shape::Signed(6);
+    Integer56 = 0x14 "INTEGER56" Shape::Signed(7);
+    Integer64 = 0x15 "INTEGER64" Shape::Signed(8);
+    Unsigned24 = 0x16 "UNSIGNED24" Shape::Unsigned(3);
+    Unsigned40 = 0x18 "UNSIGNED40" Shape::Unsigned(5);
+    Unsigned48 = 0x19 "UNSIGNED48" Shape::Unsigned(6);
+    Unsigned56 = 0x1A "UNSIGNED56" Shape::Unsigned(7);
+    Unsigned64 = 0x1B "UNSIGNED64" Shape::Unsigned(8);
+}
+
+/// What the types have in common. Numbers carry their size in bytes.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub(crate) enum Shape {
+    Boolean,
+    Signed(u8),
+    Unsigned(u8),
+    Real32,
+    Real64,
+    Text,
+    Bytes,
+    Utf16,
+    Unknown,
+}
+
+impl Shape {
+    /// The least and the greatest value of a whole number.
+    pub(crate) fn limits(self) -> Option<(i128, i128)> {
+        match self {
+            Shape::Boolean => Some((0, 1)),
+            Shape::Signed(bytes) => Some((-(1 << (8 * u32::from(bytes) - 1)), (1 << (8 * u32::from(bytes) - 1)) - 1)),
+            Shape::Unsigned(bytes) => Some((0, (1 << (8 * u32::from(bytes))) - 1)),
+            _ => None,
+        }
+    }
+}
+
+/// Why a value has no bytes of a type.
+#[derive(Clone, Debug, PartialEq)]
+pub enum EncodeError {
+    /// The number is not among those of the type.
+    OutOfRange {
+        /// The type.
+        data_type: DataType,
+        /// The value.
+        value: Value,
+    },
+    /// A value of another kind is needed, such as a number instead of a text.
+    WrongKind {
+        /// The type.
+        data_type: DataType,
+        /// The value.
+        value: Value,
+    },
+    /// A VISIBLE_STRING has one byte per character.
+    NoSuchCharacter(char),
+    /// Only bytes can be given for a type this crate does not know.
+    UnknownType(u16),
+}
+
+impl fmt::Display for EncodeError {
+    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
+        match self {
+            EncodeError::OutOfRange { data_type, value } => match data_type.shape().limits() {
+                Some((least, most)) => write!(f, "{value} is no {data_type}, which is {least} to {most}"),
+                None => write!(f, "{value} is no {data_type}"),
+            },
+            EncodeError::WrongKind { data_type, value } => write!(f, "{value} is no value of {data_type}"),
+            EncodeError::NoSuchCharacter(c) => write!(f, "VISIBLE_STRING has no character `{c}`"),
+            EncodeError::UnknownType(code) => write!(f, "data type 0x{code:04X} is not known; give bytes"),
+        }
+    }
+}
+
+impl std::error::Error for EncodeError {}
+
+/// Why bytes are no value of a type.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub enum DecodeError {
+    /// Another number of bytes is needed.
+    Length {
+        /// The type.
+        data_type: DataType,
+        /// How many bytes it has.
+        expected: usize,
+        /// How many there are.
+        actual: usize,
+    },
+    /// A UNICODE_STRING that is no UTF-16.
+    NoText,
+}
+
+impl fmt::Display for DecodeError {
+    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
+        match self {
+            DecodeError::Length { data_type, expected, actual } => {
+                write!(f, "{data_type} has {expected} bytes, not {actual}")
+            }
+            DecodeError::NoText => f.write_str("these bytes are no UNICODE_STRING"),
+        }
+    }
+}
+
+impl std::error::Error for DecodeError {}
+
+impl DataType {
+    /// How many bytes a value has; `None` if that depends on the value or is not known.
+    pub fn size(self) -> Option<usize> {
+        match self.shape() {
+            Shape::Boolean => Some(1),
+            Shape::Signed(bytes) | Shape::Unsigned(bytes) => Some(bytes.into()),
+            Shape::Real32 => Some(4),
+            Shape::Real64 => Some(8),
+            Shape::Text | Shape::Bytes | Shape::Utf16 | Shape::Unknown => None,
+        }
+    }
+
+    /// The bytes of a value, as SDO and PDO carry them: little endian (CiA 301 §7.1.4).
+    ///
+    /// Whole numbers may be given as either kind of [`Value`]; of a type this crate does not know, bytes alone.
+    ///
+    /// # Errors
+    /// The value is of another kind, or out of the range of the type.
+    pub fn encode(self, value: &Value) -> Result<Vec<u8>, EncodeError> {
+        let wrong = || EncodeError::WrongKind { data_type: self, value: value.clone() };
+        match (self.shape(), value) {
+            (Shape::Unknown, Value::Bytes(bytes)) | (Shape::Bytes, Value::Bytes(bytes)) => Ok(bytes.clone()),
+            (Shape::Unknown, _) => Err(EncodeError::UnknownType(self.code())),
+            (Shape::Real32, Value::Real32(real)) => Ok(real.to_le_bytes().to_vec()),
+            (Shape::Real64, Value::Real64(real)) => Ok(real.to_le_bytes().to_vec()),
+            (Shape::Text, Value::Text(text)) => {
+                text.chars().map(|c| u8::try_from(u32::from(c)).map_err(|_| EncodeError::NoSuchCharacter(c))).collect()
+            }
+            (Shape::Utf16, Value::Text(text)) => Ok(text.encode_utf16().flat_map(u16::to_le_bytes).collect()),
+            (shape, value) => {
+                let ((least, most), number) = shape.limits().zip(value.whole()).ok_or_else(wrong)?;
+                if !(least..=most).contains(&number) {
+                    return Err(EncodeError::OutOfRange { data_type: self, value: value.clone() });
+                }
+                Ok(number.to_le_bytes()[..self.size().unwrap_or_default()].to_vec())
+            }
+        }
+    }
+
+    /// The value that bytes mean. Bytes of a type this crate does not know are their own value; zeros behind a
+    /// VISIBLE_STRING, with which some devices fill it up, are none of its characters.
+    ///
+    /// # Errors
+    /// A number of another length, or a UNICODE_STRING that is no text.
+    pub fn decode(self, bytes: &[u8]) -> Result<Value, DecodeError> {
+        if let Some(expected) = self.size().filter(|expected| *expected != bytes.len()) {
+            return Err(DecodeError::Length { data_type: self, expected, actual: bytes.len() });
+        }
+        let mut raw = [0; 8];
+        raw.iter_mut().zip(bytes).for_each(|(to, from)| *to = *from);
+        let unsigned = u64::from_le_bytes(raw);
+        Ok(match self.shape() {
+            Shape::Boolean => Value::Boolean(unsigned != 0),
+            Shape::Unsigned(_) => Value::Unsigned(unsigned),
+            Shape::Signed(bytes) => {
+                let unused = 64 - 8 * u32::from(bytes);
+                Value::Integer((unsigned << unused) as i64 >> unused)
+            }
+            Shape::Real32 => Value::Real32(f32::from_bits(unsigned as u32)),
+            Shape::Real64 => Value::Real64(f64::from_bits(unsigned)),
+            Shape::Text => {
+                let text: String = bytes.iter().map(|&byte| char::from(byte)).collect();
+                Value::Text(text.trim_end_matches('\0').to_owned())
+            }
+            Shape::Bytes | Shape::Unknown => Value::Bytes(bytes.to_vec()),
+            Shape::Utf16 => {
+                let (units, rest) = bytes.as_chunks::<2>();
+                let units: Vec<u16> = units.iter().map(|unit| u16::from_le_bytes(*unit)).collect();
+                let text = String::from_utf16(&units).ok().filter(|_| rest.is_empty()).ok_or(DecodeError::NoText)?;
+                Value::Text(text)
+            }
+        })
+    }
+}

@@ -1,0 +1,109 @@
+//! Bytes ↔ text.
+//!
+//! The standard says ASCII. Tools write their national encoding, mostly ISO-8859-1 or its Windows relative, and of late
+//! UTF-8. What is valid UTF-8 is taken as that, everything else byte for byte as ISO-8859-1: names may show a wrong
+//! letter then, but no byte is lost, and nothing that a device is sent depends on it.
+
+use linewright_problems::{At, Finding};
+
+use crate::limits::FILE_BYTES_MAX;
+
+/// How a file says its text.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub(crate) enum Encoding {
+    Utf8,
+    /// With a byte order mark before it.
+    Utf8Marked,
+    Latin1,
+}
+
+const MARK: &[u8] = b"\xEF\xBB\xBF";
+
+/// The text, or why there is none together with what could be read.
+pub(crate) fn decode(bytes: &[u8]) -> Result<(String, Encoding), (Finding, String)> {
+    let start = At::default();
+    if bytes.len() > FILE_BYTES_MAX {
+        let hint = format!("at most {FILE_BYTES_MAX} are read; is this the right file?");
+        return Err((Finding::new(start, format!("the file has {} bytes", bytes.len())).hint(hint), String::new()));
+    }
+    if matches!(bytes, [0xFE, 0xFF, ..] | [0xFF, 0xFE, ..]) {
+        return Err((Finding::new(start, "the file is UTF-16").hint("save it as UTF-8 or ISO-8859-1"), String::new()));
+    }
+    if let Some(at) = bytes.iter().position(|&byte| byte == 0) {
+        let readable = latin1(&bytes[..at]);
+        let at = At::new(readable.len()..readable.len());
+        return Err((Finding::new(at, "a zero byte: this is no text").hint("is this the right file?"), readable));
+    }
+    let (marked, rest) = match bytes.strip_prefix(MARK) {
+        Some(rest) => (true, rest),
+        None => (false, bytes),
+    };
+    match (std::str::from_utf8(rest), marked) {
+        (Ok(text), true) => Ok((text.to_owned(), Encoding::Utf8Marked)),
+        (Ok(text), false) => Ok((text.to_owned(), Encoding::Utf8)),
+        (Err(_), false) => Ok((latin1(bytes), Encoding::Latin1)),
+        (Err(error), true) => {
+            let readable = latin1(&rest[..error.valid_up_to()]);
+            let at = At::new(readable.len()..readable.len());
+            let byte = rest.get(error.valid_up_to()).copied().unwrap_or_default();
+            let message =
+                format!("the byte 0x{byte:02X} here is not UTF-8, and the file begins with the mark of UTF-8");
+            Err((Finding::new(at, message).hint("save the whole file as UTF-8, or without the mark"), readable))
+        }
+    }
+}
+
+/// The bytes of a text. One that its old encoding cannot say, or would say as something else, becomes marked UTF-8.
+pub(crate) fn encode(text: &str, encoding: Encoding) -> Vec<u8> {
+    let marked = || [MARK, text.as_bytes()].concat();
+    match encoding {
+        Encoding::Utf8 => text.as_bytes().to_vec(),
+        Encoding::Utf8Marked => marked(),
+        Encoding::Latin1 => {
+            let bytes: Option<Vec<u8>> = text.chars().map(|c| u8::try_from(u32::from(c)).ok()).collect();
+            // ASCII is the same in both; with anything else it must still not pass for UTF-8.
+            bytes.filter(|bytes| text.is_ascii() || std::str::from_utf8(bytes).is_err()).unwrap_or_else(marked)
+        }
+    }
+}
+
+fn latin1(bytes: &[u8]) -> String {
+    bytes.iter().map(|&byte| char::from(byte)).collect()
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn what_is_read_is_written_byte_for_byte() {
+        for bytes in [&b"a=1"[..], b"\xEF\xBB\xBFa=\xC3\xBC", b"a=\xFC", b"a=\x80\xFF", b"\xC3\xBC"] {
+            let (text, encoding) = decode(bytes).expect("readable");
+            assert_eq!(encode(&text, encoding), bytes, "{encoding:?}");
+        }
+        assert_eq!(decode(b"\xFC").unwrap().0, "ü");
+    }
+
+    #[test]
+    fn a_text_its_encoding_cannot_say_becomes_utf_8() {
+        for text in ["5 €", "Ã¼"] {
+            let bytes = encode(text, Encoding::Latin1);
+            assert_eq!(decode(&bytes).unwrap(), (text.to_owned(), Encoding::Utf8Marked));
+        }
+        assert_eq!(encode("ü", Encoding::Latin1), b"\xFC");
+        assert_eq!(encode("u", Encoding::Latin1), b"u");
+    }
+
+    #[test]
+    fn what_is_no_text_is_refused() {
+        for (bytes, expected) in [
+            (&b"\xFF\xFEa\0"[..], "UTF-16"),
+            (b"[a]\nb\0", "zero byte"),
+            (b"\xEF\xBB\xBFa\xFF", "0xFF here is not UTF-8"),
+        ] {
+            let (finding, _) = decode(bytes).unwrap_err();
+            assert!(format!("{finding:?}").contains(expected), "{finding:?}");
+        }
+        assert!(decode(&vec![b' '; FILE_BYTES_MAX + 1]).is_err());
+    }
+}

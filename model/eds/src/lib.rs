@@ -1,0 +1,226 @@
+//! CANopen device descriptions, EDS and DCF (CiA 306-1): read, with errors that have a line and a key, and written.
+//!
+//! An electronic data sheet says which objects a device has. A device configuration file is the same with the values
+//! one device of one net is to be given. [`read`] takes what tools write and says with a place what is sloppy about it;
+//! it refuses whatever would leave open what a device is sent. [`Eds::to_bytes`] gives back every byte, and
+//! [`Eds::configure`] makes a DCF of an EDS that differs from it in the values alone.
+//!
+//! The crate knows text and object dictionaries. It does not know files, frames, or what an object is for, with two
+//! exceptions: who a device says it is ([`Eds::identity`]), and that a PDO is switched off while it is changed
+//! ([`Eds::downloads`]).
+//!
+//! ```
+//! use linewright_eds::{Configuration, NodeId, Value, read};
+//!
+//! let text = "[DeviceInfo]\nVendorNumber=0x1F\n[MandatoryObjects]\nSupportedObjects=1\n1=0x1000\n\
+//!     [OptionalObjects]\nSupportedObjects=1\n1=0x1017\n\
+//!     [1000]\nParameterName=Device type\nDataType=7\nAccessType=ro\nDefaultValue=0x30191\n\
+//!     [1017]\nParameterName=Heartbeat time\nDataType=6\nAccessType=rw\nDefaultValue=0 ; off\n";
+//! let eds = read("io.eds", text.as_bytes())?;
+//! let node = NodeId::new(4).expect("1 to 127");
+//! let device_type = eds.entry(0x1000, 0).expect("there is one");
+//! assert_eq!(device_type.default_for(node), Some(Value::Unsigned(0x30191)));
+//!
+//! let dcf = eds.configure("io4.dcf", &Configuration::new(node).set(0x1017, 0, Value::Unsigned(50)))?;
+//! assert_eq!(dcf.downloads(node)?[0].to_string(), "1017h: 32 00");
+//!
+//! let wrong = text.replace("DataType=6", "DataType=5").replace("DefaultValue=0 ; off", "DefaultValue=300");
+//! let problems = read("io.eds", wrong.as_bytes()).unwrap_err();
+//! assert_eq!(
+//!     format!("{problems:#}"),
+//!     "io.eds: 1 error\nio.eds:18:14: [1017] DefaultValue: `300` does not fit into UNSIGNED8"
+//! );
+//! # Ok::<(), Box<dyn std::error::Error>>(())
+//! ```
+//!
+//! # How a file is read
+//! 1. `decode`: bytes → text
+//! 2. `ini`: text → sections and keys, as places in it
+//! 3. `names`: what each section is about
+//! 4. `info`, `objects` with `entry`: what the sections say
+//! 5. `lists`: does what is listed agree with what is there?
+//!
+//! All problems of a file are reported at once.
+
+mod data_type;
+mod dcf;
+mod decode;
+mod download;
+mod edit;
+mod entry;
+mod identity;
+mod info;
+mod ini;
+pub mod limits;
+mod lists;
+mod model;
+mod names;
+mod number;
+mod objects;
+mod reader;
+mod value;
+
+use std::borrow::Cow;
+use std::collections::BTreeMap;
+use std::collections::HashMap;
+
+pub use data_type::{DataType, DecodeError, EncodeError};
+pub use dcf::{Configuration, ConfigureError, ConfigureErrors};
+pub use download::{Content, Download, DownloadError, Reason};
+pub use identity::Identity;
+pub use info::{Commissioning, DeviceInfo, FileInfo};
+pub use linewright_problems::{Problem, Problems};
+pub use model::{Access, Entry, Object, ObjectType};
+pub use names::Category;
+pub use value::{NodeId, Setting, Value};
+
+use decode::Encoding;
+use ini::{Document, SectionRef};
+use linewright_problems::{Finding, Report, shown};
+use names::Kind;
+use reader::{Reader, Weight};
+
+/// A device description that was read.
+#[derive(Clone, Debug)]
+pub struct Eds {
+    /// `[FileInfo]`.
+    pub file: FileInfo,
+    /// `[DeviceInfo]`.
+    pub device: DeviceInfo,
+    /// `[DeviceComissioning]`, of a DCF.
+    pub commissioning: Option<Commissioning>,
+    /// `[Comments]`, line by line.
+    pub comments: Vec<String>,
+    /// `[DummyUsage]`: the numbers of the types that may be mapped into an RPDO as a gap.
+    pub dummies: Vec<u16>,
+    file_name: String,
+    encoding: Encoding,
+    document: Document,
+    objects: BTreeMap<u16, Object>,
+    warnings: Problems,
+}
+
+/// Reads an EDS or a DCF. `file_name` is for messages.
+///
+/// # Errors
+/// All problems of the file, each with its line and key; warnings among them. At most [`limits::PROBLEMS_MAX`] of each.
+pub fn read(file_name: &str, bytes: &[u8]) -> Result<Eds, Problems> {
+    let mut report = Report::default();
+    match decode::decode(bytes) {
+        Ok((text, encoding)) => understand(file_name, text, encoding, report),
+        Err((finding, readable)) => {
+            report.add(finding);
+            Err(report.into_problems(file_name, &readable))
+        }
+    }
+}
+
+fn understand(file_name: &str, text: String, encoding: Encoding, mut report: Report) -> Result<Eds, Problems> {
+    let document = Document::new(text, &mut report);
+    let sections = classify(&document, &mut report);
+    let of_kind = |wanted: Kind| sections.iter().find(|(kind, _)| *kind == wanted).map(|(_, section)| *section);
+    let file = of_kind(Kind::FileInfo).map(|section| FileInfo::read(&Reader::new(section, &mut report)));
+    let device = of_kind(Kind::DeviceInfo).map(|section| DeviceInfo::read(&mut Reader::new(section, &mut report)));
+    let device = device.unwrap_or_default();
+    let commissioning = of_kind(Kind::Commissioning);
+    let commissioning = commissioning.map(|section| Commissioning::read(&mut Reader::new(section, &mut report)));
+    let comments = of_kind(Kind::Comments).map(|section| info::comments(&Reader::new(section, &mut report)));
+    let dummies = of_kind(Kind::DummyUsage).map(|section| info::dummies(&mut Reader::new(section, &mut report)));
+    let node = commissioning.as_ref().and_then(|commissioning| commissioning.node_id).unwrap_or(NodeId::FIRST);
+    let mut objects = objects::read(&sections, node, &mut report);
+    objects::check_elements(&objects, &document, &mut report);
+    lists::check(&sections, &document, &mut objects, device.compact_pdo > 0, &mut report);
+    identity::check(&device, &objects, &document, node, &mut report);
+    if objects.is_empty() {
+        let hint = "an EDS has sections such as [1000]; is this the right file?";
+        report.add(Finding::new(Default::default(), "the file describes no object").hint(hint));
+    }
+    drop(sections);
+    let is_sound = report.is_sound();
+    let warnings = report.into_problems(file_name, &document.text);
+    if !is_sound {
+        return Err(warnings);
+    }
+    Ok(Eds {
+        file: file.unwrap_or_default(),
+        device,
+        commissioning,
+        comments: comments.unwrap_or_default(),
+        dummies: dummies.unwrap_or_default(),
+        file_name: file_name.to_owned(),
+        encoding,
+        document,
+        objects,
+        warnings,
+    })
+}
+
+/// What each section is about. Of two about the same thing a program would take one by chance.
+fn classify<'a>(document: &'a Document, report: &mut Report) -> Vec<(Kind, SectionRef<'a>)> {
+    let mut sections = Vec::new();
+    let mut first: HashMap<Kind, SectionRef<'a>> = HashMap::new();
+    for section in document.sections() {
+        let kind = names::classify(section.name());
+        match kind {
+            Kind::Unknown => continue,
+            Kind::Garbled => {
+                let message = "looks like an object, but its index or subindex is not understood";
+                Reader::new(section, report).say_here(Weight::Error, message, "write it as [1018] or [1018sub1]");
+                continue;
+            }
+            _ => {}
+        }
+        if let Some(before) = first.get(&kind) {
+            let message = format!("[{}] stands here a second time", shown(section.name()));
+            let finding = Finding::new(section.at(), message).hint("remove one of them, or put both together");
+            report.add(finding.earlier(before.at()));
+            continue;
+        }
+        first.insert(kind, section);
+        section.check_twice(report);
+        sections.push((kind, section));
+    }
+    sections
+}
+
+impl Eds {
+    /// The name the file was read by.
+    pub fn file_name(&self) -> &str {
+        &self.file_name
+    }
+
+    /// What is sloppy about the file.
+    pub fn warnings(&self) -> &Problems {
+        &self.warnings
+    }
+
+    /// The file, byte for byte.
+    pub fn to_bytes(&self) -> Vec<u8> {
+        decode::encode(&self.document.text, self.encoding)
+    }
+
+    /// The object with this index.
+    pub fn object(&self, index: u16) -> Option<&Object> {
+        self.objects.get(&index)
+    }
+
+    /// All objects, by index.
+    pub fn objects(&self) -> impl Iterator<Item = &Object> {
+        self.objects.values()
+    }
+
+    /// The entry with this index and subindex; a single value has subindex 0.
+    pub fn entry(&self, index: u16, sub: u8) -> Option<Cow<'_, Entry>> {
+        self.objects.get(&index)?.entry(sub)
+    }
+
+    /// All entries with index and subindex, in order. Those of compact arrays are made one by one.
+    pub fn entries(&self) -> impl Iterator<Item = (u16, u8, Cow<'_, Entry>)> {
+        self.objects.values().flat_map(|object| object.entries().map(|(sub, entry)| (object.index, sub, entry)))
+    }
+
+    /// The node id a DCF is for.
+    pub fn node_id(&self) -> Option<NodeId> {
+        self.commissioning.as_ref().and_then(|commissioning| commissioning.node_id)
+    }
+}

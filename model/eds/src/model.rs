@@ -1,0 +1,264 @@
+//! What a description says of a device's objects.
+
+use std::borrow::Cow;
+use std::collections::BTreeMap;
+use std::fmt;
+
+use crate::data_type::DataType;
+use crate::names::Category;
+use crate::value::{NodeId, Setting, Value};
+
+/// What kind of object something is (CiA 301 §7.4.3, table 42).
+#[derive(Clone, Copy, Debug, PartialEq, Eq, Hash)]
+pub enum ObjectType {
+    /// 0: an entry without data.
+    Null,
+    /// 2: bytes of any length, such as a program.
+    Domain,
+    /// 5: a type.
+    DefType,
+    /// 6: a record type.
+    DefStruct,
+    /// 7: one value.
+    Var,
+    /// 8: elements of one type.
+    Array,
+    /// 9: elements of several types.
+    Record,
+    /// Another one.
+    Other(u8),
+}
+
+impl ObjectType {
+    pub(crate) fn from_code(code: u8) -> Self {
+        match code {
+            0 => ObjectType::Null,
+            2 => ObjectType::Domain,
+            5 => ObjectType::DefType,
+            6 => ObjectType::DefStruct,
+            7 => ObjectType::Var,
+            8 => ObjectType::Array,
+            9 => ObjectType::Record,
+            other => ObjectType::Other(other),
+        }
+    }
+
+    /// Whether it has elements with subindices.
+    pub fn has_subs(self) -> bool {
+        matches!(self, ObjectType::Array | ObjectType::Record | ObjectType::DefStruct)
+    }
+}
+
+/// Who may do what with an entry (CiA 306, AccessType).
+#[derive(Clone, Copy, Debug, PartialEq, Eq, Hash)]
+pub enum Access {
+    /// `ro`: may only be read.
+    ReadOnly,
+    /// `wo`: may only be written.
+    WriteOnly,
+    /// `rw`: may be read and written.
+    ReadWrite,
+    /// `rwr`: as `rw`, and goes from the device into a TPDO.
+    ReadWriteInput,
+    /// `rww`: as `rw`, and comes to the device in an RPDO.
+    ReadWriteOutput,
+    /// `const`: may only be read and never changes.
+    Const,
+}
+
+impl Access {
+    pub(crate) const ALL: [Access; 6] = [
+        Access::ReadOnly,
+        Access::WriteOnly,
+        Access::ReadWrite,
+        Access::ReadWriteInput,
+        Access::ReadWriteOutput,
+        Access::Const,
+    ];
+
+    /// As a file says it.
+    pub fn name(self) -> &'static str {
+        match self {
+            Access::ReadOnly => "ro",
+            Access::WriteOnly => "wo",
+            Access::ReadWrite => "rw",
+            Access::ReadWriteInput => "rwr",
+            Access::ReadWriteOutput => "rww",
+            Access::Const => "const",
+        }
+    }
+
+    /// Whether an SDO may write it.
+    pub fn is_writable(self) -> bool {
+        !matches!(self, Access::ReadOnly | Access::Const)
+    }
+
+    /// Whether an SDO may read it.
+    pub fn is_readable(self) -> bool {
+        self != Access::WriteOnly
+    }
+}
+
+impl fmt::Display for Access {
+    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
+        f.write_str(self.name())
+    }
+}
+
+/// One value of a device: what an index and a subindex lead to.
+#[derive(Clone, Debug)]
+pub struct Entry {
+    /// ParameterName.
+    pub name: String,
+    /// Denotation: what the plant calls it (DCF).
+    pub denotation: Option<String>,
+    /// ObjectType, nearly always [`ObjectType::Var`].
+    pub object_type: ObjectType,
+    /// DataType.
+    pub data_type: DataType,
+    /// AccessType.
+    pub access: Access,
+    /// DefaultValue: what the device has after switching on, if the file says so.
+    pub default: Option<Setting>,
+    /// LowLimit.
+    pub low: Option<Setting>,
+    /// HighLimit.
+    pub high: Option<Setting>,
+    /// PDOMapping: whether it may be mapped into a PDO.
+    pub pdo_mappable: bool,
+    /// ObjFlags; see [`Entry::refuses_download`].
+    pub flags: u32,
+    /// ParameterValue: what the device is to be given (DCF).
+    pub value: Option<Setting>,
+    /// UploadFile: where its content is to be put, for a DOMAIN (DCF).
+    pub upload_file: Option<String>,
+    /// DownloadFile: where its content is, for a DOMAIN (DCF).
+    pub download_file: Option<String>,
+    /// The line of its section in the file, from 1.
+    pub line: u32,
+    /// The number of that section.
+    pub(crate) section: u32,
+}
+
+impl Entry {
+    /// Its default for this node id.
+    pub fn default_for(&self, node: NodeId) -> Option<Value> {
+        self.default.as_ref().map(|setting| setting.for_node(node))
+    }
+
+    /// Its parameter value for this node id.
+    pub fn value_for(&self, node: NodeId) -> Option<Value> {
+        self.value.as_ref().map(|setting| setting.for_node(node))
+    }
+
+    /// What the device has when it is configured: the parameter value, or else the default.
+    pub fn effective(&self, node: NodeId) -> Option<Value> {
+        self.value_for(node).or_else(|| self.default_for(node))
+    }
+
+    /// ObjFlags bit 0: a configuration is not to write it.
+    pub fn refuses_download(&self) -> bool {
+        self.flags & 1 != 0
+    }
+
+    /// The limit a value is beyond, if it is.
+    pub(crate) fn limit_broken(&self, value: &Value, node: NodeId) -> Option<(&'static str, Value)> {
+        let low = self.low.as_ref().map(|low| low.for_node(node));
+        if let Some(low) = low.filter(|low| value.is_less(low) == Some(true)) {
+            return Some(("LowLimit", low));
+        }
+        let high = self.high.as_ref().map(|high| high.for_node(node));
+        high.filter(|high| high.is_less(value) == Some(true)).map(|high| ("HighLimit", high))
+    }
+}
+
+/// A compact array: one description for all its elements (CompactSubObj).
+#[derive(Clone, Debug)]
+pub(crate) struct Compact {
+    pub count: u8,
+    pub template: Entry,
+    pub names: BTreeMap<u8, String>,
+    pub denotations: BTreeMap<u8, String>,
+    pub values: BTreeMap<u8, Setting>,
+}
+
+/// One object: what an index leads to.
+#[derive(Clone, Debug)]
+pub struct Object {
+    /// Its index.
+    pub index: u16,
+    /// ParameterName.
+    pub name: String,
+    /// Denotation (DCF).
+    pub denotation: Option<String>,
+    /// ObjectType.
+    pub object_type: ObjectType,
+    /// The list it stands in, if in any.
+    pub category: Option<Category>,
+    /// ObjFlags.
+    pub flags: u32,
+    /// The line of its section in the file, from 1.
+    pub line: u32,
+    pub(crate) section: u32,
+    pub(crate) sub_number: Option<u8>,
+    /// How many sections describe elements, those with errors included.
+    pub(crate) described: u16,
+    /// Only elements of it are in the file; its section is that of the first one.
+    pub(crate) is_implied: bool,
+    /// Its elements, or of an object without any its value as element 0.
+    pub(crate) subs: BTreeMap<u8, Entry>,
+    pub(crate) compact: Option<Compact>,
+}
+
+impl Object {
+    /// The entry with this subindex; a single value has subindex 0.
+    pub fn entry(&self, sub: u8) -> Option<Cow<'_, Entry>> {
+        match self.subs.get(&sub) {
+            Some(entry) => Some(Cow::Borrowed(entry)),
+            None => self.compact.as_ref()?.entry(sub).map(Cow::Owned),
+        }
+    }
+
+    /// Its entries with their subindices, in order. Those of a compact array are made one by one.
+    pub fn entries(&self) -> impl Iterator<Item = (u8, Cow<'_, Entry>)> {
+        let last_compact = self.compact.as_ref().map(|compact| compact.count);
+        let last = self.subs.last_key_value().map(|(sub, _)| *sub).max(last_compact);
+        let all = last.map(|last| 0..=last).into_iter().flatten();
+        all.filter_map(|sub| self.entry(sub).map(|entry| (sub, entry)))
+    }
+}
+
+impl Compact {
+    fn entry(&self, sub: u8) -> Option<Entry> {
+        if sub > self.count {
+            return None;
+        }
+        let template = &self.template;
+        if sub == 0 {
+            // CiA 306: the number of elements is constant and described by nothing but CompactSubObj.
+            return Some(Entry {
+                name: "NrOfObjects".to_owned(),
+                denotation: None,
+                object_type: ObjectType::Var,
+                data_type: DataType::Unsigned8,
+                access: Access::ReadOnly,
+                default: Some(Setting::fixed(Value::Unsigned(self.count.into()))),
+                low: None,
+                high: None,
+                pdo_mappable: false,
+                flags: 0,
+                value: None,
+                upload_file: None,
+                download_file: None,
+                line: template.line,
+                section: template.section,
+            });
+        }
+        Some(Entry {
+            name: self.names.get(&sub).cloned().unwrap_or_else(|| format!("{}{sub}", template.name)),
+            denotation: self.denotations.get(&sub).cloned(),
+            value: self.values.get(&sub).or(template.value.as_ref()).cloned(),
+            ..template.clone()
+        })
+    }
+}

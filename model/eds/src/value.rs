@@ -1,0 +1,287 @@
+//! Values, and how a file says them.
+
+use std::fmt;
+use std::fmt::Write as _;
+
+use linewright_problems::shown;
+
+use crate::data_type::{DataType, EncodeError, Shape};
+use crate::number::{self, NotANumber};
+
+/// A CANopen node id: 1 to 127.
+#[derive(Clone, Copy, Debug, PartialEq, Eq, Hash, PartialOrd, Ord)]
+pub struct NodeId(u8);
+
+impl NodeId {
+    /// The lowest one.
+    pub const FIRST: NodeId = NodeId(1);
+
+    /// The node id of this number; `None` if there is none.
+    pub fn new(id: u8) -> Option<Self> {
+        (1..=127).contains(&id).then_some(NodeId(id))
+    }
+
+    /// Its number.
+    pub fn get(self) -> u8 {
+        self.0
+    }
+}
+
+impl fmt::Display for NodeId {
+    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
+        write!(f, "{}", self.0)
+    }
+}
+
+/// What an entry holds.
+#[derive(Clone, Debug, PartialEq)]
+pub enum Value {
+    /// BOOLEAN.
+    Boolean(bool),
+    /// The signed types.
+    Integer(i64),
+    /// The unsigned types, and the two times as they are transferred.
+    Unsigned(u64),
+    /// REAL32.
+    Real32(f32),
+    /// REAL64.
+    Real64(f64),
+    /// VISIBLE_STRING and UNICODE_STRING.
+    Text(String),
+    /// OCTET_STRING, DOMAIN, and every type this crate does not know.
+    Bytes(Vec<u8>),
+}
+
+impl Value {
+    /// The whole number it is.
+    pub(crate) fn whole(&self) -> Option<i128> {
+        match *self {
+            Value::Boolean(value) => Some(value.into()),
+            Value::Integer(value) => Some(value.into()),
+            Value::Unsigned(value) => Some(value.into()),
+            Value::Real32(_) | Value::Real64(_) | Value::Text(_) | Value::Bytes(_) => None,
+        }
+    }
+
+    /// The unsigned number it is, if it is one.
+    pub fn as_u64(&self) -> Option<u64> {
+        self.whole().and_then(|value| u64::try_from(value).ok())
+    }
+
+    /// Whether it is less than `other`; `None` between values that have no order.
+    pub(crate) fn is_less(&self, other: &Value) -> Option<bool> {
+        match (self, other) {
+            (Value::Real32(a), Value::Real32(b)) => Some(a < b),
+            (Value::Real64(a), Value::Real64(b)) => Some(a < b),
+            _ => Some(self.whole()? < other.whole()?),
+        }
+    }
+}
+
+impl fmt::Display for Value {
+    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
+        match self {
+            Value::Boolean(value) => write!(f, "{}", u8::from(*value)),
+            Value::Integer(value) => write!(f, "{value}"),
+            Value::Unsigned(value) if *value > 9 => write!(f, "{value} (0x{value:X})"),
+            Value::Unsigned(value) => write!(f, "{value}"),
+            Value::Real32(value) => write!(f, "{value}"),
+            Value::Real64(value) => write!(f, "{value}"),
+            Value::Text(text) => write!(f, "`{}`", shown(text)),
+            Value::Bytes(bytes) => {
+                const SHOWN: usize = 16;
+                let shown = bytes.iter().take(SHOWN).map(|byte| format!("{byte:02X}")).collect::<Vec<_>>().join(" ");
+                write!(f, "{shown}{}", if bytes.len() > SHOWN { " …" } else { "" })
+            }
+        }
+    }
+}
+
+/// A value as a file states it: itself, or to be added to the node id the device will have.
+#[derive(Clone, Debug, PartialEq)]
+pub struct Setting {
+    pub(crate) value: Value,
+    pub(crate) plus_node_id: bool,
+}
+
+impl Setting {
+    /// A value that is the same for every node id.
+    pub fn fixed(value: Value) -> Self {
+        Setting { value, plus_node_id: false }
+    }
+
+    /// The value for this node id.
+    pub fn for_node(&self, node: NodeId) -> Value {
+        match self.value {
+            // What is read fits its type with every node id.
+            Value::Integer(value) if self.plus_node_id => Value::Integer(value.saturating_add(node.get().into())),
+            Value::Unsigned(value) if self.plus_node_id => Value::Unsigned(value.saturating_add(node.get().into())),
+            _ => self.value.clone(),
+        }
+    }
+
+    /// The value, if it is the same for every node id.
+    pub fn constant(&self) -> Option<&Value> {
+        (!self.plus_node_id).then_some(&self.value)
+    }
+
+    /// Whether the node id is added.
+    pub fn depends_on_node_id(&self) -> bool {
+        self.plus_node_id
+    }
+}
+
+/// Why a text is no value of a type.
+#[derive(Clone, Debug, PartialEq)]
+pub(crate) enum BadValue {
+    Number(NotANumber),
+    /// A number, but not one of the type; true if only with some node ids.
+    Range {
+        text: String,
+        data_type: DataType,
+        with_node_id: bool,
+    },
+    /// A number that a type of this kind is not written as.
+    Real(String),
+    Hex(String),
+    Unknown(u16),
+}
+
+impl BadValue {
+    /// What to do about it.
+    pub(crate) fn hint(&self) -> String {
+        match self {
+            BadValue::Number(number) => number.hint().to_owned(),
+            BadValue::Range { data_type, with_node_id, .. } => match data_type.shape().limits() {
+                Some((least, most)) if *with_node_id => {
+                    format!("with every node id up to 127 it must be {least} to {most}, or the DataType is wrong")
+                }
+                Some((least, most)) => format!("it must be {least} to {most}, or the DataType is wrong"),
+                None => "the DataType may be wrong".to_owned(),
+            },
+            BadValue::Real(_) => "write it as 1.5 or 15e-1, or in hexadecimal with all of its bits".to_owned(),
+            BadValue::Hex(_) => "write the bytes as pairs of hexadecimal digits, such as 01 2A FF".to_owned(),
+            BadValue::Unknown(_) => "give the entry a data type of CiA 301, or set it by other means".to_owned(),
+        }
+    }
+
+    /// Whether it is about a number, which every tool reads in the same way.
+    pub(crate) fn is_certain(&self) -> bool {
+        matches!(self, BadValue::Number(_) | BadValue::Range { .. })
+    }
+}
+
+impl fmt::Display for BadValue {
+    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
+        match self {
+            BadValue::Number(number) => number.fmt(f),
+            BadValue::Range { text, data_type, .. } => write!(f, "`{}` does not fit into {data_type}", shown(text)),
+            BadValue::Real(text) => write!(f, "`{}` is not understood as a real number", shown(text)),
+            BadValue::Hex(text) => write!(f, "`{}` is not understood as bytes", shown(text)),
+            BadValue::Unknown(code) => {
+                write!(f, "a value of data type 0x{code:04X}, which is not known, means nothing")
+            }
+        }
+    }
+}
+
+/// What a text says for a type, and whether it was octal.
+pub(crate) fn read(text: &str, data_type: DataType) -> Result<(Setting, bool), BadValue> {
+    let fixed = |value| Ok((Setting::fixed(value), false));
+    match data_type.shape() {
+        Shape::Text | Shape::Utf16 => fixed(Value::Text(text.to_owned())),
+        Shape::Bytes => match hex_bytes(text) {
+            Some(bytes) => fixed(Value::Bytes(bytes)),
+            None => Err(BadValue::Hex(text.to_owned())),
+        },
+        Shape::Real32 => match bits(text, 4)? {
+            Some(bits) => fixed(Value::Real32(f32::from_bits(bits as u32))),
+            None => fixed(Value::Real32(text.trim().parse().map_err(|_| BadValue::Real(text.to_owned()))?)),
+        },
+        Shape::Real64 => match bits(text, 8)? {
+            Some(bits) => fixed(Value::Real64(f64::from_bits(bits))),
+            None => fixed(Value::Real64(text.trim().parse().map_err(|_| BadValue::Real(text.to_owned()))?)),
+        },
+        Shape::Unknown => Err(BadValue::Unknown(data_type.code())),
+        shape @ (Shape::Boolean | Shape::Signed(_) | Shape::Unsigned(_)) => {
+            if matches!(data_type, DataType::TimeOfDay | DataType::TimeDifference)
+                && let Some(time) = days_and_millis(text)
+            {
+                return fixed(Value::Unsigned(time));
+            }
+            let (number, plus_node_id) = number::sum(text).map_err(BadValue::Number)?;
+            let range = || BadValue::Range { text: text.to_owned(), data_type, with_node_id: plus_node_id };
+            let (least, most) = shape.limits().ok_or_else(range)?;
+            let mut value = number.value;
+            if let Shape::Signed(bytes) = shape
+                && number.is_hex
+                && (most + 1..1 << (8 * u32::from(bytes))).contains(&value)
+            {
+                // Hexadecimal of a signed type is also written as its bits: 0xFF is −1 of eight.
+                value -= 1 << (8 * u32::from(bytes));
+            }
+            let largest = value + if plus_node_id { 127 } else { 0 };
+            if value < least || largest > most || (plus_node_id && shape == Shape::Boolean) {
+                return Err(range());
+            }
+            let value = match shape {
+                Shape::Boolean => Value::Boolean(value != 0),
+                Shape::Signed(_) => Value::Integer(i64::try_from(value).map_err(|_| range())?),
+                _ => Value::Unsigned(u64::try_from(value).map_err(|_| range())?),
+            };
+            Ok((Setting { value, plus_node_id }, number.is_octal))
+        }
+    }
+}
+
+/// How a file says a value of a type, so that [`read`] understands the same.
+pub(crate) fn write(value: &Value, data_type: DataType) -> Result<String, EncodeError> {
+    let bytes = data_type.encode(value)?;
+    Ok(match value {
+        Value::Boolean(_) | Value::Integer(_) | Value::Unsigned(_) => {
+            let number = value.whole().unwrap_or_default();
+            match data_type.shape() {
+                Shape::Unsigned(size) if number > 9 => format!("0x{number:0width$X}", width = 2 * usize::from(size)),
+                _ => number.to_string(),
+            }
+        }
+        Value::Real32(real) => format!("{real:?}"),
+        Value::Real64(real) => format!("{real:?}"),
+        Value::Text(text) => text.clone(),
+        Value::Bytes(_) => bytes.iter().fold(String::new(), |mut text, byte| {
+            let _ = write!(text, "{byte:02X}");
+            text
+        }),
+    })
+}
+
+/// Hexadecimal of a real type is its bits, all of them; a shorter one might be anything, unless it is zero.
+fn bits(text: &str, bytes: usize) -> Result<Option<u64>, BadValue> {
+    let text = text.trim();
+    match number::number(text) {
+        Ok(number) if number.is_hex => match u64::try_from(number.value) {
+            Ok(bits) if bits == 0 || text.len() == 2 + 2 * bytes => Ok(Some(bits)),
+            _ => Err(BadValue::Real(text.to_owned())),
+        },
+        _ => Ok(None),
+    }
+}
+
+/// Days and milliseconds, as two numbers: the two times are transferred as one of 48 bits (CiA 301 §7.1.6.5).
+fn days_and_millis(text: &str) -> Option<u64> {
+    let (days, millis) = text.trim().split_once(char::is_whitespace)?;
+    let (days, millis) = (number::number(days).ok()?.value, number::number(millis.trim()).ok()?.value);
+    let days = u64::from(u16::try_from(days).ok()?);
+    let millis = u64::try_from(millis).ok().filter(|millis| *millis < 1 << 28)?;
+    Some(days << 32 | millis)
+}
+
+fn hex_bytes(text: &str) -> Option<Vec<u8>> {
+    let digits: Option<Vec<u8>> = text
+        .chars()
+        .filter(|c| !c.is_whitespace())
+        .map(|c| c.to_digit(16).and_then(|digit| u8::try_from(digit).ok()))
+        .collect();
+    let (pairs, rest) = digits.as_deref()?.as_chunks::<2>();
+    rest.is_empty().then(|| pairs.iter().map(|[high, low]| high << 4 | low).collect())
+}
