@@ -1,0 +1,91 @@
+//! The device and its description say the same: every entry that can be read answers with as many bytes as its type
+//! has and, if it has a default, with that; and nothing answers that is not described.
+#![cfg(feature = "can")]
+
+use std::time::Duration;
+
+use linewright_eds::{Eds, NodeId, Value, read};
+use linewright_fieldbus::Frame;
+use linewright_line::{Tick, Timing};
+use linewright_plant::{DeviceNode, DeviceOutbox};
+
+const NODE: u8 = 4;
+const EDS: &[u8] = include_bytes!("../../launch-config/devices/linewright-io.eds");
+
+fn described() -> Eds {
+    read("linewright-io.eds", EDS).unwrap_or_else(|problems| panic!("{problems:#}"))
+}
+
+/// A device of 64 inputs and outputs that has booted.
+fn device() -> DeviceNode {
+    let id = linewright_fieldbus::NodeId::new(NODE).expect("a node id");
+    let mut device = DeviceNode::new(Tick::ZERO, id, 64, 64, &Timing::default());
+    device.poll(Tick::ZERO + Duration::from_millis(30), &mut DeviceOutbox::default());
+    device
+}
+
+/// The answer to an upload request, as bytes of the frame.
+fn ask(device: &mut DeviceNode, index: u16, sub: u8) -> Vec<u8> {
+    let [low, high] = index.to_le_bytes();
+    let request = Frame::data_frame(0x600 + u16::from(NODE), &[0x40, low, high, sub, 0, 0, 0, 0]).expect("a frame");
+    let mut out = DeviceOutbox::default();
+    device.handle(Tick::ZERO + Duration::from_millis(31), &request, &mut out);
+    assert_eq!(out.frames.len(), 1, "{index:04X} {sub}");
+    out.frames[0].data().to_vec()
+}
+
+#[test]
+fn every_entry_answers_as_described() {
+    let (eds, mut device) = (described(), device());
+    let mut read = 0;
+    for (index, sub, entry) in eds.entries() {
+        let answer = ask(&mut device, index, sub);
+        if !entry.access.is_readable() {
+            assert_eq!(answer[0], 0x80, "{index:04X} {sub} is described as {}", entry.access);
+            continue;
+        }
+        let size = entry.data_type.size().expect("only numbers here");
+        assert_eq!(answer[0], 0x43 | (4 - size as u8) << 2, "{index:04X} {sub} answers {answer:02X?}");
+        let value = entry.data_type.decode(&answer[4..4 + size]).expect("of its size");
+        let default = entry.default_for(NodeId::new(NODE).expect("a node id"));
+        assert_eq!(Some(value), default, "{index:04X} {sub}");
+        read += 1;
+    }
+    assert_eq!(read, 25, "entries of the description that can be read");
+}
+
+#[test]
+fn nothing_answers_that_is_not_described() {
+    let (eds, mut device) = (described(), device());
+    for index in (0x1000..0x1C00).chain(0x2000..0x7000) {
+        for sub in 0..=70 {
+            // Whatever can be read is described; what can only be written says so.
+            let answer = ask(&mut device, index, sub);
+            if eds.entry(index, sub).is_none() && !(matches!(index, 0x5F00 | 0x5F01)) {
+                assert_eq!(answer[0], 0x80, "{index:04X} {sub} answers and is not described");
+            }
+        }
+    }
+}
+
+#[test]
+fn what_a_configuration_sets_the_device_takes() {
+    let node = NodeId::new(NODE).expect("a node id");
+    let configuration = linewright_eds::Configuration::new(node)
+        .set(0x1016, 1, Value::Unsigned(0x0001_0064))
+        .set(0x1017, 0, Value::Unsigned(100));
+    let dcf = described().configure("io4.dcf", &configuration).unwrap_or_else(|errors| panic!("{errors}"));
+    let mut device = device();
+    for download in dcf.downloads(node).expect("for this node") {
+        let linewright_eds::Content::Bytes(bytes) = &download.content else { panic!("{download}") };
+        let [low, high] = download.index.to_le_bytes();
+        let mut data = vec![0x23 | (4 - bytes.len() as u8) << 2, low, high, download.sub, 0, 0, 0, 0];
+        data[4..4 + bytes.len()].copy_from_slice(bytes);
+        let request = Frame::data_frame(0x600 + u16::from(NODE), &data).expect("a frame");
+        let mut out = DeviceOutbox::default();
+        device.handle(Tick::ZERO + Duration::from_millis(32), &request, &mut out);
+        assert_eq!(out.frames[0].data()[0], 0x60, "{download}");
+        let answer = ask(&mut device, download.index, download.sub);
+        assert_eq!(&answer[4..4 + bytes.len()], bytes);
+    }
+}
