@@ -80,6 +80,7 @@ fn a_manager_brings_a_device_up_and_the_log_can_be_read() {
             bus: BusName::Line,
             inputs: vec![Some(InputId(0))],
             outputs: vec![Some(OutputId(0))],
+            drive: None,
         };
         let manager = Manager::new([&description], Timing::default()).unwrap();
         let mut driver = Driver::new(bus, manager, Clock::start());

@@ -223,8 +223,8 @@ fn slot((number, device): (usize, &Device)) -> Slot {
     let bits = |wired: &mut dyn Iterator<Item = u16>| wired.fold(0, |bits, bit| bits | 1 << bit);
     Slot {
         device: number,
-        inputs: bits(&mut device.inputs.iter().flatten().map(|input| input.0)),
-        outputs: bits(&mut device.outputs.iter().flatten().map(|output| output.0)),
+        inputs: bits(&mut device.carried_inputs().map(|input| input.0)),
+        outputs: bits(&mut device.carried_outputs().map(|output| output.0)),
         unplugged: false,
         unread: false,
         noticed: Tick::NEVER,

@@ -17,6 +17,7 @@ fn devices() -> Vec<Device> {
         bus: Bus::Line,
         inputs: vec![Some(InputId(bit)), None],
         outputs: vec![Some(OutputId(bit))],
+        drive: None,
     };
     vec![device("drill-a", 4, DRILL, 0), device("drill-b", 5, DRILL, 1), device("clamp", 6, CLAMP, 0)]
 }

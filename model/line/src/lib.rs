@@ -3,12 +3,14 @@
 //! This crate knows what a line is and how its description is written. It knows nothing of time passing, messages or
 //! devices beyond their names and numbers: those are the business of the crates that take a [`Line`].
 
+mod drive;
 mod line;
 pub mod net;
 mod parse;
 mod time;
 mod transfer_line;
 
+pub use drive::{AtRest, Drive, DriveMode, DriveTarget, Homing};
 pub use line::*;
 pub use parse::{Parsed, Problem, Problems, parse, suggestion};
 pub use time::Tick;

@@ -346,7 +346,7 @@ pub struct Span {
     pub until: OpId,
 }
 
-/// A CAN device with digital inputs and outputs (CiA 401 default mapping: one PDO of up to 64 bits each way).
+/// A CAN device: digital inputs and outputs (CiA 401 default mapping: one PDO of up to 64 bits each way), or a drive.
 #[derive(Clone, Debug, PartialEq)]
 pub struct Device {
     /// Its name.
@@ -361,6 +361,8 @@ pub struct Device {
     pub inputs: Vec<Option<InputId>>,
     /// For each bit of its output PDO (RPDO1, 0x200 + id), the output of its owner's image it carries.
     pub outputs: Vec<Option<OutputId>>,
+    /// What it is beyond that, if it is a drive: its signals are then all here, and it has no bits above.
+    pub drive: Option<crate::Drive>,
 }
 
 /// Whose process image a device carries.

@@ -7,8 +7,8 @@ use std::fmt::{self, Display, Write};
 use std::time::Duration;
 
 use linewright_line::{
-    Arrow, Bus, ButtonId, Device, InputId, Line, Module, OpId, Operation, OutputId, Owner, Signals, Span, Station,
-    StationId,
+    Arrow, AtRest, Bus, ButtonId, Device, Drive, DriveMode, InputId, Line, Module, OpId, Operation, OutputId, Owner,
+    Signals, Span, Station, StationId,
 };
 
 /// The description of a line, as [`linewright_line::parse`] reads it.
@@ -191,6 +191,38 @@ fn write_device(out: &mut String, line: &Line, device: &Device) -> fmt::Result {
         }
     };
     let name = |names: &[String], index: Option<usize>| quoted(index.map_or("", |index| names[index].as_str()));
+    if let (Owner::Station(id), Some(drive)) = (device.owner, &device.drive) {
+        return write_drive(out, line.station(id), drive);
+    }
     writeln!(out, "inputs = {}", list(device.inputs.iter().map(|bit| name(inputs, bit.map(InputId::index)))))?;
     writeln!(out, "outputs = {}", list(device.outputs.iter().map(|bit| name(outputs, bit.map(OutputId::index)))))
+}
+
+fn write_drive(out: &mut String, station: &Station, drive: &Drive) -> fmt::Result {
+    let input = |id: InputId| quoted(&station.inputs[id.index()]);
+    let output = |id: OutputId| quoted(&station.outputs[id.index()]);
+    writeln!(out, "\n[device.drive]\naxis = {}", quoted(&station.axes[drive.axis.index()].name))?;
+    let mode = if drive.mode == DriveMode::Position { "position" } else { "velocity" };
+    let at_rest = if drive.at_rest == AtRest::Off { "off" } else { "hold" };
+    writeln!(out, "mode = \"{mode}\"\nat_rest = \"{at_rest}\"\nunits_per_mm = {:?}", drive.units_per_mm)?;
+    writeln!(out, "window = {:?}\nvelocity = {:?}", drive.window, drive.velocity)?;
+    writeln!(out, "acceleration = {:?}\nquick_stop = {:?}", drive.acceleration, drive.quick_stop)?;
+    if let Some(fault) = drive.fault {
+        writeln!(out, "fault = {}", input(fault))?;
+    }
+    if let Some(homing) = drive.homing {
+        let done = homing.done.map_or(String::new(), |done| format!(", done = {}", input(done)));
+        let (method, fast, slow) = (homing.method, homing.fast, homing.slow);
+        let (acceleration, offset, start) = (homing.acceleration, homing.offset, output(homing.output));
+        writeln!(
+            out,
+            "homing = {{ method = {method}, fast = {fast:?}, slow = {slow:?}, acceleration = {acceleration:?}, \
+             offset = {offset:?}, output = {start}{done} }}",
+        )?;
+    }
+    drive.targets.iter().try_for_each(|target| {
+        let (to, velocity) = (target.to, target.velocity);
+        writeln!(out, "\n[[device.drive.targets]]\noutput = {}\nto = {to:?}", output(target.output))?;
+        writeln!(out, "at = {}\nvelocity = {velocity:?}", input(target.at))
+    })
 }

@@ -7,7 +7,7 @@ use std::ops::Range;
 
 use super::names::Names;
 use super::raw::{At, Kind, RawLine, RawOperation, RawStation, Where};
-use crate::{Axis, Bus, Hand, InputId, Motion, OpId, OutputId, Owner, StationId};
+use crate::{Axis, AxisId, Bus, Hand, InputId, Motion, OpId, OutputId, Owner, StationId};
 
 pub(super) struct Draft<'a> {
     pub raw: &'a RawLine,
@@ -81,6 +81,21 @@ pub(super) struct DraftDevice {
     pub bus: Bus,
     pub inputs: Vec<Option<InputId>>,
     pub outputs: Vec<Option<OutputId>>,
+    pub drive: Option<DraftDrive>,
+}
+
+pub(super) struct DraftDrive {
+    pub axis: Option<AxisId>,
+    /// In the order of the text, what is missing left out of each.
+    pub targets: Vec<DraftTarget>,
+    pub fault: Option<InputId>,
+    pub homing: Option<(Option<OutputId>, Option<InputId>)>,
+}
+
+#[derive(Clone, Copy)]
+pub(super) struct DraftTarget {
+    pub output: Option<OutputId>,
+    pub at: Option<InputId>,
 }
 
 #[derive(Default)]

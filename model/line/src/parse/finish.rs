@@ -6,6 +6,7 @@
 use std::time::Duration;
 
 use super::draft::{Draft, DraftConsole, DraftOperation, DraftSignals, DraftStation};
+use super::drive;
 use super::raw::{At, Kind, RawTiming};
 use super::rules::node_id;
 use crate::{Arrow, Conflict, Console, Device, InputId, Line, Module, Operation, Panel, Signals, Station, Timing};
@@ -109,6 +110,10 @@ fn devices(draft: &Draft<'_>) -> Option<Vec<Device>> {
             bus: device.bus.clone(),
             inputs: device.inputs.clone(),
             outputs: device.outputs.clone(),
+            drive: match (&device.drive, &raw.drive) {
+                (Some(draft), Some(raw)) => Some(drive::finish(draft, raw)?),
+                _ => None,
+            },
         })
     });
     devices.collect()

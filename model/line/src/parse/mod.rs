@@ -12,6 +12,7 @@
 //! one run reports all that can be known, and none of it twice. The passes know nothing of nets or of running lines.
 
 mod draft;
+mod drive;
 mod finish;
 mod hand;
 mod names;

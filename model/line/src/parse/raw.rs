@@ -7,6 +7,8 @@
 use std::ops::Range;
 use std::time::Duration;
 
+use crate::{AtRest, DriveMode};
+
 /// A stretch of the text, in bytes.
 pub(super) type Where = Range<usize>;
 
@@ -164,6 +166,44 @@ pub(super) struct RawDevice {
     pub console: Option<At<bool>>,
     pub inputs: Vec<Name>,
     pub outputs: Vec<Name>,
+    pub drive: Option<RawDrive>,
+}
+
+#[derive(Debug)]
+pub(super) struct RawDrive {
+    pub at: Where,
+    pub axis: Option<Name>,
+    pub mode: DriveMode,
+    pub units: Option<At<f64>>,
+    pub window: Option<At<f64>>,
+    pub velocity: Option<At<f64>>,
+    pub acceleration: Option<At<f64>>,
+    pub quick_stop: Option<At<f64>>,
+    pub at_rest: AtRest,
+    pub fault: Option<Name>,
+    pub targets: Vec<RawTarget>,
+    pub homing: Option<RawHoming>,
+}
+
+#[derive(Debug)]
+pub(super) struct RawTarget {
+    pub at: Where,
+    pub output: Option<Name>,
+    pub to: Option<At<f64>>,
+    /// The input that says so.
+    pub input: Option<Name>,
+    pub velocity: Option<At<f64>>,
+}
+
+#[derive(Debug)]
+pub(super) struct RawHoming {
+    pub method: Option<At<i64>>,
+    pub fast: Option<At<f64>>,
+    pub slow: Option<At<f64>>,
+    pub acceleration: Option<At<f64>>,
+    pub offset: Option<At<f64>>,
+    pub output: Option<Name>,
+    pub done: Option<Name>,
 }
 
 #[derive(Debug)]

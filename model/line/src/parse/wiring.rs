@@ -4,6 +4,7 @@
 //! order in which the devices are written.
 
 use super::draft::{DraftDevice, Wiring};
+use super::drive;
 use super::names::{Names, Table, tag};
 use super::problem::{Problem, Report};
 use super::raw::{At, Name, RawDevice, RawLine};
@@ -27,8 +28,11 @@ pub(super) struct Owned<'a> {
 impl Owned<'_> {
     /// Some owner of a device with a signal of this name, for a hint.
     pub fn elsewhere(&self, name: &str) -> Option<String> {
-        let device =
-            self.raw.devices.iter().find(|d| d.inputs.iter().chain(&d.outputs).any(|bit| bit.value == name))?;
+        let names = |d: &RawDevice| {
+            let drive = d.drive.iter().flat_map(drive::signals);
+            d.inputs.iter().chain(&d.outputs).chain(drive).any(|bit| bit.value == name)
+        };
+        let device = self.raw.devices.iter().find(|device| names(device))?;
         match (&device.station, &device.console) {
             (Some(station), _) => Some(format!("station `{}`", station.value)),
             (None, Some(_)) => Some("the console".to_owned()),
@@ -55,12 +59,13 @@ pub(super) fn wire<'a>(
             Some(Owner::Console) => (&mut owned.console, Bus::Line),
             None => (&mut nobody, Bus::Line),
         };
-        devices.push(DraftDevice {
-            owner,
-            bus,
-            inputs: inputs(device, wires, report),
-            outputs: outputs(device, wires, report),
-        });
+        let (inputs, outputs) = (inputs(device, wires, report), outputs(device, wires, report));
+        let axes = match owner {
+            Some(Owner::Station(id)) => Some(&names.inside[id.index()].axes),
+            _ => None,
+        };
+        let drive = device.drive.as_ref().map(|drive| drive::wire(drive, axes, wires, report));
+        devices.push(DraftDevice { owner, bus, inputs, outputs, drive });
         if owner.is_none() {
             nobody = Wires::default();
         }
@@ -122,6 +127,20 @@ fn bits<'a, Id>(
         });
     }
     bound
+}
+
+/// Binds one bit that is named by itself, and not in a list.
+pub(super) fn one_input<'a>(bit: &'a Name, wires: &mut Wires<'a>, report: &mut Report) -> Option<InputId> {
+    tag(bit, "input", report);
+    let Wires { inputs, outputs, wiring } = wires;
+    one_bit(bit, "input", inputs, outputs, &mut wiring.inputs, report).map(InputId::at)
+}
+
+/// The same of an output.
+pub(super) fn one_output<'a>(bit: &'a Name, wires: &mut Wires<'a>, report: &mut Report) -> Option<OutputId> {
+    tag(bit, "output", report);
+    let Wires { inputs, outputs, wiring } = wires;
+    one_bit(bit, "output", outputs, inputs, &mut wiring.outputs, report).map(OutputId::at)
 }
 
 /// Binds one bit, or reports why it cannot be bound.

@@ -21,6 +21,10 @@ const TEXT_MAX: usize = 500;
 /// Largest coordinate: a kilometre in millimetres.
 const COORDINATE_MAX: f64 = 1e6;
 
+/// The smallest and largest number that measures something.
+const POSITIVE_MIN: f64 = 1e-6;
+const POSITIVE_MAX: f64 = 1e9;
+
 /// One table being read.
 pub(super) struct Fields<'a> {
     table: &'a dyn TableLike,
@@ -108,6 +112,45 @@ impl<'a> Fields<'a> {
         let found = self.read(report, key, "a number", number);
         let number = self.require(report, key, found)?;
         checked_coordinate(report, number, key)
+    }
+
+    /// A coordinate in millimetres that may be left out.
+    pub fn maybe_coordinate(&mut self, report: &mut Report, key: &'static str) -> Option<At<f64>> {
+        let number = self.read(report, key, "a number", number)?;
+        checked_coordinate(report, number, key)
+    }
+
+    /// A number above zero: a distance, a speed, a ratio.
+    pub fn positive(&mut self, report: &mut Report, key: &'static str) -> Option<At<f64>> {
+        let number = self.read(report, key, "a number", number)?;
+        if (POSITIVE_MIN..=POSITIVE_MAX).contains(&number.value) {
+            return Some(number);
+        }
+        report.add(
+            Problem::error(number.at, format!("`{key}` is {}", number.value))
+                .hint("a number above zero, at least 0.000001 and at most 1000000000"),
+        );
+        None
+    }
+
+    pub fn required_positive(&mut self, report: &mut Report, key: &'static str) -> Option<At<f64>> {
+        let found = self.positive(report, key);
+        self.require(report, key, found)
+    }
+
+    /// One of a few words; the first one where nothing is written.
+    pub fn word<T: Copy>(&mut self, report: &mut Report, key: &'static str, known: &[(&'static str, T)]) -> T {
+        let usual = known[0].1;
+        let Some(word) = self.text(report, key) else { return usual };
+        if let Some((_, meaning)) = known.iter().find(|(name, _)| *name == word.value) {
+            return *meaning;
+        }
+        let names = known.iter().map(|(name, _)| *name);
+        report.add(
+            Problem::error(word.at, format!("unknown {key} `{}`", word.value))
+                .maybe_hint(suggest::hint(&word.value, names)),
+        );
+        usual
     }
 
     /// A positive duration in seconds.

@@ -2,6 +2,7 @@
 //!
 //! Every list is bounded here, so that whatever a file contains, the later passes work on something of known size.
 
+mod drive;
 mod fields;
 mod line;
 mod station;
@@ -24,6 +25,8 @@ const DEVICES_MAX: usize = 4000;
 const AXES_MAX: usize = 64;
 /// Bits of one device each way: one PDO of 8 bytes (CiA 401's default mapping).
 const DEVICE_BITS: usize = 64;
+/// At most this many targets of one drive.
+const TARGETS_MAX: usize = 64;
 
 /// Reads `text`; `None` when it is not TOML at all.
 pub(super) fn read(text: &str, report: &mut Report) -> Option<RawLine> {

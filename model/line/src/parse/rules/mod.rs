@@ -8,6 +8,7 @@ mod causality;
 mod conflicts;
 mod console;
 mod devices;
+mod drives;
 mod hand;
 mod motion;
 mod operations;
@@ -30,6 +31,7 @@ pub(super) fn check(draft: &Draft<'_>, report: &mut Report) {
     devices::node_ids_are_unique_on_a_bus(draft, report);
     devices::devices_carry_something(draft, report);
     devices::own_buses_are_not_shared(draft, report);
+    drives::check(draft, report);
     for station in &draft.stations {
         stations::station_has_operations(station, report);
         stations::panel_is_complete(station, report);

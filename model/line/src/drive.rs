@@ -1,0 +1,149 @@
+//! A drive: an axis of a station moved by a CiA 402 drive instead of valves.
+//!
+//! To a station nothing changes: an output says "go to this target", an input says "is there". What turns the one into
+//! the other belongs to the field bus; this is only what the description says about it, in the axis's own units.
+
+use crate::{AxisId, Device, InputId, OutputId};
+
+/// What a drive is told to do.
+#[derive(Clone, Copy, Debug, PartialEq, Eq, Hash)]
+pub enum DriveMode {
+    /// Its targets are positions (profile position mode).
+    Position,
+    /// Its targets are velocities (profile velocity mode): it turns while its output is on.
+    Velocity,
+}
+
+/// What a drive does while none of its outputs is on.
+#[derive(Clone, Copy, Debug, PartialEq, Eq, Hash)]
+pub enum AtRest {
+    /// It stops and switches its power off. The axis stays because nothing pushes it, or because a brake holds it.
+    Off,
+    /// It stops and holds its position under power, for an axis that would sink: also when its manager is gone.
+    Hold,
+}
+
+/// A drive as the description has it. Lengths in millimetres (or what the axis is measured in), times in seconds.
+#[derive(Clone, Debug, PartialEq)]
+pub struct Drive {
+    /// The axis it moves.
+    pub axis: AxisId,
+    /// What its targets are.
+    pub mode: DriveMode,
+    /// Increments of the drive for one unit of the axis, above zero.
+    pub units_per_mm: f64,
+    /// It is at a target within this distance, at least one increment.
+    pub window: f64,
+    /// How fast it moves, unless a target says otherwise.
+    pub velocity: f64,
+    /// How fast it gains and loses speed.
+    pub acceleration: f64,
+    /// How fast it loses speed when it is stopped on the way.
+    pub quick_stop: f64,
+    /// What it does without an order.
+    pub at_rest: AtRest,
+    /// Where it can be sent, at least one. Targets at one place share their input.
+    pub targets: Vec<DriveTarget>,
+    /// On while it has failed or refuses to move.
+    pub fault: Option<InputId>,
+    /// How it learns where it is. `None` for a drive that knows.
+    pub homing: Option<Homing>,
+}
+
+/// One place a drive can be sent to, or one velocity.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct DriveTarget {
+    /// The output that sends it there.
+    pub output: OutputId,
+    /// The place, or the velocity.
+    pub to: f64,
+    /// The input that is on while it is there.
+    pub at: InputId,
+    /// How fast it goes there.
+    pub velocity: f64,
+}
+
+/// How a drive finds its zero.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct Homing {
+    /// The method's number (CiA 402, object 6098h).
+    pub method: i8,
+    /// How fast it looks for the switch.
+    pub fast: f64,
+    /// How fast it looks for the switch's edge.
+    pub slow: f64,
+    /// How fast it gains and loses speed meanwhile.
+    pub acceleration: f64,
+    /// Where it then is.
+    pub offset: f64,
+    /// The output that starts it. If it is a target's output, the drive is homed before it first goes there.
+    pub output: OutputId,
+    /// The input that is on while it knows where it is.
+    pub done: Option<InputId>,
+}
+
+impl Drive {
+    /// A place, distance, speed or acceleration of the axis in the drive's increments, rounded; at the ends of the
+    /// drive's range where it is beyond them, which the parser lets nothing be.
+    pub fn increments(&self, value: f64) -> i32 {
+        (value * self.units_per_mm).round() as i32
+    }
+
+    /// What a number of increments is in the axis's unit.
+    pub fn units(&self, increments: f64) -> f64 {
+        increments / self.units_per_mm
+    }
+
+    /// Every input of its station that it drives, in the order of the description; one that several targets share,
+    /// several times.
+    pub fn inputs(&self) -> impl Iterator<Item = InputId> {
+        let done = self.homing.and_then(|homing| homing.done);
+        self.targets.iter().map(|target| target.at).chain(self.fault).chain(done)
+    }
+
+    /// Every output of its station that it obeys; one that starts the homing as well, twice.
+    pub fn outputs(&self) -> impl Iterator<Item = OutputId> {
+        self.targets.iter().map(|target| target.output).chain(self.homing.map(|homing| homing.output))
+    }
+
+    /// The shortest time it takes from standstill to standstill over a distance, in seconds.
+    pub fn time_for(&self, distance: f64, velocity: f64) -> f64 {
+        trapezoid_time(distance, velocity, self.acceleration)
+    }
+}
+
+impl Device {
+    /// Every input of its owner's image it carries: its bits', or its drive's.
+    pub fn carried_inputs(&self) -> impl Iterator<Item = InputId> {
+        self.inputs.iter().flatten().copied().chain(self.drive.iter().flat_map(Drive::inputs))
+    }
+
+    /// Every output of its owner's image it carries.
+    pub fn carried_outputs(&self) -> impl Iterator<Item = OutputId> {
+        self.outputs.iter().flatten().copied().chain(self.drive.iter().flat_map(Drive::outputs))
+    }
+}
+
+/// From standstill to standstill over `distance` with at most `velocity` and `acceleration`.
+pub(crate) fn trapezoid_time(distance: f64, velocity: f64, acceleration: f64) -> f64 {
+    let distance = distance.abs();
+    if distance * acceleration >= velocity * velocity {
+        distance / velocity + velocity / acceleration
+    } else {
+        2.0 * (distance / acceleration).sqrt()
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn the_time_of_a_motion_is_that_of_a_trapezoid_or_a_triangle() {
+        // 0.1 s up, 0.1 s down, 10 mm of the way in those, 90 mm at 100 mm/s.
+        assert!((trapezoid_time(100.0, 100.0, 1000.0) - 1.1).abs() < 1e-12);
+        // 2 mm up and 2 mm down: s = a t² / 2.
+        assert!((trapezoid_time(-4.0, 1000.0, 1000.0) - 2.0 * (2.0 * 2.0 / 1000.0f64).sqrt()).abs() < 1e-12);
+        assert_eq!(trapezoid_time(0.0, 1.0, 1.0), 0.0);
+    }
+}

@@ -1,0 +1,98 @@
+//! A device's `drive` table: its names → bits of its station's image, and at the end → [`Drive`].
+//!
+//! A drive's signals are bits of the image like any device's; only what they mean on the wire differs, which is no
+//! matter of this crate.
+
+use super::draft::{DraftDrive, DraftTarget};
+use super::names::Table;
+use super::problem::Report;
+use super::raw::{At, Name, RawDrive, RawTarget};
+use super::wiring::{Wires, one_input, one_output};
+use crate::{AxisId, Drive, DriveTarget, Homing, InputId, OutputId};
+
+/// Every signal a drive names.
+pub(super) fn signals(raw: &RawDrive) -> impl Iterator<Item = &Name> {
+    let of_targets = raw.targets.iter().flat_map(|target| target.output.iter().chain(&target.input));
+    let of_homing = raw.homing.iter().flat_map(|homing| homing.output.iter().chain(&homing.done));
+    of_targets.chain(&raw.fault).chain(of_homing)
+}
+
+/// Binds a drive's signals; `axes` are those of its station, where it has one.
+pub(super) fn wire<'a>(
+    raw: &'a RawDrive,
+    axes: Option<&Table<'_>>,
+    wires: &mut Wires<'a>,
+    report: &mut Report,
+) -> DraftDrive {
+    let axis = match (&raw.axis, axes) {
+        (Some(axis), Some(axes)) => axes.find(axis, "axis", report).map(AxisId::at),
+        _ => None,
+    };
+    // Targets at one place share their input: its name stands at each of them, and is bound once.
+    let mut bound: Vec<(&'a str, Option<InputId>)> = Vec::new();
+    let mut targets = Vec::with_capacity(raw.targets.len());
+    for target in &raw.targets {
+        let output = target.output.as_ref().and_then(|output| one_output(output, wires, report));
+        let at = target.input.as_ref().and_then(|input| {
+            if let Some((_, id)) = bound.iter().find(|(name, _)| *name == input.value) {
+                return *id;
+            }
+            let id = one_input(input, wires, report);
+            bound.push((&input.value, id));
+            id
+        });
+        targets.push(DraftTarget { output, at });
+    }
+    let fault = raw.fault.as_ref().and_then(|fault| one_input(fault, wires, report));
+    let homing = raw.homing.as_ref().map(|homing| {
+        let output = homing.output.as_ref().and_then(|output| {
+            let named = |target: &&RawTarget| target.output.as_ref().is_some_and(|o| o.value == output.value);
+            match raw.targets.iter().position(|target| named(&target)) {
+                Some(at) => targets[at].output,
+                None => one_output(output, wires, report),
+            }
+        });
+        (output, homing.done.as_ref().and_then(|done| one_input(done, wires, report)))
+    });
+    DraftDrive { axis, targets, fault, homing }
+}
+
+/// The drive a draft describes; `None` if a part is missing.
+pub(super) fn finish(draft: &DraftDrive, raw: &RawDrive) -> Option<Drive> {
+    let or = |own: &Option<At<f64>>, else_: f64| own.as_ref().map_or(else_, |own| own.value);
+    let (velocity, acceleration) = (raw.velocity.as_ref()?.value, raw.acceleration.as_ref()?.value);
+    let targets = draft.targets.iter().zip(&raw.targets).map(|(draft, raw)| {
+        let (output, at): (OutputId, InputId) = (draft.output?, draft.at?);
+        Some(DriveTarget { output, to: raw.to.as_ref()?.value, at, velocity: or(&raw.velocity, velocity) })
+    });
+    let homing = match (&draft.homing, &raw.homing) {
+        (Some((output, done)), Some(raw)) => Some(Homing {
+            method: method(raw.method.as_ref()?.value)?,
+            fast: raw.fast.as_ref()?.value,
+            slow: raw.slow.as_ref()?.value,
+            acceleration: or(&raw.acceleration, acceleration),
+            offset: or(&raw.offset, 0.0),
+            output: (*output)?,
+            done: *done,
+        }),
+        _ => None,
+    };
+    Some(Drive {
+        axis: draft.axis?,
+        mode: raw.mode,
+        units_per_mm: raw.units.as_ref()?.value,
+        window: raw.window.as_ref()?.value,
+        velocity,
+        acceleration,
+        quick_stop: or(&raw.quick_stop, acceleration),
+        at_rest: raw.at_rest,
+        targets: targets.collect::<Option<_>>()?,
+        fault: draft.fault,
+        homing,
+    })
+}
+
+/// A homing method's number: 1 to 37 are the profile's, negative ones the manufacturer's (CiA 402, object 6098h).
+pub(super) fn method(value: i64) -> Option<i8> {
+    i8::try_from(value).ok().filter(|method| *method < 0 || (1..=37).contains(method))
+}
