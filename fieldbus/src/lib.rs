@@ -5,6 +5,7 @@
 //! - [`codec`]: frame ↔ CANopen [`Message`], total and pure;
 //! - [`Manager`]: the CANopen manager of one bus, pure: it is called with the time and a frame, and answers with
 //!   frames to send and events to report;
+//! - [`profile`]: what the process data of a device mean that has to be talked to first: drives;
 //! - [`Bus`]: the wire: SocketCAN where the kernel has it, else a virtual bus between processes;
 //! - [`Driver`]: the thin shell that joins a bus and a manager for a node.
 //!
@@ -13,7 +14,7 @@
 //! of every output it cannot vouch for.
 //!
 //! Clauses cited as "CiA 301" are those of the CANopen application layer, version 4.2.0; "CiA 401" is the profile of
-//! generic I/O devices, version 3.0.
+//! generic I/O devices, version 3.0; "CiA 402" that of drives, which is IEC 61800-7-201 as well.
 
 pub mod bus;
 pub mod candump;
@@ -22,6 +23,7 @@ pub mod codec;
 mod driver;
 mod frame;
 pub mod manager;
+pub mod profile;
 pub mod sdo;
 pub mod sdo_client;
 

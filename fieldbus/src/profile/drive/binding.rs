@@ -1,0 +1,139 @@
+//! What a drive is bound to: outputs and inputs of its owner's image, in the drive's increments.
+
+use linewright_line::{AtRest, Drive as Described, DriveMode, InputId, OutputId};
+
+use super::word;
+
+/// One place a drive can be sent to, or one velocity.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub struct Target {
+    /// The output that sends it there.
+    pub output: OutputId,
+    /// The place in increments; in velocity mode the velocity in increments per second.
+    pub to: i32,
+    /// The input that is on while it is there. Targets at one place share it.
+    pub at: InputId,
+    /// How fast it goes there, in increments per second.
+    pub velocity: u32,
+}
+
+/// How it finds its zero. Speeds in increments per second.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub struct Homing {
+    /// Method (object 6098h).
+    pub method: i8,
+    /// Speed for finding the switch (6099h sub 1).
+    pub fast: u32,
+    /// Speed for finding its edge (6099h sub 2).
+    pub slow: u32,
+    /// Acceleration (609Ah).
+    pub acceleration: u32,
+    /// Where it then is (607Ch).
+    pub offset: i32,
+    /// The output that starts it. If it is a target's, the drive homes first and goes to the target then.
+    pub output: OutputId,
+    /// The input that is on while it knows where it is.
+    pub done: Option<InputId>,
+}
+
+/// A drive's axis, bound to an image.
+#[derive(Clone, Debug, PartialEq)]
+pub struct DriveBinding {
+    /// What its targets are.
+    pub mode: DriveMode,
+    /// Where it can be sent.
+    pub targets: Vec<Target>,
+    /// On while it has failed or refuses an order.
+    pub fault: Option<InputId>,
+    /// How it finds its zero; `None` for a drive that knows it.
+    pub home: Option<Homing>,
+    /// It is at a target within this distance.
+    pub window: u32,
+    /// Usual profile velocity (6081h).
+    pub velocity: u32,
+    /// Profile acceleration and deceleration (6083h, 6084h).
+    pub acceleration: u32,
+    /// Deceleration of the quick stop (6085h).
+    pub quick_stop: u32,
+    /// What it does without an order.
+    pub at_rest: AtRest,
+    /// Increments for one unit of the axis: what people are told is in units.
+    pub units: f64,
+}
+
+impl DriveBinding {
+    /// The binding a description asks for.
+    pub fn of(drive: &Described) -> Self {
+        let positive = |value: f64| drive.increments(value).max(1).unsigned_abs();
+        let target = |target: &linewright_line::DriveTarget| Target {
+            output: target.output,
+            to: drive.increments(target.to),
+            at: target.at,
+            velocity: positive(target.velocity),
+        };
+        let home = |homing: linewright_line::Homing| Homing {
+            method: homing.method,
+            fast: positive(homing.fast),
+            slow: positive(homing.slow),
+            acceleration: positive(homing.acceleration),
+            offset: drive.increments(homing.offset),
+            output: homing.output,
+            done: homing.done,
+        };
+        DriveBinding {
+            mode: drive.mode,
+            targets: drive.targets.iter().map(target).collect(),
+            fault: drive.fault,
+            home: drive.homing.map(home),
+            window: positive(drive.window),
+            velocity: positive(drive.velocity),
+            acceleration: positive(drive.acceleration),
+            quick_stop: positive(drive.quick_stop),
+            at_rest: drive.at_rest,
+            units: drive.units_per_mm,
+        }
+    }
+
+    /// The mode of operation its targets want.
+    pub(super) fn profile(&self) -> i8 {
+        match self.mode {
+            DriveMode::Position => word::PROFILE_POSITION,
+            DriveMode::Velocity => word::PROFILE_VELOCITY,
+        }
+    }
+}
+
+/// What an image asks of a drive.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub(super) enum Wanted {
+    /// None of its outputs is on.
+    Nothing,
+    /// Go to a target, by its place in the binding.
+    Target(usize),
+    /// Find the zero.
+    Home,
+    /// These two outputs are on, and perhaps more.
+    Several(OutputId, OutputId),
+}
+
+impl DriveBinding {
+    /// What `image` asks of the drive. An output that is a target's and starts the homing counts as the target's.
+    pub(super) fn wanted(&self, image: u128) -> Wanted {
+        let targets = self.targets.iter().enumerate().map(|(at, target)| (target.output, Wanted::Target(at)));
+        let home = self.home.iter().map(|home| (home.output, Wanted::Home));
+        let mut first: Option<(OutputId, Wanted)> = None;
+        for (output, wanted) in targets.chain(home).filter(|(output, _)| image & bit(output.index()) != 0) {
+            match first {
+                None => first = Some((output, wanted)),
+                Some((other, _)) if other == output => {}
+                Some((other, _)) => return Wanted::Several(other, output),
+            }
+        }
+        first.map_or(Wanted::Nothing, |(_, wanted)| wanted)
+    }
+}
+
+/// Bit `index` of an image, nothing beyond its width.
+pub(super) fn bit(index: usize) -> u128 {
+    u32::try_from(index).ok().and_then(|index| 1u128.checked_shl(index)).unwrap_or(0)
+}

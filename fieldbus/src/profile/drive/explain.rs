@@ -1,0 +1,126 @@
+//! One sentence: what the drive is doing, or what it waits for.
+
+use std::fmt::Write;
+
+use linewright_line::{AtRest, DriveMode};
+
+use super::{Drive, Edge, Goal, Heard, Phase, Refusal, State, meaning};
+
+impl Drive {
+    /// What it does, or waits for, in one sentence, with the statusword it was read from.
+    pub fn explain(&self) -> String {
+        let Some(heard) = self.heard else {
+            return "no process data from it yet".to_owned();
+        };
+        let mut text = match self.phase {
+            Phase::Resting => self.resting(heard),
+            Phase::Refused(refusal) => self.refused(refusal),
+            Phase::Preparing(goal) => self.preparing(goal, heard),
+            Phase::Offered(at) => format!("{}: waiting for it to acknowledge the set-point", self.to(at)),
+            Phase::Moving(at) => self.moving(at, heard),
+            Phase::Homing { .. } => format!("homing: at {}", self.units(heard.actual)),
+            Phase::Homed => "homed".to_owned(),
+        };
+        let word = heard.word;
+        let power = word.state() == State::SwitchOnDisabled && !matches!(self.phase, Phase::Resting);
+        for (applies, note) in [
+            (!word.remote(), "operated locally: it does not obey"),
+            (power && !word.voltage_enabled(), "no voltage"),
+            (word.internal_limit(), "at a limit of its own"),
+            (word.warning(), "it warns"),
+        ] {
+            if applies {
+                let _ = write!(text, "; {note}");
+            }
+        }
+        let _ = write!(text, " (statusword {word})");
+        text
+    }
+
+    fn resting(&self, heard: Heard) -> String {
+        let state = heard.word.state();
+        match (state, self.binding.at_rest) {
+            (State::Fault | State::FaultReactionActive, _) => format!("{state}{}: being reset", self.because()),
+            (State::OperationEnabled, AtRest::Hold) => format!("holding at {}", self.units(heard.actual)),
+            (State::OperationEnabled | State::QuickStopActive, _) => format!("{state}: stopping, no output is on"),
+            _ if !self.knows_zero() => format!("{state}: no output is on, not homed"),
+            _ => format!("{state}: no output is on"),
+        }
+    }
+
+    fn refused(&self, refusal: Refusal) -> String {
+        let until = "until every output of it is off";
+        match refusal {
+            Refusal::Several(one, other) => {
+                format!("outputs {} and {} are on at once: it stands {until}", one.0, other.0)
+            }
+            Refusal::NotHomed => "not homed: it goes nowhere before the homing has been ordered".to_owned(),
+            Refusal::Failed => format!("fault{}: it stands {until}", self.because()),
+            Refusal::Interrupted(word) if word.0 == 0 => {
+                format!("it was lost under an order{}: it stands {until}", self.because())
+            }
+            Refusal::Interrupted(word) => {
+                format!("it left its order by itself ({}, {word}){}: it stands {until}", word.state(), self.because())
+            }
+            Refusal::HomingFailed => format!("the homing has failed{}: it stands {until}", self.because()),
+            Refusal::Velocity(code) => format!("it refuses its velocity, object 6081h: {code}; it stands {until}"),
+        }
+    }
+
+    fn preparing(&self, goal: Goal, heard: Heard) -> String {
+        let state = heard.word.state();
+        let next = match state {
+            State::NotReadyToSwitchOn => State::SwitchOnDisabled,
+            State::SwitchOnDisabled => State::ReadyToSwitchOn,
+            State::ReadyToSwitchOn => State::SwitchedOn,
+            State::QuickStopActive if self.binding.at_rest == AtRest::Off => State::SwitchOnDisabled,
+            State::OperationEnabled => return self.enabled(goal, heard),
+            _ => State::OperationEnabled,
+        };
+        format!("{state}: waiting for {next}")
+    }
+
+    /// Enabled, and not yet told to move.
+    fn enabled(&self, goal: Goal, heard: Heard) -> String {
+        let mode = self.mode_for(goal);
+        if heard.mode != mode {
+            return format!("operation enabled: waiting for mode {mode}, it is in {}", heard.mode);
+        }
+        match (self.edge, goal) {
+            (Edge::Leaving | Edge::Raised, _) => "operation enabled: waiting for it to leave that first".to_owned(),
+            (Edge::Acknowledged, _) => "waiting for the acknowledge of the last set-point to fall".to_owned(),
+            (Edge::Low, Goal::Target(at)) if self.slow_or_fast(at).is_some() => {
+                format!("{}: waiting for its velocity to be written", self.to(at))
+            }
+            (Edge::Low, _) => "operation enabled: waiting for the acknowledge to fall".to_owned(),
+        }
+    }
+
+    fn moving(&self, at: usize, heard: Heard) -> String {
+        let here = self.units(heard.actual);
+        let target = &self.binding.targets[at];
+        let lags = heard.word.following_error() && self.binding.mode == DriveMode::Position;
+        match (self.is_at(target), lags) {
+            (true, _) => format!("{}: there", self.to(at)),
+            (false, true) => format!("{}: at {here}, lagging behind", self.to(at)),
+            (false, false) => format!("{}: at {here}", self.to(at)),
+        }
+    }
+
+    fn to(&self, at: usize) -> String {
+        format!("going to {}", self.units(self.binding.targets[at].to))
+    }
+
+    fn units(&self, increments: i32) -> f64 {
+        // To the nearest millionth: what a division leaves beyond that is no position.
+        (f64::from(increments) / self.binding.units * 1e6).round() / 1e6
+    }
+
+    /// The last error, in words.
+    fn because(&self) -> String {
+        match self.error {
+            None => String::new(),
+            Some(code) => format!(", error {code:04X}h ({})", meaning(code).unwrap_or("unknown")),
+        }
+    }
+}

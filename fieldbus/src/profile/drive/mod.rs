@@ -1,0 +1,347 @@
+//! One drive axis (CiA 402) bound to operations: an output says "go to this target", an input says "is there".
+//!
+//! Pure: it is given the image, the time and what the drive sends, and says what to send. Who carries the frames, and
+//! whether the drive is alive, is the manager's business.
+//!
+//! ```text
+//!           one output on                enabled, mode shown        acknowledged
+//!  Resting ───────────────▶ Preparing ────────────────────▶ Offered ────────────▶ Moving
+//!     ▲                        │ │                             │                     │
+//!     │                        │ └──────▶ Homing ──▶ Homed     │ drops out, fails    │
+//!     │ every output off       ▼                               ▼                     ▼
+//!     └───────────────────── Refused ◀──────────────────────────────────────────────┘
+//! ```
+//!
+//! # Why it is safe to let go
+//!
+//! An output that is off must mean that nothing moves, whatever has been lost on the way:
+//!
+//! - **Rest is one constant word.** Without an order the drive is sent *quick stop*, in every state and again and again.
+//!   It needs no knowledge of the drive, so it cannot be wrong about it; a lost frame is made good by the next, a
+//!   repeated one changes nothing. The drive brakes on its quick stop ramp and then switches its power off by itself
+//!   (option 605Ah = 2): after that one frame nobody is needed any more. From a disabled drive a stray frame moves
+//!   nothing; motion takes four different words in the right order.
+//! - **An axis that would sink** (`at_rest = "hold"`) must not lose its torque whenever an operation is complete. It
+//!   gets *halt* instead: the same ramp (605Dh = 2), and then the drive holds.
+//! - **The manager is gone**: the drive's own heartbeat consumer makes it quick stop (6007h = 3). A drive that refuses
+//!   one of these options is not started.
+//! - **The image was forgotten** because another device was lost: that is an image without outputs, and the same.
+//! - **Two outputs at once** are two answers to where to go. Neither is chosen; it stops, and moves again only after
+//!   all of them have been off.
+//! - **A drive that drops out** of an order (a fault, a guard, a technician's tool) is not enabled again under that
+//!   order. Whether it is safe to go on is for whoever gives the next one.
+//! - **A set-point is taken on a rising edge**, so a lost frame could make the drive go on to an older one. Before a
+//!   new set-point is offered, the drive has therefore been seen to know that the bit is low: by its acknowledge
+//!   falling, or by leaving operation enabled. Where neither can be seen it is disabled first. Target and edge are in
+//!   one frame.
+//! - **Where it is counts only if it knows.** Before homing it is at no target, and refuses to go to one.
+//!
+//! A failed drive is reset only while none of its outputs is on. The latch a person has to release is the operation's:
+//! it stays incomplete until an operator leads on.
+
+mod binding;
+mod error;
+mod explain;
+mod plan;
+mod settings;
+mod status;
+pub mod word;
+
+use std::time::Duration;
+
+use linewright_line::{OutputId, Tick};
+
+pub use binding::{DriveBinding, Homing, Target};
+pub use error::{FOLLOWING_ERROR, SENSOR_1, loses_position, meaning};
+pub use settings::Setting;
+pub use status::{State, Statusword};
+
+use crate::codec::Payload;
+use crate::sdo::Abort;
+use binding::{Wanted, bit};
+
+/// Bytes of a drive's process data, each way: controlword or statusword, mode, target or actual value.
+pub const PDO_BYTES: usize = 7;
+/// In which part of its round the fault reset is high: low first, so that there is an edge, and long enough that a lost
+/// frame is repeated within it.
+const RESET_HIGH: std::ops::Range<Duration> = Duration::from_millis(100)..Duration::from_millis(300);
+/// A reset that did not help is tried again after this long.
+const RESET_ROUND: Duration = Duration::from_millis(1000);
+/// A homing that has been reported all along counts as new after this long: some methods take no time at all.
+const HOMING_SETTLE: Duration = Duration::from_millis(200);
+
+/// Process data from a drive are shorter than they were mapped.
+#[derive(Clone, Copy, Debug, PartialEq, Eq, thiserror::Error)]
+#[error("{actual} bytes from a drive, expected {PDO_BYTES}")]
+pub struct ShortPdo {
+    /// How many came.
+    pub actual: usize,
+}
+
+/// What a drive last sent.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+struct Heard {
+    word: Statusword,
+    mode: i8,
+    /// Position or velocity.
+    actual: i32,
+}
+
+/// What a drive is sent.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+struct Command {
+    word: u16,
+    mode: i8,
+    target: i32,
+}
+
+/// What an order comes down to.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+enum Goal {
+    Target(usize),
+    Home,
+}
+
+/// Why it does not do what its outputs say. Lasts until all of them have been off.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+enum Refusal {
+    Several(OutputId, OutputId),
+    NotHomed,
+    Failed,
+    /// It left operation enabled, or its mode, under an order.
+    Interrupted(Statusword),
+    HomingFailed,
+    Velocity(Abort),
+}
+
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+enum Phase {
+    Resting,
+    Refused(Refusal),
+    Preparing(Goal),
+    Offered(usize),
+    Moving(usize),
+    /// `open`: it has been seen without a homing attained since this one was ordered.
+    Homing {
+        open: bool,
+        since: Tick,
+    },
+    /// Homed as ordered; the output is still on.
+    Homed,
+}
+
+/// What the drive is known to have seen of bit 4 of its controlword, whose rising edge starts things, and of the words
+/// that take it out of operation enabled.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+enum Edge {
+    /// It has seen the bit low since it was last high, and obeys.
+    Low,
+    /// It may have seen it high.
+    Raised,
+    /// It has acknowledged it.
+    Acknowledged,
+    /// It was sent a word that takes it out of operation enabled, and has not been seen to leave.
+    Leaving,
+}
+
+/// One drive, as the manager sees it.
+#[derive(Clone, Debug)]
+pub struct Drive {
+    binding: DriveBinding,
+    now: Tick,
+    image: u128,
+    heard: Option<Heard>,
+    sent: Option<Command>,
+    phase: Phase,
+    edge: Edge,
+    homed: bool,
+    /// Its profile velocity (6081h), as far as that is known.
+    velocity: Option<u32>,
+    /// Its last error code, kept after a reset for whoever wants to know why.
+    error: Option<u16>,
+    /// Since when it has been seen in fault without an order.
+    failed_since: Option<Tick>,
+}
+
+impl Drive {
+    /// A drive nothing has been heard of.
+    pub fn new(binding: DriveBinding) -> Self {
+        let velocity = Some(binding.velocity);
+        Drive {
+            binding,
+            now: Tick::ZERO,
+            image: 0,
+            heard: None,
+            sent: None,
+            phase: Phase::Resting,
+            edge: Edge::Leaving,
+            homed: false,
+            velocity,
+            error: None,
+            failed_since: None,
+        }
+    }
+
+    /// What it is bound to.
+    pub fn binding(&self) -> &DriveBinding {
+        &self.binding
+    }
+
+    /// Takes its owner's output image. To be called with every image, also those in which nothing of it changes.
+    pub fn set_image(&mut self, now: Tick, image: u128) {
+        self.image = image;
+        self.advance(now);
+    }
+
+    /// Takes what the drive sent.
+    ///
+    /// # Errors
+    /// Process data that are too short change nothing.
+    pub fn take(&mut self, now: Tick, payload: Payload) -> Result<(), ShortPdo> {
+        let &[low, high, mode, a, b, c, d, ..] = payload.bytes() else {
+            return Err(ShortPdo { actual: payload.bytes().len() });
+        };
+        let word = Statusword(u16::from_le_bytes([low, high]));
+        let heard = Heard { word, mode: mode as i8, actual: i32::from_le_bytes([a, b, c, d]) };
+        self.see_edge(heard);
+        if !matches!(word.state(), State::Fault | State::FaultReactionActive) {
+            self.failed_since = None;
+        }
+        self.heard = Some(heard);
+        self.advance(now);
+        Ok(())
+    }
+
+    /// Lets time pass.
+    pub fn poll(&mut self, now: Tick) {
+        self.advance(now);
+    }
+
+    /// When [`Drive::poll`] changes what is to be sent, if nothing happens before.
+    pub fn next_deadline(&self) -> Option<Tick> {
+        let since = self.failed_since?;
+        let round = self.now.since(since).as_micros() / RESET_ROUND.as_micros();
+        let start = since + RESET_ROUND * u32::try_from(round).unwrap_or(u32::MAX);
+        let edges = [start + RESET_HIGH.start, start + RESET_HIGH.end, start + RESET_ROUND + RESET_HIGH.start];
+        edges.into_iter().find(|edge| *edge > self.now)
+    }
+
+    /// The device was lost, or is about to be configured: what was known of it is forgotten, its zero included, since
+    /// nobody can tell whether it kept it. An order that was on has to be given anew.
+    ///
+    /// [`Drive::settings`] are to be written before it is started again.
+    pub fn lost(&mut self, now: Tick) {
+        self.now = now;
+        self.heard = None;
+        self.sent = None;
+        self.edge = Edge::Leaving;
+        self.homed = false;
+        self.velocity = Some(self.binding.velocity);
+        self.failed_since = None;
+        self.phase = match self.binding.wanted(self.image) {
+            Wanted::Nothing => Phase::Resting,
+            _ => Phase::Refused(Refusal::Interrupted(Statusword(0))),
+        };
+    }
+
+    /// Takes the error code of an emergency from it; 0 says that its errors are gone.
+    pub fn emergency(&mut self, now: Tick, code: u16) {
+        if code != 0 {
+            self.error = Some(code);
+        }
+        if loses_position(code) {
+            self.homed = false;
+        }
+        self.advance(now);
+    }
+
+    /// An object that must be written by SDO before it can go on. Stays until [`Drive::written`].
+    pub fn wants_write(&self) -> Option<Setting> {
+        let Phase::Preparing(Goal::Target(at)) = self.phase else { return None };
+        self.slow_or_fast(at).map(settings::profile_velocity)
+    }
+
+    /// The answer to a write of what [`Drive::wants_write`] asked for.
+    pub fn written(&mut self, now: Tick, setting: &Setting, answer: Result<(), Abort>) {
+        match answer {
+            Ok(()) => self.velocity = setting.data.as_slice().try_into().ok().map(u32::from_le_bytes),
+            Err(code) => {
+                self.velocity = None;
+                if matches!(self.phase, Phase::Preparing(_)) {
+                    self.phase = Phase::Refused(Refusal::Velocity(code));
+                }
+            }
+        }
+        self.advance(now);
+    }
+
+    /// Whether it is to be sent something else than it was last sent.
+    pub fn wants_to_send(&self) -> bool {
+        self.sent != Some(self.command())
+    }
+
+    /// What it is to be sent now; the caller sends it.
+    pub fn give(&mut self) -> Payload {
+        let command = self.command();
+        let enables = |word: u16| word & word::ENABLE_OPERATION == word::ENABLE_OPERATION;
+        if !enables(command.word) {
+            let enabled = self.heard.is_none_or(|heard| heard.word.state() == State::OperationEnabled);
+            // It is enabled, or may be by the time this arrives.
+            if enabled || self.sent.is_some_and(|sent| enables(sent.word)) {
+                self.edge = Edge::Leaving;
+            }
+        } else if command.word & word::NEW_SET_POINT != 0 && self.edge == Edge::Low {
+            self.edge = Edge::Raised;
+        }
+        self.sent = Some(command);
+        payload(command)
+    }
+
+    /// What a drive in whatever state is sent to stop it. All zeros would cut its power while it moves.
+    pub fn rest(&self) -> Payload {
+        payload(Command { word: word::QUICK_STOP, mode: self.binding.profile(), target: 0 })
+    }
+
+    /// The bits of its owner's input image that are on.
+    pub fn inputs(&self) -> u128 {
+        let home = self.binding.home.filter(|_| self.homed && !matches!(self.phase, Phase::Homing { .. }));
+        let done = home.and_then(|home| home.done).filter(|_| self.phase != Phase::Preparing(Goal::Home));
+        let fault = self.binding.fault.filter(|_| self.has_failed());
+        let places = self.binding.targets.iter().filter(|target| self.is_at(target)).map(|target| target.at);
+        places.chain(done).chain(fault).fold(0, |image, input| image | bit(input.index()))
+    }
+
+    /// Whether it is where this target is. While it is ordered to that place, also whether it says so itself.
+    fn is_at(&self, target: &Target) -> bool {
+        let Some(heard) = self.heard.filter(|_| self.knows_zero()) else { return false };
+        if heard.actual.abs_diff(target.to) > self.binding.window {
+            return false;
+        }
+        let ordered = match self.phase {
+            Phase::Preparing(Goal::Target(at)) | Phase::Offered(at) | Phase::Moving(at) => Some(at),
+            _ => None,
+        };
+        if ordered.is_none_or(|at| self.binding.targets[at].at != target.at) {
+            return true;
+        }
+        matches!(self.phase, Phase::Moving(_)) && heard.word.target_reached()
+    }
+
+    fn has_failed(&self) -> bool {
+        let failed = |heard: Heard| matches!(heard.word.state(), State::Fault | State::FaultReactionActive);
+        matches!(self.phase, Phase::Refused(_)) || self.heard.is_some_and(failed)
+    }
+
+    fn knows_zero(&self) -> bool {
+        self.homed || self.binding.home.is_none()
+    }
+}
+
+fn payload(command: Command) -> Payload {
+    let target = u64::from(command.target as u32);
+    let bits = u64::from(command.word) | u64::from(command.mode as u8) << 16 | target << 24;
+    Payload::from_bits(bits, PDO_BYTES * 8)
+}
+
+#[cfg(test)]
+mod tests;

@@ -1,0 +1,169 @@
+//! What a drive is told before it is started: its process data, its motion, and how it stops.
+//!
+//! A process data object is remapped as CiA 301 §7.5.2.35 to §7.5.2.38 demands: switched off by bit 31 of its COB-ID,
+//! its number of objects set to zero, then the objects, their number, and the COB-ID without bit 31 last.
+
+use linewright_line::{AtRest, DriveMode};
+
+use super::Drive;
+use super::binding::DriveBinding;
+use crate::codec::NodeId;
+use crate::sdo::{Abort, ObjectId};
+
+/// One object to be written by SDO.
+#[derive(Clone, Debug, PartialEq, Eq)]
+pub struct Setting {
+    /// Which.
+    pub object: ObjectId,
+    /// Its bytes, least significant first.
+    pub data: Vec<u8>,
+    /// Whether a drive may do without the object. One that refuses any other setting is not to be started.
+    pub optional: bool,
+}
+
+impl Setting {
+    fn new(index: u16, sub: u8, data: impl Into<Vec<u8>>) -> Self {
+        Setting { object: ObjectId::new(index, sub), data: data.into(), optional: false }
+    }
+
+    fn u8(index: u16, sub: u8, value: u8) -> Self {
+        Setting::new(index, sub, [value])
+    }
+
+    fn u16(index: u16, sub: u8, value: u16) -> Self {
+        Setting::new(index, sub, value.to_le_bytes())
+    }
+
+    fn i16(index: u16, value: i16) -> Self {
+        Setting::new(index, 0, value.to_le_bytes())
+    }
+
+    fn u32(index: u16, sub: u8, value: u32) -> Self {
+        Setting::new(index, sub, value.to_le_bytes())
+    }
+
+    fn optional(self) -> Self {
+        Setting { optional: true, ..self }
+    }
+
+    /// Whether this answer may be passed over: the drive does not have the object, and can do without it.
+    pub fn may_be_refused(&self, code: Abort) -> bool {
+        self.optional && matches!(code, Abort::NO_OBJECT | Abort::NO_SUBINDEX)
+    }
+}
+
+/// Bit 31 of a COB-ID parameter: the object is switched off.
+const INVALID: u32 = 1 << 31;
+/// Bit 30 of a transmit object's: it is not sent on remote request.
+const NO_REMOTE: u32 = 1 << 30;
+/// Transmission type: when something changes, and by the event timer.
+const EVENT_DRIVEN: u8 = 255;
+/// Shortest time between two transmit objects, in 100 µs: a moving drive's position changes all the time, and a
+/// hundred frames a second show an arrival within 10 ms.
+const INHIBIT: u16 = 100;
+/// Longest time between two, in ms: what makes a lost frame good.
+const EVENT_TIMER: u16 = 50;
+/// How long it must be within its window before it reports to have arrived, in ms.
+const WINDOW_TIME: u16 = 10;
+
+/// Controlword, mode of operation, target: index, subindex and bits of each.
+const POSITION_OUT: [u32; 3] = [0x6040_0010, 0x6060_0008, 0x607A_0020];
+const VELOCITY_OUT: [u32; 3] = [0x6040_0010, 0x6060_0008, 0x60FF_0020];
+/// Statusword, mode of operation display, actual value.
+const POSITION_IN: [u32; 3] = [0x6041_0010, 0x6061_0008, 0x6064_0020];
+const VELOCITY_IN: [u32; 3] = [0x6041_0010, 0x6061_0008, 0x606C_0020];
+
+impl Drive {
+    /// The settings for a drive that is `node`, in the order in which they are to be written.
+    pub fn settings(&self, node: NodeId) -> Vec<Setting> {
+        let binding = self.binding();
+        let (receive, transmit) = match binding.mode {
+            DriveMode::Position => (POSITION_OUT, POSITION_IN),
+            DriveMode::Velocity => (VELOCITY_OUT, VELOCITY_IN),
+        };
+        let rpdo = 0x200 + u32::from(node.get());
+        let tpdo = NO_REMOTE | (0x180 + u32::from(node.get()));
+        let mut settings = vec![Setting::u32(0x1400, 1, INVALID | rpdo), Setting::u32(0x1800, 1, INVALID | tpdo)];
+        map(0x1600, receive, &mut settings);
+        map(0x1A00, transmit, &mut settings);
+        stopping(binding, &mut settings);
+        motion(binding, &mut settings);
+        homing(binding, &mut settings);
+        settings.extend([
+            Setting::u8(0x1400, 2, EVENT_DRIVEN),
+            Setting::u8(0x1800, 2, EVENT_DRIVEN),
+            Setting::u16(0x1800, 3, INHIBIT).optional(),
+            Setting::u16(0x1800, 5, EVENT_TIMER),
+            Setting::u32(0x1400, 1, rpdo),
+            Setting::u32(0x1800, 1, tpdo),
+        ]);
+        settings
+    }
+}
+
+fn map(index: u16, objects: [u32; 3], settings: &mut Vec<Setting>) {
+    settings.push(Setting::u8(index, 0, 0));
+    for (sub, object) in (1..).zip(objects) {
+        settings.push(Setting::u32(index, sub, object));
+    }
+    settings.push(Setting::u8(index, 0, objects.len() as u8));
+}
+
+/// How it stops. None of these may be missing: the reasoning in [`super`] rests on them.
+fn stopping(binding: &DriveBinding, settings: &mut Vec<Setting>) {
+    let quick_stop = match binding.at_rest {
+        // Slow down on the quick stop ramp, then switch off.
+        AtRest::Off => 2,
+        // The same, but stay in quick stop active, holding.
+        AtRest::Hold => 6,
+    };
+    settings.extend([
+        Setting::i16(0x605A, quick_stop),
+        // Disable operation: slow down, then disable.
+        Setting::i16(0x605C, 1),
+        // Halt: slow down on the quick stop ramp, stay enabled.
+        Setting::i16(0x605D, 2),
+        // When the manager's heartbeat, or the bus, is gone: the quick stop command.
+        Setting::i16(0x6007, 3),
+        // On a fault: slow down on the quick stop ramp where that is still possible.
+        Setting::i16(0x605E, 2).optional(),
+        Setting::u32(0x6085, 0, binding.quick_stop),
+    ]);
+}
+
+fn motion(binding: &DriveBinding, settings: &mut Vec<Setting>) {
+    settings.extend([
+        Setting::u32(0x6083, 0, binding.acceleration),
+        Setting::u32(0x6084, 0, binding.acceleration),
+        // A linear ramp: what its braking distance is worked out from.
+        Setting::i16(0x6086, 0).optional(),
+        Setting::u8(0x6060, 0, binding.profile() as u8),
+    ]);
+    match binding.mode {
+        DriveMode::Position => settings.extend([
+            profile_velocity(binding.velocity),
+            Setting::u32(0x6067, 0, binding.window).optional(),
+            Setting::u16(0x6068, 0, WINDOW_TIME).optional(),
+        ]),
+        DriveMode::Velocity => {
+            let window = u16::try_from(binding.window).unwrap_or(u16::MAX);
+            settings.push(Setting::u16(0x606D, 0, window).optional());
+        }
+    }
+}
+
+fn homing(binding: &DriveBinding, settings: &mut Vec<Setting>) {
+    let Some(home) = &binding.home else { return };
+    settings.extend([
+        Setting::u8(0x6098, 0, home.method as u8),
+        Setting::u32(0x6099, 1, home.fast),
+        Setting::u32(0x6099, 2, home.slow),
+        Setting::u32(0x609A, 0, home.acceleration).optional(),
+        Setting::u32(0x607C, 0, home.offset as u32),
+    ]);
+}
+
+/// Object 6081h, which a target may have of its own.
+pub(super) fn profile_velocity(velocity: u32) -> Setting {
+    Setting::u32(0x6081, 0, velocity)
+}

@@ -1,0 +1,182 @@
+//! The statusword (CiA 402, object 6041h): total, and nothing of it is lost.
+
+use std::fmt;
+
+/// The state of a drive's power and function (CiA 402, the figure of the power drive system's state machine).
+#[derive(Clone, Copy, Debug, PartialEq, Eq, Hash)]
+pub enum State {
+    /// Self-test, initialisation. It cannot be told anything.
+    NotReadyToSwitchOn,
+    /// Initialised; power must not be switched on.
+    SwitchOnDisabled,
+    /// Power may be switched on.
+    ReadyToSwitchOn,
+    /// Power is on; no torque yet.
+    SwitchedOn,
+    /// It does what its mode of operation says.
+    OperationEnabled,
+    /// It is stopping, or has stopped, by the quick stop function.
+    QuickStopActive,
+    /// A fault has come up; it is doing what was laid down for that.
+    FaultReactionActive,
+    /// It has failed, and its power is off.
+    Fault,
+    /// Bits that the profile gives no meaning.
+    Unknown,
+}
+
+impl State {
+    /// All states the profile knows.
+    pub const KNOWN: [State; 8] = [
+        State::NotReadyToSwitchOn,
+        State::SwitchOnDisabled,
+        State::ReadyToSwitchOn,
+        State::SwitchedOn,
+        State::OperationEnabled,
+        State::QuickStopActive,
+        State::FaultReactionActive,
+        State::Fault,
+    ];
+
+    /// The bits of a statusword that say so: bits 0 to 3, 5 and 6. [`State::Unknown`] has none.
+    pub const fn bits(self) -> u16 {
+        match self {
+            State::NotReadyToSwitchOn | State::Unknown => 0x00,
+            State::SwitchOnDisabled => 0x40,
+            State::ReadyToSwitchOn => 0x21,
+            State::SwitchedOn => 0x23,
+            State::OperationEnabled => 0x27,
+            State::QuickStopActive => 0x07,
+            State::FaultReactionActive => 0x0F,
+            State::Fault => 0x08,
+        }
+    }
+}
+
+impl fmt::Display for State {
+    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
+        f.write_str(match self {
+            State::NotReadyToSwitchOn => "not ready to switch on",
+            State::SwitchOnDisabled => "switch on disabled",
+            State::ReadyToSwitchOn => "ready to switch on",
+            State::SwitchedOn => "switched on",
+            State::OperationEnabled => "operation enabled",
+            State::QuickStopActive => "quick stop active",
+            State::FaultReactionActive => "fault reaction active",
+            State::Fault => "fault",
+            State::Unknown => "in a state the profile does not know",
+        })
+    }
+}
+
+/// A statusword as it came, unknown bits and all.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Hash)]
+pub struct Statusword(pub u16);
+
+impl Statusword {
+    /// The state it reports.
+    pub const fn state(self) -> State {
+        // Bit 5 has a meaning in some states only, so it is looked at in those.
+        match (self.0 & 0x4F, self.0 & 0x20 != 0) {
+            (0x00, _) => State::NotReadyToSwitchOn,
+            (0x40, _) => State::SwitchOnDisabled,
+            (0x01, true) => State::ReadyToSwitchOn,
+            (0x03, true) => State::SwitchedOn,
+            (0x07, true) => State::OperationEnabled,
+            (0x07, false) => State::QuickStopActive,
+            (0x0F, _) => State::FaultReactionActive,
+            (0x08, _) => State::Fault,
+            _ => State::Unknown,
+        }
+    }
+
+    /// Bit 4: high voltage is there.
+    pub const fn voltage_enabled(self) -> bool {
+        self.bit(4)
+    }
+
+    /// Bit 7: a warning.
+    pub const fn warning(self) -> bool {
+        self.bit(7)
+    }
+
+    /// Bit 9: it obeys the controlword. Off: it is operated locally.
+    pub const fn remote(self) -> bool {
+        self.bit(9)
+    }
+
+    /// Bit 10: it is where, or as fast as, it was told; with halt set: it stands.
+    pub const fn target_reached(self) -> bool {
+        self.bit(10)
+    }
+
+    /// Bit 11: a limit of the drive keeps it from doing what it was told.
+    pub const fn internal_limit(self) -> bool {
+        self.bit(11)
+    }
+
+    /// Bit 12 in profile position mode: it has taken the set-point.
+    pub const fn set_point_acknowledge(self) -> bool {
+        self.bit(12)
+    }
+
+    /// Bit 12 in homing mode: the homing was carried out.
+    pub const fn homing_attained(self) -> bool {
+        self.bit(12)
+    }
+
+    /// Bit 13 in profile position mode: it lags behind its own profile.
+    pub const fn following_error(self) -> bool {
+        self.bit(13)
+    }
+
+    /// Bit 13 in homing mode: the homing has failed.
+    pub const fn homing_error(self) -> bool {
+        self.bit(13)
+    }
+
+    const fn bit(self, at: u32) -> bool {
+        self.0 >> at & 1 == 1
+    }
+}
+
+impl fmt::Display for Statusword {
+    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
+        write!(f, "{:04X}h", self.0)
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    /// The table of the standard as it prints it, x for a bit that does not matter.
+    const TABLE: [(&str, State); 8] = [
+        ("xxxxxxxxx0xx0000", State::NotReadyToSwitchOn),
+        ("xxxxxxxxx1xx0000", State::SwitchOnDisabled),
+        ("xxxxxxxxx01x0001", State::ReadyToSwitchOn),
+        ("xxxxxxxxx01x0011", State::SwitchedOn),
+        ("xxxxxxxxx01x0111", State::OperationEnabled),
+        ("xxxxxxxxx00x0111", State::QuickStopActive),
+        ("xxxxxxxxx0xx1111", State::FaultReactionActive),
+        ("xxxxxxxxx0xx1000", State::Fault),
+    ];
+
+    fn fits(word: u16, pattern: &str) -> bool {
+        let digits = pattern.bytes().rev().enumerate();
+        digits.into_iter().all(|(at, digit)| digit == b'x' || (digit == b'1') == (word >> at & 1 == 1))
+    }
+
+    #[test]
+    fn every_statusword_is_the_row_of_the_table_that_fits_it() {
+        for word in 0..=u16::MAX {
+            let rows: Vec<State> = TABLE.iter().filter(|(row, _)| fits(word, row)).map(|(_, state)| *state).collect();
+            let expected = rows.first().copied().unwrap_or(State::Unknown);
+            assert!(rows.len() <= 1, "{word:04X}");
+            assert_eq!(Statusword(word).state(), expected, "{word:04X}");
+        }
+        for state in State::KNOWN {
+            assert_eq!(Statusword(state.bits()).state(), state);
+        }
+    }
+}
