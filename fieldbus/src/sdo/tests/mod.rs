@@ -1,7 +1,9 @@
 //! A client and a server face to face, over a channel that a test may disturb.
 
+mod client;
 mod lossy;
 mod pairs;
+mod server;
 mod wire;
 
 use std::borrow::Cow;
