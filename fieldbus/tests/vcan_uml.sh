@@ -11,7 +11,7 @@
 set -eu
 
 if [ "$$" = 1 ]; then
-    # Inside the guest. LW_* came along on the kernel's command line as environment.
+    # Inside the guest. LW_TEST and LINEWRIGHT_PYTHON came along on the kernel's command line as environment.
     export PATH=/usr/sbin:/usr/bin:/sbin:/bin HOME=/run
     mount -t proc proc /proc
     mount -t sysfs sys /sys
@@ -56,5 +56,6 @@ esac
 out=$(mktemp)
 trap 'rm -f "$out"' EXIT
 timeout 300 "$uml" mem=1024M rootfstype=hostfs rootflags=/ rw "init=$here/vcan_uml.sh" "LW_TEST=$test" \
+    ${LINEWRIGHT_PYTHON:+"LINEWRIGHT_PYTHON=$LINEWRIGHT_PYTHON"} \
     con=null con0=fd:0,fd:1 quiet </dev/null | tee "$out" || true
 grep -q 'guest: RESULT 0' "$out"

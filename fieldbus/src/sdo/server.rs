@@ -159,7 +159,8 @@ impl Server {
                 self.begin_write(object, size, dictionary)?;
                 let receiver = Receiver::new(size, self.len_max);
                 self.state = State::BlockReceiving { receiver, crc, first: *raw };
-                out.push(Response::BlockDownload { object, crc: true, block: BLOCK_MAX }.encode());
+                // A checksum is used if both sides have one, and some clients go by this answer alone.
+                out.push(Response::BlockDownload { object, crc, block: BLOCK_MAX }.encode());
             }
             Request::UploadSegment { toggle } => self.send_segment(raw[0], toggle, out)?,
             Request::DownloadSegment(segment) => self.take_segment(raw[0], &segment, dictionary, out)?,
@@ -194,7 +195,7 @@ impl Server {
         let blocks = blocks.filter(|(_, _, switch_at)| data.len() > usize::from(*switch_at) || *switch_at == 0);
         if let Some((crc, block, _)) = blocks {
             self.state = State::BlockOffered { data: data.into_owned(), block, crc };
-            out.push(Response::BlockUpload { object, crc: true, size: Some(size) }.encode());
+            out.push(Response::BlockUpload { object, crc, size: Some(size) }.encode());
         } else if let Some(content) = Content::expedited(&data) {
             out.push(Response::Upload { object, content }.encode());
         } else {
