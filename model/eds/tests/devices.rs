@@ -19,7 +19,13 @@ fn downloads(eds: &Eds, id: u8) -> Vec<String> {
 fn the_shipped_device_is_read_without_a_warning() {
     let io = read("linewright-io.eds", IO).unwrap_or_else(|problems| panic!("{problems:#}"));
     assert!(io.warnings().is_empty(), "{:#}", io.warnings());
-    assert_eq!(io.identity(), Identity { device_type: Some(0x0003_0191), ..Identity::default() });
+    let identity = Identity {
+        product: Some(401),
+        revision: Some(0x1_0000),
+        device_type: Some(0x0003_0191),
+        ..Identity::default()
+    };
+    assert_eq!(io.identity(), identity);
     assert_eq!(io.device.baud_rates, [10, 20, 50, 125, 250, 500, 800, 1000]);
     assert_eq!(io.entry(0x6000, 8).expect("the last byte").name, "Inputs 56 to 63");
     assert_eq!(io.entry(0x5F00, 64).expect("the last output").access, Access::WriteOnly);

@@ -8,11 +8,15 @@
 //!     └── reset node, reset communication: from every state
 //! ```
 //!
-//! It knows its bits and its bus, nothing of mechanisms: inputs are handed to it, outputs are read from it. Outputs
-//! are on in one state only. **Leaving the operational state, for whatever reason, puts every output to zero**, and
-//! coming back does not restore them: that takes a new PDO from whoever is in charge.
+//! It knows its bits and its bus, nothing of mechanisms: inputs are handed to it, outputs are read from it. **Leaving
+//! the operational state puts every output to zero; losing the manager, or being stopped, puts it to its error value**,
+//! which is zero unless somebody has set another. Coming back does not restore outputs: that takes a new PDO from
+//! whoever is in charge.
 
+mod identity;
 mod objects;
+mod on_error;
+mod pdo;
 
 use std::time::Duration;
 
@@ -22,12 +26,11 @@ use linewright_fieldbus::{Frame, MANAGER_NODE};
 use linewright_line::{Tick, Timing};
 
 use crate::fault::{DeviceFault, Fault};
+use on_error::{Behaviour, OnError};
+use pdo::Pdo;
 
 /// What a boot takes. Short against any timeout, long enough that a reboot is a gap and not an instant.
 const BOOT: Duration = Duration::from_millis(20);
-/// Event timer of the input PDO (object 1800h sub 5): inputs are sent this often when nothing changes, so that a frame
-/// lost on the way is made good.
-const EVENT_TIMER: Duration = Duration::from_millis(100);
 /// Error register (object 1001h): generic and communication error.
 const COMMUNICATION_ERROR: u8 = 0x11;
 /// Error code "PDO not processed due to length error" (CiA 301 table 26).
@@ -80,7 +83,14 @@ pub struct DeviceNode {
     state: State,
     silent: bool,
     inputs: u64,
+    /// Inputs have changed since they were last sent.
+    unsent: bool,
     outputs: u64,
+    /// Outputs that came and wait for a SYNC.
+    waiting: Option<u64>,
+    inputs_pdo: Pdo,
+    outputs_pdo: Pdo,
+    on_error: OnError,
     /// Object 1017h.
     heartbeat: Duration,
     next_heartbeat: Tick,
@@ -96,14 +106,20 @@ pub struct DeviceNode {
 impl DeviceNode {
     /// A device that is switched on at `now`, with up to 64 inputs and outputs.
     pub fn new(now: Tick, node: NodeId, input_count: usize, output_count: usize, timing: &Timing) -> Self {
+        let (input_count, output_count) = (input_count.min(64), output_count.min(64));
         DeviceNode {
             node,
-            input_count: input_count.min(64),
-            output_count: output_count.min(64),
+            input_count,
+            output_count,
             state: State::Booting { until: now + BOOT },
             silent: false,
             inputs: 0,
+            unsent: false,
             outputs: 0,
+            waiting: None,
+            inputs_pdo: Pdo::of_inputs(node, input_count),
+            outputs_pdo: Pdo::of_outputs(node, output_count),
+            on_error: OnError::new(output_count),
             heartbeat: timing.heartbeat,
             next_heartbeat: Tick::NEVER,
             next_inputs: Tick::NEVER,
@@ -138,11 +154,14 @@ impl DeviceNode {
         }
     }
 
-    /// Sets its inputs as the switches have them at `now`. A change is sent at once.
+    /// Sets its inputs as the switches have them at `now`. A change is sent at once, or with a SYNC if it was told so.
     pub fn set_inputs(&mut self, now: Tick, inputs: u64, out: &mut DeviceOutbox) {
         if self.inputs != inputs {
             self.inputs = inputs;
-            self.send_inputs(now, out);
+            self.unsent = true;
+            if self.inputs_pdo.by_event() {
+                self.send_inputs(now, out);
+            }
         }
     }
 
@@ -162,6 +181,7 @@ impl DeviceNode {
                 self.obey(now, command, out);
             }
             Message::Rpdo1 { node, payload } if node == self.node => self.take_outputs(payload, out),
+            Message::Sync { .. } => self.sync(now, out),
             Message::Heartbeat { node, state } => self.watch(now, node, state, out),
             _ => {}
         }
@@ -184,7 +204,10 @@ impl DeviceNode {
             self.schedule_heartbeat(now);
         }
         if self.next_inputs <= now {
-            self.send_inputs(now, out);
+            self.next_inputs = Tick::NEVER;
+            if self.inputs_pdo.event_timer().is_some() {
+                self.send_inputs(now, out);
+            }
         }
         self.poll_server(now, out);
     }
@@ -205,26 +228,34 @@ impl DeviceNode {
             NmtCommand::Start if self.state != State::Operational => {
                 self.state = State::Operational;
                 // What the inputs are is news to whoever just started it.
-                self.send_inputs(now, out);
+                self.unsent = true;
+                if self.inputs_pdo.by_event() {
+                    self.send_inputs(now, out);
+                }
             }
             NmtCommand::Start | NmtCommand::Unknown(_) => {}
-            NmtCommand::Stop => self.leave_operational(State::Stopped),
-            NmtCommand::EnterPreOperational => self.leave_operational(State::PreOperational),
+            NmtCommand::Stop => self.leave_operational(State::Stopped, self.on_error.outputs(self.outputs)),
+            NmtCommand::EnterPreOperational => self.leave_operational(State::PreOperational, 0),
             NmtCommand::ResetNode | NmtCommand::ResetCommunication => self.boot(now),
         }
     }
 
+    /// What was configured of its process data is forgotten.
     fn boot(&mut self, now: Tick) {
-        self.leave_operational(State::Booting { until: now + BOOT });
+        self.leave_operational(State::Booting { until: now + BOOT }, 0);
+        self.inputs_pdo = Pdo::of_inputs(self.node, self.input_count);
+        self.outputs_pdo = Pdo::of_outputs(self.node, self.output_count);
+        self.on_error = OnError::new(self.output_count);
         self.next_heartbeat = Tick::NEVER;
         self.lost_at = None;
         self.error_register = 0;
     }
 
-    /// Outputs go off with the operational state: nothing that could switch them off is heard outside it.
-    fn leave_operational(&mut self, state: State) {
+    /// No process data switches outputs outside the operational state: what they are there is decided on leaving it.
+    fn leave_operational(&mut self, state: State, outputs: u64) {
         self.state = state;
-        self.outputs = 0;
+        self.outputs = self.wired(outputs);
+        self.waiting = None;
         self.next_inputs = Tick::NEVER;
         if state != State::PreOperational {
             self.server.reset();
@@ -232,13 +263,36 @@ impl DeviceNode {
     }
 
     fn take_outputs(&mut self, payload: Payload, out: &mut DeviceOutbox) {
-        if self.state != State::Operational || self.output_count == 0 {
+        if self.state != State::Operational || !self.outputs_pdo.is_active() {
             return;
         }
         if payload.bytes().len() * 8 < self.output_count {
             return self.report(PDO_LENGTH, out);
         }
-        self.outputs = Payload::from_bits(payload.bits(), self.output_count).bits();
+        let outputs = self.wired(payload.bits());
+        if self.outputs_pdo.by_event() {
+            self.outputs = outputs;
+        } else {
+            self.waiting = Some(outputs);
+        }
+    }
+
+    /// What of these bits are outputs of this device.
+    fn wired(&self, bits: u64) -> u64 {
+        if self.output_count == 0 { 0 } else { Payload::from_bits(bits, self.output_count).bits() }
+    }
+
+    /// Synchronous process data is taken and sent.
+    fn sync(&mut self, now: Tick, out: &mut DeviceOutbox) {
+        if self.state != State::Operational {
+            return;
+        }
+        if let Some(outputs) = self.waiting.take() {
+            self.outputs = outputs;
+        }
+        if self.inputs_pdo.sync(self.unsent) {
+            self.send_inputs(now, out);
+        }
     }
 
     /// Hears the heartbeat of another node.
@@ -258,9 +312,19 @@ impl DeviceNode {
     fn lose_manager(&mut self, out: &mut DeviceOutbox) {
         self.lost_at = None;
         self.error_register = COMMUNICATION_ERROR;
-        if self.state == State::Operational {
-            // CiA 301 object 1029h, default: on a communication error, pre-operational.
-            self.leave_operational(State::PreOperational);
+        let outputs = self.on_error.outputs(self.outputs);
+        match (self.state, self.on_error.behaviour) {
+            (State::Operational, Behaviour::NoChange) => {
+                self.outputs = self.wired(outputs);
+                self.waiting = None;
+            }
+            (State::Operational, Behaviour::PreOperational) => self.leave_operational(State::PreOperational, outputs),
+            (State::Operational | State::PreOperational, Behaviour::Stopped) => {
+                // Said before it may say nothing any more.
+                self.report(HEARTBEAT_LOST, out);
+                return self.leave_operational(State::Stopped, outputs);
+            }
+            (State::Booting { .. } | State::PreOperational | State::Stopped, _) => {}
         }
         self.report(HEARTBEAT_LOST, out);
     }
@@ -274,10 +338,11 @@ impl DeviceNode {
     }
 
     fn send_inputs(&mut self, now: Tick, out: &mut DeviceOutbox) {
-        if self.state == State::Operational && self.input_count > 0 {
+        if self.state == State::Operational && self.inputs_pdo.is_active() {
             let payload = Payload::from_bits(self.inputs, self.input_count);
             self.send(Message::Tpdo1 { node: self.node, payload }, out);
-            self.next_inputs = now + EVENT_TIMER;
+            self.unsent = false;
+            self.next_inputs = self.inputs_pdo.event_timer().map_or(Tick::NEVER, |every| now + every);
         }
     }
 

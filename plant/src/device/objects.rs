@@ -1,6 +1,7 @@
 //! The device's object dictionary, as far as a manager or a technician needs it.
 //!
-//! Outputs can be read here, never written: they follow process data alone, which stops when the manager does.
+//! Outputs can be read here, never written: they follow process data alone, which stops when the manager does. What
+//! belongs together is answered by its own part: identity, PDO parameters, behaviour on errors.
 
 use std::borrow::Cow;
 use std::time::Duration;
@@ -10,7 +11,7 @@ use linewright_fieldbus::sdo::wire::{Raw, Request};
 use linewright_fieldbus::sdo::{Dictionary, ObjectId, Server};
 use linewright_line::Tick;
 
-use super::{DeviceNode, DeviceOutbox, Order, State};
+use super::{DeviceNode, DeviceOutbox, Order, State, identity};
 use crate::fault::{DeviceFault, FAULT_INDEX, Fault, PRESS_INDEX};
 
 /// Device profile 401 with digital inputs and outputs (CiA 401, object 1000h).
@@ -32,6 +33,14 @@ impl Dictionary for Objects<'_> {
 
     fn write(&mut self, object: ObjectId, data: &[u8]) -> Result<(), Abort> {
         self.device.write(self.now, object, data, self.out)
+    }
+
+    fn may_write(&mut self, object: ObjectId, _len: Option<usize>) -> Result<(), Abort> {
+        // One that is not there says so before its bytes come.
+        match self.device.read(object) {
+            Err(code) if code != Abort::WRITE_ONLY => Err(code),
+            _ => Ok(()),
+        }
     }
 }
 
@@ -68,28 +77,40 @@ impl DeviceNode {
         out.frames.extend(answers.into_iter().map(|raw| Message::SdoResponse { node: self.node, raw }.encode()));
     }
 
-    fn read(&self, ObjectId { index, sub }: ObjectId) -> Result<Vec<u8>, Abort> {
+    fn read(&self, object: ObjectId) -> Result<Vec<u8>, Abort> {
+        let parts = identity::read(self.node, object).or_else(|| self.on_error.read(object));
+        if let Some(answer) = parts.or_else(|| self.inputs_pdo.read(object)).or_else(|| self.outputs_pdo.read(object)) {
+            return answer;
+        }
         let millis = |span: Duration| span.as_millis().min(0xFFFF) as u16;
-        match (index, sub) {
+        match (object.index, object.sub) {
             (0x1000, 0) => Ok(DEVICE_TYPE.to_le_bytes().into()),
             (0x1001, 0) => Ok(vec![self.error_register]),
-            (0x1016 | 0x1018, 0) => Ok(vec![1]),
+            (0x1016, 0) => Ok(vec![1]),
             (0x1016, 1) => {
                 let watch = |(node, timeout): (NodeId, _)| u32::from(node.get()) << 16 | u32::from(millis(timeout));
                 Ok(self.watched.map_or(0, watch).to_le_bytes().into())
             }
             (0x1017, 0) => Ok(millis(self.heartbeat).to_le_bytes().into()),
-            // Identity: no vendor id was ever assigned to a simulation.
-            (0x1018, 1) => Ok(vec![0; 4]),
             (0x6000, sub) => read_bits(self.inputs, self.input_count, sub),
             (0x6200, sub) => read_bits(self.outputs, self.output_count, sub),
             (FAULT_INDEX | PRESS_INDEX, _) => Err(Abort::WRITE_ONLY),
-            (0x1000 | 0x1001 | 0x1016..=0x1018, _) => Err(Abort::NO_SUBINDEX),
+            (0x1000 | 0x1001 | 0x1016 | 0x1017, _) => Err(Abort::NO_SUBINDEX),
             _ => Err(Abort::NO_OBJECT),
         }
     }
 
     fn write(&mut self, now: Tick, object: ObjectId, data: &[u8], out: &mut DeviceOutbox) -> Result<(), Abort> {
+        if let Some(answer) = self.on_error.write(object, data).or_else(|| self.outputs_pdo.write(object, data)) {
+            return answer;
+        }
+        if let Some(answer) = self.inputs_pdo.write(object, data) {
+            // A PDO that was switched on, or told to come by itself, begins to.
+            if answer.is_ok() && self.inputs_pdo.by_event() {
+                self.send_inputs(now, out);
+            }
+            return answer;
+        }
         match (object.index, object.sub) {
             (0x1016, 1) => self.write_watched(now, data),
             (0x1017, 0) => {
@@ -142,7 +163,7 @@ impl DeviceNode {
 }
 
 /// The bytes of an object of `N` bytes.
-fn exactly<const N: usize>(data: &[u8]) -> Result<[u8; N], Abort> {
+pub(super) fn exactly<const N: usize>(data: &[u8]) -> Result<[u8; N], Abort> {
     data.try_into().map_err(|_| Abort::LENGTH)
 }
 

@@ -1,0 +1,169 @@
+//! The parameters of a device's two PDOs: when they are sent or taken, and what they carry (CiA 301 §7.5.2.35 ff.).
+//!
+//! The mapping is fixed: the PDO of the inputs carries all of 6000h, that of the outputs all of 6200h, byte by byte. A
+//! manager may still go through the motions of configuring it (disable, clear, write, count, enable): values that are
+//! those anyway are taken, others refused.
+
+use std::time::Duration;
+
+use linewright_fieldbus::codec::{Abort, NodeId};
+use linewright_fieldbus::sdo::ObjectId;
+
+use super::objects::exactly;
+
+/// In a COB-ID entry: the PDO does not exist.
+const INVALID: u32 = 1 << 31;
+/// In a COB-ID entry of a TPDO: it may not be asked for by a remote request. Nothing here answers one anyway.
+const NO_RTR: u32 = 1 << 30;
+/// Sent or taken by event, as the device profile has it; the default (CiA 401).
+const BY_EVENT: u8 = 255;
+
+/// Event timer of the inputs (1800h sub 5): they are sent this often when nothing changes, so that a frame lost on the
+/// way is made good.
+const EVENT_TIMER: Duration = Duration::from_millis(100);
+
+/// The first PDO of one direction.
+#[derive(Debug)]
+pub(super) struct Pdo {
+    /// Index of its communication parameters: 1400h or 1800h. Its mapping is 200h above.
+    index: u16,
+    /// Index of the objects mapped.
+    mapped_index: u16,
+    cob_id: u32,
+    transmission: u8,
+    event_timer: Duration,
+    /// How many bytes there are to map.
+    bytes: u8,
+    /// How many are mapped: all or none.
+    mapped: u8,
+    /// SYNCs since it was last sent.
+    syncs: u8,
+}
+
+impl Pdo {
+    /// That of the inputs (TPDO1).
+    pub(super) fn of_inputs(node: NodeId, inputs: usize) -> Self {
+        Pdo::new(0x1800, 0x6000, 0x180 + u32::from(node.get()), inputs)
+    }
+
+    /// That of the outputs (RPDO1).
+    pub(super) fn of_outputs(node: NodeId, outputs: usize) -> Self {
+        Pdo::new(0x1400, 0x6200, 0x200 + u32::from(node.get()), outputs)
+    }
+
+    fn new(index: u16, mapped_index: u16, cob_id: u32, bits: usize) -> Self {
+        let bytes = bits.div_ceil(8) as u8;
+        let (transmission, event_timer) = (BY_EVENT, EVENT_TIMER);
+        Pdo { index, mapped_index, cob_id, transmission, event_timer, bytes, mapped: bytes, syncs: 0 }
+    }
+
+    /// Whether it exists and carries anything.
+    pub(super) fn is_active(&self) -> bool {
+        self.cob_id & INVALID == 0 && self.mapped > 0
+    }
+
+    /// Whether it is sent on a change, or taken at once.
+    pub(super) fn by_event(&self) -> bool {
+        self.transmission >= 254
+    }
+
+    /// How often it is sent when nothing changes.
+    pub(super) fn event_timer(&self) -> Option<Duration> {
+        (self.by_event() && !self.event_timer.is_zero()).then_some(self.event_timer)
+    }
+
+    /// Hears a SYNC; whether it is to be sent. `changed` is whether there is anything new.
+    pub(super) fn sync(&mut self, changed: bool) -> bool {
+        self.syncs = self.syncs.saturating_add(1);
+        let due = match self.transmission {
+            0 => changed,
+            every @ 1..=240 => self.syncs >= every,
+            _ => false,
+        };
+        if due {
+            self.syncs = 0;
+        }
+        due
+    }
+
+    /// The bytes of an object; `None` for any other.
+    pub(super) fn read(&self, object: ObjectId) -> Option<Result<Vec<u8>, Abort>> {
+        let sends = self.index >= 0x1800;
+        let (communication, mapping) = (object.index == self.index, object.index == self.index + 0x200);
+        if !communication && !mapping {
+            return None;
+        }
+        Some(match object.sub {
+            _ if self.bytes == 0 => Err(Abort::NO_OBJECT),
+            0 if communication => Ok(vec![if sends { 5 } else { 2 }]),
+            1 if communication => Ok(self.cob_id.to_le_bytes().into()),
+            2 if communication => Ok(vec![self.transmission]),
+            5 if communication && sends => Ok((self.event_timer.as_millis() as u16).to_le_bytes().into()),
+            0 if mapping => Ok(vec![self.mapped]),
+            sub if mapping && sub <= self.bytes => Ok(self.mapping(sub).to_le_bytes().into()),
+            _ => Err(Abort::NO_SUBINDEX),
+        })
+    }
+
+    /// Gives an object these bytes; `None` for what cannot be written here.
+    pub(super) fn write(&mut self, object: ObjectId, data: &[u8]) -> Option<Result<(), Abort>> {
+        if !matches!(self.read(object), Some(Ok(_))) {
+            return None;
+        }
+        match (object.index == self.index, object.sub) {
+            (true, 1) => Some(exactly(data).and_then(|bytes| self.write_cob_id(u32::from_le_bytes(bytes)))),
+            (true, 2) => Some(exactly(data).and_then(|[code]| self.write_transmission(code))),
+            (true, 5) => Some(exactly(data).map(|bytes| {
+                self.event_timer = Duration::from_millis(u16::from_le_bytes(bytes).into());
+            })),
+            (true, _) => None,
+            (false, sub) => Some(self.write_mapping(sub, data)),
+        }
+    }
+
+    fn write_cob_id(&mut self, cob_id: u32) -> Result<(), Abort> {
+        if (cob_id ^ self.cob_id) & !(INVALID | NO_RTR) != 0 {
+            return Err(Abort::VALUE);
+        }
+        self.cob_id = cob_id;
+        Ok(())
+    }
+
+    fn write_transmission(&mut self, code: u8) -> Result<(), Abort> {
+        // 241 to 251 are reserved, 252 and 253 are answers to remote requests.
+        if (241..=253).contains(&code) {
+            return Err(Abort::VALUE);
+        }
+        self.transmission = code;
+        self.syncs = 0;
+        Ok(())
+    }
+
+    fn write_mapping(&mut self, sub: u8, data: &[u8]) -> Result<(), Abort> {
+        // A PDO that exists is not changed under way (CiA 301 §7.5.2.36).
+        if self.cob_id & INVALID == 0 {
+            return Err(Abort::ACCESS);
+        }
+        if sub == 0 {
+            let [count] = exactly(data)?;
+            match count {
+                0 => self.mapped = 0,
+                count if count == self.bytes => self.mapped = count,
+                count if count > 8 => return Err(Abort::PDO_LENGTH),
+                _ => return Err(Abort::VALUE),
+            }
+            return Ok(());
+        }
+        let asked = u32::from_le_bytes(exactly(data)?);
+        match self.mapped {
+            0 if asked == self.mapping(sub) => Ok(()),
+            0 => Err(Abort::NOT_MAPPABLE),
+            _ => Err(Abort::ACCESS),
+        }
+    }
+
+    /// The entry a mapping has at a subindex: index, subindex, and a length of 8 bits.
+    fn mapping(&self, sub: u8) -> u32 {
+        u32::from(self.mapped_index) << 16 | u32::from(sub) << 8 | 8
+    }
+}
