@@ -144,6 +144,8 @@ pub(crate) enum BadValue {
     /// A number that a type of this kind is not written as.
     Real(String),
     Hex(String),
+    /// A character that a VISIBLE_STRING does not have.
+    Character(char),
     Unknown(u16),
 }
 
@@ -161,6 +163,7 @@ impl BadValue {
             },
             BadValue::Real(_) => "write it as 1.5 or 15e-1, or in hexadecimal with all of its bits".to_owned(),
             BadValue::Hex(_) => "write the bytes as pairs of hexadecimal digits, such as 01 2A FF".to_owned(),
+            BadValue::Character(_) => "a VISIBLE_STRING has one byte per character; write it with others".to_owned(),
             BadValue::Unknown(_) => "give the entry a data type of CiA 301, or set it by other means".to_owned(),
         }
     }
@@ -178,6 +181,7 @@ impl fmt::Display for BadValue {
             BadValue::Range { text, data_type, .. } => write!(f, "`{}` does not fit into {data_type}", shown(text)),
             BadValue::Real(text) => write!(f, "`{}` is not understood as a real number", shown(text)),
             BadValue::Hex(text) => write!(f, "`{}` is not understood as bytes", shown(text)),
+            BadValue::Character(c) => write!(f, "VISIBLE_STRING has no character `{c}`"),
             BadValue::Unknown(code) => {
                 write!(f, "a value of data type 0x{code:04X}, which is not known, means nothing")
             }
@@ -189,7 +193,11 @@ impl fmt::Display for BadValue {
 pub(crate) fn read(text: &str, data_type: DataType) -> Result<(Setting, bool), BadValue> {
     let fixed = |value| Ok((Setting::fixed(value), false));
     match data_type.shape() {
-        Shape::Text | Shape::Utf16 => fixed(Value::Text(text.to_owned())),
+        Shape::Text => match text.chars().find(|c| u32::from(*c) > 0xFF) {
+            Some(c) => Err(BadValue::Character(c)),
+            None => fixed(Value::Text(text.to_owned())),
+        },
+        Shape::Utf16 => fixed(Value::Text(text.to_owned())),
         Shape::Bytes => match hex_bytes(text) {
             Some(bytes) => fixed(Value::Bytes(bytes)),
             None => Err(BadValue::Hex(text.to_owned())),

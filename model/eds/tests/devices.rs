@@ -53,7 +53,7 @@ fn what_a_drive_says_of_itself() {
     );
     assert_eq!(drive.to_bytes(), DRIVE);
     let said: Vec<_> = drive.warnings().iter().map(|problem| (problem.line, problem.message.as_str())).collect();
-    assert_eq!(said, [(438, "[6081] DefaultValue: `01750` is octal and means 1000")]);
+    assert_eq!(said, [(442, "[6081] DefaultValue: `01750` is octal and means 1000")]);
 }
 
 #[test]

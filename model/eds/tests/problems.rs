@@ -86,6 +86,22 @@ fn a_value_of_an_unknown_type_is_an_error_only_where_it_would_be_sent() {
 }
 
 #[test]
+fn a_text_has_the_characters_of_its_type() {
+    let message = "VISIBLE_STRING has no character `€`";
+    expect(&var("DataType=9\nDefaultValue=5 €\n"), &[&format!("15:14: warning: [6000] DefaultValue: {message}")]);
+    expect(&var("DataType=9\nParameterValue=5 €\n"), &[&format!("15:16: [6000] ParameterValue: {message}")]);
+    expect(&var("DataType=11\nParameterValue=5 €\n"), &[]);
+    expect(
+        &var("DataType=9\nParameterValue=\"a\"\n"),
+        &["15:16: warning: [6000] ParameterValue: the quotation marks are part of the text"],
+    );
+    expect(
+        &var("DataType=9\nParameterValue=a ;b\n"),
+        &["15:16: warning: [6000] ParameterValue: what stands behind ` ;` is taken as a comment"],
+    );
+}
+
+#[test]
 fn an_entry_says_what_it_is() {
     expect(&var(""), &["11:2: [6000] has no DataType"]);
     expect(&listed("[6000]\nParameterName=P\nDataType=5\n"), &["11:2: [6000] has no AccessType"]);
