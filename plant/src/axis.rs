@@ -29,6 +29,12 @@ impl AxisState {
         AxisState { since: Tick::ZERO, from: at, travel: None }
     }
 
+    /// Puts it somewhere, standing: it is moved by something else.
+    #[cfg(feature = "can")]
+    pub(crate) fn place(&mut self, now: Tick, at: f64) {
+        *self = AxisState { since: now, from: at, travel: None };
+    }
+
     /// Where it is at `now`; a moment before its last change counts as that change.
     pub(crate) fn position(&self, now: Tick) -> f64 {
         let Some(Travel { target, speed }) = self.travel else { return self.from };

@@ -115,6 +115,14 @@ impl Mechanism {
         self.state.position(now)
     }
 
+    /// Puts its axis where something else has moved it to, a drive.
+    #[cfg(feature = "can")]
+    pub(crate) fn place(&mut self, now: Tick, at: f64) {
+        self.state.place(now, at);
+        self.moving = None;
+        self.changes.clear();
+    }
+
     /// The inputs that are on at `now`.
     pub(crate) fn inputs(&self, now: Tick) -> u128 {
         let at = self.position(now);

@@ -129,6 +129,13 @@ impl Plant {
         self.stations[station.index()][axis.index()].position(self.now)
     }
 
+    /// Puts an axis where something else than an output has moved it to: a drive, which knows its own laws of motion.
+    #[cfg(feature = "can")]
+    pub fn place(&mut self, now: Tick, station: StationId, axis: AxisId, at: f64) {
+        self.advance(now);
+        self.stations[station.index()][axis.index()].place(self.now, at);
+    }
+
     /// How often drives both ways of one axis have come on at once. No controller should ever do that; the axis then
     /// stands still.
     pub fn alarms(&self) -> u64 {

@@ -4,15 +4,44 @@
 //! shown to the others, which have no use for it.
 
 use linewright_fieldbus::{Frame, NodeId};
-use linewright_line::{Bus, Device, Line, Owner, Tick};
+use linewright_line::{Bus, Device, DriveMode, Line, Owner, StationId, Tick};
 
-use crate::device::{DeviceNode, DeviceOutbox, Order};
+use crate::device::{DeviceNode, DeviceOutbox, DriveNode, Order};
 use crate::mechanism::bit;
 use crate::plant::{Plant, PlantOptions};
 
 struct Slot {
     device: Device,
-    node: DeviceNode,
+    node: Node,
+}
+
+enum Node {
+    Io(Box<DeviceNode>),
+    /// With the station whose axis it moves.
+    Drive(Box<DriveNode>, StationId),
+}
+
+impl Node {
+    fn handle(&mut self, now: Tick, frame: &Frame, out: &mut DeviceOutbox) {
+        match self {
+            Node::Io(node) => node.handle(now, frame, out),
+            Node::Drive(node, _) => node.handle(now, frame, out),
+        }
+    }
+
+    fn poll(&mut self, now: Tick, out: &mut DeviceOutbox) {
+        match self {
+            Node::Io(node) => node.poll(now, out),
+            Node::Drive(node, _) => node.poll(now, out),
+        }
+    }
+
+    fn next_deadline(&self) -> Option<Tick> {
+        match self {
+            Node::Io(node) => node.next_deadline(),
+            Node::Drive(node, _) => node.next_deadline(),
+        }
+    }
 }
 
 /// The devices of one bus and the plant they hang on.
@@ -32,7 +61,16 @@ impl Rack {
         let mut owners = Vec::new();
         for device in line.devices.iter().filter(|d| d.bus == *bus) {
             let Some(id) = NodeId::new(device.node_id) else { continue };
-            let node = DeviceNode::new(now, id, device.inputs.len(), device.outputs.len(), &line.timing);
+            let node = match (&device.drive, device.owner) {
+                (Some(drive), Owner::Station(station)) => {
+                    let home = line.station(station).axes[drive.axis.index()].home;
+                    Node::Drive(Box::new(DriveNode::new(now, id, drive, home, &line.timing)), station)
+                }
+                _ => {
+                    let (inputs, outputs) = (device.inputs.len(), device.outputs.len());
+                    Node::Io(Box::new(DeviceNode::new(now, id, inputs, outputs, &line.timing)))
+                }
+            };
             slots.push(Slot { device: device.clone(), node });
             if !owners.contains(&device.owner) {
                 owners.push(device.owner);
@@ -67,20 +105,43 @@ impl Rack {
         &mut self.plant
     }
 
-    /// The device with this node id.
+    /// The I/O device with this node id.
     pub fn device(&self, node: NodeId) -> Option<&DeviceNode> {
-        self.slots.iter().find(|slot| slot.device.node_id == node.get()).map(|slot| &slot.node)
+        self.slots.iter().filter(|slot| slot.device.node_id == node.get()).find_map(|slot| match &slot.node {
+            Node::Io(node) => Some(node.as_ref()),
+            Node::Drive(..) => None,
+        })
     }
 
-    /// The device with this node id, to make it fail.
+    /// The I/O device with this node id, to make it fail.
     pub fn device_mut(&mut self, node: NodeId) -> Option<&mut DeviceNode> {
-        self.slots.iter_mut().find(|slot| slot.device.node_id == node.get()).map(|slot| &mut slot.node)
+        self.slots.iter_mut().filter(|slot| slot.device.node_id == node.get()).find_map(|slot| match &mut slot.node {
+            Node::Io(node) => Some(node.as_mut()),
+            Node::Drive(..) => None,
+        })
+    }
+
+    /// The drive with this node id.
+    pub fn drive(&self, node: NodeId) -> Option<&DriveNode> {
+        self.slots.iter().filter(|slot| slot.device.node_id == node.get()).find_map(|slot| match &slot.node {
+            Node::Drive(node, _) => Some(node.as_ref()),
+            Node::Io(_) => None,
+        })
+    }
+
+    /// The drive with this node id, to make it fail.
+    pub fn drive_mut(&mut self, node: NodeId) -> Option<&mut DriveNode> {
+        self.slots.iter_mut().filter(|slot| slot.device.node_id == node.get()).find_map(|slot| match &mut slot.node {
+            Node::Drive(node, _) => Some(node.as_mut()),
+            Node::Io(_) => None,
+        })
     }
 
     /// Lets every device act, then carries outputs to the mechanisms and switches back to the devices.
-    fn each(&mut self, now: Tick, out: &mut Vec<Frame>, act: impl Fn(&mut DeviceNode, &mut DeviceOutbox)) {
+    fn each(&mut self, now: Tick, out: &mut Vec<Frame>, act: impl Fn(&mut Node, &mut DeviceOutbox)) {
         // Time first: what has happened until now happened under the old outputs.
         self.plant.advance(now);
+        self.carry_axes(now);
         self.carry_inputs(now, out);
         for at in 0..self.slots.len() {
             let mut outbox = DeviceOutbox::default();
@@ -91,13 +152,30 @@ impl Rack {
             }
         }
         self.carry_outputs(now);
+        self.carry_axes(now);
         self.carry_inputs(now, out);
+    }
+
+    /// Puts the axes where their drives have moved them to.
+    fn carry_axes(&mut self, now: Tick) {
+        for slot in &self.slots {
+            if let (Node::Drive(node, station), Some(drive)) = (&slot.node, &slot.device.drive) {
+                let increments = match drive.mode {
+                    DriveMode::Position => node.place(now),
+                    DriveMode::Velocity => node.speed(now),
+                };
+                self.plant.place(now, *station, drive.axis, drive.units(increments));
+            }
+        }
     }
 
     fn carry_outputs(&mut self, now: Tick) {
         for owner in &self.owners {
             let on = self.slots.iter().filter(|slot| slot.device.owner == *owner).flat_map(|slot| {
-                let bits = slot.node.outputs();
+                let bits = match &slot.node {
+                    Node::Io(node) => node.outputs(),
+                    Node::Drive(..) => 0,
+                };
                 let wired = slot.device.outputs.iter().enumerate();
                 wired.filter(move |(at, _)| bits >> at & 1 == 1).filter_map(|(_, output)| *output)
             });
@@ -108,12 +186,13 @@ impl Rack {
 
     fn carry_inputs(&mut self, now: Tick, out: &mut Vec<Frame>) {
         for slot in &mut self.slots {
+            let Node::Io(node) = &mut slot.node else { continue };
             let image = self.plant.inputs(slot.device.owner);
             let wired = slot.device.inputs.iter().take(64).enumerate();
             let on = wired.filter(|(_, input)| input.is_some_and(|input| image & bit(input.index()) != 0));
             let bits = on.fold(0, |bits, (at, _)| bits | 1 << at);
             let mut outbox = DeviceOutbox::default();
-            slot.node.set_inputs(now, bits, &mut outbox);
+            node.set_inputs(now, bits, &mut outbox);
             out.append(&mut outbox.frames);
         }
     }

@@ -1,38 +1,31 @@
-//! A generic CANopen I/O device (CiA 401), as a pure state machine.
+//! The simulated devices, as pure state machines.
 //!
-//! ```text
-//!  Booting ──boot-up message──▶ PreOperational ──start──▶ Operational
-//!     ▲                             ▲    ▲                 │      │
-//!     │                             │    └─ pre-op, manager lost  │ stop
-//!     │                             └────────────── Stopped ◀─────┘   (start leads back to Operational)
-//!     └── reset node, reset communication: from every state
-//! ```
+//! [`DeviceNode`] is a generic CANopen I/O device (CiA 401), [`DriveNode`] a drive (CiA 402); what both are of CANopen
+//! is `comm`, and their servers `serve`.
 //!
-//! It knows its bits and its bus, nothing of mechanisms: inputs are handed to it, outputs are read from it. **Leaving
+//! An I/O device knows its bits and its bus, nothing of mechanisms: inputs are handed to it, outputs are read from it. **Leaving
 //! the operational state puts every output to zero; losing the manager, or being stopped, puts it to its error value**,
 //! which is zero unless somebody has set another. Coming back does not restore outputs: that takes a new PDO from
 //! whoever is in charge.
 
+mod comm;
+mod drive;
 mod identity;
 mod objects;
 mod on_error;
 mod pdo;
+mod serve;
 
-use std::time::Duration;
-
-use linewright_fieldbus::codec::{Emergency, HEARTBEAT_LOST, Message, NO_ERROR, NmtCommand, NmtState, NodeId, Payload};
-use linewright_fieldbus::sdo::Server;
-use linewright_fieldbus::{Frame, MANAGER_NODE};
+use linewright_fieldbus::Frame;
+use linewright_fieldbus::codec::{Message, NmtState, NodeId, Payload};
 use linewright_line::{Tick, Timing};
 
 use crate::fault::{DeviceFault, Fault};
-use on_error::{Behaviour, OnError};
+use comm::{Change, Comm};
+pub use drive::DriveNode;
+use on_error::OnError;
 use pdo::Pdo;
 
-/// What a boot takes. Short against any timeout, long enough that a reboot is a gap and not an instant.
-const BOOT: Duration = Duration::from_millis(20);
-/// Error register (object 1001h): generic and communication error.
-const COMMUNICATION_ERROR: u8 = 0x11;
 /// Error code "PDO not processed due to length error" (CiA 301 table 26).
 const PDO_LENGTH: u16 = 0x8210;
 
@@ -66,22 +59,12 @@ pub struct DeviceOutbox {
     pub orders: Vec<Order>,
 }
 
-#[derive(Clone, Copy, Debug, PartialEq, Eq)]
-enum State {
-    Booting { until: Tick },
-    PreOperational,
-    Operational,
-    Stopped,
-}
-
 /// A simulated device.
 #[derive(Debug)]
 pub struct DeviceNode {
-    node: NodeId,
+    comm: Comm,
     input_count: usize,
     output_count: usize,
-    state: State,
-    silent: bool,
     inputs: u64,
     /// Inputs have changed since they were last sent.
     unsent: bool,
@@ -91,16 +74,7 @@ pub struct DeviceNode {
     inputs_pdo: Pdo,
     outputs_pdo: Pdo,
     on_error: OnError,
-    /// Object 1017h.
-    heartbeat: Duration,
-    next_heartbeat: Tick,
     next_inputs: Tick,
-    /// Object 1016h sub 1: whom it watches, and how long it waits.
-    watched: Option<(NodeId, Duration)>,
-    /// When the watched node counts as lost; `None` until it is heard (CiA 301 §7.2.8.3.2.2).
-    lost_at: Option<Tick>,
-    error_register: u8,
-    server: Server,
 }
 
 impl DeviceNode {
@@ -108,11 +82,9 @@ impl DeviceNode {
     pub fn new(now: Tick, node: NodeId, input_count: usize, output_count: usize, timing: &Timing) -> Self {
         let (input_count, output_count) = (input_count.min(64), output_count.min(64));
         DeviceNode {
-            node,
+            comm: Comm::new(now, node, timing),
             input_count,
             output_count,
-            state: State::Booting { until: now + BOOT },
-            silent: false,
             inputs: 0,
             unsent: false,
             outputs: 0,
@@ -120,13 +92,7 @@ impl DeviceNode {
             inputs_pdo: Pdo::of_inputs(node, input_count),
             outputs_pdo: Pdo::of_outputs(node, output_count),
             on_error: OnError::new(output_count),
-            heartbeat: timing.heartbeat,
-            next_heartbeat: Tick::NEVER,
             next_inputs: Tick::NEVER,
-            watched: Some((MANAGER_NODE, timing.heartbeat_timeout)),
-            lost_at: None,
-            error_register: 0,
-            server: Server::new(objects::LEN_MAX),
         }
     }
 
@@ -137,20 +103,16 @@ impl DeviceNode {
 
     /// The state it reports of itself.
     pub fn state(&self) -> NmtState {
-        match self.state {
-            State::Booting { .. } => NmtState::BootUp,
-            State::PreOperational => NmtState::PreOperational,
-            State::Operational => NmtState::Operational,
-            State::Stopped => NmtState::Stopped,
-        }
+        self.comm.nmt_state()
     }
 
     /// Makes it fail, or work again (`None`). A silent device goes on by itself: unplugged from the bus it still
     /// misses its manager, and lets go of its outputs.
     pub fn inject(&mut self, now: Tick, fault: Option<DeviceFault>) {
-        self.silent = fault == Some(DeviceFault::Silent);
+        self.comm.silent = fault == Some(DeviceFault::Silent);
         if fault == Some(DeviceFault::Reboot) {
-            self.boot(now);
+            self.comm.boot(now);
+            self.forget();
         }
     }
 
@@ -168,106 +130,76 @@ impl DeviceNode {
     /// Takes a frame from the bus.
     pub fn handle(&mut self, now: Tick, frame: &Frame, out: &mut DeviceOutbox) {
         let Ok(message) = Message::decode(frame) else { return };
-        if let Message::SdoRequest { node, raw } = message
-            && node == self.node
-        {
-            return self.serve(now, &raw, out);
-        }
-        if self.silent || matches!(self.state, State::Booting { .. }) {
-            return;
-        }
         match message {
-            Message::Nmt { command, node } if node.is_none_or(|node| node == self.node) => {
-                self.obey(now, command, out);
-            }
-            Message::Rpdo1 { node, payload } if node == self.node => self.take_outputs(payload, out),
+            Message::SdoRequest { node, raw } if node == self.comm.node => serve::serve(self, now, &raw, out),
+            _ if !self.comm.hears() => {}
+            Message::Rpdo1 { node, payload } if node == self.comm.node => self.take_outputs(payload, out),
             Message::Sync { .. } => self.sync(now, out),
-            Message::Heartbeat { node, state } => self.watch(now, node, state, out),
-            _ => {}
+            message => {
+                let change = self.comm.handle(now, &message, self.on_error.behaviour, out);
+                self.react(now, change, out);
+            }
         }
     }
 
     /// Does what is due at `now`.
     pub fn poll(&mut self, now: Tick, out: &mut DeviceOutbox) {
-        if let State::Booting { until } = self.state
-            && until <= now
-        {
-            self.state = State::PreOperational;
-            self.send(Message::Heartbeat { node: self.node, state: NmtState::BootUp }, out);
-            self.schedule_heartbeat(now);
-        }
-        if self.lost_at.is_some_and(|at| at <= now) {
-            self.lose_manager(out);
-        }
-        if self.next_heartbeat <= now {
-            self.send(Message::Heartbeat { node: self.node, state: self.state() }, out);
-            self.schedule_heartbeat(now);
-        }
+        let change = self.comm.poll(now, self.on_error.behaviour, out);
+        self.react(now, change, out);
         if self.next_inputs <= now {
             self.next_inputs = Tick::NEVER;
             if self.inputs_pdo.event_timer().is_some() {
                 self.send_inputs(now, out);
             }
         }
-        self.poll_server(now, out);
+        serve::poll(&mut self.comm, now, out);
     }
 
     /// When [`DeviceNode::poll`] has something to do next.
     pub fn next_deadline(&self) -> Option<Tick> {
-        let boot = match self.state {
-            State::Booting { until } => until,
-            _ => Tick::NEVER,
-        };
-        let own = self.lost_at.into_iter().chain(self.server.next_deadline());
-        let first = own.fold(boot.min(self.next_heartbeat).min(self.next_inputs), Tick::min);
+        let first = self.comm.next_deadline().min(self.next_inputs);
         (first != Tick::NEVER).then_some(first)
     }
 
-    fn obey(&mut self, now: Tick, command: NmtCommand, out: &mut DeviceOutbox) {
-        match command {
-            NmtCommand::Start if self.state != State::Operational => {
-                self.state = State::Operational;
+    fn react(&mut self, now: Tick, change: Change, out: &mut DeviceOutbox) {
+        match change {
+            Change::Nothing => {}
+            Change::Started => {
                 // What the inputs are is news to whoever just started it.
                 self.unsent = true;
                 if self.inputs_pdo.by_event() {
                     self.send_inputs(now, out);
                 }
             }
-            NmtCommand::Start | NmtCommand::Unknown(_) => {}
-            NmtCommand::Stop => self.leave_operational(State::Stopped, self.on_error.outputs(self.outputs)),
-            NmtCommand::EnterPreOperational => self.leave_operational(State::PreOperational, 0),
-            NmtCommand::ResetNode | NmtCommand::ResetCommunication => self.boot(now),
+            Change::Stopped | Change::Lost => self.let_go(self.on_error.outputs(self.outputs)),
+            Change::PreOperational => self.let_go(0),
+            Change::Boots => self.forget(),
         }
     }
 
-    /// What was configured of its process data is forgotten.
-    fn boot(&mut self, now: Tick) {
-        self.leave_operational(State::Booting { until: now + BOOT }, 0);
-        self.inputs_pdo = Pdo::of_inputs(self.node, self.input_count);
-        self.outputs_pdo = Pdo::of_outputs(self.node, self.output_count);
+    /// It boots: what was configured of its process data is forgotten.
+    fn forget(&mut self) {
+        self.let_go(0);
+        self.inputs_pdo = Pdo::of_inputs(self.comm.node, self.input_count);
+        self.outputs_pdo = Pdo::of_outputs(self.comm.node, self.output_count);
         self.on_error = OnError::new(self.output_count);
-        self.next_heartbeat = Tick::NEVER;
-        self.lost_at = None;
-        self.error_register = 0;
     }
 
     /// No process data switches outputs outside the operational state: what they are there is decided on leaving it.
-    fn leave_operational(&mut self, state: State, outputs: u64) {
-        self.state = state;
+    fn let_go(&mut self, outputs: u64) {
         self.outputs = self.wired(outputs);
         self.waiting = None;
-        self.next_inputs = Tick::NEVER;
-        if state != State::PreOperational {
-            self.server.reset();
+        if !self.comm.is_operational() {
+            self.next_inputs = Tick::NEVER;
         }
     }
 
     fn take_outputs(&mut self, payload: Payload, out: &mut DeviceOutbox) {
-        if self.state != State::Operational || !self.outputs_pdo.is_active() {
+        if !self.comm.is_operational() || !self.outputs_pdo.is_active() {
             return;
         }
         if payload.bytes().len() * 8 < self.output_count {
-            return self.report(PDO_LENGTH, out);
+            return self.comm.report(PDO_LENGTH, 0, out);
         }
         let outputs = self.wired(payload.bits());
         if self.outputs_pdo.by_event() {
@@ -284,7 +216,7 @@ impl DeviceNode {
 
     /// Synchronous process data is taken and sent.
     fn sync(&mut self, now: Tick, out: &mut DeviceOutbox) {
-        if self.state != State::Operational {
+        if !self.comm.is_operational() {
             return;
         }
         if let Some(outputs) = self.waiting.take() {
@@ -295,65 +227,12 @@ impl DeviceNode {
         }
     }
 
-    /// Hears the heartbeat of another node.
-    fn watch(&mut self, now: Tick, node: NodeId, state: NmtState, out: &mut DeviceOutbox) {
-        let Some((_, timeout)) = self.watched.filter(|(watched, _)| *watched == node) else { return };
-        if state == NmtState::BootUp && self.lost_at.is_some() {
-            // It has booted: whatever it ordered before, it does not know of any more.
-            self.lose_manager(out);
-        }
-        if self.lost_at.is_none() && self.error_register != 0 {
-            self.error_register = 0;
-            self.report(NO_ERROR, out);
-        }
-        self.lost_at = Some(now + timeout);
-    }
-
-    fn lose_manager(&mut self, out: &mut DeviceOutbox) {
-        self.lost_at = None;
-        self.error_register = COMMUNICATION_ERROR;
-        let outputs = self.on_error.outputs(self.outputs);
-        match (self.state, self.on_error.behaviour) {
-            (State::Operational, Behaviour::NoChange) => {
-                self.outputs = self.wired(outputs);
-                self.waiting = None;
-            }
-            (State::Operational, Behaviour::PreOperational) => self.leave_operational(State::PreOperational, outputs),
-            (State::Operational | State::PreOperational, Behaviour::Stopped) => {
-                // Said before it may say nothing any more.
-                self.report(HEARTBEAT_LOST, out);
-                return self.leave_operational(State::Stopped, outputs);
-            }
-            (State::Booting { .. } | State::PreOperational | State::Stopped, _) => {}
-        }
-        self.report(HEARTBEAT_LOST, out);
-    }
-
-    fn report(&self, code: u16, out: &mut DeviceOutbox) {
-        let emergency = Emergency { code, register: self.error_register, vendor: [0; 5] };
-        // A stopped device sends nothing but heartbeats (CiA 301 §7.3.2.2).
-        if self.state != State::Stopped {
-            self.send(Message::Emergency { node: self.node, emergency }, out);
-        }
-    }
-
     fn send_inputs(&mut self, now: Tick, out: &mut DeviceOutbox) {
-        if self.state == State::Operational && self.inputs_pdo.is_active() {
+        if self.comm.is_operational() && self.inputs_pdo.is_active() {
             let payload = Payload::from_bits(self.inputs, self.input_count);
-            self.send(Message::Tpdo1 { node: self.node, payload }, out);
+            self.comm.send(&Message::Tpdo1 { node: self.comm.node, payload }, out);
             self.unsent = false;
             self.next_inputs = self.inputs_pdo.event_timer().map_or(Tick::NEVER, |every| now + every);
-        }
-    }
-
-    /// From now, not from the last one: a caller who is late does not get a burst.
-    fn schedule_heartbeat(&mut self, now: Tick) {
-        self.next_heartbeat = if self.heartbeat.is_zero() { Tick::NEVER } else { now + self.heartbeat };
-    }
-
-    fn send(&self, message: Message, out: &mut DeviceOutbox) {
-        if !self.silent {
-            out.frames.push(message.encode());
         }
     }
 }

@@ -66,11 +66,11 @@ impl Drive {
         match (self.phase, goal) {
             (Phase::Preparing(before), _) if before == goal => self.prepared(now, goal, heard, enabled),
             (Phase::Offered(at) | Phase::Moving(at), Goal::Target(wanted)) if at == wanted => {
-                if !enabled {
-                    return Phase::Refused(Refusal::Interrupted(heard.word));
+                match (enabled, self.edge) {
+                    (false, _) => Phase::Refused(Refusal::Interrupted(heard.word)),
+                    (true, Edge::Acknowledged) => Phase::Moving(at),
+                    (true, _) => self.phase,
                 }
-                let taken = self.binding.mode == DriveMode::Velocity || self.edge != Edge::Raised;
-                if taken { Phase::Moving(at) } else { self.phase }
             }
             (Phase::Homing { open, since }, Goal::Home) => {
                 if !enabled {

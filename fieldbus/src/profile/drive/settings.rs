@@ -58,9 +58,9 @@ const INVALID: u32 = 1 << 31;
 const NO_REMOTE: u32 = 1 << 30;
 /// Transmission type: when something changes, and by the event timer.
 const EVENT_DRIVEN: u8 = 255;
-/// Shortest time between two transmit objects, in 100 µs: a moving drive's position changes all the time, and a
-/// hundred frames a second show an arrival within 10 ms.
-const INHIBIT: u16 = 100;
+/// Shortest time between two transmit objects, in 100 µs: a moving drive's position changes all the time; a
+/// few hundred frames a second show an arrival, and every step of enabling it, within 5 ms.
+const INHIBIT: u16 = 50;
 /// Longest time between two, in ms: what makes a lost frame good.
 const EVENT_TIMER: u16 = 50;
 /// How long it must be within its window before it reports to have arrived, in ms.

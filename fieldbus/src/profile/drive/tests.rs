@@ -62,6 +62,8 @@ impl Bench {
         self.now = self.now + Duration::from_millis(1);
         let bits = u64::from(word) | u64::from(mode) << 16 | u64::from(actual as u32) << 24;
         self.drive.take(self.now, Payload::from_bits(bits, 56)).expect("seven bytes");
+        // Looking again without news changes nothing.
+        self.drive.poll(self.now);
         self.sent()
     }
 

@@ -1,0 +1,283 @@
+//! What every simulated device has of CANopen: network management, heartbeats both ways, emergencies, and the server of
+//! its dictionary.
+//!
+//! ```text
+//!  Booting ──boot-up message──▶ PreOperational ──start──▶ Operational
+//!     ▲                             ▲    ▲                 │      │
+//!     │                             │    └─ pre-op, manager lost  │ stop
+//!     │                             └────────────── Stopped ◀─────┘   (start leads back to Operational)
+//!     └── reset node, reset communication: from every state
+//! ```
+//!
+//! It knows no profile: a device that leaves the operational state is told so, and lets go in its own way.
+
+use std::time::Duration;
+
+use linewright_fieldbus::MANAGER_NODE;
+use linewright_fieldbus::codec::{Emergency, HEARTBEAT_LOST, Message, NO_ERROR, NmtCommand, NmtState, NodeId};
+use linewright_fieldbus::sdo::{Abort, ObjectId, Server};
+use linewright_line::{Tick, Timing};
+
+use super::DeviceOutbox;
+use super::objects::exactly;
+use super::on_error::Behaviour;
+
+/// What a boot takes. Short against any timeout, long enough that a reboot is a gap and not an instant.
+const BOOT: Duration = Duration::from_millis(20);
+/// Error register (object 1001h): generic and communication error.
+const COMMUNICATION_ERROR: u8 = 0x11;
+/// Bytes of an object written at most; all of them are shorter.
+const LEN_MAX: usize = 64;
+
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub(super) enum State {
+    Booting { until: Tick },
+    PreOperational,
+    Operational,
+    Stopped,
+}
+
+/// What a frame or the passing of time did to a device.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub(super) enum Change {
+    Nothing,
+    /// It has been started.
+    Started,
+    /// It has been stopped.
+    Stopped,
+    /// It has been sent to pre-operational.
+    PreOperational,
+    /// It has lost its manager while that had a say.
+    Lost,
+    /// It boots: everything but its mechanics begins anew.
+    Boots,
+}
+
+#[derive(Debug)]
+pub(super) struct Comm {
+    pub node: NodeId,
+    pub state: State,
+    pub silent: bool,
+    /// Object 1017h.
+    heartbeat: Duration,
+    next_heartbeat: Tick,
+    /// Object 1016h sub 1: whom it watches, and how long it waits.
+    watched: Option<(NodeId, Duration)>,
+    /// When the watched node counts as lost; `None` until it is heard (CiA 301 §7.2.8.3.2.2).
+    lost_at: Option<Tick>,
+    /// Object 1001h, communication part.
+    pub error_register: u8,
+    pub server: Server,
+}
+
+impl Comm {
+    pub fn new(now: Tick, node: NodeId, timing: &Timing) -> Self {
+        Comm {
+            node,
+            state: State::Booting { until: now + BOOT },
+            silent: false,
+            heartbeat: timing.heartbeat,
+            next_heartbeat: Tick::NEVER,
+            watched: Some((MANAGER_NODE, timing.heartbeat_timeout)),
+            lost_at: None,
+            error_register: 0,
+            server: Server::new(LEN_MAX),
+        }
+    }
+
+    pub fn nmt_state(&self) -> NmtState {
+        match self.state {
+            State::Booting { .. } => NmtState::BootUp,
+            State::PreOperational => NmtState::PreOperational,
+            State::Operational => NmtState::Operational,
+            State::Stopped => NmtState::Stopped,
+        }
+    }
+
+    pub fn is_operational(&self) -> bool {
+        self.state == State::Operational
+    }
+
+    /// Whether it hears anything at all.
+    pub fn hears(&self) -> bool {
+        !self.silent && !matches!(self.state, State::Booting { .. })
+    }
+
+    /// Takes a message that is not process data and no service data.
+    /// `behaviour` is what it does when it has lost its manager.
+    pub fn handle(&mut self, now: Tick, message: &Message, behaviour: Behaviour, out: &mut DeviceOutbox) -> Change {
+        match *message {
+            Message::Nmt { command, node } if node.is_none_or(|node| node == self.node) => self.obey(now, command),
+            Message::Heartbeat { node, state } => self.watch(now, (node, state), behaviour, out),
+            _ => Change::Nothing,
+        }
+    }
+
+    /// Does what is due at `now`.
+    pub fn poll(&mut self, now: Tick, behaviour: Behaviour, out: &mut DeviceOutbox) -> Change {
+        if let State::Booting { until } = self.state
+            && until <= now
+        {
+            self.state = State::PreOperational;
+            self.send(&Message::Heartbeat { node: self.node, state: NmtState::BootUp }, out);
+            self.schedule_heartbeat(now);
+        }
+        let mut change = Change::Nothing;
+        if self.lost_at.is_some_and(|at| at <= now) {
+            change = self.lose_manager(behaviour, out);
+        }
+        if self.next_heartbeat <= now {
+            self.send(&Message::Heartbeat { node: self.node, state: self.nmt_state() }, out);
+            self.schedule_heartbeat(now);
+        }
+        change
+    }
+
+    /// When [`Comm::poll`] or its server has something to do next; [`Tick::NEVER`] if nothing.
+    pub fn next_deadline(&self) -> Tick {
+        let boot = match self.state {
+            State::Booting { until } => until,
+            _ => Tick::NEVER,
+        };
+        let own = self.lost_at.into_iter().chain(self.server.next_deadline());
+        own.fold(boot.min(self.next_heartbeat), Tick::min)
+    }
+
+    fn obey(&mut self, now: Tick, command: NmtCommand) -> Change {
+        match command {
+            NmtCommand::Start if self.state != State::Operational => {
+                self.state = State::Operational;
+                Change::Started
+            }
+            NmtCommand::Start | NmtCommand::Unknown(_) => Change::Nothing,
+            NmtCommand::Stop => {
+                self.enter(State::Stopped);
+                Change::Stopped
+            }
+            NmtCommand::EnterPreOperational => {
+                self.enter(State::PreOperational);
+                Change::PreOperational
+            }
+            NmtCommand::ResetNode | NmtCommand::ResetCommunication => self.boot(now),
+        }
+    }
+
+    pub fn boot(&mut self, now: Tick) -> Change {
+        self.enter(State::Booting { until: now + BOOT });
+        self.next_heartbeat = Tick::NEVER;
+        self.lost_at = None;
+        self.error_register = 0;
+        Change::Boots
+    }
+
+    fn enter(&mut self, state: State) {
+        self.state = state;
+        if state != State::PreOperational {
+            self.server.reset();
+        }
+    }
+
+    /// Hears the heartbeat of another node.
+    fn watch(
+        &mut self,
+        now: Tick,
+        (node, state): (NodeId, NmtState),
+        behaviour: Behaviour,
+        out: &mut DeviceOutbox,
+    ) -> Change {
+        let Some((_, timeout)) = self.watched.filter(|(watched, _)| *watched == node) else { return Change::Nothing };
+        let mut change = Change::Nothing;
+        if state == NmtState::BootUp && self.lost_at.is_some() {
+            // It has booted: whatever it ordered before, it does not know of any more.
+            change = self.lose_manager(behaviour, out);
+        }
+        if self.lost_at.is_none() && self.error_register != 0 {
+            self.error_register = 0;
+            self.report(NO_ERROR, 0, out);
+        }
+        self.lost_at = Some(now + timeout);
+        change
+    }
+
+    fn lose_manager(&mut self, behaviour: Behaviour, out: &mut DeviceOutbox) -> Change {
+        self.lost_at = None;
+        self.error_register = COMMUNICATION_ERROR;
+        match (self.state, behaviour) {
+            (State::Operational | State::PreOperational, Behaviour::Stopped) => {
+                // Said before it may say nothing any more.
+                self.report(HEARTBEAT_LOST, 0, out);
+                self.enter(State::Stopped);
+                return Change::Lost;
+            }
+            (State::Operational, Behaviour::PreOperational) => self.enter(State::PreOperational),
+            (State::Operational, Behaviour::NoChange) => {}
+            (State::Booting { .. } | State::PreOperational | State::Stopped, _) => {
+                self.report(HEARTBEAT_LOST, 0, out);
+                return Change::Nothing;
+            }
+        }
+        self.report(HEARTBEAT_LOST, 0, out);
+        Change::Lost
+    }
+
+    /// Sends an emergency; `more` are bits of the error register beyond those of communication.
+    pub fn report(&self, code: u16, more: u8, out: &mut DeviceOutbox) {
+        let emergency = Emergency { code, register: self.error_register | more, vendor: [0; 5] };
+        // A stopped device sends nothing but heartbeats (CiA 301 §7.3.2.2).
+        if self.state != State::Stopped {
+            self.send(&Message::Emergency { node: self.node, emergency }, out);
+        }
+    }
+
+    /// From now, not from the last one: a caller who is late does not get a burst.
+    fn schedule_heartbeat(&mut self, now: Tick) {
+        self.next_heartbeat = if self.heartbeat.is_zero() { Tick::NEVER } else { now + self.heartbeat };
+    }
+
+    pub fn send(&self, message: &Message, out: &mut DeviceOutbox) {
+        if !self.silent {
+            out.frames.push(message.encode());
+        }
+    }
+
+    /// Objects 1016h and 1017h; `None` for any other.
+    pub fn read(&self, ObjectId { index, sub }: ObjectId) -> Option<Result<Vec<u8>, Abort>> {
+        let millis = |span: Duration| span.as_millis().min(0xFFFF) as u16;
+        match (index, sub) {
+            (0x1016, 0) => Some(Ok(vec![1])),
+            (0x1016, 1) => {
+                let watch = |(node, timeout): (NodeId, _)| u32::from(node.get()) << 16 | u32::from(millis(timeout));
+                Some(Ok(self.watched.map_or(0, watch).to_le_bytes().into()))
+            }
+            (0x1017, 0) => Some(Ok(millis(self.heartbeat).to_le_bytes().into())),
+            (0x1016 | 0x1017, _) => Some(Err(Abort::NO_SUBINDEX)),
+            _ => None,
+        }
+    }
+
+    /// The same objects written; `None` for any other, and for what can only be read.
+    pub fn write(&mut self, now: Tick, object: ObjectId, data: &[u8]) -> Option<Result<(), Abort>> {
+        match (object.index, object.sub) {
+            (0x1016, 1) => Some(self.write_watched(now, data)),
+            (0x1017, 0) => Some(exactly(data).map(|bytes| {
+                self.heartbeat = Duration::from_millis(u16::from_le_bytes(bytes).into());
+                self.schedule_heartbeat(now);
+            })),
+            _ => None,
+        }
+    }
+
+    /// Object 1016h sub 1: node id in bits 16 to 23, time in ms below; 0 in either switches the watch off.
+    fn write_watched(&mut self, now: Tick, data: &[u8]) -> Result<(), Abort> {
+        let [low, high, node, reserved] = exactly(data)?;
+        if reserved != 0 || node > 127 {
+            return Err(Abort::VALUE);
+        }
+        let timeout = Duration::from_millis(u16::from_le_bytes([low, high]).into());
+        self.watched = NodeId::new(node).filter(|_| !timeout.is_zero()).map(|node| (node, timeout));
+        // The standard starts the watch with the first heartbeat. Here it starts at once: who configures the watch
+        // is there, and if it goes away before its first heartbeat that is a loss too.
+        self.lost_at = self.watched.map(|(_, timeout)| now + timeout);
+        Ok(())
+    }
+}

@@ -1,0 +1,351 @@
+//! A simulated drive (CiA 402): profile position, profile velocity and homing, with ramps in virtual time.
+//!
+//! It knows its own increments and nothing of the line. Its position is the axis: whoever simulates the mechanics asks
+//! it. A drive that is not absolute believes to stand at zero when it boots, wherever it is, as a real one does.
+//!
+//! Words are obeyed as levels, again at every event, and edges once. What takes a ramp first (disabling, quick stop, the
+//! reaction to a fault) waits as `pending` until the axis stands.
+
+mod machine;
+mod motion;
+mod objects;
+mod profile;
+
+use std::time::Duration;
+
+use linewright_fieldbus::Frame;
+use linewright_fieldbus::codec::{Abort, Message, NmtState, NodeId, Payload};
+use linewright_fieldbus::profile::drive::word::{DISABLE_VOLTAGE, QUICK_STOP};
+use linewright_fieldbus::profile::drive::{FOLLOWING_ERROR, SENSOR_1, State};
+use linewright_fieldbus::sdo::ObjectId;
+use linewright_line::{Drive, DriveMode, Tick, Timing};
+
+use super::comm::{Change, Comm};
+use super::objects::number;
+use super::on_error::Behaviour;
+use super::serve::{self, Device};
+use super::{DeviceOutbox, PDO_LENGTH};
+use crate::fault::{DeviceFault, FAULT_INDEX, Fault};
+use motion::Motion;
+use objects::Objects;
+use profile::Homing;
+
+/// How finely it looks at its own following error.
+const SERVO: Duration = Duration::from_millis(1);
+/// Error register (object 1001h) of a fault: generic, and of the device profile.
+const PROFILE_ERROR: u8 = 0x21;
+/// Error code of a lost connection where option 6007h makes that a fault.
+const CONNECTION_LOST: u16 = 0x8130;
+
+/// A simulated drive.
+#[derive(Debug)]
+pub struct DriveNode {
+    comm: Comm,
+    objects: Objects,
+    now: Tick,
+    state: State,
+    /// The controlword that was last obeyed.
+    word: u16,
+    /// A transition that is made when the axis stands.
+    pending: Option<u8>,
+    /// Where it wants to be, in mechanical increments.
+    motion: Motion,
+    /// Its zero, in mechanical increments.
+    origin: f64,
+    absolute: bool,
+    mode: i8,
+    /// The set-point it follows, in its own increments.
+    set_point: Option<i32>,
+    /// One that waits for the first to be reached.
+    next_set_point: Option<i32>,
+    acknowledged: bool,
+    halted: bool,
+    /// The velocity it was last told in velocity mode.
+    running: i32,
+    homing: Homing,
+    /// Where it is stuck, in mechanical increments.
+    blocked: Option<f64>,
+    /// Since when it lags too far behind.
+    lagging: Option<Tick>,
+    sent: Option<Payload>,
+    sent_at: Tick,
+}
+
+impl DriveNode {
+    /// A drive that is switched on at `now`, its axis at `place`. One whose description has a homing does not know that.
+    pub fn new(now: Tick, node: NodeId, drive: &Drive, place: f64, timing: &Timing) -> Self {
+        let place = if drive.mode == DriveMode::Position { place * drive.units_per_mm } else { 0.0 };
+        let absolute = drive.homing.is_none();
+        DriveNode {
+            comm: Comm::new(now, node, timing),
+            objects: Objects::new(node),
+            now,
+            state: State::NotReadyToSwitchOn,
+            word: 0,
+            pending: None,
+            motion: Motion::standing(now, place),
+            origin: if absolute { 0.0 } else { place },
+            absolute,
+            mode: 1,
+            set_point: None,
+            next_set_point: None,
+            acknowledged: false,
+            halted: false,
+            running: 0,
+            homing: Homing::Idle,
+            blocked: None,
+            lagging: None,
+            sent: None,
+            sent_at: now,
+        }
+    }
+
+    /// The state it reports of itself.
+    pub fn nmt_state(&self) -> NmtState {
+        self.comm.nmt_state()
+    }
+
+    /// The state of its power.
+    pub fn state(&self) -> State {
+        self.state
+    }
+
+    /// Where its axis is, in increments from the mechanical zero.
+    pub fn place(&self, now: Tick) -> f64 {
+        self.blocked.unwrap_or_else(|| self.motion.position(now))
+    }
+
+    /// How fast its axis moves, in increments per second.
+    pub fn speed(&self, now: Tick) -> f64 {
+        if self.blocked.is_some() { 0.0 } else { self.motion.velocity(now) }
+    }
+
+    /// Makes its communication fail, or work again (`None`). A silent drive goes on by itself: unplugged from the bus it
+    /// still misses its manager, and stops.
+    pub fn inject(&mut self, now: Tick, fault: Option<DeviceFault>) {
+        self.comm.silent = fault == Some(DeviceFault::Silent);
+        if fault == Some(DeviceFault::Reboot) {
+            self.comm.boot(now);
+            self.begin_anew(now);
+        }
+    }
+
+    /// Makes its axis fail, or work again (`None`): stuck, until its following error trips, or with a broken encoder.
+    pub fn fail(&mut self, now: Tick, fault: Option<Fault>, out: &mut DeviceOutbox) {
+        match fault {
+            Some(Fault::Stick) => self.blocked = Some(self.place(now)),
+            Some(Fault::Break) => self.trip(now, SENSOR_1, out),
+            _ => {
+                if let Some(place) = self.blocked.take() {
+                    self.motion = Motion::standing(now, place);
+                }
+            }
+        }
+        self.settle(now, out);
+    }
+
+    /// Takes a frame from the bus.
+    pub fn handle(&mut self, now: Tick, frame: &Frame, out: &mut DeviceOutbox) {
+        let Ok(message) = Message::decode(frame) else { return };
+        match message {
+            Message::SdoRequest { node, raw } if node == self.comm.node => serve::serve(self, now, &raw, out),
+            _ if !self.comm.hears() => return,
+            Message::Rpdo1 { node, payload } if node == self.comm.node => self.take(payload, out),
+            message => {
+                let change = self.comm.handle(now, &message, Behaviour::PreOperational, out);
+                self.react(now, change, out);
+            }
+        }
+        self.settle(now, out);
+    }
+
+    /// Does what is due at `now`.
+    pub fn poll(&mut self, now: Tick, out: &mut DeviceOutbox) {
+        let change = self.comm.poll(now, Behaviour::PreOperational, out);
+        self.react(now, change, out);
+        self.settle(now, out);
+        serve::poll(&mut self.comm, now, out);
+    }
+
+    /// When [`DriveNode::poll`] has something to do next.
+    pub fn next_deadline(&self) -> Option<Tick> {
+        let stands = self.motion.stands_at();
+        let settled = stands.map(|at| at + self.window_time());
+        let lag = self.blocked.filter(|_| !self.motion.stands(self.now) || self.lagging.is_some());
+        let servo = lag.map(|_| self.now + SERVO);
+        let own = [stands, settled, servo, self.next_pdo()].into_iter().flatten().filter(|at| *at > self.now);
+        let first = own.fold(self.comm.next_deadline(), Tick::min);
+        (first != Tick::NEVER).then_some(first)
+    }
+
+    /// Everything that follows from where it is now and what it was told.
+    fn settle(&mut self, now: Tick, out: &mut DeviceOutbox) {
+        self.now = now;
+        if self.state == State::NotReadyToSwitchOn && self.comm.nmt_state() != NmtState::BootUp {
+            self.enter(now, 1, out);
+        }
+        self.watch_lag(now, out);
+        self.obey(now, out);
+        if let Some(transition) = self.pending.filter(|_| self.motion.stands(now)) {
+            self.pending = None;
+            self.enter(now, transition, out);
+        }
+        self.move_on(now);
+        self.send(now);
+        self.flush(now, out);
+    }
+
+    fn react(&mut self, now: Tick, change: Change, out: &mut DeviceOutbox) {
+        match change {
+            Change::Nothing => {}
+            // Where it stands is news to whoever just started it.
+            Change::Started => self.sent = None,
+            // Option 6007h: what it does when nobody is left to tell it.
+            Change::Stopped | Change::PreOperational | Change::Lost => match self.objects.i16(0x6007) {
+                1 => self.trip(now, CONNECTION_LOST, out),
+                2 => self.objects.set(0x6040, 0, DISABLE_VOLTAGE.into()),
+                3 => self.objects.set(0x6040, 0, QUICK_STOP.into()),
+                _ => {}
+            },
+            Change::Boots => self.begin_anew(now),
+        }
+    }
+
+    /// It boots: its power is off, its brake holds, and all it was told is forgotten.
+    fn begin_anew(&mut self, now: Tick) {
+        self.power_off(now);
+        self.objects = Objects::new(self.comm.node);
+        self.state = State::NotReadyToSwitchOn;
+        self.word = 0;
+        self.pending = None;
+        self.mode = 1;
+        self.homing = Homing::Idle;
+        if !self.absolute {
+            self.origin = self.place(now);
+        }
+        self.sent = None;
+    }
+
+    /// Process data from the manager: all of the objects first, then what the controlword among them says.
+    fn take(&mut self, payload: Payload, out: &mut DeviceOutbox) {
+        if !self.comm.is_operational() || !self.objects.is_on(0x1400) {
+            return;
+        }
+        let mapped: Vec<(u16, usize)> = self.objects.mapped(0x1600).collect();
+        let bytes = payload.bytes();
+        if bytes.len() < mapped.iter().map(|(_, len)| len).sum() {
+            return self.comm.report(PDO_LENGTH, 0, out);
+        }
+        let mut rest = bytes;
+        for (index, len) in mapped {
+            let (own, more) = rest.split_at(len);
+            rest = more;
+            // A mode it does not have changes nothing.
+            let _ = self.objects.write(ObjectId::new(index, 0), own);
+        }
+    }
+
+    /// Works out what its transmit object would say.
+    fn payload(&self) -> Payload {
+        let mut bits = 0u64;
+        let mut at = 0;
+        for (index, len) in self.objects.mapped(0x1A00) {
+            let value = self.objects.u32(index, 0).to_le_bytes();
+            bits |= value[..len].iter().enumerate().fold(0, |bits, (i, b)| bits | u64::from(*b) << (8 * (at + i)));
+            at += len;
+        }
+        Payload::from_bits(bits, at * 8)
+    }
+
+    fn flush(&mut self, now: Tick, out: &mut DeviceOutbox) {
+        if !self.comm.is_operational() || !self.objects.is_on(0x1800) {
+            self.sent = None;
+            return;
+        }
+        let payload = self.payload();
+        let timer = self.timer();
+        let due = self.sent.is_none() || timer.is_some_and(|timer| self.sent_at + timer <= now);
+        let changed = self.sent != Some(payload) && self.sent_at + self.inhibit() <= now;
+        if due || changed {
+            self.comm.send(&Message::Tpdo1 { node: self.comm.node, payload }, out);
+            self.sent = Some(payload);
+            self.sent_at = now;
+        }
+    }
+
+    /// When the transmit object is sent next, whatever it says then.
+    fn next_pdo(&self) -> Option<Tick> {
+        self.sent?;
+        let moving = !self.motion.stands(self.now) && self.blocked.is_none();
+        let waiting = moving || self.sent != Some(self.payload());
+        let soon = waiting.then(|| self.sent_at + self.inhibit().max(SERVO));
+        soon.into_iter().chain(self.timer().map(|timer| self.sent_at + timer)).min()
+    }
+
+    /// Object 1800h sub 3, in 100 µs.
+    fn inhibit(&self) -> Duration {
+        Duration::from_micros(u64::from(self.objects.u32(0x1800, 3)) * 100)
+    }
+
+    /// Object 1800h sub 5, in ms; 0 is off.
+    fn timer(&self) -> Option<Duration> {
+        let timer = self.objects.u32(0x1800, 5);
+        (timer > 0).then(|| Duration::from_millis(timer.into()))
+    }
+
+    fn watch_lag(&mut self, now: Tick, out: &mut DeviceOutbox) {
+        let lag = self.motion.position(now) - self.place(now);
+        if lag.abs() <= f64::from(self.objects.u32(0x6065, 0)) {
+            self.lagging = None;
+            return;
+        }
+        let since = *self.lagging.get_or_insert(now);
+        let patience = Duration::from_millis(self.objects.u32(0x6066, 0).into());
+        if self.state == State::OperationEnabled && since + patience <= now {
+            self.trip(now, FOLLOWING_ERROR, out);
+        }
+    }
+}
+
+impl Device for DriveNode {
+    fn comm(&mut self) -> &mut Comm {
+        &mut self.comm
+    }
+
+    fn read(&self, _: Tick, object: ObjectId) -> Result<Vec<u8>, Abort> {
+        match object.index {
+            FAULT_INDEX => Err(Abort::WRITE_ONLY),
+            0x1001 if object.sub == 0 => {
+                let profile = if self.objects.u32(0x603F, 0) == 0 { 0 } else { PROFILE_ERROR };
+                Ok(vec![self.comm.error_register | profile])
+            }
+            _ => self.comm.read(object).unwrap_or_else(|| self.objects.read(object)),
+        }
+    }
+
+    fn write(&mut self, now: Tick, object: ObjectId, data: &[u8], out: &mut DeviceOutbox) -> Result<(), Abort> {
+        match (object.index, object.sub) {
+            (FAULT_INDEX, 0) => {
+                let fault = DeviceFault::from_code(number(data)?)?;
+                if fault.is_none() {
+                    self.fail(now, None, out);
+                }
+                self.inject(now, fault);
+                Ok(())
+            }
+            (FAULT_INDEX, 1) => match Fault::from_code(number(data)?)? {
+                Some(Fault::Slip | Fault::SlipBack) => Err(Abort::VALUE),
+                fault => {
+                    self.fail(now, fault, out);
+                    Ok(())
+                }
+            },
+            (FAULT_INDEX, _) => Err(Abort::NO_SUBINDEX),
+            _ => match self.comm.write(now, object, data) {
+                Some(answer) => answer,
+                None if self.comm.read(object).is_some() => Err(Abort::READ_ONLY),
+                None => self.objects.write(object, data),
+            },
+        }
+    }
+}

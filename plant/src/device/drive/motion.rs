@@ -1,0 +1,210 @@
+//! Where an axis is: ramps, worked out once when a motion begins.
+//!
+//! A position is computed from the moment its motion began, never from the last time somebody looked. Lengths are
+//! increments, speeds increments per second; between two changes the axis moves on at most five pieces of constant
+//! acceleration.
+
+use std::time::Duration;
+
+use linewright_line::Tick;
+
+/// A piece of constant acceleration, from `start` seconds after the motion began.
+#[derive(Clone, Copy, Debug, PartialEq)]
+struct Piece {
+    start: f64,
+    position: f64,
+    velocity: f64,
+    acceleration: f64,
+}
+
+/// How fast, and how soon.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub(super) struct Ramp {
+    pub velocity: f64,
+    pub acceleration: f64,
+    pub deceleration: f64,
+}
+
+/// An axis: since when it does what.
+#[derive(Clone, Debug, PartialEq)]
+pub(super) struct Motion {
+    since: Tick,
+    /// Never empty; the last one has no acceleration and goes on for ever.
+    pieces: Vec<Piece>,
+}
+
+impl Motion {
+    pub fn standing(now: Tick, position: f64) -> Self {
+        Motion { since: now, pieces: vec![Piece { start: 0.0, position, velocity: 0.0, acceleration: 0.0 }] }
+    }
+
+    pub fn position(&self, now: Tick) -> f64 {
+        let (piece, t) = self.piece(now);
+        piece.position + piece.velocity * t + piece.acceleration * t * t / 2.0
+    }
+
+    pub fn velocity(&self, now: Tick) -> f64 {
+        let (piece, t) = self.piece(now);
+        piece.velocity + piece.acceleration * t
+    }
+
+    /// When it stands, for good; `None` if it never does.
+    pub fn stands_at(&self) -> Option<Tick> {
+        let last = self.last();
+        (last.velocity == 0.0).then(|| self.since + Duration::from_micros((last.start * 1e6).ceil() as u64))
+    }
+
+    pub fn stands(&self, now: Tick) -> bool {
+        self.stands_at().is_some_and(|at| at <= now)
+    }
+
+    /// From what it does now to standing at `target`.
+    pub fn go_to(&mut self, now: Tick, target: f64, ramp: Ramp) {
+        let mut plan = Plan::from(self, now);
+        let way = target - plan.position;
+        let braking = plan.velocity * plan.velocity / (2.0 * ramp.deceleration);
+        if plan.velocity * way < 0.0 || braking > way.abs() {
+            plan.change_to(0.0, ramp.deceleration);
+        }
+        plan.approach(target, ramp);
+        *self = plan.finish(now, target);
+    }
+
+    /// From what it does now to this velocity.
+    pub fn run(&mut self, now: Tick, velocity: f64, ramp: Ramp) {
+        let mut plan = Plan::from(self, now);
+        if plan.velocity * velocity < 0.0 {
+            plan.change_to(0.0, ramp.deceleration);
+        }
+        let slower = velocity.abs() < plan.velocity.abs();
+        plan.change_to(velocity, if slower { ramp.deceleration } else { ramp.acceleration });
+        let position = plan.position;
+        *self = plan.finish(now, position);
+    }
+
+    pub fn stop(&mut self, now: Tick, deceleration: f64) {
+        self.run(now, 0.0, Ramp { velocity: 0.0, acceleration: deceleration, deceleration });
+    }
+
+    fn last(&self) -> Piece {
+        self.pieces[self.pieces.len() - 1]
+    }
+
+    fn piece(&self, now: Tick) -> (Piece, f64) {
+        let t = now.since(self.since).as_secs_f64();
+        let at = self.pieces.partition_point(|piece| piece.start <= t).max(1) - 1;
+        let piece = self.pieces[at];
+        (piece, (t - piece.start).max(0.0))
+    }
+}
+
+/// A motion while it is worked out.
+struct Plan {
+    pieces: Vec<Piece>,
+    time: f64,
+    position: f64,
+    velocity: f64,
+}
+
+impl Plan {
+    fn from(motion: &Motion, now: Tick) -> Self {
+        Plan { pieces: Vec::new(), time: 0.0, position: motion.position(now), velocity: motion.velocity(now) }
+    }
+
+    fn push(&mut self, acceleration: f64, time: f64) {
+        let (start, position, velocity) = (self.time, self.position, self.velocity);
+        if time > 0.0 {
+            self.pieces.push(Piece { start, position, velocity, acceleration });
+            self.time += time;
+            self.position += velocity * time + acceleration * time * time / 2.0;
+            self.velocity += acceleration * time;
+        }
+    }
+
+    fn change_to(&mut self, velocity: f64, rate: f64) {
+        let change = velocity - self.velocity;
+        self.push(rate.copysign(change), change.abs() / rate);
+        // What rounding leaves is not a speed.
+        self.velocity = velocity;
+    }
+
+    /// To standing at `target`, which lies ahead no nearer than it can stop.
+    fn approach(&mut self, target: f64, ramp: Ramp) {
+        let way = (target - self.position).abs();
+        let sign = (target - self.position).signum();
+        let (a, d, v) = (ramp.acceleration, ramp.deceleration, self.velocity.abs());
+        let peak = ((2.0 * a * d * way + d * v * v) / (a + d)).sqrt().min(ramp.velocity);
+        self.change_to(sign * peak, if peak < v { d } else { a });
+        let left = (target - self.position).abs() - peak * peak / (2.0 * d);
+        if peak > 0.0 {
+            self.push(0.0, left / peak);
+        }
+        self.change_to(0.0, d);
+    }
+
+    fn finish(mut self, now: Tick, position: f64) -> Motion {
+        let last = Piece { start: self.time, position, velocity: self.velocity, acceleration: 0.0 };
+        self.pieces.push(last);
+        Motion { since: now, pieces: self.pieces }
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use proptest::prelude::*;
+
+    use super::*;
+
+    const RAMP: Ramp = Ramp { velocity: 100.0, acceleration: 1000.0, deceleration: 500.0 };
+
+    #[test]
+    fn a_way_takes_the_time_of_its_trapezoid() {
+        let mut motion = Motion::standing(Tick::ZERO, 0.0);
+        motion.go_to(Tick::from_millis(10), 100.0, RAMP);
+        // 0.1 s up (5), 0.2 s down (10), 85 at 100 a second.
+        assert_eq!(motion.stands_at(), Some(Tick::from_millis(10 + 100 + 850 + 200)));
+        assert_eq!(motion.position(Tick::from_millis(110)), 5.0);
+        assert_eq!(motion.velocity(Tick::from_millis(500)), 100.0);
+        assert_eq!(motion.position(Tick::from_millis(5000)), 100.0);
+    }
+
+    proptest! {
+        /// Integrated step by step, in ignorance of all formulas: no faster than asked, no harder than asked, never past
+        /// the target, but for the way it takes to stop.
+        #[test]
+        fn whatever_it_did_before_it_ends_at_the_last_target_within_its_limits(
+            targets in prop::collection::vec((-500.0..500.0f64, 0u64..2_000_000), 1..6)
+        ) {
+            let mut motion = Motion::standing(Tick::ZERO, 0.0);
+            let mut now = Tick::ZERO;
+            let (mut before, mut speed) = (0.0, 0.0);
+            let step = Duration::from_micros(500);
+            for (target, micros) in &targets {
+                motion.go_to(now, *target, RAMP);
+                let until = now + Duration::from_micros(*micros);
+                let from = motion.position(now);
+                let braking = motion.velocity(now).powi(2) / (2.0 * RAMP.deceleration);
+                while now < until {
+                    now = now + step;
+                    let (here, new) = (motion.position(now), motion.velocity(now));
+                    prop_assert!(new.abs() <= RAMP.velocity + 1e-6);
+                    prop_assert!((new - speed).abs() <= RAMP.acceleration * 0.0005 + 1e-6);
+                    prop_assert!((here - before - (new + speed) * 0.00025).abs() < 1e-3, "position is not the sum");
+                    let past = (here - target.max(from)).max(target.min(from) - here);
+                    prop_assert!(past <= braking + 1e-6);
+                    (before, speed) = (here, new);
+                }
+            }
+            let end = motion.stands_at().unwrap();
+            let (target, _) = targets[targets.len() - 1];
+            prop_assert_eq!(motion.position(end), target);
+            prop_assert!(motion.stands(end) && motion.velocity(end) == 0.0);
+            // Once it stands, time changes nothing; and a stop on the way is kept.
+            motion.run(end, -50.0, RAMP);
+            prop_assert_eq!(motion.stands_at(), None);
+            let later = end + Duration::from_secs(1);
+            motion.stop(later, 5000.0);
+            prop_assert_eq!(motion.stands_at(), Some(later + Duration::from_millis(10)));
+        }
+    }
+}

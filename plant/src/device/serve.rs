@@ -1,0 +1,81 @@
+//! A device's objects behind its SDO server.
+
+use std::borrow::Cow;
+
+use linewright_fieldbus::codec::{Abort, Message};
+use linewright_fieldbus::sdo::wire::{Raw, Request};
+use linewright_fieldbus::sdo::{Dictionary, ObjectId, Server};
+use linewright_line::Tick;
+
+use super::DeviceOutbox;
+use super::comm::{Comm, State};
+use crate::fault::FAULT_INDEX;
+
+/// A device with an object dictionary.
+pub(super) trait Device {
+    /// Its share of CANopen.
+    fn comm(&mut self) -> &mut Comm;
+
+    /// The bytes of an object.
+    fn read(&self, now: Tick, object: ObjectId) -> Result<Vec<u8>, Abort>;
+
+    /// Gives an object these bytes.
+    fn write(&mut self, now: Tick, object: ObjectId, data: &[u8], out: &mut DeviceOutbox) -> Result<(), Abort>;
+}
+
+/// A device, as its server reaches it while it answers one frame.
+struct Objects<'a, D> {
+    device: &'a mut D,
+    now: Tick,
+    out: &'a mut DeviceOutbox,
+}
+
+impl<D: Device> Dictionary for Objects<'_, D> {
+    fn read(&mut self, object: ObjectId) -> Result<Cow<'_, [u8]>, Abort> {
+        self.device.read(self.now, object).map(Cow::Owned)
+    }
+
+    fn write(&mut self, object: ObjectId, data: &[u8]) -> Result<(), Abort> {
+        self.device.write(self.now, object, data, self.out)
+    }
+
+    fn may_write(&mut self, object: ObjectId, _len: Option<usize>) -> Result<(), Abort> {
+        // One that is not there says so before its bytes come.
+        match self.device.read(self.now, object) {
+            Err(code) if code != Abort::WRITE_ONLY => Err(code),
+            _ => Ok(()),
+        }
+    }
+}
+
+/// Answers a request. A silent device hears none but the one that ends its silence.
+pub(super) fn serve<D: Device>(device: &mut D, now: Tick, raw: &Raw, out: &mut DeviceOutbox) {
+    let plug =
+        matches!(Request::decode(raw), Some(Request::Download { object: ObjectId { index: FAULT_INDEX, sub: 0 }, .. }));
+    let comm = device.comm();
+    let deaf = comm.silent || matches!(comm.state, State::Booting { .. } | State::Stopped);
+    if deaf && !(comm.silent && plug) {
+        return;
+    }
+    let mut answers = Vec::new();
+    // The server cannot be part of the device it serves while it does.
+    let mut server = std::mem::replace(&mut comm.server, Server::new(0));
+    server.handle(now, raw, &mut Objects { device, now, out }, &mut answers);
+    let comm = device.comm();
+    comm.server = server;
+    // Also the answer that announces the silence is sent: `write` may just have begun it.
+    answer(comm, answers, out);
+}
+
+/// Does what is due in a transfer.
+pub(super) fn poll(comm: &mut Comm, now: Tick, out: &mut DeviceOutbox) {
+    let mut answers = Vec::new();
+    comm.server.poll(now, &mut answers);
+    if !comm.silent {
+        answer(comm, answers, out);
+    }
+}
+
+fn answer(comm: &Comm, answers: Vec<Raw>, out: &mut DeviceOutbox) {
+    out.frames.extend(answers.into_iter().map(|raw| Message::SdoResponse { node: comm.node, raw }.encode()));
+}
