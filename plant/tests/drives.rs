@@ -233,7 +233,9 @@ const BRAKE_MM: f64 = 300.0 * 300.0 / (2.0 * 2000.0);
 /// What must hold after every event.
 fn holds(pair: &Pair) {
     let image = pair.image;
-    let asked: Vec<usize> = (0..5).filter(|output| image >> output & 1 == 1).collect();
+    // Without a homing nobody listens to its output.
+    let outputs = if pair.described.homing.is_some() { 5 } else { 4 };
+    let asked: Vec<usize> = (0..outputs).filter(|output| image >> output & 1 == 1).collect();
     let for_long = pair.now.since(pair.since.0) > DEAF + BRAKE;
     let place = pair.place();
     // Motion only while one output is on.
