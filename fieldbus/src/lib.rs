@@ -3,6 +3,7 @@
 //! From the inside out:
 //! - [`Frame`]: one classic CAN frame, as the kernel lays it out, and its [`candump`] text;
 //! - [`codec`]: frame ↔ CANopen [`Message`], total and pure;
+//! - [`sdo`]: reading and writing objects, client and server, pure;
 //! - [`Manager`]: the CANopen manager of one bus, pure: it is called with the time and a frame, and answers with
 //!   frames to send and events to report;
 //! - [`profile`]: what the process data of a device mean that has to be talked to first: drives;
