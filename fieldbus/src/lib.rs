@@ -27,6 +27,8 @@ pub mod manager;
 pub mod profile;
 pub mod sdo;
 pub mod sdo_client;
+pub mod survey;
+pub mod tell;
 
 pub use bus::{Bus, BusError, Options, Transport};
 pub use clock::Clock;

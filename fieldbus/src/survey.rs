@@ -1,0 +1,227 @@
+//! What a listener can tell about every node of a bus, without saying a word.
+//!
+//! Pure: frames go in with the time they were heard, one sentence for each node comes out. It takes no part in
+//! anything and trusts nobody: a node is what its own frames say, and what the manager orders is only an order.
+//! Memory is bounded by the number of node ids.
+
+use std::fmt;
+use std::time::Duration;
+
+use linewright_line::Tick;
+
+use crate::codec::{Emergency, Message, NmtState, NodeId};
+use crate::frame::Frame;
+
+/// Heartbeats that stay away for so many of their own periods are missed.
+const PERIODS_MISSED: u32 = 3;
+
+/// What is known of one node.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub struct Heard {
+    /// Its state by its last heartbeat or boot-up message; `None` if it has sent none.
+    pub state: Option<NmtState>,
+    /// When it sent that.
+    pub heartbeat: Option<Tick>,
+    /// The time between its last two heartbeats.
+    pub period: Option<Duration>,
+    /// When it sent anything at all.
+    pub last: Tick,
+    /// Boot-up messages.
+    pub boots: u32,
+    /// Its last emergency, whether that was an error or that errors are gone.
+    pub emergency: Option<(Tick, Emergency)>,
+    /// Process data it has sent.
+    pub inputs: u64,
+}
+
+/// Everything heard on a bus, by node.
+#[derive(Clone, Debug)]
+pub struct Survey {
+    nodes: [Option<Heard>; 128],
+    /// Frames that belong to no node: NMT orders, SYNC, foreign identifiers.
+    pub other: u64,
+    /// Error frames of the kernel.
+    pub bus_errors: u64,
+}
+
+impl Default for Survey {
+    fn default() -> Self {
+        Survey { nodes: [None; 128], other: 0, bus_errors: 0 }
+    }
+}
+
+impl Survey {
+    /// Takes a frame heard at `now`.
+    pub fn hear(&mut self, now: Tick, frame: &Frame) {
+        let message = match Message::decode(frame) {
+            Ok(message) => message,
+            Err(crate::DecodeError::ErrorFrame { .. }) => {
+                self.bus_errors += 1;
+                return;
+            }
+            Err(_) => {
+                self.other += 1;
+                return;
+            }
+        };
+        match message {
+            Message::Heartbeat { node, state } => self.of(now, node).heartbeat(now, state),
+            Message::Emergency { node, emergency } => self.of(now, node).emergency = Some((now, emergency)),
+            Message::Tpdo1 { node, .. } => self.of(now, node).inputs += 1,
+            Message::SdoResponse { node, .. } => _ = self.of(now, node),
+            // Sent to a node, not by it.
+            Message::Nmt { .. } | Message::Sync { .. } | Message::Rpdo1 { .. } | Message::SdoRequest { .. } => {
+                self.other += 1;
+            }
+        }
+    }
+
+    /// What is known of a node; `None` if it was never heard.
+    pub fn node(&self, node: NodeId) -> Option<&Heard> {
+        self.nodes[usize::from(node.get())].as_ref()
+    }
+
+    /// Every node that was heard, by id.
+    pub fn heard(&self) -> impl Iterator<Item = (NodeId, &Heard)> {
+        let numbered = (0u8..).zip(&self.nodes);
+        numbered.filter_map(|(id, heard)| Some((NodeId::new(id)?, heard.as_ref()?)))
+    }
+
+    fn of(&mut self, now: Tick, node: NodeId) -> &mut Heard {
+        let blank = Heard {
+            state: None,
+            heartbeat: None,
+            period: None,
+            last: now,
+            boots: 0,
+            emergency: None,
+            inputs: 0,
+        };
+        let heard = self.nodes[usize::from(node.get())].get_or_insert(blank);
+        heard.last = now;
+        heard
+    }
+}
+
+impl Heard {
+    fn heartbeat(&mut self, now: Tick, state: NmtState) {
+        if state == NmtState::BootUp {
+            self.boots = self.boots.saturating_add(1);
+            self.period = None;
+        } else if self.state != Some(NmtState::BootUp) {
+            // The first heartbeat after booting comes when it is configured, not a period later.
+            self.period = self.heartbeat.map(|before| now.since(before));
+        }
+        self.state = Some(state);
+        self.heartbeat = Some(now);
+    }
+
+    /// In one sentence, as it is at `now`.
+    pub fn explain(&self, now: Tick) -> String {
+        let mut sentence = match (self.state, self.heartbeat) {
+            (Some(state), Some(at)) => self.alive(state, now.since(at)),
+            _ => "sends, but no heartbeat: its state is unknown".to_owned(),
+        };
+        if let Some((at, emergency)) = self.emergency {
+            let ago = Ago(now.since(at));
+            let _ = fmt::Write::write_fmt(&mut sentence, format_args!("; {ago} ago it reported {emergency}"));
+        }
+        sentence
+    }
+
+    fn alive(&self, state: NmtState, silent: Duration) -> String {
+        let name = state_name(state);
+        match self.period {
+            Some(period) if silent > period * PERIODS_MISSED => {
+                format!("silent for {}, it was {name} and sent a heartbeat every {} ms", Ago(silent), period.as_millis())
+            }
+            Some(period) => format!("{name}, a heartbeat every {} ms", period.as_millis()),
+            None if state == NmtState::BootUp => format!("has booted {} ago, waits to be configured", Ago(silent)),
+            None => format!("{name}, one heartbeat {} ago", Ago(silent)),
+        }
+    }
+}
+
+/// A state as people say it.
+pub fn state_name(state: NmtState) -> String {
+    match state {
+        NmtState::BootUp => "booted".to_owned(),
+        NmtState::Stopped => "stopped".to_owned(),
+        NmtState::Operational => "operational".to_owned(),
+        NmtState::PreOperational => "pre-operational".to_owned(),
+        NmtState::Unknown(code) => format!("in state {code:02X}h, which CiA 301 does not know"),
+    }
+}
+
+/// A duration as people say it.
+struct Ago(Duration);
+
+impl fmt::Display for Ago {
+    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
+        match self.0.as_millis() {
+            millis @ 0..10_000 => write!(f, "{millis} ms"),
+            millis => write!(f, "{} s", millis / 1000),
+        }
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    fn at(ms: u64) -> Tick {
+        Tick::from_millis(ms)
+    }
+
+    fn survey(frames: &[(u64, &str)]) -> Survey {
+        let mut survey = Survey::default();
+        for (ms, frame) in frames {
+            survey.hear(at(*ms), &frame.parse().expect("a frame"));
+        }
+        survey
+    }
+
+    fn sentence(frames: &[(u64, &str)], now: u64) -> String {
+        let node = NodeId::new(4).expect("4 is a node id");
+        survey(frames).node(node).map_or_else(|| "never heard".to_owned(), |heard| heard.explain(at(now)))
+    }
+
+    #[test]
+    fn a_node_is_what_its_frames_say() {
+        assert_eq!(sentence(&[], 10), "never heard");
+        assert_eq!(sentence(&[(5, "704#00")], 10), "has booted 5 ms ago, waits to be configured");
+        let beats = [(0, "704#00"), (10, "704#7F"), (60, "704#05"), (110, "704#05")];
+        assert_eq!(sentence(&beats, 130), "operational, a heartbeat every 50 ms");
+        assert_eq!(sentence(&beats, 1110), "silent for 1000 ms, it was operational and sent a heartbeat every 50 ms");
+        assert_eq!(sentence(&beats[..2], 30), "pre-operational, one heartbeat 20 ms ago");
+        assert_eq!(sentence(&[(0, "184#01")], 10), "sends, but no heartbeat: its state is unknown");
+        let emergency = [(0, "704#05"), (50, "704#05"), (60, "084#3081110000000000")];
+        let said = sentence(&emergency, 70);
+        assert!(said.starts_with("operational, a heartbeat every 50 ms; 10 ms ago it reported 8130h"), "{said}");
+    }
+
+    #[test]
+    fn what_is_sent_to_a_node_says_nothing_of_it() {
+        let heard = survey(&[(0, "000#0104"), (1, "204#01"), (2, "604#4000100000000000"), (3, "080#"), (4, "123#00")]);
+        assert_eq!((heard.heard().count(), heard.other), (0, 5));
+        let heard = survey(&[(0, "584#4300100091010300"), (1, "20000040#0000000000000000")]);
+        assert_eq!((heard.heard().count(), heard.bus_errors), (1, 1));
+    }
+
+    proptest::proptest! {
+        #[test]
+        fn any_frames_at_any_time_have_a_sentence(
+            frames in proptest::collection::vec((proptest::prelude::any::<[u8; 16]>(), 0u64..100_000), 0..40),
+        ) {
+            let mut survey = Survey::default();
+            for (bytes, ms) in &frames {
+                if let Ok(frame) = Frame::from_bytes(bytes) {
+                    survey.hear(at(*ms), &frame);
+                }
+            }
+            for (_, heard) in survey.heard() {
+                proptest::prop_assert!(!heard.explain(at(50_000)).is_empty());
+            }
+        }
+    }
+}
