@@ -64,8 +64,10 @@ enum Command {
     Fail(can::FailArgs),
     /// Show the line as it runs.
     Watch(watch::Args),
+    /// Look at a CAN bus and its CANopen nodes, and talk to them: scan, status, nmt, sdo, monitor, record, replay.
+    Can(can::CanArgs),
     /// Show the frames of a CAN bus, virtual or not, as candump -L does.
-    Candump(can::CandumpArgs),
+    Candump(can::DumpArgs),
 }
 
 fn main() -> ExitCode {
@@ -102,7 +104,8 @@ fn dispatch(command: Command, ros: RosArgs) -> miette::Result<ExitCode> {
         Command::Press(args) => asynchronous(async move { operate::press(args, &ros).await }),
         Command::Fail(args) => asynchronous(async move { can::fail(args).await }),
         Command::Watch(args) => asynchronous(async move { watch::run(args, &ros).await }),
-        Command::Candump(args) => asynchronous(async move { can::candump(args).await }),
+        Command::Can(args) => asynchronous(async move { can::run(args).await }),
+        Command::Candump(args) => asynchronous(async move { can::dump(args).await }),
     }
 }
 

@@ -88,15 +88,8 @@ impl Survey {
     }
 
     fn of(&mut self, now: Tick, node: NodeId) -> &mut Heard {
-        let blank = Heard {
-            state: None,
-            heartbeat: None,
-            period: None,
-            last: now,
-            boots: 0,
-            emergency: None,
-            inputs: 0,
-        };
+        let blank =
+            Heard { state: None, heartbeat: None, period: None, last: now, boots: 0, emergency: None, inputs: 0 };
         let heard = self.nodes[usize::from(node.get())].get_or_insert(blank);
         heard.last = now;
         heard
@@ -133,7 +126,11 @@ impl Heard {
         let name = state_name(state);
         match self.period {
             Some(period) if silent > period * PERIODS_MISSED => {
-                format!("silent for {}, it was {name} and sent a heartbeat every {} ms", Ago(silent), period.as_millis())
+                format!(
+                    "silent for {}, it was {name} and sent a heartbeat every {} ms",
+                    Ago(silent),
+                    period.as_millis()
+                )
             }
             Some(period) => format!("{name}, a heartbeat every {} ms", period.as_millis()),
             None if state == NmtState::BootUp => format!("has booted {} ago, waits to be configured", Ago(silent)),

@@ -5,7 +5,8 @@ use std::time::Duration;
 
 use linewright_line::Owner;
 
-use crate::codec::{Abort, Emergency, NmtState, NodeId};
+use super::boot::BootError;
+use crate::codec::{Emergency, NmtState, NodeId};
 use crate::frame::Frame;
 
 /// Frames to send, in order, and events to report, in order.
@@ -44,17 +45,13 @@ pub enum Event {
         /// Its state now.
         state: NmtState,
     },
-    /// The device refuses to be configured, and is therefore not started: a device that does not watch the manager's
-    /// heartbeat would keep its outputs when the manager is gone.
-    ConfigurationRefused {
+    /// The device is not started: it is another one than expected, or does not take what it is told. A device that
+    /// does not watch the manager's heartbeat would keep its outputs when the manager is gone.
+    BootFailed {
         /// Which.
         node: NodeId,
-        /// Index of the object refused.
-        index: u16,
-        /// Its subindex.
-        sub: u8,
-        /// The device's reason.
-        code: Abort,
+        /// Why.
+        why: BootError,
     },
     /// The device reports an error, or that its errors are gone.
     Emergency {
@@ -151,9 +148,7 @@ impl fmt::Display for Event {
             Event::DeviceLeft { node, state } => {
                 write!(f, "node {node} has left the operational state (now {:02X}h)", state.code())
             }
-            Event::ConfigurationRefused { node, index, sub, code } => {
-                write!(f, "node {node} refuses object {index:04X}h:{sub:02X}: {code}; it is not started")
-            }
+            Event::BootFailed { node, why } => write!(f, "node {node} is not started: {why}"),
             Event::Emergency { node, emergency } => write!(f, "node {node} reports {emergency}"),
             Event::InputsChanged { owner: Owner::Station(id) } => write!(f, "inputs of station {} changed", id.0),
             Event::InputsChanged { owner: Owner::Console } => f.write_str("inputs of the console changed"),

@@ -10,6 +10,7 @@
 //! forgotten and the owner's other devices get zero at once; what is then set again is set by a controller that could
 //! know.
 
+mod boot;
 mod event;
 mod image;
 mod peer;
@@ -19,10 +20,12 @@ use std::time::Duration;
 use linewright_line::{Device, Owner, Tick, Timing};
 use thiserror::Error;
 
+pub use boot::{BootError, Identity, Plan};
 pub use event::{Event, IgnoreReason, Outbox};
 
 use crate::codec::{DecodeError, Message, NmtState, NodeId};
 use crate::frame::Frame;
+use crate::sdo::ObjectId;
 use event::IGNORE_REASONS;
 use peer::{Outcome, Peer};
 
@@ -123,6 +126,14 @@ impl Manager {
         Ok(Manager { timing, peers, images, next_heartbeat: None, ignored: [0; IGNORE_REASONS] })
     }
 
+    /// What a device has to be, and what it is to be told beyond what the manager itself needs, in this order. For its
+    /// next boot; to be called before the first poll. A node that carries no device of this bus is ignored.
+    pub fn expect(&mut self, node: NodeId, identity: Identity, settings: Vec<(ObjectId, Vec<u8>)>) {
+        if let Some(peer) = self.peers.iter_mut().find(|peer| peer.node == node) {
+            peer.expect(identity, settings);
+        }
+    }
+
     /// Takes one frame heard on the bus at `now`.
     pub fn handle(&mut self, now: Tick, frame: &Frame, out: &mut Outbox) {
         let message = match Message::decode(frame) {
@@ -207,9 +218,14 @@ impl Manager {
         InputImage { valid: image.valid && fresh, ..image }
     }
 
-    /// The state of the device with this node id.
-    pub fn device_state(&self, node: NodeId) -> Option<&'static str> {
-        self.peers.iter().find(|p| p.node == node).map(Peer::state_name)
+    /// How the device with this node id is at `now`, and what it waits for, in one sentence.
+    pub fn explain(&self, now: Tick, node: NodeId) -> Option<String> {
+        self.peers.iter().find(|p| p.node == node).map(|peer| peer.explain(now))
+    }
+
+    /// Every device: its node id, its name, and whether it is operational.
+    pub fn devices(&self) -> impl Iterator<Item = (NodeId, &str, bool)> {
+        self.peers.iter().map(|peer| (peer.node, peer.name.as_str(), peer.is_operational()))
     }
 
     /// How many frames were ignored for `reason`.

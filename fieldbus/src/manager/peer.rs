@@ -1,27 +1,30 @@
 //! One device as the manager sees it.
 //!
 //! ```text
-//!            heard                 all answered             operational heartbeat or TPDO
-//!  Absent ──────────▶ Configuring ─────────────▶ Starting ───────────────────────────────▶ Operational
-//!    ▲                  │   ▲  refused              ▲  ▲                                      │    │
-//!    │                  ▼   │ boot-up               │  └────────── pre-operational ───────────┘    │
-//!    │               Refused┘                    Stopped ◀───────── stopped, unknown ──────────────┘
-//!    └── from every state, when no heartbeat came for the timeout; boot-up leads from every state to Configuring
+//!            heard               all as planned             operational heartbeat or TPDO
+//!  Absent ──────────▶ Booting ─────────────────▶ Starting ───────────────────────────────▶ Operational
+//!    ▲                │   ▲  another device,        ▲  ▲                                      │    │
+//!    │                │   │  setting refused        │  └────────── pre-operational ───────────┘    │
+//!    │                ▼   │ boot-up, after a while  │                                              │
+//!    │               Refused                     Stopped ◀───────── stopped, unknown ──────────────┘
+//!    └── from every state, when it is silent for too long; boot-up leads from every state to Booting
 //! ```
 //!
-//! Configuring comes before starting, also for a device found operational: its heartbeat consumer must watch *this*
-//! manager before an output is energised. A stopped device stays stopped: somebody ordered that, and the manager does
-//! not argue. Only frames from the device move it along; what the manager sends proves nothing.
+//! Booting (`boot.rs`) comes before starting, also for a device found operational: it must be the device that is
+//! expected, and its heartbeat consumer must watch *this* manager before an output is energised. A stopped device stays
+//! stopped: somebody ordered that, and the manager does not argue. Only frames from the device move it along; what the
+//! manager sends proves nothing.
 
 use std::time::Duration;
 
 use linewright_line::{Device, InputId, OutputId, Owner, Tick, Timing};
 
+use super::boot::{Boot, BootError, Identity, Plan, Step};
 use super::event::{Event, IgnoreReason, Outbox};
 use super::{MANAGER_NODE, RETRY, image};
 use crate::codec::{Emergency, HEARTBEAT_LOST, Message, NmtCommand, NmtState, NodeId, Payload};
-use crate::sdo::ObjectId;
-use crate::sdo::wire::{Content, Raw, Request, Response};
+use crate::sdo::wire::{Raw, Request};
+use crate::sdo::{Cause, ObjectId};
 
 /// What a frame or the passing of time did to a device.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
@@ -38,14 +41,14 @@ pub(super) enum Outcome {
     Lost,
 }
 
-#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+#[derive(Debug)]
 enum Phase {
     /// Not heard; asked for again at `probe`.
     Absent { probe: Tick },
-    /// Alive; the setting `step` was sent and is repeated at `retry`.
-    Configuring { step: usize, retry: Tick },
-    /// It refused a setting, and is left alone until it boots.
-    Refused,
+    /// Alive; it is being identified and configured.
+    Booting(Boot),
+    /// It must not be started. Looked at again at `retry`, and when it boots: somebody may have seen to it.
+    Refused { why: BootError, retry: Tick },
     /// Configured and ordered to start; ordered again at `retry`.
     Starting { retry: Tick },
     /// Exchanging process data.
@@ -60,7 +63,9 @@ pub(super) struct Peer {
     pub(super) owner: Owner,
     inputs: Vec<Option<InputId>>,
     outputs: Vec<Option<OutputId>>,
-    settings: Vec<Request>,
+    plan: Plan,
+    /// Why it was last refused, so that it is reported once.
+    refusal: Option<BootError>,
     timeout: Duration,
     refresh: Duration,
     phase: Phase,
@@ -82,7 +87,8 @@ impl Peer {
             owner: device.owner,
             inputs: device.inputs.clone(),
             outputs: device.outputs.clone(),
-            settings: settings(device, timing),
+            plan: plan(device, timing),
+            refusal: None,
             timeout: timing.heartbeat_timeout,
             refresh: timing.refresh,
             phase: Phase::Absent { probe: Tick::ZERO },
@@ -93,9 +99,14 @@ impl Peer {
         }
     }
 
+    pub(super) fn expect(&mut self, identity: Identity, settings: Vec<(ObjectId, Vec<u8>)>) {
+        self.plan.identity = identity;
+        self.plan.settings.extend(settings);
+    }
+
     /// Its inputs may be acted upon: it is operational, recently heard, and has sent them since it came up.
     pub(super) fn trusted(&self, now: Tick) -> bool {
-        self.phase == Phase::Operational
+        matches!(self.phase, Phase::Operational)
             && now.since(self.heard) < self.timeout
             && (self.inputs.is_empty() || self.updated.is_some())
     }
@@ -108,41 +119,71 @@ impl Peer {
         self.updated
     }
 
-    pub(super) fn state_name(&self) -> &'static str {
-        match self.phase {
-            Phase::Absent { .. } => "absent",
-            Phase::Configuring { .. } => "being configured",
-            Phase::Refused => "refuses its configuration",
-            Phase::Starting { .. } => "being started",
-            Phase::Operational => "operational",
-            Phase::Stopped => "stopped",
+    pub(super) fn is_operational(&self) -> bool {
+        matches!(self.phase, Phase::Operational)
+    }
+
+    /// How it is at `now`, and what it waits for, in one sentence.
+    pub(super) fn explain(&self, now: Tick) -> String {
+        let silent = now.since(self.heard).as_millis();
+        match &self.phase {
+            Phase::Absent { .. } if self.heard == Tick::ZERO => {
+                format!("never heard; asked for its device type every {} ms", RETRY.as_millis())
+            }
+            Phase::Absent { .. } => {
+                format!("silent for {silent} ms; asked for its device type every {} ms", RETRY.as_millis())
+            }
+            Phase::Booting(boot) => boot.explain(&self.plan),
+            Phase::Refused { why, retry } => {
+                let again = retry.since(now).as_millis();
+                format!("not started: {why}; looked at again in {again} ms, and when it boots")
+            }
+            Phase::Starting { .. } => "configured and ordered to start; waits for it to say that it has".to_owned(),
+            Phase::Operational => match self.updated {
+                Some(at) => format!(
+                    "operational; its heartbeat came {silent} ms ago, its inputs {} ms ago",
+                    now.since(at).as_millis()
+                ),
+                None => format!("operational; its heartbeat came {silent} ms ago, its inputs have not come yet"),
+            },
+            Phase::Stopped => {
+                format!("stopped by somebody else, and left so; its heartbeat came {silent} ms ago")
+            }
         }
     }
 
     pub(super) fn deadline(&self) -> Tick {
         let lost = self.heard + self.timeout;
-        match self.phase {
-            Phase::Absent { probe } => probe,
-            Phase::Configuring { retry, .. } | Phase::Starting { retry } => lost.min(retry),
-            Phase::Refused | Phase::Stopped => lost,
+        match &self.phase {
+            Phase::Absent { probe } => *probe,
+            Phase::Booting(boot) => boot.deadline(),
+            Phase::Starting { retry } | Phase::Refused { retry, .. } => lost.min(*retry),
+            Phase::Stopped => lost,
             Phase::Operational => self.sent.map_or(lost, |(_, at)| lost.min(at + self.refresh)),
         }
     }
 
     /// Does what is due: noticing silence, asking again, refreshing outputs.
     pub(super) fn poll(&mut self, now: Tick, image: u128, out: &mut Outbox) -> Outcome {
-        let absent = matches!(self.phase, Phase::Absent { .. });
-        if !absent && self.heard + self.timeout <= now {
+        // A device that is being configured may be silent for longer than its heartbeats are apart: it may not have
+        // been told to send them yet, or be writing to its memory. The transfer knows how long to wait.
+        let watched = !matches!(self.phase, Phase::Absent { .. } | Phase::Booting(_));
+        if watched && self.heard + self.timeout <= now {
             out.events.push(Event::DeviceLost { node: self.node, silent_for: now.since(self.heard) });
             return self.leave(Phase::Absent { probe: now + RETRY });
         }
-        match self.phase {
-            Phase::Absent { probe } if probe <= now => {
-                self.phase = Phase::Absent { probe: now + RETRY };
-                self.send_setting(0, out);
+        match &mut self.phase {
+            Phase::Absent { probe } if *probe <= now => {
+                *probe = now + RETRY;
+                let raw = Request::Upload { object: DEVICE_TYPE }.encode();
+                out.frames.push(Message::SdoRequest { node: self.node, raw }.encode());
             }
-            Phase::Configuring { step, retry } if retry <= now => self.configure(now, step, out),
-            Phase::Starting { retry } if retry <= now => self.order_start(now, out),
+            Phase::Booting(boot) => {
+                let step = boot.poll(now, &self.plan, &mut out.frames);
+                self.booted(now, step, out);
+            }
+            Phase::Refused { retry, .. } if *retry <= now => self.boot(now, out),
+            Phase::Starting { retry } if *retry <= now => self.order_start(now, out),
             Phase::Operational if self.sent.is_some_and(|(_, at)| at + self.refresh <= now) => {
                 self.send_outputs(now, image, out);
             }
@@ -153,25 +194,27 @@ impl Peer {
 
     pub(super) fn heartbeat(&mut self, now: Tick, state: NmtState, out: &mut Outbox) -> Outcome {
         self.heard = now;
-        match (self.phase, state) {
+        match (&self.phase, state) {
             (Phase::Absent { .. }, _) => {
-                self.configure(now, 0, out);
+                self.boot(now, out);
                 Outcome::Unchanged
             }
             (_, NmtState::BootUp) => {
                 out.events.push(Event::DeviceRebooted { node: self.node });
                 let outcome = self.leave(Phase::Starting { retry: now });
-                self.configure(now, 0, out);
+                // Another one may hang there now: what was found out about the last one does not count.
+                self.refusal = None;
+                self.boot(now, out);
                 outcome
             }
             // A stopped device answers no SDO: to be configured it must be woken.
-            (Phase::Configuring { .. }, NmtState::Stopped) => {
+            (Phase::Booting(_), NmtState::Stopped) => {
                 self.order(NmtCommand::EnterPreOperational, out);
                 Outcome::Unchanged
             }
             (Phase::Starting { .. } | Phase::Stopped, NmtState::Operational) => self.up(out),
             // Still pre-operational after an order to start: `retry` repeats it, this heartbeat may have crossed it.
-            (Phase::Configuring { .. } | Phase::Refused, _)
+            (Phase::Booting(_) | Phase::Refused { .. }, _)
             | (Phase::Starting { .. }, NmtState::PreOperational)
             | (Phase::Operational, NmtState::Operational) => Outcome::Unchanged,
             (Phase::Stopped, NmtState::PreOperational) => {
@@ -194,14 +237,14 @@ impl Peer {
 
     /// Only an operational device sends process data (CiA 301 §7.3.2.2), so hearing it is as good as being told.
     pub(super) fn inputs_heard(&mut self, now: Tick, payload: Payload, out: &mut Outbox) -> Outcome {
-        match self.phase {
+        match &self.phase {
             Phase::Absent { .. } => {
                 // Alive, but not configured by this manager: its inputs wait until it is.
                 self.heard = now;
-                self.configure(now, 0, out);
+                self.boot(now, out);
                 return Outcome::Ignored(IgnoreReason::NotOperational);
             }
-            Phase::Configuring { .. } | Phase::Refused | Phase::Stopped => {
+            Phase::Booting(_) | Phase::Refused { .. } | Phase::Stopped => {
                 return Outcome::Ignored(IgnoreReason::NotOperational);
             }
             Phase::Starting { .. } | Phase::Operational => {}
@@ -211,13 +254,13 @@ impl Peer {
         }
         self.bits = payload.bits();
         self.updated = Some(now);
-        if self.phase == Phase::Operational { Outcome::Inputs } else { self.up(out) }
+        if self.is_operational() { Outcome::Inputs } else { self.up(out) }
     }
 
     pub(super) fn emergency(&mut self, now: Tick, emergency: Emergency, out: &mut Outbox) -> Outcome {
         out.events.push(Event::Emergency { node: self.node, emergency });
         // It has let go of its outputs because it did not hear us; its next heartbeat would say the same, later.
-        if emergency.code == HEARTBEAT_LOST && self.phase == Phase::Operational {
+        if emergency.code == HEARTBEAT_LOST && self.is_operational() {
             let outcome = self.leave(Phase::Stopped);
             self.order_start(now, out);
             return outcome;
@@ -225,25 +268,17 @@ impl Peer {
         Outcome::Unchanged
     }
 
+    /// Eight bytes of its SDO server. Those of a transfer between others are none of the manager's business.
     pub(super) fn sdo_answer(&mut self, now: Tick, raw: &Raw, out: &mut Outbox) -> Outcome {
-        let step = match self.phase {
-            Phase::Absent { .. } => 0,
-            Phase::Configuring { step, .. } => step,
-            _ => return Outcome::Ignored(IgnoreReason::NotForManager),
-        };
-        let Request::Download { object, .. } = self.settings[step] else {
-            return Outcome::Ignored(IgnoreReason::NotForManager);
-        };
-        match Response::decode(raw) {
-            Some(Response::Download { object: answered }) if answered == object => {
+        match &mut self.phase {
+            Phase::Absent { .. } => {
                 self.heard = now;
-                self.configure(now, step + 1, out);
+                self.boot(now, out);
             }
-            Some(Response::Abort { object: answered, code }) if answered == object => {
+            Phase::Booting(boot) => {
                 self.heard = now;
-                self.phase = Phase::Refused;
-                let ObjectId { index, sub } = object;
-                out.events.push(Event::ConfigurationRefused { node: self.node, index, sub, code });
+                let step = boot.handle(now, &self.plan, raw, &mut out.frames);
+                self.booted(now, step, out);
             }
             _ => return Outcome::Ignored(IgnoreReason::NotForManager),
         }
@@ -261,7 +296,7 @@ impl Peer {
     /// Sends its share of the owner's image, provided it is operational: before that it would drop the frame, and the
     /// manager would believe it has the outputs.
     pub(super) fn send_outputs(&mut self, now: Tick, image: u128, out: &mut Outbox) {
-        if self.phase == Phase::Operational && !self.outputs.is_empty() {
+        if self.is_operational() && !self.outputs.is_empty() {
             let bits = image::scatter(image, &self.outputs);
             out.frames.push(self.rpdo(bits));
             self.sent = Some((bits, now));
@@ -288,25 +323,38 @@ impl Peer {
 
     /// Leaves for `phase`. From here on its inputs are unknown and its outputs are taken to be off.
     fn leave(&mut self, phase: Phase) -> Outcome {
-        let was = self.phase;
+        let was_operational = self.is_operational();
         self.phase = phase;
         self.updated = None;
         self.sent = None;
-        if was == Phase::Operational { Outcome::Lost } else { Outcome::Unchanged }
+        if was_operational { Outcome::Lost } else { Outcome::Unchanged }
     }
 
-    /// Sends setting `step`, or the order to start after the last one.
-    fn configure(&mut self, now: Tick, step: usize, out: &mut Outbox) {
-        if step < self.settings.len() {
-            self.phase = Phase::Configuring { step, retry: now + RETRY };
-            self.send_setting(step, out);
-        } else {
-            self.order_start(now, out);
+    /// Begins, or begins again, to bring it up.
+    fn boot(&mut self, now: Tick, out: &mut Outbox) {
+        self.phase = Phase::Booting(Boot::start(now, self.node, &mut out.frames));
+    }
+
+    /// What a step of its boot leads to.
+    fn booted(&mut self, now: Tick, step: Step, out: &mut Outbox) {
+        let why = match step {
+            Step::Busy => return,
+            Step::Done => {
+                self.refusal = None;
+                return self.order_start(now, out);
+            }
+            Step::Failed(why) => why,
+        };
+        if self.refusal != Some(why) {
+            self.refusal = Some(why);
+            out.events.push(Event::BootFailed { node: self.node, why });
         }
-    }
-
-    fn send_setting(&self, step: usize, out: &mut Outbox) {
-        out.frames.push(Message::SdoRequest { node: self.node, raw: self.settings[step].encode() }.encode());
+        let silent = matches!(why, BootError::Transfer { error, .. } if matches!(error.cause, Cause::Silent { .. }));
+        self.phase = if silent && self.heard + self.timeout <= now {
+            Phase::Absent { probe: now + RETRY }
+        } else {
+            Phase::Refused { why, retry: now + if silent { RETRY } else { REFUSED_RETRY } }
+        };
     }
 
     fn order_start(&mut self, now: Tick, out: &mut Outbox) {
@@ -319,21 +367,21 @@ impl Peer {
     }
 }
 
-/// What every device is told before it is started. Never empty: the first setting also serves to ask whether the
-/// device is there.
-fn settings(device: &Device, timing: &Timing) -> Vec<Request> {
+/// The object every device has, and that is read first.
+const DEVICE_TYPE: ObjectId = ObjectId::new(0x1000, 0);
+
+/// How soon a refused device is looked at again. Seldom enough that a person reads the reason in peace, often enough
+/// that whoever has mended it need not do anything else.
+const REFUSED_RETRY: Duration = Duration::from_secs(5);
+
+/// What every device has to be, and what it is told before it is started.
+fn plan(device: &Device, timing: &Timing) -> Plan {
     let millis = |span: Duration| u16::try_from(span.as_millis()).unwrap_or(u16::MAX);
     // Object 1017h, producer heartbeat time in ms.
-    let produce = write(ObjectId::new(0x1017, 0), &millis(timing.heartbeat).to_le_bytes());
+    let produce = (ObjectId::new(0x1017, 0), millis(timing.heartbeat).to_le_bytes().to_vec());
     // Object 1016h sub 1, consumer heartbeat time: node id in bits 16 to 23, ms below. What makes outputs safe when
     // the manager is gone, so a device that has outputs must accept it; one that has none need not know the object.
     let watched = u32::from(MANAGER_NODE.get()) << 16 | u32::from(millis(timing.heartbeat_timeout));
-    let consume = write(ObjectId::new(0x1016, 1), &watched.to_le_bytes());
-    let consume = consume.filter(|_| !device.outputs.is_empty());
-    produce.into_iter().chain(consume).collect()
-}
-
-/// Writes up to four bytes.
-fn write(object: ObjectId, data: &[u8]) -> Option<Request> {
-    Content::expedited(data).map(|content| Request::Download { object, content })
+    let consume = (!device.outputs.is_empty()).then(|| (ObjectId::new(0x1016, 1), watched.to_le_bytes().to_vec()));
+    Plan { identity: Identity::default(), settings: std::iter::once(produce).chain(consume).collect() }
 }

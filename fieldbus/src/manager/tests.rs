@@ -4,6 +4,8 @@ use linewright_line::{Bus, InputId, OutputId, StationId};
 use proptest::prelude::*;
 
 use super::*;
+use crate::codec::HEARTBEAT_LOST;
+use crate::sdo::{Abort, Cause, ObjectId, TransferError};
 
 const DRILL: Owner = Owner::Station(StationId(0));
 const CLAMP: Owner = Owner::Station(StationId(1));
@@ -79,7 +81,9 @@ impl Bench {
         self.hear(&format!("{:03X}#00", 0x180 + u16::from(node)));
     }
 
+    /// Answers the boot: a device of profile 401, which takes every setting.
     fn configure(&mut self, node: u8) {
+        self.hear(&format!("{:03X}#4300100091010300", 0x580 + u16::from(node)));
         self.hear(&format!("{:03X}#6017100000000000", 0x580 + u16::from(node)));
         self.hear(&format!("{:03X}#6016100100000000", 0x580 + u16::from(node)));
     }
@@ -109,7 +113,7 @@ fn first_of_all_every_output_is_let_go() {
     let frames = bench.frames();
     assert_eq!(frames[..5], ["77F#00", "204#00", "205#00", "206#00", "77F#05"]);
     // And whoever is there already is asked to show itself.
-    assert_eq!(frames[5..], ["604#2B17100032000000", "605#2B17100032000000", "606#2B17100032000000"]);
+    assert_eq!(frames[5..], ["604#4000100000000000", "605#4000100000000000", "606#4000100000000000"]);
 }
 
 #[test]
@@ -118,7 +122,9 @@ fn a_device_that_boots_is_configured_started_and_then_gets_its_outputs() {
     bench.set(CLAMP, 1);
     bench.take();
     bench.hear("706#00");
-    assert_eq!(bench.frames(), ["606#2B17100032000000"]);
+    assert_eq!(bench.frames(), ["606#4000100000000000"], "what are you?");
+    bench.hear("586#4300100091010300");
+    assert_eq!(bench.frames(), ["606#2B17100032000000"], "a heartbeat every 50 ms");
     bench.hear("586#6017100000000000");
     assert_eq!(bench.frames(), ["606#23161001C8007F00"], "watch node 127, 200 ms");
     bench.hear("586#6016100100000000");
@@ -205,7 +211,8 @@ fn a_device_that_falls_back_is_started_again_a_stopped_one_is_left_alone() {
     bench.take();
     bench.hear("706#04");
     assert!(bench.frames().is_empty());
-    assert_eq!(bench.manager.device_state(node(6)), Some("stopped"));
+    let is = bench.manager.explain(bench.now, node(6)).unwrap();
+    assert_eq!(is, "stopped by somebody else, and left so; its heartbeat came 0 ms ago");
     bench.hear("706#05");
     assert_eq!(bench.take().1, [Event::DeviceUp { node: node(6) }]);
 }
@@ -225,31 +232,141 @@ fn a_device_that_does_not_watch_the_manager_is_not_started() {
     let mut bench = Bench::new();
     bench.take();
     bench.hear("706#00");
+    bench.hear("586#4300100091010300");
     bench.hear("586#6017100000000000");
     bench.take();
     bench.hear("586#8016100111000906");
     let (frames, events) = bench.take();
     assert!(frames.is_empty());
-    assert_eq!(
-        events,
-        [Event::ConfigurationRefused { node: node(6), index: 0x1016, sub: 1, code: crate::codec::Abort::NO_SUBINDEX }]
-    );
+    let error = TransferError { object: ObjectId::new(0x1016, 1), cause: Cause::Refused(Abort(0x0609_0011)) };
+    assert_eq!(events, [Event::BootFailed { node: node(6), why: BootError::Transfer { writing: true, error } }]);
+    let is = bench.manager.explain(bench.now, node(6)).unwrap();
+    assert!(is.starts_with("not started: it cannot be configured: object 1016h:01: refused: 06090011h"), "{is}");
     bench.hear("706#05");
     bench.hear("186#01");
     assert!(!bench.inputs(CLAMP).valid);
 }
 
 #[test]
-fn unanswered_orders_are_repeated() {
+fn unanswered_questions_and_orders_are_repeated() {
     let mut bench = Bench::new();
     bench.take();
     bench.hear("706#00");
+    bench.hear("586#4300100091010300");
     bench.take();
-    for _ in 0..10 {
+    let alive = |bench: &mut Bench| {
+        for _ in 0..10 {
+            bench.hear("706#7F");
+            bench.pass(50);
+        }
+        bench.frames()
+    };
+    assert!(alive(&mut bench).contains(&"606#2B17100032000000".to_owned()));
+    bench.hear("586#6017100000000000");
+    bench.hear("586#6016100100000000");
+    bench.take();
+    assert!(alive(&mut bench).contains(&"000#0106".to_owned()));
+}
+
+#[test]
+fn a_device_that_is_alive_but_answers_nothing_is_said_to_be_and_asked_again() {
+    let mut bench = Bench::new();
+    bench.take();
+    let mut events = Vec::new();
+    for _ in 0..80 {
+        bench.hear("706#7F");
+        bench.pass(50);
+        events.extend(bench.take().1);
+    }
+    let [Event::BootFailed { node: which, why: BootError::Transfer { writing: false, error } }] = events[..] else {
+        panic!("{events:?}")
+    };
+    assert_eq!((which, error.object), (node(6), ObjectId::new(0x1000, 0)));
+    assert!(matches!(error.cause, Cause::Silent { asked: 2, .. }), "{error}");
+    // It is brought up as soon as it answers, without anybody's doing.
+    bench.pass(500);
+    bench.hear("706#7F");
+    bench.take();
+    bench.configure(6);
+    assert!(bench.frames().contains(&"000#0106".to_owned()));
+}
+
+/// The clamp's device must be this one.
+fn particular() -> Bench {
+    let mut bench = Bench::new();
+    let identity = Identity { vendor: Some(0x123), revision: Some(0x0001_0002), ..Identity::default() };
+    let value = (ObjectId::new(0x6206, 1), vec![0xFF]);
+    bench.manager.expect(node(6), identity, vec![value]);
+    bench.hear("706#00");
+    bench.hear("586#4300100091010300");
+    bench.take();
+    bench
+}
+
+#[test]
+fn another_device_than_expected_is_told_nothing_and_not_started() {
+    let mut bench = particular();
+    let is = bench.manager.explain(bench.now, node(6)).unwrap();
+    assert_eq!(is, "being identified: waits for its vendor id (object 1018h:01)");
+    bench.hear("586#4318100124010000");
+    let (frames, events) = bench.take();
+    assert_eq!(frames, Vec::<String>::new());
+    let why = BootError::Identity { object: ObjectId::new(0x1018, 1), expected: 0x123, found: 0x124 };
+    assert_eq!(events, [Event::BootFailed { node: node(6), why }]);
+    let said = events[0].to_string();
+    assert!(said.ends_with("another device: its vendor id (object 1018h:01) is 00000124h, not 00000123h"), "{said}");
+    // Looked at again after a while, and at once when somebody has changed it and it boots.
+    for _ in 0..100 {
         bench.hear("706#7F");
         bench.pass(50);
     }
-    assert!(bench.frames().contains(&"606#2B17100032000000".to_owned()));
+    assert_eq!(bench.frames().iter().filter(|f| f.starts_with("606#40")).count(), 1);
+    bench.hear("706#00");
+    assert_eq!(bench.frames(), ["606#4000100000000000"]);
+}
+
+#[test]
+fn the_device_that_is_expected_is_told_everything_in_order() {
+    let mut bench = particular();
+    bench.hear("586#4318100123010000");
+    assert_eq!(bench.frames(), ["606#4018100300000000"], "the product is not compared, the revision is");
+    bench.hear("586#4318100305000100");
+    assert_eq!(bench.frames(), ["606#2B17100032000000"], "a newer minor revision serves");
+    bench.hear("586#6017100000000000");
+    bench.take();
+    bench.hear("586#6016100100000000");
+    assert_eq!(bench.frames(), ["606#2F066201FF000000"]);
+    let is = bench.manager.explain(bench.now, node(6)).unwrap();
+    assert_eq!(is, "being configured: object 6206h:01 is written, 3 of 3");
+    bench.hear("586#6006620100000000");
+    assert_eq!(bench.frames(), ["000#0106"]);
+}
+
+#[test]
+fn an_older_revision_does_not_serve() {
+    for found in ["586#4318100301000100", "586#4318100302000200"] {
+        let mut bench = particular();
+        bench.hear("586#4318100123010000");
+        bench.hear(found);
+        assert!(matches!(bench.take().1[..], [Event::BootFailed { why: BootError::Identity { .. }, .. }]), "{found}");
+    }
+}
+
+#[test]
+fn devices_boot_side_by_side() {
+    let mut bench = Bench::new();
+    bench.take();
+    for node in 4..=6 {
+        bench.hear(&format!("7{node:02X}#00"));
+    }
+    assert_eq!(bench.frames().len(), 3, "each is asked at once");
+    // The first never answers; the others are up all the same.
+    for node in 5..=6 {
+        bench.configure(node);
+        bench.hear(&format!("{:03X}#00", 0x180 + u16::from(node)));
+    }
+    let up: Vec<Event> = bench.take().1.into_iter().filter(|e| matches!(e, Event::DeviceUp { .. })).collect();
+    assert_eq!(up, [Event::DeviceUp { node: node(5) }, Event::DeviceUp { node: node(6) }]);
 }
 
 #[test]
@@ -296,8 +413,10 @@ fn any_frame() -> impl Strategy<Value = Frame> {
         "706#05",
         "706#04",
         "186#01",
+        "586#4300100091010300",
         "586#6017100000000000",
         "586#6016100100000000",
+        "586#8016100111000906",
         "086#3081110000000000",
     ]);
     let noise = (0u16..0x800, prop::collection::vec(any::<u8>(), 0..=8));
@@ -326,9 +445,7 @@ impl Oracle {
                 Event::DeviceLost { node, .. } | Event::DeviceRebooted { node } | Event::DeviceLeft { node, .. } => {
                     node.get() == 6
                 }
-                Event::Emergency { node, emergency } => {
-                    node.get() == 6 && emergency.code == crate::codec::HEARTBEAT_LOST
-                }
+                Event::Emergency { node, emergency } => node.get() == 6 && emergency.code == HEARTBEAT_LOST,
                 _ => false,
             };
             if left && self.up {

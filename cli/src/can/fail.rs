@@ -1,19 +1,15 @@
-//! The commands that speak to the bus itself: `fail` and `candump`.
-//!
-//! On a kernel with CAN the stock tools do the same; these work on the virtual bus too.
+//! `fail`: a simulated mechanism or device goes wrong, told over its own bus.
 
 use std::path::PathBuf;
 use std::process::ExitCode;
-use std::time::{SystemTime, UNIX_EPOCH};
 
 use clap::{Args, ValueEnum};
 use linewright_fieldbus::sdo::{ObjectId, Options};
-use linewright_fieldbus::{Bus, NodeId, Options as BusOptions, candump, sdo_client};
+use linewright_fieldbus::{Bus, NodeId, Options as BusOptions, sdo_client};
 use linewright_line::{Bus as BusName, Device, Line, Module, Owner};
 use linewright_plant::FAULT_INDEX;
 use miette::{IntoDiagnostic, miette};
 
-use crate::interrupts::Interrupts;
 use crate::load;
 use crate::nodes::DEFAULT_BUS;
 
@@ -121,35 +117,4 @@ fn target<'a>(line: &'a Line, args: &FailArgs) -> miette::Result<(&'a Device, u8
         }
     }
     Err(miette!("no device of {} drives {name}", args.station))
-}
-
-/// Show the frames of a CAN bus.
-#[derive(Debug, Args)]
-pub struct CandumpArgs {
-    /// The CAN interface.
-    #[arg(default_value = DEFAULT_BUS)]
-    interface: String,
-    /// End after this many frames.
-    #[arg(short = 'n', long)]
-    count: Option<u64>,
-}
-
-/// `linewright candump`
-pub async fn candump(args: CandumpArgs) -> miette::Result<ExitCode> {
-    let mut bus = Bus::open(&args.interface, &BusOptions::default()).into_diagnostic()?;
-    eprintln!("{}", bus.describe());
-    let mut left = args.count.unwrap_or(u64::MAX);
-    let mut interrupts = Interrupts::listen()?;
-    while left > 0 {
-        let frame = tokio::select! {
-            frame = bus.recv() => frame,
-            () = interrupts.next() => break,
-        };
-        let now = SystemTime::now().duration_since(UNIX_EPOCH).unwrap_or_default();
-        if !crate::out::line(format_args!("{}", candump::log_line(now, &args.interface, &frame))) {
-            break;
-        }
-        left -= 1;
-    }
-    Ok(ExitCode::SUCCESS)
 }

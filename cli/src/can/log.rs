@@ -1,0 +1,205 @@
+//! `candump`, `can monitor`, `can record` and `can replay`: a bus as a list of frames.
+
+use std::fs::File;
+use std::io::{BufRead, BufReader, BufWriter};
+use std::path::{Path, PathBuf};
+use std::process::ExitCode;
+use std::time::Duration;
+
+use clap::Args;
+use linewright_fieldbus::candump::{self, Recorder};
+use linewright_fieldbus::{Bus, Frame, tell};
+use miette::{IntoDiagnostic, WrapErr, miette};
+use tokio::time::{Instant, sleep_until};
+
+use super::{open, since_epoch};
+use crate::interrupts::Interrupts;
+use crate::load;
+use crate::nodes::DEFAULT_BUS;
+
+/// Show the frames of a CAN bus.
+#[derive(Debug, Args)]
+pub struct DumpArgs {
+    /// The CAN interface.
+    #[arg(default_value = DEFAULT_BUS)]
+    interface: String,
+    /// End after this many frames.
+    #[arg(short = 'n', long)]
+    count: Option<u64>,
+}
+
+/// `linewright candump`
+pub async fn dump(args: DumpArgs) -> miette::Result<ExitCode> {
+    let mut bus = open(&args.interface)?;
+    let interface = args.interface.as_str();
+    each(&mut bus, args.count, |frame| {
+        crate::out::line(format_args!("{}", candump::log_line(since_epoch(), interface, frame)))
+    })
+    .await?;
+    Ok(ExitCode::SUCCESS)
+}
+
+/// Show every frame with what it means.
+#[derive(Debug, Args)]
+pub struct MonitorArgs {
+    /// A line whose description names the nodes.
+    #[arg(long)]
+    line: Option<PathBuf>,
+    /// End after this many frames.
+    #[arg(short = 'n', long)]
+    count: Option<u64>,
+    /// Leave out heartbeats, and process data that say what they said before.
+    #[arg(long)]
+    news: bool,
+}
+
+pub async fn monitor(bus: &mut Bus, interface: &str, args: &MonitorArgs) -> miette::Result<ExitCode> {
+    let line = args.line.as_ref().map(|path| load::line(path, true)).transpose()?;
+    let names = tell::Names::of(line.as_ref(), interface);
+    let mut news = tell::News::default();
+    each(bus, args.count, |frame| {
+        if args.news && !news.is_news(frame) {
+            return true;
+        }
+        let log = candump::log_line(since_epoch(), interface, frame);
+        crate::out::line(format_args!("{log:60} {}", tell::tell(frame, &names)))
+    })
+    .await?;
+    Ok(ExitCode::SUCCESS)
+}
+
+/// Record the bus.
+#[derive(Debug, Args)]
+pub struct RecordArgs {
+    /// The file; must not be there yet.
+    file: PathBuf,
+    /// End after this many frames.
+    #[arg(short = 'n', long)]
+    count: Option<u64>,
+    /// End after so many seconds.
+    #[arg(long)]
+    seconds: Option<f64>,
+}
+
+pub async fn record(bus: &mut Bus, args: &RecordArgs) -> miette::Result<ExitCode> {
+    let name = args.file.display();
+    let file = File::create_new(&args.file).into_diagnostic().wrap_err_with(|| format!("cannot write {name}"))?;
+    let mut recorder = Recorder::new(bus.name(), Box::new(BufWriter::new(file)));
+    let end = match args.seconds {
+        Some(seconds) => Some(Duration::try_from_secs_f64(seconds).map_err(|error| miette!("--seconds: {error}"))?),
+        None => None,
+    };
+    let mut frames: u64 = 0;
+    let recording = each(bus, args.count, |frame| {
+        recorder.record(since_epoch(), frame);
+        frames += 1;
+        recorder.lost() == 0
+    });
+    match end {
+        Some(end) => _ = tokio::time::timeout(end, recording).await,
+        None => recording.await?,
+    }
+    recorder.flush().into_diagnostic().wrap_err_with(|| format!("cannot write {name}"))?;
+    if recorder.lost() > 0 {
+        return Err(miette!("{name} takes no more; {} frames are in it", frames - recorder.lost()));
+    }
+    crate::out::say!("{frames} frames in {name}");
+    let overruns = bus.stats().overruns;
+    if overruns > 0 {
+        eprintln!("the kernel dropped frames {overruns} times before they were recorded");
+    }
+    Ok(ExitCode::SUCCESS)
+}
+
+/// Send what was recorded.
+#[derive(Debug, Args)]
+pub struct ReplayArgs {
+    /// A log in the form of `candump -L`.
+    file: PathBuf,
+    /// Only the frames of this interface; by default all of them.
+    #[arg(long)]
+    from: Option<String>,
+    /// So many times as fast.
+    #[arg(long, default_value_t = 1.0)]
+    speed: f64,
+}
+
+pub async fn replay(bus: &mut Bus, args: &ReplayArgs) -> miette::Result<ExitCode> {
+    if !(args.speed > 0.0 && args.speed.is_finite()) {
+        return Err(miette!("--speed {} is no speed; 1 is as recorded", args.speed));
+    }
+    let wanted = |interface: &str| args.from.as_deref().is_none_or(|from| from == interface);
+    // All of it is read before the first frame is sent: half a recording may leave something running.
+    let mut first = None;
+    for_each_line(&args.file, |_, interface, _| {
+        first = first.or(wanted(interface).then_some(()));
+    })?;
+    if first.is_none() {
+        return Err(miette!(
+            "{} has no frame{}",
+            args.file.display(),
+            match &args.from {
+                Some(from) => format!(" of {from}"),
+                None => String::new(),
+            }
+        ));
+    }
+    let mut frames: Vec<(Duration, Frame)> = Vec::new();
+    for_each_line(&args.file, |stamp, interface, frame| {
+        if wanted(interface) {
+            frames.push((stamp, frame));
+        }
+    })?;
+    let (begin, start) = (frames[0].0, Instant::now());
+    let mut interrupts = Interrupts::listen()?;
+    let mut sent: u64 = 0;
+    for (stamp, frame) in &frames {
+        // A log whose clock was set back goes on at once.
+        let after = stamp.saturating_sub(begin).div_f64(args.speed);
+        tokio::select! {
+            () = sleep_until(start + after) => {}
+            () = interrupts.next() => break,
+        }
+        bus.send(frame);
+        sent += 1;
+    }
+    crate::out::say!("{sent} of {} frames sent in {:.3} s", frames.len(), start.elapsed().as_secs_f64());
+    let refused = bus.stats().send_errors;
+    if refused > 0 {
+        eprintln!("{refused} of them were refused: nobody acknowledges, or the queue is full");
+    }
+    Ok(if refused == 0 && sent == frames.len() as u64 { ExitCode::SUCCESS } else { ExitCode::FAILURE })
+}
+
+/// Every line of a log, or the place of the first that is none.
+fn for_each_line(path: &Path, mut each: impl FnMut(Duration, &str, Frame)) -> miette::Result<()> {
+    let name = path.display();
+    let file = File::open(path).into_diagnostic().wrap_err_with(|| format!("cannot read {name}"))?;
+    for (number, line) in BufReader::new(file).lines().enumerate() {
+        let line = line.into_diagnostic().wrap_err_with(|| format!("cannot read {name}"))?;
+        if line.trim().is_empty() {
+            continue;
+        }
+        let (stamp, interface, frame) =
+            candump::parse_log_line(&line).map_err(|error| miette!("{name}:{}: {error}", number + 1))?;
+        each(stamp, &interface, frame);
+    }
+    Ok(())
+}
+
+/// Hands over frames until there are enough, the taker has enough, or Ctrl-C.
+async fn each(bus: &mut Bus, count: Option<u64>, mut take: impl FnMut(&Frame) -> bool) -> miette::Result<()> {
+    let mut interrupts = Interrupts::listen()?;
+    let mut left = count.unwrap_or(u64::MAX);
+    while left > 0 {
+        let frame = tokio::select! {
+            frame = bus.recv() => frame,
+            () = interrupts.next() => break,
+        };
+        if !take(&frame) {
+            break;
+        }
+        left -= 1;
+    }
+    Ok(())
+}

@@ -1,0 +1,101 @@
+//! The commands that speak to a CAN bus: `can …`, `fail` and `candump`.
+//!
+//! On a kernel with CAN the stock tools do some of this as well, and work beside it; these work on the virtual bus too,
+//! and know CANopen and the line's description. None of them is a manager: what a manager orders meanwhile stands.
+
+mod fail;
+mod log;
+mod nmt;
+mod scan;
+mod sdo;
+mod status;
+mod value;
+
+use std::process::ExitCode;
+use std::time::{Duration, SystemTime, UNIX_EPOCH};
+
+use clap::{Args, Subcommand};
+use linewright_fieldbus::{Bus, NodeId, Options as BusOptions};
+use miette::IntoDiagnostic;
+
+use crate::nodes::DEFAULT_BUS;
+
+pub use fail::{FailArgs, fail};
+pub use log::{DumpArgs, dump};
+
+/// Look at a CAN bus and its CANopen nodes, and talk to them.
+#[derive(Debug, Args)]
+pub struct CanArgs {
+    /// The CAN interface, or the virtual bus of that name where the kernel has none.
+    #[arg(long, global = true, default_value = DEFAULT_BUS)]
+    bus: String,
+    #[command(subcommand)]
+    command: Command,
+}
+
+#[derive(Debug, Subcommand)]
+enum Command {
+    /// Ask every node id who is there: profile, identity, name, state.
+    Scan(scan::ScanArgs),
+    /// Listen, and say in a sentence how each device of a line is.
+    Status(status::StatusArgs),
+    /// Order a node, or all, to another state, and see whether it obeys.
+    Nmt(nmt::NmtArgs),
+    /// Read or write an object of a node.
+    #[command(subcommand)]
+    Sdo(sdo::SdoCommand),
+    /// Show every frame with what it means.
+    Monitor(log::MonitorArgs),
+    /// Record the bus in the form of `candump -L`.
+    Record(log::RecordArgs),
+    /// Send what was recorded, at the pace at which it was.
+    Replay(log::ReplayArgs),
+}
+
+/// `linewright can`
+pub async fn run(args: CanArgs) -> miette::Result<ExitCode> {
+    let mut bus = open(&args.bus)?;
+    match args.command {
+        Command::Scan(args) => scan::run(&mut bus, &args).await,
+        Command::Status(status) => status::run(&mut bus, &args.bus, &status).await,
+        Command::Nmt(args) => nmt::run(&mut bus, &args).await,
+        Command::Sdo(command) => sdo::run(&mut bus, &command).await,
+        Command::Monitor(monitor) => log::monitor(&mut bus, &args.bus, &monitor).await,
+        Command::Record(args) => log::record(&mut bus, &args).await,
+        Command::Replay(args) => log::replay(&mut bus, &args).await,
+    }
+}
+
+/// Joins a bus, and says on standard error which it is: a virtual one is a place of its own.
+fn open(name: &str) -> miette::Result<Bus> {
+    let bus = Bus::open(name, &BusOptions::default()).into_diagnostic()?;
+    eprintln!("{}", bus.describe());
+    Ok(bus)
+}
+
+fn since_epoch() -> Duration {
+    SystemTime::now().duration_since(UNIX_EPOCH).unwrap_or_default()
+}
+
+/// A node id as people write it: `4` or `0x04`.
+fn node(text: &str) -> Result<NodeId, String> {
+    let number = match text.strip_prefix("0x") {
+        Some(hex) => u8::from_str_radix(hex, 16).ok(),
+        None => text.parse().ok(),
+    };
+    number.and_then(NodeId::new).ok_or_else(|| format!("'{text}' is no node id; they run from 1 to 127"))
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn node_ids_are_read_in_either_form() {
+        assert_eq!(node("4").map(NodeId::get), Ok(4));
+        assert_eq!(node("0x7F").map(NodeId::get), Ok(127));
+        for text in ["0", "128", "-1", "x", "0x80", ""] {
+            assert!(node(text).is_err(), "{text}");
+        }
+    }
+}

@@ -1,0 +1,100 @@
+//! `can nmt`: an order, and whether the nodes obey.
+
+use std::process::ExitCode;
+use std::time::Duration;
+
+use clap::{Args, ValueEnum};
+use linewright_fieldbus::codec::{NmtCommand, NmtState};
+use linewright_fieldbus::survey::state_name;
+use linewright_fieldbus::{Bus, Message, NodeId};
+use tokio::time::{Instant, timeout_at};
+
+use super::node;
+
+/// How long a node is given to say that it has obeyed. Its heartbeat may come once a second.
+const PATIENCE: Duration = Duration::from_millis(1500);
+
+#[derive(Clone, Copy, Debug, PartialEq, Eq, ValueEnum)]
+enum Order {
+    /// Enter operational.
+    Start,
+    /// Stop: no process data, no SDO.
+    Stop,
+    /// Enter pre-operational: SDO, no process data.
+    PreOperational,
+    /// Reset the application, and with it the communication.
+    ResetNode,
+    /// Reset the communication.
+    ResetCommunication,
+}
+
+impl Order {
+    fn command(self) -> NmtCommand {
+        match self {
+            Order::Start => NmtCommand::Start,
+            Order::Stop => NmtCommand::Stop,
+            Order::PreOperational => NmtCommand::EnterPreOperational,
+            Order::ResetNode => NmtCommand::ResetNode,
+            Order::ResetCommunication => NmtCommand::ResetCommunication,
+        }
+    }
+
+    /// The state in which a node that has obeyed reports itself.
+    fn leads_to(self) -> NmtState {
+        match self {
+            Order::Start => NmtState::Operational,
+            Order::Stop => NmtState::Stopped,
+            Order::PreOperational => NmtState::PreOperational,
+            Order::ResetNode | Order::ResetCommunication => NmtState::BootUp,
+        }
+    }
+}
+
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+enum Whom {
+    All,
+    One(NodeId),
+}
+
+/// Order a node to another state.
+#[derive(Debug, Args)]
+pub struct NmtArgs {
+    /// What to do.
+    order: Order,
+    /// Who is to do it: a node id, or `all`.
+    #[arg(value_parser = whom)]
+    whom: Whom,
+}
+
+fn whom(text: &str) -> Result<Whom, String> {
+    if text == "all" { Ok(Whom::All) } else { node(text).map(Whom::One) }
+}
+
+pub async fn run(bus: &mut Bus, args: &NmtArgs) -> miette::Result<ExitCode> {
+    let addressed = match args.whom {
+        Whom::All => None,
+        Whom::One(node) => Some(node),
+    };
+    bus.send(&Message::Nmt { command: args.order.command(), node: addressed }.encode());
+    let expected = args.order.leads_to();
+    let until = Instant::now() + PATIENCE;
+    let mut seen = Vec::new();
+    while let Ok(frame) = timeout_at(until, bus.recv()).await {
+        let Ok(Message::Heartbeat { node, state }) = Message::decode(&frame) else { continue };
+        if state != expected || addressed.is_some_and(|addressed| addressed != node) || seen.contains(&node) {
+            continue;
+        }
+        crate::out::say!("node {node}: {}", state_name(state));
+        seen.push(node);
+        if addressed.is_some() {
+            return Ok(ExitCode::SUCCESS);
+        }
+    }
+    if seen.is_empty() {
+        let who = addressed.map_or("no node".to_owned(), |node| format!("node {node} has not"));
+        let said = if addressed.is_some() { "reported itself" } else { "has reported itself" };
+        eprintln!("{who} {said} {} within {} ms", state_name(expected), PATIENCE.as_millis());
+        return Ok(ExitCode::FAILURE);
+    }
+    Ok(ExitCode::SUCCESS)
+}

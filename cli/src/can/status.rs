@@ -1,0 +1,118 @@
+//! `can status`: how each device of a line is, in a sentence, by listening alone.
+
+use std::path::PathBuf;
+use std::process::ExitCode;
+use std::time::Duration;
+
+use clap::Args;
+use linewright_fieldbus::codec::NmtState;
+use linewright_fieldbus::survey::Survey;
+use linewright_fieldbus::{Bus, Clock, MANAGER_NODE, NodeId};
+use linewright_line::{Bus as BusName, Line, Owner, Tick};
+use serde::Serialize;
+use tokio::time::{Instant, timeout_at};
+
+use crate::load;
+
+/// Listen, and say how each device of a line is.
+#[derive(Debug, Args)]
+pub struct StatusArgs {
+    /// The line's directory, or its description file.
+    line: PathBuf,
+    /// How long to listen, in milliseconds; by default four heartbeats of the description.
+    #[arg(long, value_parser = clap::value_parser!(u64).range(10..=60_000))]
+    listen: Option<u64>,
+    /// One JSON object on standard output.
+    #[arg(long)]
+    json: bool,
+}
+
+#[derive(Debug, Serialize)]
+struct Node {
+    node: u8,
+    name: Option<String>,
+    owner: Option<String>,
+    operational: bool,
+    is: String,
+}
+
+pub async fn run(bus: &mut Bus, interface: &str, args: &StatusArgs) -> miette::Result<ExitCode> {
+    let line = load::line(&args.line, true)?;
+    let listen = args.listen.map_or(line.timing.heartbeat * 4 + Duration::from_millis(50), Duration::from_millis);
+    let clock = Clock::start();
+    let mut survey = Survey::default();
+    let until = Instant::now() + listen;
+    while let Ok(frame) = timeout_at(until, bus.recv()).await {
+        survey.hear(clock.now(), &frame);
+    }
+    let nodes = nodes(&line, interface, &survey, clock.now(), listen);
+    let all_well = nodes.iter().all(|node| node.operational || node.name.is_none());
+    if args.json {
+        let Survey { other, bus_errors, .. } = survey;
+        let told = serde_json::json!({
+            "bus": bus.describe(), "nodes": nodes, "frames_of_no_node": other, "bus_errors": bus_errors, "ok": all_well,
+        });
+        crate::out::say!("{told}");
+    } else {
+        table(&nodes, &survey);
+    }
+    Ok(if all_well { ExitCode::SUCCESS } else { ExitCode::FAILURE })
+}
+
+/// The description's devices on this bus, then whoever else was heard.
+fn nodes(line: &Line, interface: &str, survey: &Survey, now: Tick, listened: Duration) -> Vec<Node> {
+    let own = |bus: &BusName| matches!(bus, BusName::Own(name) if name == interface);
+    let is_own_bus = line.devices.iter().any(|device| own(&device.bus));
+    let here = |bus: &BusName| if is_own_bus { own(bus) } else { *bus == BusName::Line };
+    let described = line.devices.iter().filter(|device| here(&device.bus)).map(|device| {
+        let heard = NodeId::new(device.node_id).and_then(|node| survey.node(node));
+        let owner = match device.owner {
+            Owner::Station(id) => line.station(id).name.clone(),
+            Owner::Console => "console".to_owned(),
+        };
+        Node {
+            node: device.node_id,
+            name: Some(device.name.clone()),
+            owner: Some(owner),
+            operational: heard.is_some_and(|heard| heard.state == Some(NmtState::Operational)),
+            is: heard.map_or_else(
+                || format!("silent: nothing heard in {} ms; off, unplugged, or another node id", listened.as_millis()),
+                |heard| heard.explain(now),
+            ),
+        }
+    });
+    let known = |node: NodeId| line.devices.iter().any(|d| here(&d.bus) && d.node_id == node.get());
+    let others = survey.heard().filter(|(node, _)| !known(*node)).map(|(node, heard)| Node {
+        node: node.get(),
+        name: None,
+        owner: (node == MANAGER_NODE).then(|| "the manager".to_owned()),
+        operational: heard.state == Some(NmtState::Operational),
+        is: heard.explain(now),
+    });
+    described.chain(others).collect()
+}
+
+fn table(nodes: &[Node], survey: &Survey) {
+    let name = |node: &Node| match (&node.name, &node.owner) {
+        (Some(name), Some(owner)) => format!("{name} ({owner})"),
+        (None, Some(owner)) => owner.clone(),
+        _ => "not in the description".to_owned(),
+    };
+    let width = nodes.iter().map(|node| name(node).chars().count()).max().unwrap_or(0);
+    for node in nodes {
+        let mark = if node.operational {
+            "✓"
+        } else if node.name.is_some() {
+            "✗"
+        } else {
+            "·"
+        };
+        crate::out::say!("{mark} {:3}  {:width$}  {}", node.node, name(node), node.is);
+    }
+    if !nodes.iter().any(|node| node.node == MANAGER_NODE.get()) {
+        crate::out::say!("no manager is heard (node {MANAGER_NODE}): nobody starts these devices");
+    }
+    if survey.bus_errors > 0 {
+        crate::out::say!("the kernel reports {} errors of the bus", survey.bus_errors);
+    }
+}

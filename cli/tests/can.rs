@@ -1,0 +1,151 @@
+//! `linewright can` as a technician meets it: simulated devices on a virtual bus of the test's own, and no manager.
+
+#[path = "support/command.rs"]
+mod command;
+
+use std::process::{Child, Command, Output, Stdio};
+use std::time::{Duration, Instant};
+
+use command::{Scratch, json, shipped, text};
+
+/// The shipped line's devices, on a bus nobody else is on.
+struct Devices {
+    plant: Child,
+    scratch: Scratch,
+}
+
+impl Devices {
+    fn new() -> Self {
+        let scratch = Scratch::new();
+        let plant = Command::new(env!("CARGO_BIN_EXE_linewright"))
+            .args(["plant", "--bus", "test0", "--end-with-stdin"])
+            .arg(shipped())
+            .env("LINEWRIGHT_BUS_DIR", scratch.path("bus"))
+            .stdin(Stdio::piped())
+            .stdout(Stdio::null())
+            .stderr(Stdio::null())
+            .spawn()
+            .expect("the plant starts");
+        let devices = Devices { plant, scratch };
+        let patience = Instant::now() + Duration::from_secs(20);
+        while json(&devices.can(&["scan", "--wait", "300", "--json"]))["nodes"].as_array().is_none_or(Vec::is_empty) {
+            assert!(Instant::now() < patience, "no device is there");
+        }
+        devices
+    }
+
+    fn can(&self, args: &[&str]) -> Output {
+        let mut command = Command::new(env!("CARGO_BIN_EXE_linewright"));
+        command.args(["can", "--bus", "test0"]).args(args).env("LINEWRIGHT_BUS_DIR", self.scratch.path("bus"));
+        command.output().expect("the command starts")
+    }
+
+    /// What it says when it succeeds.
+    fn says(&self, args: &[&str]) -> String {
+        let output = self.can(args);
+        assert!(output.status.success(), "{args:?}: {output:?}");
+        text(&output.stdout).trim_end().to_owned()
+    }
+
+    /// What it says when it fails.
+    fn refuses(&self, args: &[&str]) -> String {
+        let output = self.can(args);
+        assert!(!output.status.success(), "{args:?}: {output:?}");
+        // Messages are wrapped to the width of a screen.
+        text(&output.stderr).replace("\n  │", "")
+    }
+}
+
+impl Drop for Devices {
+    fn drop(&mut self) {
+        // Its standard input ends, and with it the plant.
+        drop(self.plant.stdin.take());
+        let _ = self.plant.wait();
+    }
+}
+
+#[test]
+fn a_scan_finds_every_device_and_what_it_is() {
+    let devices = Devices::new();
+    let found = json(&devices.can(&["scan", "--json"]));
+    let nodes: Vec<_> = found["nodes"].as_array().expect("a list").iter().collect();
+    let ids: Vec<u64> = nodes.iter().map(|node| node["node"].as_u64().expect("a number")).collect();
+    assert_eq!(ids, [1, 17, 33, 65]);
+    assert!(
+        nodes.iter().all(|node| node["device_type"] == 0x0003_0191 && node["state"] == "pre-operational"),
+        "{found}"
+    );
+    let shown = devices.says(&["scan"]);
+    assert!(shown.contains("CiA 401 I/O: digital inputs, digital outputs"), "{shown}");
+}
+
+#[test]
+fn status_says_how_each_device_of_the_line_is() {
+    let devices = Devices::new();
+    let line = shipped().to_str().expect("a plain path").to_owned();
+    let output = devices.can(&["status", &line, "--json"]);
+    assert_eq!(output.status.code(), Some(1), "nothing is operational without a manager");
+    let nodes = json(&output)["nodes"].clone();
+    assert_eq!((&nodes[1]["name"], &nodes[1]["operational"]), (&"transfer io".into(), &false.into()));
+    assert!(nodes[1]["is"].as_str().is_some_and(|is| is.starts_with("pre-operational, a heartbeat every")), "{nodes}");
+    let table = devices.can(&["status", &line]);
+    assert!(text(&table.stdout).contains("no manager is heard"), "{table:?}");
+    devices.says(&["nmt", "start", "all"]);
+    let after = devices.can(&["status", &line, "--json"]);
+    assert_eq!(json(&after)["ok"], true, "{after:?}");
+}
+
+#[test]
+fn an_order_is_given_and_its_effect_waited_for() {
+    let devices = Devices::new();
+    assert_eq!(devices.says(&["nmt", "start", "17"]), "node 17: operational");
+    assert_eq!(devices.says(&["nmt", "stop", "0x11"]), "node 17: stopped");
+    assert_eq!(devices.says(&["nmt", "reset-node", "17"]), "node 17: booted");
+    let all = devices.says(&["nmt", "pre-operational", "all"]);
+    assert_eq!(all.lines().count(), 4, "{all}");
+    let nobody = devices.refuses(&["nmt", "start", "99"]);
+    assert!(nobody.contains("node 99 has not reported itself operational"), "{nobody}");
+    assert_eq!(devices.can(&["nmt", "start", "128"]).status.code(), Some(2));
+}
+
+#[test]
+fn objects_are_read_and_written() {
+    let devices = Devices::new();
+    assert_eq!(devices.says(&["sdo", "read", "17", "1000"]), "197009 (00030191h; bytes 91 01 03 00)");
+    assert_eq!(devices.says(&["sdo", "read", "17", "1017", "--type", "u16"]), "50");
+    devices.says(&["sdo", "write", "17", "1017:00", "100", "--type", "u16"]);
+    assert_eq!(devices.says(&["sdo", "read", "17", "1017", "--type", "u16"]), "100");
+    let short = devices.refuses(&["sdo", "write", "17", "1017", "100", "--type", "u8"]);
+    assert!(short.contains("object 1017h:00: refused: 06070"), "{short}");
+    let missing = devices.refuses(&["sdo", "read", "17", "7777"]);
+    assert!(missing.contains("object 7777h:00: refused: 06020000h"), "{missing}");
+    let nobody = devices.refuses(&["sdo", "read", "99", "1000", "--timeout", "50"]);
+    assert!(nobody.contains("node 99, object 1000h:00: no answer within 50 ms"), "{nobody}");
+    let wide = devices.refuses(&["sdo", "write", "17", "1017", "70000", "--type", "u16"]);
+    assert!(wide.contains("70000 does not fit 2 bytes"), "{wide}");
+}
+
+#[test]
+fn what_was_recorded_is_sent_again() {
+    let devices = Devices::new();
+    let log = devices.scratch.path("bus.log");
+    let said = devices.says(&["record", &log, "-n", "8"]);
+    assert!(said.starts_with("8 frames"), "{said}");
+    let lines = std::fs::read_to_string(&log).expect("the recording");
+    assert!(lines.lines().all(|line| line.starts_with('(') && line.contains(") test0 7")), "{lines}");
+    assert!(devices.refuses(&["record", &log, "-n", "1"]).contains("cannot write"), "a recording is not overwritten");
+    let said = devices.says(&["replay", &log, "--speed", "10"]);
+    assert!(said.starts_with("8 of 8 frames sent"), "{said}");
+    let bad = devices.scratch.file("bad.log", &format!("{lines}(1.5) test0 nonsense\n"));
+    let refused = devices.refuses(&["replay", &bad]);
+    assert!(refused.contains("bad.log:9: "), "{refused}");
+    assert!(devices.refuses(&["replay", &log, "--from", "can7"]).contains("has no frame of can7"));
+}
+
+#[test]
+fn the_monitor_says_what_frames_mean() {
+    let devices = Devices::new();
+    let line = shipped().to_str().expect("a plain path").to_owned();
+    let said = devices.says(&["monitor", "-n", "8", "--line", &line]);
+    assert!(said.contains("transfer io: pre-operational"), "{said}");
+}

@@ -1,0 +1,231 @@
+//! Bringing one device up: who it is, and what it is to be told, before it may be started.
+//!
+//! As in the boot process of CiA 302-2: the device type and the identity are read and compared with what is expected;
+//! only then are objects written, in the order given; only when all are written may the device be started. A device
+//! that is somebody else is told nothing: what the line's outputs would do to it nobody knows.
+//!
+//! Every step is one SDO transfer, so what a boot waits for is always one object. Nothing here knows of heartbeats or
+//! of the other devices: all of them boot side by side, and one that does not answer holds up nobody.
+
+use std::fmt;
+use std::time::Duration;
+
+use linewright_line::Tick;
+
+use crate::codec::{Message, NodeId};
+use crate::frame::Frame;
+use crate::sdo::wire::Raw;
+use crate::sdo::{Client, ObjectId, Options, Progress, TransferError};
+
+/// How long a device may take for an answer. Half a second is slow for reading a dictionary, and quick for writing a
+/// flash memory; the first frame is repeated once.
+const SDO: Options = Options {
+    timeout: Duration::from_millis(500),
+    retries: 1,
+    mode: crate::sdo::Mode::Auto,
+    block_above: 64,
+    burst: 4,
+    len_max: 4096,
+};
+
+/// Who a device has to be. What is `None` is not compared.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Hash)]
+pub struct Identity {
+    /// Object 1000h.
+    pub device_type: Option<u32>,
+    /// Object 1018h sub 1.
+    pub vendor: Option<u32>,
+    /// Object 1018h sub 2.
+    pub product: Option<u32>,
+    /// Object 1018h sub 3. The lower half, the minor revision, may be newer: it does not change the CANopen behaviour
+    /// (CiA 301 §7.5.2.19).
+    pub revision: Option<u32>,
+    /// Object 1018h sub 4.
+    pub serial: Option<u32>,
+}
+
+/// What a device is to be before it is started.
+#[derive(Clone, Debug, Default, PartialEq, Eq)]
+pub struct Plan {
+    /// Who it has to be.
+    pub identity: Identity,
+    /// What is written, in this order.
+    pub settings: Vec<(ObjectId, Vec<u8>)>,
+}
+
+/// Why a device is not started.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub enum BootError {
+    /// It is another device.
+    Identity {
+        /// The object that says so.
+        object: ObjectId,
+        /// What it should be.
+        expected: u32,
+        /// What it is.
+        found: u32,
+    },
+    /// An object that identifies it has another length.
+    NotANumber {
+        /// The object.
+        object: ObjectId,
+        /// Its bytes; a number has four.
+        bytes: usize,
+    },
+    /// A transfer failed.
+    Transfer {
+        /// It was to be written; otherwise read.
+        writing: bool,
+        /// Which, and why.
+        error: TransferError,
+    },
+}
+
+impl fmt::Display for BootError {
+    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
+        match self {
+            BootError::Identity { object, expected, found } => {
+                let what = what(*object);
+                write!(f, "it is another device: its {what} (object {object}) is {found:08X}h, not {expected:08X}h")
+            }
+            BootError::NotANumber { object, bytes } => {
+                write!(f, "its {} (object {object}) has {bytes} bytes, not 4", what(*object))
+            }
+            BootError::Transfer { writing: true, error } => write!(f, "it cannot be configured: {error}"),
+            BootError::Transfer { writing: false, error } => write!(f, "it cannot be identified: {error}"),
+        }
+    }
+}
+
+fn what(object: ObjectId) -> &'static str {
+    match (object.index, object.sub) {
+        (0x1000, _) => "device type",
+        (_, 1) => "vendor id",
+        (_, 2) => "product code",
+        (_, 3) => "revision number",
+        _ => "serial number",
+    }
+}
+
+/// How far a boot is.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub(super) enum Step {
+    /// Under way.
+    Busy,
+    /// Everything is as it has to be.
+    Done,
+    /// It must not be started.
+    Failed(BootError),
+}
+
+/// One device being brought up.
+#[derive(Debug)]
+pub(super) struct Boot {
+    node: NodeId,
+    /// Transfers done: first what is read, then what is written.
+    at: usize,
+    client: Client,
+    frames: Vec<Raw>,
+}
+
+/// What is read, in order. The device type always is: every device has it, so it also tells whether somebody is there.
+const READ: [ObjectId; 5] = [
+    ObjectId::new(0x1000, 0),
+    ObjectId::new(0x1018, 1),
+    ObjectId::new(0x1018, 2),
+    ObjectId::new(0x1018, 3),
+    ObjectId::new(0x1018, 4),
+];
+
+impl Identity {
+    fn expected(&self, nth: usize) -> Option<u32> {
+        [self.device_type, self.vendor, self.product, self.revision, self.serial][nth]
+    }
+
+    fn compare(&self, nth: usize, bytes: &[u8]) -> Result<(), BootError> {
+        let object = READ[nth];
+        let Some(expected) = self.expected(nth) else { return Ok(()) };
+        let number = bytes.try_into().map_err(|_| BootError::NotANumber { object, bytes: bytes.len() })?;
+        let found = u32::from_le_bytes(number);
+        let same = match nth {
+            // The major revision must be the same, the minor one at least what is expected.
+            3 => found >> 16 == expected >> 16 && found & 0xFFFF >= expected & 0xFFFF,
+            _ => found == expected,
+        };
+        if same { Ok(()) } else { Err(BootError::Identity { object, expected, found }) }
+    }
+}
+
+impl Boot {
+    /// Begins: asks for the device type.
+    pub fn start(now: Tick, node: NodeId, out: &mut Vec<Frame>) -> Self {
+        let mut boot = Boot { node, at: 0, client: Client::upload(READ[0], SDO), frames: Vec::new() };
+        boot.client.start(now, &mut boot.frames);
+        boot.flush(out);
+        boot
+    }
+
+    /// Takes eight bytes of the device's SDO server.
+    pub fn handle(&mut self, now: Tick, plan: &Plan, raw: &Raw, out: &mut Vec<Frame>) -> Step {
+        let progress = self.client.handle(now, raw, &mut self.frames);
+        self.go_on(now, plan, progress, out)
+    }
+
+    /// Does what is due.
+    pub fn poll(&mut self, now: Tick, plan: &Plan, out: &mut Vec<Frame>) -> Step {
+        let progress = self.client.poll(now, &mut self.frames);
+        self.go_on(now, plan, progress, out)
+    }
+
+    /// When [`Boot::poll`] has something to do next.
+    pub fn deadline(&self) -> Tick {
+        self.client.next_deadline().unwrap_or(Tick::NEVER)
+    }
+
+    /// What it waits for, in words.
+    pub fn explain(&self, plan: &Plan) -> String {
+        let object = self.client.object();
+        match self.at.checked_sub(READ.len()) {
+            None => format!("being identified: waits for its {} (object {object})", what(object)),
+            Some(nth) => {
+                format!("being configured: object {object} is written, {} of {}", nth + 1, plan.settings.len())
+            }
+        }
+    }
+
+    fn go_on(&mut self, now: Tick, plan: &Plan, progress: Progress, out: &mut Vec<Frame>) -> Step {
+        let step = match progress {
+            Progress::Busy => Step::Busy,
+            Progress::Done(Err(error)) => Step::Failed(BootError::Transfer { writing: self.at >= READ.len(), error }),
+            Progress::Done(Ok(bytes)) => self.done(now, plan, &bytes),
+        };
+        self.flush(out);
+        step
+    }
+
+    /// One transfer is done; the next begins.
+    fn done(&mut self, now: Tick, plan: &Plan, bytes: &[u8]) -> Step {
+        if self.at < READ.len()
+            && let Err(error) = plan.identity.compare(self.at, bytes)
+        {
+            return Step::Failed(error);
+        }
+        self.at += 1;
+        // What is not compared need not be there.
+        while self.at < READ.len() && plan.identity.expected(self.at).is_none() {
+            self.at += 1;
+        }
+        self.client = match (READ.get(self.at), plan.settings.get(self.at.saturating_sub(READ.len()))) {
+            (Some(object), _) => Client::upload(*object, SDO),
+            (None, Some((object, bytes))) => Client::download(*object, bytes.clone(), SDO),
+            (None, None) => return Step::Done,
+        };
+        self.client.start(now, &mut self.frames);
+        Step::Busy
+    }
+
+    fn flush(&mut self, out: &mut Vec<Frame>) {
+        let node = self.node;
+        out.extend(self.frames.drain(..).map(|raw| Message::SdoRequest { node, raw }.encode()));
+    }
+}
