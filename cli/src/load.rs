@@ -21,7 +21,15 @@ pub fn line(path: &Path, quiet: bool) -> miette::Result<Line> {
             eprintln!("{}:{}:{}: warning: {}", file_of(path).display(), warning.line, warning.column, warning.message);
         }
     }
-    Ok(parsed.line)
+    let mut line = parsed.line;
+    with_device_files(&mut line, path, quiet)?;
+    Ok(line)
+}
+
+/// Adds what the devices' own files say, which lie beside the description.
+pub fn with_device_files(line: &mut Line, path: &Path, quiet: bool) -> miette::Result<()> {
+    let file = file_of(path);
+    crate::devices::complete(line, file.parent().unwrap_or(Path::new("")), quiet)
 }
 
 /// Reads and parses a description, keeping its warnings.

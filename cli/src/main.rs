@@ -7,6 +7,7 @@ mod analyse;
 mod can;
 mod check;
 mod client;
+mod devices;
 mod interrupts;
 mod load;
 mod nets;

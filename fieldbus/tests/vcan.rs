@@ -80,6 +80,7 @@ fn a_manager_brings_a_device_up_and_the_log_can_be_read() {
             bus: BusName::Line,
             inputs: vec![Some(InputId(0))],
             outputs: vec![Some(OutputId(0))],
+            setup: linewright_line::Setup::default(),
             drive: None,
         };
         let manager = Manager::new([&description], Timing::default()).unwrap();
@@ -90,6 +91,10 @@ fn a_manager_brings_a_device_up_and_the_log_can_be_read() {
             loop {
                 let frame = device.recv().await;
                 let answer = match frame.data() {
+                    // Whatever is read is a number of four bytes.
+                    [0x40, low, high, sub, ..] if frame.cob_id() == Some(0x604) => {
+                        Frame::data_frame(0x584, &[0x43, *low, *high, *sub, 0x91, 0x01, 0x03, 0])
+                    }
                     [0x23 | 0x2B, low, high, sub, ..] if frame.cob_id() == Some(0x604) => {
                         Frame::data_frame(0x584, &[0x60, *low, *high, *sub, 0, 0, 0, 0])
                     }

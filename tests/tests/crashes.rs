@@ -209,15 +209,33 @@ fn on_a_rough_network_too() {
     for seed in 0..60 {
         let mut sim = Sim::with(&transfer_line(1.0), seed, Conditions::ROUGH, 0.1);
         sim.start_auto();
-        sim.run_until_done("clamp_1", "return clamp", 2);
+        patiently_until_done(&mut sim, "clamp_1", "return clamp", 2);
         sim.run_for(Duration::from_millis(seed * 59));
         let id = sim.id(STATIONS[(seed % 3) as usize]);
         sim.kill_station(id);
         sim.run_for(Duration::from_millis(seed * 10));
         sim.restart_station(id);
         bring_back(&mut sim);
+        patiently_until_done(&mut sim, "mill_1", "reset main slide", 4);
         two_more_cycles(&mut sim);
     }
+}
+
+/// So many words in a row may be lost that somebody is not heard for too long: the line then falls to stand-by, as it
+/// should, and its operator orders auto again.
+fn patiently_until_done(sim: &mut Sim, station: &str, operation: &str, cycle: i32) {
+    let (id, op) = sim.op(station, operation);
+    for _ in 0..5 {
+        sim.run_until("it is done, or the line in stand-by", |s| {
+            s.done(id, op) >= cycle || s.mode() == Some(ControlMode::StandBy)
+        });
+        if sim.done(id, op) >= cycle {
+            return;
+        }
+        sim.run_until("everything is heard", Sim::all_heard);
+        sim.back_to_auto();
+    }
+    panic!("{station}: {operation} is not done in cycle {cycle}");
 }
 
 #[test]

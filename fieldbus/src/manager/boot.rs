@@ -10,7 +10,7 @@
 use std::fmt;
 use std::time::Duration;
 
-use linewright_line::Tick;
+use linewright_line::{Identity, Tick};
 
 use crate::codec::{Message, NodeId};
 use crate::frame::Frame;
@@ -28,25 +28,9 @@ const SDO: Options = Options {
     len_max: 4096,
 };
 
-/// Who a device has to be. What is `None` is not compared.
-#[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Hash)]
-pub struct Identity {
-    /// Object 1000h.
-    pub device_type: Option<u32>,
-    /// Object 1018h sub 1.
-    pub vendor: Option<u32>,
-    /// Object 1018h sub 2.
-    pub product: Option<u32>,
-    /// Object 1018h sub 3. The lower half, the minor revision, may be newer: it does not change the CANopen behaviour
-    /// (CiA 301 §7.5.2.19).
-    pub revision: Option<u32>,
-    /// Object 1018h sub 4.
-    pub serial: Option<u32>,
-}
-
 /// What a device is to be before it is started.
 #[derive(Clone, Debug, Default, PartialEq, Eq)]
-pub struct Plan {
+pub(super) struct Plan {
     /// Who it has to be.
     pub identity: Identity,
     /// What is written, in this order.
@@ -137,23 +121,22 @@ const READ: [ObjectId; 5] = [
     ObjectId::new(0x1018, 4),
 ];
 
-impl Identity {
-    fn expected(&self, nth: usize) -> Option<u32> {
-        [self.device_type, self.vendor, self.product, self.revision, self.serial][nth]
-    }
+fn expected(identity: &Identity, nth: usize) -> Option<u32> {
+    let Identity { device_type, vendor, product, revision, serial } = *identity;
+    [device_type, vendor, product, revision, serial][nth]
+}
 
-    fn compare(&self, nth: usize, bytes: &[u8]) -> Result<(), BootError> {
-        let object = READ[nth];
-        let Some(expected) = self.expected(nth) else { return Ok(()) };
-        let number = bytes.try_into().map_err(|_| BootError::NotANumber { object, bytes: bytes.len() })?;
-        let found = u32::from_le_bytes(number);
-        let same = match nth {
-            // The major revision must be the same, the minor one at least what is expected.
-            3 => found >> 16 == expected >> 16 && found & 0xFFFF >= expected & 0xFFFF,
-            _ => found == expected,
-        };
-        if same { Ok(()) } else { Err(BootError::Identity { object, expected, found }) }
-    }
+fn compare(identity: &Identity, nth: usize, bytes: &[u8]) -> Result<(), BootError> {
+    let object = READ[nth];
+    let Some(expected) = expected(identity, nth) else { return Ok(()) };
+    let number = bytes.try_into().map_err(|_| BootError::NotANumber { object, bytes: bytes.len() })?;
+    let found = u32::from_le_bytes(number);
+    let same = match nth {
+        // The major revision must be the same, the minor one at least what is expected.
+        3 => found >> 16 == expected >> 16 && found & 0xFFFF >= expected & 0xFFFF,
+        _ => found == expected,
+    };
+    if same { Ok(()) } else { Err(BootError::Identity { object, expected, found }) }
 }
 
 impl Boot {
@@ -206,13 +189,13 @@ impl Boot {
     /// One transfer is done; the next begins.
     fn done(&mut self, now: Tick, plan: &Plan, bytes: &[u8]) -> Step {
         if self.at < READ.len()
-            && let Err(error) = plan.identity.compare(self.at, bytes)
+            && let Err(error) = compare(&plan.identity, self.at, bytes)
         {
             return Step::Failed(error);
         }
         self.at += 1;
         // What is not compared need not be there.
-        while self.at < READ.len() && plan.identity.expected(self.at).is_none() {
+        while self.at < READ.len() && expected(&plan.identity, self.at).is_none() {
             self.at += 1;
         }
         self.client = match (READ.get(self.at), plan.settings.get(self.at.saturating_sub(READ.len()))) {

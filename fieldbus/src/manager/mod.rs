@@ -20,12 +20,11 @@ use std::time::Duration;
 use linewright_line::{Device, Owner, Tick, Timing};
 use thiserror::Error;
 
-pub use boot::{BootError, Identity, Plan};
+pub use boot::BootError;
 pub use event::{Event, IgnoreReason, Outbox};
 
 use crate::codec::{DecodeError, Message, NmtState, NodeId};
 use crate::frame::Frame;
-use crate::sdo::ObjectId;
 use event::IGNORE_REASONS;
 use peer::{Outcome, Peer};
 
@@ -124,14 +123,6 @@ impl Manager {
             peers.push(Peer::new(node, device, &timing));
         }
         Ok(Manager { timing, peers, images, next_heartbeat: None, ignored: [0; IGNORE_REASONS] })
-    }
-
-    /// What a device has to be, and what it is to be told beyond what the manager itself needs, in this order. For its
-    /// next boot; to be called before the first poll. A node that carries no device of this bus is ignored.
-    pub fn expect(&mut self, node: NodeId, identity: Identity, settings: Vec<(ObjectId, Vec<u8>)>) {
-        if let Some(peer) = self.peers.iter_mut().find(|peer| peer.node == node) {
-            peer.expect(identity, settings);
-        }
     }
 
     /// Takes one frame heard on the bus at `now`.

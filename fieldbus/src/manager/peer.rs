@@ -19,7 +19,7 @@ use std::time::Duration;
 
 use linewright_line::{Device, InputId, OutputId, Owner, Tick, Timing};
 
-use super::boot::{Boot, BootError, Identity, Plan, Step};
+use super::boot::{Boot, BootError, Plan, Step};
 use super::event::{Event, IgnoreReason, Outbox};
 use super::{MANAGER_NODE, RETRY, image};
 use crate::codec::{Emergency, HEARTBEAT_LOST, Message, NmtCommand, NmtState, NodeId, Payload};
@@ -97,11 +97,6 @@ impl Peer {
             updated: None,
             sent: None,
         }
-    }
-
-    pub(super) fn expect(&mut self, identity: Identity, settings: Vec<(ObjectId, Vec<u8>)>) {
-        self.plan.identity = identity;
-        self.plan.settings.extend(settings);
     }
 
     /// Its inputs may be acted upon: it is operational, recently heard, and has sent them since it came up.
@@ -383,5 +378,8 @@ fn plan(device: &Device, timing: &Timing) -> Plan {
     // the manager is gone, so a device that has outputs must accept it; one that has none need not know the object.
     let watched = u32::from(MANAGER_NODE.get()) << 16 | u32::from(millis(timing.heartbeat_timeout));
     let consume = (!device.outputs.is_empty()).then(|| (ObjectId::new(0x1016, 1), watched.to_le_bytes().to_vec()));
-    Plan { identity: Identity::default(), settings: std::iter::once(produce).chain(consume).collect() }
+    // The device's own settings first: it is watched, and watches, as it will run.
+    let settings = device.setup.settings.iter();
+    let settings = settings.map(|setting| (ObjectId::new(setting.index, setting.sub), setting.data.clone()));
+    Plan { identity: device.setup.identity, settings: settings.chain([produce]).chain(consume).collect() }
 }

@@ -1,6 +1,6 @@
 //! Scenarios, named by what happens on the bus. Frames are written as candump prints them.
 
-use linewright_line::{Bus, InputId, OutputId, StationId};
+use linewright_line::{Bus, Identity, InputId, OutputId, Setting, StationId};
 use proptest::prelude::*;
 
 use super::*;
@@ -19,6 +19,7 @@ fn devices() -> Vec<Device> {
         bus: Bus::Line,
         inputs: vec![Some(InputId(bit)), None],
         outputs: vec![Some(OutputId(bit))],
+        setup: linewright_line::Setup::default(),
         drive: None,
     };
     vec![device("drill-a", 4, DRILL, 0), device("drill-b", 5, DRILL, 1), device("clamp", 6, CLAMP, 0)]
@@ -293,10 +294,13 @@ fn a_device_that_is_alive_but_answers_nothing_is_said_to_be_and_asked_again() {
 
 /// The clamp's device must be this one.
 fn particular() -> Bench {
-    let mut bench = Bench::new();
-    let identity = Identity { vendor: Some(0x123), revision: Some(0x0001_0002), ..Identity::default() };
-    let value = (ObjectId::new(0x6206, 1), vec![0xFF]);
-    bench.manager.expect(node(6), identity, vec![value]);
+    let mut devices = devices();
+    let setup = &mut devices[2].setup;
+    setup.identity = Identity { vendor: Some(0x123), revision: Some(0x0001_0002), ..Identity::default() };
+    setup.settings = vec![Setting { index: 0x6206, sub: 1, data: vec![0xFF] }];
+    let manager = Manager::new(&devices, Timing::default()).unwrap();
+    let mut bench = Bench { manager, now: Tick::from_millis(1000), out: Outbox::default() };
+    bench.poll();
     bench.hear("706#00");
     bench.hear("586#4300100091010300");
     bench.take();
@@ -331,14 +335,14 @@ fn the_device_that_is_expected_is_told_everything_in_order() {
     bench.hear("586#4318100123010000");
     assert_eq!(bench.frames(), ["606#4018100300000000"], "the product is not compared, the revision is");
     bench.hear("586#4318100305000100");
-    assert_eq!(bench.frames(), ["606#2B17100032000000"], "a newer minor revision serves");
+    assert_eq!(bench.frames(), ["606#2F066201FF000000"], "a newer minor revision serves");
+    let is = bench.manager.explain(bench.now, node(6)).unwrap();
+    assert_eq!(is, "being configured: object 6206h:01 is written, 1 of 3");
+    bench.hear("586#6006620100000000");
+    assert_eq!(bench.frames(), ["606#2B17100032000000"]);
     bench.hear("586#6017100000000000");
     bench.take();
     bench.hear("586#6016100100000000");
-    assert_eq!(bench.frames(), ["606#2F066201FF000000"]);
-    let is = bench.manager.explain(bench.now, node(6)).unwrap();
-    assert_eq!(is, "being configured: object 6206h:01 is written, 3 of 3");
-    bench.hear("586#6006620100000000");
     assert_eq!(bench.frames(), ["000#0106"]);
 }
 

@@ -7,11 +7,13 @@ mod drive;
 mod line;
 pub mod net;
 mod parse;
+mod setup;
 mod time;
 mod transfer_line;
 
 pub use drive::{AtRest, Drive, DriveMode, DriveTarget, Homing};
 pub use line::*;
 pub use parse::{Parsed, Problem, Problems, parse, suggestion};
+pub use setup::{Identity, Setting, Setup};
 pub use time::Tick;
 pub use transfer_line::TransferLine;

@@ -361,6 +361,8 @@ pub struct Device {
     pub inputs: Vec<Option<InputId>>,
     /// For each bit of its output PDO (RPDO1, 0x200 + id), the output of its owner's image it carries.
     pub outputs: Vec<Option<OutputId>>,
+    /// Who it has to be, and what it is told before it is started.
+    pub setup: crate::Setup,
     /// What it is beyond that, if it is a drive: its signals are then all here, and it has no bits above.
     pub drive: Option<crate::Drive>,
 }

@@ -75,6 +75,7 @@ fn device(name: &str, node_id: u8, owner: Owner, bus: Bus, inputs: u16, outputs:
         bus,
         inputs: (0..inputs).map(|i| Some(InputId(i))).collect(),
         outputs: (0..outputs).map(|i| Some(OutputId(i))).collect(),
+        setup: linewright_line::Setup::default(),
         drive: None,
     }
 }

@@ -123,6 +123,7 @@ fn devices(number: usize, station: &Station) -> impl Iterator<Item = Device> + u
         bus: bus.clone(),
         inputs: bits(nth, inputs).map(|bit| Some(linewright_line::InputId::at(bit))).collect(),
         outputs: bits(nth, outputs).map(|bit| Some(linewright_line::OutputId::at(bit))).collect(),
+        setup: linewright_line::Setup::default(),
         drive: None,
     })
 }

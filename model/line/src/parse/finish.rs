@@ -9,6 +9,7 @@ use super::draft::{Draft, DraftConsole, DraftOperation, DraftSignals, DraftStati
 use super::drive;
 use super::raw::{At, Kind, RawTiming};
 use super::rules::node_id;
+use super::setup;
 use crate::{Arrow, Conflict, Console, Device, InputId, Line, Module, Operation, Panel, Signals, Station, Timing};
 
 /// The line a draft describes; `None` if a part is missing.
@@ -110,6 +111,7 @@ fn devices(draft: &Draft<'_>) -> Option<Vec<Device>> {
             bus: device.bus.clone(),
             inputs: device.inputs.clone(),
             outputs: device.outputs.clone(),
+            setup: setup::finish(raw)?,
             drive: match (&device.drive, &raw.drive) {
                 (Some(draft), Some(raw)) => Some(drive::finish(draft, raw)?),
                 _ => None,

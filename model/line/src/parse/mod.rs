@@ -21,6 +21,7 @@ mod raw;
 mod read;
 mod resolve;
 mod rules;
+mod setup;
 mod suggest;
 mod wiring;
 

@@ -166,7 +166,28 @@ pub(super) struct RawDevice {
     pub console: Option<At<bool>>,
     pub inputs: Vec<Name>,
     pub outputs: Vec<Name>,
+    pub file: Option<Name>,
+    pub identity: Option<RawIdentity>,
+    pub settings: Vec<RawSetting>,
     pub drive: Option<RawDrive>,
+}
+
+/// Device type, vendor, product, revision, serial.
+#[derive(Debug)]
+pub(super) struct RawIdentity(pub [Option<At<i64>>; 5]);
+
+#[derive(Debug)]
+pub(super) struct RawSetting {
+    pub object: Option<Name>,
+    pub width: Width,
+    pub value: Option<At<i64>>,
+}
+
+/// How many bytes a number has, and whether it has a sign.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub(super) struct Width {
+    pub bytes: u8,
+    pub signed: bool,
 }
 
 #[derive(Debug)]

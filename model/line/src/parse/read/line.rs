@@ -1,7 +1,7 @@
 //! The description's outermost tables: everything but the stations' insides.
 
 use super::fields::Fields;
-use super::{ARROWS_MAX, CONFLICTS_MAX, DEVICE_BITS, DEVICES_MAX, STATIONS_MAX, drive, station};
+use super::{ARROWS_MAX, CONFLICTS_MAX, DEVICE_BITS, DEVICES_MAX, SETTINGS_MAX, STATIONS_MAX, drive, setup, station};
 use crate::BUTTONS_MAX;
 use crate::parse::problem::{Problem, Report};
 use crate::parse::raw::{
@@ -174,6 +174,9 @@ fn device(mut f: Fields<'_>, report: &mut Report) -> RawDevice {
         console: f.flag(report, "console"),
         inputs,
         outputs,
+        file: f.text(report, "file"),
+        identity: f.table(report, "identity", "`identity`").map(|f| setup::identity(f, report)),
+        settings: each(f.tables(report, "settings", "a setting", SETTINGS_MAX), report, setup::setting),
         drive: f.table(report, "drive", "`drive`").map(|f| drive::drive(f, report)),
     };
     f.finish(report);

@@ -5,6 +5,7 @@
 mod drive;
 mod fields;
 mod line;
+mod setup;
 mod station;
 
 use toml_edit::Document;
@@ -25,6 +26,8 @@ const DEVICES_MAX: usize = 4000;
 const AXES_MAX: usize = 64;
 /// Bits of one device each way: one PDO of 8 bytes (CiA 401's default mapping).
 const DEVICE_BITS: usize = 64;
+/// At most this many objects of one device that are written before it is started.
+const SETTINGS_MAX: usize = 256;
 /// At most this many targets of one drive.
 const TARGETS_MAX: usize = 64;
 

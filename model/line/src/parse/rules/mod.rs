@@ -13,6 +13,7 @@ mod hand;
 mod motion;
 mod operations;
 mod recovery;
+mod setups;
 mod signals;
 mod stations;
 pub(super) mod steps;
@@ -32,6 +33,7 @@ pub(super) fn check(draft: &Draft<'_>, report: &mut Report) {
     devices::devices_carry_something(draft, report);
     devices::own_buses_are_not_shared(draft, report);
     drives::check(draft, report);
+    setups::check(draft, report);
     for station in &draft.stations {
         stations::station_has_operations(station, report);
         stations::panel_is_complete(station, report);

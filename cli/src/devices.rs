@@ -1,0 +1,157 @@
+//! What a line's devices' own files (EDS, DCF) add to its description.
+//!
+//! The description names the file; here it is read and checked against what the description says itself. What both say
+//! must agree: a device that is half of one and half of the other is nobody's intention.
+
+use std::path::Path;
+
+use linewright_eds::{Content, Eds, NodeId, Value, limits, read};
+use linewright_line::{Device, Line, Setting};
+use miette::{IntoDiagnostic, WrapErr, miette};
+
+/// Objects that the manager writes itself, whatever a file says: how devices and manager watch each other.
+const MANAGERS: [u16; 2] = [0x1016, 0x1017];
+
+/// Reads the file of every device that names one, beside the description in `dir`.
+pub fn complete(line: &mut Line, dir: &Path, quiet: bool) -> miette::Result<()> {
+    for device in &mut line.devices {
+        let Some(file) = device.setup.file.clone() else { continue };
+        let path = dir.join(&file);
+        let name = path.display().to_string();
+        let eds = load(&path).wrap_err_with(|| format!("device `{}`", device.name))?;
+        if !quiet {
+            for warning in eds.warnings().iter() {
+                eprintln!("{name}:{}:{}: warning: {}", warning.line, warning.column, warning.message);
+            }
+        }
+        apply(device, &eds).map_err(|why| miette!("device `{}`, {name}: {why}", device.name))?;
+    }
+    Ok(())
+}
+
+fn load(path: &Path) -> miette::Result<Eds> {
+    let name = path.display().to_string();
+    let size = std::fs::metadata(path).into_diagnostic().wrap_err_with(|| format!("cannot read {name}"))?.len();
+    if size > limits::FILE_BYTES_MAX as u64 {
+        return Err(miette!("{name} has {size} bytes; a device's file has {} at most", limits::FILE_BYTES_MAX));
+    }
+    let bytes = std::fs::read(path).into_diagnostic().wrap_err_with(|| format!("cannot read {name}"))?;
+    read(&name, &bytes).map_err(miette::Report::new)
+}
+
+/// Adds what the file says.
+fn apply(device: &mut Device, eds: &Eds) -> Result<(), String> {
+    let node = NodeId::new(device.node_id).ok_or("its node id is none")?;
+    let said = eds.identity();
+    let identity = &mut device.setup.identity;
+    let parts = [
+        ("type", &mut identity.device_type, said.device_type),
+        ("vendor", &mut identity.vendor, said.vendor),
+        ("product", &mut identity.product, said.product),
+        ("revision", &mut identity.revision, said.revision),
+        ("serial", &mut identity.serial, said.serial),
+    ];
+    for (name, here, there) in parts {
+        match (*here, there) {
+            (Some(here), Some(there)) if here != there => {
+                return Err(format!("{name} is {there:#X} there and {here:#X} in the description"));
+            }
+            (None, there) => *here = there,
+            _ => {}
+        }
+    }
+    for setting in &device.setup.settings {
+        fits(setting, eds, node)?;
+    }
+    let mut settings = Vec::new();
+    for download in eds.downloads(node).map_err(|error| error.to_string())? {
+        let Content::Bytes(data) = download.content else {
+            return Err(format!("line {}: a DownloadFile is not sent to devices here", download.line));
+        };
+        if !MANAGERS.contains(&download.index) {
+            settings.push(Setting { index: download.index, sub: download.sub, data });
+        }
+    }
+    // What the description says itself comes last, and so stays.
+    settings.append(&mut device.setup.settings);
+    device.setup.settings = settings;
+    Ok(())
+}
+
+/// Whether the device has an object like this, that can be written with so many bytes.
+fn fits(setting: &Setting, eds: &Eds, node: NodeId) -> Result<(), String> {
+    let Setting { index, sub, data } = setting;
+    let entry = eds.entry(*index, *sub).ok_or_else(|| format!("there is no object {index:04X}h:{sub:02X}"))?;
+    let what = format!("object {index:04X}h:{sub:02X} ({}, line {})", entry.name, entry.line);
+    if !entry.access.is_writable() {
+        return Err(format!("{what} is {}, and cannot be written", entry.access));
+    }
+    let value: Value = entry.data_type.decode(data).map_err(|error| format!("{what}: {error}"))?;
+    let beyond =
+        |limit: Option<&linewright_eds::Setting>| limit.map(|limit| limit.for_node(node)).and_then(|v| v.as_u64());
+    if let Some(number) = value.as_u64() {
+        if let Some(low) = beyond(entry.low.as_ref()).filter(|low| number < *low) {
+            return Err(format!("{what}: {number} is below its limit {low}"));
+        }
+        if let Some(high) = beyond(entry.high.as_ref()).filter(|high| number > *high) {
+            return Err(format!("{what}: {number} is above its limit {high}"));
+        }
+    }
+    Ok(())
+}
+
+#[cfg(test)]
+mod tests {
+    use linewright_line::{Bus, Identity, Owner, Setup};
+
+    use super::*;
+
+    const IO: &[u8] = include_bytes!("../../launch-config/devices/linewright-io.eds");
+
+    fn device() -> Device {
+        Device {
+            name: "io".to_owned(),
+            node_id: 4,
+            owner: Owner::Console,
+            bus: Bus::Line,
+            inputs: Vec::new(),
+            outputs: Vec::new(),
+            setup: Setup::default(),
+            drive: None,
+        }
+    }
+
+    fn eds() -> Eds {
+        read("io.eds", IO).expect("the simulated device's own file is sound")
+    }
+
+    #[test]
+    fn a_file_says_who_the_device_has_to_be() {
+        let mut device = device();
+        apply(&mut device, &eds()).expect("an EDS alone sets nothing");
+        assert_eq!(device.setup.identity.device_type, eds().identity().device_type);
+        assert!(device.setup.settings.is_empty(), "an EDS has no parameter values");
+    }
+
+    #[test]
+    fn a_description_that_contradicts_the_file_is_refused() {
+        let mut device = device();
+        device.setup.identity = Identity { device_type: Some(0x192), ..Identity::default() };
+        let why = apply(&mut device, &eds()).expect_err("a drive is no I/O device");
+        assert!(why.starts_with("type is 0x"), "{why}");
+    }
+
+    #[test]
+    fn settings_are_checked_against_the_file() {
+        let setting = |index, sub, data: &[u8]| Setting { index, sub, data: data.to_vec() };
+        let refused = |setting: Setting| {
+            let mut device = device();
+            device.setup.settings = vec![setting];
+            apply(&mut device, &eds()).expect_err("it must not be sent")
+        };
+        assert!(refused(setting(0x7777, 0, &[1])).contains("there is no object 7777h:00"));
+        assert!(refused(setting(0x1000, 0, &[0; 4])).contains("cannot be written"));
+        let why = refused(setting(0x1029, 1, &[0; 4]));
+        assert!(why.contains("object 1029h:01"), "{why}");
+    }
+}

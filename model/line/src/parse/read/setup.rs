@@ -1,0 +1,32 @@
+//! What a device has to be and is told: the `identity` and the `settings` of a device.
+
+use super::fields::Fields;
+use crate::parse::problem::Report;
+use crate::parse::raw::{RawIdentity, RawSetting, Width};
+
+pub(super) fn identity(mut f: Fields<'_>, report: &mut Report) -> RawIdentity {
+    let keys = ["type", "vendor", "product", "revision", "serial"];
+    let raw = RawIdentity(keys.map(|key| f.integer(report, key)));
+    f.finish(report);
+    raw
+}
+
+pub(super) fn setting(mut f: Fields<'_>, report: &mut Report) -> RawSetting {
+    let width = |bytes, signed| Width { bytes, signed };
+    // Four bytes first: what is not said is usual.
+    let widths = [
+        ("u32", width(4, false)),
+        ("u8", width(1, false)),
+        ("u16", width(2, false)),
+        ("i8", width(1, true)),
+        ("i16", width(2, true)),
+        ("i32", width(4, true)),
+    ];
+    let raw = RawSetting {
+        object: f.required_text(report, "object"),
+        width: f.word(report, "type", &widths),
+        value: f.required_integer(report, "value"),
+    };
+    f.finish(report);
+    raw
+}

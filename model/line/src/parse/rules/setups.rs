@@ -1,0 +1,85 @@
+//! What a device has to be and is told.
+
+use std::collections::HashMap;
+
+use crate::parse::draft::Draft;
+use crate::parse::problem::{Problem, Report};
+use crate::parse::raw::{RawDevice, RawIdentity, RawSetting};
+use crate::parse::setup::{object, part};
+
+pub(super) fn check(draft: &Draft<'_>, report: &mut Report) {
+    for device in &draft.raw.devices {
+        identity_has_numbers(device, report);
+        for setting in &device.settings {
+            object_is_one(setting, report);
+            object_is_not_the_managers(setting, report);
+            value_fits(setting, report);
+        }
+        objects_are_set_once(device, report);
+    }
+}
+
+fn identity_has_numbers(device: &RawDevice, report: &mut Report) {
+    let Some(RawIdentity(parts)) = &device.identity else { return };
+    for number in parts.iter().flatten().filter(|number| part(number.value).is_none()) {
+        report.add(
+            Problem::error(number.at.clone(), format!("{} is no part of an identity", number.value))
+                .hint("objects 1000h and 1018h hold numbers from 0 to 0xFFFFFFFF"),
+        );
+    }
+}
+
+fn object_is_one(setting: &RawSetting, report: &mut Report) {
+    let Some(name) = &setting.object else { return };
+    if object(&name.value).is_none() {
+        report.add(
+            Problem::error(name.at.clone(), format!("`{}` is no object", name.value))
+                .hint("write index and subindex in hexadecimal, such as \"6206:01\""),
+        );
+    }
+}
+
+/// How devices and manager watch each other follows from the description's timing. A device told otherwise might keep
+/// its outputs when the manager is gone.
+fn object_is_not_the_managers(setting: &RawSetting, report: &mut Report) {
+    let Some(name) = &setting.object else { return };
+    let Some((index @ (0x1016 | 0x1017), _)) = object(&name.value) else { return };
+    let (what, key) = if index == 0x1016 {
+        ("how long the device waits for the manager", "heartbeat_timeout_ms")
+    } else {
+        ("how often the device sends its heartbeat", "heartbeat_ms")
+    };
+    report.add(
+        Problem::error(name.at.clone(), format!("object {index:04X}h is written by the manager itself"))
+            .label(what)
+            .hint(format!("it follows from `{key}` in [timing]")),
+    );
+}
+
+fn value_fits(setting: &RawSetting, report: &mut Report) {
+    let Some(value) = &setting.value else { return };
+    if setting.width.bytes_of(value.value).is_none() {
+        let (least, most) = setting.width.limits();
+        report.add(
+            Problem::error(value.at.clone(), format!("{} does not fit its type", value.value))
+                .hint(format!("{least} to {most} do")),
+        );
+    }
+}
+
+fn objects_are_set_once(device: &RawDevice, report: &mut Report) {
+    let mut seen = HashMap::new();
+    for name in device.settings.iter().filter_map(|setting| setting.object.as_ref()) {
+        let Some(object) = object(&name.value) else { continue };
+        if let Some(earlier) = seen.insert(object, &name.at) {
+            report.add(
+                Problem::warning(
+                    name.at.clone(),
+                    format!("object {:04X}h:{:02X} is written twice", object.0, object.1),
+                )
+                .also(earlier, "first here")
+                .hint("both are sent, in this order; the last one stays"),
+            );
+        }
+    }
+}

@@ -1,0 +1,85 @@
+//! A device's `identity` and `settings`: what they say → numbers and bytes.
+
+use super::raw::{RawDevice, RawIdentity, RawSetting, Width};
+use crate::{Identity, Setting, Setup};
+
+/// An object as people write it, in hexadecimal: `6206:01`, `6206h:1`, `0x1029`; without a subindex it is 0.
+pub(super) fn object(text: &str) -> Option<(u16, u8)> {
+    let (index, sub) = text.split_once(':').unwrap_or((text, "0"));
+    let hex = |digits: &str, most: usize| {
+        let digits = digits.strip_prefix("0x").unwrap_or(digits);
+        let digits = digits.strip_suffix('h').unwrap_or(digits);
+        let plain = (1..=most).contains(&digits.len()) && digits.bytes().all(|byte| byte.is_ascii_hexdigit());
+        plain.then(|| u16::from_str_radix(digits, 16).ok())?
+    };
+    Some((hex(index, 4)?, u8::try_from(hex(sub, 2)?).ok()?))
+}
+
+impl Width {
+    /// The least and the greatest number.
+    pub fn limits(self) -> (i64, i64) {
+        let bits = 8 * u32::from(self.bytes);
+        if self.signed { (-(1 << (bits - 1)), (1 << (bits - 1)) - 1) } else { (0, (1 << bits) - 1) }
+    }
+
+    /// The bytes of a number, least significant first; `None` if it does not fit.
+    pub fn bytes_of(self, value: i64) -> Option<Vec<u8>> {
+        let (least, most) = self.limits();
+        (least..=most).contains(&value).then(|| value.to_le_bytes()[..usize::from(self.bytes)].to_vec())
+    }
+}
+
+/// A part of an identity, if it can be one.
+pub(super) fn part(value: i64) -> Option<u32> {
+    u32::try_from(value).ok()
+}
+
+/// The setup a device describes; `None` if a part is missing.
+pub(super) fn finish(raw: &RawDevice) -> Option<Setup> {
+    let identity = raw.identity.as_ref().map_or(Some(Identity::default()), identity)?;
+    let settings = raw.settings.iter().map(setting).collect::<Option<_>>()?;
+    Some(Setup { file: raw.file.as_ref().map(|file| file.value.clone()), identity, settings })
+}
+
+fn identity(RawIdentity(parts): &RawIdentity) -> Option<Identity> {
+    let mut numbers = [None; 5];
+    for (number, raw) in numbers.iter_mut().zip(parts) {
+        *number = match raw {
+            Some(raw) => Some(part(raw.value)?),
+            None => None,
+        };
+    }
+    let [device_type, vendor, product, revision, serial] = numbers;
+    Some(Identity { device_type, vendor, product, revision, serial })
+}
+
+fn setting(raw: &RawSetting) -> Option<Setting> {
+    let (index, sub) = object(&raw.object.as_ref()?.value)?;
+    Some(Setting { index, sub, data: raw.width.bytes_of(raw.value.as_ref()?.value)? })
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn objects_are_read_in_the_forms_people_use() {
+        for text in ["6206:01", "6206:1", "6206h:01", "0x6206:0x01"] {
+            assert_eq!(object(text), Some((0x6206, 1)), "{text}");
+        }
+        assert_eq!(object("1029"), Some((0x1029, 0)));
+        for text in ["", ":", "6206:", "62061:01", "6206:100", "g", "6206:-1", "+206:1"] {
+            assert_eq!(object(text), None, "{text}");
+        }
+    }
+
+    #[test]
+    fn numbers_become_bytes_of_their_width() {
+        let width = |bytes, signed| Width { bytes, signed };
+        assert_eq!(width(2, false).bytes_of(0x1234), Some(vec![0x34, 0x12]));
+        assert_eq!(width(1, true).bytes_of(-1), Some(vec![0xFF]));
+        assert_eq!(width(4, false).bytes_of(0xFFFF_FFFF), Some(vec![0xFF; 4]));
+        assert_eq!(width(1, false).bytes_of(256), None);
+        assert_eq!(width(4, true).bytes_of(1 << 31), None);
+    }
+}

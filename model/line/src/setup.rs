@@ -1,0 +1,43 @@
+//! What a device has to be, and what it is told before it is started: beyond what every manager tells every device.
+//!
+//! Numbers and bytes only. Where they come from, the description itself or a device's own file (EDS, DCF), is no matter
+//! here; what an object does, the device's manual says.
+
+/// Who a device has to be. What is `None` is not compared.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Hash)]
+pub struct Identity {
+    /// Object 1000h: the profile in the lower half.
+    pub device_type: Option<u32>,
+    /// Object 1018h sub 1.
+    pub vendor: Option<u32>,
+    /// Object 1018h sub 2.
+    pub product: Option<u32>,
+    /// Object 1018h sub 3. The lower half, the minor revision, may be newer: it does not change the CANopen behaviour
+    /// (CiA 301 §7.5.2.19).
+    pub revision: Option<u32>,
+    /// Object 1018h sub 4.
+    pub serial: Option<u32>,
+}
+
+/// One object that is written before the device is started.
+#[derive(Clone, Debug, PartialEq, Eq)]
+pub struct Setting {
+    /// Index.
+    pub index: u16,
+    /// Subindex.
+    pub sub: u8,
+    /// The bytes, least significant first, as SDO carries them.
+    pub data: Vec<u8>,
+}
+
+/// What a device has to be and is told.
+#[derive(Clone, Debug, Default, PartialEq, Eq)]
+pub struct Setup {
+    /// Its EDS or DCF, by its path from the description's directory. Whoever reads the description reads it too, and
+    /// adds to the rest what it says.
+    pub file: Option<String>,
+    /// Who it has to be.
+    pub identity: Identity,
+    /// What is written, in this order.
+    pub settings: Vec<Setting>,
+}
