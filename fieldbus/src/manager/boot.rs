@@ -14,12 +14,13 @@ use linewright_line::{Identity, Tick};
 
 use crate::codec::{Message, NodeId};
 use crate::frame::Frame;
+use crate::profile::drive::Setting;
 use crate::sdo::wire::Raw;
-use crate::sdo::{Client, ObjectId, Options, Progress, TransferError};
+use crate::sdo::{Cause, Client, ObjectId, Options, Progress, TransferError};
 
 /// How long a device may take for an answer. Half a second is slow for reading a dictionary, and quick for writing a
 /// flash memory; the first frame is repeated once.
-const SDO: Options = Options {
+pub(super) const SDO: Options = Options {
     timeout: Duration::from_millis(500),
     retries: 1,
     mode: crate::sdo::Mode::Auto,
@@ -34,7 +35,7 @@ pub(super) struct Plan {
     /// Who it has to be.
     pub identity: Identity,
     /// What is written, in this order.
-    pub settings: Vec<(ObjectId, Vec<u8>)>,
+    pub settings: Vec<Setting>,
 }
 
 /// Why a device is not started.
@@ -179,11 +180,18 @@ impl Boot {
     fn go_on(&mut self, now: Tick, plan: &Plan, progress: Progress, out: &mut Vec<Frame>) -> Step {
         let step = match progress {
             Progress::Busy => Step::Busy,
+            Progress::Done(Err(error)) if self.may_pass_over(plan, error) => self.done(now, plan, &[]),
             Progress::Done(Err(error)) => Step::Failed(BootError::Transfer { writing: self.at >= READ.len(), error }),
             Progress::Done(Ok(bytes)) => self.done(now, plan, &bytes),
         };
         self.flush(out);
         step
+    }
+
+    /// Whether the device may do without what it has just refused.
+    fn may_pass_over(&self, plan: &Plan, error: TransferError) -> bool {
+        let setting = self.at.checked_sub(READ.len()).and_then(|nth| plan.settings.get(nth));
+        matches!(error.cause, Cause::Refused(code) if setting.is_some_and(|setting| setting.may_be_refused(code)))
     }
 
     /// One transfer is done; the next begins.
@@ -200,7 +208,7 @@ impl Boot {
         }
         self.client = match (READ.get(self.at), plan.settings.get(self.at.saturating_sub(READ.len()))) {
             (Some(object), _) => Client::upload(*object, SDO),
-            (None, Some((object, bytes))) => Client::download(*object, bytes.clone(), SDO),
+            (None, Some(setting)) => Client::download(setting.object, setting.data.clone(), SDO),
             (None, None) => return Step::Done,
         };
         self.client.start(now, &mut self.frames);

@@ -14,6 +14,7 @@ mod boot;
 mod event;
 mod image;
 mod peer;
+mod process;
 
 use std::time::Duration;
 
@@ -164,8 +165,7 @@ impl Manager {
             self.next_heartbeat = Some(now + self.timing.heartbeat);
         }
         for at in 0..self.peers.len() {
-            let image = image_of(&self.images, self.peers[at].owner).outputs;
-            let outcome = self.peers[at].poll(now, image, out);
+            let outcome = self.peers[at].poll(now, out);
             self.settle(now, at, outcome, out);
         }
     }
@@ -185,7 +185,7 @@ impl Manager {
         let Some(known) = self.images.iter_mut().find(|i| i.owner == owner) else { return };
         known.outputs = image;
         for peer in self.peers.iter_mut().filter(|p| p.owner == owner) {
-            peer.send_outputs_if_changed(now, image, out);
+            peer.set_image(now, image, out);
         }
     }
 
@@ -196,7 +196,7 @@ impl Manager {
             image.outputs = 0;
         }
         for peer in &mut self.peers {
-            peer.send_outputs_if_changed(now, 0, out);
+            peer.set_image(now, 0, out);
         }
     }
 
@@ -230,11 +230,11 @@ impl Manager {
     }
 
     /// Before anything else every output is let go: a manager that ended a moment ago may have left some energised
-    /// that this one knows nothing of. Zero is the safe value, so it needs no state of the device.
+    /// that this one knows nothing of. Zero (for a drive: quick stop) is safe in every state of the device.
     fn first_poll(&mut self, out: &mut Outbox) {
         out.frames.push(Message::Heartbeat { node: MANAGER_NODE, state: NmtState::BootUp }.encode());
         for peer in &self.peers {
-            peer.send_zero(out);
+            peer.send_rest(out);
         }
     }
 
@@ -263,8 +263,7 @@ impl Manager {
             Outcome::Inputs => {}
             Outcome::Up => {
                 // Operational at last: it starts from zero and gets what the owner has set since its last loss.
-                let image = image_of(&self.images, owner).outputs;
-                self.peers[at].send_outputs(now, image, out);
+                self.peers[at].send_outputs(now, out);
             }
             Outcome::Lost => {
                 // The owner's controller decided without knowing of this loss: none of its outputs is vouched for.
@@ -272,7 +271,7 @@ impl Manager {
                     image.outputs = 0;
                 }
                 for peer in self.peers.iter_mut().filter(|p| p.owner == owner) {
-                    peer.send_outputs_if_changed(now, 0, out);
+                    peer.set_image(now, 0, out);
                 }
             }
         }
@@ -316,11 +315,6 @@ impl Manager {
             out.events.push(Event::Ignored { reason, frame });
         }
     }
-}
-
-/// Every peer's owner has an image: [`Manager::new`] makes them together.
-fn image_of(images: &[Image], owner: Owner) -> &Image {
-    images.iter().find(|i| i.owner == owner).expect("an image is made for every owner of a device")
 }
 
 /// How long an unanswered order waits before it is repeated, and how often an absent device is asked for. Twice a

@@ -17,14 +17,16 @@
 
 use std::time::Duration;
 
-use linewright_line::{Device, InputId, OutputId, Owner, Tick, Timing};
+use linewright_line::{Device, Owner, Tick, Timing};
 
-use super::boot::{Boot, BootError, Plan, Step};
+use super::boot::{self, Boot, BootError, Plan, Step};
 use super::event::{Event, IgnoreReason, Outbox};
-use super::{MANAGER_NODE, RETRY, image};
+use super::process::Process;
+use super::{MANAGER_NODE, RETRY};
 use crate::codec::{Emergency, HEARTBEAT_LOST, Message, NmtCommand, NmtState, NodeId, Payload};
+use crate::profile::drive::Setting;
 use crate::sdo::wire::{Raw, Request};
-use crate::sdo::{Cause, ObjectId};
+use crate::sdo::{Abort, Cause, Client, ObjectId, Progress};
 
 /// What a frame or the passing of time did to a device.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
@@ -61,8 +63,9 @@ pub(super) struct Peer {
     pub(super) node: NodeId,
     pub(super) name: String,
     pub(super) owner: Owner,
-    inputs: Vec<Option<InputId>>,
-    outputs: Vec<Option<OutputId>>,
+    process: Process,
+    /// What it is being written while it runs.
+    writing: Option<(Setting, Client)>,
     plan: Plan,
     /// Why it was last refused, so that it is reported once.
     refusal: Option<BootError>,
@@ -71,29 +74,27 @@ pub(super) struct Peer {
     phase: Phase,
     /// When its last heartbeat came; meaningless while absent.
     heard: Tick,
-    /// Its input bits as last sent; kept for showing after a loss.
-    bits: u64,
     /// When it last sent its inputs; `None` since the last boot or loss.
     updated: Option<Tick>,
-    /// The outputs it was last sent, and when; `None` since the last boot or loss.
-    sent: Option<(u64, Tick)>,
+    /// When it was last sent its outputs; `None` since the last boot or loss.
+    sent: Option<Tick>,
 }
 
 impl Peer {
     pub(super) fn new(node: NodeId, device: &Device, timing: &Timing) -> Self {
+        let process = Process::of(device);
         Peer {
             node,
             name: device.name.clone(),
             owner: device.owner,
-            inputs: device.inputs.clone(),
-            outputs: device.outputs.clone(),
-            plan: plan(device, timing),
+            plan: plan(node, device, &process, timing),
+            process,
+            writing: None,
             refusal: None,
             timeout: timing.heartbeat_timeout,
             refresh: timing.refresh,
             phase: Phase::Absent { probe: Tick::ZERO },
             heard: Tick::ZERO,
-            bits: 0,
             updated: None,
             sent: None,
         }
@@ -103,11 +104,11 @@ impl Peer {
     pub(super) fn trusted(&self, now: Tick) -> bool {
         matches!(self.phase, Phase::Operational)
             && now.since(self.heard) < self.timeout
-            && (self.inputs.is_empty() || self.updated.is_some())
+            && (!self.process.has_inputs() || self.updated.is_some())
     }
 
     pub(super) fn input_bits(&self) -> u128 {
-        image::gather(self.bits, &self.inputs)
+        self.process.inputs()
     }
 
     pub(super) fn updated(&self) -> Option<Tick> {
@@ -135,10 +136,11 @@ impl Peer {
             }
             Phase::Starting { .. } => "configured and ordered to start; waits for it to say that it has".to_owned(),
             Phase::Operational => match self.updated {
-                Some(at) => format!(
-                    "operational; its heartbeat came {silent} ms ago, its inputs {} ms ago",
-                    now.since(at).as_millis()
-                ),
+                Some(at) => {
+                    let heard = now.since(at).as_millis();
+                    let own = self.process.explain().map(|own| format!("; {own}")).unwrap_or_default();
+                    format!("operational; its heartbeat came {silent} ms ago, its inputs {heard} ms ago{own}")
+                }
                 None => format!("operational; its heartbeat came {silent} ms ago, its inputs have not come yet"),
             },
             Phase::Stopped => {
@@ -154,18 +156,22 @@ impl Peer {
             Phase::Booting(boot) => boot.deadline(),
             Phase::Starting { retry } | Phase::Refused { retry, .. } => lost.min(*retry),
             Phase::Stopped => lost,
-            Phase::Operational => self.sent.map_or(lost, |(_, at)| lost.min(at + self.refresh)),
+            Phase::Operational => {
+                let refresh = self.sent.map_or(Tick::NEVER, |at| at + self.refresh);
+                let writing = self.writing.as_ref().and_then(|(_, client)| client.next_deadline());
+                lost.min(refresh).min(self.process.deadline()).min(writing.unwrap_or(Tick::NEVER))
+            }
         }
     }
 
     /// Does what is due: noticing silence, asking again, refreshing outputs.
-    pub(super) fn poll(&mut self, now: Tick, image: u128, out: &mut Outbox) -> Outcome {
+    pub(super) fn poll(&mut self, now: Tick, out: &mut Outbox) -> Outcome {
         // A device that is being configured may be silent for longer than its heartbeats are apart: it may not have
         // been told to send them yet, or be writing to its memory. The transfer knows how long to wait.
         let watched = !matches!(self.phase, Phase::Absent { .. } | Phase::Booting(_));
         if watched && self.heard + self.timeout <= now {
             out.events.push(Event::DeviceLost { node: self.node, silent_for: now.since(self.heard) });
-            return self.leave(Phase::Absent { probe: now + RETRY });
+            return self.leave(now, Phase::Absent { probe: now + RETRY });
         }
         match &mut self.phase {
             Phase::Absent { probe } if *probe <= now => {
@@ -179,8 +185,13 @@ impl Peer {
             }
             Phase::Refused { retry, .. } if *retry <= now => self.boot(now, out),
             Phase::Starting { retry } if *retry <= now => self.order_start(now, out),
-            Phase::Operational if self.sent.is_some_and(|(_, at)| at + self.refresh <= now) => {
-                self.send_outputs(now, image, out);
+            Phase::Operational => {
+                self.process.poll(now);
+                self.go_on_writing(now, None, out);
+                if self.sent.is_some_and(|at| at + self.refresh <= now) {
+                    self.send_outputs(now, out);
+                }
+                self.send_if_wanted(now, out);
             }
             _ => {}
         }
@@ -196,7 +207,7 @@ impl Peer {
             }
             (_, NmtState::BootUp) => {
                 out.events.push(Event::DeviceRebooted { node: self.node });
-                let outcome = self.leave(Phase::Starting { retry: now });
+                let outcome = self.leave(now, Phase::Starting { retry: now });
                 // Another one may hang there now: what was found out about the last one does not count.
                 self.refusal = None;
                 self.boot(now, out);
@@ -218,13 +229,13 @@ impl Peer {
             }
             (Phase::Operational, NmtState::PreOperational) => {
                 out.events.push(Event::DeviceLeft { node: self.node, state });
-                let outcome = self.leave(Phase::Stopped);
+                let outcome = self.leave(now, Phase::Stopped);
                 self.order_start(now, out);
                 outcome
             }
             (Phase::Starting { .. } | Phase::Operational, NmtState::Stopped | NmtState::Unknown(_)) => {
                 out.events.push(Event::DeviceLeft { node: self.node, state });
-                self.leave(Phase::Stopped)
+                self.leave(now, Phase::Stopped)
             }
             (Phase::Stopped, NmtState::Stopped | NmtState::Unknown(_)) => Outcome::Unchanged,
         }
@@ -244,22 +255,28 @@ impl Peer {
             }
             Phase::Starting { .. } | Phase::Operational => {}
         }
-        if payload.bytes().len() * 8 < self.inputs.len() {
+        if self.process.take(now, payload).is_err() {
             return Outcome::Ignored(IgnoreReason::ShortPdo);
         }
-        self.bits = payload.bits();
         self.updated = Some(now);
-        if self.is_operational() { Outcome::Inputs } else { self.up(out) }
+        if !self.is_operational() {
+            return self.up(out);
+        }
+        // What it says may call for an answer: a drive's handshake.
+        self.send_if_wanted(now, out);
+        Outcome::Inputs
     }
 
     pub(super) fn emergency(&mut self, now: Tick, emergency: Emergency, out: &mut Outbox) -> Outcome {
         out.events.push(Event::Emergency { node: self.node, emergency });
         // It has let go of its outputs because it did not hear us; its next heartbeat would say the same, later.
         if emergency.code == HEARTBEAT_LOST && self.is_operational() {
-            let outcome = self.leave(Phase::Stopped);
+            let outcome = self.leave(now, Phase::Stopped);
             self.order_start(now, out);
             return outcome;
         }
+        self.process.emergency(now, emergency.code);
+        self.send_if_wanted(now, out);
         Outcome::Unchanged
     }
 
@@ -275,39 +292,87 @@ impl Peer {
                 let step = boot.handle(now, &self.plan, raw, &mut out.frames);
                 self.booted(now, step, out);
             }
+            Phase::Operational if self.writing.is_some() => {
+                self.go_on_writing(now, Some(raw), out);
+                self.send_if_wanted(now, out);
+            }
             _ => return Outcome::Ignored(IgnoreReason::NotForManager),
         }
         Outcome::Unchanged
     }
 
-    /// Sends its share of the owner's image if it is operational and has something else.
-    pub(super) fn send_outputs_if_changed(&mut self, now: Tick, image: u128, out: &mut Outbox) {
-        let bits = image::scatter(image, &self.outputs);
-        if self.sent.is_some_and(|(sent, _)| sent != bits) {
-            self.send_outputs(now, image, out);
+    /// Takes the image its owner has set, and sends its share if it is operational and has something else.
+    pub(super) fn set_image(&mut self, now: Tick, image: u128, out: &mut Outbox) {
+        self.process.set_image(now, image);
+        self.send_if_wanted(now, out);
+    }
+
+    /// Sends its share of the image if that is something else than it has.
+    fn send_if_wanted(&mut self, now: Tick, out: &mut Outbox) {
+        if self.process.wants_to_send() {
+            self.send_outputs(now, out);
+        }
+        self.write_if_wanted(now, out);
+    }
+
+    /// Sends its share of the image, provided it is operational: before that it would drop the frame, and the manager
+    /// would believe it has the outputs.
+    pub(super) fn send_outputs(&mut self, now: Tick, out: &mut Outbox) {
+        if self.is_operational() && self.process.has_outputs() {
+            let payload = self.process.give();
+            out.frames.push(self.rpdo(payload));
+            self.sent = Some(now);
         }
     }
 
-    /// Sends its share of the owner's image, provided it is operational: before that it would drop the frame, and the
-    /// manager would believe it has the outputs.
-    pub(super) fn send_outputs(&mut self, now: Tick, image: u128, out: &mut Outbox) {
-        if self.is_operational() && !self.outputs.is_empty() {
-            let bits = image::scatter(image, &self.outputs);
-            out.frames.push(self.rpdo(bits));
-            self.sent = Some((bits, now));
+    /// Lets go of all outputs, whatever state it is in.
+    pub(super) fn send_rest(&self, out: &mut Outbox) {
+        if self.process.has_outputs() {
+            out.frames.push(self.rpdo(self.process.rest()));
         }
     }
 
-    /// Sends all outputs off, whatever state it is in.
-    pub(super) fn send_zero(&self, out: &mut Outbox) {
-        if !self.outputs.is_empty() {
-            out.frames.push(self.rpdo(0));
-        }
-    }
-
-    fn rpdo(&self, bits: u64) -> crate::Frame {
-        let payload = Payload::from_bits(bits, self.outputs.len());
+    fn rpdo(&self, payload: Payload) -> crate::Frame {
         Message::Rpdo1 { node: self.node, payload }.encode()
+    }
+
+    /// Writes an object that it needs written while it runs.
+    fn write_if_wanted(&mut self, now: Tick, out: &mut Outbox) {
+        if self.writing.is_some() || !self.is_operational() {
+            return;
+        }
+        if let Some(setting) = self.process.wants_write() {
+            let mut client = Client::download(setting.object, setting.data.clone(), boot::SDO);
+            let mut frames = Vec::new();
+            client.start(now, &mut frames);
+            self.send_sdo(frames, out);
+            self.writing = Some((setting, client));
+        }
+    }
+
+    /// Goes on with that: with what the device has answered, or with the time that has passed.
+    fn go_on_writing(&mut self, now: Tick, raw: Option<&Raw>, out: &mut Outbox) {
+        let Some((setting, client)) = &mut self.writing else { return };
+        let mut frames = Vec::new();
+        let progress = match raw {
+            Some(raw) => client.handle(now, raw, &mut frames),
+            None => client.poll(now, &mut frames),
+        };
+        if let Progress::Done(result) = progress {
+            let answer = result.map(|_| ()).map_err(|error| match error.cause {
+                Cause::Refused(code) => code,
+                other => other.abort().unwrap_or(Abort::GENERAL),
+            });
+            let setting = setting.clone();
+            self.writing = None;
+            self.process.written(now, &setting, answer);
+        }
+        self.send_sdo(frames, out);
+    }
+
+    fn send_sdo(&self, frames: Vec<Raw>, out: &mut Outbox) {
+        let node = self.node;
+        out.frames.extend(frames.into_iter().map(|raw| Message::SdoRequest { node, raw }.encode()));
     }
 
     fn up(&mut self, out: &mut Outbox) -> Outcome {
@@ -317,16 +382,19 @@ impl Peer {
     }
 
     /// Leaves for `phase`. From here on its inputs are unknown and its outputs are taken to be off.
-    fn leave(&mut self, phase: Phase) -> Outcome {
+    fn leave(&mut self, now: Tick, phase: Phase) -> Outcome {
         let was_operational = self.is_operational();
         self.phase = phase;
         self.updated = None;
         self.sent = None;
+        self.writing = None;
+        self.process.lost(now);
         if was_operational { Outcome::Lost } else { Outcome::Unchanged }
     }
 
     /// Begins, or begins again, to bring it up.
     fn boot(&mut self, now: Tick, out: &mut Outbox) {
+        self.process.lost(now);
         self.phase = Phase::Booting(Boot::start(now, self.node, &mut out.frames));
     }
 
@@ -370,16 +438,20 @@ const DEVICE_TYPE: ObjectId = ObjectId::new(0x1000, 0);
 const REFUSED_RETRY: Duration = Duration::from_secs(5);
 
 /// What every device has to be, and what it is told before it is started.
-fn plan(device: &Device, timing: &Timing) -> Plan {
+fn plan(node: NodeId, device: &Device, process: &Process, timing: &Timing) -> Plan {
     let millis = |span: Duration| u16::try_from(span.as_millis()).unwrap_or(u16::MAX);
     // Object 1017h, producer heartbeat time in ms.
-    let produce = (ObjectId::new(0x1017, 0), millis(timing.heartbeat).to_le_bytes().to_vec());
+    let produce = setting(0x1017, 0, millis(timing.heartbeat).to_le_bytes().to_vec());
     // Object 1016h sub 1, consumer heartbeat time: node id in bits 16 to 23, ms below. What makes outputs safe when
     // the manager is gone, so a device that has outputs must accept it; one that has none need not know the object.
     let watched = u32::from(MANAGER_NODE.get()) << 16 | u32::from(millis(timing.heartbeat_timeout));
-    let consume = (!device.outputs.is_empty()).then(|| (ObjectId::new(0x1016, 1), watched.to_le_bytes().to_vec()));
-    // The device's own settings first: it is watched, and watches, as it will run.
-    let settings = device.setup.settings.iter();
-    let settings = settings.map(|setting| (ObjectId::new(setting.index, setting.sub), setting.data.clone()));
-    Plan { identity: device.setup.identity, settings: settings.chain([produce]).chain(consume).collect() }
+    let consume = process.has_outputs().then(|| setting(0x1016, 1, watched.to_le_bytes().to_vec()));
+    // What the description says comes first: what the safety of a drive rests on comes after it, and stays.
+    let described = device.setup.settings.iter().map(|own| setting(own.index, own.sub, own.data.clone()));
+    let settings = described.chain([produce]).chain(consume).chain(process.settings(node));
+    Plan { identity: device.setup.identity, settings: settings.collect() }
+}
+
+fn setting(index: u16, sub: u8, data: Vec<u8>) -> Setting {
+    Setting { object: ObjectId::new(index, sub), data, optional: false }
 }

@@ -7,8 +7,8 @@ use std::fmt::{self, Display, Write};
 use std::time::Duration;
 
 use linewright_line::{
-    Arrow, AtRest, Bus, ButtonId, Device, Drive, DriveMode, InputId, Line, Module, OpId, Operation, OutputId, Owner,
-    Signals, Span, Station, StationId,
+    Arrow, AtRest, Bus, ButtonId, Device, Drive, DriveMode, Identity, InputId, Line, Module, OpId, Operation, OutputId,
+    Owner, Setting, Setup, Signals, Span, Station, StationId,
 };
 
 /// The description of a line, as [`linewright_line::parse`] reads it.
@@ -190,12 +190,37 @@ fn write_device(out: &mut String, line: &Line, device: &Device) -> fmt::Result {
             (&line.console.inputs, &line.console.outputs)
         }
     };
+    write_setup(out, &device.setup)?;
     let name = |names: &[String], index: Option<usize>| quoted(index.map_or("", |index| names[index].as_str()));
     if let (Owner::Station(id), Some(drive)) = (device.owner, &device.drive) {
         return write_drive(out, line.station(id), drive);
     }
     writeln!(out, "inputs = {}", list(device.inputs.iter().map(|bit| name(inputs, bit.map(InputId::index)))))?;
     writeln!(out, "outputs = {}", list(device.outputs.iter().map(|bit| name(outputs, bit.map(OutputId::index)))))
+}
+
+/// Every setting is written as bytes of an unsigned number, which is how it is sent.
+fn write_setup(out: &mut String, setup: &Setup) -> fmt::Result {
+    if let Some(file) = &setup.file {
+        writeln!(out, "file = {}", quoted(file))?;
+    }
+    let Identity { device_type, vendor, product, revision, serial } = setup.identity;
+    let parts =
+        [("type", device_type), ("vendor", vendor), ("product", product), ("revision", revision), ("serial", serial)];
+    let parts: Vec<String> =
+        parts.iter().filter_map(|(key, number)| number.map(|number| format!("{key} = {number}"))).collect();
+    if !parts.is_empty() {
+        writeln!(out, "identity = {{ {} }}", parts.join(", "))?;
+    }
+    let setting = |setting: &Setting| {
+        let value = setting.data.iter().rev().fold(0u64, |value, byte| value << 8 | u64::from(*byte));
+        let Setting { index, sub, data } = setting;
+        format!("{{ object = \"{index:04X}:{sub:02X}\", type = \"u{}\", value = {value} }}", 8 * data.len())
+    };
+    if !setup.settings.is_empty() {
+        writeln!(out, "settings = {}", list(setup.settings.iter().map(setting)))?;
+    }
+    Ok(())
 }
 
 fn write_drive(out: &mut String, station: &Station, drive: &Drive) -> fmt::Result {

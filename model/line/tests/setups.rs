@@ -1,0 +1,60 @@
+//! What a device has to be and is told: what is read, and every rule about it broken once.
+
+use linewright_line::{Identity, Problem, Setting, parse};
+
+const LINE: &str = include_str!("descriptions/drives.toml");
+
+/// The description with this added to the device of the valves.
+fn with(text: &str) -> String {
+    LINE.replace("outputs = [\"Y_open\", \"Y_close\"]\n", &format!("outputs = [\"Y_open\", \"Y_close\"]\n{text}\n"))
+}
+
+#[test]
+fn identity_and_settings_are_read() {
+    let text = with(
+        "file = \"io.eds\"\nidentity = { type = 0x30191, vendor = 0x123, revision = 0x10002 }\n\
+         settings = [{ object = \"6206:01\", type = \"u8\", value = 255 }, { object = \"2000\", value = 1 }, \
+         { object = \"2001h:2\", type = \"i16\", value = -2 }]",
+    );
+    let parsed = parse("line.toml", &text).unwrap_or_else(|problems| panic!("{problems:#}"));
+    let setup = &parsed.line.devices[0].setup;
+    assert_eq!(setup.file.as_deref(), Some("io.eds"));
+    let identity = Identity { device_type: Some(0x0003_0191), vendor: Some(0x123), ..Identity::default() };
+    assert_eq!(setup.identity, Identity { revision: Some(0x0001_0002), ..identity });
+    let setting = |index, sub, data: &[u8]| Setting { index, sub, data: data.to_vec() };
+    let expected = [setting(0x6206, 1, &[255]), setting(0x2000, 0, &[1, 0, 0, 0]), setting(0x2001, 2, &[0xFE, 0xFF])];
+    assert_eq!(setup.settings, expected);
+    assert_eq!(parsed.line.devices[1].setup, linewright_line::Setup::default());
+}
+
+/// The one problem that this text has beyond those of the whole.
+fn problem(text: &str) -> String {
+    let messages = |problems: &[Problem]| problems.iter().map(|problem| problem.message.clone()).collect::<Vec<_>>();
+    let found = match parse("line.toml", &with(text)) {
+        Ok(parsed) => messages(&parsed.warnings),
+        Err(problems) => problems.iter().map(|problem| problem.message.clone()).collect(),
+    };
+    let known = messages(&parse("line.toml", LINE).expect("it is sound").warnings);
+    let mut new = found.into_iter().filter(|message| !known.contains(message));
+    let first = new.next().unwrap_or_else(|| panic!("nothing wrong with {text}"));
+    assert_eq!(new.next(), None, "{text}");
+    first
+}
+
+#[test]
+fn what_cannot_be_sent_is_refused_in_place() {
+    let setting = |setting: &str| problem(&format!("settings = [{{ {setting} }}]"));
+    assert_eq!(setting("object = \"62061\", value = 1"), "`62061` is no object");
+    assert_eq!(setting("object = \"6206:01\", type = \"u8\", value = 256"), "256 does not fit its type");
+    assert_eq!(setting("object = \"6206:01\", type = \"i8\", value = -129"), "-129 does not fit its type");
+    assert_eq!(setting("object = \"1016:01\", value = 0"), "object 1016h is written by the manager itself");
+    assert_eq!(
+        setting("object = \"1017\", type = \"u16\", value = 0"),
+        "object 1017h is written by the manager itself"
+    );
+    assert_eq!(setting("object = \"2000\", type = \"u64\", value = 0"), "unknown type `u64`");
+    assert_eq!(problem("identity = { vendor = -1 }"), "-1 is no part of an identity");
+    assert_eq!(problem("identity = { vendor = 0x100000000 }"), "4294967296 is no part of an identity");
+    let twice = "settings = [{ object = \"2000\", value = 1 }, { object = \"2000:0\", value = 2 }]";
+    assert_eq!(problem(twice), "object 2000h:00 is written twice");
+}
