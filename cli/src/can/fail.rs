@@ -115,6 +115,10 @@ fn target<'a>(line: &'a Line, args: &FailArgs) -> miette::Result<(&'a Device, u8
         if let Some(bit) = device.outputs.iter().position(|bound| *bound == Some(output)) {
             return Ok((device, u8::try_from(bit + 1).into_diagnostic()?));
         }
+        // A drive has one axis, whichever target it is sent to.
+        if device.drive.is_some() && device.carried_outputs().any(|carried| carried == output) {
+            return Ok((device, 1));
+        }
     }
     Err(miette!("no device of {} drives {name}", args.station))
 }

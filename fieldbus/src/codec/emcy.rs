@@ -2,7 +2,8 @@
 
 use std::fmt;
 
-use super::{DecodeError, Message, NodeId};
+use super::{DecodeError, Message, NodeId, emcy_codes};
+use crate::profile::drive;
 
 /// Error code "life guard error or heartbeat error" (CiA 301 table 26).
 pub const HEARTBEAT_LOST: u16 = 0x8130;
@@ -33,26 +34,40 @@ impl Emergency {
     }
 }
 
+/// By which table an error code is read.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Hash)]
+pub enum Profile {
+    /// CiA 301 alone: nothing is known of the device.
+    #[default]
+    Unknown,
+    /// CiA 401, digital and analogue inputs and outputs.
+    Io,
+    /// CiA 402, drives.
+    Drive,
+}
+
+impl Emergency {
+    /// What its code means of such a device; `None` for a code no table has.
+    pub fn meaning(&self, profile: Profile) -> Option<&'static str> {
+        match profile {
+            Profile::Unknown => emcy_codes::general(self.code),
+            Profile::Io => emcy_codes::io(self.code),
+            // The general table has what concerns the bus.
+            Profile::Drive if self.code >> 12 == 8 && self.code < 0x8300 => emcy_codes::general(self.code),
+            Profile::Drive => drive::meaning(self.code).or_else(|| emcy_codes::general(self.code)),
+        }
+    }
+
+    /// In words, for such a device: code, meaning, error register.
+    pub fn text(&self, profile: Profile) -> String {
+        let meaning = self.meaning(profile).unwrap_or("unknown error");
+        format!("{:04X}h ({meaning}), register {:02X}h", self.code, self.register)
+    }
+}
+
 impl fmt::Display for Emergency {
     fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
-        // The classes of CiA 301 table 26, by their high byte.
-        let class = match self.code >> 8 {
-            0x00 => "errors gone",
-            0x10 => "generic error",
-            0x20..=0x23 => "current",
-            0x30..=0x33 => "voltage",
-            0x40..=0x42 => "temperature",
-            0x50 => "device hardware",
-            0x60..=0x63 => "device software",
-            0x70 => "additional modules",
-            0x81 => "communication",
-            0x82 => "protocol",
-            0x90 => "external error",
-            0xF0 => "additional functions",
-            0xFF => "device specific",
-            _ => "unknown class",
-        };
-        write!(f, "{:04X}h {class}, register {:02X}h", self.code, self.register)
+        f.write_str(&self.text(Profile::Unknown))
     }
 }
 

@@ -5,6 +5,7 @@
 //! says what was expected. What a message is good for, and whether it comes at the right moment, is decided elsewhere.
 
 mod emcy;
+mod emcy_codes;
 mod nmt;
 mod pdo;
 
@@ -12,7 +13,7 @@ use std::fmt;
 
 use thiserror::Error;
 
-pub use emcy::{Emergency, HEARTBEAT_LOST, NO_ERROR};
+pub use emcy::{Emergency, HEARTBEAT_LOST, NO_ERROR, Profile};
 pub use nmt::{NmtCommand, NmtState};
 pub use pdo::Payload;
 

@@ -6,7 +6,7 @@ use std::time::Duration;
 use linewright_line::Owner;
 
 use super::boot::BootError;
-use crate::codec::{Emergency, NmtState, NodeId};
+use crate::codec::{Emergency, NmtState, NodeId, Profile};
 use crate::frame::Frame;
 
 /// Frames to send, in order, and events to report, in order.
@@ -59,6 +59,8 @@ pub enum Event {
         node: NodeId,
         /// What it reports.
         emergency: Emergency,
+        /// What kind of device it is, by the description.
+        profile: Profile,
     },
     /// An owner's input image has changed, or whether it can be trusted has.
     InputsChanged {
@@ -149,7 +151,9 @@ impl fmt::Display for Event {
                 write!(f, "node {node} has left the operational state (now {:02X}h)", state.code())
             }
             Event::BootFailed { node, why } => write!(f, "node {node} is not started: {why}"),
-            Event::Emergency { node, emergency } => write!(f, "node {node} reports {emergency}"),
+            Event::Emergency { node, emergency, profile } => {
+                write!(f, "node {node} reports {}", emergency.text(*profile))
+            }
             Event::InputsChanged { owner: Owner::Station(id) } => write!(f, "inputs of station {} changed", id.0),
             Event::InputsChanged { owner: Owner::Console } => f.write_str("inputs of the console changed"),
             Event::AnotherManager => f.write_str("another manager (node 127) drives this bus"),

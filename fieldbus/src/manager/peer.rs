@@ -268,7 +268,7 @@ impl Peer {
     }
 
     pub(super) fn emergency(&mut self, now: Tick, emergency: Emergency, out: &mut Outbox) -> Outcome {
-        out.events.push(Event::Emergency { node: self.node, emergency });
+        out.events.push(Event::Emergency { node: self.node, emergency, profile: self.process.profile() });
         // It has let go of its outputs because it did not hear us; its next heartbeat would say the same, later.
         if emergency.code == HEARTBEAT_LOST && self.is_operational() {
             let outcome = self.leave(now, Phase::Stopped);

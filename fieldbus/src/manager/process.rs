@@ -6,7 +6,7 @@
 use linewright_line::{Device, InputId, OutputId, Tick};
 
 use super::image;
-use crate::codec::{NodeId, Payload};
+use crate::codec::{NodeId, Payload, Profile};
 use crate::profile::drive::{Drive, DriveBinding, Setting};
 use crate::sdo::Abort;
 
@@ -46,6 +46,14 @@ impl Process {
                 wanted: 0,
                 sent: None,
             }),
+        }
+    }
+
+    /// By which table its error codes are read.
+    pub fn profile(&self) -> Profile {
+        match self {
+            Process::Bits(_) => Profile::Io,
+            Process::Drive(_) => Profile::Drive,
         }
     }
 

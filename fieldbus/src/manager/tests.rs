@@ -4,7 +4,7 @@ use linewright_line::{Bus, Identity, InputId, OutputId, Setting, StationId};
 use proptest::prelude::*;
 
 use super::*;
-use crate::codec::HEARTBEAT_LOST;
+use crate::codec::{HEARTBEAT_LOST, Profile};
 use crate::sdo::{Abort, Cause, ObjectId, TransferError};
 
 const DRILL: Owner = Owner::Station(StationId(0));
@@ -249,6 +249,18 @@ fn a_device_that_does_not_watch_the_manager_is_not_started() {
 }
 
 #[test]
+fn an_emergency_is_told_by_the_table_of_the_device() {
+    let mut bench = Bench::up();
+    bench.hear("086#2023010000000000");
+    let said = bench.take().1[0].to_string();
+    assert_eq!(said, "node 6 reports 2320h (short circuit at outputs), register 01h");
+    let drive: Frame = "086#1186010000000000".parse().unwrap();
+    let Ok(Message::Emergency { emergency, .. }) = Message::decode(&drive) else { panic!("{drive}") };
+    assert_eq!(emergency.text(Profile::Drive), "8611h (following error), register 01h");
+    assert_eq!(emergency.text(Profile::Unknown), "8611h (monitoring), register 01h");
+}
+
+#[test]
 fn unanswered_questions_and_orders_are_repeated() {
     let mut bench = Bench::new();
     bench.take();
@@ -449,7 +461,7 @@ impl Oracle {
                 Event::DeviceLost { node, .. } | Event::DeviceRebooted { node } | Event::DeviceLeft { node, .. } => {
                     node.get() == 6
                 }
-                Event::Emergency { node, emergency } => node.get() == 6 && emergency.code == HEARTBEAT_LOST,
+                Event::Emergency { node, emergency, .. } => node.get() == 6 && emergency.code == HEARTBEAT_LOST,
                 _ => false,
             };
             if left && self.up {
