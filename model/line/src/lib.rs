@@ -3,17 +3,17 @@
 //! This crate knows what a line is and how its description is written. It knows nothing of time passing, messages or
 //! devices beyond their names and numbers: those are the business of the crates that take a [`Line`].
 
+mod device;
 mod drive;
 mod line;
 pub mod net;
 mod parse;
-mod setup;
 mod time;
 mod transfer_line;
 
+pub use device::{Device, Identity, Owner, Setting, Setup};
 pub use drive::{AtRest, Drive, DriveMode, DriveTarget, Homing};
 pub use line::*;
 pub use parse::{Parsed, Problem, Problems, parse, suggestion};
-pub use setup::{Identity, Setting, Setup};
 pub use time::Tick;
 pub use transfer_line::TransferLine;

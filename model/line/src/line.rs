@@ -8,6 +8,8 @@
 use std::fmt;
 use std::time::Duration;
 
+use crate::{Device, Owner};
+
 macro_rules! index_id {
     ($(#[$doc:meta])* $name:ident) => {
         $(#[$doc])*
@@ -344,36 +346,6 @@ pub struct Span {
     pub from: OpId,
     /// Its last operation; it may lie before `from` in the chart: the stretch then crosses the cycle boundary.
     pub until: OpId,
-}
-
-/// A CAN device: digital inputs and outputs (CiA 401 default mapping: one PDO of up to 64 bits each way), or a drive.
-#[derive(Clone, Debug, PartialEq)]
-pub struct Device {
-    /// Its name.
-    pub name: String,
-    /// CAN node id, 1 to 127, unique on its bus.
-    pub node_id: u8,
-    /// Whose image it carries.
-    pub owner: Owner,
-    /// The bus it hangs on.
-    pub bus: Bus,
-    /// For each bit of its input PDO (TPDO1, 0x180 + id), the input of its owner's image it carries.
-    pub inputs: Vec<Option<InputId>>,
-    /// For each bit of its output PDO (RPDO1, 0x200 + id), the output of its owner's image it carries.
-    pub outputs: Vec<Option<OutputId>>,
-    /// Who it has to be, and what it is told before it is started.
-    pub setup: crate::Setup,
-    /// What it is beyond that, if it is a drive: its signals are then all here, and it has no bits above.
-    pub drive: Option<crate::Drive>,
-}
-
-/// Whose process image a device carries.
-#[derive(Clone, Copy, Debug, PartialEq, Eq, Hash)]
-pub enum Owner {
-    /// A station's.
-    Station(StationId),
-    /// The main console's, which the coordinator reads itself.
-    Console,
 }
 
 /// The main console (seed 002 §5.4, Figures 18 and 23). Its image has its own input and output numbering.

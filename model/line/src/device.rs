@@ -1,7 +1,39 @@
-//! What a device has to be, and what it is told before it is started: beyond what every manager tells every device.
+//! A CAN device: whose bits it carries, what it has to be, and what it is told before it is started.
 //!
 //! Numbers and bytes only. Where they come from, the description itself or a device's own file (EDS, DCF), is no matter
 //! here; what an object does, the device's manual says.
+
+use crate::{Bus, Drive, InputId, OutputId, StationId};
+
+/// A CAN device: digital inputs and outputs (CiA 401 default mapping: one PDO of up to 64 bits each way), or a drive.
+#[derive(Clone, Debug, PartialEq)]
+pub struct Device {
+    /// Its name.
+    pub name: String,
+    /// CAN node id, 1 to 127, unique on its bus.
+    pub node_id: u8,
+    /// Whose image it carries.
+    pub owner: Owner,
+    /// The bus it hangs on.
+    pub bus: Bus,
+    /// For each bit of its input PDO (TPDO1, 0x180 + id), the input of its owner's image it carries.
+    pub inputs: Vec<Option<InputId>>,
+    /// For each bit of its output PDO (RPDO1, 0x200 + id), the output of its owner's image it carries.
+    pub outputs: Vec<Option<OutputId>>,
+    /// Who it has to be, and what it is told before it is started.
+    pub setup: Setup,
+    /// What it is beyond that, if it is a drive: its signals are then all here, and it has no bits above.
+    pub drive: Option<Drive>,
+}
+
+/// Whose process image a device carries.
+#[derive(Clone, Copy, Debug, PartialEq, Eq, Hash)]
+pub enum Owner {
+    /// A station's.
+    Station(StationId),
+    /// The main console's, which the coordinator reads itself.
+    Console,
+}
 
 /// Who a device has to be. What is `None` is not compared.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Hash)]
