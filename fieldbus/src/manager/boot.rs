@@ -8,26 +8,15 @@
 //! of the other devices: all of them boot side by side, and one that does not answer holds up nobody.
 
 use std::fmt;
-use std::time::Duration;
 
 use linewright_line::{Identity, Tick};
 
-use crate::codec::{Message, NodeId};
+use super::transfer::Transfer;
+use crate::codec::NodeId;
 use crate::frame::Frame;
 use crate::profile::drive::Setting;
 use crate::sdo::wire::Raw;
-use crate::sdo::{Cause, Client, ObjectId, Options, Progress, TransferError};
-
-/// How long a device may take for an answer. Half a second is slow for reading a dictionary, and quick for writing a
-/// flash memory; the first frame is repeated once.
-pub(super) const SDO: Options = Options {
-    timeout: Duration::from_millis(500),
-    retries: 1,
-    mode: crate::sdo::Mode::Auto,
-    block_above: 64,
-    burst: 4,
-    len_max: 4096,
-};
+use crate::sdo::{Cause, ObjectId, Progress, TransferError};
 
 /// What a device is to be before it is started.
 #[derive(Clone, Debug, Default, PartialEq, Eq)]
@@ -109,13 +98,15 @@ pub(super) struct Boot {
     node: NodeId,
     /// Transfers done: first what is read, then what is written.
     at: usize,
-    client: Client,
-    frames: Vec<Raw>,
+    transfer: Transfer,
 }
 
-/// What is read, in order. The device type always is: every device has it, so it also tells whether somebody is there.
+/// The object every device has, and that is read first: it also tells whether somebody is there.
+pub(super) const DEVICE_TYPE: ObjectId = ObjectId::new(0x1000, 0);
+
+/// What is read, in order; of what follows the device type, only what is compared.
 const READ: [ObjectId; 5] = [
-    ObjectId::new(0x1000, 0),
+    DEVICE_TYPE,
     ObjectId::new(0x1018, 1),
     ObjectId::new(0x1018, 2),
     ObjectId::new(0x1018, 3),
@@ -143,32 +134,29 @@ fn compare(identity: &Identity, nth: usize, bytes: &[u8]) -> Result<(), BootErro
 impl Boot {
     /// Begins: asks for the device type.
     pub fn start(now: Tick, node: NodeId, out: &mut Vec<Frame>) -> Self {
-        let mut boot = Boot { node, at: 0, client: Client::upload(READ[0], SDO), frames: Vec::new() };
-        boot.client.start(now, &mut boot.frames);
-        boot.flush(out);
-        boot
+        Boot { node, at: 0, transfer: Transfer::read(now, node, DEVICE_TYPE, out) }
     }
 
     /// Takes eight bytes of the device's SDO server.
     pub fn handle(&mut self, now: Tick, plan: &Plan, raw: &Raw, out: &mut Vec<Frame>) -> Step {
-        let progress = self.client.handle(now, raw, &mut self.frames);
+        let progress = self.transfer.handle(now, raw, out);
         self.go_on(now, plan, progress, out)
     }
 
     /// Does what is due.
     pub fn poll(&mut self, now: Tick, plan: &Plan, out: &mut Vec<Frame>) -> Step {
-        let progress = self.client.poll(now, &mut self.frames);
+        let progress = self.transfer.poll(now, out);
         self.go_on(now, plan, progress, out)
     }
 
     /// When [`Boot::poll`] has something to do next.
     pub fn deadline(&self) -> Tick {
-        self.client.next_deadline().unwrap_or(Tick::NEVER)
+        self.transfer.deadline()
     }
 
     /// What it waits for, in words.
     pub fn explain(&self, plan: &Plan) -> String {
-        let object = self.client.object();
+        let object = self.transfer.object();
         match self.at.checked_sub(READ.len()) {
             None => format!("being identified: waits for its {} (object {object})", what(object)),
             Some(nth) => {
@@ -178,14 +166,12 @@ impl Boot {
     }
 
     fn go_on(&mut self, now: Tick, plan: &Plan, progress: Progress, out: &mut Vec<Frame>) -> Step {
-        let step = match progress {
+        match progress {
             Progress::Busy => Step::Busy,
-            Progress::Done(Err(error)) if self.may_pass_over(plan, error) => self.done(now, plan, &[]),
+            Progress::Done(Err(error)) if self.may_pass_over(plan, error) => self.done(now, plan, &[], out),
             Progress::Done(Err(error)) => Step::Failed(BootError::Transfer { writing: self.at >= READ.len(), error }),
-            Progress::Done(Ok(bytes)) => self.done(now, plan, &bytes),
-        };
-        self.flush(out);
-        step
+            Progress::Done(Ok(bytes)) => self.done(now, plan, &bytes, out),
+        }
     }
 
     /// Whether the device may do without what it has just refused.
@@ -195,7 +181,7 @@ impl Boot {
     }
 
     /// One transfer is done; the next begins.
-    fn done(&mut self, now: Tick, plan: &Plan, bytes: &[u8]) -> Step {
+    fn done(&mut self, now: Tick, plan: &Plan, bytes: &[u8], out: &mut Vec<Frame>) -> Step {
         if self.at < READ.len()
             && let Err(error) = compare(&plan.identity, self.at, bytes)
         {
@@ -206,17 +192,11 @@ impl Boot {
         while self.at < READ.len() && expected(&plan.identity, self.at).is_none() {
             self.at += 1;
         }
-        self.client = match (READ.get(self.at), plan.settings.get(self.at.saturating_sub(READ.len()))) {
-            (Some(object), _) => Client::upload(*object, SDO),
-            (None, Some(setting)) => Client::download(setting.object, setting.data.clone(), SDO),
+        self.transfer = match (READ.get(self.at), plan.settings.get(self.at.saturating_sub(READ.len()))) {
+            (Some(object), _) => Transfer::read(now, self.node, *object, out),
+            (None, Some(setting)) => Transfer::write(now, self.node, setting, out),
             (None, None) => return Step::Done,
         };
-        self.client.start(now, &mut self.frames);
         Step::Busy
-    }
-
-    fn flush(&mut self, out: &mut Vec<Frame>) {
-        let node = self.node;
-        out.extend(self.frames.drain(..).map(|raw| Message::SdoRequest { node, raw }.encode()));
     }
 }

@@ -15,6 +15,7 @@ mod event;
 mod image;
 mod peer;
 mod process;
+mod transfer;
 
 use std::time::Duration;
 

@@ -19,14 +19,15 @@ use std::time::Duration;
 
 use linewright_line::{Device, Owner, Tick, Timing};
 
-use super::boot::{self, Boot, BootError, Plan, Step};
+use super::boot::{Boot, BootError, DEVICE_TYPE, Plan, Step};
 use super::event::{Event, IgnoreReason, Outbox};
 use super::process::Process;
+use super::transfer::Transfer;
 use super::{MANAGER_NODE, RETRY};
 use crate::codec::{Emergency, HEARTBEAT_LOST, Message, NmtCommand, NmtState, NodeId, Payload};
 use crate::profile::drive::Setting;
 use crate::sdo::wire::{Raw, Request};
-use crate::sdo::{Abort, Cause, Client, ObjectId, Progress};
+use crate::sdo::{Abort, Cause, Progress};
 
 /// What a frame or the passing of time did to a device.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
@@ -65,7 +66,7 @@ pub(super) struct Peer {
     pub(super) owner: Owner,
     process: Process,
     /// What it is being written while it runs.
-    writing: Option<(Setting, Client)>,
+    writing: Option<(Setting, Transfer)>,
     plan: Plan,
     /// Why it was last refused, so that it is reported once.
     refusal: Option<BootError>,
@@ -158,8 +159,8 @@ impl Peer {
             Phase::Stopped => lost,
             Phase::Operational => {
                 let refresh = self.sent.map_or(Tick::NEVER, |at| at + self.refresh);
-                let writing = self.writing.as_ref().and_then(|(_, client)| client.next_deadline());
-                lost.min(refresh).min(self.process.deadline()).min(writing.unwrap_or(Tick::NEVER))
+                let writing = self.writing.as_ref().map_or(Tick::NEVER, |(_, transfer)| transfer.deadline());
+                lost.min(refresh).min(self.process.deadline()).min(writing)
             }
         }
     }
@@ -342,37 +343,27 @@ impl Peer {
             return;
         }
         if let Some(setting) = self.process.wants_write() {
-            let mut client = Client::download(setting.object, setting.data.clone(), boot::SDO);
-            let mut frames = Vec::new();
-            client.start(now, &mut frames);
-            self.send_sdo(frames, out);
-            self.writing = Some((setting, client));
+            let transfer = Transfer::write(now, self.node, &setting, &mut out.frames);
+            self.writing = Some((setting, transfer));
         }
     }
 
     /// Goes on with that: with what the device has answered, or with the time that has passed.
     fn go_on_writing(&mut self, now: Tick, raw: Option<&Raw>, out: &mut Outbox) {
-        let Some((setting, client)) = &mut self.writing else { return };
-        let mut frames = Vec::new();
+        let Some((_, transfer)) = &mut self.writing else { return };
         let progress = match raw {
-            Some(raw) => client.handle(now, raw, &mut frames),
-            None => client.poll(now, &mut frames),
+            Some(raw) => transfer.handle(now, raw, &mut out.frames),
+            None => transfer.poll(now, &mut out.frames),
         };
-        if let Progress::Done(result) = progress {
+        if let Progress::Done(result) = progress
+            && let Some((setting, _)) = self.writing.take()
+        {
             let answer = result.map(|_| ()).map_err(|error| match error.cause {
                 Cause::Refused(code) => code,
                 other => other.abort().unwrap_or(Abort::GENERAL),
             });
-            let setting = setting.clone();
-            self.writing = None;
             self.process.written(now, &setting, answer);
         }
-        self.send_sdo(frames, out);
-    }
-
-    fn send_sdo(&self, frames: Vec<Raw>, out: &mut Outbox) {
-        let node = self.node;
-        out.frames.extend(frames.into_iter().map(|raw| Message::SdoRequest { node, raw }.encode()));
     }
 
     fn up(&mut self, out: &mut Outbox) -> Outcome {
@@ -430,9 +421,6 @@ impl Peer {
     }
 }
 
-/// The object every device has, and that is read first.
-const DEVICE_TYPE: ObjectId = ObjectId::new(0x1000, 0);
-
 /// How soon a refused device is looked at again. Seldom enough that a person reads the reason in peace, often enough
 /// that whoever has mended it need not do anything else.
 const REFUSED_RETRY: Duration = Duration::from_secs(5);
@@ -441,17 +429,13 @@ const REFUSED_RETRY: Duration = Duration::from_secs(5);
 fn plan(node: NodeId, device: &Device, process: &Process, timing: &Timing) -> Plan {
     let millis = |span: Duration| u16::try_from(span.as_millis()).unwrap_or(u16::MAX);
     // Object 1017h, producer heartbeat time in ms.
-    let produce = setting(0x1017, 0, millis(timing.heartbeat).to_le_bytes().to_vec());
+    let produce = Setting::new(0x1017, 0, millis(timing.heartbeat).to_le_bytes());
     // Object 1016h sub 1, consumer heartbeat time: node id in bits 16 to 23, ms below. What makes outputs safe when
     // the manager is gone, so a device that has outputs must accept it; one that has none need not know the object.
     let watched = u32::from(MANAGER_NODE.get()) << 16 | u32::from(millis(timing.heartbeat_timeout));
-    let consume = process.has_outputs().then(|| setting(0x1016, 1, watched.to_le_bytes().to_vec()));
+    let consume = process.has_outputs().then(|| Setting::new(0x1016, 1, watched.to_le_bytes()));
     // What the description says comes first: what the safety of a drive rests on comes after it, and stays.
-    let described = device.setup.settings.iter().map(|own| setting(own.index, own.sub, own.data.clone()));
+    let described = device.setup.settings.iter().map(|own| Setting::new(own.index, own.sub, own.data.clone()));
     let settings = described.chain([produce]).chain(consume).chain(process.settings(node));
     Plan { identity: device.setup.identity, settings: settings.collect() }
-}
-
-fn setting(index: u16, sub: u8, data: Vec<u8>) -> Setting {
-    Setting { object: ObjectId::new(index, sub), data, optional: false }
 }

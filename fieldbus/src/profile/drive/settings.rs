@@ -22,7 +22,7 @@ pub struct Setting {
 }
 
 impl Setting {
-    fn new(index: u16, sub: u8, data: impl Into<Vec<u8>>) -> Self {
+    pub(crate) fn new(index: u16, sub: u8, data: impl Into<Vec<u8>>) -> Self {
         Setting { object: ObjectId::new(index, sub), data: data.into(), optional: false }
     }
 

@@ -1,0 +1,78 @@
+//! One SDO transfer with one device, as the manager makes it: eight bytes in, frames out.
+
+use std::time::Duration;
+
+use linewright_line::Tick;
+
+use crate::codec::{Message, NodeId};
+use crate::frame::Frame;
+use crate::profile::drive::Setting;
+use crate::sdo::wire::Raw;
+use crate::sdo::{Client, Mode, ObjectId, Options, Progress};
+
+/// How long a device may take for an answer. Half a second is slow for reading a dictionary, and quick for writing a
+/// flash memory; the first frame is repeated once.
+const SDO: Options = Options {
+    timeout: Duration::from_millis(500),
+    retries: 1,
+    mode: Mode::Auto,
+    block_above: 64,
+    burst: 4,
+    len_max: 4096,
+};
+
+/// A transfer under way.
+#[derive(Debug)]
+pub(super) struct Transfer {
+    node: NodeId,
+    client: Client,
+    frames: Vec<Raw>,
+}
+
+impl Transfer {
+    /// Begins to read an object.
+    pub fn read(now: Tick, node: NodeId, object: ObjectId, out: &mut Vec<Frame>) -> Self {
+        Transfer::start(now, node, Client::upload(object, SDO), out)
+    }
+
+    /// Begins to write one.
+    pub fn write(now: Tick, node: NodeId, setting: &Setting, out: &mut Vec<Frame>) -> Self {
+        Transfer::start(now, node, Client::download(setting.object, setting.data.clone(), SDO), out)
+    }
+
+    fn start(now: Tick, node: NodeId, client: Client, out: &mut Vec<Frame>) -> Self {
+        let mut transfer = Transfer { node, client, frames: Vec::new() };
+        transfer.client.start(now, &mut transfer.frames);
+        transfer.flush(out);
+        transfer
+    }
+
+    /// Takes eight bytes of the device's SDO server.
+    pub fn handle(&mut self, now: Tick, raw: &Raw, out: &mut Vec<Frame>) -> Progress {
+        let progress = self.client.handle(now, raw, &mut self.frames);
+        self.flush(out);
+        progress
+    }
+
+    /// Does what is due.
+    pub fn poll(&mut self, now: Tick, out: &mut Vec<Frame>) -> Progress {
+        let progress = self.client.poll(now, &mut self.frames);
+        self.flush(out);
+        progress
+    }
+
+    /// When [`Transfer::poll`] has something to do next.
+    pub fn deadline(&self) -> Tick {
+        self.client.next_deadline().unwrap_or(Tick::NEVER)
+    }
+
+    /// The object.
+    pub fn object(&self) -> ObjectId {
+        self.client.object()
+    }
+
+    fn flush(&mut self, out: &mut Vec<Frame>) {
+        let node = self.node;
+        out.extend(self.frames.drain(..).map(|raw| Message::SdoRequest { node, raw }.encode()));
+    }
+}
