@@ -4,7 +4,7 @@
 
 use std::collections::BTreeMap;
 
-use linewright_line::{Bus, Line};
+use linewright_line::Line;
 
 use crate::codec::{Message, NmtCommand, NodeId, Payload};
 use crate::frame::Frame;
@@ -18,11 +18,8 @@ pub struct Names(BTreeMap<u8, String>);
 impl Names {
     /// The names in a description, on the bus that is reached over this interface.
     pub fn of(line: Option<&Line>, interface: &str) -> Self {
-        let devices = || line.iter().flat_map(|line| &line.devices);
-        let own = |bus: &Bus| matches!(bus, Bus::Own(name) if name == interface);
-        let is_own_bus = devices().any(|device| own(&device.bus));
-        let here = devices().filter(|device| if is_own_bus { own(&device.bus) } else { device.bus == Bus::Line });
-        let mut names: BTreeMap<u8, String> = here.map(|device| (device.node_id, device.name.clone())).collect();
+        let devices = line.into_iter().flat_map(|line| line.devices_on(interface));
+        let mut names: BTreeMap<u8, String> = devices.map(|device| (device.node_id, device.name.clone())).collect();
         names.entry(crate::MANAGER_NODE.get()).or_insert_with(|| "manager".to_owned());
         Names(names)
     }

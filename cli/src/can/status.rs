@@ -8,7 +8,7 @@ use clap::Args;
 use linewright_fieldbus::codec::NmtState;
 use linewright_fieldbus::survey::Survey;
 use linewright_fieldbus::{Bus, Clock, MANAGER_NODE, NodeId};
-use linewright_line::{Bus as BusName, Line, Owner, Tick};
+use linewright_line::{Line, Owner, Tick};
 use serde::Serialize;
 use tokio::time::{Instant, timeout_at};
 
@@ -61,10 +61,7 @@ pub async fn run(bus: &mut Bus, interface: &str, args: &StatusArgs) -> miette::R
 
 /// The description's devices on this bus, then whoever else was heard.
 fn nodes(line: &Line, interface: &str, survey: &Survey, now: Tick, listened: Duration) -> Vec<Node> {
-    let own = |bus: &BusName| matches!(bus, BusName::Own(name) if name == interface);
-    let is_own_bus = line.devices.iter().any(|device| own(&device.bus));
-    let here = |bus: &BusName| if is_own_bus { own(bus) } else { *bus == BusName::Line };
-    let described = line.devices.iter().filter(|device| here(&device.bus)).map(|device| {
+    let described = line.devices_on(interface).map(|device| {
         let heard = NodeId::new(device.node_id).and_then(|node| survey.node(node));
         let owner = match device.owner {
             Owner::Station(id) => line.station(id).name.clone(),
@@ -81,7 +78,7 @@ fn nodes(line: &Line, interface: &str, survey: &Survey, now: Tick, listened: Dur
             ),
         }
     });
-    let known = |node: NodeId| line.devices.iter().any(|d| here(&d.bus) && d.node_id == node.get());
+    let known = |node: NodeId| line.devices_on(interface).any(|device| device.node_id == node.get());
     let others = survey.heard().filter(|(node, _)| !known(*node)).map(|(node, heard)| Node {
         node: node.get(),
         name: None,

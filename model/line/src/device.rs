@@ -3,7 +3,7 @@
 //! Numbers and bytes only. Where they come from, the description itself or a device's own file (EDS, DCF), is no matter
 //! here; what an object does, the device's manual says.
 
-use crate::{Bus, Drive, InputId, OutputId, StationId};
+use crate::{Bus, Drive, InputId, Line, OutputId, StationId};
 
 /// A CAN device: digital inputs and outputs (CiA 401 default mapping: one PDO of up to 64 bits each way), or a drive.
 #[derive(Clone, Debug, PartialEq)]
@@ -72,4 +72,14 @@ pub struct Setup {
     pub identity: Identity,
     /// What is written, in this order.
     pub settings: Vec<Setting>,
+}
+
+impl Line {
+    /// The devices on the bus that is reached over this CAN interface: a station's own bus of that name, else the
+    /// coordinator's, which a description gives no name.
+    pub fn devices_on(&self, interface: &str) -> impl Iterator<Item = &Device> {
+        let own = Bus::Own(interface.to_owned());
+        let bus = if self.devices.iter().any(|device| device.bus == own) { own } else { Bus::Line };
+        self.devices.iter().filter(move |device| device.bus == bus)
+    }
 }
