@@ -54,7 +54,7 @@ impl Emergency {
             Profile::Io => emcy_codes::io(self.code),
             // The general table has what concerns the bus.
             Profile::Drive if self.code >> 12 == 8 && self.code < 0x8300 => emcy_codes::general(self.code),
-            Profile::Drive => drive::meaning(self.code).or_else(|| emcy_codes::general(self.code)),
+            Profile::Drive => drive::meaning(self.code),
         }
     }
 

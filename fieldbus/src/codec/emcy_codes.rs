@@ -13,7 +13,8 @@ pub(super) fn io(code: u16) -> Option<&'static str> {
     nearest(code, &[IO, GENERAL])
 }
 
-fn nearest(code: u16, tables: &[&[(u16, &'static str)]]) -> Option<&'static str> {
+/// The row of a code in these tables, or that of the smallest group it lies in.
+pub(crate) fn nearest(code: u16, tables: &[&[(u16, &'static str)]]) -> Option<&'static str> {
     // The manufacturer's own codes are FF00h to FFFFh; what else F000h would be is for additional functions.
     let masks = [0xFFFF, 0xFFF0, 0xFF00, 0xF000];
     let row = |code: u16| tables.iter().flat_map(|table| table.iter()).find(|(known, _)| *known == code);

@@ -5,7 +5,7 @@
 //! says what was expected. What a message is good for, and whether it comes at the right moment, is decided elsewhere.
 
 mod emcy;
-mod emcy_codes;
+pub(crate) mod emcy_codes;
 mod nmt;
 mod pdo;
 

@@ -3,6 +3,8 @@
 //! A code without a row of its own is described by its group, the way the profile nests them: 2310h lies in 2300h, and
 //! that in 2000h.
 
+use crate::codec::emcy_codes::nearest;
+
 /// Code "following error".
 pub const FOLLOWING_ERROR: u16 = 0x8611;
 /// Code "incremental sensor 1 fault".
@@ -10,11 +12,7 @@ pub const SENSOR_1: u16 = 0x7305;
 
 /// What an error code of a drive means; `None` for a code the profile gives no meaning.
 pub fn meaning(code: u16) -> Option<&'static str> {
-    if code >= 0xFF00 {
-        return Some("manufacturer's own error");
-    }
-    let row = |code: u16| TABLE.binary_search_by_key(&code, |(known, _)| *known).ok().map(|at| TABLE[at].1);
-    [0xFFFF, 0xFFF0, 0xFF00, 0xF000].iter().find_map(|mask| row(code & mask))
+    nearest(code, &[&TABLE])
 }
 
 /// Whether the code says that the position can no longer be believed: an encoder, resolver or tacho has failed.
@@ -23,7 +21,7 @@ pub fn loses_position(code: u16) -> bool {
 }
 
 /// In the order of the codes.
-const TABLE: [(u16, &str); 133] = [
+const TABLE: [(u16, &str); 134] = [
     (0x0000, "no error"),
     (0x1000, "generic error"),
     (0x2000, "current"),
@@ -157,6 +155,7 @@ const TABLE: [(u16, &str); 133] = [
     (0x8612, "reference limit"),
     (0x9000, "external error"),
     (0xF000, "additional functions"),
+    (0xFF00, "manufacturer's own error"),
 ];
 
 #[cfg(test)]
