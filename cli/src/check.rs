@@ -32,10 +32,9 @@ pub struct Args {
 /// `linewright check`
 pub fn run(args: &Args) -> miette::Result<ExitCode> {
     let report = match load::parsed(&args.line) {
-        Ok(parsed) => {
+        Ok(mut parsed) => {
             // Devices' own files say nothing about the controllers, but a line with a wrong one is not right.
-            let mut line = parsed.line.clone();
-            load::with_device_files(&mut line, &args.line, args.json)?;
+            load::with_device_files(&mut parsed.line, &args.line, args.json)?;
             let report = report::judge(&parsed, &args.options).into_diagnostic()?;
             if !args.json {
                 draw_warnings(args, parsed.warnings)?;
