@@ -16,6 +16,7 @@ mod image;
 mod peer;
 mod process;
 mod transfer;
+mod trouble;
 
 use std::time::Duration;
 
@@ -208,11 +209,6 @@ impl Manager {
         // Looked at again here, so that a caller who polls late does not read a dead device as a live one.
         let fresh = self.peers.iter().filter(|p| p.owner == owner).all(|p| p.trusted(now));
         InputImage { valid: image.valid && fresh, ..image }
-    }
-
-    /// How the device with this node id is at `now`, and what it waits for, in one sentence.
-    pub fn explain(&self, now: Tick, node: NodeId) -> Option<String> {
-        self.peers.iter().find(|p| p.node == node).map(|peer| peer.explain(now))
     }
 
     /// Every device: its node id, its name, and whether it is operational.

@@ -23,6 +23,7 @@ use super::boot::{Boot, BootError, DEVICE_TYPE, Plan, Step};
 use super::event::{Event, IgnoreReason, Outbox};
 use super::process::Process;
 use super::transfer::Transfer;
+use super::trouble::Why;
 use super::{MANAGER_NODE, RETRY};
 use crate::codec::{Emergency, HEARTBEAT_LOST, Message, NmtCommand, NmtState, NodeId, Payload};
 use crate::profile::drive::Setting;
@@ -45,7 +46,7 @@ pub(super) enum Outcome {
 }
 
 #[derive(Debug)]
-enum Phase {
+pub(super) enum Phase {
     /// Not heard; asked for again at `probe`.
     Absent { probe: Tick },
     /// Alive; it is being identified and configured.
@@ -64,19 +65,23 @@ pub(super) struct Peer {
     pub(super) node: NodeId,
     pub(super) name: String,
     pub(super) owner: Owner,
-    process: Process,
+    pub(super) process: Process,
     /// What it is being written while it runs.
     writing: Option<(Setting, Transfer)>,
-    plan: Plan,
+    pub(super) plan: Plan,
     /// Why it was last refused, so that it is reported once.
     refusal: Option<BootError>,
-    timeout: Duration,
+    pub(super) timeout: Duration,
     refresh: Duration,
-    phase: Phase,
-    /// When its last heartbeat came; meaningless while absent.
-    heard: Tick,
+    pub(super) phase: Phase,
+    /// When it last gave a sign of life; meaningless while absent.
+    pub(super) heard: Tick,
+    /// When its last heartbeat came, if one ever did.
+    pub(super) beat: Option<Tick>,
+    /// Why it was last lost; `None` while it is operational, or was never lost.
+    pub(super) why: Option<Why>,
     /// When it last sent its inputs; `None` since the last boot or loss.
-    updated: Option<Tick>,
+    pub(super) updated: Option<Tick>,
     /// When it was last sent its outputs; `None` since the last boot or loss.
     sent: Option<Tick>,
 }
@@ -96,6 +101,8 @@ impl Peer {
             refresh: timing.refresh,
             phase: Phase::Absent { probe: Tick::ZERO },
             heard: Tick::ZERO,
+            beat: None,
+            why: None,
             updated: None,
             sent: None,
         }
@@ -108,6 +115,11 @@ impl Peer {
             && (!self.process.has_inputs() || self.updated.is_some())
     }
 
+    /// It was lost because its heartbeat stopped, and none has come since.
+    pub(super) fn lacks_heartbeat(&self) -> bool {
+        self.why == Some(Why::Silent)
+    }
+
     pub(super) fn input_bits(&self) -> u128 {
         self.process.inputs()
     }
@@ -118,36 +130,6 @@ impl Peer {
 
     pub(super) fn is_operational(&self) -> bool {
         matches!(self.phase, Phase::Operational)
-    }
-
-    /// How it is at `now`, and what it waits for, in one sentence.
-    pub(super) fn explain(&self, now: Tick) -> String {
-        let silent = now.since(self.heard).as_millis();
-        match &self.phase {
-            Phase::Absent { .. } if self.heard == Tick::ZERO => {
-                format!("never heard; asked for its device type every {} ms", RETRY.as_millis())
-            }
-            Phase::Absent { .. } => {
-                format!("silent for {silent} ms; asked for its device type every {} ms", RETRY.as_millis())
-            }
-            Phase::Booting(boot) => boot.explain(&self.plan),
-            Phase::Refused { why, retry } => {
-                let again = retry.since(now).as_millis();
-                format!("not started: {why}; looked at again in {again} ms, and when it boots")
-            }
-            Phase::Starting { .. } => "configured and ordered to start; waits for it to say that it has".to_owned(),
-            Phase::Operational => match self.updated {
-                Some(at) => {
-                    let heard = now.since(at).as_millis();
-                    let own = self.process.explain().map(|own| format!("; {own}")).unwrap_or_default();
-                    format!("operational; its heartbeat came {silent} ms ago, its inputs {heard} ms ago{own}")
-                }
-                None => format!("operational; its heartbeat came {silent} ms ago, its inputs have not come yet"),
-            },
-            Phase::Stopped => {
-                format!("stopped by somebody else, and left so; its heartbeat came {silent} ms ago")
-            }
-        }
     }
 
     pub(super) fn deadline(&self) -> Tick {
@@ -171,8 +153,11 @@ impl Peer {
         // been told to send them yet, or be writing to its memory. The transfer knows how long to wait.
         let watched = !matches!(self.phase, Phase::Absent { .. } | Phase::Booting(_));
         if watched && self.heard + self.timeout <= now {
-            out.events.push(Event::DeviceLost { node: self.node, silent_for: now.since(self.heard) });
-            return self.leave(now, Phase::Absent { probe: now + RETRY });
+            // Said once: one that is heard otherwise is looked at again and again.
+            if !self.lacks_heartbeat() {
+                out.events.push(Event::DeviceLost { node: self.node, silent_for: now.since(self.heard) });
+            }
+            return self.leave(now, Phase::Absent { probe: now + RETRY }, Why::Silent);
         }
         match &mut self.phase {
             Phase::Absent { probe } if *probe <= now => {
@@ -201,6 +186,10 @@ impl Peer {
 
     pub(super) fn heartbeat(&mut self, now: Tick, state: NmtState, out: &mut Outbox) -> Outcome {
         self.heard = now;
+        self.beat = Some(now);
+        if self.lacks_heartbeat() {
+            self.why = None;
+        }
         match (&self.phase, state) {
             (Phase::Absent { .. }, _) => {
                 self.boot(now, out);
@@ -208,7 +197,7 @@ impl Peer {
             }
             (_, NmtState::BootUp) => {
                 out.events.push(Event::DeviceRebooted { node: self.node });
-                let outcome = self.leave(now, Phase::Starting { retry: now });
+                let outcome = self.leave(now, Phase::Starting { retry: now }, Why::Booted);
                 // Another one may hang there now: what was found out about the last one does not count.
                 self.refusal = None;
                 self.boot(now, out);
@@ -230,13 +219,13 @@ impl Peer {
             }
             (Phase::Operational, NmtState::PreOperational) => {
                 out.events.push(Event::DeviceLeft { node: self.node, state });
-                let outcome = self.leave(now, Phase::Stopped);
+                let outcome = self.leave(now, Phase::Stopped, Why::Left(state));
                 self.order_start(now, out);
                 outcome
             }
             (Phase::Starting { .. } | Phase::Operational, NmtState::Stopped | NmtState::Unknown(_)) => {
                 out.events.push(Event::DeviceLeft { node: self.node, state });
-                self.leave(now, Phase::Stopped)
+                self.leave(now, Phase::Stopped, Why::Left(state))
             }
             (Phase::Stopped, NmtState::Stopped | NmtState::Unknown(_)) => Outcome::Unchanged,
         }
@@ -245,6 +234,11 @@ impl Peer {
     /// Only an operational device sends process data (CiA 301 §7.3.2.2), so hearing it is as good as being told.
     pub(super) fn inputs_heard(&mut self, now: Tick, payload: Payload, out: &mut Outbox) -> Outcome {
         match &self.phase {
+            // Without heartbeats nobody would notice its end: process data alone do not make up for them. It is asked
+            // and configured anew as one that is absent.
+            Phase::Absent { .. } | Phase::Starting { .. } if self.lacks_heartbeat() => {
+                return Outcome::Ignored(IgnoreReason::NotOperational);
+            }
             Phase::Absent { .. } => {
                 // Alive, but not configured by this manager: its inputs wait until it is.
                 self.heard = now;
@@ -272,7 +266,7 @@ impl Peer {
         out.events.push(Event::Emergency { node: self.node, emergency, profile: self.process.profile() });
         // It has let go of its outputs because it did not hear us; its next heartbeat would say the same, later.
         if emergency.code == HEARTBEAT_LOST && self.is_operational() {
-            let outcome = self.leave(now, Phase::Stopped);
+            let outcome = self.leave(now, Phase::Stopped, Why::Reported(emergency));
             self.order_start(now, out);
             return outcome;
         }
@@ -368,14 +362,16 @@ impl Peer {
 
     fn up(&mut self, out: &mut Outbox) -> Outcome {
         self.phase = Phase::Operational;
+        self.why = None;
         out.events.push(Event::DeviceUp { node: self.node });
         Outcome::Up
     }
 
     /// Leaves for `phase`. From here on its inputs are unknown and its outputs are taken to be off.
-    fn leave(&mut self, now: Tick, phase: Phase) -> Outcome {
+    fn leave(&mut self, now: Tick, phase: Phase, why: Why) -> Outcome {
         let was_operational = self.is_operational();
         self.phase = phase;
+        self.why = Some(why);
         self.updated = None;
         self.sent = None;
         self.writing = None;

@@ -1,6 +1,7 @@
 //! Scenarios, named by what happens on the bus. Frames are written as candump prints them.
 
 mod boot;
+mod trouble;
 
 use linewright_line::{Bus, InputId, OutputId, StationId};
 use proptest::prelude::*;

@@ -1,0 +1,105 @@
+//! What is said of the devices that keep an owner's image from being valid.
+
+use super::*;
+
+/// The sentences for the clamp.
+fn said(bench: &Bench) -> Vec<String> {
+    let said: Vec<String> = bench.manager.trouble(bench.now, CLAMP).collect();
+    assert_eq!(
+        said.is_empty(),
+        bench.inputs(CLAMP).valid,
+        "there is trouble exactly while inputs are invalid: {said:?}"
+    );
+    said
+}
+
+fn one(bench: &Bench) -> String {
+    let said = said(bench);
+    let [sentence] = &said[..] else { panic!("{said:?}") };
+    sentence.clone()
+}
+
+#[test]
+fn a_device_that_was_never_there() {
+    let bench = Bench::new();
+    assert_eq!(
+        one(&bench),
+        "clamp (node 06h): never heard: no boot-up and no heartbeat (706h, 1017h); asked for its device type (1000h) every 500 ms"
+    );
+    assert_eq!(bench.manager.trouble(bench.now, DRILL).count(), 2, "one for each device");
+}
+
+#[test]
+fn a_device_that_fell_silent() {
+    let mut bench = Bench::up();
+    assert_eq!(said(&bench), Vec::<String>::new());
+    bench.pass_with(200, &[4, 5]);
+    assert_eq!(one(&bench), "clamp (node 06h): no heartbeat (1017h) for 200 ms");
+    assert_eq!(bench.manager.trouble(bench.now, DRILL).count(), 0);
+    bench.pass_with(100, &[4, 5]);
+    assert_eq!(one(&bench), "clamp (node 06h): no heartbeat (1017h) for 300 ms");
+}
+
+#[test]
+fn a_device_whose_heartbeat_alone_has_stopped_is_not_trusted_by_its_process_data() {
+    let mut bench = Bench::up();
+    let mut lost = 0;
+    for round in 0..60 {
+        bench.hear("186#01");
+        bench.pass_with(50, &[4, 5]);
+        let (frames, events) = bench.take();
+        lost += events.iter().filter(|e| matches!(e, Event::DeviceLost { .. })).count();
+        // It answers whatever it is asked.
+        for frame in frames.iter().filter(|f| f.starts_with("606")) {
+            bench.hear(&format!(
+                "586#{}",
+                if frame[4..].starts_with("40") { "4300100091010300" } else { "6000000000000000" }
+            ));
+            if frame[4..].starts_with("2B171000") {
+                bench.hear("586#6017100000000000");
+            } else if frame[4..].starts_with("23161001") {
+                bench.hear("586#6016100100000000");
+            }
+        }
+        assert!(round < 5 || !bench.inputs(CLAMP).valid, "{round}");
+    }
+    assert_eq!(lost, 1, "said once");
+    let said = one(&bench);
+    assert!(said.starts_with("clamp (node 06h): no heartbeat (1017h) for 3000 ms, though it answers (SDO)"), "{said}");
+    // With its next heartbeat it is as good as any other.
+    bench.hear("706#05");
+    bench.configure(6);
+    bench.hear("706#05");
+    bench.hear("186#01");
+    assert!(bench.inputs(CLAMP).valid);
+}
+
+#[test]
+fn a_device_that_booted_says_so_while_it_is_brought_up() {
+    let mut bench = Bench::up();
+    bench.hear("706#00");
+    assert_eq!(
+        one(&bench),
+        "clamp (node 06h): it has booted (boot-up, 706h); being identified: waits for its device type (object 1000h:00)"
+    );
+    bench.configure(6);
+    bench.hear("706#05");
+    assert_eq!(one(&bench), "clamp (node 06h): operational, but its inputs (TPDO1, 186h) have not come yet");
+    bench.hear("186#00");
+    assert_eq!(said(&bench), Vec::<String>::new());
+}
+
+#[test]
+fn a_device_that_was_stopped_or_let_go_by_itself() {
+    let mut bench = Bench::up();
+    bench.hear("706#04");
+    let said = one(&bench);
+    assert_eq!(
+        said,
+        "clamp (node 06h): stopped by somebody else (NMT), and left so until it is started; its heartbeat says 04h (706h)"
+    );
+    let mut bench = Bench::up();
+    bench.hear("086#3081110000000000");
+    let said = one(&bench);
+    assert!(said.starts_with("clamp (node 06h): emergency 8130h (heartbeat or life guard error: it does not hear its manager), register 11h; "), "{said}");
+}

@@ -1,0 +1,139 @@
+//! What is wrong with a device, in words: which one, which object or frame says so, and why.
+//!
+//! Two questions are answered here and nothing is decided. [`Manager::explain`]: how is this device, and what does it
+//! wait for? [`Manager::trouble`]: which devices keep an owner's image from being valid, and why? The second is what a
+//! person reads at a station that has stopped, so it gives the cause before the remedy: a device that is being booted
+//! again says first that it had fallen silent.
+
+use linewright_line::{Owner, Tick};
+
+use super::peer::{Peer, Phase};
+use super::{Manager, RETRY};
+use crate::codec::{Emergency, NmtState, NodeId};
+
+/// Why a device is not operational any more.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub(super) enum Why {
+    /// Its heartbeat stopped, and none has come since.
+    Silent,
+    /// It has booted.
+    Booted,
+    /// Its heartbeat says another state.
+    Left(NmtState),
+    /// It has reported that it let go by itself.
+    Reported(Emergency),
+}
+
+impl Manager {
+    /// How the device with this node id is at `now`, and what it waits for, in one sentence.
+    pub fn explain(&self, now: Tick, node: NodeId) -> Option<String> {
+        self.peers.iter().find(|p| p.node == node).map(|peer| peer.explain(now))
+    }
+
+    /// What keeps the inputs of `owner` from being valid at `now`: one sentence for each of its devices that is in the
+    /// way, with the device's name, its node id, the object or frame concerned, and the cause. Nothing while they are
+    /// valid, and for an owner without devices on this bus.
+    pub fn trouble(&self, now: Tick, owner: Owner) -> impl Iterator<Item = String> {
+        let own = self.peers.iter().filter(move |peer| peer.owner == owner);
+        own.filter_map(move |peer| {
+            let what = peer.trouble(now)?;
+            Some(format!("{} (node {:02X}h): {what}", peer.name, peer.node.get()))
+        })
+    }
+}
+
+impl Peer {
+    /// How it is at `now`, and what it waits for, in one sentence.
+    pub(super) fn explain(&self, now: Tick) -> String {
+        let silent = now.since(self.heard).as_millis();
+        match &self.phase {
+            Phase::Absent { .. } => {
+                let asked = format!("asked for its device type (1000h) every {} ms", RETRY.as_millis());
+                format!("{}; {asked}", self.silence(now))
+            }
+            Phase::Booting(boot) => boot.explain(&self.plan),
+            Phase::Refused { why, retry } => {
+                let again = retry.since(now).as_millis();
+                format!("not started: {why}; looked at again in {again} ms, and when it boots")
+            }
+            Phase::Starting { .. } => "configured and ordered to start; waits for it to say that it has".to_owned(),
+            Phase::Operational => match self.updated {
+                Some(at) => {
+                    let heard = now.since(at).as_millis();
+                    let own = self.process.explain().map(|own| format!("; {own}")).unwrap_or_default();
+                    format!("operational; its heartbeat came {silent} ms ago, its inputs {heard} ms ago{own}")
+                }
+                None => format!("operational; its heartbeat came {silent} ms ago, its inputs have not come yet"),
+            },
+            Phase::Stopped => {
+                format!("stopped by somebody else, and left so; its heartbeat came {silent} ms ago")
+            }
+        }
+    }
+
+    /// Why it cannot be trusted at `now`: first what happened, then what it waits for. `None` if it can.
+    fn trouble(&self, now: Tick) -> Option<String> {
+        if self.trusted(now) {
+            return None;
+        }
+        if matches!(self.phase, Phase::Operational) {
+            return Some(if now.since(self.heard) < self.timeout {
+                format!(
+                    "operational, but its inputs (TPDO1, {:03X}h) have not come yet",
+                    0x180 + u16::from(self.node.get())
+                )
+            } else {
+                self.silence(now)
+            });
+        }
+        let now_is = self.explain(now);
+        Some(match self.why {
+            None => now_is,
+            // It says so itself, and what it waits for then is of no use to anybody.
+            Some(Why::Silent) => match &self.phase {
+                Phase::Refused { .. } => format!("{}; {now_is}", self.silence(now)),
+                _ => self.silence(now),
+            },
+            Some(Why::Left(NmtState::Stopped | NmtState::Unknown(_))) if matches!(self.phase, Phase::Stopped) => {
+                format!(
+                    "stopped by somebody else (NMT), and left so until it is started; its heartbeat says {}",
+                    self.said()
+                )
+            }
+            Some(Why::Booted) => format!("it has booted (boot-up, {}); {now_is}", self.beat_id()),
+            Some(Why::Left(state)) => {
+                format!("it has left the operational state ({} says {:02X}h); {now_is}", self.beat_id(), state.code())
+            }
+            Some(Why::Reported(emergency)) => format!("emergency {}; {now_is}", emergency.text(self.process.profile())),
+        })
+    }
+
+    /// That it is not heard, and since when.
+    fn silence(&self, now: Tick) -> String {
+        let Some(beat) = self.beat else {
+            let nothing = format!("never heard: no boot-up and no heartbeat ({}, 1017h)", self.beat_id());
+            return if self.heard == Tick::ZERO {
+                nothing
+            } else {
+                format!("no heartbeat ({}, 1017h) ever came", self.beat_id())
+            };
+        };
+        let since = now.since(beat).as_millis();
+        // Whatever came clearly later than its last heartbeat shows that it lives.
+        let lives = self.heard > beat + self.timeout;
+        let other = if lives { ", though it answers (SDO)" } else { "" };
+        format!("no heartbeat (1017h) for {since} ms{other}")
+    }
+
+    /// The identifier of its heartbeat.
+    fn beat_id(&self) -> String {
+        format!("{:03X}h", 0x700 + u16::from(self.node.get()))
+    }
+
+    fn said(&self) -> String {
+        match self.why {
+            Some(Why::Left(state)) => format!("{:02X}h ({})", state.code(), self.beat_id()),
+            _ => self.beat_id(),
+        }
+    }
+}
