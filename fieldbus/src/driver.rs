@@ -91,8 +91,11 @@ impl Driver {
     }
 
     fn flush(&mut self) {
-        for frame in self.outbox.frames.drain(..) {
-            self.bus.send(&frame);
+        let sent = self.outbox.frames.iter().take_while(|frame| self.bus.send(frame)).count();
+        let refused = self.outbox.frames.split_off(sent);
+        self.outbox.frames.clear();
+        if !refused.is_empty() {
+            self.manager.give_back(self.clock.now(), refused);
         }
     }
 }

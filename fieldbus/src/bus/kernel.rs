@@ -30,22 +30,25 @@ impl KernelBus {
         Ok(KernelBus { name: name.to_owned(), socket, failing: false })
     }
 
-    pub(super) fn send(&mut self, frame: &Frame, stats: &mut BusStats) {
+    /// False if the interface takes nothing more at present.
+    pub(super) fn send(&mut self, frame: &Frame, stats: &mut BusStats) -> bool {
         let Some(frame) = to_kernel(frame) else {
             stats.send_errors += 1;
-            return;
+            return true;
         };
         match self.socket.try_write_frame(frame) {
             Ok(()) => stats.sent += 1,
             // ENOBUFS: the interface's transmit queue is full.
             Err(e) if e.kind() == io::ErrorKind::WouldBlock || e.raw_os_error() == Some(libc::ENOBUFS) => {
                 stats.overruns += 1;
+                return false;
             }
             Err(error) => {
                 tracing::debug!(%error, "CAN frame not sent");
                 stats.send_errors += 1;
             }
         }
+        true
     }
 
     pub(super) async fn recv(&mut self, stats: &mut BusStats) -> Frame {

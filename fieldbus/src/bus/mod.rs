@@ -154,14 +154,22 @@ impl Bus {
         self.recorder = Some(recorder);
     }
 
-    /// Sends a frame to everyone else on the bus. Never waits: what cannot be sent now is lost and counted, as on a
-    /// wire. (The virtual bus holds a short backlog for members that are slow.)
-    pub fn send(&mut self, frame: &Frame) {
-        self.note(frame);
-        match &mut self.wire {
+    /// Sends a frame to everyone else on the bus. Never waits: what cannot be sent now is counted, and lost as on a
+    /// wire unless the caller tries again. (The virtual bus holds a short backlog for members that are slow.)
+    ///
+    /// False if the interface's queue is full, and the frame was not sent.
+    pub fn send(&mut self, frame: &Frame) -> bool {
+        let taken = match &mut self.wire {
             Wire::Kernel(bus) => bus.send(frame, &mut self.stats),
-            Wire::Virtual(bus) => bus.send(frame, &mut self.stats),
+            Wire::Virtual(bus) => {
+                bus.send(frame, &mut self.stats);
+                true
+            }
+        };
+        if taken {
+            self.note(frame);
         }
+        taken
     }
 
     /// The next frame somebody else has sent. Cancel safe: a frame is either returned or still to come. Failures of

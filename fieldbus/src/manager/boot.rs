@@ -149,6 +149,16 @@ impl Boot {
         self.go_on(now, plan, progress, out)
     }
 
+    /// The transfer under way.
+    pub fn transfer(&self) -> &Transfer {
+        &self.transfer
+    }
+
+    /// The same, to go on with it.
+    pub fn transfer_mut(&mut self) -> &mut Transfer {
+        &mut self.transfer
+    }
+
     /// When [`Boot::poll`] has something to do next.
     pub fn deadline(&self) -> Tick {
         self.transfer.deadline()

@@ -13,6 +13,7 @@
 mod boot;
 mod event;
 mod image;
+mod pace;
 mod peer;
 mod process;
 mod transfer;
@@ -29,6 +30,7 @@ pub use event::{Event, IgnoreReason, Outbox};
 use crate::codec::{DecodeError, Message, NmtState, NodeId};
 use crate::frame::Frame;
 use event::IGNORE_REASONS;
+use pace::Pace;
 use peer::{Outcome, Peer};
 
 /// The manager's own node id: the highest one, so that every device's traffic wins arbitration against it except its
@@ -100,6 +102,9 @@ pub struct Manager {
     /// `None` until the first poll: nothing has been sent yet.
     next_heartbeat: Option<Tick>,
     ignored: [u64; IGNORE_REASONS],
+    pace: Pace,
+    /// Whose turn it is to send a segment of a block.
+    turn: usize,
 }
 
 impl Manager {
@@ -125,11 +130,26 @@ impl Manager {
             }
             peers.push(Peer::new(node, device, &timing));
         }
-        Ok(Manager { timing, peers, images, next_heartbeat: None, ignored: [0; IGNORE_REASONS] })
+        Ok(Manager {
+            timing,
+            peers,
+            images,
+            next_heartbeat: None,
+            ignored: [0; IGNORE_REASONS],
+            pace: Pace::new(),
+            turn: 0,
+        })
     }
 
     /// Takes one frame heard on the bus at `now`.
     pub fn handle(&mut self, now: Tick, frame: &Frame, out: &mut Outbox) {
+        let start = out.frames.len();
+        self.pace.heard(now);
+        self.take(now, frame, out);
+        self.pass(now, start, out);
+    }
+
+    fn take(&mut self, now: Tick, frame: &Frame, out: &mut Outbox) {
         let message = match Message::decode(frame) {
             Ok(message) => message,
             Err(error) => return self.undecodable(error, *frame, out),
@@ -157,6 +177,7 @@ impl Manager {
 
     /// Does what is due at `now`: own heartbeat, probing, retries, refreshing outputs, noticing silence.
     pub fn poll(&mut self, now: Tick, out: &mut Outbox) {
+        let start = out.frames.len();
         if self.next_heartbeat.is_none() {
             self.first_poll(out);
         }
@@ -170,12 +191,14 @@ impl Manager {
             let outcome = self.peers[at].poll(now, out);
             self.settle(now, at, outcome, out);
         }
+        self.pass(now, start, out);
     }
 
     /// When [`Manager::poll`] has something to do next. `None` before the first poll, which is due at once.
     pub fn next_deadline(&self) -> Option<Tick> {
         let heartbeat = self.next_heartbeat?;
-        Some(self.peers.iter().map(Peer::deadline).fold(heartbeat, Tick::min))
+        let pace = self.pace.deadline(self.peers.iter().any(Peer::streams));
+        Some(self.peers.iter().map(Peer::deadline).fold(heartbeat.min(pace), Tick::min))
     }
 
     /// Sets the output image of `owner`: bit `i` is its output `i`. Sent at once where it differs from what a device
@@ -186,13 +209,21 @@ impl Manager {
     pub fn set_outputs(&mut self, now: Tick, owner: Owner, image: u128, out: &mut Outbox) {
         let Some(known) = self.images.iter_mut().find(|i| i.owner == owner) else { return };
         known.outputs = image;
+        let start = out.frames.len();
         for peer in self.peers.iter_mut().filter(|p| p.owner == owner) {
             peer.set_image(now, image, out);
         }
+        self.pass(now, start, out);
     }
 
-    /// Lets go of every output of every device: for an orderly end. (After any other end the devices' own heartbeat
-    /// consumers do it.)
+    /// Takes frames back that the interface had no room for, in the order in which they were to be sent. They go as
+    /// soon as there may be room, unless newer ones have taken their place.
+    pub fn give_back(&mut self, now: Tick, frames: Vec<Frame>) {
+        self.pace.give_back(now, frames);
+    }
+
+    /// Lets go of every output of every device: for an orderly end, so nothing waits. (After any other end the devices'
+    /// own heartbeat consumers do it.)
     pub fn release_outputs(&mut self, now: Tick, out: &mut Outbox) {
         for image in &mut self.images {
             image.outputs = 0;
@@ -235,6 +266,18 @@ impl Manager {
         }
     }
 
+    /// Of the frames from `start` on, those go that may go now, and of those that wait the ones whose turn it is.
+    fn pass(&mut self, now: Tick, start: usize, out: &mut Outbox) {
+        self.pace.pass(now, start, &mut out.frames);
+        while self.pace.may_stream(now) {
+            let turns = (0..self.peers.len()).map(|ahead| (self.turn + ahead) % self.peers.len());
+            let Some(at) = turns.into_iter().find(|at| self.peers[*at].streams()) else { return };
+            self.peers[at].stream(now, out);
+            self.pace.streamed(now);
+            self.turn = at + 1;
+        }
+    }
+
     fn with_peer(
         &mut self,
         now: Tick,
@@ -263,6 +306,7 @@ impl Manager {
                 self.peers[at].send_outputs(now, out);
             }
             Outcome::Lost => {
+                self.pace.forget(self.peers[at].node);
                 // The owner's controller decided without knowing of this loss: none of its outputs is vouched for.
                 if let Some(image) = self.images.iter_mut().find(|i| i.owner == owner) {
                     image.outputs = 0;

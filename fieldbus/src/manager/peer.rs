@@ -296,6 +296,26 @@ impl Peer {
         Outcome::Unchanged
     }
 
+    /// Whether a transfer of it has segments of a block to send.
+    pub(super) fn streams(&self) -> bool {
+        match &self.phase {
+            Phase::Booting(boot) => boot.transfer().streams(),
+            _ => self.writing.as_ref().is_some_and(|(_, transfer)| transfer.streams()),
+        }
+    }
+
+    /// Sends one of them.
+    pub(super) fn stream(&mut self, now: Tick, out: &mut Outbox) {
+        match &mut self.phase {
+            Phase::Booting(boot) => boot.transfer_mut().stream(now, &mut out.frames),
+            _ => {
+                if let Some((_, transfer)) = &mut self.writing {
+                    transfer.stream(now, &mut out.frames);
+                }
+            }
+        }
+    }
+
     /// Takes the image its owner has set, and sends its share if it is operational and has something else.
     pub(super) fn set_image(&mut self, now: Tick, image: u128, out: &mut Outbox) {
         self.process.set_image(now, image);

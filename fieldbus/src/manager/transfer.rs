@@ -11,13 +11,13 @@ use crate::sdo::wire::Raw;
 use crate::sdo::{Client, Mode, ObjectId, Options, Progress};
 
 /// How long a device may take for an answer. Half a second is slow for reading a dictionary, and quick for writing a
-/// flash memory; the first frame is repeated once.
+/// flash memory; the first frame is repeated once. Segments of blocks wait for [`Transfer::stream`].
 const SDO: Options = Options {
     timeout: Duration::from_millis(500),
     retries: 1,
     mode: Mode::Auto,
     block_above: 64,
-    burst: 4,
+    burst: 0,
     len_max: 4096,
 };
 
@@ -59,6 +59,17 @@ impl Transfer {
         let progress = self.client.poll(now, &mut self.frames);
         self.flush(out);
         progress
+    }
+
+    /// Whether it has segments of a block to send.
+    pub fn streams(&self) -> bool {
+        self.client.streams()
+    }
+
+    /// Sends one of them.
+    pub fn stream(&mut self, now: Tick, out: &mut Vec<Frame>) {
+        self.client.stream(now, 1, &mut self.frames);
+        self.flush(out);
     }
 
     /// When [`Transfer::poll`] has something to do next.

@@ -71,7 +71,7 @@ impl Sender {
 
     /// Sends up to `burst` segments of the present block.
     pub(super) fn send(&mut self, data: &[u8], burst: u8, out: &mut Vec<Raw>) {
-        for _ in 0..burst.max(1) {
+        for _ in 0..burst {
             if self.waits(data) {
                 return;
             }

@@ -46,7 +46,8 @@ pub struct Options {
     pub mode: Mode,
     /// Objects longer than this go in blocks, in [`Mode::Auto`].
     pub block_above: usize,
-    /// Segments of a block sent each millisecond. Too many overflow the interface's transmit queue.
+    /// Segments of a block sent each millisecond. Too many overflow the interface's transmit queue. With 0 none is sent
+    /// but by [`Client::stream`]: whoever has several transfers on one bus sees to all of them.
     pub burst: u8,
     /// Bytes read at most.
     pub len_max: usize,
@@ -222,6 +223,19 @@ impl Client {
         }
         self.due = now + self.patience();
         Progress::Busy
+    }
+
+    /// Whether it has segments of a block to send.
+    pub fn streams(&self) -> bool {
+        matches!(&self.state, State::BlockSending(sender) if !sender.waits(&self.data))
+    }
+
+    /// Sends up to `count` of them now.
+    pub fn stream(&mut self, now: Tick, count: u8, out: &mut Vec<Raw>) {
+        if let State::BlockSending(sender) = &mut self.state {
+            sender.send(&self.data, count, out);
+            self.due = now + self.patience();
+        }
     }
 
     /// When [`Client::poll`] has something to do next; `None` before the start and after the end.
@@ -440,7 +454,7 @@ impl Client {
     /// How long to wait from here on before [`Client::poll`] acts.
     fn patience(&self) -> Duration {
         match &self.state {
-            State::BlockSending(sender) if !sender.waits(&self.data) => PACE,
+            State::BlockSending(sender) if self.options.burst > 0 && !sender.waits(&self.data) => PACE,
             State::BlockReceiving(receiver) if !receiver.complete() => STALL.min(self.options.timeout / 2),
             _ => self.options.timeout,
         }

@@ -1,6 +1,7 @@
 //! Scenarios, named by what happens on the bus. Frames are written as candump prints them.
 
 mod boot;
+mod crowd;
 mod trouble;
 
 use linewright_line::{Bus, InputId, OutputId, StationId};
@@ -70,7 +71,9 @@ impl Bench {
         }
     }
 
+    /// Hears a frame, with room on the bus for whatever follows from it.
     fn hear(&mut self, text: &str) {
+        self.manager.pace = Pace::new();
         self.manager.handle(self.now, &text.parse().unwrap(), &mut self.out);
     }
 
