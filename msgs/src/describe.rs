@@ -66,7 +66,7 @@ macro_rules! plain_field {
 }
 
 plain_field! {
-    bool => "bool", u8 => "uint8", u16 => "uint16", u32 => "uint32", u64 => "uint64", i32 => "int32",
+    bool => "bool", i8 => "int8", u8 => "uint8", u16 => "uint16", u32 => "uint32", u64 => "uint64", i32 => "int32",
 }
 
 impl RosField for String {

@@ -10,15 +10,23 @@
 //! decodes is not yet believable; [`RosMessage::validate`] is called on everything that arrives.
 
 mod describe;
+mod diagnostics;
 mod invalid;
 mod line;
 mod macros;
+mod services;
 mod station;
 mod std_types;
 
 pub use describe::{Bounded, Constant, Field, RosField, RosMessage};
+pub use diagnostics::{Byte, DiagnosticArray, DiagnosticStatus, KeyValue};
 pub use invalid::{ITEMS_MAX, Invalid, TEXT_BYTES_MAX};
 pub use line::{LineState, ModeOrder};
+pub use services::{
+    CORead, COReadID, COWrite, COWriteID, CoReadIdRequest, CoReadIdResponse, CoReadRequest, CoReadResponse,
+    CoWriteIdRequest, CoWriteIdResponse, CoWriteRequest, CoWriteResponse, RosService, Trigger, TriggerRequest,
+    TriggerResponse,
+};
 pub use station::{Answer, ProcessImage, StationEvent, StationState};
 pub use std_types::{Flag, Header, Text, Time};
 

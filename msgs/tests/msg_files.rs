@@ -5,8 +5,9 @@
 //! published, stands at the end.
 
 use linewright_msgs::{
-    Answer, Constant, Flag, Header, LineState, ModeOrder, PACKAGE, ProcessImage, RosMessage, StationEvent,
-    StationState, Text, Time,
+    Answer, Byte, CORead, COReadID, COWrite, COWriteID, Constant, DiagnosticArray, DiagnosticStatus, Flag, Header,
+    KeyValue, LineState, ModeOrder, PACKAGE, ProcessImage, RosMessage, RosService, StationEvent, StationState, Text,
+    Time, Trigger,
 };
 use std::collections::BTreeSet;
 use std::path::PathBuf;
@@ -89,4 +90,56 @@ fn standard_messages_are_as_published() {
     }
     assert_eq!((Text::PACKAGE, Text::NAME), ("std_msgs", "String"));
     assert_eq!((Flag::PACKAGE, Flag::NAME), ("std_msgs", "Bool"));
+}
+
+#[test]
+fn diagnostics_are_as_published() {
+    let cases = [
+        ("KeyValue", recorded::<KeyValue>(), "string key\nstring value"),
+        (
+            "DiagnosticStatus",
+            recorded::<DiagnosticStatus>(),
+            // As published but for the package of KeyValue, which a message of the same package need not name.
+            "byte OK=0\nbyte WARN=1\nbyte ERROR=2\nbyte STALE=3\nbyte level\nstring name\nstring message\n\
+             string hardware_id\ndiagnostic_msgs/KeyValue[] values",
+        ),
+        (
+            "DiagnosticArray",
+            recorded::<DiagnosticArray>(),
+            "std_msgs/Header header\ndiagnostic_msgs/DiagnosticStatus[] status",
+        ),
+    ];
+    for (name, rust, published) in cases {
+        assert_eq!(rust, parse(published), "diagnostic_msgs/{name}");
+    }
+    assert_eq!(DiagnosticStatus::STALE, Byte(3));
+}
+
+/// A `.srv` file: request and response, with three dashes between them.
+fn service<S: RosService>(name: &str, published: &str) {
+    let (request, response) = published.split_once("---").expect("two halves");
+    assert_eq!(recorded::<S::Request>(), parse(request), "{name}");
+    assert_eq!(recorded::<S::Response>(), parse(response), "{name}");
+    assert_eq!(format!("{}/{}", S::PACKAGE, S::NAME), name);
+    assert_eq!(S::Request::NAME, format!("{}_Request", S::NAME));
+    assert_eq!(S::Response::NAME, format!("{}_Response", S::NAME));
+}
+
+#[test]
+fn services_are_as_published() {
+    const TYPES: &str = "uint8 CANOPEN_DATATYPE_INT8 = 0x02\nuint8 CANOPEN_DATATYPE_INT16 = 0x03\n\
+        uint8 CANOPEN_DATATYPE_INT32 = 0x04\nuint8 CANOPEN_DATATYPE_UINT8 = 0x05\n\
+        uint8 CANOPEN_DATATYPE_UINT16 = 0x06\nuint8 CANOPEN_DATATYPE_UINT32 = 0x07\n";
+    let types = TYPES.replace("0x0", "");
+    // An empty request gets this member from the generator of interfaces.
+    service::<Trigger>(
+        "std_srvs/Trigger",
+        "uint8 structure_needs_at_least_one_member\n---\nbool success\nstring message",
+    );
+    service::<CORead>("canopen_interfaces/CORead", "uint16 index\nuint8 subindex\n---\nbool success\nuint32 data");
+    service::<COWrite>("canopen_interfaces/COWrite", "uint16 index\nuint8 subindex\nuint32 data\n---\nbool success");
+    let read = "uint8 nodeid\nuint16 index\nuint8 subindex\nuint8 canopen_datatype\n---\nbool success\nuint32 data";
+    service::<COReadID>("canopen_interfaces/COReadID", &format!("{types}{read}"));
+    let write = "int8 nodeid\nuint16 index\nuint8 subindex\nuint32 data\nuint8 canopen_datatype\n---\nbool success";
+    service::<COWriteID>("canopen_interfaces/COWriteID", &format!("{types}{write}"));
 }

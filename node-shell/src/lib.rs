@@ -10,6 +10,7 @@
 //! message arrives with its source, or it does not arrive.
 
 mod args;
+mod caller;
 mod environment;
 mod identity;
 mod journal;
@@ -20,9 +21,11 @@ mod participant;
 mod publisher;
 pub mod qos;
 mod relay;
+mod service;
 mod subscription;
 
 pub use args::{ArgsError, LogLevel, ParamValue, RosArgs};
+pub use caller::{CallError, Caller, Mapping};
 pub use environment::{EnvironmentError, Range};
 pub use identity::{boot_id, fresh_boot_id, stamp};
 pub use journal::{Journal, JournalError};
@@ -30,4 +33,5 @@ pub use logging::{LoggingError, init as init_logging};
 pub use newest::{Counts, NewestBySequence, Verdict};
 pub use participant::{Node, OpenError, Participant, TopicError};
 pub use publisher::{Publisher, SendError};
+pub use service::{Reply, Service, serve};
 pub use subscription::{Forward, RecvError, Source, Subscription, forward};

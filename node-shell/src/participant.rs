@@ -8,11 +8,13 @@
 //! that it announces itself and sends on the loopback address only; its sockets still listen on all,
 //! so this is a habit, not a firewall.
 
+use crate::caller::{Caller, Mapping};
 use crate::names::{self, NameError};
 use crate::relay::{self, Relay};
-use crate::{Publisher, Range, RosArgs, Subscription};
-use linewright_msgs::RosMessage;
-use ros2_client::{Context, MessageTypeName, Name, NodeName, NodeOptions, QosProfile};
+use crate::service::Service;
+use crate::{Publisher, Range, RosArgs, Subscription, qos};
+use linewright_msgs::{RosMessage, RosService};
+use ros2_client::{Context, MessageTypeName, Name, NodeName, NodeOptions, QosProfile, ServiceMapping, ServiceTypeName};
 use rustdds::DomainParticipantBuilder;
 use std::net::Ipv4Addr;
 use std::sync::Arc;
@@ -167,6 +169,34 @@ impl Node {
         let (dds_topic, full) = self.topic::<T>(topic, &qos)?;
         match self.inner.create_subscription(&dds_topic, Some(qos)) {
             Ok(inner) => Ok(Subscription::new(inner, full)),
+            Err(e) => Err(TopicError::Middleware { topic: full, reason: e.to_string() }),
+        }
+    }
+
+    /// Offers a service; the name expands as a topic's does. Hand it to [`serve`](crate::serve).
+    pub fn service<S: RosService>(&mut self, name: &str) -> Result<Service<S>, TopicError> {
+        let (dds_name, kind, full) = self.service_name::<S>(name)?;
+        // What says to whom an answer goes is seen to in `service.rs`: this one adds nothing to the data.
+        let mapping = ServiceMapping::Enhanced;
+        match self.inner.create_server(mapping, &dds_name, &kind, qos::service(), qos::service()) {
+            Ok(inner) => Ok(Service { inner: Arc::new(inner), name: full }),
+            Err(e) => Err(TopicError::Middleware { topic: full, reason: e.to_string() }),
+        }
+    }
+
+    /// Prepares to ask a service.
+    pub fn caller<S: RosService>(&mut self, name: &str, mapping: Mapping) -> Result<Caller<S>, TopicError> {
+        let (dds_name, kind, full) = self.service_name::<S>(name)?;
+        match self.inner.create_client(mapping.into(), &dds_name, &kind, qos::service(), qos::service()) {
+            Ok(inner) => Ok(Caller { inner, name: full }),
+            Err(e) => Err(TopicError::Middleware { topic: full, reason: e.to_string() }),
+        }
+    }
+
+    fn service_name<S: RosService>(&self, name: &str) -> Result<(Name, ServiceTypeName, String), TopicError> {
+        let full = self.resolve(name)?;
+        match Name::parse(&full) {
+            Ok(name) => Ok((name, ServiceTypeName::new(S::PACKAGE, S::NAME), full)),
             Err(e) => Err(TopicError::Middleware { topic: full, reason: e.to_string() }),
         }
     }

@@ -1,4 +1,4 @@
-//! The four qualities of service a line uses. Always named, never defaulted.
+//! The five qualities of service a line uses. Always named, never defaulted.
 //!
 //! The client library's default subscription is best effort with depth 1, which silently loses what
 //! rclcpp's default would not. So every topic takes one of these, and writer and reader of a topic
@@ -10,6 +10,7 @@
 //! | [`latched_state`] | reliable | transient local | keep last 1 | whole states |
 //! | [`command`] | reliable | volatile | keep last 1 | what an operator or the coordinator wants now |
 //! | [`event`] | reliable | volatile | keep last 100 | what happened |
+//! | [`service`] | reliable | volatile | keep last 10 | requests and answers, as rclcpp has them |
 //! | [`image`] | best effort | volatile | keep last 1 | process images at the scan rate |
 //!
 //! A reliable writer keeps every sample for a reader that stopped answering, up to 8192 of them or
@@ -41,6 +42,11 @@ pub const fn command() -> QosProfile {
 /// Events, with room for a burst.
 pub const fn event() -> QosProfile {
     reliable(Durability::Volatile, 100)
+}
+
+/// Requests and their answers.
+pub const fn service() -> QosProfile {
+    reliable(Durability::Volatile, 10)
 }
 
 /// Process images: the newest counts, nothing is repeated.

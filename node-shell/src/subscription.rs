@@ -105,6 +105,10 @@ pub struct Forward {
 }
 
 impl Forward {
+    pub(crate) fn spawn(work: impl Future<Output = ()> + Send + 'static) -> Self {
+        Forward { task: tokio::spawn(work) }
+    }
+
     /// Whether the task has ended: the channel's reader is gone, or the middleware failed.
     pub fn is_finished(&self) -> bool {
         self.task.is_finished()
@@ -129,7 +133,7 @@ where
     T: RosMessage,
     U: Send + 'static,
 {
-    let task = tokio::spawn(async move {
+    Forward::spawn(async move {
         loop {
             let received = tokio::select! {
                 received = from.recv() => received,
@@ -149,6 +153,5 @@ where
                 }
             }
         }
-    });
-    Forward { task }
+    })
 }

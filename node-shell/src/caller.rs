@@ -1,0 +1,83 @@
+//! Asking a service, for tools and tests.
+
+use std::time::Duration;
+
+use linewright_msgs::{Invalid, RosMessage, RosService};
+use ros2_client::{Client, ServiceMapping};
+use serde::{Deserialize, Serialize};
+use thiserror::Error;
+
+/// How a request and its answer find each other; the server's middleware decides.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub enum Mapping {
+    /// Beside the data, as Fast DDS does.
+    Enhanced,
+    /// In sixteen bytes before the data, as Cyclone DDS does.
+    Cyclone,
+}
+
+impl From<Mapping> for ServiceMapping {
+    fn from(mapping: Mapping) -> Self {
+        match mapping {
+            Mapping::Enhanced => ServiceMapping::Enhanced,
+            Mapping::Cyclone => ServiceMapping::Cyclone,
+        }
+    }
+}
+
+/// Why there is no answer.
+#[derive(Debug, Error)]
+pub enum CallError {
+    /// Nobody has answered.
+    #[error("{service}: no answer within {} ms", within.as_millis())]
+    NoAnswer {
+        /// The service.
+        service: String,
+        /// How long it was waited.
+        within: Duration,
+    },
+    /// The answer makes no sense.
+    #[error("{service}: {invalid}")]
+    Invalid {
+        /// The service.
+        service: String,
+        /// Why.
+        invalid: Invalid,
+    },
+    /// The middleware has failed.
+    #[error("{service}: {reason}")]
+    Middleware {
+        /// The service.
+        service: String,
+        /// Its words.
+        reason: String,
+    },
+}
+
+/// A message as the client library wants it.
+#[derive(Clone, Serialize, Deserialize)]
+#[serde(transparent)]
+pub(crate) struct Wire<T>(T);
+
+impl<T: RosMessage> ros2_client::Message for Wire<T> {}
+
+pub(crate) type RawClient<S> = Client<Wire<<S as RosService>::Request>, Wire<<S as RosService>::Response>>;
+
+/// Asks one service.
+pub struct Caller<S: RosService> {
+    pub(crate) inner: RawClient<S>,
+    pub(crate) name: String,
+}
+
+impl<S: RosService> Caller<S> {
+    /// Asks, and waits for the answer. A request sent before the server is discovered gets none: ask again.
+    pub async fn call(&self, request: S::Request, within: Duration) -> Result<S::Response, CallError> {
+        let service = || self.name.clone();
+        let answer = tokio::time::timeout(within, self.inner.async_call_service(Wire(request))).await;
+        let answer = answer.map_err(|_| CallError::NoAnswer { service: service(), within })?;
+        let Wire(response) =
+            answer.map_err(|error| CallError::Middleware { service: service(), reason: format!("{error:?}") })?;
+        response.validate().map_err(|invalid| CallError::Invalid { service: service(), invalid })?;
+        Ok(response)
+    }
+}

@@ -1,0 +1,182 @@
+//! Answering services.
+//!
+//! ROS 2 has two ways of saying which request an answer belongs to. Fast DDS says it beside the data (the client
+//! library's *enhanced* mapping), Cyclone DDS in sixteen bytes before them. A server of the client library knows one of
+//! them, and a line does not know who will ask. So requests are taken as the bytes they are: the ones served here have
+//! at most sixteen, and with Cyclone's header every request has more. The answer goes the way the request came.
+//!
+//! Whoever asks gets one answer or none; nothing here waits. Bytes are read as little endian, which is what every host
+//! that ROS 2 supports sends.
+
+use std::fmt;
+use std::marker::PhantomData;
+use std::sync::Arc;
+
+use linewright_msgs::{RosMessage, RosService};
+use ros2_client::{ReadError, Server, service::RmwRequestId};
+use serde::de::{SeqAccess, Visitor};
+use serde::ser::SerializeTuple;
+use serde::{Deserialize, Deserializer, Serialize, Serializer};
+use tokio::sync::mpsc;
+
+use crate::subscription::Forward;
+
+/// Bytes of Cyclone's header: half of the client's identity, and the number of the request.
+const HEADER: usize = 16;
+/// Most bytes of a request that are looked at: the header, and more than any request served.
+const REQUEST_MAX: usize = 64;
+
+/// A request as it came.
+#[derive(Clone, Debug, Default, PartialEq, Eq)]
+pub(crate) struct RawRequest(Vec<u8>);
+
+impl Serialize for RawRequest {
+    fn serialize<S: Serializer>(&self, serializer: S) -> Result<S::Ok, S::Error> {
+        let mut tuple = serializer.serialize_tuple(self.0.len())?;
+        self.0.iter().try_for_each(|byte| tuple.serialize_element(byte))?;
+        tuple.end()
+    }
+}
+
+impl<'de> Deserialize<'de> for RawRequest {
+    fn deserialize<D: Deserializer<'de>>(deserializer: D) -> Result<Self, D::Error> {
+        deserializer.deserialize_tuple(REQUEST_MAX, UntilTheEnd)
+    }
+}
+
+struct UntilTheEnd;
+
+impl<'de> Visitor<'de> for UntilTheEnd {
+    type Value = RawRequest;
+
+    fn expecting(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
+        write!(f, "at most {REQUEST_MAX} bytes")
+    }
+
+    fn visit_seq<A: SeqAccess<'de>>(self, mut seq: A) -> Result<RawRequest, A::Error> {
+        let mut bytes = Vec::new();
+        // The decoder says "no more" by an error; there is nothing else a byte could fail for.
+        while let Ok(Some(byte)) = seq.next_element() {
+            bytes.push(byte);
+        }
+        Ok(RawRequest(bytes))
+    }
+}
+
+impl ros2_client::Message for RawRequest {}
+
+impl RawRequest {
+    /// The header of Cyclone DDS if there is one, and what is asked.
+    fn read<T: RosMessage>(&self) -> Option<(Option<[u8; HEADER]>, T)> {
+        let (header, body) = match self.0.split_first_chunk::<HEADER>() {
+            Some((header, body)) if !body.is_empty() => (Some(*header), body),
+            _ => (None, &self.0[..]),
+        };
+        let (message, _) = cdr_encoding::from_bytes::<T, byteorder::LittleEndian>(body).ok()?;
+        message.validate().ok()?;
+        Some((header, message))
+    }
+}
+
+/// An answer, with the header of its request.
+pub(crate) struct RawResponse<T> {
+    header: Option<[u8; HEADER]>,
+    body: T,
+}
+
+impl<T: Serialize> Serialize for RawResponse<T> {
+    fn serialize<S: Serializer>(&self, serializer: S) -> Result<S::Ok, S::Error> {
+        match &self.header {
+            Some(header) => (header, &self.body).serialize(serializer),
+            None => self.body.serialize(serializer),
+        }
+    }
+}
+
+impl<'de, T: Deserialize<'de>> Deserialize<'de> for RawResponse<T> {
+    /// Only sent; the client library wants both.
+    fn deserialize<D: Deserializer<'de>>(deserializer: D) -> Result<Self, D::Error> {
+        T::deserialize(deserializer).map(|body| RawResponse { header: None, body })
+    }
+}
+
+impl<T: RosMessage> ros2_client::Message for RawResponse<T> {}
+
+pub(crate) type RawServer<S> = Server<RawRequest, RawResponse<<S as RosService>::Response>>;
+
+/// A service that is offered.
+pub struct Service<S: RosService> {
+    pub(crate) inner: Arc<RawServer<S>>,
+    pub(crate) name: String,
+}
+
+/// Answers one request, once.
+pub struct Reply<S: RosService> {
+    server: Arc<RawServer<S>>,
+    to: RmwRequestId,
+    header: Option<[u8; HEADER]>,
+    service: PhantomData<S>,
+}
+
+impl<S: RosService> fmt::Debug for Reply<S> {
+    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
+        write!(f, "Reply to {:?}", self.to)
+    }
+}
+
+impl<S: RosService> Reply<S> {
+    /// Sends the answer. Never waits; a client that has gone meanwhile gets none.
+    pub fn send(self, response: S::Response) {
+        let response = RawResponse { header: self.header, body: response };
+        if let Err(error) = self.server.send_response(self.to, response) {
+            tracing::warn!("{}/{}: answer not sent: {error}", S::PACKAGE, S::NAME);
+        }
+    }
+}
+
+/// Merges what a service is asked into `to`, as [`forward`](crate::forward) does with messages. Must be called inside a
+/// tokio runtime.
+pub fn serve<S, U>(
+    service: Service<S>,
+    to: mpsc::Sender<U>,
+    mut map: impl FnMut(S::Request, Reply<S>) -> U + Send + 'static,
+) -> Forward
+where
+    S: RosService,
+    U: Send + 'static,
+{
+    let Service { inner: server, name } = service;
+    Forward::spawn(async move {
+        let mut rejected = 0u64;
+        loop {
+            let received = tokio::select! {
+                received = server.async_receive_request() => received,
+                () = to.closed() => return,
+            };
+            let asked = match received {
+                Ok((id, raw)) => raw.read::<S::Request>().map(|asked| (id, asked)),
+                Err(ReadError::Deserialization { .. } | ReadError::Malformed) => None,
+                Err(error) => {
+                    tracing::error!("{name}: the middleware failed: {error}");
+                    return;
+                }
+            };
+            match asked {
+                Some((id, (header, request))) => {
+                    let reply = Reply { server: server.clone(), to: id, header, service: PhantomData };
+                    if to.send(map(request, reply)).await.is_err() {
+                        return;
+                    }
+                }
+                None => {
+                    rejected += 1;
+                    if rejected.is_power_of_two() {
+                        tracing::warn!(service = name, rejected, "ignored a request that does not decode");
+                    }
+                }
+            }
+            // As with messages: a flood of rubbish must not keep the other tasks waiting.
+            tokio::task::yield_now().await;
+        }
+    })
+}
