@@ -7,7 +7,8 @@ use linewright_line::{Owner, Tick};
 
 use crate::bus::Bus;
 use crate::clock::Clock;
-use crate::manager::{Event, InputImage, Manager, Outbox};
+use crate::codec::NodeId;
+use crate::manager::{Answer, Ask, Event, InputImage, Manager, Outbox};
 
 /// A manager at work on its bus.
 pub struct Driver {
@@ -63,6 +64,34 @@ impl Driver {
     pub fn release_outputs(&mut self) {
         self.manager.release_outputs(self.clock.now(), &mut self.outbox);
         self.flush();
+    }
+
+    /// Asks a device; see [`Manager::ask`]. [`Driver::next`] reports when it is answered.
+    pub fn ask(&mut self, node: u8, ask: Ask) -> u64 {
+        let number = self.manager.ask(self.clock.now(), node, ask, &mut self.outbox);
+        self.flush();
+        number
+    }
+
+    /// What requests have come to since this was last called.
+    pub fn take_answers(&mut self) -> Vec<(u64, Answer)> {
+        std::mem::take(&mut self.outbox.answers)
+    }
+
+    /// Resets a device; see [`Manager::reset_node`].
+    pub fn reset_node(&mut self, node: NodeId) {
+        self.manager.reset_node(self.clock.now(), node, &mut self.outbox);
+        self.flush();
+    }
+
+    /// Starts a device; see [`Manager::start_node`].
+    ///
+    /// # Errors
+    /// In words, why it is not started now.
+    pub fn start_node(&mut self, node: NodeId) -> Result<String, String> {
+        let result = self.manager.start_node(self.clock.now(), node, &mut self.outbox);
+        self.flush();
+        result
     }
 
     /// The inputs of `owner` now.

@@ -35,4 +35,6 @@ pub use clock::Clock;
 pub use codec::{DecodeError, Message, NodeId};
 pub use driver::Driver;
 pub use frame::{Frame, FrameError, Kind};
-pub use manager::{Event, IgnoreReason, InputImage, MANAGER_NODE, Manager, ManagerError, Outbox};
+pub use manager::{
+    Answer, Ask, AskError, Event, IgnoreReason, InputImage, MANAGER_NODE, Manager, ManagerError, Outbox,
+};

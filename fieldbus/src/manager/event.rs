@@ -6,6 +6,7 @@ use std::time::Duration;
 use linewright_line::Owner;
 
 use super::boot::BootError;
+use super::request::Answer;
 use crate::codec::{Emergency, NmtState, NodeId, Profile};
 use crate::frame::Frame;
 
@@ -16,6 +17,8 @@ pub struct Outbox {
     pub frames: Vec<Frame>,
     /// To be reported.
     pub events: Vec<Event>,
+    /// What requests have come to ([`Manager::ask`](super::Manager::ask)), each told by an [`Event::Answered`].
+    pub answers: Vec<(u64, Answer)>,
 }
 
 /// Something the owner of a manager should know.
@@ -66,6 +69,11 @@ pub enum Event {
     InputsChanged {
         /// Whose.
         owner: Owner,
+    },
+    /// What was asked of a device is answered.
+    Answered {
+        /// The request's number.
+        number: u64,
     },
     /// Somebody else sends the manager's heartbeat: two managers drive this bus.
     AnotherManager,
@@ -156,6 +164,7 @@ impl fmt::Display for Event {
             }
             Event::InputsChanged { owner: Owner::Station(id) } => write!(f, "inputs of station {} changed", id.0),
             Event::InputsChanged { owner: Owner::Console } => f.write_str("inputs of the console changed"),
+            Event::Answered { number } => write!(f, "request {number} is answered"),
             Event::AnotherManager => f.write_str("another manager (node 127) drives this bus"),
             Event::BusError { class } if class & 0x40 != 0 => f.write_str("the bus is off"),
             Event::BusError { class } => write!(f, "bus error, classes {class:#X}"),

@@ -12,10 +12,13 @@
 
 mod boot;
 mod event;
+mod guard;
 mod image;
 mod pace;
 mod peer;
 mod process;
+mod request;
+mod status;
 mod transfer;
 mod trouble;
 
@@ -26,12 +29,16 @@ use thiserror::Error;
 
 pub use boot::BootError;
 pub use event::{Event, IgnoreReason, Outbox};
+pub use request::{Answer, Ask, AskError};
+pub use status::{Condition, Status};
 
 use crate::codec::{DecodeError, Message, NmtState, NodeId};
 use crate::frame::Frame;
 use event::IGNORE_REASONS;
 use pace::Pace;
 use peer::{Outcome, Peer};
+use request::Requests;
+use status::Record;
 
 /// The manager's own node id: the highest one, so that every device's traffic wins arbitration against it except its
 /// network management orders, which have COB-ID 0.
@@ -98,6 +105,9 @@ struct Image {
 pub struct Manager {
     timing: Timing,
     peers: Vec<Peer>,
+    /// What is remembered of each, in the same order.
+    records: Vec<Record>,
+    requests: Requests,
     images: Vec<Image>,
     /// `None` until the first poll: nothing has been sent yet.
     next_heartbeat: Option<Tick>,
@@ -130,9 +140,12 @@ impl Manager {
             }
             peers.push(Peer::new(node, device, &timing));
         }
+        let records = vec![Record::default(); peers.len()];
         Ok(Manager {
             timing,
             peers,
+            records,
+            requests: Requests::default(),
             images,
             next_heartbeat: None,
             ignored: [0; IGNORE_REASONS],
@@ -143,9 +156,11 @@ impl Manager {
 
     /// Takes one frame heard on the bus at `now`.
     pub fn handle(&mut self, now: Tick, frame: &Frame, out: &mut Outbox) {
-        let start = out.frames.len();
+        let (start, told) = (out.frames.len(), out.events.len());
         self.pace.heard(now);
         self.take(now, frame, out);
+        self.requests.poll(now, &mut self.peers, out);
+        self.record(now, &out.events[told..]);
         self.pass(now, start, out);
     }
 
@@ -157,6 +172,9 @@ impl Manager {
         match message {
             Message::Heartbeat { node, .. } if node == MANAGER_NODE => out.events.push(Event::AnotherManager),
             Message::Heartbeat { node, state } => {
+                if let Some(record) = self.record_of(node.get()) {
+                    record.nmt = Some(state);
+                }
                 self.with_peer(now, node, frame, out, |peer, out| peer.heartbeat(now, state, out));
             }
             Message::Tpdo1 { node, payload } => {
@@ -166,6 +184,10 @@ impl Manager {
                 self.with_peer(now, node, frame, out, |peer, out| peer.emergency(now, emergency, out));
             }
             Message::SdoResponse { node, raw } => {
+                let asked = self.peers.iter_mut().find(|peer| peer.node == node);
+                if asked.is_some_and(|peer| self.requests.answered(now, peer, &raw, out)) {
+                    return;
+                }
                 self.with_peer(now, node, frame, out, |peer, out| peer.sdo_answer(now, &raw, out));
             }
             // Orders and outputs from a technician's tool or another client; the devices answer for themselves.
@@ -177,7 +199,7 @@ impl Manager {
 
     /// Does what is due at `now`: own heartbeat, probing, retries, refreshing outputs, noticing silence.
     pub fn poll(&mut self, now: Tick, out: &mut Outbox) {
-        let start = out.frames.len();
+        let (start, told) = (out.frames.len(), out.events.len());
         if self.next_heartbeat.is_none() {
             self.first_poll(out);
         }
@@ -191,6 +213,8 @@ impl Manager {
             let outcome = self.peers[at].poll(now, out);
             self.settle(now, at, outcome, out);
         }
+        self.requests.poll(now, &mut self.peers, out);
+        self.record(now, &out.events[told..]);
         self.pass(now, start, out);
     }
 
@@ -198,7 +222,8 @@ impl Manager {
     pub fn next_deadline(&self) -> Option<Tick> {
         let heartbeat = self.next_heartbeat?;
         let pace = self.pace.deadline(self.peers.iter().any(Peer::streams));
-        Some(self.peers.iter().map(Peer::deadline).fold(heartbeat.min(pace), Tick::min))
+        let first = heartbeat.min(pace).min(self.requests.deadline());
+        Some(self.peers.iter().map(Peer::deadline).fold(first, Tick::min))
     }
 
     /// Sets the output image of `owner`: bit `i` is its output `i`. Sent at once where it differs from what a device
@@ -307,6 +332,7 @@ impl Manager {
             }
             Outcome::Lost => {
                 self.pace.forget(self.peers[at].node);
+                self.records[at].losses += 1;
                 // The owner's controller decided without knowing of this loss: none of its outputs is vouched for.
                 if let Some(image) = self.images.iter_mut().find(|i| i.owner == owner) {
                     image.outputs = 0;

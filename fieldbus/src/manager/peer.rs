@@ -67,7 +67,9 @@ pub(super) struct Peer {
     pub(super) owner: Owner,
     pub(super) process: Process,
     /// What it is being written while it runs.
-    writing: Option<(Setting, Transfer)>,
+    pub(super) writing: Option<(Setting, Transfer)>,
+    /// Its SDO channel is lent to a request (`request.rs`). Whatever the manager begins there takes it back.
+    pub(super) lent: bool,
     pub(super) plan: Plan,
     /// Why it was last refused, so that it is reported once.
     refusal: Option<BootError>,
@@ -96,6 +98,7 @@ impl Peer {
             plan: plan(node, device, &process, timing),
             process,
             writing: None,
+            lent: false,
             refusal: None,
             timeout: timing.heartbeat_timeout,
             refresh: timing.refresh,
@@ -352,8 +355,8 @@ impl Peer {
     }
 
     /// Writes an object that it needs written while it runs.
-    fn write_if_wanted(&mut self, now: Tick, out: &mut Outbox) {
-        if self.writing.is_some() || !self.is_operational() {
+    pub(super) fn write_if_wanted(&mut self, now: Tick, out: &mut Outbox) {
+        if self.writing.is_some() || self.lent || !self.is_operational() {
             return;
         }
         if let Some(setting) = self.process.wants_write() {
@@ -395,13 +398,15 @@ impl Peer {
         self.updated = None;
         self.sent = None;
         self.writing = None;
+        self.lent = false;
         self.process.lost(now);
         if was_operational { Outcome::Lost } else { Outcome::Unchanged }
     }
 
     /// Begins, or begins again, to bring it up.
-    fn boot(&mut self, now: Tick, out: &mut Outbox) {
+    pub(super) fn boot(&mut self, now: Tick, out: &mut Outbox) {
         self.process.lost(now);
+        self.lent = false;
         self.phase = Phase::Booting(Boot::start(now, self.node, &mut out.frames));
     }
 
@@ -427,12 +432,12 @@ impl Peer {
         };
     }
 
-    fn order_start(&mut self, now: Tick, out: &mut Outbox) {
+    pub(super) fn order_start(&mut self, now: Tick, out: &mut Outbox) {
         self.phase = Phase::Starting { retry: now + RETRY };
         self.order(NmtCommand::Start, out);
     }
 
-    fn order(&self, command: NmtCommand, out: &mut Outbox) {
+    pub(super) fn order(&self, command: NmtCommand, out: &mut Outbox) {
         out.frames.push(Message::Nmt { command, node: Some(self.node) }.encode());
     }
 }

@@ -2,6 +2,7 @@
 
 mod boot;
 mod crowd;
+mod request;
 mod trouble;
 
 use linewright_line::{Bus, InputId, OutputId, StationId};

@@ -1,0 +1,49 @@
+//! Which objects of a working device are not written for others.
+//!
+//! While a device is operational its owner moves machines by what the manager wrote into it and reads from it. Whoever
+//! changes the meaning of a bit under it (a polarity, a mapping), lets an output go on without a manager (1016h, 6206h)
+//! or writes an output itself, makes the image a lie, and no check of the line would notice. So everything is refused
+//! that a standard gives a meaning for the process, and what the description sets; the rest of the manufacturer's own
+//! objects may be written: parameters of a sensor, faults of a simulated device.
+//!
+//! A device that is not operational may be written anything. It is configured again before it is started.
+
+use crate::profile::drive::Setting;
+use crate::sdo::ObjectId;
+
+/// Why `object` is not written while its device is operational; `None` if it may be.
+pub(super) fn guarded(object: ObjectId, settings: &[Setting]) -> Option<&'static str> {
+    match object.index {
+        _ if settings.iter().any(|setting| setting.object == object) => {
+            Some("the manager has set it, by the line's description")
+        }
+        // 1003h:00 clears the list of past errors, 1010h stores parameters.
+        0x1003 | 0x1010 => None,
+        0x1016 | 0x1017 => Some("the watch between device and manager rests on it"),
+        0x1400..0x1C00 => Some("the process image rests on the mapping of the PDOs"),
+        0x1000..0x2000 => Some("it decides how the device communicates"),
+        0x2000..0x6000 => None,
+        0x6000..0xA000 => Some("it belongs to the process: outputs, targets and what the inputs mean"),
+        _ => Some("its meaning is not known to be harmless"),
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn what_the_process_rests_on_is_guarded_and_what_is_the_manufacturers_is_not() {
+        let set = [Setting::new(0x2001, 1, [7])];
+        for guarded_one in [
+            0x1005, 0x1014, 0x1016, 0x1017, 0x1029, 0x1200, 0x1400, 0x1600, 0x1800, 0x1A00, 0x1BFF, 0x1F51, 0x6000,
+            0x6002, 0x6040, 0x607A, 0x6200, 0x6206, 0x6207, 0x60FF, 0x9FFF, 0xA000, 0xFFFF, 0x0001,
+        ] {
+            assert!(guarded(ObjectId::new(guarded_one, 1), &set).is_some(), "{guarded_one:04X}h");
+        }
+        assert!(guarded(ObjectId::new(0x2001, 1), &set).is_some());
+        for free in [(0x2001, 2), (0x5F00, 1), (0x1003, 0), (0x1010, 1)] {
+            assert_eq!(guarded(ObjectId::new(free.0, free.1), &set), None, "{:04X}h", free.0);
+        }
+    }
+}

@@ -1,0 +1,353 @@
+//! What people and programs ask of the devices, through the manager's own SDO channel.
+//!
+//! A device has one channel, and a foreign client on it disturbs whatever the manager does there. So requests go through
+//! here: one at a time for each device, when the manager itself has nothing to transfer; the manager's own business
+//! overtakes them. They are bounded in number and in time, and each gets exactly one answer.
+//!
+//! A service of ROS 2 gives a number and not its length, and only the device knows how long its object is: before such a
+//! number is written, the object is read.
+
+use std::collections::VecDeque;
+use std::time::Duration;
+
+use linewright_line::Tick;
+use thiserror::Error;
+
+use super::Manager;
+use super::event::{Event, Outbox};
+use super::guard::guarded;
+use super::peer::{Peer, Phase};
+use super::transfer::Transfer;
+use crate::codec::{NmtCommand, NodeId};
+use crate::profile::drive::Setting;
+use crate::sdo::wire::Raw;
+use crate::sdo::{Abort, Cause, ObjectId, Progress, TransferError};
+
+/// Requests that may wait, for all devices together.
+pub const WAITING_MAX: usize = 32;
+/// How long a request may wait for the channel. A boot of some twenty objects takes a fifth of a second.
+pub const PATIENCE: Duration = Duration::from_secs(5);
+
+/// What is asked of a device.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub enum Ask {
+    /// An object's value.
+    Read(ObjectId),
+    /// To write a number.
+    Write {
+        /// Where.
+        object: ObjectId,
+        /// What; a negative one in two's complement of the object's length.
+        value: u32,
+        /// In how many bytes, 1 to 4; `None`: in as many as the object has.
+        bytes: Option<usize>,
+    },
+}
+
+impl Ask {
+    /// The object.
+    pub fn object(&self) -> ObjectId {
+        match self {
+            Ask::Read(object) | Ask::Write { object, .. } => *object,
+        }
+    }
+}
+
+/// Why a request was not fulfilled.
+#[derive(Clone, Debug, Error, PartialEq, Eq)]
+pub enum AskError {
+    /// No device of this bus has that node id.
+    #[error("no device of this bus has node id {node}")]
+    UnknownNode {
+        /// The number.
+        node: u8,
+    },
+    /// Too many wait already.
+    #[error("{WAITING_MAX} requests are waiting already")]
+    Full,
+    /// The device cannot answer now.
+    #[error("the device {0}")]
+    NotReady(String),
+    /// The channel was not free for too long.
+    #[error("not begun within {within} s: the device {0}", within = PATIENCE.as_secs())]
+    Waited(String),
+    /// The manager needed the channel before the transfer was done.
+    #[error("interrupted by the manager: the device {0}")]
+    Overtaken(String),
+    /// Not to be written while the device is operational.
+    #[error("object {object} is not written while the device is operational: {why}")]
+    Guarded {
+        /// The object.
+        object: ObjectId,
+        /// Why not.
+        why: &'static str,
+    },
+    /// The number is too large for the object.
+    #[error("{value} ({value:X}h) does not fit object {object}, which has {bytes} byte(s)")]
+    TooLarge {
+        /// The object.
+        object: ObjectId,
+        /// The number.
+        value: u32,
+        /// What the object has.
+        bytes: usize,
+    },
+    /// The device refused, or fell silent.
+    #[error(transparent)]
+    Transfer(#[from] TransferError),
+}
+
+impl AskError {
+    /// The abort code that says it best, for answers that have only room for a number.
+    pub fn abort(&self) -> Abort {
+        match self {
+            AskError::UnknownNode { .. } | AskError::NotReady(_) => Abort::NO_CONNECTION,
+            AskError::Full => Abort::OUT_OF_MEMORY,
+            AskError::Waited(_) => Abort::TIMEOUT,
+            AskError::Overtaken(_) => Abort::DEVICE_STATE,
+            AskError::Guarded { .. } => Abort::LOCAL_CONTROL,
+            AskError::TooLarge { .. } => Abort::VALUE_HIGH,
+            AskError::Transfer(TransferError { cause: Cause::Refused(code), .. }) => *code,
+            AskError::Transfer(TransferError { cause, .. }) => cause.abort().unwrap_or(Abort::GENERAL),
+        }
+    }
+}
+
+/// What a request has come to: the bytes read, or nothing for a write.
+pub type Answer = Result<Vec<u8>, AskError>;
+
+#[derive(Debug)]
+struct Waiting {
+    number: u64,
+    node: NodeId,
+    ask: Ask,
+    until: Tick,
+}
+
+#[derive(Debug)]
+struct Active {
+    number: u64,
+    node: NodeId,
+    ask: Ask,
+    transfer: Transfer,
+    /// The transfer reads an object to learn how long it is.
+    measuring: bool,
+}
+
+/// The requests of one manager.
+#[derive(Debug, Default)]
+pub(super) struct Requests {
+    waiting: VecDeque<Waiting>,
+    /// At most one for each device.
+    active: Vec<Active>,
+    last: u64,
+}
+
+impl Requests {
+    pub fn deadline(&self) -> Tick {
+        let waiting = self.waiting.iter().map(|request| request.until);
+        waiting.chain(self.active.iter().map(|active| active.transfer.deadline())).fold(Tick::NEVER, Tick::min)
+    }
+
+    /// Takes eight bytes of a device's SDO server, if they belong to a request.
+    pub fn answered(&mut self, now: Tick, peer: &mut Peer, raw: &Raw, out: &mut Outbox) -> bool {
+        let Some(at) = self.active.iter().position(|active| active.node == peer.node && peer.lent) else {
+            return false;
+        };
+        let progress = self.active[at].transfer.handle(now, raw, &mut out.frames);
+        self.go_on(now, at, progress, peer, out);
+        true
+    }
+
+    /// Goes on with all of them: what was overtaken, what is late, what may begin.
+    pub fn poll(&mut self, now: Tick, peers: &mut [Peer], out: &mut Outbox) {
+        for at in (0..self.active.len()).rev() {
+            let Some(peer) = peers.iter_mut().find(|peer| peer.node == self.active[at].node) else { continue };
+            if peer.lent {
+                let progress = self.active[at].transfer.poll(now, &mut out.frames);
+                self.go_on(now, at, progress, peer, out);
+            } else {
+                // No abort to the device: what the manager has begun there meanwhile has ended the transfer.
+                let request = self.active.swap_remove(at);
+                tell(request.number, Err(AskError::Overtaken(peer.explain(now))), out);
+            }
+        }
+        for _ in 0..self.waiting.len() {
+            let Some(request) = self.waiting.pop_front() else { break };
+            let Some(peer) = peers.iter_mut().find(|peer| peer.node == request.node) else { continue };
+            match peer.channel() {
+                Channel::Free => self.begin(now, &request, peer, out),
+                Channel::None => tell(request.number, Err(AskError::NotReady(peer.explain(now))), out),
+                Channel::Busy if request.until <= now => {
+                    tell(request.number, Err(AskError::Waited(peer.explain(now))), out);
+                }
+                // Back to the end: the order of those of one device stays as it is.
+                Channel::Busy => self.waiting.push_back(request),
+            }
+        }
+    }
+
+    fn begin(&mut self, now: Tick, request: &Waiting, peer: &mut Peer, out: &mut Outbox) {
+        let Waiting { number, node, ask, .. } = *request;
+        let (transfer, measuring) = match ask {
+            Ask::Read(object) => (Transfer::read(now, node, object, &mut out.frames), false),
+            Ask::Write { object, value, bytes } => {
+                // Asked again now: the device may have come up since.
+                if let Some(why) = peer.guards(object) {
+                    return tell(number, Err(AskError::Guarded { object, why }), out);
+                }
+                match bytes.map(|bytes| setting(object, value, bytes)) {
+                    Some(Ok(setting)) => (Transfer::write(now, node, &setting, &mut out.frames), false),
+                    Some(Err(error)) => return tell(number, Err(error), out),
+                    None => (Transfer::read(now, node, object, &mut out.frames), true),
+                }
+            }
+        };
+        peer.lent = true;
+        self.active.push(Active { number, node, ask, transfer, measuring });
+    }
+
+    fn go_on(&mut self, now: Tick, at: usize, progress: Progress, peer: &mut Peer, out: &mut Outbox) {
+        let Progress::Done(result) = progress else { return };
+        let active = &mut self.active[at];
+        let answer = match (active.measuring, active.ask, result) {
+            (true, Ask::Write { object, value, .. }, Ok(bytes)) => match setting(object, value, bytes.len()) {
+                Ok(setting) => {
+                    active.measuring = false;
+                    active.transfer = Transfer::write(now, active.node, &setting, &mut out.frames);
+                    return;
+                }
+                Err(error) => Err(error),
+            },
+            (_, Ask::Write { .. }, Ok(_)) => Ok(Vec::new()),
+            (_, Ask::Read(_), Ok(bytes)) => Ok(bytes),
+            (_, _, Err(error)) => Err(error.into()),
+        };
+        let number = self.active.swap_remove(at).number;
+        tell(number, answer, out);
+        peer.give_back(now, out);
+    }
+}
+
+fn tell(number: u64, answer: Answer, out: &mut Outbox) {
+    out.answers.push((number, answer));
+    out.events.push(Event::Answered { number });
+}
+
+/// A number in the bytes an object has.
+fn setting(object: ObjectId, value: u32, bytes: usize) -> Result<Setting, AskError> {
+    let all = value.to_le_bytes();
+    let fits = (1..=4).contains(&bytes) && all[bytes..].iter().all(|&byte| byte == 0);
+    if fits {
+        Ok(Setting::new(object.index, object.sub, all[..bytes].to_vec()))
+    } else {
+        Err(AskError::TooLarge { object, value, bytes })
+    }
+}
+
+/// Whether a request may use a device's SDO channel.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+enum Channel {
+    /// Now.
+    Free,
+    /// Later: the manager has something to do there.
+    Busy,
+    /// Nobody answers.
+    None,
+}
+
+impl Peer {
+    /// Whether a request may use its SDO channel.
+    fn channel(&self) -> Channel {
+        match self.phase {
+            // A stopped device answers no SDO (CiA 301 §7.3.2.2.4).
+            Phase::Absent { .. } | Phase::Stopped => Channel::None,
+            Phase::Booting(_) => Channel::Busy,
+            _ if self.lent || self.writing.is_some() => Channel::Busy,
+            Phase::Refused { .. } | Phase::Starting { .. } | Phase::Operational => Channel::Free,
+        }
+    }
+
+    /// The channel is the manager's again; what had to wait for it comes first.
+    fn give_back(&mut self, now: Tick, out: &mut Outbox) {
+        self.lent = false;
+        self.write_if_wanted(now, out);
+    }
+
+    /// Why an object of it is not written for others now; `None` if it may be.
+    fn guards(&self, object: ObjectId) -> Option<&'static str> {
+        match self.phase {
+            Phase::Starting { .. } | Phase::Operational => guarded(object, &self.plan.settings),
+            Phase::Absent { .. } | Phase::Booting(_) | Phase::Refused { .. } | Phase::Stopped => None,
+        }
+    }
+
+    /// Somebody wants it started. It never is before it is identified and configured.
+    fn start_by_request(&mut self, now: Tick, out: &mut Outbox) -> Result<String, String> {
+        let text = self.explain(now);
+        match self.phase {
+            Phase::Operational | Phase::Starting { .. } => Ok(text),
+            Phase::Stopped => {
+                self.order_start(now, out);
+                Ok("ordered to start".to_owned())
+            }
+            Phase::Refused { .. } => {
+                self.boot(now, out);
+                Err(format!("{text}. It is being looked at again"))
+            }
+            Phase::Absent { .. } | Phase::Booting(_) => Err(text),
+        }
+    }
+}
+
+impl Manager {
+    /// Asks a device; the answer comes as [`Event::Answered`] with the number given here, and is in
+    /// [`Outbox::answers`]. At once if it is refused.
+    pub fn ask(&mut self, now: Tick, node: u8, ask: Ask, out: &mut Outbox) -> u64 {
+        let start = out.frames.len();
+        self.requests.last += 1;
+        let number = self.requests.last;
+        let Some(peer) = self.peers.iter().find(|peer| peer.node.get() == node) else {
+            tell(number, Err(AskError::UnknownNode { node }), out);
+            return number;
+        };
+        if let Ask::Write { object, .. } = ask
+            && let Some(why) = peer.guards(object)
+        {
+            tell(number, Err(AskError::Guarded { object, why }), out);
+        } else if self.requests.waiting.len() >= WAITING_MAX {
+            tell(number, Err(AskError::Full), out);
+        } else {
+            let node = peer.node;
+            self.requests.waiting.push_back(Waiting { number, node, ask, until: now + PATIENCE });
+            self.requests.poll(now, &mut self.peers, out);
+            self.pass(now, start, out);
+        }
+        number
+    }
+
+    /// Resets a device (NMT 81h), whatever it does: it lets go of its outputs, its owner loses it, and it is booted
+    /// again. That fails safe, so it is allowed at any time.
+    pub fn reset_node(&mut self, now: Tick, node: NodeId, out: &mut Outbox) {
+        if let Some(peer) = self.peers.iter().find(|peer| peer.node == node) {
+            let start = out.frames.len();
+            peer.order(NmtCommand::ResetNode, out);
+            self.pass(now, start, out);
+        }
+    }
+
+    /// Starts a device that somebody has stopped, and has one that was refused looked at again. Otherwise a device is
+    /// started when it has been configured, and not before.
+    ///
+    /// # Errors
+    /// In words, why it is not started now.
+    pub fn start_node(&mut self, now: Tick, node: NodeId, out: &mut Outbox) -> Result<String, String> {
+        let start = out.frames.len();
+        let said = match self.peers.iter_mut().find(|peer| peer.node == node) {
+            Some(peer) => peer.start_by_request(now, out),
+            None => Err(format!("no device of this bus has node id {node}")),
+        };
+        self.pass(now, start, out);
+        said
+    }
+}

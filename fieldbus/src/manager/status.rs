@@ -1,0 +1,114 @@
+//! What there is to say of a device beyond one sentence: for diagnostics.
+
+use linewright_line::{Owner, Tick};
+
+use super::Manager;
+use super::event::Event;
+use super::peer::{Peer, Phase};
+use crate::codec::{Emergency, NmtState, NodeId, Profile};
+
+/// How a device is.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub enum Condition {
+    /// Not heard.
+    Absent,
+    /// Being identified, configured or started.
+    Booting,
+    /// It must not be started.
+    Refused,
+    /// It exchanges process data.
+    Operational,
+    /// Stopped by somebody else.
+    Stopped,
+}
+
+/// A device, as its manager knows it.
+#[derive(Clone, Debug, PartialEq, Eq)]
+pub struct Status<'a> {
+    /// Its node id.
+    pub node: NodeId,
+    /// Its name.
+    pub name: &'a str,
+    /// Whose image it carries.
+    pub owner: Owner,
+    /// How it is.
+    pub condition: Condition,
+    /// Its network management state as it last said it; `None` while it is not heard.
+    pub nmt: Option<NmtState>,
+    /// The emergency it reported last, and when; with code 0 its errors are gone.
+    pub emergency: Option<(Tick, Emergency)>,
+    /// By which table its error codes are read.
+    pub profile: Profile,
+    /// How often it was operational and then was not.
+    pub losses: u32,
+    /// How many of its frames made no sense.
+    pub ignored: u64,
+}
+
+/// What is remembered of a device while it comes and goes.
+#[derive(Clone, Copy, Debug, Default)]
+pub(super) struct Record {
+    pub nmt: Option<NmtState>,
+    pub emergency: Option<(Tick, Emergency)>,
+    pub losses: u32,
+    pub ignored: u64,
+}
+
+impl Peer {
+    fn condition(&self) -> Condition {
+        match self.phase {
+            Phase::Absent { .. } => Condition::Absent,
+            Phase::Booting(_) | Phase::Starting { .. } => Condition::Booting,
+            Phase::Refused { .. } => Condition::Refused,
+            Phase::Operational => Condition::Operational,
+            Phase::Stopped => Condition::Stopped,
+        }
+    }
+}
+
+impl Manager {
+    /// Every device, in the order of the description.
+    pub fn statuses(&self) -> impl Iterator<Item = Status<'_>> {
+        self.peers.iter().zip(&self.records).map(|(peer, record)| {
+            let Record { nmt, emergency, losses, ignored } = *record;
+            let (node, name, owner) = (peer.node, peer.name.as_str(), peer.owner);
+            let (condition, profile) = (peer.condition(), peer.process.profile());
+            Status { node, name, owner, condition, nmt, emergency, profile, losses, ignored }
+        })
+    }
+
+    /// Remembers what these events say.
+    pub(super) fn record(&mut self, now: Tick, events: &[Event]) {
+        for event in events {
+            let (node, is) = match event {
+                Event::DeviceUp { node } => (node.get(), Some(NmtState::Operational)),
+                Event::DeviceLost { node, .. } => (node.get(), None),
+                Event::DeviceLeft { node, state } => (node.get(), Some(*state)),
+                Event::DeviceRebooted { node } => (node.get(), Some(NmtState::BootUp)),
+                Event::Emergency { node, emergency, .. } => {
+                    if let Some(record) = self.record_of(node.get()) {
+                        record.emergency = Some((now, *emergency));
+                    }
+                    continue;
+                }
+                Event::Ignored { frame, .. } => {
+                    // In the predefined connection set the lower seven bits are the node id.
+                    let node = frame.cob_id().map_or(0, |id| (id & 0x7F) as u8);
+                    if let Some(record) = self.record_of(node) {
+                        record.ignored += 1;
+                    }
+                    continue;
+                }
+                _ => continue,
+            };
+            if let Some(record) = self.record_of(node) {
+                record.nmt = is;
+            }
+        }
+    }
+
+    pub(super) fn record_of(&mut self, node: u8) -> Option<&mut Record> {
+        let at = self.peers.iter().position(|peer| peer.node.get() == node)?;
+        self.records.get_mut(at)
+    }
+}
