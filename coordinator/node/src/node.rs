@@ -11,6 +11,7 @@ use linewright_msgs::{LineState, ModeOrder, ProcessImage, Text};
 use linewright_node_shell::{
     Forward, Journal, JournalError, NewestBySequence, OpenError, Participant, TopicError, fresh_boot_id, stamp,
 };
+use linewright_station_node::devices::Devices;
 use linewright_station_node::{mode_to_code, quoted, report_from_message};
 use thiserror::Error;
 use tokio::sync::{mpsc, watch};
@@ -82,6 +83,7 @@ pub async fn run(
                 }
             }
             events = node.driver.next() => node.bus_events(&events),
+            asked = node.devices.next() => node.devices.ask(asked, &mut node.driver),
             arrived = node.from.recv() => match arrived {
                 Some(arrived) => node.arrived(arrived),
                 None => return Err(NodeError::Middleware),
@@ -92,7 +94,7 @@ pub async fn run(
         if let Some(error) = node.failed.take() {
             return Err(error);
         }
-        if node.tasks.iter().any(Forward::is_finished) {
+        if node.tasks.iter().any(Forward::is_finished) || node.devices.is_failed() {
             return Err(NodeError::Middleware);
         }
     }
@@ -133,6 +135,7 @@ struct Shell {
     gateway: Gateway,
     outbox: Outbox,
     driver: Driver,
+    devices: Devices,
     journal: Option<Journal>,
     journaled: Remembered,
     says: Says,
@@ -177,12 +180,15 @@ impl Shell {
         let driver = Driver::new(bus, Manager::new(devices, line.timing)?, clock);
         let mut node = participant.node(&format!("/{}", line.name), "coordinator")?;
         let (says, from, tasks) = open(&mut node, &line)?;
+        let on_bus = line.devices.iter().filter(|device| device.bus == Bus::Line);
+        let devices = Devices::open(&mut node, &line, on_bus)?;
         let on_line_bus = line.station_ids().filter(|&id| line.station(id).bus == Bus::Line);
         Ok(Shell {
             coordinator: if remembered.estop { coordinator.with_estop() } else { coordinator },
             gateway: Gateway::new(line.stations.len(), line.timing.stale),
             outbox: Outbox::default(),
             driver,
+            devices,
             journal,
             journaled: Remembered::default(),
             says,
@@ -216,7 +222,7 @@ impl Shell {
         [self.coordinator.next_deadline(), self.gateway.next_deadline(now)]
             .into_iter()
             .flatten()
-            .fold(self.refresh_due, Tick::min)
+            .fold(self.refresh_due.min(self.devices.deadline()), Tick::min)
     }
 
     fn ignore(&mut self, why: impl std::fmt::Display) {
@@ -303,11 +309,12 @@ impl Shell {
     fn bus_events(&mut self, events: &[BusEvent]) {
         for event in events {
             match event {
-                BusEvent::InputsChanged { .. } => {}
+                BusEvent::InputsChanged { .. } | BusEvent::Answered { .. } => {}
                 BusEvent::Ignored { reason, frame } => self.ignore(format!("frame {frame}: {reason}")),
                 other => tracing::info!("{other}"),
             }
         }
+        self.devices.bus_events(events, &mut self.driver);
         let image = self.driver.inputs(Owner::Console);
         self.coordinator.handle(self.clock.now(), Input::Console { bits: image.bits, valid: image.valid });
     }
@@ -322,6 +329,7 @@ impl Shell {
             return;
         }
         self.driver.set_outputs(Owner::Console, self.outbox.lamps);
+        self.devices.act(now, &self.driver);
         let due = now >= self.refresh_due;
         if due {
             self.refresh_due = now + self.line.timing.refresh;

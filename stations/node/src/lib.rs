@@ -5,6 +5,7 @@
 //! it would remember after being killed. It decides nothing.
 
 mod convert;
+pub mod devices;
 mod foreign;
 mod journal;
 mod node;

@@ -17,6 +17,7 @@ use thiserror::Error;
 use tokio::sync::{mpsc, watch};
 
 use crate::convert::{mode_from_code, report_from_message, report_to_message};
+use crate::devices::{Asked, Devices};
 use crate::foreign::quoted;
 use crate::journal::{RecordError, from_record, to_record};
 use crate::topics::{Arrived, Says, open};
@@ -93,13 +94,14 @@ pub async fn run(
                 None => return Err(NodeError::Middleware { station: node.name.clone() }),
             },
             events = next_bus_events(&mut node.driver) => node.bus_events(&events),
+            asked = next_asked(&mut node.devices) => node.asked(asked),
             () = node.clock.sleep_until(deadline) => {}
         }
         node.act();
         if let Some(error) = node.failed.take() {
             return Err(error);
         }
-        if node.tasks.iter().any(Forward::is_finished) {
+        if node.tasks.iter().any(Forward::is_finished) || node.devices.as_ref().is_some_and(Devices::is_failed) {
             return Err(NodeError::Middleware { station: node.name.clone() });
         }
     }
@@ -110,6 +112,13 @@ pub async fn run(
 async fn next_bus_events(driver: &mut Option<Driver>) -> Vec<BusEvent> {
     match driver {
         Some(driver) => driver.next().await,
+        None => std::future::pending().await,
+    }
+}
+
+async fn next_asked(devices: &mut Option<Devices>) -> Asked {
+    match devices {
+        Some(devices) => devices.next().await,
         None => std::future::pending().await,
     }
 }
@@ -125,6 +134,8 @@ struct Shell {
     /// Which outputs were last sent: their number, and the life of the devices.
     driven: Option<(u64, u64)>,
     driver: Option<Driver>,
+    /// What ROS 2 sees of the devices on its own bus.
+    devices: Option<Devices>,
     journal: Option<Journal>,
     says: Says,
     from: mpsc::Receiver<Arrived>,
@@ -174,6 +185,8 @@ impl Shell {
         };
         let mut node = participant.node(&format!("/{}", line.name), &name)?;
         let (says, from, tasks) = open(&mut node, &line, station, controller.peers())?;
+        let own = line.devices_of(Owner::Station(station));
+        let devices = driver.as_ref().map(|_| Devices::open(&mut node, &line, own)).transpose()?;
         let states = line.stations.iter().map(|_| NewestBySequence::new()).collect();
         Ok(Shell {
             line,
@@ -185,6 +198,7 @@ impl Shell {
             unperformed: false,
             driven: None,
             driver,
+            devices,
             journal,
             says,
             from,
@@ -206,7 +220,8 @@ impl Shell {
     }
 
     fn deadline(&self) -> Option<Tick> {
-        Some(self.controller.next_deadline().unwrap_or(Tick::NEVER).min(self.refresh_due))
+        let devices = self.devices.as_ref().map_or(Tick::NEVER, Devices::deadline);
+        Some(self.controller.next_deadline().unwrap_or(Tick::NEVER).min(self.refresh_due).min(devices))
     }
 
     fn handle(&mut self, input: Input<'_>) {
@@ -275,13 +290,23 @@ impl Shell {
         for event in events {
             match event {
                 BusEvent::InputsChanged { owner: changed } if *changed == owner => {}
+                BusEvent::Answered { .. } => {}
                 BusEvent::Ignored { reason, frame } => self.ignore(format!("frame {frame}: {reason}")),
                 other => tracing::info!(station = self.name, "{other}"),
             }
         }
+        if let (Some(devices), Some(driver)) = (&mut self.devices, &mut self.driver) {
+            devices.bus_events(events, driver);
+        }
         if let Some(driver) = &self.driver {
             let image = driver.inputs(owner);
             self.image(image.bits, image.valid, u64::from(image.losses), Tick::NEVER, NO_DELAY);
+        }
+    }
+
+    fn asked(&mut self, asked: Asked) {
+        if let (Some(devices), Some(driver)) = (&mut self.devices, &mut self.driver) {
+            devices.ask(asked, driver);
         }
     }
 
@@ -311,6 +336,9 @@ impl Shell {
                 self.drive(0, true);
                 return;
             }
+        }
+        if let (Some(devices), Some(driver)) = (&mut self.devices, &self.driver) {
+            devices.act(now, driver);
         }
         let due = now >= self.refresh_due;
         let outputs = self.outbox.outputs;

@@ -1,0 +1,159 @@
+//! The devices of a bus as ROS 2 sees them: services and states named like those of `ros2_canopen`, and diagnostics.
+//!
+//! Whoever runs a CANopen manager has one of these beside it: the coordinator's node, and a station's with a bus of its
+//! own. It passes on what is asked and what is answered. Whether and when a device is asked, the manager decides.
+
+mod diagnostics;
+mod names;
+mod services;
+
+use std::time::Duration;
+
+use linewright_fieldbus::manager::{Condition, Status};
+use linewright_fieldbus::{Driver, Event, NodeId};
+use linewright_line::{Device, Line, Owner, Tick};
+use linewright_msgs::{DiagnosticArray, Text};
+use linewright_node_shell::{Forward, Node, Publisher, TopicError, qos, stamp};
+use tokio::sync::mpsc;
+
+pub use names::device_names;
+pub use services::Asked;
+use services::Pending;
+
+/// How often everything is told when nothing changes.
+const EVERY: Duration = Duration::from_secs(1);
+/// How soon news may follow news: a device that comes and goes must not flood a reliable topic.
+const NEWS_EVERY: Duration = Duration::from_millis(50);
+/// Requests that wait for this node; more wait in the middleware, ten for each service.
+const QUEUE: usize = 64;
+
+/// One device, and what was last told of it.
+struct Told {
+    device: Device,
+    owner: String,
+    state: Publisher<Text>,
+    word: &'static str,
+    /// What its last request has come to, if it failed.
+    failed: String,
+}
+
+/// Condition, state, emergency code and losses of each device: what makes a diagnosis news.
+type Key = Vec<(Condition, &'static str, Option<u16>, u32)>;
+
+/// The devices of one bus.
+pub struct Devices {
+    node: String,
+    told: Vec<Told>,
+    diagnostics: Publisher<DiagnosticArray>,
+    key: Key,
+    due: Tick,
+    last: Tick,
+    from: mpsc::Receiver<Asked>,
+    pending: Vec<Pending>,
+    tasks: Vec<Forward>,
+}
+
+impl Devices {
+    /// Opens the services and topics of these devices, and of the bus they are on, as part of `node`.
+    pub fn open<'a>(
+        node: &mut Node,
+        line: &Line,
+        devices: impl IntoIterator<Item = &'a Device>,
+    ) -> Result<Self, TopicError> {
+        let devices: Vec<&Device> = devices.into_iter().collect();
+        let (to, from) = mpsc::channel(QUEUE);
+        let mut tasks = services::open_bus(node, &to)?;
+        let mut told = Vec::with_capacity(devices.len());
+        for (device, name) in devices.iter().zip(device_names(line, &devices)) {
+            tasks.extend(services::open_device(node, &name, device.node_id, &to)?);
+            let state = node.publisher(&format!("{name}/nmt_state"), qos::latched_state())?;
+            let owner = match device.owner {
+                Owner::Station(id) => line.station(id).name.clone(),
+                Owner::Console => "console".to_owned(),
+            };
+            told.push(Told { device: (*device).clone(), owner, state, word: "", failed: String::new() });
+        }
+        Ok(Devices {
+            node: node.name().to_owned(),
+            told,
+            diagnostics: node.publisher("/diagnostics", qos::event())?,
+            key: Key::new(),
+            due: Tick::ZERO,
+            last: Tick::ZERO,
+            from,
+            pending: Vec::new(),
+            tasks,
+        })
+    }
+
+    /// Waits for a request; hand it to [`Devices::ask`]. Cancel safe.
+    pub async fn next(&mut self) -> Asked {
+        match self.from.recv().await {
+            Some(asked) => asked,
+            // Every service has failed; `is_failed` says so.
+            None => std::future::pending().await,
+        }
+    }
+
+    /// A service has ended; the middleware has failed.
+    pub fn is_failed(&self) -> bool {
+        self.tasks.iter().any(Forward::is_finished)
+    }
+
+    /// When [`Devices::act`] has something to do next.
+    pub fn deadline(&self) -> Tick {
+        self.due
+    }
+
+    /// Takes what the bus reports: news are told at once, answers passed on.
+    pub fn bus_events(&mut self, events: &[Event], driver: &mut Driver) {
+        let quiet = |event: &Event| matches!(event, Event::InputsChanged { .. } | Event::Answered { .. });
+        if !events.iter().all(quiet) {
+            self.due = self.due.min(self.last + NEWS_EVERY);
+        }
+        self.answer(driver);
+    }
+
+    /// Tells what is due.
+    pub fn act(&mut self, now: Tick, driver: &Driver) {
+        if now < self.due {
+            return;
+        }
+        let statuses: Vec<Status<'_>> = driver.manager().statuses().collect();
+        for (told, status) in self.told.iter_mut().zip(&statuses) {
+            let word = names::state_word(status.nmt);
+            if told.word != word {
+                told.word = word;
+                told.state.send(Text::from(word));
+            }
+        }
+        let key: Key = statuses
+            .iter()
+            .map(|s| {
+                (s.condition, names::state_word(s.nmt), s.emergency.map(|(_, emergency)| emergency.code), s.losses)
+            })
+            .collect();
+        if self.key != key || self.last + EVERY <= now {
+            self.key = key;
+            self.last = now;
+            let status = statuses.iter().zip(&self.told);
+            let status = status.map(|(status, told)| self.diagnosis(now, driver, status, told)).collect();
+            self.diagnostics.send(DiagnosticArray { header: stamp(), status });
+        }
+        self.due = self.last + EVERY;
+    }
+
+    fn told(&mut self, node: u8) -> Option<&mut Told> {
+        self.told.iter_mut().find(|told| told.device.node_id == node)
+    }
+}
+
+/// What keeps the devices of `owner` from being valid, in a sentence for each; empty if nothing does.
+pub fn trouble(driver: &Driver, owner: Owner) -> String {
+    let sentences: Vec<String> = driver.manager().trouble(driver.now(), owner).collect();
+    sentences.join("; ")
+}
+
+fn node_id(id: u8) -> Option<NodeId> {
+    NodeId::new(id)
+}
