@@ -1,7 +1,7 @@
 //! Refusals: a command that is not obeyed is answered with every reason, never kept for later.
 
 use linewright_line::net::ControlMode;
-use linewright_line::{Line, StationId};
+use linewright_line::{Line, Owner, StationId};
 
 use crate::decision::Command;
 
@@ -50,7 +50,21 @@ pub struct Refusal {
 impl Refusal {
     /// The refusal in words, e.g. `auto refused in stand-by: mill_1 has an incomplete operation: recover it in manual`.
     pub fn text(&self, line: &Line) -> String {
-        let reasons: Vec<String> = self.reasons.iter().map(|reason| reason.text(line)).collect();
+        self.text_with(line, |_| String::new())
+    }
+
+    /// The same, with what is wrong with the devices of whoever has lost them (empty where nobody knows).
+    pub fn text_with(&self, line: &Line, trouble: impl Fn(Owner) -> String) -> String {
+        let in_words = |reason: &Reason| {
+            let trouble = match reason {
+                Reason::DevicesLost(station) => trouble(Owner::Station(*station)),
+                Reason::ConsoleLost => trouble(Owner::Console),
+                _ => String::new(),
+            };
+            let text = reason.text(line);
+            if trouble.is_empty() { text } else { format!("{text}: {trouble}") }
+        };
+        let reasons: Vec<String> = self.reasons.iter().map(in_words).collect();
         format!("{} refused in {}: {}", self.command.name(), self.mode, reasons.join("; "))
     }
 }
@@ -77,5 +91,25 @@ impl Reason {
             Reason::NotAtHome(s) => format!("{} is not at home", name(s)),
             Reason::Behind(s) => format!("{} is at home, but a cycle behind: give auto and then stop", name(s)),
         }
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use linewright_line::TransferLine;
+
+    #[test]
+    fn a_loss_is_refused_with_the_device_and_its_trouble_where_it_is_known() {
+        let line = linewright_line::parse("line.toml", &TransferLine::default().text()).expect("parses").line;
+        let reasons = vec![Reason::DevicesLost(StationId(1)), Reason::ConsoleLost, Reason::Moving(StationId(0))];
+        let refusal = Refusal { command: Command::Auto, mode: ControlMode::StandBy, reasons };
+        let known = |owner| match owner {
+            Owner::Station(_) => "clamp 1 io (node 21h): no heartbeat (1017h) for 230 ms".to_owned(),
+            Owner::Console => String::new(),
+        };
+        let expected = "auto refused in stand-by: clamp_1 has lost its devices: clamp 1 io (node 21h): no heartbeat \
+                        (1017h) for 230 ms; the console's devices are not heard; transfer is still moving";
+        assert_eq!(refusal.text_with(&line, known), expected);
     }
 }

@@ -10,6 +10,7 @@ pub mod net;
 mod parse;
 mod time;
 mod transfer_line;
+mod whereabouts;
 
 pub use device::{Device, Identity, Owner, Setting, Setup};
 pub use drive::{AtRest, Drive, DriveMode, DriveTarget, Homing};
@@ -17,3 +18,4 @@ pub use line::*;
 pub use parse::{Parsed, Problem, Problems, parse, suggestion};
 pub use time::Tick;
 pub use transfer_line::TransferLine;
+pub use whereabouts::duration_text;

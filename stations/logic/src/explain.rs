@@ -10,6 +10,9 @@ use crate::controller::Controller;
 use crate::event::{Cause as StopCause, Event, Happening};
 use crate::program::Cause;
 
+/// What a station waits for whose devices cannot be trusted. Which device and why, their manager knows.
+pub const DEVICES_INVALID: &str = "its devices: not heard, or not operational";
+
 impl Controller {
     /// What each branch of the station is doing, e.g. `advance clamp` or `undoing 1st lift (stopped)`.
     pub fn operation_text(&self, line: &Line) -> String {
@@ -35,7 +38,8 @@ impl Controller {
         for place in self.marking().filter(|place| place.is_incomplete()) {
             let cause = self.causes_of_stop[place.op.index()];
             if cause.is_fault() {
-                parts.push(format!("{}: {}", self.op_name(line, place.op), cause.text()));
+                let text = cause.text_of(line, self.program.station, place.op, place.block);
+                parts.push(format!("{}: {text}", self.op_name(line, place.op)));
             }
         }
         parts.join("; ")
@@ -45,7 +49,7 @@ impl Controller {
     pub fn blocked_by(&self, line: &Line, now: Tick) -> Vec<String> {
         let mut reasons = Vec::new();
         if !self.devices_valid {
-            reasons.push("its devices: not heard, or not operational".to_owned());
+            reasons.push(DEVICES_INVALID.to_owned());
         }
         for place in self.marking() {
             self.explain_place(line, place, now, &mut reasons);
@@ -235,7 +239,7 @@ impl Event {
             Happening::Completed(op, Block::Normal) => format!("has done {}", name(op)),
             Happening::Completed(op, Block::Recovery) => format!("has undone {}", name(op)),
             Happening::Stopped(op, block, cause) => {
-                format!("stops {}{}: {}", undoing(block), name(op), cause.text())
+                format!("stops {}{}: {}", undoing(block), name(op), cause.text_of(line, station, op, block))
             }
             Happening::Withdrawn(0) => "takes nothing back".to_owned(),
             Happening::Withdrawn(ops) => format!("takes back {}", op_names(line, station, ops)),

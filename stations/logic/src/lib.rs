@@ -22,9 +22,11 @@ mod situation;
 mod step;
 mod views;
 mod withdraw;
+mod words;
 
 pub use controller::{Controller, Input, NO_DELAY, Outbox};
 pub use event::{Cause, Event, Happening};
+pub use explain::DEVICES_INVALID;
 pub use panel::{ModeOrder, PanelCommand};
 pub use program::{CompileError, Program};
 pub use report::{Answer, Report, Request, Restore, Snapshot};

@@ -67,7 +67,10 @@ fn the_watchdog_does_not_run_while_a_button_is_up() {
     rig.wait_ms(99);
     assert!(rig.drives(0));
     rig.wait_ms(1);
-    assert_eq!(rig.events().last().map(String::as_str), Some("stops op 0: took too long"));
+    assert_eq!(
+        rig.events().last().map(String::as_str),
+        Some("stops op 0: took too long: in 0 did not come within 1 s")
+    );
 }
 
 #[test]

@@ -1,0 +1,83 @@
+//! Where a signal is: which device, node, object and bit carry it. The one place where this is put into words, for
+//! whoever has to find the switch.
+
+use std::time::Duration;
+
+use crate::{Drive, DriveMode, InputId, Line, Owner};
+
+impl Line {
+    /// An input of a station or of the console, with where it is: `LS_closed (clamp 1 io, node 21h, 6000h:01 bit 1)`.
+    /// The name alone where no device carries it, as in a line without devices.
+    pub fn input_text(&self, owner: Owner, input: InputId) -> String {
+        let names = match owner {
+            Owner::Station(id) => &self.station(id).inputs,
+            Owner::Console => &self.console.inputs,
+        };
+        let name = names.get(input.index()).map_or("an input", String::as_str);
+        match self.input_place(owner, input) {
+            Some(place) => format!("{name} ({place})"),
+            None => name.to_owned(),
+        }
+    }
+
+    /// Device, node id, object and bit of an input.
+    fn input_place(&self, owner: Owner, input: InputId) -> Option<String> {
+        self.devices.iter().filter(|device| device.owner == owner).find_map(|device| {
+            let bit = device.inputs.iter().position(|carried| *carried == Some(input));
+            let object = match (bit, &device.drive) {
+                // CiA 401: eight digital inputs in each subindex.
+                (Some(bit), _) => format!("6000h:{:02X} bit {}", bit / 8 + 1, bit % 8),
+                (None, Some(drive)) => drive_object(drive, input)?.to_owned(),
+                (None, None) => return None,
+            };
+            Some(format!("{}, node {:02X}h, {object}", device.name, device.node_id))
+        })
+    }
+}
+
+/// The object of a drive (CiA 402) that an input is made of.
+fn drive_object(drive: &Drive, input: InputId) -> Option<&'static str> {
+    if drive.targets.iter().any(|target| target.at == input) {
+        return Some(match drive.mode {
+            DriveMode::Position => "position 6064h",
+            DriveMode::Velocity => "velocity 606Ch",
+        });
+    }
+    if drive.fault == Some(input) {
+        return Some("statusword 6041h bit 3");
+    }
+    (drive.homing.and_then(|homing| homing.done) == Some(input)).then_some("statusword 6041h bit 12")
+}
+
+/// A time as people say it: `1 s`, `1.5 s`, `250 ms`.
+pub fn duration_text(span: Duration) -> String {
+    if span < Duration::from_secs(1) {
+        format!("{} ms", span.as_millis())
+    } else {
+        format!("{} s", span.as_millis() as f64 / 1000.0)
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::TransferLine;
+
+    #[test]
+    fn a_signal_is_named_with_device_node_object_and_bit() {
+        let line = crate::parse("line.toml", &TransferLine::default().text()).expect("parses").line;
+        let text = |station: &str, input: &str| {
+            let id = line.station_named(station).expect("there");
+            let at = line.station(id).inputs.iter().position(|name| name == input).expect("there");
+            line.input_text(Owner::Station(id), InputId(u16::try_from(at).expect("small")))
+        };
+        assert_eq!(text("clamp_1", "LS_closed"), "LS_closed (clamp 1 io, node 21h, 6000h:01 bit 1)");
+        assert_eq!(text("transfer", "LS_horizontal_500"), "LS_horizontal_500 (transfer io, node 11h, 6000h:02 bit 1)");
+        let mut bare = line.clone();
+        bare.devices.clear();
+        assert_eq!(bare.input_text(Owner::Station(crate::StationId(1)), InputId(0)), "LS_open");
+        assert_eq!(line.input_text(Owner::Console, InputId(999)), "an input");
+        let texts = [250, 1000, 1500].map(|millis| duration_text(Duration::from_millis(millis)));
+        assert_eq!(texts, ["250 ms", "1 s", "1.5 s"]);
+    }
+}

@@ -1,0 +1,28 @@
+//! What stopped a motion, in words that name the signal and where it is.
+
+use linewright_line::net::Block;
+use linewright_line::{Line, Module, OpId, Owner, StationId, duration_text};
+
+use crate::event::Cause;
+
+impl Cause {
+    /// The cause of a stop of this operation, e.g. `took too long: LS_closed (clamp 1 io, node 21h, 6000h:01 bit 1) did
+    /// not come within 1 s`.
+    pub fn text_of(self, line: &Line, station: StationId, op: OpId, block: Block) -> String {
+        let operation = line.operation((station, op));
+        let signals = match (block, &operation.module) {
+            (Block::Recovery, Module::Reversible { recovery, .. }) => recovery,
+            _ => &operation.normal,
+        };
+        let input = |input| line.input_text(Owner::Station(station), input);
+        match (self, signals.fault) {
+            (Cause::Watchdog, _) => {
+                let within = duration_text(operation.watchdog);
+                format!("{}: {} did not come within {within}", self.text(), input(signals.complete))
+            }
+            (Cause::SwitchStuck, _) => format!("{}: {}", self.text(), input(signals.complete)),
+            (Cause::Signal, Some(fault)) => format!("{}: {} is on", self.text(), input(fault)),
+            _ => self.text().to_owned(),
+        }
+    }
+}
