@@ -46,6 +46,11 @@ impl Chart {
         self.first_row[station.index()] + op.index()
     }
 
+    /// Whether nothing has moved since it was made.
+    pub fn is_empty(&self) -> bool {
+        self.bars.is_empty()
+    }
+
     /// A motion started.
     pub fn started(&mut self, station: StationId, op: OpId, at: f64, undoing: bool) {
         let row = self.row(station, op);

@@ -26,6 +26,8 @@ struct StationTally {
     durations: Vec<Vec<f64>>,
     faults: u64,
     fault_texts: Vec<String>,
+    /// What the station last said is wrong: with device, object and cause, where it knows them.
+    fault: Option<String>,
 }
 
 /// The report, in the form `--json` prints.
@@ -97,6 +99,9 @@ impl Tally {
         station.first_done.get_or_insert_with(|| state.done.clone());
         station.first_round.get_or_insert(state.round - i32::from(!state.at_home));
         station.done.clone_from(&state.done);
+        if !state.fault.is_empty() {
+            station.fault = Some(state.fault.clone());
+        }
         if self.ends.is_empty() {
             return;
         }
@@ -180,7 +185,7 @@ impl Tally {
             let mean = (!durations.is_empty()).then(|| round(durations.iter().sum::<f64>() / durations.len() as f64));
             operations.insert(operation.name.clone(), serde_json::json!({ "count": count, "duration_s": mean }));
         }
-        serde_json::json!({ "cycles": least, "operations": operations, "faults": tally.faults })
+        serde_json::json!({ "cycles": least, "operations": operations, "faults": tally.faults, "fault": tally.fault })
     }
 }
 

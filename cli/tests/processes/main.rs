@@ -11,6 +11,7 @@
 mod support;
 
 mod auto_cycles;
+mod devices;
 mod estop;
 mod faults;
 mod hand_mode;

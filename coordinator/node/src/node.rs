@@ -11,7 +11,7 @@ use linewright_msgs::{LineState, ModeOrder, ProcessImage, Text};
 use linewright_node_shell::{
     Forward, Journal, JournalError, NewestBySequence, OpenError, Participant, TopicError, fresh_boot_id, stamp,
 };
-use linewright_station_node::devices::Devices;
+use linewright_station_node::devices::{Devices, Trouble, in_words};
 use linewright_station_node::{mode_to_code, quoted, report_from_message};
 use thiserror::Error;
 use tokio::sync::{mpsc, watch};
@@ -121,6 +121,8 @@ struct Behind {
     put: Option<(u128, u64)>,
     /// What the station was last told of its inputs.
     told: Option<ToldInputs>,
+    /// What it is told of its devices.
+    trouble: Trouble,
 }
 
 /// How soon a refusal may follow another one in what is sent and logged.
@@ -142,6 +144,8 @@ struct Shell {
     from: mpsc::Receiver<Arrived>,
     tasks: Vec<Forward>,
     behind: Vec<Behind>,
+    /// What is wrong with the devices of stations that have a bus of their own, as they tell it.
+    troubles: Vec<String>,
     states: Vec<NewestBySequence>,
     boot_id: u64,
     order_sequence: u64,
@@ -182,7 +186,12 @@ impl Shell {
         let (says, from, tasks) = open(&mut node, &line)?;
         let on_bus = line.devices.iter().filter(|device| device.bus == Bus::Line);
         let devices = Devices::open(&mut node, &line, on_bus)?;
-        let on_line_bus = line.station_ids().filter(|&id| line.station(id).bus == Bus::Line);
+        let mut behind = Vec::new();
+        for station in line.station_ids().filter(|&id| line.station(id).bus == Bus::Line) {
+            let topic = format!("{}/trouble", line.station(station).name);
+            let trouble = Trouble::open(&mut node, &topic, Owner::Station(station))?;
+            behind.push(Behind { station, newest: NewestBySequence::new(), put: None, told: None, trouble });
+        }
         Ok(Shell {
             coordinator: if remembered.estop { coordinator.with_estop() } else { coordinator },
             gateway: Gateway::new(line.stations.len(), line.timing.stale),
@@ -194,9 +203,8 @@ impl Shell {
             says,
             from,
             tasks,
-            behind: on_line_bus
-                .map(|station| Behind { station, newest: NewestBySequence::new(), put: None, told: None })
-                .collect(),
+            behind,
+            troubles: vec![String::new(); line.stations.len()],
             states: line.stations.iter().map(|_| NewestBySequence::new()).collect(),
             boot_id: fresh_boot_id(),
             order_sequence: 0,
@@ -267,6 +275,7 @@ impl Shell {
                 }
                 Err(error) => self.ignore(error),
             },
+            Arrived::Trouble(station, text) => self.troubles[station.index()] = text,
             Arrived::Outputs(station, message) => {
                 let Some(behind) = self.behind.iter_mut().find(|b| b.station == station) else { return };
                 if behind.newest.offer(message.boot_id, message.sequence).is_newest() {
@@ -339,7 +348,11 @@ impl Shell {
             tracing::info!(epoch = self.coordinator.epoch(), "mode {mode}");
         }
         for refusal in std::mem::take(&mut self.outbox.refusals) {
-            self.refuse(refusal.text(&self.line));
+            let text = refusal.text_with(&self.line, |owner| match owner {
+                Owner::Station(id) if !self.troubles[id.index()].is_empty() => self.troubles[id.index()].clone(),
+                owner => in_words(&self.driver, owner),
+            });
+            self.refuse(text);
         }
         if changed || due {
             self.tell(now);
@@ -363,6 +376,8 @@ impl Shell {
         let stopped = self.coordinator.mode() == ControlMode::EStop;
         for behind in &mut self.behind {
             let owner = Owner::Station(behind.station);
+            // The reason first, so that a station that sees the loss can say why.
+            behind.trouble.act(now, &self.driver);
             let image = self.driver.inputs(owner);
             let lives = self.boot_id.wrapping_add(u64::from(image.losses));
             let in_force = if stopped { InForce::default() } else { self.gateway.in_force(now, behind.station, lives) };

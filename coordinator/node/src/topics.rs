@@ -14,6 +14,8 @@ pub enum Arrived {
     Buttons(String),
     /// A station's state.
     State(Box<StationState>),
+    /// What is wrong with the devices of a station with a bus of its own.
+    Trouble(StationId, String),
     /// The output image of a station behind the gateway.
     Outputs(StationId, ProcessImage),
 }
@@ -54,6 +56,8 @@ pub fn open(node: &mut Node, line: &Line) -> Result<(Says, mpsc::Receiver<Arrive
             tasks.push(forward(outputs, to.clone(), move |m, _| Some(Arrived::Outputs(id, m))));
             Some(node.publisher(&format!("{}/inputs", station.name), qos::image())?)
         } else {
+            let trouble = node.subscription(&format!("{}/trouble", station.name), qos::latched_state())?;
+            tasks.push(forward(trouble, to.clone(), move |m: Text, _| Some(Arrived::Trouble(id, m.data))));
             None
         });
     }

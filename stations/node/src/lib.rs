@@ -10,6 +10,7 @@ mod foreign;
 mod journal;
 mod node;
 mod topics;
+mod words;
 
 pub use convert::{ConvertError, mode_from_code, mode_to_code, report_from_message, report_to_message};
 pub use foreign::quoted;

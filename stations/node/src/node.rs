@@ -17,10 +17,11 @@ use thiserror::Error;
 use tokio::sync::{mpsc, watch};
 
 use crate::convert::{mode_from_code, report_from_message, report_to_message};
-use crate::devices::{Asked, Devices};
+use crate::devices::{Asked, Devices, Trouble};
 use crate::foreign::quoted;
 use crate::journal::{RecordError, from_record, to_record};
 use crate::topics::{Arrived, Says, open};
+use crate::words::Words;
 
 /// Why a station's node cannot run, or had to end.
 #[derive(Debug, Error)]
@@ -136,6 +137,8 @@ struct Shell {
     driver: Option<Driver>,
     /// What ROS 2 sees of the devices on its own bus.
     devices: Option<Devices>,
+    trouble: Option<Trouble>,
+    words: Words,
     journal: Option<Journal>,
     says: Says,
     from: mpsc::Receiver<Arrived>,
@@ -187,6 +190,8 @@ impl Shell {
         let (says, from, tasks) = open(&mut node, &line, station, controller.peers())?;
         let own = line.devices_of(Owner::Station(station));
         let devices = driver.as_ref().map(|_| Devices::open(&mut node, &line, own)).transpose()?;
+        let owner = Owner::Station(station);
+        let trouble = driver.as_ref().map(|_| Trouble::open(&mut node, "~/trouble", owner)).transpose()?;
         let states = line.stations.iter().map(|_| NewestBySequence::new()).collect();
         Ok(Shell {
             line,
@@ -199,6 +204,8 @@ impl Shell {
             driven: None,
             driver,
             devices,
+            trouble,
+            words: Words::default(),
             journal,
             says,
             from,
@@ -275,6 +282,7 @@ impl Shell {
                     self.image(message.word(), message.valid, message.lives, until, under);
                 }
             }
+            Arrived::Trouble(text) => self.words.trouble(&text),
             Arrived::Selector(text) => match text.trim() {
                 "manual" => self.handle(Input::Panel(PanelCommand::Selector(true))),
                 "auto" => self.handle(Input::Panel(PanelCommand::Selector(false))),
@@ -299,6 +307,10 @@ impl Shell {
             devices.bus_events(events, driver);
         }
         if let Some(driver) = &self.driver {
+            if let Some(trouble) = &mut self.trouble {
+                trouble.act(self.clock.now(), driver);
+                self.words.trouble(trouble.text());
+            }
             let image = driver.inputs(owner);
             self.image(image.bits, image.valid, u64::from(image.losses), Tick::NEVER, NO_DELAY);
         }
@@ -339,6 +351,10 @@ impl Shell {
         }
         if let (Some(devices), Some(driver)) = (&mut self.devices, &self.driver) {
             devices.act(now, driver);
+            if let Some(trouble) = &mut self.trouble {
+                trouble.act(now, driver);
+                self.words.trouble(trouble.text());
+            }
         }
         let due = now >= self.refresh_due;
         let outputs = self.outbox.outputs;
@@ -382,6 +398,8 @@ impl Shell {
     fn tell_state(&mut self, now: Tick) {
         self.state_sequence += 1;
         report_to_message(&self.line, &self.controller, now, &mut self.message);
+        let StationState { devices_valid, fault, blocked_by, .. } = &mut self.message;
+        self.words.complete(*devices_valid, fault, blocked_by);
         self.message.header = stamp();
         self.message.boot_id = self.boot_id;
         self.message.sequence = self.state_sequence;
@@ -405,7 +423,7 @@ impl Shell {
     }
 
     fn text_of(&self, event: &Event) -> String {
-        let text = self.controller.event_text(&self.line, event);
+        let text = self.words.event(event, self.controller.event_text(&self.line, event));
         if event.what == Happening::Refused {
             // The reasons are those of the state it was refused in, which is still the present one.
             let reasons = self.controller.blocked_by(&self.line, self.clock.now());

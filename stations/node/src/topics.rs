@@ -14,6 +14,8 @@ pub enum Arrived {
     State(Box<StationState>),
     /// The station's input image, through the coordinator's gateway.
     Inputs(ProcessImage),
+    /// What is wrong with the devices, from whoever manages them.
+    Trouble(String),
     /// The panel's selector: `auto` or `manual`.
     Selector(String),
     /// The panel's advance.
@@ -67,6 +69,9 @@ pub fn open(
     }
     if gateway {
         tasks.push(forward(node.subscription("~/inputs", qos::image())?, to.clone(), |m, _| Some(Arrived::Inputs(m))));
+        tasks.push(forward(node.subscription("~/trouble", qos::latched_state())?, to.clone(), |m: Text, _| {
+            Some(Arrived::Trouble(m.data))
+        }));
     }
     Ok((says, from, tasks))
 }

@@ -6,6 +6,7 @@
 mod diagnostics;
 mod names;
 mod services;
+mod trouble;
 
 use std::time::Duration;
 
@@ -19,6 +20,7 @@ use tokio::sync::mpsc;
 pub use names::device_names;
 pub use services::Asked;
 use services::Pending;
+pub use trouble::{Trouble, in_words};
 
 /// How often everything is told when nothing changes.
 const EVERY: Duration = Duration::from_secs(1);
@@ -146,12 +148,6 @@ impl Devices {
     fn told(&mut self, node: u8) -> Option<&mut Told> {
         self.told.iter_mut().find(|told| told.device.node_id == node)
     }
-}
-
-/// What keeps the devices of `owner` from being valid, in a sentence for each; empty if nothing does.
-pub fn trouble(driver: &Driver, owner: Owner) -> String {
-    let sentences: Vec<String> = driver.manager().trouble(driver.now(), owner).collect();
-    sentences.join("; ")
 }
 
 fn node_id(id: u8) -> Option<NodeId> {

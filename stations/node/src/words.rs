@@ -1,0 +1,81 @@
+//! The cause of a loss of devices, put where people look: the fault, what the station waits for, its events.
+//!
+//! The controller knows that its devices cannot be trusted; which one and why is known to whoever manages them.
+
+use linewright_station_logic::{Cause, DEVICES_INVALID, Event, Happening};
+
+/// What is known of the devices' trouble.
+#[derive(Debug, Default)]
+pub struct Words {
+    /// What is wrong now; empty if nothing is known to be.
+    now: String,
+    /// What was wrong first when they were last lost: the cause, before what came of it.
+    first: String,
+}
+
+impl Words {
+    /// Takes what the devices' manager says.
+    pub fn trouble(&mut self, text: &str) {
+        text.clone_into(&mut self.now);
+        if self.first.is_empty() {
+            text.clone_into(&mut self.first);
+        }
+    }
+
+    /// Completes a state's fault and reasons. `valid`: the devices are.
+    pub fn complete(&mut self, valid: bool, fault: &mut String, blocked_by: &mut [String]) {
+        let lost = Cause::Devices.text();
+        if fault.contains(lost) {
+            if !self.first.is_empty() {
+                *fault = fault.replace(lost, &format!("{lost} ({})", self.first));
+            }
+        } else if valid && self.now.is_empty() {
+            self.first.clear();
+        }
+        if !self.now.is_empty() {
+            for reason in blocked_by.iter_mut().filter(|reason| *reason == DEVICES_INVALID) {
+                *reason = format!("its devices: {}", self.now);
+            }
+        }
+    }
+
+    /// Completes an event's text.
+    pub fn event(&self, event: &Event, text: String) -> String {
+        match event.what {
+            Happening::Devices(false) if !self.now.is_empty() => format!("{text}: {}", self.now),
+            Happening::Stopped(_, _, Cause::Devices) if !self.first.is_empty() => format!("{text} ({})", self.first),
+            _ => text,
+        }
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn the_first_cause_stays_with_the_fault_and_the_present_one_is_what_is_waited_for() {
+        let mut words = Words::default();
+        let state = |words: &mut Words, valid, fault: &str| {
+            let mut fault = fault.to_owned();
+            let mut reasons = [DEVICES_INVALID.to_owned(), "a mode".to_owned()];
+            words.complete(valid, &mut fault, &mut reasons);
+            (fault, reasons[0].clone())
+        };
+        let none = state(&mut words, false, "close: devices lost");
+        assert_eq!(none, ("close: devices lost".to_owned(), DEVICES_INVALID.to_owned()));
+        words.trouble("io: silent");
+        words.trouble("io: being identified");
+        let (fault, reason) = state(&mut words, false, "close: devices lost");
+        assert_eq!(
+            (fault.as_str(), reason.as_str()),
+            ("close: devices lost (io: silent)", "its devices: io: being identified")
+        );
+        words.trouble("");
+        assert_eq!(state(&mut words, true, "close: devices lost").0, "close: devices lost (io: silent)");
+        // Recovered; the next loss has a cause of its own.
+        state(&mut words, true, "");
+        words.trouble("io: booted");
+        assert_eq!(state(&mut words, false, "close: devices lost").0, "close: devices lost (io: booted)");
+    }
+}
