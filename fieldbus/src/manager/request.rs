@@ -5,7 +5,8 @@
 //! overtakes them. They are bounded in number and in time, and each gets exactly one answer.
 //!
 //! A service of ROS 2 gives a number and not its length, and only the device knows how long its object is: before such a
-//! number is written, the object is read.
+//! number is written, the object is read. One that cannot be read is written in the shortest length the number has, and
+//! in longer ones as long as the device says that this is the wrong one.
 
 use std::collections::VecDeque;
 use std::time::Duration;
@@ -130,8 +131,18 @@ struct Active {
     node: NodeId,
     ask: Ask,
     transfer: Transfer,
-    /// The transfer reads an object to learn how long it is.
-    measuring: bool,
+    step: Step,
+}
+
+/// What the transfer of a request is for.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+enum Step {
+    /// To learn how long the object is.
+    Measure,
+    /// To find that out by writing so many bytes.
+    Try(usize),
+    /// What was asked.
+    Last,
 }
 
 /// The requests of one manager.
@@ -189,43 +200,68 @@ impl Requests {
 
     fn begin(&mut self, now: Tick, request: &Waiting, peer: &mut Peer, out: &mut Outbox) {
         let Waiting { number, node, ask, .. } = *request;
-        let (transfer, measuring) = match ask {
-            Ask::Read(object) => (Transfer::read(now, node, object, &mut out.frames), false),
+        let (transfer, step) = match ask {
+            Ask::Read(object) => (Transfer::read(now, node, object, &mut out.frames), Step::Last),
             Ask::Write { object, value, bytes } => {
                 // Asked again now: the device may have come up since.
                 if let Some(why) = peer.guards(object) {
                     return tell(number, Err(AskError::Guarded { object, why }), out);
                 }
                 match bytes.map(|bytes| setting(object, value, bytes)) {
-                    Some(Ok(setting)) => (Transfer::write(now, node, &setting, &mut out.frames), false),
+                    Some(Ok(setting)) => (Transfer::write(now, node, &setting, &mut out.frames), Step::Last),
                     Some(Err(error)) => return tell(number, Err(error), out),
-                    None => (Transfer::read(now, node, object, &mut out.frames), true),
+                    None => (Transfer::read(now, node, object, &mut out.frames), Step::Measure),
                 }
             }
         };
         peer.lent = true;
-        self.active.push(Active { number, node, ask, transfer, measuring });
+        self.active.push(Active { number, node, ask, transfer, step });
     }
 
     fn go_on(&mut self, now: Tick, at: usize, progress: Progress, peer: &mut Peer, out: &mut Outbox) {
         let Progress::Done(result) = progress else { return };
         let active = &mut self.active[at];
-        let answer = match (active.measuring, active.ask, result) {
-            (true, Ask::Write { object, value, .. }, Ok(bytes)) => match setting(object, value, bytes.len()) {
-                Ok(setting) => {
-                    active.measuring = false;
-                    active.transfer = Transfer::write(now, active.node, &setting, &mut out.frames);
-                    return;
-                }
-                Err(error) => Err(error),
-            },
-            (_, Ask::Write { .. }, Ok(_)) => Ok(Vec::new()),
-            (_, Ask::Read(_), Ok(bytes)) => Ok(bytes),
-            (_, _, Err(error)) => Err(error.into()),
+        let answer = match (active.step, active.ask, result) {
+            (Step::Measure, Ask::Write { .. }, Ok(bytes)) => active.write(now, bytes.len(), Step::Last, out),
+            (Step::Measure, Ask::Write { .. }, Err(TransferError { cause: Cause::Refused(Abort::WRITE_ONLY), .. })) => {
+                active.try_longer_than(now, 0, out)
+            }
+            (Step::Try(bytes), Ask::Write { .. }, Err(TransferError { cause: Cause::Refused(code), .. }))
+                if bytes < 4 && matches!(code, Abort::LENGTH | Abort::TOO_LONG | Abort::TOO_SHORT) =>
+            {
+                active.try_longer_than(now, bytes, out)
+            }
+            (_, Ask::Write { .. }, Ok(_)) => Some(Ok(Vec::new())),
+            (_, Ask::Read(_), Ok(bytes)) => Some(Ok(bytes)),
+            (_, _, Err(error)) => Some(Err(error.into())),
         };
+        let Some(answer) = answer else { return };
         let number = self.active.swap_remove(at).number;
         tell(number, answer, out);
         peer.give_back(now, out);
+    }
+}
+
+impl Active {
+    /// Writes the number in so many bytes; an answer if that cannot be.
+    fn write(&mut self, now: Tick, bytes: usize, step: Step, out: &mut Outbox) -> Option<Answer> {
+        let Ask::Write { object, value, .. } = self.ask else { return None };
+        match setting(object, value, bytes) {
+            Ok(setting) => {
+                self.step = step;
+                self.transfer = Transfer::write(now, self.node, &setting, &mut out.frames);
+                None
+            }
+            Err(error) => Some(Err(error)),
+        }
+    }
+
+    fn try_longer_than(&mut self, now: Tick, bytes: usize, out: &mut Outbox) -> Option<Answer> {
+        let Ask::Write { object, value, .. } = self.ask else { return None };
+        let longer = [1, 2, 4].into_iter().filter(|&length| length > bytes);
+        let fits = longer.into_iter().find(|&length| setting(object, value, length).is_ok());
+        // Four bytes hold any number, and after four nothing is tried.
+        self.write(now, fits.unwrap_or(4), Step::Try(fits.unwrap_or(4)), out)
     }
 }
 

@@ -69,6 +69,26 @@ fn a_number_is_written_in_the_length_the_object_has() {
 }
 
 #[test]
+fn an_object_that_cannot_be_read_is_written_in_the_length_it_takes() {
+    let mut bench = Bench::up();
+    let number = bench.ask(6, write(0x2005, 0, 300));
+    bench.hear("586#8005200001000106");
+    assert_eq!(bench.told().0[1..], ["606#2B0520002C010000"], "300 has two bytes");
+    bench.hear("586#8005200013000706");
+    assert_eq!(bench.told().0, ["606#230520002C010000"], "too short, says the device");
+    bench.hear("586#8005200030000906");
+    let (frames, answers) = bench.told();
+    let error = TransferError { object: ObjectId::new(0x2005, 0), cause: Cause::Refused(Abort::VALUE) };
+    assert_eq!((frames, answers), (vec![], vec![(number, Err(error.into()))]));
+    // Another refusal is not about the length.
+    bench.ask(6, write(0x2005, 0, 1));
+    bench.hear("586#8005200001000106");
+    assert_eq!(bench.told().0[1..], ["606#2F05200001000000"]);
+    bench.hear("586#6005200000000000");
+    assert_eq!(bench.told().1[0].1, Ok(vec![]));
+}
+
+#[test]
 fn what_the_process_rests_on_is_written_only_while_the_device_does_not_work() {
     let mut bench = Bench::up();
     for index in [0x1016, 0x1017, 0x1600, 0x6200, 0x6206, 0x6002] {
