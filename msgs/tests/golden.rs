@@ -64,4 +64,10 @@ fn version_1() {
     holds("v1", samples::line_state());
     holds("v1", samples::text());
     holds("v1", samples::flag());
+    holds("v1", samples::diagnostics());
+    let (read, value) = samples::co_read();
+    holds("v1", read);
+    holds("v1", value);
+    holds("v1", samples::co_write_id());
+    holds("v1", samples::trigger());
 }

@@ -5,12 +5,18 @@
 //! them, and a line does not know who will ask. So requests are taken as the bytes they are: the ones served here have
 //! at most sixteen, and with Cyclone's header every request has more. The answer goes the way the request came.
 //!
+//! A client can ask before this side knows where its answers are to go: the two ways between two nodes are discovered one
+//! by one, and an answer sent too early is lost for good. So the first answer to a client is held for a moment, as other
+//! implementations do.
+//!
 //! Whoever asks gets one answer or none; nothing here waits. Bytes are read as little endian, which is what every host
 //! that ROS 2 supports sends.
 
+use std::collections::VecDeque;
 use std::fmt;
 use std::marker::PhantomData;
 use std::sync::Arc;
+use std::time::Duration;
 
 use linewright_msgs::{RosMessage, RosService};
 use ros2_client::{ReadError, Server, service::RmwRequestId};
@@ -25,6 +31,11 @@ use crate::subscription::Forward;
 const HEADER: usize = 16;
 /// Most bytes of a request that are looked at: the header, and more than any request served.
 const REQUEST_MAX: usize = 64;
+
+/// How long the first answer to a client is held (that of rmw_fastrtps).
+const HOLD: Duration = Duration::from_millis(100);
+/// How many clients of a service are known again. One more is held once more.
+const CLIENTS: usize = 16;
 
 /// A request as it came.
 #[derive(Clone, Debug, Default, PartialEq, Eq)]
@@ -115,6 +126,7 @@ pub struct Reply<S: RosService> {
     server: Arc<RawServer<S>>,
     to: RmwRequestId,
     header: Option<[u8; HEADER]>,
+    held: bool,
     service: PhantomData<S>,
 }
 
@@ -127,9 +139,20 @@ impl<S: RosService> fmt::Debug for Reply<S> {
 impl<S: RosService> Reply<S> {
     /// Sends the answer. Never waits; a client that has gone meanwhile gets none.
     pub fn send(self, response: S::Response) {
-        let response = RawResponse { header: self.header, body: response };
-        if let Err(error) = self.server.send_response(self.to, response) {
-            tracing::warn!("{}/{}: answer not sent: {error}", S::PACKAGE, S::NAME);
+        let Reply { server, to, header, held, .. } = self;
+        let send = move || {
+            if let Err(error) = server.send_response(to, RawResponse { header, body: response }) {
+                tracing::warn!("{}/{}: answer not sent: {error}", S::PACKAGE, S::NAME);
+            }
+        };
+        match tokio::runtime::Handle::try_current() {
+            Ok(runtime) if held => {
+                runtime.spawn(async move {
+                    tokio::time::sleep(HOLD).await;
+                    send();
+                });
+            }
+            Ok(_) | Err(_) => send(),
         }
     }
 }
@@ -148,6 +171,7 @@ where
     let Service { inner: server, name } = service;
     Forward::spawn(async move {
         let mut rejected = 0u64;
+        let mut known = VecDeque::with_capacity(CLIENTS);
         loop {
             let received = tokio::select! {
                 received = server.async_receive_request() => received,
@@ -163,7 +187,13 @@ where
             };
             match asked {
                 Some((id, (header, request))) => {
-                    let reply = Reply { server: server.clone(), to: id, header, service: PhantomData };
+                    let client = id.writer_gid;
+                    let held = !known.contains(&client);
+                    if held {
+                        known.truncate(CLIENTS - 1);
+                        known.push_front(client);
+                    }
+                    let reply = Reply { server: server.clone(), to: id, header, held, service: PhantomData };
                     if to.send(map(request, reply)).await.is_err() {
                         return;
                     }

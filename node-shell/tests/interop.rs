@@ -6,8 +6,8 @@
 //!
 //! `LINEWRIGHT_INTEROP_PYTHON` names the interpreter that has the package (default `python3`).
 
-use linewright_msgs::{Answer, StationState, Text};
-use linewright_node_shell::{Participant, RosArgs, qos, stamp};
+use linewright_msgs::{Answer, CORead, CoReadRequest, CoReadResponse, StationState, Text};
+use linewright_node_shell::{Participant, RosArgs, qos, serve, stamp};
 use std::io::{BufRead, BufReader, Write};
 use std::process::{Command, Stdio};
 use std::time::{Duration, Instant};
@@ -58,6 +58,7 @@ fn inside_the_namespace() {
     }
     let runtime = tokio::runtime::Builder::new_multi_thread().worker_threads(1).enable_all().build().expect("runtime");
     runtime.block_on(both_ways());
+    runtime.block_on(a_service_is_called());
 }
 
 async fn both_ways() {
@@ -89,6 +90,29 @@ async fn both_ways() {
     peer.wait().expect("ended");
     assert!(all, "the peer did not hear everything");
     assert_eq!(commands.rejected(), 0);
+}
+
+/// As a node under rmw_cyclonedds asks: the request's identity stands before the data.
+async fn a_service_is_called() {
+    let participant = Participant::open(&RosArgs::default()).expect("participant");
+    let mut node = participant.node("/transfer_line", "coordinator").expect("node");
+    let service = node.service::<CORead>("clamp_1_io/sdo_read").expect("service");
+    let (to, mut from) = tokio::sync::mpsc::channel(16);
+    let _task = serve(service, to, |asked: CoReadRequest, reply| (asked, reply));
+    let script = concat!(env!("CARGO_MANIFEST_DIR"), "/tests/interop/caller.py");
+    let mut peer = Command::new(python()).args([script, "0"]).stdout(Stdio::piped()).spawn().expect("the peer starts");
+    let lines = BufReader::new(peer.stdout.take().expect("piped")).lines();
+    let said = tokio::task::spawn_blocking(move || lines.map_while(Result::ok).collect::<Vec<String>>());
+    while !said.is_finished() {
+        if let Ok(Some((asked, reply))) = timeout(Duration::from_millis(100), from.recv()).await {
+            assert_eq!(asked, CoReadRequest { index: 0x1018, subindex: 2 });
+            reply.send(CoReadResponse { success: true, data: 0x1234_5678 });
+        }
+    }
+    peer.wait().expect("ended");
+    let said = said.await.expect("the peer's output");
+    println!("Cyclone DDS called a service: {said:?}");
+    assert_eq!(said, [format!("answer True True {}", 0x1234_5678)]);
 }
 
 fn state() -> StationState {

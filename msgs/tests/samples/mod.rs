@@ -5,7 +5,8 @@
 //! One message of each kind with every field set, so that a swapped or dropped field shows.
 
 use linewright_msgs::{
-    Answer, Bounded, Flag, Header, LineState, ModeOrder, ProcessImage, StationEvent, StationState, Text, Time,
+    Answer, Bounded, CoReadRequest, CoReadResponse, CoWriteIdRequest, DiagnosticArray, DiagnosticStatus, Flag, Header,
+    KeyValue, LineState, ModeOrder, ProcessImage, StationEvent, StationState, Text, Time, TriggerResponse,
 };
 
 pub fn header() -> Header {
@@ -115,4 +116,27 @@ pub fn text() -> Text {
 
 pub fn flag() -> Flag {
     Flag { data: true }
+}
+
+pub fn diagnostics() -> DiagnosticArray {
+    let status = DiagnosticStatus {
+        level: DiagnosticStatus::STALE,
+        name: "coordinator: clamp 1 io".into(),
+        message: "no heartbeat (1017h) for 230 ms".into(),
+        hardware_id: "CANopen node 21h".into(),
+        values: vec![KeyValue::new("state", "ERROR")],
+    };
+    DiagnosticArray { header: header(), status: vec![status] }
+}
+
+pub fn co_read() -> (CoReadRequest, CoReadResponse) {
+    (CoReadRequest { index: 0x1018, subindex: 1 }, CoReadResponse { success: true, data: 0x1234_5678 })
+}
+
+pub fn co_write_id() -> CoWriteIdRequest {
+    CoWriteIdRequest { nodeid: 0x21, index: 0x6200, subindex: 1, data: 0x1234_5678, canopen_datatype: 7 }
+}
+
+pub fn trigger() -> TriggerResponse {
+    TriggerResponse { success: true, message: "ordered to reset".into() }
 }
