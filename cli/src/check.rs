@@ -31,10 +31,13 @@ pub struct Args {
 
 /// `linewright check`
 pub fn run(args: &Args) -> miette::Result<ExitCode> {
-    let report = match load::parsed(&args.line) {
-        Ok(mut parsed) => {
-            // Devices' own files say nothing about the controllers, but a line with a wrong one is not right.
-            load::with_device_files(&mut parsed.line, &args.line, args.json)?;
+    let read = load::parsed(&args.line).and_then(|mut parsed| {
+        // Devices' own files say nothing about the controllers, but a line with a wrong one is not right.
+        load::with_device_files(&mut parsed.line, &args.line, args.json)?;
+        Ok(parsed)
+    });
+    let report = match read {
+        Ok(parsed) => {
             let report = report::judge(&parsed, &args.options).into_diagnostic()?;
             if !args.json {
                 draw_warnings(args, parsed.warnings)?;

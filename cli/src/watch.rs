@@ -131,10 +131,13 @@ impl View {
         for id in self.line.station_ids() {
             lines.extend(self.station(client, id));
         }
-        lines.push(String::new());
-        let chart_width = width.saturating_sub(48).clamp(20, 160);
-        lines.extend(self.chart.draw(now(), CHART_SECONDS, chart_width));
-        lines.push(format!("{:>w$}", format!("last {CHART_SECONDS:.0} s ▏now"), w = chart_width + 44));
+        // One picture (`watch --once`) has seen too little for a chart.
+        if !self.chart.is_empty() {
+            lines.push(String::new());
+            let chart_width = width.saturating_sub(48).clamp(20, 160);
+            lines.extend(self.chart.draw(now(), CHART_SECONDS, chart_width));
+            lines.push(format!("{:>w$}", format!("last {CHART_SECONDS:.0} s ▏now"), w = chart_width + 44));
+        }
         lines.push(String::new());
         lines.extend(self.messages.iter().cloned());
         lines

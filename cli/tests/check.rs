@@ -253,3 +253,14 @@ fn a_new_line_keeps_to_its_bounds() {
     }
     assert!(!Path::new(&dir).exists(), "nothing was made");
 }
+
+#[test]
+fn a_devices_file_that_cannot_be_read_is_told_in_json_too() {
+    let scratch = Scratch::new();
+    let path = scratch.changed("node = 0x21\n", "node = 0x21\nfile = \"nobody.eds\"\n");
+    let output = linewright(&["check", &path, "--json", "--structure"]);
+    assert_eq!(output.status.code(), Some(1), "{output:?}");
+    let found = json(&output);
+    assert_eq!(found["ok"], false);
+    assert!(found.to_string().contains("nobody.eds"), "{found}");
+}

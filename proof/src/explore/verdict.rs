@@ -114,6 +114,8 @@ fn never_wrong<const N: usize>(search: &mut Search<N>) -> Vec<Property> {
                 (None, End::Wrong(_) | End::Limit) => Verdict::Undecided,
             };
             let reason = match (&story, verdict) {
+                // What is wrong need not be said twice: a conflict's property is named by it.
+                (Some(story), _) if name.ends_with(&story.end) => format!("after {} steps", story.steps.len()),
                 (Some(story), _) => format!("{}, after {} steps", story.end, story.steps.len()),
                 (None, Verdict::Holds) => format!("in all {} states", search.tally.states),
                 (None, _) => undecided(search),
