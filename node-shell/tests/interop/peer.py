@@ -52,12 +52,13 @@ class StationState_(IdlStruct, typename="linewright_msgs::msg::dds_::StationStat
     station: str
     mode_epoch: uint64
     mode: uint8
-    cycle: uint32
-    done: sequence[uint32]
-    started: sequence[uint32]
+    cycle: int32
+    done: sequence[int32]
+    started: sequence[int32]
     places: sequence[uint8]
     recovering_home: bool
     at_home: bool
+    round: int32
     stopped: bool
     selector_manual: bool
     devices_valid: bool
