@@ -29,7 +29,8 @@ pub fn line(path: &Path, quiet: bool) -> miette::Result<Line> {
 /// Adds what the devices' own files say, which lie beside the description.
 pub fn with_device_files(line: &mut Line, path: &Path, quiet: bool) -> miette::Result<()> {
     let file = file_of(path);
-    crate::devices::complete(line, file.parent().unwrap_or(Path::new("")), quiet)
+    crate::devices::complete(line, file.parent().unwrap_or(Path::new("")), quiet)?;
+    crate::frames::complete(line, &file)
 }
 
 /// Reads and parses a description, keeping its warnings.

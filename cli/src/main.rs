@@ -8,6 +8,7 @@ mod can;
 mod check;
 mod client;
 mod devices;
+mod frames;
 mod interrupts;
 mod load;
 mod nets;

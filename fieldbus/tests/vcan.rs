@@ -82,6 +82,7 @@ fn a_manager_brings_a_device_up_and_the_log_can_be_read() {
             outputs: vec![Some(OutputId(0))],
             setup: linewright_line::Setup::default(),
             drive: None,
+            frames: None,
         };
         let manager = Manager::new([&description], Timing::default()).unwrap();
         let mut driver = Driver::new(bus, manager, Clock::start());

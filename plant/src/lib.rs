@@ -3,10 +3,11 @@
 //! - [`Plant`]: the mechanisms of a line in pure, event-driven time: outputs in, limit switches out;
 //! - [`DeviceNode`]: one generic CANopen I/O device, pure: frames in, frames out;
 //! - [`DriveNode`]: one CANopen drive, pure as well; it moves its axis itself;
+//! - [`PlainNode`]: one device that speaks no CANopen, but the frames of a DBC file, pure;
 //! - [`Rack`]: the devices of one bus wired to the mechanisms, pure;
 //! - [`run_plant`]: the shell that puts racks on their buses.
 //!
-//! The last four need the feature `can`, which is on by default. A simulation that carries process images itself does
+//! The last five need the feature `can`, which is on by default. A simulation that carries process images itself does
 //! without it, and is pure.
 //!
 //! The plant knows the description and the laws of motion, and nothing of modes, cycles or controllers: whoever
@@ -25,7 +26,7 @@ mod rack;
 mod run;
 
 #[cfg(feature = "can")]
-pub use device::{DeviceNode, DeviceOutbox, DriveNode, Order};
+pub use device::{DeviceNode, DeviceOutbox, DriveNode, Order, PlainNode};
 pub use fault::{DeviceFault, FAULT_INDEX, Fault, PRESS_INDEX};
 pub use plant::{Plant, PlantOptions};
 #[cfg(feature = "can")]

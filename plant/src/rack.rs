@@ -6,7 +6,7 @@
 use linewright_fieldbus::{Frame, NodeId};
 use linewright_line::{Bus, Device, DriveMode, Line, Owner, StationId, Tick};
 
-use crate::device::{DeviceNode, DeviceOutbox, DriveNode, Order};
+use crate::device::{DeviceNode, DeviceOutbox, DriveNode, Order, PlainNode};
 use crate::mechanism::bit;
 use crate::plant::{Plant, PlantOptions};
 
@@ -19,6 +19,7 @@ enum Node {
     Io(Box<DeviceNode>),
     /// With the station whose axis it moves.
     Drive(Box<DriveNode>, StationId),
+    Plain(Box<PlainNode>),
 }
 
 impl Node {
@@ -26,6 +27,7 @@ impl Node {
         match self {
             Node::Io(node) => node.handle(now, frame, out),
             Node::Drive(node, _) => node.handle(now, frame, out),
+            Node::Plain(node) => node.handle(now, frame, out),
         }
     }
 
@@ -33,6 +35,7 @@ impl Node {
         match self {
             Node::Io(node) => node.poll(now, out),
             Node::Drive(node, _) => node.poll(now, out),
+            Node::Plain(node) => node.poll(now, out),
         }
     }
 
@@ -40,6 +43,7 @@ impl Node {
         match self {
             Node::Io(node) => node.next_deadline(),
             Node::Drive(node, _) => node.next_deadline(),
+            Node::Plain(node) => node.next_deadline(),
         }
     }
 }
@@ -60,6 +64,14 @@ impl Rack {
         let mut slots = Vec::new();
         let mut owners = Vec::new();
         for device in line.devices.iter().filter(|d| d.bus == *bus) {
+            if !owners.contains(&device.owner) {
+                owners.push(device.owner);
+            }
+            if let Some(binding) = device.frames.as_ref().and_then(|frames| frames.bound.as_ref()) {
+                let node = Node::Plain(Box::new(PlainNode::new(now, binding)));
+                slots.push(Slot { device: device.clone(), node });
+                continue;
+            }
             let Some(id) = NodeId::new(device.node_id) else { continue };
             let node = match (&device.drive, device.owner) {
                 (Some(drive), Owner::Station(station)) => {
@@ -72,9 +84,6 @@ impl Rack {
                 }
             };
             slots.push(Slot { device: device.clone(), node });
-            if !owners.contains(&device.owner) {
-                owners.push(device.owner);
-            }
         }
         Rack { plant: Plant::new(line, options), slots, owners }
     }
@@ -109,7 +118,7 @@ impl Rack {
     pub fn device(&self, node: NodeId) -> Option<&DeviceNode> {
         self.slots.iter().filter(|slot| slot.device.node_id == node.get()).find_map(|slot| match &slot.node {
             Node::Io(node) => Some(node.as_ref()),
-            Node::Drive(..) => None,
+            Node::Drive(..) | Node::Plain(_) => None,
         })
     }
 
@@ -117,7 +126,7 @@ impl Rack {
     pub fn device_mut(&mut self, node: NodeId) -> Option<&mut DeviceNode> {
         self.slots.iter_mut().filter(|slot| slot.device.node_id == node.get()).find_map(|slot| match &mut slot.node {
             Node::Io(node) => Some(node.as_mut()),
-            Node::Drive(..) => None,
+            Node::Drive(..) | Node::Plain(_) => None,
         })
     }
 
@@ -125,7 +134,7 @@ impl Rack {
     pub fn drive(&self, node: NodeId) -> Option<&DriveNode> {
         self.slots.iter().filter(|slot| slot.device.node_id == node.get()).find_map(|slot| match &slot.node {
             Node::Drive(node, _) => Some(node.as_ref()),
-            Node::Io(_) => None,
+            Node::Io(_) | Node::Plain(_) => None,
         })
     }
 
@@ -133,7 +142,15 @@ impl Rack {
     pub fn drive_mut(&mut self, node: NodeId) -> Option<&mut DriveNode> {
         self.slots.iter_mut().filter(|slot| slot.device.node_id == node.get()).find_map(|slot| match &mut slot.node {
             Node::Drive(node, _) => Some(node.as_mut()),
-            Node::Io(_) => None,
+            Node::Io(_) | Node::Plain(_) => None,
+        })
+    }
+
+    /// The device of this name that speaks no CANopen, to make it fail.
+    pub fn plain_mut(&mut self, name: &str) -> Option<&mut PlainNode> {
+        self.slots.iter_mut().filter(|slot| slot.device.name == name).find_map(|slot| match &mut slot.node {
+            Node::Plain(node) => Some(node.as_mut()),
+            Node::Io(_) | Node::Drive(..) => None,
         })
     }
 
@@ -174,20 +191,30 @@ impl Rack {
             let on = self.slots.iter().filter(|slot| slot.device.owner == *owner).flat_map(|slot| {
                 let bits = match &slot.node {
                     Node::Io(node) => node.outputs(),
-                    Node::Drive(..) => 0,
+                    Node::Drive(..) | Node::Plain(_) => 0,
                 };
                 let wired = slot.device.outputs.iter().enumerate();
                 wired.filter(move |(at, _)| bits >> at & 1 == 1).filter_map(|(_, output)| *output)
             });
-            let image = on.fold(0, |image, output| image | bit(output.index()));
+            let plain = self.slots.iter().filter(|slot| slot.device.owner == *owner).map(|slot| match &slot.node {
+                Node::Plain(node) => node.outputs(),
+                Node::Io(_) | Node::Drive(..) => 0,
+            });
+            let plain = plain.fold(0, |all, outputs| all | outputs);
+            let image = on.fold(plain, |image, output| image | bit(output.index()));
             self.plant.set_outputs(now, *owner, image);
         }
     }
 
     fn carry_inputs(&mut self, now: Tick, out: &mut Vec<Frame>) {
         for slot in &mut self.slots {
-            let Node::Io(node) = &mut slot.node else { continue };
             let image = self.plant.inputs(slot.device.owner);
+            if let Node::Plain(node) = &mut slot.node {
+                let mut outbox = DeviceOutbox::default();
+                node.set_inputs(now, image, &mut outbox);
+                out.append(&mut outbox.frames);
+            }
+            let Node::Io(node) = &mut slot.node else { continue };
             let wired = slot.device.inputs.iter().take(64).enumerate();
             let on = wired.filter(|(_, input)| input.is_some_and(|input| image & bit(input.index()) != 0));
             let bits = on.fold(0, |bits, (at, _)| bits | 1 << at);

@@ -8,10 +8,11 @@ use std::process::Command;
 use crate::part::lines;
 
 /// The fuzz targets, with the directories that their seeds are in besides `fuzz/seeds`.
-const TARGETS: [(&str, &[&str]); 4] = [
+const TARGETS: [(&str, &[&str]); 5] = [
     ("description", &["model/line/tests/descriptions", "launch-config/lines/transfer-line"]),
     ("pnml", &[]),
     ("eds", &["model/eds/tests/devices", "launch-config/devices"]),
+    ("dbc", &[]),
     ("sdo", &[]),
 ];
 

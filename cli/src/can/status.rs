@@ -61,7 +61,7 @@ pub async fn run(bus: &mut Bus, interface: &str, args: &StatusArgs) -> miette::R
 
 /// The description's devices on this bus, then whoever else was heard.
 fn nodes(line: &Line, interface: &str, survey: &Survey, now: Tick, listened: Duration) -> Vec<Node> {
-    let described = line.devices_on(interface).map(|device| {
+    let described = line.devices_on(interface).filter(|device| device.frames.is_none()).map(|device| {
         let heard = NodeId::new(device.node_id).and_then(|node| survey.node(node));
         let owner = match device.owner {
             Owner::Station(id) => line.station(id).name.clone(),

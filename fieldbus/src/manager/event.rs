@@ -3,9 +3,10 @@
 use std::fmt;
 use std::time::Duration;
 
-use linewright_line::Owner;
+use linewright_line::{FrameId, Owner};
 
 use super::boot::BootError;
+use super::plain::FrameFault;
 use super::request::Answer;
 use crate::codec::{Emergency, NmtState, NodeId, Profile};
 use crate::frame::Frame;
@@ -35,6 +36,27 @@ pub enum Event {
         node: NodeId,
         /// For how long.
         silent_for: Duration,
+    },
+    /// The device hears no SYNC: the inputs that come with it have not come for too long.
+    NoSync {
+        /// Which.
+        node: NodeId,
+        /// For how long.
+        silent_for: Duration,
+    },
+    /// A device that speaks no CANopen is live: all its messages come.
+    FramesUp {
+        /// The last of its messages that came.
+        id: FrameId,
+    },
+    /// It is lost: a message of it has not come in time.
+    FramesLost {
+        /// Which.
+        id: FrameId,
+        /// For how long.
+        silent_for: Duration,
+        /// What is wrong with those that come.
+        why: FrameFault,
     },
     /// The device has booted while it was thought to be running.
     DeviceRebooted {
@@ -157,6 +179,13 @@ impl fmt::Display for Event {
             Event::DeviceRebooted { node } => write!(f, "node {node} has rebooted"),
             Event::DeviceLeft { node, state } => {
                 write!(f, "node {node} has left the operational state (now {:02X}h)", state.code())
+            }
+            Event::NoSync { node, silent_for } => {
+                write!(f, "node {node} hears no SYNC: its inputs have not come for {} ms", silent_for.as_millis())
+            }
+            Event::FramesUp { id } => write!(f, "the sender of {id} is live"),
+            Event::FramesLost { id, silent_for, why } => {
+                write!(f, "the sender of {id} is lost: nothing of it for {} ms: {why}", silent_for.as_millis())
             }
             Event::BootFailed { node, why } => write!(f, "node {node} is not started: {why}"),
             Event::Emergency { node, emergency, profile } => {

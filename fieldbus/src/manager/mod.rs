@@ -16,19 +16,22 @@ mod guard;
 mod image;
 mod pace;
 mod peer;
+mod plain;
 mod process;
 mod request;
 mod status;
+mod sync;
 mod transfer;
 mod trouble;
 
 use std::time::Duration;
 
-use linewright_line::{Device, Owner, Tick, Timing};
+use linewright_line::{Device, FrameId, Owner, Tick, Timing};
 use thiserror::Error;
 
 pub use boot::BootError;
 pub use event::{Event, IgnoreReason, Outbox};
+pub use plain::FrameFault;
 pub use request::{Answer, Ask, AskError};
 pub use status::{Condition, Status};
 
@@ -37,6 +40,7 @@ use crate::frame::Frame;
 use event::IGNORE_REASONS;
 use pace::Pace;
 use peer::{Outcome, Peer};
+use plain::Plain;
 use request::Requests;
 use status::Record;
 
@@ -67,6 +71,24 @@ pub enum ManagerError {
         second: String,
         /// Their number.
         node: u8,
+    },
+    /// The DBC file of a device that speaks no CANopen has not been read.
+    #[error("device `{device}`: its file {file} has not been read")]
+    Unread {
+        /// The device.
+        device: String,
+        /// The file.
+        file: String,
+    },
+    /// An identifier with two meanings.
+    #[error("device `{device}` has messages with identifier {id}, which is that of {other}")]
+    FrameId {
+        /// The device.
+        device: String,
+        /// The identifier.
+        id: FrameId,
+        /// Who else has it.
+        other: String,
     },
     /// More bits than one PDO carries.
     #[error("device `{device}` has {bits} bits in one direction; one PDO carries 64")]
@@ -105,12 +127,15 @@ struct Image {
 pub struct Manager {
     timing: Timing,
     peers: Vec<Peer>,
+    /// Devices that speak no CANopen.
+    plains: Vec<Plain>,
     /// What is remembered of each, in the same order.
     records: Vec<Record>,
     requests: Requests,
     images: Vec<Image>,
     /// `None` until the first poll: nothing has been sent yet.
     next_heartbeat: Option<Tick>,
+    next_sync: Option<Tick>,
     ignored: [u64; IGNORE_REASONS],
     pace: Pace,
     /// Whose turn it is to send a segment of a block.
@@ -122,7 +147,17 @@ impl Manager {
     pub fn new<'a>(devices: impl IntoIterator<Item = &'a Device>, timing: Timing) -> Result<Self, ManagerError> {
         let mut peers: Vec<Peer> = Vec::new();
         let mut images: Vec<Image> = Vec::new();
+        let mut plains = Vec::new();
         for device in devices {
+            if !images.iter().any(|i| i.owner == device.owner) {
+                let inputs = InputImage { bits: 0, valid: false, since: Tick::ZERO, updated: Tick::ZERO, losses: 0 };
+                images.push(Image { owner: device.owner, outputs: 0, inputs });
+            }
+            if let Some(frames) = &device.frames {
+                let unread = || ManagerError::Unread { device: device.name.clone(), file: frames.file.name.clone() };
+                plains.push((device, frames.bound.as_ref().ok_or_else(unread)?));
+                continue;
+            }
             let node = NodeId::new(device.node_id).filter(|node| *node != MANAGER_NODE);
             let node =
                 node.ok_or_else(|| ManagerError::NodeId { device: device.name.clone(), node: device.node_id })?;
@@ -134,24 +169,27 @@ impl Manager {
             if bits > 64 {
                 return Err(ManagerError::TooWide { device: device.name.clone(), bits });
             }
-            if !images.iter().any(|i| i.owner == device.owner) {
-                let inputs = InputImage { bits: 0, valid: false, since: Tick::ZERO, updated: Tick::ZERO, losses: 0 };
-                images.push(Image { owner: device.owner, outputs: 0, inputs });
-            }
             peers.push(Peer::new(node, device, &timing));
         }
         let records = vec![Record::default(); peers.len()];
-        Ok(Manager {
+        let mut manager = Manager {
             timing,
             peers,
+            plains: Vec::new(),
             records,
             requests: Requests::default(),
             images,
             next_heartbeat: None,
+            next_sync: None,
             ignored: [0; IGNORE_REASONS],
             pace: Pace::new(),
             turn: 0,
-        })
+        };
+        for (device, binding) in plains {
+            manager.add_plain(device, binding);
+        }
+        manager.check_ids()?;
+        Ok(manager)
     }
 
     /// Takes one frame heard on the bus at `now`.
@@ -165,6 +203,9 @@ impl Manager {
     }
 
     fn take(&mut self, now: Tick, frame: &Frame, out: &mut Outbox) {
+        if self.take_plain(now, frame, out) {
+            return;
+        }
         let message = match Message::decode(frame) {
             Ok(message) => message,
             Err(error) => return self.undecodable(error, *frame, out),
@@ -209,10 +250,12 @@ impl Manager {
             out.frames.push(Message::Heartbeat { node: MANAGER_NODE, state }.encode());
             self.next_heartbeat = Some(now + self.timing.heartbeat);
         }
+        self.send_sync(now, out);
         for at in 0..self.peers.len() {
             let outcome = self.peers[at].poll(now, out);
             self.settle(now, at, outcome, out);
         }
+        self.poll_plain(now, out);
         self.requests.poll(now, &mut self.peers, out);
         self.record(now, &out.events[told..]);
         self.pass(now, start, out);
@@ -221,8 +264,9 @@ impl Manager {
     /// When [`Manager::poll`] has something to do next. `None` before the first poll, which is due at once.
     pub fn next_deadline(&self) -> Option<Tick> {
         let heartbeat = self.next_heartbeat?;
-        let pace = self.pace.deadline(self.peers.iter().any(Peer::streams));
+        let pace = self.pace.deadline(self.peers.iter().any(Peer::streams) || self.requests.streaming(0).is_some());
         let first = heartbeat.min(pace).min(self.requests.deadline());
+        let first = first.min(self.next_sync.unwrap_or(Tick::NEVER)).min(self.plain_deadline());
         Some(self.peers.iter().map(Peer::deadline).fold(first, Tick::min))
     }
 
@@ -237,6 +281,9 @@ impl Manager {
         let start = out.frames.len();
         for peer in self.peers.iter_mut().filter(|p| p.owner == owner) {
             peer.set_image(now, image, out);
+        }
+        for plain in self.plains.iter_mut().filter(|p| p.owner == owner) {
+            plain.set_image(now, image, out);
         }
         self.pass(now, start, out);
     }
@@ -256,6 +303,9 @@ impl Manager {
         for peer in &mut self.peers {
             peer.set_image(now, 0, out);
         }
+        for plain in &mut self.plains {
+            plain.set_image(now, 0, out);
+        }
     }
 
     /// The inputs of `owner` as they stand at `now`.
@@ -264,6 +314,7 @@ impl Manager {
         let image = self.images.iter().find(|i| i.owner == owner).map_or(never, |i| i.inputs);
         // Looked at again here, so that a caller who polls late does not read a dead device as a live one.
         let fresh = self.peers.iter().filter(|p| p.owner == owner).all(|p| p.trusted(now));
+        let fresh = fresh && self.plains.iter().filter(|p| p.owner == owner).all(|p| p.trusted(now));
         InputImage { valid: image.valid && fresh, ..image }
     }
 
@@ -295,11 +346,26 @@ impl Manager {
     fn pass(&mut self, now: Tick, start: usize, out: &mut Outbox) {
         self.pace.pass(now, start, &mut out.frames);
         while self.pace.may_stream(now) {
-            let turns = (0..self.peers.len()).map(|ahead| (self.turn + ahead) % self.peers.len());
-            let Some(at) = turns.into_iter().find(|at| self.peers[*at].streams()) else { return };
-            self.peers[at].stream(now, out);
+            // One after the other, and then somebody's request.
+            let next = |from: usize| (from..self.peers.len()).find(|at| self.peers[*at].streams());
+            match next(self.turn) {
+                Some(at) => {
+                    self.peers[at].stream(now, out);
+                    self.turn = at + 1;
+                }
+                None => {
+                    let first = next(0).is_some();
+                    let streamed = self.requests.stream(now, out);
+                    if !first && !streamed {
+                        return;
+                    }
+                    self.turn = 0;
+                    if !streamed {
+                        continue;
+                    }
+                }
+            }
             self.pace.streamed(now);
-            self.turn = at + 1;
         }
     }
 
@@ -333,24 +399,32 @@ impl Manager {
             Outcome::Lost => {
                 self.pace.forget(self.peers[at].node);
                 self.records[at].losses += 1;
-                // The owner's controller decided without knowing of this loss: none of its outputs is vouched for.
-                if let Some(image) = self.images.iter_mut().find(|i| i.owner == owner) {
-                    image.outputs = 0;
-                }
-                for peer in self.peers.iter_mut().filter(|p| p.owner == owner) {
-                    peer.set_image(now, 0, out);
-                }
+                self.let_go(now, owner, out);
             }
         }
         self.gather(now, owner, out);
     }
 
+    /// One of an owner's devices is lost. Its controller decided without knowing: none of its outputs is vouched for.
+    fn let_go(&mut self, now: Tick, owner: Owner, out: &mut Outbox) {
+        if let Some(image) = self.images.iter_mut().find(|i| i.owner == owner) {
+            image.outputs = 0;
+        }
+        for peer in self.peers.iter_mut().filter(|p| p.owner == owner) {
+            peer.set_image(now, 0, out);
+        }
+        for plain in self.plains.iter_mut().filter(|p| p.owner == owner) {
+            plain.set_image(now, 0, out);
+        }
+    }
+
     /// Recomputes an owner's input image, and reports a change.
     fn gather(&mut self, now: Tick, owner: Owner, out: &mut Outbox) {
         let peers = || self.peers.iter().filter(|p| p.owner == owner);
-        let bits = peers().fold(0, |bits, peer| bits | peer.input_bits());
-        let valid = peers().all(|peer| peer.trusted(now));
-        let updated = peers().filter_map(Peer::updated).max();
+        let plains = || self.plains.iter().filter(|p| p.owner == owner);
+        let bits = peers().map(Peer::input_bits).chain(plains().map(Plain::input_bits)).fold(0, |all, bits| all | bits);
+        let valid = peers().all(|peer| peer.trusted(now)) && plains().all(|plain| plain.trusted(now));
+        let updated = peers().filter_map(Peer::updated).chain(plains().filter_map(Plain::updated)).max();
         let Some(image) = self.images.iter_mut().find(|i| i.owner == owner) else { return };
         let before = image.inputs;
         let since = if before.valid == valid { before.since } else { now };

@@ -44,6 +44,8 @@ pub(super) struct Pace {
     shared: i64,
     /// Urgent frames that were refused.
     urgent: VecDeque<Frame>,
+    /// Identifiers, with the kernel's flags, of what devices that speak no CANopen are sent.
+    plain: Vec<u32>,
     process: VecDeque<Frame>,
     service: VecDeque<Frame>,
     /// When service data may go in any case.
@@ -67,6 +69,15 @@ fn class(frame: &Frame) -> Class {
 }
 
 impl Pace {
+    /// From here on frames with this id word are process data, whatever they would be in CANopen.
+    pub fn treat_as_process_data(&mut self, id_word: u32) {
+        self.plain.push(id_word);
+    }
+
+    fn class(&self, frame: &Frame) -> Class {
+        if self.plain.contains(&frame.id_word()) { Class::Process } else { class(frame) }
+    }
+
     /// With its whole burst to spend.
     pub fn new() -> Self {
         Pace { own: BURST * FRAME, shared: BURST * FRAME, ..Pace::default() }
@@ -82,7 +93,7 @@ impl Pace {
     pub fn pass(&mut self, now: Tick, start: usize, frames: &mut Vec<Frame>) {
         self.refill(now);
         for frame in frames.split_off(start) {
-            match class(&frame) {
+            match self.class(&frame) {
                 Class::Urgent if !self.urgent.is_empty() => self.queue_urgent(frame),
                 Class::Urgent => {
                     self.spend();
@@ -120,7 +131,7 @@ impl Pace {
         self.next_service = now + LEAST;
         for frame in frames.into_iter().rev() {
             let waits = |queue: &VecDeque<Frame>| queue.iter().any(|waiting| waiting.id_word() == frame.id_word());
-            match class(&frame) {
+            match self.class(&frame) {
                 // A heartbeat or SYNC that is late is no better than the next; orders all count.
                 Class::Urgent if frame.cob_id() != Some(0) && waits(&self.urgent) => {}
                 Class::Urgent if self.urgent.len() >= URGENT_MAX => {}
@@ -152,6 +163,11 @@ impl Pace {
     #[cfg(test)]
     pub fn is_empty(&self) -> bool {
         self.own_is_through() && self.service.is_empty()
+    }
+
+    /// The same of one frame.
+    pub fn forget_frame(&mut self, id_word: u32) {
+        self.process.retain(|frame| frame.id_word() != id_word);
     }
 
     /// When something that waits may go; `streaming` is whether a transfer has segments to send.

@@ -22,6 +22,7 @@ use linewright_line::{Device, Owner, Tick, Timing};
 use super::boot::{Boot, BootError, DEVICE_TYPE, Plan, Step};
 use super::event::{Event, IgnoreReason, Outbox};
 use super::process::Process;
+use super::sync;
 use super::transfer::Transfer;
 use super::trouble::Why;
 use super::{MANAGER_NODE, RETRY};
@@ -86,6 +87,10 @@ pub(super) struct Peer {
     pub(super) updated: Option<Tick>,
     /// When it was last sent its outputs; `None` since the last boot or loss.
     sent: Option<Tick>,
+    /// When it became operational.
+    up_since: Tick,
+    /// How long inputs that come with SYNC may stay away; `None` where they come by event.
+    inputs_within: Option<Duration>,
 }
 
 impl Peer {
@@ -108,6 +113,8 @@ impl Peer {
             why: None,
             updated: None,
             sent: None,
+            up_since: Tick::ZERO,
+            inputs_within: sync::inputs_within(device, timing),
         }
     }
 
@@ -145,7 +152,7 @@ impl Peer {
             Phase::Operational => {
                 let refresh = self.sent.map_or(Tick::NEVER, |at| at + self.refresh);
                 let writing = self.writing.as_ref().map_or(Tick::NEVER, |(_, transfer)| transfer.deadline());
-                lost.min(refresh).min(self.process.deadline()).min(writing)
+                lost.min(refresh).min(self.process.deadline()).min(writing).min(self.misses_inputs_at())
             }
         }
     }
@@ -161,6 +168,9 @@ impl Peer {
                 out.events.push(Event::DeviceLost { node: self.node, silent_for: now.since(self.heard) });
             }
             return self.leave(now, Phase::Absent { probe: now + RETRY }, Why::Silent);
+        }
+        if self.is_operational() && self.misses_inputs_at() <= now {
+            return self.lose_sync(now, out);
         }
         match &mut self.phase {
             Phase::Absent { probe } if *probe <= now => {
@@ -211,7 +221,7 @@ impl Peer {
                 self.order(NmtCommand::EnterPreOperational, out);
                 Outcome::Unchanged
             }
-            (Phase::Starting { .. } | Phase::Stopped, NmtState::Operational) => self.up(out),
+            (Phase::Starting { .. } | Phase::Stopped, NmtState::Operational) => self.up(now, out),
             // Still pre-operational after an order to start: `retry` repeats it, this heartbeat may have crossed it.
             (Phase::Booting(_) | Phase::Refused { .. }, _)
             | (Phase::Starting { .. }, NmtState::PreOperational)
@@ -258,7 +268,7 @@ impl Peer {
         }
         self.updated = Some(now);
         if !self.is_operational() {
-            return self.up(out);
+            return self.up(now, out);
         }
         // What it says may call for an answer: a drive's handshake.
         self.send_if_wanted(now, out);
@@ -383,7 +393,8 @@ impl Peer {
         }
     }
 
-    fn up(&mut self, out: &mut Outbox) -> Outcome {
+    fn up(&mut self, now: Tick, out: &mut Outbox) -> Outcome {
+        self.up_since = now;
         self.phase = Phase::Operational;
         self.why = None;
         out.events.push(Event::DeviceUp { node: self.node });
@@ -401,6 +412,23 @@ impl Peer {
         self.lent = false;
         self.process.lost(now);
         if was_operational { Outcome::Lost } else { Outcome::Unchanged }
+    }
+
+    /// When inputs that come with SYNC are missed.
+    fn misses_inputs_at(&self) -> Tick {
+        let last = self.updated.unwrap_or(self.up_since);
+        self.inputs_within.map_or(Tick::NEVER, |within| last + within)
+    }
+
+    /// It hears no SYNC, so outputs that wait for one stay as they are whatever it is sent. It is stopped, by which they
+    /// take their error values, and brought up anew.
+    fn lose_sync(&mut self, now: Tick, out: &mut Outbox) -> Outcome {
+        let silent_for = now.since(self.updated.unwrap_or(self.up_since));
+        out.events.push(Event::NoSync { node: self.node, silent_for });
+        let outcome = self.leave(now, Phase::Stopped, Why::NoSync);
+        self.order(NmtCommand::Stop, out);
+        self.boot(now, out);
+        outcome
     }
 
     /// Begins, or begins again, to bring it up.
@@ -457,6 +485,7 @@ fn plan(node: NodeId, device: &Device, process: &Process, timing: &Timing) -> Pl
     let consume = process.has_outputs().then(|| Setting::new(0x1016, 1, watched.to_le_bytes()));
     // What the description says comes first: what the safety of a drive rests on comes after it, and stays.
     let described = device.setup.settings.iter().map(|own| Setting::new(own.index, own.sub, own.data.clone()));
+    let described = described.chain(sync::settings(device, timing));
     let settings = described.chain([produce]).chain(consume).chain(process.settings(node));
     Plan { identity: device.setup.identity, settings: settings.collect() }
 }

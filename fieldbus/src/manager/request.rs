@@ -151,10 +151,25 @@ pub(super) struct Requests {
     waiting: VecDeque<Waiting>,
     /// At most one for each device.
     active: Vec<Active>,
+    /// Whose turn it is to send a segment of a block.
+    turn: usize,
     last: u64,
 }
 
 impl Requests {
+    /// The first request from `from` on whose transfer has segments of a block to send.
+    pub fn streaming(&self, from: usize) -> Option<usize> {
+        (from..self.active.len()).find(|at| self.active[*at].transfer.streams())
+    }
+
+    /// Sends one of them, those of the requests in turn; false if there is none.
+    pub fn stream(&mut self, now: Tick, out: &mut Outbox) -> bool {
+        let Some(at) = self.streaming(self.turn).or_else(|| self.streaming(0)) else { return false };
+        self.active[at].transfer.stream(now, &mut out.frames);
+        self.turn = at + 1;
+        true
+    }
+
     pub fn deadline(&self) -> Tick {
         let waiting = self.waiting.iter().map(|request| request.until);
         waiting.chain(self.active.iter().map(|active| active.transfer.deadline())).fold(Tick::NEVER, Tick::min)

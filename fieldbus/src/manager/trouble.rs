@@ -18,6 +18,8 @@ pub(super) enum Why {
     Silent,
     /// It has booted.
     Booted,
+    /// The inputs that come with SYNC have stopped.
+    NoSync,
     /// Its heartbeat says another state.
     Left(NmtState),
     /// It has reported that it let go by itself.
@@ -35,10 +37,12 @@ impl Manager {
     /// valid, and for an owner without devices on this bus.
     pub fn trouble(&self, now: Tick, owner: Owner) -> impl Iterator<Item = String> {
         let own = self.peers.iter().filter(move |peer| peer.owner == owner);
-        own.filter_map(move |peer| {
+        let of_peers = own.filter_map(move |peer| {
             let what = peer.trouble(now)?;
             Some(format!("{} (node {:02X}h): {what}", peer.name, peer.node.get()))
-        })
+        });
+        let plains = self.plains.iter().filter(move |plain| plain.owner == owner && !plain.trusted(now));
+        of_peers.chain(plains.map(move |plain| format!("{}: {}", plain.name, plain.explain(now))))
     }
 }
 
@@ -100,6 +104,7 @@ impl Peer {
                     self.said()
                 )
             }
+            Some(Why::NoSync) => format!("it hears no SYNC (080h): TPDO1 has stopped; {now_is}"),
             Some(Why::Booted) => format!("it has booted (boot-up, {}); {now_is}", self.beat_id()),
             Some(Why::Left(state)) => {
                 format!("it has left the operational state ({} says {:02X}h); {now_is}", self.beat_id(), state.code())

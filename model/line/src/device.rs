@@ -3,14 +3,14 @@
 //! Numbers and bytes only. Where they come from, the description itself or a device's own file (EDS, DCF), is no matter
 //! here; what an object does, the device's manual says.
 
-use crate::{Bus, Drive, InputId, Line, OutputId, StationId};
+use crate::{Bus, Drive, Frames, InputId, Line, OutputId, StationId};
 
 /// A CAN device: digital inputs and outputs (CiA 401 default mapping: one PDO of up to 64 bits each way), or a drive.
 #[derive(Clone, Debug, PartialEq)]
 pub struct Device {
     /// Its name.
     pub name: String,
-    /// CAN node id, 1 to 127, unique on its bus.
+    /// CAN node id, 1 to 127, unique on its bus. 0 for a device that speaks no CANopen, and has none.
     pub node_id: u8,
     /// Whose image it carries.
     pub owner: Owner,
@@ -24,6 +24,8 @@ pub struct Device {
     pub setup: Setup,
     /// What it is beyond that, if it is a drive: its signals are then all here, and it has no bits above.
     pub drive: Option<Drive>,
+    /// What it is instead, if it speaks no CANopen: its signals are then all here.
+    pub frames: Option<Frames>,
 }
 
 /// Whose process image a device carries.
@@ -62,6 +64,28 @@ pub struct Setting {
     pub data: Vec<u8>,
 }
 
+/// Transmission types of a device's first process data objects (CiA 301 §7.5.2.35): 1 to 240 with every so many SYNCs,
+/// 254 and 255 by event. `None`: as the device has it.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
+pub struct Transmission {
+    /// Of its inputs, object 1800h sub 2.
+    pub inputs: Option<u8>,
+    /// Of its outputs, object 1400h sub 2. Those of a type up to 240 take effect with the next SYNC.
+    pub outputs: Option<u8>,
+}
+
+impl Transmission {
+    /// With every how many SYNCs inputs come, if they come with SYNC.
+    pub fn inputs_every(self) -> Option<u8> {
+        self.inputs.filter(|kind| *kind <= 240)
+    }
+
+    /// Whether anything waits for SYNC.
+    pub fn is_synchronous(self) -> bool {
+        [self.inputs, self.outputs].into_iter().flatten().any(|kind| kind <= 240)
+    }
+}
+
 /// What a device has to be and is told.
 #[derive(Clone, Debug, Default, PartialEq, Eq)]
 pub struct Setup {
@@ -72,6 +96,8 @@ pub struct Setup {
     pub identity: Identity,
     /// What is written, in this order.
     pub settings: Vec<Setting>,
+    /// When its process data are sent and taken.
+    pub transmission: Transmission,
 }
 
 impl Line {

@@ -3,7 +3,7 @@
 //! To a station nothing changes: an output says "go to this target", an input says "is there". What turns the one into
 //! the other belongs to the field bus; this is only what the description says about it, in the axis's own units.
 
-use crate::{AxisId, Device, InputId, OutputId};
+use crate::{AxisId, Device, Frames, InputId, OutputId};
 
 /// What a drive is told to do.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Hash)]
@@ -113,14 +113,24 @@ impl Drive {
 }
 
 impl Device {
-    /// Every input of its owner's image it carries: its bits', or its drive's.
+    /// Every input of its owner's image it carries: its bits', its drive's, or its frames'.
     pub fn carried_inputs(&self) -> impl Iterator<Item = InputId> {
-        self.inputs.iter().flatten().copied().chain(self.drive.iter().flat_map(Drive::inputs))
+        self.inputs
+            .iter()
+            .flatten()
+            .copied()
+            .chain(self.drive.iter().flat_map(Drive::inputs))
+            .chain(self.frames.iter().flat_map(Frames::inputs))
     }
 
     /// Every output of its owner's image it carries.
     pub fn carried_outputs(&self) -> impl Iterator<Item = OutputId> {
-        self.outputs.iter().flatten().copied().chain(self.drive.iter().flat_map(Drive::outputs))
+        self.outputs
+            .iter()
+            .flatten()
+            .copied()
+            .chain(self.drive.iter().flat_map(Drive::outputs))
+            .chain(self.frames.iter().flat_map(Frames::outputs))
     }
 }
 

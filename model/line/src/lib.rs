@@ -5,6 +5,7 @@
 
 mod device;
 mod drive;
+mod frames;
 mod line;
 pub mod net;
 mod parse;
@@ -12,8 +13,12 @@ mod time;
 mod transfer_line;
 mod whereabouts;
 
-pub use device::{Device, Identity, Owner, Setting, Setup};
+pub use device::{Device, Identity, Owner, Setting, Setup, Transmission};
 pub use drive::{AtRest, Drive, DriveMode, DriveTarget, Homing};
+pub use frames::{
+    Checksum, Coding, Field, FrameBinding, FrameId, Frames, HeardFrame, Named, Page, Receive, Send, SignalInput,
+    SignalOutput, ToldFrame, When,
+};
 pub use line::*;
 pub use parse::{Parsed, Problem, Problems, parse, suggestion};
 pub use time::Tick;

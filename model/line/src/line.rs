@@ -386,6 +386,8 @@ pub struct Timing {
     pub heartbeat: Duration,
     /// A CAN device or manager not heard for this long is lost.
     pub heartbeat_timeout: Duration,
+    /// How often a manager sends SYNC on its bus, if it does.
+    pub sync: Option<Duration>,
 }
 
 impl Default for Timing {
@@ -400,6 +402,7 @@ impl Default for Timing {
             lease: Duration::from_millis(500),
             heartbeat: Duration::from_millis(50),
             heartbeat_timeout: Duration::from_millis(200),
+            sync: None,
         }
     }
 }

@@ -200,23 +200,28 @@ impl Comm {
     }
 
     fn lose_manager(&mut self, behaviour: Behaviour, out: &mut DeviceOutbox) -> Change {
+        self.lose(behaviour, HEARTBEAT_LOST, out)
+    }
+
+    /// What it cannot do without has stopped; `code` says what.
+    pub fn lose(&mut self, behaviour: Behaviour, code: u16, out: &mut DeviceOutbox) -> Change {
         self.lost_at = None;
         self.error_register = COMMUNICATION_ERROR;
         match (self.state, behaviour) {
             (State::Operational | State::PreOperational, Behaviour::Stopped) => {
                 // Said before it may say nothing any more.
-                self.report(HEARTBEAT_LOST, 0, out);
+                self.report(code, 0, out);
                 self.enter(State::Stopped);
                 return Change::Lost;
             }
             (State::Operational, Behaviour::PreOperational) => self.enter(State::PreOperational),
             (State::Operational, Behaviour::NoChange) => {}
             (State::Booting { .. } | State::PreOperational | State::Stopped, _) => {
-                self.report(HEARTBEAT_LOST, 0, out);
+                self.report(code, 0, out);
                 return Change::Nothing;
             }
         }
-        self.report(HEARTBEAT_LOST, 0, out);
+        self.report(code, 0, out);
         Change::Lost
     }
 

@@ -3,6 +3,8 @@
 //! [`DeviceNode`] is a generic CANopen I/O device (CiA 401), [`DriveNode`] a drive (CiA 402); what both are of CANopen
 //! is `comm`, and their servers `serve`.
 //!
+//! [`PlainNode`] speaks none of that, but the frames of a DBC file.
+//!
 //! An I/O device knows its bits and its bus, nothing of mechanisms: inputs are handed to it, outputs are read from it. **Leaving
 //! the operational state puts every output to zero; losing the manager, or being stopped, puts it to its error value**,
 //! which is zero unless somebody has set another. Coming back does not restore outputs: that takes a new PDO from
@@ -14,7 +16,9 @@ mod identity;
 mod objects;
 mod on_error;
 mod pdo;
+mod plain;
 mod serve;
+mod sync;
 
 use linewright_fieldbus::Frame;
 use linewright_fieldbus::codec::{Message, NmtState, NodeId, Payload};
@@ -25,9 +29,14 @@ use comm::{Change, Comm};
 pub use drive::DriveNode;
 use on_error::OnError;
 use pdo::Pdo;
+pub use plain::PlainNode;
+use sync::SyncWatch;
 
 /// Error code "PDO not processed due to length error" (CiA 301 table 26).
 const PDO_LENGTH: u16 = 0x8210;
+
+/// Error code "communication": SYNC, which outputs wait for, has stopped. CiA 301 has no code of its own for it.
+const NO_SYNC: u16 = 0x8100;
 
 /// What a simulated device does to the plant it hangs on, beyond its outputs.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
@@ -74,6 +83,7 @@ pub struct DeviceNode {
     inputs_pdo: Pdo,
     outputs_pdo: Pdo,
     on_error: OnError,
+    sync_watch: SyncWatch,
     next_inputs: Tick,
 }
 
@@ -92,6 +102,7 @@ impl DeviceNode {
             inputs_pdo: Pdo::of_inputs(node, input_count),
             outputs_pdo: Pdo::of_outputs(node, output_count),
             on_error: OnError::new(output_count),
+            sync_watch: SyncWatch::default(),
             next_inputs: Tick::NEVER,
         }
     }
@@ -146,6 +157,11 @@ impl DeviceNode {
     pub fn poll(&mut self, now: Tick, out: &mut DeviceOutbox) {
         let change = self.comm.poll(now, self.on_error.behaviour, out);
         self.react(now, change, out);
+        if self.sync_watch.deadline() <= now {
+            self.sync_watch.rest();
+            let change = self.comm.lose(self.on_error.behaviour, NO_SYNC, out);
+            self.react(now, change, out);
+        }
         if self.next_inputs <= now {
             self.next_inputs = Tick::NEVER;
             if self.inputs_pdo.event_timer().is_some() {
@@ -157,7 +173,7 @@ impl DeviceNode {
 
     /// When [`DeviceNode::poll`] has something to do next.
     pub fn next_deadline(&self) -> Option<Tick> {
-        let first = self.comm.next_deadline().min(self.next_inputs);
+        let first = self.comm.next_deadline().min(self.next_inputs).min(self.sync_watch.deadline());
         (first != Tick::NEVER).then_some(first)
     }
 
@@ -165,6 +181,9 @@ impl DeviceNode {
         match change {
             Change::Nothing => {}
             Change::Started => {
+                if !self.outputs_pdo.by_event() {
+                    self.sync_watch.heard(now);
+                }
                 // What the inputs are is news to whoever just started it.
                 self.unsent = true;
                 if self.inputs_pdo.by_event() {
@@ -183,6 +202,7 @@ impl DeviceNode {
         self.inputs_pdo = Pdo::of_inputs(self.comm.node, self.input_count);
         self.outputs_pdo = Pdo::of_outputs(self.comm.node, self.output_count);
         self.on_error = OnError::new(self.output_count);
+        self.sync_watch = SyncWatch::default();
     }
 
     /// No process data switches outputs outside the operational state: what they are there is decided on leaving it.
@@ -190,6 +210,7 @@ impl DeviceNode {
         self.outputs = self.wired(outputs);
         self.waiting = None;
         if !self.comm.is_operational() {
+            self.sync_watch.rest();
             self.next_inputs = Tick::NEVER;
         }
     }
@@ -218,6 +239,9 @@ impl DeviceNode {
     fn sync(&mut self, now: Tick, out: &mut DeviceOutbox) {
         if !self.comm.is_operational() {
             return;
+        }
+        if !self.outputs_pdo.by_event() {
+            self.sync_watch.heard(now);
         }
         if let Some(outputs) = self.waiting.take() {
             self.outputs = outputs;

@@ -23,7 +23,8 @@ impl Device for DeviceNode {
     fn read(&self, _: Tick, object: ObjectId) -> Result<Vec<u8>, Abort> {
         let parts = identity::read(self.comm.node, object)
             .or_else(|| self.on_error.read(object))
-            .or_else(|| self.comm.read(object));
+            .or_else(|| self.comm.read(object))
+            .or_else(|| self.sync_watch.read(object));
         if let Some(answer) = parts.or_else(|| self.inputs_pdo.read(object)).or_else(|| self.outputs_pdo.read(object)) {
             return answer;
         }
@@ -49,7 +50,7 @@ impl Device for DeviceNode {
             }
             return answer;
         }
-        if let Some(answer) = self.comm.write(now, object, data) {
+        if let Some(answer) = self.sync_watch.write(object, data).or_else(|| self.comm.write(now, object, data)) {
             return answer;
         }
         match (object.index, object.sub) {

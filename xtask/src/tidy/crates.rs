@@ -6,12 +6,13 @@ use super::Member;
 use crate::part::{Stream, cargo, lines};
 
 /// Crates that decide and never act: called with the time and their inputs, they return outputs.
-pub const PURE: [&str; 9] = [
+pub const PURE: [&str; 10] = [
     "linewright-nets",
     "linewright-problems",
     "linewright-pnml",
     "linewright-eds",
     "linewright-line",
+    "linewright-dbc",
     "linewright-station-logic",
     "linewright-coordinator-logic",
     "linewright-proof",
@@ -36,18 +37,19 @@ const FORBIDDEN: [&str; 9] = [
 ];
 
 /// For each crate, those of the workspace it may build on. Dependencies point one way; a new crate gets a row here.
-const MAY_USE: [(&str, &[&str]); 18] = [
+const MAY_USE: [(&str, &[&str]); 19] = [
     ("linewright-nets", &[]),
     ("linewright-problems", &[]),
     ("linewright-pnml", &["linewright-nets", "linewright-problems"]),
     ("linewright-eds", &["linewright-problems"]),
     ("linewright-line", &["linewright-nets"]),
+    ("linewright-dbc", &["linewright-line"]),
     ("linewright-station-logic", &["linewright-nets", "linewright-line"]),
     ("linewright-coordinator-logic", &["linewright-nets", "linewright-line"]),
     ("linewright-msgs", &[]),
     ("linewright-node-shell", &["linewright-msgs"]),
-    ("linewright-fieldbus", &["linewright-line", "linewright-eds"]),
-    ("linewright-plant", &["linewright-line", "linewright-eds", "linewright-fieldbus"]),
+    ("linewright-fieldbus", &["linewright-line", "linewright-eds", "linewright-dbc"]),
+    ("linewright-plant", &["linewright-line", "linewright-eds", "linewright-dbc", "linewright-fieldbus"]),
     (
         "linewright-proof",
         &["linewright-nets", "linewright-line", "linewright-station-logic", "linewright-coordinator-logic"],
@@ -91,6 +93,7 @@ const EVERYTHING: &[&str] = &[
     "linewright-pnml",
     "linewright-eds",
     "linewright-line",
+    "linewright-dbc",
     "linewright-station-logic",
     "linewright-coordinator-logic",
     "linewright-msgs",

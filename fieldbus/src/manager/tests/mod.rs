@@ -2,6 +2,7 @@
 
 mod boot;
 mod crowd;
+mod plain;
 mod request;
 mod trouble;
 
@@ -25,6 +26,7 @@ fn devices() -> Vec<Device> {
         outputs: vec![Some(OutputId(bit))],
         setup: linewright_line::Setup::default(),
         drive: None,
+        frames: None,
     };
     vec![device("drill-a", 4, DRILL, 0), device("drill-b", 5, DRILL, 1), device("clamp", 6, CLAMP, 0)]
 }

@@ -82,6 +82,14 @@ pub(super) struct DraftDevice {
     pub inputs: Vec<Option<InputId>>,
     pub outputs: Vec<Option<OutputId>>,
     pub drive: Option<DraftDrive>,
+    pub frames: Option<DraftFrames>,
+}
+
+/// The signals of a device's frames, message by message.
+#[derive(Default)]
+pub(super) struct DraftFrames {
+    pub inputs: Vec<Vec<Option<InputId>>>,
+    pub outputs: Vec<Vec<Option<OutputId>>>,
 }
 
 pub(super) struct DraftDrive {

@@ -6,10 +6,10 @@
 use std::time::Duration;
 
 use super::draft::{Draft, DraftConsole, DraftOperation, DraftSignals, DraftStation};
-use super::drive;
 use super::raw::{At, Kind, RawTiming};
 use super::rules::node_id;
 use super::setup;
+use super::{drive, frames};
 use crate::{Arrow, Conflict, Console, Device, InputId, Line, Module, Operation, Panel, Signals, Station, Timing};
 
 /// The line a draft describes; `None` if a part is missing.
@@ -106,7 +106,10 @@ fn devices(draft: &Draft<'_>) -> Option<Vec<Device>> {
     let devices = draft.devices.iter().zip(&draft.raw.devices).map(|(device, raw)| {
         Some(Device {
             name: raw.name.as_ref()?.value.clone(),
-            node_id: node_id(raw.node.as_ref()?.value)?,
+            node_id: match &raw.frames {
+                Some(_) => 0,
+                None => node_id(raw.node.as_ref()?.value)?,
+            },
             owner: device.owner?,
             bus: device.bus.clone(),
             inputs: device.inputs.clone(),
@@ -114,6 +117,10 @@ fn devices(draft: &Draft<'_>) -> Option<Vec<Device>> {
             setup: setup::finish(raw)?,
             drive: match (&device.drive, &raw.drive) {
                 (Some(draft), Some(raw)) => Some(drive::finish(draft, raw)?),
+                _ => None,
+            },
+            frames: match (&device.frames, &raw.frames) {
+                (Some(draft), Some(raw)) => Some(frames::finish(draft, raw)?),
                 _ => None,
             },
         })
@@ -147,5 +154,6 @@ fn timing(raw: &RawTiming) -> Timing {
         lease: or(&raw.lease, default.lease),
         heartbeat: or(&raw.heartbeat, default.heartbeat),
         heartbeat_timeout: or(&raw.heartbeat_timeout, default.heartbeat_timeout),
+        sync: raw.sync.as_ref().map(|sync| sync.value),
     }
 }

@@ -14,6 +14,7 @@
 mod draft;
 mod drive;
 mod finish;
+mod frames;
 mod hand;
 mod names;
 mod problem;

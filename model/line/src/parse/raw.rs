@@ -7,7 +7,7 @@
 use std::ops::Range;
 use std::time::Duration;
 
-use crate::{AtRest, DriveMode};
+use crate::{AtRest, Checksum, DriveMode};
 
 /// A stretch of the text, in bytes.
 pub(super) type Where = Range<usize>;
@@ -47,6 +47,7 @@ pub(super) struct RawTiming {
     pub lease: Option<At<Duration>>,
     pub heartbeat: Option<At<Duration>>,
     pub heartbeat_timeout: Option<At<Duration>>,
+    pub sync: Option<At<Duration>>,
 }
 
 #[derive(Debug)]
@@ -169,12 +170,21 @@ pub(super) struct RawDevice {
     pub file: Option<Name>,
     pub identity: Option<RawIdentity>,
     pub settings: Vec<RawSetting>,
+    /// With its place.
+    pub transmission: Option<(RawTransmission, Where)>,
     pub drive: Option<RawDrive>,
+    pub frames: Option<RawFrames>,
 }
 
 /// Device type, vendor, product, revision, serial.
 #[derive(Debug)]
 pub(super) struct RawIdentity(pub [Option<At<i64>>; 5]);
+
+#[derive(Debug)]
+pub(super) struct RawTransmission {
+    pub inputs: Option<At<i64>>,
+    pub outputs: Option<At<i64>>,
+}
 
 #[derive(Debug)]
 pub(super) struct RawSetting {
@@ -225,6 +235,59 @@ pub(super) struct RawHoming {
     pub offset: Option<At<f64>>,
     pub output: Option<Name>,
     pub done: Option<Name>,
+}
+
+#[derive(Debug)]
+pub(super) struct RawFrames {
+    pub at: Where,
+    pub file: Option<Name>,
+    pub receive: Vec<RawHeard>,
+    pub send: Vec<RawTold>,
+}
+
+#[derive(Debug)]
+pub(super) struct RawHeard {
+    pub message: Option<Name>,
+    pub timeout: Option<At<Duration>>,
+    pub counter: Option<Name>,
+    pub checksum: Option<(Name, Checksum)>,
+    pub inputs: Vec<RawSignalInput>,
+}
+
+#[derive(Debug)]
+pub(super) struct RawSignalInput {
+    pub at: Where,
+    pub input: Option<Name>,
+    pub signal: Option<Name>,
+    pub equals: Option<At<f64>>,
+    pub above: Option<At<f64>>,
+    pub below: Option<At<f64>>,
+    pub bit: Option<At<i64>>,
+    pub hysteresis: Option<At<f64>>,
+}
+
+#[derive(Debug)]
+pub(super) struct RawTold {
+    pub message: Option<Name>,
+    pub every: Option<At<Duration>>,
+    pub counter: Option<Name>,
+    pub checksum: Option<(Name, Checksum)>,
+    pub outputs: Vec<RawSignalOutput>,
+    pub set: Vec<RawSet>,
+}
+
+#[derive(Debug)]
+pub(super) struct RawSignalOutput {
+    pub output: Option<Name>,
+    pub signal: Option<Name>,
+    pub on: Option<At<f64>>,
+    pub off: Option<At<f64>>,
+}
+
+#[derive(Debug)]
+pub(super) struct RawSet {
+    pub signal: Option<Name>,
+    pub value: Option<At<f64>>,
 }
 
 #[derive(Debug)]

@@ -1,7 +1,7 @@
 //! A device's `identity` and `settings`: what they say → numbers and bytes.
 
-use super::raw::{RawDevice, RawIdentity, RawSetting, Width};
-use crate::{Identity, Setting, Setup};
+use super::raw::{At, RawDevice, RawIdentity, RawSetting, RawTransmission, Width};
+use crate::{Identity, Setting, Setup, Transmission};
 
 /// An object as people write it, in hexadecimal: `6206:01`, `6206h:1`, `0x1029`; without a subindex it is 0.
 pub(super) fn object(text: &str) -> Option<(u16, u8)> {
@@ -38,7 +38,22 @@ pub(super) fn part(value: i64) -> Option<u32> {
 pub(super) fn finish(raw: &RawDevice) -> Option<Setup> {
     let identity = raw.identity.as_ref().map_or(Some(Identity::default()), identity)?;
     let settings = raw.settings.iter().map(setting).collect::<Option<_>>()?;
-    Some(Setup { file: raw.file.as_ref().map(|file| file.value.clone()), identity, settings })
+    let transmission = raw.transmission.as_ref().map_or(Some(Transmission::default()), |(raw, _)| types(raw))?;
+    Some(Setup { file: raw.file.as_ref().map(|file| file.value.clone()), identity, settings, transmission })
+}
+
+/// A transmission type, if it can be one. 0 is none here: inputs that are sent only when they have changed are never
+/// made good when a frame is lost.
+pub(super) fn transmission(value: i64) -> Option<u8> {
+    u8::try_from(value).ok().filter(|kind| matches!(kind, 1..=240 | 254 | 255))
+}
+
+fn types(raw: &RawTransmission) -> Option<Transmission> {
+    let kind = |number: &Option<At<i64>>| match number {
+        Some(number) => transmission(number.value).map(Some),
+        None => Some(None),
+    };
+    Some(Transmission { inputs: kind(&raw.inputs)?, outputs: kind(&raw.outputs)? })
 }
 
 fn identity(RawIdentity(parts): &RawIdentity) -> Option<Identity> {

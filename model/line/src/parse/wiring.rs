@@ -4,10 +4,10 @@
 //! order in which the devices are written.
 
 use super::draft::{DraftDevice, Wiring};
-use super::drive;
 use super::names::{Names, Table, tag};
 use super::problem::{Problem, Report};
 use super::raw::{At, Name, RawDevice, RawLine};
+use super::{drive, frames};
 use crate::{Bus, IMAGE_BITS, InputId, OutputId, Owner, StationId};
 
 /// One owner's image while it is being put together.
@@ -30,7 +30,8 @@ impl Owned<'_> {
     pub fn elsewhere(&self, name: &str) -> Option<String> {
         let names = |d: &RawDevice| {
             let drive = d.drive.iter().flat_map(drive::signals);
-            d.inputs.iter().chain(&d.outputs).chain(drive).any(|bit| bit.value == name)
+            let frames = d.frames.iter().flat_map(frames::signals);
+            d.inputs.iter().chain(&d.outputs).chain(drive).chain(frames).any(|bit| bit.value == name)
         };
         let device = self.raw.devices.iter().find(|device| names(device))?;
         match (&device.station, &device.console) {
@@ -65,7 +66,8 @@ pub(super) fn wire<'a>(
             _ => None,
         };
         let drive = device.drive.as_ref().map(|drive| drive::wire(drive, axes, wires, report));
-        devices.push(DraftDevice { owner, bus, inputs, outputs, drive });
+        let frames = device.frames.as_ref().map(|frames| frames::wire(frames, wires, report));
+        devices.push(DraftDevice { owner, bus, inputs, outputs, drive, frames });
         if owner.is_none() {
             nobody = Wires::default();
         }

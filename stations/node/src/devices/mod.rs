@@ -62,7 +62,8 @@ impl Devices {
         line: &Line,
         devices: impl IntoIterator<Item = &'a Device>,
     ) -> Result<Self, TopicError> {
-        let devices: Vec<&Device> = devices.into_iter().collect();
+        // The services are those of CANopen; whoever speaks none has none.
+        let devices: Vec<&Device> = devices.into_iter().filter(|device| device.frames.is_none()).collect();
         let (to, from) = mpsc::channel(QUEUE);
         let mut tasks = services::open_bus(node, &to)?;
         let mut told = Vec::with_capacity(devices.len());

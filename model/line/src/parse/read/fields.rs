@@ -138,6 +138,21 @@ impl<'a> Fields<'a> {
         self.require(report, key, found)
     }
 
+    /// Any number.
+    pub fn number(&mut self, report: &mut Report, key: &'static str) -> Option<At<f64>> {
+        let number = self.read(report, key, "a number", number)?;
+        if number.value.is_finite() {
+            return Some(number);
+        }
+        report.add(Problem::error(number.at, format!("`{key}` is {}", number.value)).hint("a finite number"));
+        None
+    }
+
+    pub fn required_number(&mut self, report: &mut Report, key: &'static str) -> Option<At<f64>> {
+        let found = self.number(report, key);
+        self.require(report, key, found)
+    }
+
     /// One of a few words; the first one where nothing is written.
     pub fn word<T: Copy>(&mut self, report: &mut Report, key: &'static str, known: &[(&'static str, T)]) -> T {
         let usual = known[0].1;
@@ -185,6 +200,11 @@ impl<'a> Fields<'a> {
                 None
             }
         }
+    }
+
+    pub fn required_millis(&mut self, report: &mut Report, key: &'static str) -> Option<At<Duration>> {
+        let found = self.millis(report, key);
+        self.require(report, key, found)
     }
 
     /// A list of texts, at most `max` long.

@@ -1,7 +1,9 @@
 //! The description's outermost tables: everything but the stations' insides.
 
 use super::fields::Fields;
-use super::{ARROWS_MAX, CONFLICTS_MAX, DEVICE_BITS, DEVICES_MAX, SETTINGS_MAX, STATIONS_MAX, drive, setup, station};
+use super::{
+    ARROWS_MAX, CONFLICTS_MAX, DEVICE_BITS, DEVICES_MAX, SETTINGS_MAX, STATIONS_MAX, drive, frames, setup, station,
+};
 use crate::BUTTONS_MAX;
 use crate::parse::problem::{Problem, Report};
 use crate::parse::raw::{
@@ -43,6 +45,7 @@ fn timing(mut f: Fields<'_>, report: &mut Report) -> RawTiming {
         lease: f.millis(report, "lease_ms"),
         heartbeat: f.millis(report, "heartbeat_ms"),
         heartbeat_timeout: f.millis(report, "heartbeat_timeout_ms"),
+        sync: f.millis(report, "sync_ms"),
     };
     f.finish(report);
     raw
@@ -166,10 +169,13 @@ fn span(mut f: Fields<'_>, report: &mut Report) -> RawSpan {
 fn device(mut f: Fields<'_>, report: &mut Report) -> RawDevice {
     let mut bits = |key| f.texts(report, key, DEVICE_BITS).map(|b| b.value).unwrap_or_default();
     let (inputs, outputs) = (bits("inputs"), bits("outputs"));
+    let frames = f.table(report, "dbc", "`dbc`").map(|f| frames::frames(f, report));
+    // Whoever speaks no CANopen has no node id.
+    let node = if frames.is_some() { f.integer(report, "node") } else { f.required_integer(report, "node") };
     let raw = RawDevice {
         at: f.at.clone(),
         name: f.required_text(report, "name"),
-        node: f.required_integer(report, "node"),
+        node,
         station: f.text(report, "station"),
         console: f.flag(report, "console"),
         inputs,
@@ -177,7 +183,9 @@ fn device(mut f: Fields<'_>, report: &mut Report) -> RawDevice {
         file: f.text(report, "file"),
         identity: f.table(report, "identity", "`identity`").map(|f| setup::identity(f, report)),
         settings: each(f.tables(report, "settings", "a setting", SETTINGS_MAX), report, setup::setting),
+        transmission: f.table(report, "transmission", "`transmission`").map(|f| setup::transmission(f, report)),
         drive: f.table(report, "drive", "`drive`").map(|f| drive::drive(f, report)),
+        frames,
     };
     f.finish(report);
     raw

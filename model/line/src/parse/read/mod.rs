@@ -4,6 +4,7 @@
 
 mod drive;
 mod fields;
+mod frames;
 mod line;
 mod setup;
 mod station;
@@ -30,6 +31,8 @@ const DEVICE_BITS: usize = 64;
 const SETTINGS_MAX: usize = 256;
 /// At most this many targets of one drive.
 const TARGETS_MAX: usize = 64;
+/// At most this many messages of one device each way, and of signals in each that anything follows from.
+const SIGNALS_MAX: usize = 64;
 
 /// Reads `text`; `None` when it is not TOML at all.
 pub(super) fn read(text: &str, report: &mut Report) -> Option<RawLine> {

@@ -2,13 +2,20 @@
 
 use super::fields::Fields;
 use crate::parse::problem::Report;
-use crate::parse::raw::{RawIdentity, RawSetting, Width};
+use crate::parse::raw::{RawIdentity, RawSetting, RawTransmission, Where, Width};
 
 pub(super) fn identity(mut f: Fields<'_>, report: &mut Report) -> RawIdentity {
     let keys = ["type", "vendor", "product", "revision", "serial"];
     let raw = RawIdentity(keys.map(|key| f.integer(report, key)));
     f.finish(report);
     raw
+}
+
+pub(super) fn transmission(mut f: Fields<'_>, report: &mut Report) -> (RawTransmission, Where) {
+    let at = f.at.clone();
+    let raw = RawTransmission { inputs: f.integer(report, "inputs"), outputs: f.integer(report, "outputs") };
+    f.finish(report);
+    (raw, at)
 }
 
 pub(super) fn setting(mut f: Fields<'_>, report: &mut Report) -> RawSetting {

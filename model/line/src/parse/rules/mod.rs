@@ -9,6 +9,7 @@ mod conflicts;
 mod console;
 mod devices;
 mod drives;
+mod frames;
 mod hand;
 mod motion;
 mod operations;
@@ -17,6 +18,7 @@ mod setups;
 mod signals;
 mod stations;
 pub(super) mod steps;
+mod sync;
 mod timing;
 
 pub(super) use devices::node_id;
@@ -34,6 +36,8 @@ pub(super) fn check(draft: &Draft<'_>, report: &mut Report) {
     devices::own_buses_are_not_shared(draft, report);
     drives::check(draft, report);
     setups::check(draft, report);
+    sync::check(draft, report);
+    frames::check(draft, report);
     for station in &draft.stations {
         stations::station_has_operations(station, report);
         stations::panel_is_complete(station, report);

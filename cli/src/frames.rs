@@ -1,0 +1,48 @@
+//! The DBC files of a line's devices that speak no CANopen: read, and bound to what the description says in their names.
+
+use std::path::Path;
+
+use linewright_dbc::{Database, FILE_BYTES_MAX, bind, read};
+use linewright_fieldbus::Manager;
+use linewright_line::{Line, Problem, Problems};
+use miette::{IntoDiagnostic, WrapErr, miette};
+
+/// Reads the DBC file of every device that has one, beside the description `file`. What does not fit is shown in the
+/// description, all of it at once.
+pub fn complete(line: &mut Line, file: &Path) -> miette::Result<()> {
+    let dir = file.parent().unwrap_or(Path::new(""));
+    let mut problems: Vec<Problem> = Vec::new();
+    for device in &mut line.devices {
+        let Some(frames) = &mut device.frames else { continue };
+        let database = load(&dir.join(&frames.file.name)).wrap_err_with(|| format!("device `{}`", device.name))?;
+        match bind(frames, &database) {
+            Ok(bound) => frames.bound = Some(bound),
+            Err(found) => problems.extend(found),
+        }
+    }
+    if !problems.is_empty() {
+        let name = file.display().to_string();
+        let text = std::fs::read_to_string(file).into_diagnostic().wrap_err_with(|| format!("cannot read {name}"))?;
+        return Err(miette::Report::new(Problems::new(&name, &text, problems)));
+    }
+    identifiers_are_one_devices(line)
+}
+
+fn load(path: &Path) -> miette::Result<Database> {
+    let name = path.display().to_string();
+    let size = std::fs::metadata(path).into_diagnostic().wrap_err_with(|| format!("cannot read {name}"))?.len();
+    if size > FILE_BYTES_MAX as u64 {
+        return Err(miette!("{name} has {size} bytes; a DBC file has {FILE_BYTES_MAX} at most"));
+    }
+    let bytes = std::fs::read(path).into_diagnostic().wrap_err_with(|| format!("cannot read {name}"))?;
+    read(&bytes).map_err(|error| miette!("{name}: {error}"))
+}
+
+/// That no two devices of a bus use the same identifiers: only here all of them are known.
+fn identifiers_are_one_devices(line: &Line) -> miette::Result<()> {
+    for device in line.devices.iter().filter(|device| device.frames.is_some()) {
+        let on_bus = line.devices.iter().filter(|other| other.bus == device.bus);
+        Manager::new(on_bus, line.timing).into_diagnostic()?;
+    }
+    Ok(())
+}

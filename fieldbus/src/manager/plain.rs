@@ -1,0 +1,365 @@
+//! A device that speaks no CANopen, as the manager sees it: messages that have to come in time, and messages it is sent.
+//!
+//! ```text
+//!  Lost ──every page of every message has come──▶ Live
+//!    ▲                                              │
+//!    └────────── one has not come in time ──────────┘
+//! ```
+//!
+//! There is no boot, no state to ask for and no heartbeat: that the device is alive shows by its messages alone. A frame
+//! that is too short, has a wrong checksum or the counter of the one before it is none. What it is sent goes out again
+//! and again from the beginning, with every output off until the device is live, and at once when something changes. The
+//! device hears no heartbeat of the manager either: that its outputs go off when these frames stop is for the device.
+
+use std::fmt;
+use std::time::Duration;
+
+use embedded_can::{ExtendedId, Frame as _, Id, StandardId};
+use linewright_line::{Device, FrameBinding, FrameId, HeardFrame, Owner, Tick, ToldFrame};
+
+use super::event::{Event, IgnoreReason, Outbox};
+use super::peer::Outcome;
+use super::{Manager, ManagerError};
+use crate::frame::{Frame, Kind};
+
+/// What is wrong with a message that came.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub enum FrameFault {
+    /// None came.
+    Silent,
+    /// It has fewer bytes than its definition.
+    Short,
+    /// Its checksum is wrong.
+    Checksum,
+    /// Its counter stands still.
+    Counter,
+    /// Nothing is wrong with it, but one of its multiplexed parts has not come.
+    Page,
+}
+
+impl fmt::Display for FrameFault {
+    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
+        f.write_str(match self {
+            FrameFault::Silent => "it does not come",
+            FrameFault::Short => "it has too few bytes",
+            FrameFault::Checksum => "its checksum is wrong",
+            FrameFault::Counter => "its counter stands still",
+            FrameFault::Page => "a multiplexed part of it does not come",
+        })
+    }
+}
+
+struct Heard {
+    frame: HeardFrame,
+    counter: Option<u64>,
+    /// For each page, when it last came, and which of its inputs are on.
+    pages: Vec<(Option<Tick>, Vec<bool>)>,
+    /// When the message last came, whatever was wrong with it, and what was.
+    last: Option<(Tick, FrameFault)>,
+}
+
+struct Told {
+    frame: ToldFrame,
+    count: u64,
+    due: Tick,
+    /// What was last sent, without the counter.
+    sent: Option<[u8; 8]>,
+}
+
+/// Such a device.
+pub(super) struct Plain {
+    pub name: String,
+    pub owner: Owner,
+    heard: Vec<Heard>,
+    told: Vec<Told>,
+    live: bool,
+    image: u128,
+    updated: Option<Tick>,
+}
+
+impl Plain {
+    pub fn new(device: &Device, binding: &FrameBinding) -> Self {
+        let heard = |frame: &HeardFrame| Heard {
+            frame: frame.clone(),
+            counter: None,
+            pages: frame.pages.iter().map(|page| (None, vec![false; page.inputs.len()])).collect(),
+            last: None,
+        };
+        let told = |frame: &ToldFrame| Told { frame: frame.clone(), count: 0, due: Tick::ZERO, sent: None };
+        Plain {
+            name: device.name.clone(),
+            owner: device.owner,
+            heard: binding.heard.iter().map(heard).collect(),
+            told: binding.told.iter().map(told).collect(),
+            // Of one that says nothing nobody knows better.
+            live: binding.heard.is_empty(),
+            image: 0,
+            updated: None,
+        }
+    }
+
+    /// The identifiers it uses: of what it sends, and of what it is sent.
+    fn ids(&self) -> impl Iterator<Item = FrameId> {
+        self.heard.iter().map(|heard| heard.frame.id).chain(self.told.iter().map(|told| told.frame.id))
+    }
+
+    pub fn updated(&self) -> Option<Tick> {
+        self.updated
+    }
+
+    /// Its inputs may be acted upon.
+    pub fn trusted(&self, now: Tick) -> bool {
+        self.live && self.late(now).is_none()
+    }
+
+    pub fn input_bits(&self) -> u128 {
+        let pages = self.heard.iter().flat_map(|heard| heard.frame.pages.iter().zip(&heard.pages));
+        let inputs = pages.flat_map(|(page, (_, on))| page.inputs.iter().zip(on));
+        let on = inputs.filter(|(_, on)| **on).map(|((input, _, _), _)| u32::from(input.0));
+        on.fold(0, |bits, at| bits | 1u128.checked_shl(at).unwrap_or(0))
+    }
+
+    /// A message that has not come in time, how long it has not, and why.
+    fn late(&self, now: Tick) -> Option<(&Heard, Option<Duration>, FrameFault)> {
+        self.heard.iter().find_map(|heard| {
+            let timeout = heard.frame.timeout;
+            let stale = |at: &Option<Tick>| at.is_none_or(|at| at + timeout <= now);
+            let (at, _) = heard.pages.iter().find(|(at, _)| stale(at))?;
+            let fault = match heard.last {
+                Some((last, fault)) if last + timeout > now => fault,
+                _ => FrameFault::Silent,
+            };
+            Some((heard, at.map(|at| now.since(at)), fault))
+        })
+    }
+
+    /// Takes a frame, if it is one of this device's.
+    fn hear(&mut self, now: Tick, id: FrameId, frame: &Frame, out: &mut Outbox) -> Option<Outcome> {
+        let heard = self.heard.iter_mut().find(|heard| heard.frame.id == id)?;
+        if let Err(fault) = heard.take(now, frame) {
+            heard.last = Some((now, fault));
+            return Some(if fault == FrameFault::Short {
+                Outcome::Ignored(IgnoreReason::ShortPdo)
+            } else {
+                Outcome::Unchanged
+            });
+        }
+        heard.last = Some((now, FrameFault::Page));
+        self.updated = Some(now);
+        if self.live || self.late(now).is_some() {
+            return Some(Outcome::Inputs);
+        }
+        self.live = true;
+        out.events.push(Event::FramesUp { id });
+        Some(Outcome::Up)
+    }
+
+    /// Does what is due: noticing silence, sending again.
+    fn poll(&mut self, now: Tick, out: &mut Outbox) -> Outcome {
+        let mut outcome = Outcome::Unchanged;
+        if self.live
+            && let Some((heard, silent_for, why)) = self.late(now)
+        {
+            let (id, silent_for) = (heard.frame.id, silent_for.unwrap_or_default());
+            out.events.push(Event::FramesLost { id, silent_for, why });
+            self.live = false;
+            self.image = 0;
+            outcome = Outcome::Lost;
+        }
+        let image = self.vouched();
+        for told in &mut self.told {
+            if told.due <= now {
+                told.send(now, image, out);
+            }
+        }
+        outcome
+    }
+
+    fn deadline(&self) -> Tick {
+        let late =
+            self.heard.iter().filter(|_| self.live).flat_map(|heard| {
+                heard.pages.iter().map(|(at, _)| at.map_or(Tick::NEVER, |at| at + heard.frame.timeout))
+            });
+        late.chain(self.told.iter().map(|told| told.due)).fold(Tick::NEVER, Tick::min)
+    }
+
+    /// Takes the image its owner has set, and sends what that changes.
+    pub fn set_image(&mut self, now: Tick, image: u128, out: &mut Outbox) {
+        self.image = image;
+        self.send_changes(now, out);
+    }
+
+    fn send_changes(&mut self, now: Tick, out: &mut Outbox) {
+        let image = self.vouched();
+        for told in &mut self.told {
+            if told.sent.is_some_and(|sent| sent != told.frame.bytes(image, 0)) {
+                told.send(now, image, out);
+            }
+        }
+    }
+
+    /// The image that may be sent: none of it before the device is live.
+    fn vouched(&self) -> u128 {
+        if self.live { self.image } else { 0 }
+    }
+
+    /// How it is, in one sentence.
+    pub fn explain(&self, now: Tick) -> String {
+        match self.late(now) {
+            None if self.heard.is_empty() => "sent to, and not heard: nobody knows how it is".to_owned(),
+            None => "live: all its messages come in time".to_owned(),
+            Some((heard, since, why)) => {
+                let what = format!("message {} ({})", heard.frame.name, heard.frame.id);
+                match since {
+                    Some(since) => format!("nothing of {what} for {} ms: {why}", since.as_millis()),
+                    None => format!("nothing of {what} yet: {why}"),
+                }
+            }
+        }
+    }
+}
+
+impl Heard {
+    fn take(&mut self, now: Tick, frame: &Frame) -> Result<(), FrameFault> {
+        let (bytes, definition) = (frame.data(), &self.frame);
+        if bytes.len() < usize::from(definition.len) {
+            return Err(FrameFault::Short);
+        }
+        let mut data = [0; 8];
+        data[..bytes.len()].copy_from_slice(bytes);
+        if let Some((at, checksum)) = definition.checksum
+            && data[usize::from(at.min(7))] != checksum.of(&data, definition.len, at)
+        {
+            return Err(FrameFault::Checksum);
+        }
+        if let Some(counter) = &definition.counter {
+            let count = counter.get(&data);
+            if self.counter.replace(count) == Some(count) {
+                return Err(FrameFault::Counter);
+            }
+        }
+        for (page, (seen, on)) in definition.pages.iter().zip(&mut self.pages) {
+            if page.is_in(&data) {
+                *seen = Some(now);
+                for ((_, field, when), on) in page.inputs.iter().zip(on) {
+                    *on = when.holds(field, field.get(&data), *on);
+                }
+            }
+        }
+        Ok(())
+    }
+}
+
+impl Told {
+    fn send(&mut self, now: Tick, image: u128, out: &mut Outbox) {
+        let data = self.frame.bytes(image, self.count);
+        let len = usize::from(self.frame.len.min(8));
+        // By construction of the binding neither is too long.
+        out.frames.extend(frame_of(self.frame.id, &data[..len]));
+        self.count = self.count.wrapping_add(1);
+        self.sent = Some(self.frame.bytes(image, 0));
+        self.due = now + self.frame.every;
+    }
+}
+
+fn frame_of(id: FrameId, data: &[u8]) -> Option<Frame> {
+    let id: Id =
+        if id.extended { ExtendedId::new(id.id)?.into() } else { StandardId::new(u16::try_from(id.id).ok()?)?.into() };
+    Frame::new(id, data)
+}
+
+/// The identifier of a data frame.
+fn id_of(frame: &Frame) -> Option<FrameId> {
+    (frame.kind() == Kind::Data).then(|| FrameId { id: frame.id_word() & 0x1FFF_FFFF, extended: frame.is_extended() })
+}
+
+impl Manager {
+    /// Adds a device that speaks no CANopen.
+    pub(super) fn add_plain(&mut self, device: &Device, binding: &FrameBinding) {
+        let plain = Plain::new(device, binding);
+        for told in &plain.told {
+            self.pace.treat_as_process_data(frame_of(told.frame.id, &[]).map_or(0, |frame| frame.id_word()));
+        }
+        self.plains.push(plain);
+    }
+
+    /// That no identifier has two meanings on this bus.
+    pub(super) fn check_ids(&self) -> Result<(), ManagerError> {
+        for (nth, plain) in self.plains.iter().enumerate() {
+            for id in plain.ids() {
+                let refuse = |other: String| Err(ManagerError::FrameId { device: plain.name.clone(), id, other });
+                if let Some(other) = self.plains[..nth].iter().find(|other| other.ids().any(|own| own == id)) {
+                    return refuse(format!("device `{}`", other.name));
+                }
+                if plain.heard.iter().any(|heard| heard.frame.id == id)
+                    && plain.told.iter().any(|told| told.frame.id == id)
+                {
+                    return refuse("a message it is sent".to_owned());
+                }
+                if id.extended {
+                    continue;
+                }
+                let node = id.id & 0x7F;
+                let of_node = matches!(id.id & 0x780, 0x080 | 0x180 | 0x200 | 0x580 | 0x600 | 0x700);
+                if id.id == 0 || id.id == 0x080 || id.id == 0x77F {
+                    return refuse("the manager".to_owned());
+                }
+                if let Some(peer) = self.peers.iter().find(|peer| of_node && u32::from(peer.node.get()) == node) {
+                    return refuse(format!("device `{}`", peer.name));
+                }
+            }
+        }
+        Ok(())
+    }
+
+    /// Takes a frame of a device that speaks no CANopen; false if it is none.
+    pub(super) fn take_plain(&mut self, now: Tick, frame: &Frame, out: &mut Outbox) -> bool {
+        let Some(id) = id_of(frame).filter(|_| !self.plains.is_empty()) else { return false };
+        let Some((at, outcome)) =
+            self.plains.iter_mut().enumerate().find_map(|(at, plain)| Some((at, plain.hear(now, id, frame, out)?)))
+        else {
+            return false;
+        };
+        match outcome {
+            Outcome::Ignored(reason) => self.ignore(reason, *frame, out),
+            outcome => self.settle_plain(now, at, outcome, out),
+        }
+        true
+    }
+
+    /// Does what is due for them.
+    pub(super) fn poll_plain(&mut self, now: Tick, out: &mut Outbox) {
+        for at in 0..self.plains.len() {
+            let outcome = self.plains[at].poll(now, out);
+            self.settle_plain(now, at, outcome, out);
+        }
+    }
+
+    /// When that is.
+    pub(super) fn plain_deadline(&self) -> Tick {
+        self.plains.iter().map(Plain::deadline).fold(Tick::NEVER, Tick::min)
+    }
+
+    /// How the device of this name is at `now`, in one sentence, if it is one that speaks no CANopen.
+    pub fn explain_frames(&self, now: Tick, name: &str) -> Option<String> {
+        self.plains.iter().find(|plain| plain.name == name).map(|plain| plain.explain(now))
+    }
+
+    /// What a change of one of them means for its owner's images.
+    fn settle_plain(&mut self, now: Tick, at: usize, outcome: Outcome, out: &mut Outbox) {
+        let owner = self.plains[at].owner;
+        match outcome {
+            Outcome::Unchanged | Outcome::Ignored(_) => return,
+            Outcome::Inputs => {}
+            Outcome::Up => self.plains[at].send_changes(now, out),
+            Outcome::Lost => {
+                for told in &self.plains[at].told {
+                    self.pace.forget_frame(frame_of(told.frame.id, &[]).map_or(0, |frame| frame.id_word()));
+                }
+                // It is told to let go as well: it may hear what it cannot answer.
+                self.let_go(now, owner, out);
+            }
+        }
+        self.gather(now, owner, out);
+    }
+}

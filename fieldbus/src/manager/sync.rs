@@ -1,0 +1,52 @@
+//! SYNC: the manager sends it (CiA 301 §7.2.5), and tells devices what waits for it.
+//!
+//! A device that hears no SYNC keeps its outputs, whatever it is sent, and hears every heartbeat of a manager that is
+//! alive: its own watch of the manager does not help. Two things do. It is told how often SYNC comes (object 1006h), so
+//! that it can take its absence for an error, if it is one of those that do. And its inputs must come with SYNC as well
+//! (the description's rules see to that): when they stop, the manager stops the device, by which its outputs take their
+//! error values, and brings it up anew.
+
+use std::time::Duration;
+
+use linewright_line::{Device, Tick, Timing};
+
+use super::{Manager, Outbox};
+use crate::codec::Message;
+use crate::profile::drive::Setting;
+
+/// So many frames of inputs in a row may be missing.
+const MISSING: u32 = 3;
+
+/// How long inputs that come with SYNC may stay away: three frames, and no shorter than a heartbeat may.
+pub(super) fn inputs_within(device: &Device, timing: &Timing) -> Option<Duration> {
+    let every = device.setup.transmission.inputs_every()?;
+    let period = timing.sync?;
+    (!device.inputs.is_empty()).then(|| (period * u32::from(every) * MISSING).max(timing.heartbeat_timeout))
+}
+
+/// What a device is told of SYNC before it is started.
+pub(super) fn settings(device: &Device, timing: &Timing) -> Vec<Setting> {
+    let transmission = device.setup.transmission;
+    let mut settings = Vec::new();
+    if let Some(period) = timing.sync.filter(|_| transmission.is_synchronous()) {
+        let micros = u32::try_from(period.as_micros()).unwrap_or(u32::MAX);
+        // A device need not know how often SYNC comes: its inputs show whether it does.
+        settings.push(Setting { optional: true, ..Setting::new(0x1006, 0, micros.to_le_bytes()) });
+    }
+    settings.extend(transmission.outputs.map(|kind| Setting::new(0x1400, 2, [kind])));
+    settings.extend(transmission.inputs.map(|kind| Setting::new(0x1800, 2, [kind])));
+    settings
+}
+
+impl Manager {
+    /// Sends SYNC if it is due. One that a late caller missed is not made up for.
+    pub(super) fn send_sync(&mut self, now: Tick, out: &mut Outbox) {
+        let Some(period) = self.timing.sync else { return };
+        let due = *self.next_sync.get_or_insert(now);
+        if due <= now {
+            out.frames.push(Message::Sync { counter: None }.encode());
+            // In step with the last one, as long as it is no whole period late.
+            self.next_sync = Some(if due + period > now { due + period } else { now + period });
+        }
+    }
+}

@@ -1,0 +1,163 @@
+//! Devices that speak no CANopen: a gauge beside the clamp's device.
+
+use linewright_line::{
+    Checksum, Coding, Field, FrameBinding, FrameId, Frames, HeardFrame, Named, Page, ToldFrame, When,
+};
+
+use super::*;
+
+fn field(start: u8, size: u8) -> Field {
+    Field { start, size, motorola: false, coding: Coding::Unsigned, factor: 0.5, offset: 0.0 }
+}
+
+/// It sends 18FEF100h every so often: a value in byte 0 (input 1 from 20 up, with a hysteresis of 5), a counter in the
+/// lower half of byte 1. It is sent 123h: bit 0 is output 1, a counter in byte 1, a sum in byte 2.
+fn gauge() -> Device {
+    let heard = HeardFrame {
+        name: "State".to_owned(),
+        id: FrameId { id: 0x18FE_F100, extended: true },
+        len: 2,
+        timeout: Duration::from_millis(100),
+        counter: Some(field(8, 4)),
+        checksum: None,
+        pages: vec![Page {
+            selected: None,
+            inputs: vec![(InputId(1), field(0, 8), When::Above { at: 20.0, hysteresis: 5.0 })],
+        }],
+    };
+    let told = ToldFrame {
+        name: "Command".to_owned(),
+        id: FrameId { id: 0x123, extended: false },
+        len: 3,
+        every: Duration::from_millis(20),
+        counter: Some(field(8, 8)),
+        checksum: Some((2, Checksum::Sum)),
+        rest: [0; 8],
+        outputs: vec![(OutputId(1), field(0, 1), 1)],
+    };
+    let mut device = devices().remove(2);
+    device.name = "gauge".to_owned();
+    device.node_id = 0;
+    (device.inputs, device.outputs) = (Vec::new(), Vec::new());
+    device.frames = Some(Frames {
+        file: Named { name: "gauge.dbc".to_owned(), at: 0..0 },
+        receive: Vec::new(),
+        send: Vec::new(),
+        bound: Some(FrameBinding { heard: vec![heard], told: vec![told] }),
+    });
+    device
+}
+
+/// The clamp's device is up; the gauge has not been heard.
+fn bench() -> Bench {
+    let devices = [devices().remove(2), gauge()];
+    let manager = Manager::new(&devices, Timing::default()).unwrap();
+    let mut bench = Bench { manager, now: Tick::from_millis(1000), out: Outbox::default() };
+    bench.poll();
+    bench.bring_up(6);
+    bench.take();
+    bench
+}
+
+fn sent(bench: &mut Bench) -> Vec<String> {
+    bench.frames().into_iter().filter(|frame| frame.starts_with("123")).collect()
+}
+
+#[test]
+fn it_is_sent_rest_again_and_again_and_energised_only_when_it_is_heard() {
+    let mut bench = bench();
+    bench.set(CLAMP, 0b10);
+    for _ in 0..4 {
+        bench.hear("706#05");
+        bench.pass(10);
+    }
+    assert_eq!(sent(&mut bench), ["123#000101", "123#000202"], "count 0 went with the first poll");
+    assert!(!bench.inputs(CLAMP).valid);
+    let trouble: Vec<String> = bench.manager.trouble(bench.now, CLAMP).collect();
+    assert_eq!(trouble, ["gauge: nothing of message State (18FEF100h) yet: it does not come"]);
+    bench.hear("18FEF100#2800");
+    let (frames, events) = bench.take();
+    assert_eq!(frames, ["123#010304"], "at once: what its owner has set in the meantime");
+    let id = FrameId { id: 0x18FE_F100, extended: true };
+    assert_eq!(events, [Event::FramesUp { id }, Event::InputsChanged { owner: CLAMP }]);
+    assert_eq!((bench.inputs(CLAMP).valid, bench.inputs(CLAMP).bits), (true, 0b10));
+    bench.set(CLAMP, 0);
+    assert_eq!(sent(&mut bench), ["123#000404"]);
+}
+
+#[test]
+fn an_input_follows_its_limit_with_hysteresis() {
+    let mut bench = bench();
+    for (nth, (text, on)) in [("27", 0), ("28", 2), ("1F", 2), ("1E", 2), ("1D", 0), ("27", 0)].iter().enumerate() {
+        bench.hear(&format!("18FEF100#{text}{nth:02X}"));
+        assert_eq!(bench.inputs(CLAMP).bits, *on, "{text}");
+    }
+}
+
+#[test]
+fn one_that_falls_silent_or_says_the_same_again_is_lost_and_takes_its_owners_outputs_along() {
+    for (again, why) in [
+        (None, "it does not come"),
+        (Some("18FEF100#2801"), "its counter stands still"),
+        (Some("18FEF100#28"), "it has too few bytes"),
+    ] {
+        let mut bench = bench();
+        bench.hear("18FEF100#2800");
+        bench.hear("18FEF100#2801");
+        bench.set(CLAMP, 0b11);
+        bench.take();
+        for _ in 0..9 {
+            bench.hear("706#05");
+            again.iter().for_each(|text| bench.hear(text));
+            bench.pass(10);
+        }
+        assert!(bench.inputs(CLAMP).valid, "{why}");
+        bench.pass(9);
+        bench.take();
+        again.iter().for_each(|text| bench.hear(text));
+        bench.pass(1);
+        let (frames, events) = bench.take();
+        let said: Vec<String> = events.iter().map(Event::to_string).collect();
+        assert!(
+            said.contains(&format!("the sender of 18FEF100h is lost: nothing of it for 100 ms: {why}")),
+            "{said:?}"
+        );
+        assert!(frames.contains(&"206#00".to_owned()), "{frames:?}");
+        assert!(frames.iter().any(|frame| frame.starts_with("123#00")), "{frames:?}");
+        assert!(!bench.inputs(CLAMP).valid);
+        // Heard again, it gets what was set since, which is nothing.
+        bench.hear("18FEF100#2807");
+        assert!(bench.inputs(CLAMP).valid);
+        assert!(!bench.frames().iter().any(|frame| frame.starts_with("123#01") || frame == "206#01"));
+    }
+}
+
+#[test]
+fn a_loss_of_the_other_device_switches_it_off() {
+    let mut bench = bench();
+    bench.hear("18FEF100#2800");
+    bench.set(CLAMP, 0b10);
+    bench.take();
+    bench.hear("706#00");
+    assert_eq!(sent(&mut bench).iter().map(|frame| &frame[..6]).collect::<Vec<_>>(), ["123#00"]);
+}
+
+#[test]
+fn identifiers_have_one_meaning() {
+    let refused = |id: u32, extended: bool| {
+        let mut gauge = gauge();
+        let bound = gauge.frames.as_mut().and_then(|frames| frames.bound.as_mut()).unwrap();
+        bound.heard[0].id = FrameId { id, extended };
+        Manager::new(&[devices().remove(2), gauge], Timing::default()).map(|_| ()).err().map(|error| error.to_string())
+    };
+    assert_eq!(
+        refused(0x186, false).unwrap(),
+        "device `gauge` has messages with identifier 186h, which is that of device `clamp`"
+    );
+    assert!(refused(0x77F, false).is_some() && refused(0x123, false).is_some());
+    assert_eq!((refused(0x187, false), refused(0x186, true)), (None, None));
+    let mut unread = gauge();
+    unread.frames.as_mut().unwrap().bound = None;
+    let error = Manager::new(&[unread], Timing::default()).map(|_| ()).unwrap_err();
+    assert_eq!(error.to_string(), "device `gauge`: its file gauge.dbc has not been read");
+}

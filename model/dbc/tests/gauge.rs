@@ -1,0 +1,114 @@
+//! A file and what a description makes of it.
+
+use std::time::Duration;
+
+use linewright_dbc::{Database, DbcError, Mux, bind, read};
+use linewright_line::{Checksum, Frames, InputId, Named, OutputId, Receive, Send, SignalInput, SignalOutput, When};
+
+const GAUGE: &[u8] = include_bytes!("gauge.dbc");
+
+fn gauge() -> Database {
+    read(GAUGE).expect("a sound file")
+}
+
+fn named(name: &str) -> Named {
+    Named { name: name.to_owned(), at: 0..1 }
+}
+
+fn input(id: u16, signal: &str, when: When) -> SignalInput {
+    SignalInput { input: InputId(id), signal: named(signal), when }
+}
+
+fn receive(message: &str, inputs: Vec<SignalInput>) -> Receive {
+    let timeout = Duration::from_millis(100);
+    Receive { message: named(message), timeout, counter: None, checksum: None, inputs }
+}
+
+fn send(outputs: Vec<SignalOutput>) -> Send {
+    let every = Duration::from_millis(20);
+    Send { message: named("GaugeCommand"), every, counter: None, checksum: None, outputs, set: Vec::new() }
+}
+
+fn output(id: u16, signal: &str, on: f64) -> SignalOutput {
+    SignalOutput { output: OutputId(id), signal: named(signal), on, off: 0.0 }
+}
+
+fn frames(receive: Vec<Receive>, send: Vec<Send>) -> Frames {
+    Frames { file: named("gauge.dbc"), receive, send, bound: None }
+}
+
+fn problem(frames: &Frames) -> String {
+    let problems = bind(frames, &gauge()).expect_err("it must not be bound");
+    assert_eq!(problems.len(), 1, "{problems:?}");
+    format!("{}; {}", problems[0].message, problems[0].hint.as_deref().unwrap_or("-"))
+}
+
+#[test]
+fn messages_and_signals_are_read() {
+    let gauge = gauge();
+    let ids: Vec<String> = gauge.messages.iter().map(|message| message.id.to_string()).collect();
+    assert_eq!(ids, ["123h", "18FEF100h", "124h"]);
+    let detail = &gauge.messages[1];
+    assert_eq!((&detail.signals[0].mux, &detail.signals[2].mux), (&Mux::Selector, &Mux::Selected(vec![(1, 1)])));
+    let field = detail.signals[1].field.expect("a float");
+    assert_eq!(field.value(u64::from(21.5f32.to_bits())), 21.5);
+}
+
+#[test]
+fn an_error_has_a_line() {
+    let broken = String::from_utf8_lossy(GAUGE).replace("SG_ Mode : 16|3@1+", "SG_ Mode : 16|x@1+");
+    let Err(DbcError::Syntax { line, column, .. }) = read(broken.as_bytes()) else { panic!("it is broken") };
+    assert_eq!((line, column > 1), (11, true));
+    assert!(read(b"\xFF\xFE rubbish").is_err());
+}
+
+#[test]
+fn a_description_is_bound() {
+    let mut state = receive("GaugeState", vec![input(3, "Pressure", When::Above { at: 5.0, hysteresis: 0.2 })]);
+    state.counter = Some(named("Alive"));
+    state.checksum = Some((named("Check"), Checksum::Xor));
+    let detail = receive("GaugeDetail", vec![input(0, "Hours", When::NotZero), input(1, "Temperature", When::NotZero)]);
+    let mut command = send(vec![output(2, "Setpoint", 3.5)]);
+    command.counter = Some(named("Count"));
+    command.checksum = Some((named("Check"), Checksum::Sum));
+    command.set = vec![(named("Valve"), 2.0)];
+    let bound = bind(&frames(vec![state, detail], vec![command]), &gauge()).expect("it fits");
+    assert_eq!((bound.heard[0].pages.len(), bound.heard[1].pages.len()), (1, 2));
+    assert_eq!(bound.heard[0].checksum, Some((7, Checksum::Xor)));
+    // Pressure 5 bar is 1000 steps above -5.
+    let (_, field, when) = bound.heard[0].pages[0].inputs[0];
+    assert!(when.holds(&field, 1000, false) && !when.holds(&field, 999, false));
+    assert!(when.holds(&field, 980, true) && !when.holds(&field, 979, true));
+    // Setpoint 3.5 is 35, high byte first; valve 2, count 3.
+    let on = bound.told[0].bytes(1 << 2, 3);
+    assert_eq!(on[..4], [0x32, 0, 35, 0x32 + 35]);
+    assert_eq!(bound.told[0].bytes(0, 4)[..4], [0x42, 0, 0, 0x42]);
+}
+
+#[test]
+fn what_does_not_fit_is_said_with_a_way_out() {
+    let wrong = frames(vec![receive("GaugeStatus", vec![])], vec![]);
+    assert_eq!(problem(&wrong), "gauge.dbc has no message `GaugeStatus`; did you mean `GaugeState`?");
+    let wrong = frames(vec![receive("GaugeState", vec![input(0, "Presure", When::NotZero)])], vec![]);
+    assert_eq!(problem(&wrong), "message `GaugeState` has no signal `Presure`; did you mean `Pressure`?");
+    let wrong = frames(vec![receive("GaugeState", vec![input(0, "Mode", When::Bit(3))])], vec![]);
+    assert_eq!(problem(&wrong), "`Mode` has 3 bits, and no bit 3; -");
+    let wrong = frames(vec![receive("GaugeState", vec![input(0, "Level", When::Equals(1.2))])], vec![]);
+    assert_eq!(problem(&wrong), "`Level` is never 1.2 mm; the nearest value is 1");
+    let wrong = frames(vec![], vec![send(vec![output(0, "Valve", 4.0)])]);
+    assert_eq!(problem(&wrong), "`Valve` cannot be 4; it has 2 bits");
+    let wrong = frames(vec![], vec![send(vec![output(0, "Valve", 1.0), output(1, "Valve", 2.0)])]);
+    assert_eq!(problem(&wrong), "`Valve` is given two values; -");
+    let mut wrong = send(vec![]);
+    wrong.checksum = Some((named("Setpoint"), Checksum::Xor));
+    assert_eq!(
+        problem(&frames(vec![], vec![wrong])),
+        "`Setpoint` is not one whole byte; such checksums are kept in one whole byte"
+    );
+    let mut wrong = send(vec![output(0, "Hours", 1.0)]);
+    wrong.message = named("GaugeDetail");
+    assert_eq!(
+        problem(&frames(vec![], vec![wrong])).split(';').next(),
+        Some("`Hours` is not in the frame that is sent")
+    );
+}

@@ -1,0 +1,363 @@
+//! A device that speaks no CANopen: plain CAN frames, as a DBC file describes them.
+//!
+//! To a station it is a device like any other: its frames turn inputs on and off, outputs turn into numbers in frames it
+//! is sent. [`Frames`] is what the description says, in the names of the DBC file; [`FrameBinding`] is the same in
+//! numbers, worked out by whoever has read that file. A [`Field`] knows how a number lies in eight bytes.
+
+use std::fmt;
+use std::ops::Range;
+use std::time::Duration;
+
+use crate::{InputId, OutputId};
+
+/// A name that only the DBC file can explain, and its place in the description, for whoever finds that it cannot.
+#[derive(Clone, Debug, PartialEq, Eq)]
+pub struct Named {
+    /// The name.
+    pub name: String,
+    /// The bytes of the description it stands in.
+    pub at: Range<usize>,
+}
+
+/// What the description says of such a device.
+#[derive(Clone, Debug, PartialEq)]
+pub struct Frames {
+    /// Its DBC file, by its path from the description's directory.
+    pub file: Named,
+    /// The messages it sends.
+    pub receive: Vec<Receive>,
+    /// The messages it is sent.
+    pub send: Vec<Send>,
+    /// The same in numbers. `None` until the file has been read.
+    pub bound: Option<FrameBinding>,
+}
+
+/// A message that the device sends.
+#[derive(Clone, Debug, PartialEq)]
+pub struct Receive {
+    /// Its name.
+    pub message: Named,
+    /// The device is lost when it has not come for this long.
+    pub timeout: Duration,
+    /// A signal that is another in each frame: one that comes with the same number again is no news.
+    pub counter: Option<Named>,
+    /// What its bytes add up to, and the signal that says so.
+    pub checksum: Option<(Named, Checksum)>,
+    /// What follows from it.
+    pub inputs: Vec<SignalInput>,
+}
+
+/// An input that follows a signal.
+#[derive(Clone, Debug, PartialEq)]
+pub struct SignalInput {
+    /// The input.
+    pub input: InputId,
+    /// The signal.
+    pub signal: Named,
+    /// When it is on.
+    pub when: When,
+}
+
+/// When an input that follows a signal is on. Numbers are in the signal's unit.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub enum When {
+    /// While the signal is not zero.
+    NotZero,
+    /// While it has this value.
+    Equals(f64),
+    /// While this bit of it, before scaling, is set.
+    Bit(u8),
+    /// From a limit up, and until it falls below the limit by more than the hysteresis.
+    Above {
+        /// The limit.
+        at: f64,
+        /// At least 0.
+        hysteresis: f64,
+    },
+    /// From a limit down, and until it rises above the limit by more than the hysteresis.
+    Below {
+        /// The limit.
+        at: f64,
+        /// At least 0.
+        hysteresis: f64,
+    },
+}
+
+/// A message that the device is sent.
+#[derive(Clone, Debug, PartialEq)]
+pub struct Send {
+    /// Its name.
+    pub message: Named,
+    /// How often, when nothing changes.
+    pub every: Duration,
+    /// A signal that counts the frames.
+    pub counter: Option<Named>,
+    /// A signal for what its bytes add up to.
+    pub checksum: Option<(Named, Checksum)>,
+    /// What outputs make of it.
+    pub outputs: Vec<SignalOutput>,
+    /// Signals that have the same value in every frame.
+    pub set: Vec<(Named, f64)>,
+}
+
+/// A signal that follows an output.
+#[derive(Clone, Debug, PartialEq)]
+pub struct SignalOutput {
+    /// The output.
+    pub output: OutputId,
+    /// The signal.
+    pub signal: Named,
+    /// Its value while the output is on.
+    pub on: f64,
+    /// And while it is off.
+    pub off: f64,
+}
+
+/// How the bytes of a frame, but for the one that says so, are made into one.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub enum Checksum {
+    /// Exclusive or.
+    Xor,
+    /// Their sum, the lower eight bits of it.
+    Sum,
+    /// CRC-8 of SAE J1850: polynomial 1Dh, begun with FFh, inverted.
+    Crc8,
+}
+
+/// A frame's identifier.
+#[derive(Clone, Copy, Debug, PartialEq, Eq, PartialOrd, Ord, Hash)]
+pub struct FrameId {
+    /// 11 or 29 bits.
+    pub id: u32,
+    /// Whether it has 29.
+    pub extended: bool,
+}
+
+impl fmt::Display for FrameId {
+    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
+        if self.extended { write!(f, "{:08X}h", self.id) } else { write!(f, "{:03X}h", self.id) }
+    }
+}
+
+/// What a field's bits are.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub enum Coding {
+    /// A number without a sign.
+    Unsigned,
+    /// A number in two's complement.
+    Signed,
+    /// An IEEE number of 32 bits.
+    Float,
+    /// An IEEE number of 64 bits.
+    Double,
+}
+
+/// Where a signal lies in a frame, and what its bits mean.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct Field {
+    /// As a DBC file counts, bit *n* is bit *n* mod 8 of byte *n* / 8: the lowest bit of an Intel field, the highest of a
+    /// Motorola one.
+    pub start: u8,
+    /// Bits, 1 to 64.
+    pub size: u8,
+    /// Motorola byte order: the higher byte comes first.
+    pub motorola: bool,
+    /// What the bits are.
+    pub coding: Coding,
+    /// What a step is worth; not 0.
+    pub factor: f64,
+    /// What 0 is worth.
+    pub offset: f64,
+}
+
+impl Field {
+    /// Whether it lies within a frame of so many bytes.
+    pub fn fits(&self, len: u8) -> bool {
+        let (start, size, bits) = (u32::from(self.start), u32::from(self.size), u32::from(len) * 8);
+        let first = if self.motorola { start / 8 * 8 + 7 - start % 8 } else { start };
+        (1..=64).contains(&size) && first + size <= bits
+    }
+
+    /// How far its lowest bit is from that of the 64 bits, read in its byte order. It fits 8 bytes.
+    fn shift(&self) -> u32 {
+        let (start, size) = (u32::from(self.start), u32::from(self.size));
+        if self.motorola { 64u32.saturating_sub(start / 8 * 8 + 7 - start % 8 + size) } else { start.min(63) }
+    }
+
+    fn mask(&self) -> u64 {
+        u64::MAX >> (64 - u32::from(self.size.clamp(1, 64)))
+    }
+
+    /// Its bits.
+    pub fn get(&self, data: &[u8; 8]) -> u64 {
+        let all = if self.motorola { u64::from_be_bytes(*data) } else { u64::from_le_bytes(*data) };
+        all >> self.shift() & self.mask()
+    }
+
+    /// Puts bits there; those beyond its size are left out.
+    pub fn put(&self, data: &mut [u8; 8], bits: u64) {
+        let all = if self.motorola { u64::from_be_bytes(*data) } else { u64::from_le_bytes(*data) };
+        let all = all & !(self.mask() << self.shift()) | (bits & self.mask()) << self.shift();
+        *data = if self.motorola { all.to_be_bytes() } else { all.to_le_bytes() };
+    }
+
+    /// What its bits are worth.
+    pub fn value(&self, bits: u64) -> f64 {
+        let number = match self.coding {
+            Coding::Unsigned => bits as f64,
+            Coding::Signed => {
+                let unused = 64 - u32::from(self.size.clamp(1, 64));
+                ((bits << unused) as i64 >> unused) as f64
+            }
+            Coding::Float => f32::from_bits(bits as u32).into(),
+            Coding::Double => f64::from_bits(bits),
+        };
+        number * self.factor + self.offset
+    }
+
+    /// The bits that are worth `value`, or what comes nearest; `None` if it is beyond what the field holds.
+    pub fn bits(&self, value: f64) -> Option<u64> {
+        let number = (value - self.offset) / self.factor;
+        let whole = number.round();
+        let size = i32::from(self.size.clamp(1, 64));
+        match self.coding {
+            _ if !number.is_finite() => None,
+            Coding::Unsigned => (whole >= 0.0 && whole < 2f64.powi(size)).then_some(whole as u64),
+            Coding::Signed => {
+                let half = 2f64.powi(size - 1);
+                (whole >= -half && whole < half).then_some(whole as i64 as u64 & self.mask())
+            }
+            Coding::Float => Some((number as f32).to_bits().into()),
+            Coding::Double => Some(number.to_bits()),
+        }
+    }
+}
+
+impl Checksum {
+    /// Of the first `len` bytes but for the one at `own`.
+    pub fn of(self, data: &[u8; 8], len: u8, own: u8) -> u8 {
+        let bytes = data.iter().take(len.into()).enumerate().filter(|(at, _)| *at != usize::from(own));
+        let bytes = bytes.map(|(_, byte)| *byte);
+        match self {
+            Checksum::Xor => bytes.fold(0, |sum, byte| sum ^ byte),
+            Checksum::Sum => bytes.fold(0, u8::wrapping_add),
+            Checksum::Crc8 => !bytes.fold(0xFF, |crc, byte| {
+                (0..8).fold(crc ^ byte, |crc: u8, _| crc << 1 ^ if crc & 0x80 != 0 { 0x1D } else { 0 })
+            }),
+        }
+    }
+}
+
+/// [`Frames`] in numbers.
+#[derive(Clone, Debug, PartialEq)]
+pub struct FrameBinding {
+    /// The messages the device sends.
+    pub heard: Vec<HeardFrame>,
+    /// The messages it is sent.
+    pub told: Vec<ToldFrame>,
+}
+
+/// A message that the device sends.
+#[derive(Clone, Debug, PartialEq)]
+pub struct HeardFrame {
+    /// Its name.
+    pub name: String,
+    /// Its identifier.
+    pub id: FrameId,
+    /// Its bytes, 0 to 8.
+    pub len: u8,
+    /// How long it may stay away.
+    pub timeout: Duration,
+    /// Differs from frame to frame.
+    pub counter: Option<Field>,
+    /// The byte that holds a checksum.
+    pub checksum: Option<(u8, Checksum)>,
+    /// What is read of it, at least one page; a message that is not multiplexed has one.
+    pub pages: Vec<Page>,
+}
+
+/// What is read together: all that is not multiplexed, or what one value of the selector shows. Each page has to come in
+/// time.
+#[derive(Clone, Debug, PartialEq)]
+pub struct Page {
+    /// The selector, and the values of it with which this page is there.
+    pub selected: Option<(Field, Vec<(u64, u64)>)>,
+    /// Inputs, what they follow, and when they are on.
+    pub inputs: Vec<(InputId, Field, When)>,
+}
+
+/// A message that the device is sent.
+#[derive(Clone, Debug, PartialEq)]
+pub struct ToldFrame {
+    /// Its name.
+    pub name: String,
+    /// Its identifier.
+    pub id: FrameId,
+    /// Its bytes, 0 to 8.
+    pub len: u8,
+    /// How often it is sent.
+    pub every: Duration,
+    /// Counts the frames.
+    pub counter: Option<Field>,
+    /// The byte that holds a checksum.
+    pub checksum: Option<(u8, Checksum)>,
+    /// The bytes with nothing on: what never changes, and every output's `off`.
+    pub rest: [u8; 8],
+    /// Outputs, where they lie, and the bits for on.
+    pub outputs: Vec<(OutputId, Field, u64)>,
+}
+
+impl Page {
+    /// Whether a frame has it.
+    pub fn is_in(&self, data: &[u8; 8]) -> bool {
+        self.selected.as_ref().is_none_or(|(selector, values)| {
+            let value = selector.get(data);
+            values.iter().any(|(first, last)| (*first..=*last).contains(&value))
+        })
+    }
+}
+
+impl When {
+    /// Whether an input that is now `on` is on with these bits.
+    pub fn holds(self, field: &Field, bits: u64, on: bool) -> bool {
+        let value = field.value(bits);
+        match self {
+            When::NotZero => value != 0.0,
+            When::Equals(equal) => field.bits(equal) == Some(bits),
+            When::Bit(bit) => bits.checked_shr(bit.into()).is_some_and(|bits| bits & 1 == 1),
+            When::Above { at, hysteresis } => value >= if on { at - hysteresis } else { at },
+            When::Below { at, hysteresis } => value <= if on { at + hysteresis } else { at },
+        }
+    }
+}
+
+impl ToldFrame {
+    /// The bytes for an image of its owner's outputs.
+    pub fn bytes(&self, image: u128, count: u64) -> [u8; 8] {
+        let mut data = self.rest;
+        for (output, field, on) in &self.outputs {
+            if u32::from(output.0) < 128 && image >> output.0 & 1 == 1 {
+                field.put(&mut data, *on);
+            }
+        }
+        if let Some(counter) = &self.counter {
+            counter.put(&mut data, count);
+        }
+        if let Some((at, checksum)) = self.checksum {
+            data[usize::from(at.min(7))] = checksum.of(&data, self.len, at);
+        }
+        data
+    }
+}
+
+impl Frames {
+    /// Every input of its station that its frames turn on and off.
+    pub fn inputs(&self) -> impl Iterator<Item = InputId> {
+        self.receive.iter().flat_map(|message| message.inputs.iter().map(|input| input.input))
+    }
+
+    /// Every output of its station that goes into frames.
+    pub fn outputs(&self) -> impl Iterator<Item = OutputId> {
+        self.send.iter().flat_map(|message| message.outputs.iter().map(|output| output.output))
+    }
+}

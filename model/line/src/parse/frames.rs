@@ -1,0 +1,90 @@
+//! A device's `dbc` table: its names → bits of its station's image, and at the end → [`Frames`].
+//!
+//! What messages and signals are called only the DBC file knows, which is read elsewhere: those names are passed on with
+//! their places.
+
+use super::draft::DraftFrames;
+use super::problem::Report;
+use super::raw::{At, Name, RawFrames, RawHeard, RawSignalInput, RawTold};
+use super::wiring::{Wires, one_input, one_output};
+use crate::{Frames, Named, Receive, Send, SignalInput, SignalOutput, When};
+
+/// Every signal of its owner that a device's frames name.
+pub(super) fn signals(raw: &RawFrames) -> impl Iterator<Item = &Name> {
+    let inputs = raw.receive.iter().flat_map(|heard| heard.inputs.iter().filter_map(|input| input.input.as_ref()));
+    let outputs = raw.send.iter().flat_map(|told| told.outputs.iter().filter_map(|output| output.output.as_ref()));
+    inputs.chain(outputs)
+}
+
+/// Binds them.
+pub(super) fn wire<'a>(raw: &'a RawFrames, wires: &mut Wires<'a>, report: &mut Report) -> DraftFrames {
+    let mut draft = DraftFrames::default();
+    for heard in &raw.receive {
+        let bound = heard.inputs.iter().map(|input| one_input(input.input.as_ref()?, wires, report));
+        draft.inputs.push(bound.collect());
+    }
+    for told in &raw.send {
+        let bound = told.outputs.iter().map(|output| one_output(output.output.as_ref()?, wires, report));
+        draft.outputs.push(bound.collect());
+    }
+    draft
+}
+
+/// When an input is on; `None` where that is not said well.
+pub(super) fn when(raw: &RawSignalInput) -> Option<When> {
+    let hysteresis = raw.hysteresis.as_ref().map_or(0.0, |own| own.value);
+    Some(match (&raw.equals, &raw.above, &raw.below, &raw.bit) {
+        (None, None, None, None) => When::NotZero,
+        (Some(equals), None, None, None) => When::Equals(equals.value),
+        (None, Some(at), None, None) => When::Above { at: at.value, hysteresis },
+        (None, None, Some(at), None) => When::Below { at: at.value, hysteresis },
+        (None, None, None, Some(bit)) => When::Bit(u8::try_from(bit.value).ok().filter(|bit| *bit < 64)?),
+        _ => return None,
+    })
+}
+
+/// The frames a draft describes; `None` if a part is missing.
+pub(super) fn finish(draft: &DraftFrames, raw: &RawFrames) -> Option<Frames> {
+    let receive = raw.receive.iter().zip(&draft.inputs).map(|(raw, bound)| receive(raw, bound));
+    let send = raw.send.iter().zip(&draft.outputs).map(|(raw, bound)| send(raw, bound));
+    Some(Frames {
+        file: named(raw.file.as_ref()?),
+        receive: receive.collect::<Option<_>>()?,
+        send: send.collect::<Option<_>>()?,
+        bound: None,
+    })
+}
+
+fn receive(raw: &RawHeard, bound: &[Option<crate::InputId>]) -> Option<Receive> {
+    let inputs = raw.inputs.iter().zip(bound).map(|(raw, input)| {
+        Some(SignalInput { input: (*input)?, signal: named(raw.signal.as_ref()?), when: when(raw)? })
+    });
+    Some(Receive {
+        message: named(raw.message.as_ref()?),
+        timeout: raw.timeout.as_ref()?.value,
+        counter: raw.counter.as_ref().map(named),
+        checksum: raw.checksum.as_ref().map(|(signal, kind)| (named(signal), *kind)),
+        inputs: inputs.collect::<Option<_>>()?,
+    })
+}
+
+fn send(raw: &RawTold, bound: &[Option<crate::OutputId>]) -> Option<Send> {
+    let or = |own: &Option<At<f64>>, else_| own.as_ref().map_or(else_, |own| own.value);
+    let outputs = raw.outputs.iter().zip(bound).map(|(raw, output)| {
+        let signal = named(raw.signal.as_ref()?);
+        Some(SignalOutput { output: (*output)?, signal, on: or(&raw.on, 1.0), off: or(&raw.off, 0.0) })
+    });
+    let set = raw.set.iter().map(|set| Some((named(set.signal.as_ref()?), set.value.as_ref()?.value)));
+    Some(Send {
+        message: named(raw.message.as_ref()?),
+        every: raw.every.as_ref()?.value,
+        counter: raw.counter.as_ref().map(named),
+        checksum: raw.checksum.as_ref().map(|(signal, kind)| (named(signal), *kind)),
+        outputs: outputs.collect::<Option<_>>()?,
+        set: set.collect::<Option<_>>()?,
+    })
+}
+
+fn named(name: &Name) -> Named {
+    Named { name: name.value.clone(), at: name.at.clone() }
+}

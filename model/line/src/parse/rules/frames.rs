@@ -1,0 +1,92 @@
+//! Devices that speak no CANopen.
+
+use crate::parse::draft::Draft;
+use crate::parse::frames::when;
+use crate::parse::problem::{Problem, Report};
+use crate::parse::raw::{RawDevice, RawFrames, RawSignalInput, RawTold, Where};
+
+pub(super) fn check(draft: &Draft<'_>, report: &mut Report) {
+    for device in &draft.raw.devices {
+        let Some(frames) = &device.frames else { continue };
+        nothing_of_canopen_is_said(device, frames, report);
+        somebody_is_heard(frames, report);
+        for input in frames.receive.iter().flat_map(|heard| &heard.inputs) {
+            conditions_are_one(input, report);
+        }
+        for told in &frames.send {
+            outputs_have_two_values(told, report);
+        }
+    }
+}
+
+fn nothing_of_canopen_is_said(device: &RawDevice, frames: &RawFrames, report: &mut Report) {
+    let bits = device.inputs.first().or(device.outputs.first()).map(|bit| &bit.at);
+    let settings = device.settings.first().and_then(|setting| setting.object.as_ref()).map(|object| &object.at);
+    let said: [(&str, Option<&Where>); 6] = [
+        ("`node`", device.node.as_ref().map(|node| &node.at)),
+        ("`inputs` and `outputs`", bits),
+        ("`settings`", settings),
+        ("`file`", device.file.as_ref().map(|file| &file.at)),
+        ("`transmission`", device.transmission.as_ref().map(|(_, at)| at)),
+        ("`drive`", device.drive.as_ref().map(|drive| &drive.at)),
+    ];
+    for (what, at) in said.into_iter().filter_map(|(what, at)| Some((what, at?))) {
+        report.add(
+            Problem::error(at.clone(), format!("a device with a `dbc` table has no {what}"))
+                .also(&frames.at, "it speaks no CANopen")
+                .hint("all that is known of it is in its DBC file and its `dbc` table"),
+        );
+    }
+}
+
+fn somebody_is_heard(frames: &RawFrames, report: &mut Report) {
+    if frames.receive.is_empty() && frames.send.is_empty() {
+        report.add(
+            Problem::error(frames.at.clone(), "this device neither sends nor receives anything")
+                .hint("name its messages in `receive` and `send`"),
+        );
+    } else if frames.receive.is_empty() {
+        report.add(
+            Problem::warning(frames.at.clone(), "nothing is heard of this device")
+                .label("nobody notices when it is gone")
+                .hint("name a message that it sends in `receive`, if only for its timeout"),
+        );
+    }
+}
+
+fn conditions_are_one(input: &RawSignalInput, report: &mut Report) {
+    if when(input).is_none() {
+        let problem = match &input.bit {
+            Some(bit) if !(0..64).contains(&bit.value) => {
+                Problem::error(bit.at.clone(), format!("a signal has no bit {}", bit.value)).hint("0 to 63")
+            }
+            _ => Problem::error(input.at.clone(), "an input that is on for two reasons")
+                .hint("one of `equals`, `above`, `below` and `bit`, or none: on while the signal is not zero"),
+        };
+        report.add(problem);
+    }
+    let Some(hysteresis) = &input.hysteresis else { return };
+    if hysteresis.value < 0.0 {
+        report.add(Problem::error(hysteresis.at.clone(), "a hysteresis below zero"));
+    } else if input.above.is_none() && input.below.is_none() {
+        report.add(
+            Problem::error(hysteresis.at.clone(), "a hysteresis without a limit")
+                .hint("it belongs to `above` or `below`"),
+        );
+    }
+}
+
+fn outputs_have_two_values(told: &RawTold, report: &mut Report) {
+    for output in &told.outputs {
+        let (on, off) =
+            (output.on.as_ref().map_or(1.0, |on| on.value), output.off.as_ref().map_or(0.0, |off| off.value));
+        if on == off
+            && let Some(name) = &output.output
+        {
+            report.add(
+                Problem::error(name.at.clone(), format!("`{}` is {on} when on, and when off", name.value))
+                    .hint("two values, or `set` for a signal that never changes"),
+            );
+        }
+    }
+}

@@ -1,0 +1,57 @@
+//! Process data that wait for SYNC.
+
+use crate::parse::draft::Draft;
+use crate::parse::problem::{Problem, Report};
+use crate::parse::raw::{At, RawDevice};
+use crate::parse::setup::transmission;
+
+/// Transmission types from here on are by event (CiA 301 §7.5.2.35).
+const BY_EVENT: u8 = 254;
+
+pub(super) fn check(draft: &Draft<'_>, report: &mut Report) {
+    for device in &draft.raw.devices {
+        let Some((raw, at)) = &device.transmission else { continue };
+        for number in [&raw.inputs, &raw.outputs].into_iter().flatten() {
+            check_type(number, draft, report);
+        }
+        if device.drive.is_some() {
+            report.add(
+                Problem::error(at.clone(), "a drive's process data do not wait for SYNC")
+                    .hint("leave `transmission` out: enabling a drive is a dialogue, and goes by event"),
+            );
+            continue;
+        }
+        outputs_have_inputs_to_show(device, report);
+    }
+}
+
+fn check_type(number: &At<i64>, draft: &Draft<'_>, report: &mut Report) {
+    match transmission(number.value) {
+        None => report.add(
+            Problem::error(number.at.clone(), format!("{} is no transmission type", number.value))
+                .hint("1 to 240: with every so many SYNCs; 254 or 255: at once"),
+        ),
+        Some(kind) if kind < BY_EVENT && draft.raw.timing.sync.is_none() => report.add(
+            Problem::error(number.at.clone(), "process data with SYNC, but nobody sends it")
+                .hint("say how often in [timing]: `sync_ms = 10`"),
+        ),
+        Some(_) => {}
+    }
+}
+
+/// A device that no longer hears SYNC keeps its outputs, and hears every heartbeat: that it still hears SYNC shows only
+/// by inputs that come with it.
+fn outputs_have_inputs_to_show(device: &RawDevice, report: &mut Report) {
+    let Some((raw, _)) = &device.transmission else { return };
+    let synchronous = |number: &Option<At<i64>>| {
+        number.as_ref().and_then(|number| transmission(number.value)).is_some_and(|kind| kind < BY_EVENT)
+    };
+    let Some(outputs) = raw.outputs.as_ref().filter(|_| synchronous(&raw.outputs)) else { return };
+    if !synchronous(&raw.inputs) || device.inputs.is_empty() {
+        report.add(
+            Problem::error(outputs.at.clone(), "outputs that wait for SYNC, without inputs that come with it")
+                .label("nobody would notice that the device hears no SYNC")
+                .hint("`inputs` of a type from 1 to 240 as well, or outputs of type 255"),
+        );
+    }
+}

@@ -1,0 +1,131 @@
+//! Rules about process data that wait for SYNC, and about devices that speak no CANopen: each broken once.
+
+use linewright_line::{Device, Transmission, When, parse};
+
+const LINE: &str = r#"
+name = "pressing"
+buttons = ["PB_1", "PB_2"]
+
+[timing]
+sync_ms = 10
+
+[[station]]
+name = "press"
+home = "return"
+axes = { ram = 0.0 }
+
+[[station.operation]]
+name = "advance"
+module = "R"
+moves = { axis = "ram", from = 0, to = 80 }
+duration_s = 0.2
+watchdog_s = 1.0
+normal = { actuator = "forward", complete = "front" }
+recovery = { actuator = "back", complete = "rear" }
+hand = { type = 6, forward = "PB_1", back = "PB_2", next = "PB_2" }
+
+[[station.operation]]
+name = "return"
+module = "R"
+moves = { axis = "ram", from = 80, to = 0 }
+duration_s = 0.2
+watchdog_s = 1.0
+normal = { actuator = "back", complete = "rear" }
+recovery = { actuator = "forward", complete = "front" }
+hand = { type = 6, forward = "PB_2", back = "PB_1", next = "PB_1" }
+
+[[device]]
+name = "io"
+station = "press"
+node = 4
+inputs = ["front"]
+outputs = ["forward"]
+transmission = { inputs = 2, outputs = 1 }
+
+[[device]]
+name = "box"
+station = "press"
+
+[device.dbc]
+file = "box.dbc"
+receive = [{ message = "State", timeout_ms = 40, counter = "Alive", inputs = [
+    { input = "rear", signal = "Place", below = 0.5, hysteresis = 0.1 },
+] }]
+send = [{ message = "Command", every_ms = 10, checksum = { signal = "Check", kind = "sum" }, outputs = [
+    { output = "back", signal = "Back", on = 3 },
+] }]
+"#;
+
+fn devices(text: &str) -> Vec<Device> {
+    match parse("line.toml", text) {
+        Ok(parsed) => parsed.line.devices,
+        Err(problems) => panic!("{problems:#}"),
+    }
+}
+
+/// The problem that an edit raises, and the words it points to.
+fn problem(old: &str, new: &str) -> (String, String) {
+    assert!(LINE.contains(old), "{old}");
+    let text = LINE.replacen(old, new, 1);
+    let problems = match parse("line.toml", &text) {
+        Ok(parsed) => parsed.warnings,
+        Err(problems) => problems.into_vec().into_iter().filter(|problem| !problem.is_warning).collect(),
+    };
+    let first = problems.first().unwrap_or_else(|| panic!("nothing is wrong with {new}"));
+    (first.message.clone(), text[first.span.clone()].to_owned())
+}
+
+fn raises(old: &str, new: &str, message: &str, place: &str) {
+    let (found, at) = problem(old, new);
+    assert!(found.starts_with(message) && at.starts_with(place), "{new}: {found} at {at}");
+}
+
+#[test]
+fn what_is_said_of_them_is_there() {
+    let devices = devices(LINE);
+    assert_eq!(devices[0].setup.transmission, Transmission { inputs: Some(2), outputs: Some(1) });
+    let frames = devices[1].frames.as_ref().expect("a device of frames");
+    assert_eq!((frames.file.name.as_str(), devices[1].node_id), ("box.dbc", 0));
+    let input = &frames.receive[0].inputs[0];
+    assert_eq!(input.when, When::Below { at: 0.5, hysteresis: 0.1 });
+    assert_eq!(&LINE[input.signal.at.clone()], "\"Place\"");
+    assert_eq!((frames.send[0].outputs[0].on, frames.send[0].outputs[0].off), (3.0, 0.0));
+    assert_eq!(devices[1].carried_inputs().chain(devices[0].carried_inputs()).count(), 2);
+    assert_eq!(devices[1].carried_outputs().count(), 1);
+}
+
+#[test]
+fn sync_must_be_sent_and_heard() {
+    raises("sync_ms = 10", "", "process data with SYNC, but nobody sends it", "2");
+    raises("inputs = 2, outputs = 1", "inputs = 0, outputs = 255", "0 is no transmission type", "0");
+    raises("inputs = 2, outputs = 1", "inputs = 2, outputs = 241", "241 is no transmission type", "241");
+    let alone = "outputs that wait for SYNC, without inputs that come with it";
+    raises("inputs = 2, outputs = 1", "outputs = 7", alone, "7");
+    raises("inputs = 2, outputs = 1", "inputs = 255, outputs = 7", alone, "7");
+    assert_eq!(devices(&LINE.replace("inputs = 2, outputs = 1", "inputs = 240")).len(), 2);
+    assert_eq!(devices(&LINE.replace("inputs = 2, outputs = 1", "outputs = 255")).len(), 2);
+}
+
+#[test]
+fn a_device_without_canopen_is_described_by_its_frames_alone() {
+    let old = "name = \"box\"\nstation = \"press\"\n";
+    let with = |more: &str| format!("{old}{more}\n");
+    raises(old, &with("node = 5"), "a device with a `dbc` table has no `node`", "5");
+    raises(old, &with("inputs = [\"x\"]"), "a device with a `dbc` table has no `inputs` and `outputs`", "\"x\"");
+    raises(old, &with("file = \"box.eds\""), "a device with a `dbc` table has no `file`", "\"box.eds\"");
+    raises("node = 4\n", "", "a device needs `node`", "[[device]]");
+    raises("file = \"box.dbc\"\n", "", "`dbc` needs `file`", "[device.dbc]");
+    raises("timeout_ms = 40, ", "", "a message received needs `timeout_ms`", "{ message");
+    raises("kind = \"sum\"", "kind = \"crc\"", "unknown kind `crc`", "\"crc\"");
+}
+
+#[test]
+fn a_condition_is_one() {
+    let old = "below = 0.5, hysteresis = 0.1";
+    raises(old, "below = 0.5, equals = 1", "an input that is on for two reasons", "{ input");
+    raises(old, "bit = 64", "a signal has no bit 64", "64");
+    raises(old, "below = 0.5, hysteresis = -1", "a hysteresis below zero", "-1");
+    raises(old, "equals = 1, hysteresis = 1", "a hysteresis without a limit", "1");
+    raises(old, "below = nan", "`below` is NaN", "nan");
+    raises("on = 3", "on = 0", "`back` is 0 when on, and when off", "\"back\"");
+}

@@ -1,0 +1,234 @@
+//! A simulated device that speaks no CANopen: the frames of a DBC file, from the far end.
+//!
+//! It sends each message four times within the time in which it is missed, and at once when something changes; of a
+//! multiplexed one all pages in turn. Signals have a value that makes the inputs what the plant has them: nothing else of
+//! them is simulated. It does what a device of this kind has to do by itself: when a message it is sent has not come for
+//! three of its periods, or comes with the counter standing still, **its outputs go off**.
+
+use std::time::Duration;
+
+use embedded_can::{ExtendedId, Frame as _, Id, StandardId};
+use linewright_fieldbus::{Frame, Kind};
+use linewright_line::{Field, FrameBinding, FrameId, HeardFrame, Page, Tick, ToldFrame, When};
+
+use super::DeviceOutbox;
+use crate::fault::DeviceFault;
+
+/// So many of its own messages within the time in which they are missed.
+const PER_TIMEOUT: u32 = 4;
+/// So many periods without a message it is sent, and its outputs go off.
+const PERIODS: u32 = 3;
+
+#[derive(Debug)]
+struct Sent {
+    frame: HeardFrame,
+    count: u64,
+    page: usize,
+    due: Tick,
+}
+
+#[derive(Debug)]
+struct Taken {
+    frame: ToldFrame,
+    counter: Option<u64>,
+    /// When it is missed; `None` before it has come, and after that.
+    missed: Option<Tick>,
+    /// The outputs it switched on.
+    outputs: u128,
+}
+
+/// A simulated device that speaks no CANopen.
+#[derive(Debug)]
+pub struct PlainNode {
+    sent: Vec<Sent>,
+    taken: Vec<Taken>,
+    inputs: u128,
+    silent: bool,
+}
+
+impl PlainNode {
+    /// One that is switched on at `now`.
+    pub fn new(now: Tick, binding: &FrameBinding) -> Self {
+        let sent = |frame: &HeardFrame| Sent { frame: frame.clone(), count: 0, page: 0, due: now };
+        let taken = |frame: &ToldFrame| Taken { frame: frame.clone(), counter: None, missed: None, outputs: 0 };
+        PlainNode {
+            sent: binding.heard.iter().map(sent).collect(),
+            taken: binding.told.iter().map(taken).collect(),
+            inputs: 0,
+            silent: false,
+        }
+    }
+
+    /// Bit `i` is output `i` of its owner; others than its own are 0.
+    pub fn outputs(&self) -> u128 {
+        self.taken.iter().fold(0, |all, taken| all | taken.outputs)
+    }
+
+    /// Unplugs it, makes it boot, or lets it work again (`None`).
+    pub fn inject(&mut self, now: Tick, fault: Option<DeviceFault>) {
+        self.silent = fault == Some(DeviceFault::Silent);
+        if fault == Some(DeviceFault::Reboot) {
+            for taken in &mut self.taken {
+                (taken.counter, taken.missed, taken.outputs) = (None, None, 0);
+            }
+        }
+        for sent in &mut self.sent {
+            sent.due = now;
+        }
+    }
+
+    /// Sets its owner's inputs as the switches have them at `now`.
+    pub fn set_inputs(&mut self, now: Tick, inputs: u128, out: &mut DeviceOutbox) {
+        let changed = self.inputs ^ inputs;
+        self.inputs = inputs;
+        for sent in &mut self.sent {
+            let mut own = sent.frame.pages.iter().flat_map(|page| &page.inputs);
+            if own.any(|(input, _, _)| changed & bit(input.0) != 0) {
+                for _ in 0..sent.frame.pages.len() {
+                    send(sent, now, inputs, self.silent, out);
+                }
+            }
+        }
+    }
+
+    /// Takes a frame from the bus.
+    pub fn handle(&mut self, now: Tick, frame: &Frame, _: &mut DeviceOutbox) {
+        if self.silent || frame.kind() != Kind::Data {
+            return;
+        }
+        let id = FrameId { id: frame.id_word() & 0x1FFF_FFFF, extended: frame.is_extended() };
+        let mut data = [0; 8];
+        data[..frame.data().len()].copy_from_slice(frame.data());
+        for taken in self.taken.iter_mut().filter(|taken| taken.frame.id == id) {
+            taken.take(now, frame.data().len(), &data);
+        }
+    }
+
+    /// Does what is due at `now`.
+    pub fn poll(&mut self, now: Tick, out: &mut DeviceOutbox) {
+        for taken in self.taken.iter_mut().filter(|taken| taken.missed.is_some_and(|at| at <= now)) {
+            (taken.missed, taken.outputs) = (None, 0);
+        }
+        for sent in self.sent.iter_mut().filter(|sent| sent.due <= now) {
+            send(sent, now, self.inputs, self.silent, out);
+        }
+    }
+
+    /// When [`PlainNode::poll`] has something to do next.
+    pub fn next_deadline(&self) -> Option<Tick> {
+        let missed = self.taken.iter().filter_map(|taken| taken.missed);
+        self.sent.iter().map(|sent| sent.due).chain(missed).min()
+    }
+}
+
+fn send(sent: &mut Sent, now: Tick, inputs: u128, silent: bool, out: &mut DeviceOutbox) {
+    let Sent { frame, count, page, due } = sent;
+    let data = bytes(frame, *page, *count, inputs);
+    let pages = frame.pages.len().max(1);
+    *page = (*page + 1) % pages;
+    *count = count.wrapping_add(1);
+    let every = frame.timeout / PER_TIMEOUT / u32::try_from(pages).unwrap_or(1);
+    *due = now + every.max(Duration::from_millis(1));
+    if !silent {
+        out.frames.extend(frame_of(frame.id, &data[..usize::from(frame.len.min(8))]));
+    }
+}
+
+fn bytes(frame: &HeardFrame, page: usize, count: u64, inputs: u128) -> [u8; 8] {
+    let mut data = [0; 8];
+    if let Some(page) = frame.pages.get(page) {
+        if let Some((selector, values)) = &page.selected {
+            selector.put(&mut data, values.first().map_or(0, |(first, _)| *first));
+        }
+        show(page, inputs, &mut data);
+    }
+    // What is on every page is on this one too.
+    for page in frame.pages.iter().filter(|page| page.selected.is_none()) {
+        show(page, inputs, &mut data);
+    }
+    if let Some(counter) = &frame.counter {
+        counter.put(&mut data, count);
+    }
+    if let Some((at, checksum)) = frame.checksum {
+        data[usize::from(at.min(7))] = checksum.of(&data, frame.len, at);
+    }
+    data
+}
+
+/// Gives each signal of a page a value with which the inputs that follow it are what they are to be.
+fn show(page: &Page, inputs: u128, data: &mut [u8; 8]) {
+    for (_, field, _) in &page.inputs {
+        let of_field = || page.inputs.iter().filter(|(_, other, _)| other == field);
+        let suits = |bits: &u64| {
+            of_field().all(|(input, field, when)| {
+                let on = inputs & bit(input.0) != 0;
+                when.holds(field, *bits, true) == on && when.holds(field, *bits, false) == on
+            })
+        };
+        // Bits first, as they are to be; then every value at which something changes, and its neighbours.
+        let wired = of_field().fold(0, |bits, (input, _, when)| match when {
+            When::Bit(at) if inputs & bit(input.0) != 0 => bits | 1u64.checked_shl((*at).into()).unwrap_or(0),
+            _ => bits,
+        });
+        let edges = of_field().flat_map(|(_, field, when)| edges(field, *when));
+        if let Some(bits) = [wired, 0, 1].into_iter().chain(edges).find(suits) {
+            field.put(data, bits);
+        }
+    }
+}
+
+fn edges(field: &Field, when: When) -> Vec<u64> {
+    let values = match when {
+        When::NotZero => vec![0.0],
+        When::Equals(value) => vec![value],
+        When::Bit(_) => Vec::new(),
+        When::Above { at, hysteresis } => vec![at, at - hysteresis],
+        When::Below { at, hysteresis } => vec![at, at + hysteresis],
+    };
+    let step = field.factor.abs();
+    let around = values.into_iter().flat_map(|value| [value, value + step, value - step]);
+    around.filter_map(|value| field.bits(value)).collect()
+}
+
+impl Taken {
+    fn take(&mut self, now: Tick, len: usize, data: &[u8; 8]) {
+        let frame = &self.frame;
+        // Another page of the same message has other bits where this one's never change.
+        let mut fixed = *data;
+        for (_, field, _) in &frame.outputs {
+            field.put(&mut fixed, field.get(&frame.rest));
+        }
+        if let Some(counter) = &frame.counter {
+            counter.put(&mut fixed, counter.get(&frame.rest));
+        }
+        if let Some((at, checksum)) = frame.checksum {
+            let at = usize::from(at.min(7));
+            if data[at] != checksum.of(data, frame.len, at as u8) {
+                return;
+            }
+            fixed[at] = frame.rest[at];
+        }
+        if len < usize::from(frame.len) || fixed != frame.rest {
+            return;
+        }
+        if let Some(counter) = &frame.counter {
+            let count = counter.get(data);
+            if self.counter.replace(count) == Some(count) {
+                return;
+            }
+        }
+        self.missed = Some(now + frame.every * PERIODS);
+        let on = frame.outputs.iter().filter(|(_, field, on)| field.get(data) == *on);
+        self.outputs = on.fold(0, |outputs, (output, _, _)| outputs | bit(output.0));
+    }
+}
+
+fn bit(at: u16) -> u128 {
+    1u128.checked_shl(at.into()).unwrap_or(0)
+}
+
+fn frame_of(id: FrameId, data: &[u8]) -> Option<Frame> {
+    let id: Id =
+        if id.extended { ExtendedId::new(id.id)?.into() } else { StandardId::new(u16::try_from(id.id).ok()?)?.into() };
+    Frame::new(id, data)
+}
