@@ -26,6 +26,8 @@ pub use trouble::{Trouble, in_words};
 const EVERY: Duration = Duration::from_secs(1);
 /// How soon news may follow news: a device that comes and goes must not flood a reliable topic.
 const NEWS_EVERY: Duration = Duration::from_millis(50);
+/// How many states of one device are told at once within a second; after that, only the newest every [`NEWS_EVERY`].
+const STATES_MAX: u32 = 20;
 /// Requests that wait for this node; more wait in the middleware, ten for each service.
 const QUEUE: usize = 64;
 
@@ -35,6 +37,8 @@ struct Told {
     owner: String,
     state: Publisher<Text>,
     word: &'static str,
+    /// States told at once since the last regular diagnosis.
+    at_once: u32,
     /// What its last request has come to, if it failed.
     failed: String,
 }
@@ -74,7 +78,7 @@ impl Devices {
                 Owner::Station(id) => line.station(id).name.clone(),
                 Owner::Console => "console".to_owned(),
             };
-            told.push(Told { device: (*device).clone(), owner, state, word: "", failed: String::new() });
+            told.push(Told { device: (*device).clone(), owner, state, word: "", at_once: 0, failed: String::new() });
         }
         Ok(Devices {
             node: node.name().to_owned(),
@@ -114,7 +118,21 @@ impl Devices {
         if !events.iter().all(quiet) {
             self.due = self.due.min(self.last + NEWS_EVERY);
         }
+        // A device that boots is up again in a millisecond; whoever waits for it to boot wants to see that it did.
+        self.states(driver, STATES_MAX);
         self.answer(driver);
+    }
+
+    /// Tells the states that have changed, of devices that have not done so too often.
+    fn states(&mut self, driver: &Driver, most: u32) {
+        for (told, status) in self.told.iter_mut().zip(driver.manager().statuses()) {
+            let word = names::state_word(status.nmt);
+            if told.word != word && told.at_once < most {
+                told.word = word;
+                told.at_once = told.at_once.saturating_add(1);
+                told.state.send(Text::from(word));
+            }
+        }
     }
 
     /// Tells what is due.
@@ -122,14 +140,8 @@ impl Devices {
         if now < self.due {
             return;
         }
+        self.states(driver, u32::MAX);
         let statuses: Vec<Status<'_>> = driver.manager().statuses().collect();
-        for (told, status) in self.told.iter_mut().zip(&statuses) {
-            let word = names::state_word(status.nmt);
-            if told.word != word {
-                told.word = word;
-                told.state.send(Text::from(word));
-            }
-        }
         let key: Key = statuses
             .iter()
             .map(|s| {
@@ -137,6 +149,9 @@ impl Devices {
             })
             .collect();
         if self.key != key || self.last + EVERY <= now {
+            if self.last + EVERY <= now {
+                self.told.iter_mut().for_each(|told| told.at_once = 0);
+            }
             self.key = key;
             self.last = now;
             let status = statuses.iter().zip(&self.told);
