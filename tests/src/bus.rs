@@ -96,6 +96,14 @@ impl Field {
         self.poll(now);
     }
 
+    /// The same of a device that speaks no CANopen.
+    pub(crate) fn fail_plain(&mut self, now: Tick, name: &str, fault: Option<DeviceFault>) {
+        if let Some(device) = self.rack.plain_mut(name) {
+            device.inject(now, fault);
+        }
+        self.poll(now);
+    }
+
     /// The actuators of a station that are energised now.
     pub(crate) fn energised(&self, station: StationId) -> u128 {
         self.rack.plant().outputs(Owner::Station(station)) & self.actuators[station.index()]

@@ -99,10 +99,11 @@ impl Sim {
         let found = self.line.devices.iter().find(|d| d.name == device);
         let number = found.unwrap_or_else(|| panic!("no device {device}")).node_id;
         self.act(format!("{device}: {fault:?}"));
-        if let Some(node) = NodeId::new(number) {
-            self.field.fail_device(self.now, node, fault);
-            self.wake_field();
+        match NodeId::new(number) {
+            Some(node) => self.field.fail_device(self.now, node, fault),
+            None => self.field.fail_plain(self.now, device, fault),
         }
+        self.wake_field();
     }
 
     /// Kills a station's process, now.

@@ -1,0 +1,93 @@
+//! The clamp's valves and switches hang on a box that speaks no CANopen: the line does not notice.
+
+use std::time::Duration;
+
+use linewright_line::net::ControlMode;
+use linewright_line::{
+    Checksum, Coding, Field, FrameBinding, FrameId, Frames, HeardFrame, Line, Named, Page, ToldFrame, When,
+};
+use linewright_plant::DeviceFault;
+use linewright_tests::{Sim, transfer_line};
+
+const BOX: &str = "clamp 1 io";
+
+fn field(start: usize, size: u8) -> Field {
+    let start = start as u8;
+    Field { start, size, motorola: false, coding: Coding::Unsigned, factor: 1.0, offset: 0.0 }
+}
+
+/// The shipped line; that device's bits are those of two messages with counter and checksum.
+fn line() -> Line {
+    let mut line = transfer_line(1.0);
+    let device = line.devices.iter_mut().find(|device| device.name == BOX).expect("the clamp's device");
+    let (inputs, outputs) = (std::mem::take(&mut device.inputs), std::mem::take(&mut device.outputs));
+    let inputs = inputs.iter().enumerate().filter_map(|(at, input)| Some(((*input)?, field(at, 1), When::NotZero)));
+    let outputs = outputs.iter().enumerate().filter_map(|(at, output)| Some(((*output)?, field(at, 1), 1)));
+    let heard = HeardFrame {
+        name: "State".to_owned(),
+        id: FrameId { id: 0x18FF_0021, extended: true },
+        len: 8,
+        timeout: Duration::from_millis(100),
+        counter: Some(field(48, 4)),
+        checksum: Some((7, Checksum::Crc8)),
+        pages: vec![Page { selected: None, inputs: inputs.collect() }],
+    };
+    let told = ToldFrame {
+        name: "Command".to_owned(),
+        id: FrameId { id: 0x321, extended: false },
+        len: 4,
+        every: Duration::from_millis(20),
+        counter: Some(field(16, 8)),
+        checksum: Some((3, Checksum::Xor)),
+        rest: [0; 8],
+        outputs: outputs.collect(),
+    };
+    device.node_id = 0;
+    device.frames = Some(Frames {
+        file: Named { name: "box.dbc".to_owned(), at: 0..0 },
+        receive: Vec::new(),
+        send: Vec::new(),
+        bound: Some(FrameBinding { heard: vec![heard], told: vec![told] }),
+    });
+    line
+}
+
+#[test]
+fn the_line_cycles() {
+    let mut sim = Sim::new(&line(), 1);
+    sim.start_auto();
+    sim.run_until_done("mill_1", "reset main slide", 3);
+    for part in 1..=2 {
+        assert_eq!(sim.observer().machined(1, part), 1, "part {part} is machined once");
+    }
+}
+
+#[test]
+fn a_box_that_falls_silent_stops_its_station_until_it_is_recovered() {
+    for moment in (0..3560).step_by(445) {
+        let mut sim = Sim::new(&line(), moment);
+        sim.start_auto();
+        sim.run_until_done("clamp_1", "return clamp", 2);
+        sim.run_for(Duration::from_millis(moment));
+        let clamp = sim.id("clamp_1");
+        sim.fail_device(BOX, Some(DeviceFault::Silent));
+        sim.run_for(Duration::from_millis(110));
+        assert_eq!(sim.energised(clamp), 0, "at {moment}");
+        sim.fail_device(BOX, None);
+        sim.run_until("everything is heard", Sim::all_heard);
+        sim.settle();
+        if sim.mode() != Some(ControlMode::Auto) {
+            sim.go_manual();
+            for station in ["transfer", "clamp_1", "mill_1"] {
+                if sim.is_incomplete(station) {
+                    sim.resume(station);
+                }
+            }
+            sim.back_to_auto();
+        }
+        sim.run_until_done("mill_1", "reset main slide", 4);
+        for part in 1..=3 {
+            assert_eq!(sim.observer().machined(1, part), 1, "at {moment}: part {part} is machined once");
+        }
+    }
+}
