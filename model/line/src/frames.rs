@@ -356,6 +356,15 @@ impl Frames {
         self.receive.iter().flat_map(|message| message.inputs.iter().map(|input| input.input))
     }
 
+    /// Message and signal that turn an input on, in words; `None` if it is none of this device's.
+    pub fn source(&self, input: InputId) -> Option<String> {
+        let found = self
+            .receive
+            .iter()
+            .find_map(|message| Some((message, message.inputs.iter().find(|of_signal| of_signal.input == input)?)));
+        found.map(|(message, input)| format!("message {}, signal {}", message.message.name, input.signal.name))
+    }
+
     /// Every output of its station that goes into frames.
     pub fn outputs(&self) -> impl Iterator<Item = OutputId> {
         self.send.iter().flat_map(|message| message.outputs.iter().map(|output| output.output))

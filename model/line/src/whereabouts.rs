@@ -23,6 +23,9 @@ impl Line {
     /// Device, node id, object and bit of an input.
     fn input_place(&self, owner: Owner, input: InputId) -> Option<String> {
         self.devices.iter().filter(|device| device.owner == owner).find_map(|device| {
+            if let Some(frames) = &device.frames {
+                return frames.source(input).map(|source| format!("{}, {source}", device.name));
+            }
             let bit = device.inputs.iter().position(|carried| *carried == Some(input));
             let object = match (bit, &device.drive) {
                 // CiA 401: eight digital inputs in each subindex.

@@ -90,6 +90,7 @@ fn what_is_said_of_them_is_there() {
     assert_eq!(input.when, When::Below { at: 0.5, hysteresis: 0.1 });
     assert_eq!(&LINE[input.signal.at.clone()], "\"Place\"");
     assert_eq!((frames.send[0].outputs[0].on, frames.send[0].outputs[0].off), (3.0, 0.0));
+    assert_eq!(frames.source(input.input).as_deref(), Some("message State, signal Place"));
     assert_eq!(devices[1].carried_inputs().chain(devices[0].carried_inputs()).count(), 2);
     assert_eq!(devices[1].carried_outputs().count(), 1);
 }
