@@ -4,9 +4,10 @@
 //! shown to the others, which have no use for it.
 
 use linewright_fieldbus::{Frame, NodeId};
-use linewright_line::{Bus, Device, DriveMode, Line, Owner, StationId, Tick};
+use linewright_line::{AxisId, Bus, Device, Drive, DriveMode, Line, Owner, StationId, Tick};
 
 use crate::device::{DeviceNode, DeviceOutbox, DriveNode, Order, PlainNode};
+use crate::fault::Fault;
 use crate::mechanism::bit;
 use crate::plant::{Plant, PlantOptions};
 
@@ -152,6 +153,38 @@ impl Rack {
             Node::Plain(node) => Some(node.as_mut()),
             Node::Io(_) | Node::Drive(..) => None,
         })
+    }
+
+    /// Makes the axis of a drive fail, or work again (`None`). `false`: no drive moves this axis.
+    pub fn fail_axis(
+        &mut self,
+        now: Tick,
+        station: StationId,
+        axis: AxisId,
+        fault: Option<Fault>,
+        out: &mut Vec<Frame>,
+    ) -> bool {
+        let mut found = false;
+        for slot in &mut self.slots {
+            let Node::Drive(node, of) = &mut slot.node else { continue };
+            if *of == station && slot.device.drive.as_ref().is_some_and(|drive| drive.axis == axis) {
+                let mut outbox = DeviceOutbox::default();
+                node.fail(now, fault, &mut outbox);
+                out.append(&mut outbox.frames);
+                found = true;
+            }
+        }
+        found
+    }
+
+    /// What an owner's devices drive: bit `i` is its output `i`. All outputs of a drive that moves by an order count.
+    pub fn driven(&self, owner: Owner) -> u128 {
+        let drives = self.slots.iter().filter(|slot| slot.device.owner == owner).filter_map(|slot| match &slot.node {
+            Node::Drive(node, _) if node.obeys_an_order() => slot.device.drive.as_ref(),
+            Node::Drive(..) | Node::Io(_) | Node::Plain(_) => None,
+        });
+        let moved = drives.flat_map(Drive::outputs).fold(0, |image, output| image | bit(output.index()));
+        self.plant.outputs(owner) | moved
     }
 
     /// Lets every device act, then carries outputs to the mechanisms and switches back to the devices.

@@ -6,7 +6,7 @@
 use std::time::Duration;
 
 use linewright_fieldbus::{Frame, NodeId};
-use linewright_line::{Bus, InputId, Line, OpId, Owner, StationId, Tick};
+use linewright_line::{AxisId, Bus, InputId, Line, OpId, Owner, StationId, Tick};
 use linewright_plant::{DeviceFault, Fault, Plant, PlantOptions, Rack};
 
 use crate::observer::Observer;
@@ -21,6 +21,8 @@ pub(crate) struct Field {
     frames: Vec<Frame>,
     /// Actuators of each station, a bit per output.
     actuators: Vec<u128>,
+    /// By station, by operation: the axis it moves.
+    axes: Vec<Vec<AxisId>>,
 }
 
 impl Field {
@@ -39,6 +41,7 @@ impl Field {
             observer: Observer::new(line),
             frames: Vec::new(),
             actuators: line.stations.iter().map(actuators).collect(),
+            axes: line.stations.iter().map(|s| s.operations.iter().map(|op| op.motion.axis).collect()).collect(),
         }
     }
 
@@ -72,14 +75,24 @@ impl Field {
 
     /// Makes a motion fail, its normal and its recovery one, or work again.
     pub(crate) fn fail(&mut self, now: Tick, station: StationId, op: OpId, fault: Option<Fault>) {
-        self.rack.plant_mut().inject(now, station, op, fault);
+        if !self.fail_drive(now, station, op, fault) {
+            self.rack.plant_mut().inject(now, station, op, fault);
+        }
         self.poll(now);
     }
 
     /// Makes the recovery motion of an operation fail, or work again.
     pub(crate) fn fail_recovery(&mut self, now: Tick, station: StationId, op: OpId, fault: Option<Fault>) {
-        self.rack.plant_mut().inject_recovery(now, station, op, fault);
+        if !self.fail_drive(now, station, op, fault) {
+            self.rack.plant_mut().inject_recovery(now, station, op, fault);
+        }
         self.poll(now);
+    }
+
+    /// A drive fails with its axis, whichever motion it makes.
+    fn fail_drive(&mut self, now: Tick, station: StationId, op: OpId, fault: Option<Fault>) -> bool {
+        let axis = self.axes[station.index()][op.index()];
+        self.rack.fail_axis(now, station, axis, fault, &mut self.frames)
     }
 
     /// Holds an input, like a finger on a wired button or a stuck switch.
@@ -92,6 +105,8 @@ impl Field {
     pub(crate) fn fail_device(&mut self, now: Tick, node: NodeId, fault: Option<DeviceFault>) {
         if let Some(device) = self.rack.device_mut(node) {
             device.inject(now, fault);
+        } else if let Some(drive) = self.rack.drive_mut(node) {
+            drive.inject(now, fault);
         }
         self.poll(now);
     }
@@ -106,6 +121,6 @@ impl Field {
 
     /// The actuators of a station that are energised now.
     pub(crate) fn energised(&self, station: StationId) -> u128 {
-        self.rack.plant().outputs(Owner::Station(station)) & self.actuators[station.index()]
+        self.rack.driven(Owner::Station(station)) & self.actuators[station.index()]
     }
 }

@@ -213,6 +213,40 @@ impl Sim {
         self.ledger.count(station, op)
     }
 
+    /// After anything that put the line into stand-by: waits until everybody is heard, leads what is incomplete on, and
+    /// orders auto again.
+    pub fn bring_back(&mut self) {
+        self.run_until("everything is heard", Sim::all_heard);
+        self.settle();
+        if self.mode() == Some(ControlMode::Home) {
+            self.order(Command::Start);
+        }
+        self.go_manual();
+        let stations: Vec<String> = self.line().stations.iter().map(|station| station.name.clone()).collect();
+        for station in stations {
+            if self.is_incomplete(&station) {
+                self.resume(&station);
+            }
+        }
+        self.back_to_auto();
+    }
+
+    /// So many words in a row may be lost that somebody is not heard for too long, or that no image of a motion arrives
+    /// before its end: the line then falls to stand-by, as it should, and its operator brings it back.
+    pub fn patiently_until_done(&mut self, station: &str, operation: &str, cycle: i32) {
+        let (id, op) = self.op(station, operation);
+        for _ in 0..5 {
+            self.run_until("it is done, or the line in stand-by", |s| {
+                s.done(id, op) >= cycle || s.mode() == Some(ControlMode::StandBy)
+            });
+            if self.done(id, op) >= cycle {
+                return;
+            }
+            self.bring_back();
+        }
+        panic!("{station}: {operation} is not done in cycle {cycle}");
+    }
+
     pub(crate) fn act(&mut self, what: String) {
         let now: Tick = self.now;
         self.log.push(now, What::Act(what));

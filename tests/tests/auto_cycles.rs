@@ -118,11 +118,11 @@ fn the_mill_machines_while_the_bar_returns_and_the_bar_lifts_only_under_an_open_
 }
 
 #[test]
-fn a_rough_network_costs_time_and_nothing_else() {
+fn a_rough_network_costs_time_and_perhaps_an_operators_help() {
     let mut sim = Sim::with(&transfer_line_with(2, 0.5), 3, Conditions::ROUGH, 0.2);
     sim.start_auto();
     for cycle in [6, 12, 18, 24] {
-        sim.run_until_done("mill_2", "reset main slide", cycle);
+        sim.patiently_until_done("mill_2", "reset main slide", cycle);
     }
     for part in 1..=23 {
         assert_eq!((sim.observer().machined(1, part), sim.observer().machined(2, part)), (1, 1));

@@ -25,21 +25,6 @@ fn started_after(sim: &Sim, since: Tick) -> Option<(StationId, Tick, String)> {
 }
 
 /// What an operator does after something died: look, put everything to rest in manual, and go on.
-fn bring_back(sim: &mut Sim) {
-    sim.run_until("everything is heard", Sim::all_heard);
-    sim.settle();
-    if sim.mode() == Some(ControlMode::Home) {
-        sim.order(Command::Start);
-    }
-    sim.go_manual();
-    for station in STATIONS {
-        if sim.is_incomplete(station) {
-            sim.resume(station);
-        }
-    }
-    sim.back_to_auto();
-}
-
 fn at(moment: u64, seed: u64) -> Sim {
     let mut sim = Sim::new(&transfer_line(1.0), seed);
     sim.start_auto();
@@ -76,7 +61,7 @@ fn a_station_killed_at_any_moment_and_restarted_from_its_journal() {
             sim.restart_station(id);
             sim.settle();
             assert!(started_after(&sim, quiet).is_none(), "its return starts nothing");
-            bring_back(&mut sim);
+            sim.bring_back();
             two_more_cycles(&mut sim);
         }
     }
@@ -93,7 +78,7 @@ fn a_station_that_dies_between_its_record_and_its_word() {
             // Restarted at once by its supervisor: sooner than anybody misses it.
             sim.run_for(Duration::from_millis(20));
             sim.restart_station(id);
-            bring_back(&mut sim);
+            sim.bring_back();
             two_more_cycles(&mut sim);
         }
     }
@@ -115,7 +100,7 @@ fn a_station_restarted_sooner_than_it_is_missed_stops_auto_all_the_same() {
             let refusal = sim.ask(Command::Auto).expect_err("nobody has looked at it");
             assert!(refusal.contains(&format!("{station} was restarted")), "{refusal}");
             if sim.is_incomplete(station) {
-                bring_back(&mut sim);
+                sim.bring_back();
             } else {
                 // It stood still: a person's word is enough.
                 sim.order(Command::Start);
@@ -142,7 +127,7 @@ fn a_coordinator_killed_at_any_moment_and_replaced() {
             assert_eq!(started_after(&sim, quiet), None, "at {moment} ms, remembers {remembers}, down {down} ms");
             assert!(sim.epoch() > before, "its epochs are above all before it");
             assert_ne!(sim.mode(), Some(ControlMode::Auto), "nobody has asked for auto");
-            bring_back(&mut sim);
+            sim.bring_back();
             two_more_cycles(&mut sim);
         }
     }
@@ -181,7 +166,7 @@ fn a_station_cut_off_from_the_coordinator_but_not_from_its_neighbours() {
             let quiet = cut + timing.lease + timing.stale;
             assert_eq!(started_after(&sim, quiet), None, "{station} cut off at {moment} ms");
             sim.heal();
-            bring_back(&mut sim);
+            sim.bring_back();
             two_more_cycles(&mut sim);
         }
     }
@@ -209,33 +194,16 @@ fn on_a_rough_network_too() {
     for seed in 0..60 {
         let mut sim = Sim::with(&transfer_line(1.0), seed, Conditions::ROUGH, 0.1);
         sim.start_auto();
-        patiently_until_done(&mut sim, "clamp_1", "return clamp", 2);
+        sim.patiently_until_done("clamp_1", "return clamp", 2);
         sim.run_for(Duration::from_millis(seed * 59));
         let id = sim.id(STATIONS[(seed % 3) as usize]);
         sim.kill_station(id);
         sim.run_for(Duration::from_millis(seed * 10));
         sim.restart_station(id);
-        bring_back(&mut sim);
-        patiently_until_done(&mut sim, "mill_1", "reset main slide", 4);
+        sim.bring_back();
+        sim.patiently_until_done("mill_1", "reset main slide", 4);
         two_more_cycles(&mut sim);
     }
-}
-
-/// So many words in a row may be lost that somebody is not heard for too long: the line then falls to stand-by, as it
-/// should, and its operator orders auto again.
-fn patiently_until_done(sim: &mut Sim, station: &str, operation: &str, cycle: i32) {
-    let (id, op) = sim.op(station, operation);
-    for _ in 0..5 {
-        sim.run_until("it is done, or the line in stand-by", |s| {
-            s.done(id, op) >= cycle || s.mode() == Some(ControlMode::StandBy)
-        });
-        if sim.done(id, op) >= cycle {
-            return;
-        }
-        sim.run_until("everything is heard", Sim::all_heard);
-        sim.back_to_auto();
-    }
-    panic!("{station}: {operation} is not done in cycle {cycle}");
 }
 
 #[test]
@@ -245,7 +213,7 @@ fn a_motion_cut_short_by_a_crash_is_never_counted_twice() {
     sim.kill_station(mill);
     sim.run_for(Duration::from_millis(50));
     sim.restart_station(mill);
-    bring_back(&mut sim);
+    sim.bring_back();
     two_more_cycles(&mut sim);
     let done = |at: &(Tick, linewright_station_logic::Event)| at.1.what == Happening::Completed(feed, Block::Normal);
     assert_eq!(sim.log().of(mill).filter(done).count() as i32, sim.done(mill, feed));

@@ -14,7 +14,13 @@ use linewright_plant::DeviceFault;
 use linewright_station_logic::{Cause, Happening};
 use linewright_tests::{Sim, transfer_line};
 
-const STATIONS: [(&str, &str); 3] = [("transfer", "transfer io"), ("clamp_1", "clamp 1 io"), ("mill_1", "mill 1 io")];
+const DEVICES: [(&str, &str); 5] = [
+    ("transfer", "transfer io"),
+    ("clamp_1", "clamp 1 io"),
+    ("mill_1", "mill 1 io"),
+    ("mill_1", "mill 1 positioning drive"),
+    ("mill_1", "mill 1 main drive"),
+];
 
 fn at(moment: u64) -> Sim {
     let mut sim = Sim::new(&transfer_line(1.0), moment);
@@ -38,7 +44,7 @@ fn bring_back(sim: &mut Sim) {
     sim.settle();
     if sim.mode() != Some(ControlMode::Auto) {
         sim.go_manual();
-        for (station, _) in STATIONS {
+        for (station, _) in DEVICES {
             if sim.is_incomplete(station) {
                 sim.resume(station);
             }
@@ -54,7 +60,7 @@ fn bring_back(sim: &mut Sim) {
 #[test]
 fn a_device_that_falls_silent_at_any_moment() {
     for moment in (0..3560).step_by(60) {
-        for (station, device) in STATIONS {
+        for (station, device) in DEVICES {
             let mut sim = at(moment);
             let id = sim.id(station);
             let was_moving = sim.controller(id).is_some_and(|c| c.marking().any(|p| p.is_operating()));
@@ -77,7 +83,7 @@ fn a_device_that_falls_silent_at_any_moment() {
 #[test]
 fn a_device_that_boots_at_any_moment() {
     for moment in (0..3560).step_by(60) {
-        for (station, device) in STATIONS {
+        for (station, device) in DEVICES {
             let mut sim = at(moment);
             sim.fail_device(device, Some(DeviceFault::Reboot));
             sim.run_for(Duration::from_millis(3));

@@ -16,6 +16,9 @@ use linewright_tests::{Sim, transfer_line};
 /// milliseconds on the quiet network; a wired button adds its own frame.
 const OFF_WITHIN: Duration = Duration::from_millis(2);
 
+/// A slide on a drive brakes instead of standing at once: from 370 mm/s at 30 m/s².
+const BRAKES_WITHIN: Duration = Duration::from_millis(20);
+
 fn stop_and_come_back(moment: Duration, by_wire: bool) {
     let mut sim = Sim::new(&transfer_line(1.0), moment.as_millis() as u64);
     sim.start_auto();
@@ -29,6 +32,7 @@ fn stop_and_come_back(moment: Duration, by_wire: bool) {
     sim.run_for(OFF_WITHIN);
     assert!(!sim.anything_energised(), "every output is off at {moment:?}");
     assert_eq!(sim.mode(), Some(ControlMode::EStop));
+    sim.run_for(BRAKES_WITHIN);
     let stands = sim.positions();
     for command in [Command::Start, Command::Stop, Command::Auto, Command::Hand, Command::Manual] {
         let refusal = sim.ask(command).expect_err("the emergency stop is on");

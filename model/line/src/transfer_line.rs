@@ -5,11 +5,16 @@
 //! so that its result is a description like any other, to be checked, read and changed by hand.
 
 use std::fmt::Write;
+use std::ops::Range;
 
 /// The shipped file.
 const SHIPPED: &str = include_str!("../../../launch-config/lines/transfer-line/line.toml");
 /// A watchdog is no shorter than this, however fast the line: a loaded computer may be late by that much.
 const WATCHDOG_MIN_S: f64 = 1.0;
+/// The shipped drives cannot be told more (32 bits of increments), in millimetres per second squared.
+const ACCELERATION_MAX: f64 = 1e7;
+/// How many devices a pair has, and so how far the node ids of the next are from its own.
+const DEVICES_EACH: usize = 4;
 
 /// A transfer bar with a number of clamp-and-mill pairs along it.
 #[derive(Clone, Copy, Debug, PartialEq)]
@@ -29,8 +34,8 @@ impl Default for TransferLine {
 }
 
 impl TransferLine {
-    /// At most this many pairs: clamps have the node ids from 0x21, mills those from 0x41, on one bus.
-    pub const MACHINES_MAX: usize = 31;
+    /// At most this many pairs: each has four devices on the one bus, with node ids from 0x21 to 0x7c.
+    pub const MACHINES_MAX: usize = 23;
     /// From a hundredth of the shipped durations to a thousand times as much.
     pub const TIME_SCALE: std::ops::RangeInclusive<f64> = 0.01..=1000.0;
 
@@ -54,17 +59,27 @@ impl TransferLine {
     }
 
     fn scaled(&self, text: &str) -> String {
+        let scale = self.time_scale;
+        // Microseconds are as fine as a description is read.
+        let seconds = |s: f64| (s * 1e6).round() / 1e6;
+        let duration = |s: f64| seconds(s * scale);
+        let watchdog = |s: f64| seconds((s * scale).max(WATCHDOG_MIN_S));
+        let velocity = |v: f64| v / scale;
+        let acceleration = |a: f64| (a / (scale * scale)).min(ACCELERATION_MAX);
+        let rules: [(&str, &dyn Fn(f64) -> f64); 5] = [
+            ("duration_s", &duration),
+            ("watchdog_s", &watchdog),
+            ("velocity", &velocity),
+            ("acceleration", &acceleration),
+            ("quick_stop", &acceleration),
+        ];
         let mut scaled = String::with_capacity(text.len());
         for line in text.lines() {
-            let number = |key: &str| line.strip_prefix(key)?.parse::<f64>().ok();
-            let time = if let Some(seconds) = number("duration_s = ") {
-                Some(("duration_s", seconds * self.time_scale))
-            } else {
-                number("watchdog_s = ").map(|s| ("watchdog_s", (s * self.time_scale).max(WATCHDOG_MIN_S)))
-            };
-            match time {
-                // Microseconds are as fine as a description is read.
-                Some((key, seconds)) => writeln!(scaled, "{key} = {:?}", (seconds * 1e6).round() / 1e6),
+            let rule = rules.iter().find_map(|(key, rule)| Some((value_of(line, key)?, rule)));
+            match rule {
+                Some(((at, number), rule)) => {
+                    writeln!(scaled, "{}{:?}{}", &line[..at.start], rule(number), &line[at.end..])
+                }
                 None => writeln!(scaled, "{line}"),
             }
             .expect("writing to a string does not fail");
@@ -73,9 +88,20 @@ impl TransferLine {
     }
 }
 
-/// The shipped text in blocks, each from one top-level header to the next; a station's operations are part of it.
+/// Where a line of the shipped text, or an inline table in it, gives a number to `key`, and the number.
+fn value_of(line: &str, key: &str) -> Option<(Range<usize>, f64)> {
+    let assignment = format!("{key} = ");
+    let at = line.find(&assignment).filter(|_| !line.starts_with('#'))?;
+    let start = at + assignment.len();
+    let end = line[start..].find([' ', ',']).map_or(line.len(), |length| start + length);
+    Some((start..end, line[start..end].parse().ok()?))
+}
+
+/// The shipped text in blocks, each from one top-level header to the next; a station's operations are part of it, and a
+/// device's drive.
 fn blocks(text: &str) -> Vec<&str> {
-    let is_header = |line: &str| line.starts_with('[') && !line.starts_with("[[station.operation]]");
+    let is_part = |line: &str| line.starts_with("[[station.operation]]") || line.starts_with("[device.");
+    let is_header = |line: &str| line.starts_with('[') && !is_part(line);
     let mut starts = vec![0];
     let mut at = 0;
     for line in text.split_inclusive('\n') {
@@ -107,7 +133,7 @@ fn copy(block: &str, machine: usize) -> String {
         if let Some(first) = line.strip_prefix("node = 0x")
             && let Ok(first) = u8::from_str_radix(first, 16)
         {
-            line = format!("node = 0x{:02x}", usize::from(first) + machine - 1);
+            line = format!("node = 0x{:02x}", usize::from(first) + DEVICES_EACH * (machine - 1));
         }
         copy.push_str(&line);
         copy.push('\n');

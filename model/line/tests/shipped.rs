@@ -140,7 +140,11 @@ fn arrows_conflicts_devices_and_console_are_resolved() {
     assert_eq!((first.a.from, first.a.until, first.b.from, first.b.until), (OpId(0), OpId(8), OpId(1), OpId(0)));
     let nodes: Vec<(u8, Owner)> = line.devices.iter().map(|d| (d.node_id, d.owner)).collect();
     let station = |id| Owner::Station(StationId(id));
-    assert_eq!(nodes, [(0x01, Owner::Console), (0x11, station(0)), (0x21, station(1)), (0x41, station(2))]);
+    let of_the_mill = [(0x22, station(2)), (0x23, station(2)), (0x24, station(2))];
+    assert_eq!(nodes[..3], [(0x01, Owner::Console), (0x11, station(0)), (0x21, station(1))]);
+    assert_eq!(nodes[3..], of_the_mill);
+    let slides: Vec<Option<usize>> = line.devices.iter().map(|d| d.drive.as_ref().map(|d| d.axis.index())).collect();
+    assert_eq!(slides, [None, None, None, None, Some(0), Some(1)]);
     assert_eq!(line.devices[0].inputs[4..8], [Some(InputId(4)), None, Some(InputId(5)), Some(InputId(6))]);
     assert!(line.console.buttons.iter().all(Option::is_some) && line.console.lamps.iter().all(Option::is_some));
     assert_eq!(line.console.estop.map(|id| line.console.inputs[id.index()].as_str()), Some("ES_pressed"));
@@ -167,15 +171,15 @@ fn every_number_of_machines_is_a_sound_line() {
     for machines in 1..=TransferLine::MACHINES_MAX {
         let line = sound(&TransferLine { machines, time_scale: 1.0 }.text());
         assert_eq!(line.stations.len(), 1 + 2 * machines);
-        assert_eq!(line.devices.len(), 2 + 2 * machines);
+        assert_eq!(line.devices.len(), 2 + 4 * machines);
         assert_eq!(line.arrows.len(), 5 * machines);
         assert_eq!(line.conflicts.len(), 2 * machines);
         for machine in 1..=machines {
-            for (kind, title, first_node) in [("clamp", "Clamp", 0x20), ("mill", "Mill", 0x40)] {
+            for (kind, title, first_node) in [("clamp", "Clamp", 0x21), ("mill", "Mill", 0x22)] {
                 let id = line.station_named(&format!("{kind}_{machine}")).expect("each machine is there");
                 assert_eq!(line.station(id).title, format!("{title} {machine}"));
                 let node = line.devices_of(Owner::Station(id)).next().map(|d| usize::from(d.node_id));
-                assert_eq!(node, Some(first_node + machine));
+                assert_eq!(node, Some(first_node + 4 * (machine - 1)));
                 let arrows = line.arrows.iter().filter(|a| a.from.0 == id || a.to.0 == id).count();
                 assert_eq!(arrows, if kind == "clamp" { 5 } else { 2 }, "arrows of {kind} {machine}");
             }
@@ -193,6 +197,15 @@ fn times_scale_but_watchdogs_stay_above_a_second() {
     assert_eq!(scaled(0.1).0, "feed main slide");
     assert_eq!((scaled(0.1).1, scaled(0.1).2), (0.07, 1.0));
     assert_eq!((scaled(10.0).1, scaled(10.0).2), (7.0, 20.0));
+    let slide = |time_scale| {
+        let line = sound(&TransferLine { machines: 2, time_scale }.text());
+        line.devices.last().and_then(|d| d.drive.clone()).expect("the second mill's main slide has a drive")
+    };
+    let (slow, fast) = (slide(1.0), slide(0.1));
+    assert_eq!((slow.velocity, slow.acceleration, slow.targets[1].velocity), (217.0, 2e4, 88.0));
+    assert_eq!((fast.velocity.round(), fast.acceleration.round(), fast.targets[1].velocity.round()), (2170.0, 2e6, 880.0));
+    let duration = |drive: &linewright_line::Drive| drive.time_for(60.0, drive.targets[1].velocity);
+    assert!((duration(&slow) / duration(&fast) - 10.0).abs() < 1e-6, "a tenth of the time");
     for bound in [TransferLine::TIME_SCALE.start(), TransferLine::TIME_SCALE.end()] {
         scaled(*bound);
     }

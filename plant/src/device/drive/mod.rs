@@ -120,6 +120,11 @@ impl DriveNode {
         if self.blocked.is_some() { 0.0 } else { self.motion.velocity(now) }
     }
 
+    /// Whether it has been told to move, and may. What holds its place under power, or brakes, has not.
+    pub fn obeys_an_order(&self) -> bool {
+        self.state == State::OperationEnabled && !self.halted && self.set_point.is_some()
+    }
+
     /// Makes its communication fail, or work again (`None`). A silent drive goes on by itself: unplugged from the bus it
     /// still misses its manager, and stops.
     pub fn inject(&mut self, now: Tick, fault: Option<DeviceFault>) {
