@@ -27,7 +27,7 @@ enum Kind {
 
 #[derive(Debug, clap::Args)]
 struct TransferLineArgs {
-    /// How many clamp-and-mill pairs, 1 to 31.
+    /// How many clamp-and-mill pairs, 1 to 23.
     #[arg(long, default_value_t = 1, value_parser = machines)]
     machines: usize,
     /// What every duration is multiplied with, 0.01 to 1000; watchdogs stay at one second or above.

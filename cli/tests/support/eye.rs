@@ -16,7 +16,7 @@ use std::thread::JoinHandle;
 use std::time::Duration;
 
 use super::bus::{EYE, Member};
-use super::plan::Plan;
+use super::plan::{Drive, Plan};
 use super::{PATIENCE, wait_for};
 
 /// An output that moves something came on.
@@ -138,8 +138,7 @@ impl Seen {
 
     /// Whether a station is told to put this output on.
     pub fn output(&self, station: &str, name: &str) -> bool {
-        let device = self.plan.device(station);
-        let bit = device.outputs.iter().position(|output| output == name).expect("a known output");
+        let (device, bit) = self.plan.with_output(station, name);
         self.outputs.get(&device.node).is_some_and(|bits| bits >> bit & 1 == 1)
     }
 
@@ -155,8 +154,7 @@ impl Seen {
     }
 
     fn known(&self, station: &str, name: &str) -> Option<bool> {
-        let device = self.plan.device(station);
-        let bit = device.inputs.iter().position(|input| input == name).expect("a known input");
+        let (device, bit) = self.plan.with_input(station, name);
         self.inputs.get(&device.node).map(|bits| bits >> bit & 1 == 1)
     }
 
@@ -172,14 +170,24 @@ impl Seen {
         let data = &bytes[8..8 + length];
         let node = (word & 0x7F) as u8;
         match word & 0x780 {
-            0x180 => self.heard_inputs(node, number(data)),
-            0x200 => self.heard_outputs(node, number(data)),
+            0x180 => {
+                let bits = self.drive(node).map_or(number(data), |drive| places_reached(drive, data));
+                self.heard_inputs(node, bits);
+            }
+            0x200 => {
+                let bits = self.drive(node).map_or(number(data), |drive| place_ordered(drive, data));
+                self.heard_outputs(node, bits);
+            }
             // Emergency 8130h: the device has lost its manager and has switched its outputs off.
             0x080 if node != 0 && data.starts_with(&[0x30, 0x81]) => self.heard_outputs(node, 0),
             // Boot-up, or anything but operational: no outputs.
             0x700 if data != [5] => self.heard_outputs(node, 0),
             _ => {}
         }
+    }
+
+    fn drive(&self, node: u8) -> Option<&Drive> {
+        self.plan.devices.iter().find(|device| device.node == node)?.drive.as_ref()
     }
 
     fn heard_inputs(&mut self, node: u8, bits: u64) {
@@ -231,6 +239,29 @@ impl Seen {
         }
         self.holding = now;
     }
+}
+
+/// Which targets a drive stands at: a bit for each. Its frame is statusword, mode and position.
+fn places_reached(drive: &Drive, data: &[u8]) -> u64 {
+    let Some(position) = number_at_3(data) else { return 0 };
+    let near = |place: &i32| place.abs_diff(position) <= drive.window.unsigned_abs();
+    // Of several targets at one place the first speaks for all: they share their input.
+    let first = |at: usize| !drive.places[..at].contains(&drive.places[at]);
+    let reached = drive.places.iter().enumerate().filter(|(at, place)| first(*at) && near(place));
+    reached.fold(0, |bits, (at, _)| bits | 1 << at)
+}
+
+/// Which target a drive is told to go to; of several at one place the first. Its frame is controlword, mode and target.
+fn place_ordered(drive: &Drive, data: &[u8]) -> u64 {
+    let Some(target) = number_at_3(data) else { return 0 };
+    let word = u16::from_le_bytes([data[0], data[1]]);
+    // Operation enabled, change set immediately, no halt.
+    let goes = word & 0x012F == 0x002F;
+    drive.places.iter().position(|place| goes && *place == target).map_or(0, |at| 1 << at)
+}
+
+fn number_at_3(data: &[u8]) -> Option<i32> {
+    Some(i32::from_le_bytes(data.get(3..7)?.try_into().ok()?))
 }
 
 /// The bytes as one number, the first byte lowest: bit 0 is bit 0 of the first byte.

@@ -3,7 +3,7 @@
 //! Read from the text with a plain TOML reader, not with the project's own parser: if that one mixed up bits, the
 //! controllers and their observer must not be wrong in the same way.
 
-use toml_edit::{DocumentMut, Table};
+use toml_edit::{DocumentMut, InlineTable, Item, Table};
 
 /// A CAN device.
 #[derive(Clone, Debug)]
@@ -13,6 +13,15 @@ pub struct Device {
     pub station: Option<String>,
     pub inputs: Vec<String>,
     pub outputs: Vec<String>,
+    /// A drive has no bits on the bus: bit n of both is its target n here.
+    pub drive: Option<Drive>,
+}
+
+/// Where the targets of a drive are, in its increments.
+#[derive(Clone, Debug)]
+pub struct Drive {
+    pub places: Vec<i32>,
+    pub window: i32,
 }
 
 /// An operation: what drives it, and the switch at its end.
@@ -38,11 +47,18 @@ impl Plan {
     pub fn of(text: &str) -> Self {
         let document: DocumentMut = text.parse().expect("a description is TOML");
         let tables = |key: &str| document[key].as_array_of_tables().expect("an array of tables").iter();
-        let device = |table: &Table| Device {
-            node: u8::try_from(table["node"].as_integer().expect("a node id")).expect("a node id"),
-            station: table.get("station").and_then(|s| s.as_str()).map(str::to_owned),
-            inputs: names(table, "inputs"),
-            outputs: names(table, "outputs"),
+        let device = |table: &Table| {
+            let (inputs, outputs, drive) = match table.get("drive").and_then(|drive| drive.as_table()) {
+                Some(drive) => of_drive(drive),
+                None => (names(table, "inputs"), names(table, "outputs"), None),
+            };
+            Device {
+                node: u8::try_from(table["node"].as_integer().expect("a node id")).expect("a node id"),
+                station: table.get("station").and_then(|s| s.as_str()).map(str::to_owned),
+                inputs,
+                outputs,
+                drive,
+            }
         };
         let mut operations = Vec::new();
         for station in tables("station") {
@@ -58,10 +74,20 @@ impl Plan {
         Plan { devices: tables("device").map(device).collect(), operations }
     }
 
-    /// The device of a station.
-    pub fn device(&self, station: &str) -> &Device {
-        let found = self.devices.iter().find(|device| device.station.as_deref() == Some(station));
-        found.unwrap_or_else(|| panic!("{station} has a device"))
+    /// The device of a station that has this output, and which one it is there.
+    pub fn with_output(&self, station: &str, output: &str) -> (&Device, usize) {
+        self.found(station, output, |device| &device.outputs)
+    }
+
+    /// The device of a station that has this input, and which one it is there.
+    pub fn with_input(&self, station: &str, input: &str) -> (&Device, usize) {
+        self.found(station, input, |device| &device.inputs)
+    }
+
+    fn found(&self, station: &str, name: &str, of: impl Fn(&Device) -> &Vec<String>) -> (&Device, usize) {
+        let own = self.devices.iter().filter(|device| device.station.as_deref() == Some(station));
+        let mut found = own.filter_map(|device| Some((device, of(device).iter().position(|other| other == name)?)));
+        found.next().unwrap_or_else(|| panic!("{station} has {name}"))
     }
 
     /// Whether an output moves something (a lamp does not).
@@ -70,13 +96,27 @@ impl Plan {
         self.operations.iter().any(|o| o.station == station && drives(o))
     }
 
-    /// The output bit, from 0, that drives an operation.
-    pub fn output_bit(&self, station: &str, operation: &str) -> u8 {
+    /// Node id, and subindex of the fault object, of what drives an operation: one for each output bit, or the axis.
+    pub fn fault_object(&self, station: &str, operation: &str) -> (u8, u8) {
         let found = self.operations.iter().find(|o| o.station == station && o.name == operation);
         let actuator = &found.unwrap_or_else(|| panic!("{station} has {operation}")).actuator;
-        let bit = self.device(station).outputs.iter().position(|output| output == actuator);
-        u8::try_from(bit.expect("a bound output")).expect("few outputs")
+        let (device, bit) = self.with_output(station, actuator);
+        let sub = if device.drive.is_some() { 1 } else { u8::try_from(bit + 1).expect("few outputs") };
+        (device.node, sub)
     }
+}
+
+/// Its targets as inputs and outputs, and their places.
+fn of_drive(drive: &Table) -> (Vec<String>, Vec<String>, Option<Drive>) {
+    let number = |item: &Item| item.as_float().or(item.as_integer().map(|n| n as f64)).expect("a number");
+    let units = number(&drive["units_per_mm"]);
+    let targets: Vec<&InlineTable> =
+        drive["targets"].as_array().expect("targets").iter().flat_map(|t| t.as_inline_table()).collect();
+    let named = |key: &str| targets.iter().map(|t| t[key].as_str().expect("a name").to_owned()).collect();
+    let place = |t: &&InlineTable| (number(&Item::Value(t["to"].clone())) * units).round() as i32;
+    let places = targets.iter().map(place).collect();
+    let window = (number(&drive["window"]) * units).round() as i32;
+    (named("at"), named("output"), Some(Drive { places, window }))
 }
 
 fn word(table: &Table, key: &str) -> String {

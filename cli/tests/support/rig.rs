@@ -143,8 +143,8 @@ impl Rig {
 
     /// Makes a mechanism fail (1 sticks, 3 breaks, 0 works again) by one SDO frame, as `cansend` would.
     pub fn fault(&self, station: &str, operation: &str, code: u8) {
-        let sub = self.plan.output_bit(station, operation) + 1;
-        let request = 0x600 + u32::from(self.plan.device(station).node);
+        let (node, sub) = self.plan.fault_object(station, operation);
+        let request = 0x600 + u32::from(node);
         self.member().send(&bus::frame(request, &[0x2F, 0x00, 0x5F, sub, code, 0, 0, 0]));
     }
 

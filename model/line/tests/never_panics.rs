@@ -137,5 +137,7 @@ fn the_bounds_hold() {
     survives(&format!("{stations}{arrows}"));
     let operation = "[[station.operation]]\nname = \"a\"\nnormal = { actuator = \"Y\", complete = \"X\" }\n";
     survives(&format!("[[station]]\nname = \"s\"\n{}", operation.repeat(64)).repeat(150));
-    survives(&TransferLine { machines: TransferLine::MACHINES_MAX, time_scale: 1.0 }.text().replace("lag = 0", "lag = 1"));
+    survives(
+        &TransferLine { machines: TransferLine::MACHINES_MAX, time_scale: 1.0 }.text().replace("lag = 0", "lag = 1"),
+    );
 }

@@ -203,7 +203,10 @@ fn times_scale_but_watchdogs_stay_above_a_second() {
     };
     let (slow, fast) = (slide(1.0), slide(0.1));
     assert_eq!((slow.velocity, slow.acceleration, slow.targets[1].velocity), (217.0, 2e4, 88.0));
-    assert_eq!((fast.velocity.round(), fast.acceleration.round(), fast.targets[1].velocity.round()), (2170.0, 2e6, 880.0));
+    assert_eq!(
+        (fast.velocity.round(), fast.acceleration.round(), fast.targets[1].velocity.round()),
+        (2170.0, 2e6, 880.0)
+    );
     let duration = |drive: &linewright_line::Drive| drive.time_for(60.0, drive.targets[1].velocity);
     assert!((duration(&slow) / duration(&fast) - 10.0).abs() < 1e-6, "a tenth of the time");
     for bound in [TransferLine::TIME_SCALE.start(), TransferLine::TIME_SCALE.end()] {
