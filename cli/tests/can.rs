@@ -138,7 +138,7 @@ fn what_was_recorded_is_sent_again() {
     assert!(said.starts_with("12 of 12 frames sent"), "{said}");
     let bad = devices.scratch.file("bad.log", &format!("{lines}(1.5) test0 nonsense\n"));
     let refused = devices.refuses(&["replay", &bad]);
-    assert!(refused.contains("bad.log:9: "), "{refused}");
+    assert!(refused.contains("bad.log:13: "), "{refused}");
     assert!(devices.refuses(&["replay", &log, "--from", "can7"]).contains("has no frame of can7"));
 }
 

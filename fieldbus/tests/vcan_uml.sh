@@ -1,5 +1,6 @@
 #!/bin/sh
-# Runs tests/vcan.rs on real CAN sockets inside a user-mode Linux, for machines whose own kernel has no CAN.
+# Runs a test program on real CAN sockets inside a user-mode Linux, for machines whose own kernel has no CAN: tests/vcan.rs,
+# or the one it is given.
 #
 # Needs, on Debian: user-mode-linux, can-utils, kmod, iproute2. Needs no privileges outside: the guest is a process,
 # and its root directory is this machine's own, seen with the rights of whoever starts it.
@@ -16,17 +17,18 @@ if [ "$$" = 1 ]; then
     mount -t proc proc /proc
     mount -t sysfs sys /sys
     mount -t tmpfs run /run
-    for module in can can-raw can-dev vcan; do
+    for module in can can-raw can-bcm can-dev vcan; do
         file=$(find "/usr/lib/uml/modules/$(uname -r)" -name "$module.ko*" | head -n 1)
         [ -z "$file" ] || insmod "$file" 2>/dev/null || echo "guest: $module not loaded (built in, or not needed)"
     done
+    ip link set lo up
     result=1
     if ip link add dev vcan0 type vcan && ip link set up vcan0; then
         echo "guest: $(uname -sr), $(ip -brief link show vcan0)"
         candump -L vcan0 >/run/candump.log &
         candump=$!
         sleep 1
-        if timeout 120 "$LW_TEST" --nocapture --test-threads=1; then result=0; fi
+        if timeout 400 "$LW_TEST" --nocapture --test-threads=1; then result=0; fi
         sleep 1
         kill "$candump"
         echo "guest: candump saw $(wc -l </run/candump.log) frames; the first 24:"
@@ -52,10 +54,10 @@ case $test in
 *) test=$(cd "$here/../.." && pwd)/$test ;;
 esac
 [ -x "$test" ] || { echo "no test binary: $test" >&2; exit 1; }
-# No shell started by the guest can hang on a terminal; the guest ends within a few seconds, and is ended after 300.
+# No shell started by the guest can hang on a terminal; the guest ends within a few seconds, and is ended after 500.
 out=$(mktemp)
 trap 'rm -f "$out"' EXIT
-timeout 300 "$uml" mem=1024M rootfstype=hostfs rootflags=/ rw "init=$here/vcan_uml.sh" "LW_TEST=$test" \
+timeout 500 "$uml" mem=1024M rootfstype=hostfs rootflags=/ rw "init=$here/vcan_uml.sh" "LW_TEST=$test" \
     ${LINEWRIGHT_PYTHON:+"LINEWRIGHT_PYTHON=$LINEWRIGHT_PYTHON"} \
     con=null con0=fd:0,fd:1 quiet </dev/null | tee "$out" || true
 grep -q 'guest: RESULT 0' "$out"

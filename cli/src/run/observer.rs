@@ -5,8 +5,10 @@
 //! stretch's first operation starts and ends when it is where the last one ends; in between, neither of those two
 //! switches is on. That is all it looks at.
 
+use linewright_fieldbus::codec::Payload;
+use linewright_fieldbus::profile::drive::DriveBinding;
 use linewright_fieldbus::{Frame, Message};
-use linewright_line::{Bus, Conflict, InputId, Line, Module, Owner, Span, StationId};
+use linewright_line::{Bus, Conflict, Device, InputId, Line, Module, Owner, Span, StationId};
 
 /// The inputs of one station, as its devices last sent them.
 #[derive(Clone, Debug)]
@@ -14,6 +16,38 @@ struct Seen {
     bits: u128,
     /// For each of its devices, whether it was heard.
     heard: Vec<bool>,
+    /// For each of its devices, how its process data are read if it is a drive.
+    drives: Vec<Option<DriveBinding>>,
+}
+
+impl Seen {
+    fn of(line: &Line, id: StationId) -> Self {
+        let devices = || line.devices_of(Owner::Station(id));
+        let drives = devices().map(|device| device.drive.as_ref().map(DriveBinding::of)).collect();
+        Seen { bits: 0, heard: vec![false; devices().count()], drives }
+    }
+
+    /// Takes process data of one of its devices. Too short for its inputs, they are nobody's, whatever their identifier
+    /// says.
+    fn take(&mut self, index: usize, device: &Device, payload: Payload) {
+        let said = match &self.drives[index] {
+            Some(drive) => drive.places(payload),
+            None => (payload.bytes().len() * 8 >= device.inputs.len()).then(|| bits_of(device, payload)),
+        };
+        if let Some((known, on)) = said {
+            self.heard[index] = true;
+            self.bits = self.bits & !known | on;
+        }
+    }
+}
+
+/// The inputs of an I/O device, and those of them that are on.
+fn bits_of(device: &Device, payload: Payload) -> (u128, u128) {
+    let inputs = device.inputs.iter().enumerate();
+    inputs.filter_map(|(bit, input)| Some((bit, input.as_ref()?))).fold((0, 0), |(known, on), (bit, input)| {
+        let one = 1 << input.0;
+        (known | one, if payload.bits() & (1 << bit) == 0 { on } else { on | one })
+    })
 }
 
 /// The observer of all buses of a line.
@@ -30,9 +64,8 @@ pub struct Observer {
 impl Observer {
     /// An observer that has seen nothing.
     pub fn new(line: &Line) -> Self {
-        let seen = |id| Seen { bits: 0, heard: vec![false; line.devices_of(Owner::Station(id)).count()] };
         Observer {
-            stations: line.station_ids().map(seen).collect(),
+            stations: line.station_ids().map(|id| Seen::of(line, id)).collect(),
             holds: vec![false; line.conflicts.len()],
             line: line.clone(),
             seen: Vec::new(),
@@ -57,18 +90,7 @@ impl Observer {
         for id in self.line.station_ids() {
             let devices = self.line.devices_of(Owner::Station(id)).enumerate();
             for (index, device) in devices.filter(|(_, d)| d.bus == *bus && d.node_id == node.get()) {
-                // Too short for its inputs: nobody's process data, whatever its identifier says.
-                if payload.bytes().len() * 8 < device.inputs.len() {
-                    continue;
-                }
-                let seen = &mut self.stations[id.index()];
-                seen.heard[index] = true;
-                for (bit, input) in device.inputs.iter().enumerate() {
-                    if let Some(input) = input {
-                        let on = payload.bits() & (1 << bit) != 0;
-                        seen.bits = seen.bits & !(1 << input.0) | u128::from(on) << input.0;
-                    }
-                }
+                self.stations[id.index()].take(index, device, payload);
             }
         }
         self.judge();

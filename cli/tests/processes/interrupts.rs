@@ -29,7 +29,7 @@ fn the_first_ctrl_c_ends_the_round_at_home() {
     assert_eq!((code, &report["mode"]), (0, &"home".into()), "{report}");
     let cycles = usize::try_from(report["cycles"].as_u64().expect("a number")).expect("few");
     let seen = rig.eye.seen();
-    crate::auto_cycles::starts_follow_the_chart(seen.starts(), cycles);
+    crate::support::chart::starts_follow_the_chart(seen.starts(), cycles);
     assert_eq!(seen.conflicts(), [""; 0]);
     drop(seen);
     assert!(rig.processes().is_empty(), "nothing is left: {:?}", rig.processes());

@@ -98,6 +98,19 @@ fn lock(seen: &Mutex<Seen>) -> MutexGuard<'_, Seen> {
 }
 
 impl Seen {
+    /// What a recording shows, in the form of `candump -L`.
+    pub fn of_log(plan: Plan, log: &str) -> Self {
+        let mut seen = Seen::new(plan);
+        for line in log.lines() {
+            let frame = line.split_whitespace().nth(2).and_then(|frame| frame.split_once('#'));
+            let (id, data) = frame.unwrap_or_else(|| panic!("no frame: {line}"));
+            let byte = |at: usize| u8::from_str_radix(&data[at..at + 2], 16).expect("hexadecimal");
+            let data: Vec<u8> = (0..data.len()).step_by(2).map(byte).collect();
+            seen.frame(u32::from_str_radix(id, 16).expect("hexadecimal"), &data);
+        }
+        seen
+    }
+
     fn new(plan: Plan) -> Self {
         Seen {
             plan,
@@ -166,8 +179,11 @@ impl Seen {
         if word > 0x7FF || length > 8 {
             return;
         }
+        self.frame(word, &bytes[8..8 + length]);
+    }
+
+    fn frame(&mut self, word: u32, data: &[u8]) {
         self.frames += 1;
-        let data = &bytes[8..8 + length];
         let node = (word & 0x7F) as u8;
         match word & 0x780 {
             0x180 => {

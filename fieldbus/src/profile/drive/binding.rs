@@ -2,7 +2,8 @@
 
 use linewright_line::{AtRest, Drive as Described, DriveMode, InputId, OutputId};
 
-use super::word;
+use super::{PDO_BYTES, word};
+use crate::codec::Payload;
 
 /// One place a drive can be sent to, or one velocity.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
@@ -92,6 +93,15 @@ impl DriveBinding {
             at_rest: drive.at_rest,
             units: drive.units_per_mm,
         }
+    }
+
+    /// What a listener can tell from a drive's process data alone: the inputs of all its targets, and those of them whose
+    /// target it stands at. It knows neither its orders nor whether it has been homed. `None`: too short.
+    pub fn places(&self, payload: Payload) -> Option<(u128, u128)> {
+        let actual = i32::from_le_bytes(payload.bytes().get(3..PDO_BYTES)?.try_into().ok()?);
+        let stands = |target: &&Target| actual.abs_diff(target.to) <= self.window;
+        let image = |image, target: &Target| image | bit(target.at.index());
+        Some((self.targets.iter().fold(0, image), self.targets.iter().filter(stands).fold(0, image)))
     }
 
     /// The mode of operation its targets want.

@@ -406,3 +406,19 @@ fn settings_remap_a_process_data_object_only_while_it_is_off() {
         assert!(settings.iter().all(|s| !s.may_be_refused(Abort::VALUE)));
     }
 }
+
+#[test]
+fn a_listener_reads_the_place_alone() {
+    let binding = binding(true);
+    let at = |place: i32, bytes: usize| {
+        let bits = u64::from(place.cast_unsigned()) << 24 | 0x01_0637;
+        binding.places(Payload::from_bits(bits, 8 * bytes))
+    };
+    let known = AT_0 | AT_80;
+    for (place, on) in
+        [(0, AT_0), (-50, AT_0), (-51, 0), (51, 0), (40_000, 0), (79_950, AT_80), (80_050, AT_80), (80_051, 0)]
+    {
+        assert_eq!(at(place, 7), Some((known, on)), "{place}");
+    }
+    assert_eq!(at(0, 6), None);
+}
