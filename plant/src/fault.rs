@@ -9,6 +9,12 @@ pub const FAULT_INDEX: u16 = 0x5F00;
 /// button or a stuck switch. 0 off, 1 on, 2 lets go.
 pub const PRESS_INDEX: u16 = 0x5F01;
 
+/// Manufacturer object 5F02h of a simulated device: trouble on the bus, see `docs/can.md`.
+pub const TROUBLE_INDEX: u16 = 0x5F02;
+/// Manufacturer object 5F03h of a simulated device: subindex n holds output bit n − 1 at a value, whatever process data
+/// say, like a relay whose contacts have welded or broken. 0 off, 1 on, 2 lets go.
+pub const STUCK_INDEX: u16 = 0x5F03;
+
 /// What goes wrong with one motion. Lasts until it is cleared.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Hash)]
 pub enum Fault {
@@ -44,16 +50,52 @@ pub enum DeviceFault {
     Silent,
     /// 2: it boots.
     Reboot,
+    /// 3: it boots and does not come up again: no boot-up message, no answer.
+    NoBoot,
+    /// 4: its heartbeats cease, and all else goes on.
+    NoHeartbeat,
+    /// 5F02h:04: an object says something else than it should: a device type, an identity.
+    Identity {
+        /// Index and subindex.
+        object: (u16, u8),
+        /// What it says.
+        value: u32,
+    },
+    /// 5F02h:06: an object is refused.
+    Abort {
+        /// Index and subindex.
+        object: (u16, u8),
+        /// With which abort code.
+        code: u32,
+        /// When it is read.
+        reading: bool,
+        /// When it is written.
+        writing: bool,
+    },
+    /// 5F02h:01: it reports an error, which then stands in its error register, over boots too.
+    Emergency {
+        /// The error code.
+        code: u16,
+        /// Bits of the error register, object 1001h.
+        register: u8,
+    },
+    /// 5F02h:02: it is off the bus for a time, and then says so. It lets go of its outputs as if it had lost its manager.
+    BusOff {
+        /// For how long, in ms.
+        millis: u32,
+    },
 }
 
 #[cfg(feature = "can")]
 impl DeviceFault {
-    /// The fault a number stands for; 0 clears (`Ok(None)`).
+    /// The fault a number in 5F00h:00 stands for; 0 clears (`Ok(None)`).
     pub fn from_code(code: u32) -> Result<Option<Self>, Abort> {
         match code {
             0 => Ok(None),
             1 => Ok(Some(DeviceFault::Silent)),
             2 => Ok(Some(DeviceFault::Reboot)),
+            3 => Ok(Some(DeviceFault::NoBoot)),
+            4 => Ok(Some(DeviceFault::NoHeartbeat)),
             _ => Err(Abort::VALUE),
         }
     }

@@ -24,12 +24,16 @@ mod plant;
 mod rack;
 #[cfg(feature = "can")]
 mod run;
+#[cfg(feature = "can")]
+mod wire;
 
 #[cfg(feature = "can")]
 pub use device::{DeviceNode, DeviceOutbox, DriveNode, Order, PlainNode};
-pub use fault::{DeviceFault, FAULT_INDEX, Fault, PRESS_INDEX};
+pub use fault::{DeviceFault, FAULT_INDEX, Fault, PRESS_INDEX, STUCK_INDEX, TROUBLE_INDEX};
 pub use plant::{Plant, PlantOptions};
 #[cfg(feature = "can")]
 pub use rack::Rack;
 #[cfg(feature = "can")]
 pub use run::{Options, RackRunner, open_plant, run_plant};
+#[cfg(feature = "can")]
+pub use wire::FrameFaults;

@@ -7,13 +7,29 @@ use linewright_fieldbus::{Frame, NodeId};
 use linewright_line::{AxisId, Bus, Device, Drive, DriveMode, Line, Owner, StationId, Tick};
 
 use crate::device::{DeviceNode, DeviceOutbox, DriveNode, Order, PlainNode};
-use crate::fault::Fault;
+use crate::fault::{DeviceFault, Fault};
 use crate::mechanism::bit;
 use crate::plant::{Plant, PlantOptions};
+use crate::wire::{FrameFaults, Wire};
 
 struct Slot {
     device: Device,
     node: Node,
+    wire: Wire,
+    /// Output bits that do not follow process data, and those of them that stay on.
+    stuck: (u64, u64),
+}
+
+impl Slot {
+    fn of(device: &Device, node: Node) -> Self {
+        Slot { device: device.clone(), node, wire: Wire::default(), stuck: (0, 0) }
+    }
+
+    fn send(&mut self, frames: &mut Vec<Frame>, out: &mut Vec<Frame>) {
+        for frame in frames.drain(..) {
+            out.extend(std::iter::repeat_n(frame, self.wire.away()));
+        }
+    }
 }
 
 enum Node {
@@ -70,7 +86,7 @@ impl Rack {
             }
             if let Some(binding) = device.frames.as_ref().and_then(|frames| frames.bound.as_ref()) {
                 let node = Node::Plain(Box::new(PlainNode::new(now, binding)));
-                slots.push(Slot { device: device.clone(), node });
+                slots.push(Slot::of(device, node));
                 continue;
             }
             let Some(id) = NodeId::new(device.node_id) else { continue };
@@ -84,19 +100,19 @@ impl Rack {
                     Node::Io(Box::new(DeviceNode::new(now, id, inputs, outputs, &line.timing)))
                 }
             };
-            slots.push(Slot { device: device.clone(), node });
+            slots.push(Slot::of(device, node));
         }
         Rack { plant: Plant::new(line, options), slots, owners }
     }
 
     /// Takes one frame from the bus at `now`.
     pub fn handle(&mut self, now: Tick, frame: &Frame, out: &mut Vec<Frame>) {
-        self.each(now, out, |node, outbox| node.handle(now, frame, outbox));
+        self.each(now, out, Wire::towards, |node, outbox| node.handle(now, frame, outbox));
     }
 
     /// Does what is due at `now`.
     pub fn poll(&mut self, now: Tick, out: &mut Vec<Frame>) {
-        self.each(now, out, |node, outbox| node.poll(now, outbox));
+        self.each(now, out, |_| 1, |node, outbox| node.poll(now, outbox));
     }
 
     /// When [`Rack::poll`] has something to do next.
@@ -113,6 +129,36 @@ impl Rack {
     /// The mechanisms, to make them fail.
     pub fn plant_mut(&mut self) -> &mut Plant {
         &mut self.plant
+    }
+
+    /// Makes any device fail, or work again: all its faults of communication, and its line.
+    pub fn inject(&mut self, now: Tick, node: NodeId, fault: Option<DeviceFault>) {
+        let Some(slot) = self.slots.iter_mut().find(|slot| slot.device.node_id == node.get()) else { return };
+        match &mut slot.node {
+            Node::Io(node) => node.inject(now, fault),
+            Node::Drive(node, _) => node.inject(now, fault),
+            Node::Plain(node) => node.inject(now, fault),
+        }
+        if fault.is_none() {
+            slot.wire = Wire::default();
+        }
+    }
+
+    /// Makes the line to a device this bad.
+    pub fn disturb(&mut self, node: NodeId, faults: FrameFaults) {
+        for slot in self.slots.iter_mut().filter(|slot| slot.device.node_id == node.get()) {
+            slot.wire = Wire::new(faults);
+        }
+    }
+
+    /// Holds an output bit of a device at a value, whatever process data say, or lets it follow them again.
+    pub fn stick(&mut self, node: NodeId, output: usize, value: Option<bool>) {
+        let bit = u32::try_from(output).ok().and_then(|output| 1u64.checked_shl(output)).unwrap_or(0);
+        for slot in self.slots.iter_mut().filter(|slot| slot.device.node_id == node.get()) {
+            let (held, on) = slot.stuck;
+            let held = if value.is_some() { held | bit } else { held & !bit };
+            slot.stuck = (held, if value == Some(true) { on | bit } else { on & !bit });
+        }
     }
 
     /// The I/O device with this node id.
@@ -170,7 +216,7 @@ impl Rack {
             if *of == station && slot.device.drive.as_ref().is_some_and(|drive| drive.axis == axis) {
                 let mut outbox = DeviceOutbox::default();
                 node.fail(now, fault, &mut outbox);
-                out.append(&mut outbox.frames);
+                slot.send(&mut outbox.frames, out);
                 found = true;
             }
         }
@@ -188,15 +234,24 @@ impl Rack {
     }
 
     /// Lets every device act, then carries outputs to the mechanisms and switches back to the devices.
-    fn each(&mut self, now: Tick, out: &mut Vec<Frame>, act: impl Fn(&mut Node, &mut DeviceOutbox)) {
+    fn each(
+        &mut self,
+        now: Tick,
+        out: &mut Vec<Frame>,
+        times: impl Fn(&mut Wire) -> usize,
+        act: impl Fn(&mut Node, &mut DeviceOutbox),
+    ) {
         // Time first: what has happened until now happened under the old outputs.
         self.plant.advance(now);
         self.carry_axes(now);
         self.carry_inputs(now, out);
         for at in 0..self.slots.len() {
             let mut outbox = DeviceOutbox::default();
-            act(&mut self.slots[at].node, &mut outbox);
-            out.append(&mut outbox.frames);
+            let slot = &mut self.slots[at];
+            for _ in 0..times(&mut slot.wire) {
+                act(&mut slot.node, &mut outbox);
+            }
+            slot.send(&mut outbox.frames, out);
             for order in outbox.orders {
                 self.perform(now, at, order);
             }
@@ -223,7 +278,7 @@ impl Rack {
         for owner in &self.owners {
             let on = self.slots.iter().filter(|slot| slot.device.owner == *owner).flat_map(|slot| {
                 let bits = match &slot.node {
-                    Node::Io(node) => node.outputs(),
+                    Node::Io(node) => node.outputs() & !slot.stuck.0 | slot.stuck.1,
                     Node::Drive(..) | Node::Plain(_) => 0,
                 };
                 let wired = slot.device.outputs.iter().enumerate();
@@ -245,7 +300,8 @@ impl Rack {
             if let Node::Plain(node) = &mut slot.node {
                 let mut outbox = DeviceOutbox::default();
                 node.set_inputs(now, image, &mut outbox);
-                out.append(&mut outbox.frames);
+                slot.send(&mut outbox.frames, out);
+                continue;
             }
             let Node::Io(node) = &mut slot.node else { continue };
             let wired = slot.device.inputs.iter().take(64).enumerate();
@@ -253,12 +309,13 @@ impl Rack {
             let bits = on.fold(0, |bits, (at, _)| bits | 1 << at);
             let mut outbox = DeviceOutbox::default();
             node.set_inputs(now, bits, &mut outbox);
-            out.append(&mut outbox.frames);
+            slot.send(&mut outbox.frames, out);
         }
     }
 
-    fn perform(&mut self, now: Tick, slot: usize, order: Order) {
-        let device = &self.slots[slot].device;
+    fn perform(&mut self, now: Tick, at: usize, order: Order) {
+        let slot = &mut self.slots[at];
+        let device = &slot.device;
         let owner = device.owner;
         match order {
             Order::Fail { output, fault } => {
@@ -272,7 +329,15 @@ impl Rack {
                     self.plant.force(owner, input, value);
                 }
             }
+            Order::Stick { output, value } => {
+                if let Some(node) = NodeId::new(device.node_id) {
+                    self.stick(node, output, value);
+                }
+            }
+            Order::Disturb(faults) => slot.wire = Wire::new(faults),
             Order::ClearAll => {
+                slot.wire = Wire::default();
+                slot.stuck = (0, 0);
                 for output in device.outputs.iter().flatten() {
                     self.plant.inject_output(now, owner, *output, None);
                 }

@@ -77,6 +77,10 @@ fn nothing_answers_that_is_not_described_and_only_what_is_described_so_is_writte
             let answer = get(&mut node, index, sub);
             let described = eds.entry(index, sub);
             assert!(described.is_some() || answer[0] == 0x80 || index == 0x5F00, "{index:04X} {sub} is not described");
+            if index == 0x5F02 {
+                // Numbers of any length, obeyed at once: `troubles.rs`.
+                continue;
+            }
             // Of a length no object has: whatever may be written complains of that, everything else of being written.
             let length = put(&mut node, index, sub, 3, 0) == 0x0607_0010;
             let writable = described.is_some_and(|entry| entry.access.is_writable()) && index != 0x5F00;

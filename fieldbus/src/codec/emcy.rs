@@ -7,6 +7,8 @@ use crate::profile::drive;
 
 /// Error code "life guard error or heartbeat error" (CiA 301 table 26).
 pub const HEARTBEAT_LOST: u16 = 0x8130;
+/// Error code "recovered from bus off" (CiA 301 table 26).
+pub const BUS_OFF_RECOVERED: u16 = 0x8140;
 /// Error code "error reset or no error" (CiA 301 table 26).
 pub const NO_ERROR: u16 = 0x0000;
 

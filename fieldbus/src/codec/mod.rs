@@ -13,7 +13,7 @@ use std::fmt;
 
 use thiserror::Error;
 
-pub use emcy::{Emergency, HEARTBEAT_LOST, NO_ERROR, Profile};
+pub use emcy::{BUS_OFF_RECOVERED, Emergency, HEARTBEAT_LOST, NO_ERROR, Profile};
 pub use nmt::{NmtCommand, NmtState};
 pub use pdo::Payload;
 

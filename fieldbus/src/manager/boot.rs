@@ -1,22 +1,33 @@
 //! Bringing one device up: who it is, and what it is to be told, before it may be started.
 //!
 //! As in the boot process of CiA 302-2: the device type and the identity are read and compared with what is expected;
-//! only then are objects written, in the order given; only when all are written may the device be started. A device
+//! only then are objects written, in the order given; only when all are written may the device be started. Last it is
+//! asked whether an error stands (1001h), which its owner has to know before it trusts it. A device
 //! that is somebody else is told nothing: what the line's outputs would do to it nobody knows.
 //!
 //! Every step is one SDO transfer, so what a boot waits for is always one object. Nothing here knows of heartbeats or
 //! of the other devices: all of them boot side by side, and one that does not answer holds up nobody.
 
 use std::fmt;
+use std::time::Duration;
 
-use linewright_line::{Identity, Tick};
+use linewright_line::{Device, Identity, Tick, Timing};
 
+use super::errors::ERROR_REGISTER;
+use super::event::{Event, Outbox};
+use super::peer::{Peer, Phase};
+use super::process::Process;
 use super::transfer::Transfer;
+use super::{MANAGER_NODE, RETRY};
 use crate::codec::NodeId;
 use crate::frame::Frame;
 use crate::profile::drive::Setting;
 use crate::sdo::wire::Raw;
 use crate::sdo::{Cause, ObjectId, Progress, TransferError};
+
+/// How soon a refused device is looked at again. Seldom enough that a person reads the reason in peace, often enough
+/// that whoever has mended it need not do anything else.
+const REFUSED_RETRY: Duration = Duration::from_secs(5);
 
 /// What a device is to be before it is started.
 #[derive(Clone, Debug, Default, PartialEq, Eq)]
@@ -66,6 +77,9 @@ impl fmt::Display for BootError {
                 write!(f, "its {} (object {object}) has {bytes} bytes, not 4", what(*object))
             }
             BootError::Transfer { writing: true, error } => write!(f, "it cannot be configured: {error}"),
+            BootError::Transfer { writing: false, error } if error.object == ERROR_REGISTER => {
+                write!(f, "it does not say whether an error stands: {error}")
+            }
             BootError::Transfer { writing: false, error } => write!(f, "it cannot be identified: {error}"),
         }
     }
@@ -86,8 +100,8 @@ fn what(object: ObjectId) -> &'static str {
 pub(super) enum Step {
     /// Under way.
     Busy,
-    /// Everything is as it has to be.
-    Done,
+    /// Everything is as it has to be. With the error register, from a device that has one.
+    Done(Option<u8>),
     /// It must not be started.
     Failed(BootError),
 }
@@ -169,6 +183,9 @@ impl Boot {
         let object = self.transfer.object();
         match self.at.checked_sub(READ.len()) {
             None => format!("being identified: waits for its {} (object {object})", what(object)),
+            Some(nth) if nth == plan.settings.len() => {
+                format!("configured, and asked whether an error stands (object {object})")
+            }
             Some(nth) => {
                 format!("being configured: object {object} is written, {} of {}", nth + 1, plan.settings.len())
             }
@@ -178,6 +195,12 @@ impl Boot {
     fn go_on(&mut self, now: Tick, plan: &Plan, progress: Progress, out: &mut Vec<Frame>) -> Step {
         match progress {
             Progress::Busy => Step::Busy,
+            Progress::Done(result) if self.at == READ.len() + plan.settings.len() => match result {
+                Ok(bytes) => Step::Done(bytes.first().copied()),
+                // Every device should have one (CiA 301 §7.5.2.2); what it does not have it cannot report.
+                Err(TransferError { cause: Cause::Refused(_), .. }) => Step::Done(None),
+                Err(error) => Step::Failed(BootError::Transfer { writing: false, error }),
+            },
             Progress::Done(Err(error)) if self.may_pass_over(plan, error) => self.done(now, plan, &[], out),
             Progress::Done(Err(error)) => Step::Failed(BootError::Transfer { writing: self.at >= READ.len(), error }),
             Progress::Done(Ok(bytes)) => self.done(now, plan, &bytes, out),
@@ -205,8 +228,61 @@ impl Boot {
         self.transfer = match (READ.get(self.at), plan.settings.get(self.at.saturating_sub(READ.len()))) {
             (Some(object), _) => Transfer::read(now, self.node, *object, out),
             (None, Some(setting)) => Transfer::write(now, self.node, setting, out),
-            (None, None) => return Step::Done,
+            (None, None) => Transfer::read(now, self.node, ERROR_REGISTER, out),
         };
         Step::Busy
     }
+}
+
+impl Peer {
+    /// Begins, or begins again, to bring it up.
+    pub(super) fn boot(&mut self, now: Tick, out: &mut Outbox) {
+        self.process.lost(now);
+        self.lent = false;
+        if !self.orders.take(now) {
+            // It boots again and again: it is asked for after a while, like one that is absent.
+            self.phase = Phase::Absent { probe: now + RETRY };
+            return;
+        }
+        self.phase = Phase::Booting(Boot::start(now, self.node, &mut out.frames));
+    }
+
+    /// What a step of its boot leads to.
+    pub(super) fn booted(&mut self, now: Tick, step: Step, out: &mut Outbox) {
+        let why = match step {
+            Step::Busy => return,
+            Step::Done(register) => {
+                self.refusal = None;
+                self.register_read(now, register, out);
+                return self.order_start(now, out);
+            }
+            Step::Failed(why) => why,
+        };
+        if self.refusal != Some(why) {
+            self.refusal = Some(why);
+            out.events.push(Event::BootFailed { node: self.node, why });
+        }
+        let silent = matches!(why, BootError::Transfer { error, .. } if matches!(error.cause, Cause::Silent { .. }));
+        self.phase = if silent && self.heard + self.timeout <= now {
+            Phase::Absent { probe: now + RETRY }
+        } else {
+            Phase::Refused { why, retry: now + if silent { RETRY } else { REFUSED_RETRY } }
+        };
+    }
+}
+
+/// What every device has to be, and what it is told before it is started.
+pub(super) fn plan(node: NodeId, device: &Device, process: &Process, timing: &Timing) -> Plan {
+    let millis = |span: Duration| u16::try_from(span.as_millis()).unwrap_or(u16::MAX);
+    // Object 1017h, producer heartbeat time in ms.
+    let produce = Setting::new(0x1017, 0, millis(timing.heartbeat).to_le_bytes());
+    // Object 1016h sub 1, consumer heartbeat time: node id in bits 16 to 23, ms below. What makes outputs safe when
+    // the manager is gone, so a device that has outputs must accept it; one that has none need not know the object.
+    let watched = u32::from(MANAGER_NODE.get()) << 16 | u32::from(millis(timing.heartbeat_timeout));
+    let consume = process.has_outputs().then(|| Setting::new(0x1016, 1, watched.to_le_bytes()));
+    // What the description says comes first: what the safety of a drive rests on comes after it, and stays.
+    let described = device.setup.settings.iter().map(|own| Setting::new(own.index, own.sub, own.data.clone()));
+    let described = described.chain(super::sync::settings(device, timing));
+    let settings = described.chain([produce]).chain(consume).chain(process.settings(node));
+    Plan { identity: device.setup.identity, settings: settings.collect() }
 }

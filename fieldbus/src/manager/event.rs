@@ -6,6 +6,9 @@ use std::time::Duration;
 use linewright_line::{FrameId, Owner};
 
 use super::boot::BootError;
+use super::bus_off::{BUS_OFF, RESTARTED};
+use super::errors::bits;
+use super::flood::{FRAMES_MAX, WINDOW};
 use super::plain::FrameFault;
 use super::request::Answer;
 use crate::codec::{Emergency, NmtState, NodeId, Profile};
@@ -87,6 +90,19 @@ pub enum Event {
         /// What kind of device it is, by the description.
         profile: Profile,
     },
+    /// What the device's error register says is news: an error stands that no emergency has reported, or the last one
+    /// is gone and the emergency that should have said so was not heard.
+    ErrorRegister {
+        /// Which.
+        node: NodeId,
+        /// Object 1001h; 0 is no error.
+        register: u8,
+    },
+    /// The device sends so much that it is not listened to any more.
+    Babbles {
+        /// Which.
+        node: NodeId,
+    },
     /// An owner's input image has changed, or whether it can be trusted has.
     InputsChanged {
         /// Whose.
@@ -101,7 +117,7 @@ pub enum Event {
     AnotherManager,
     /// The kernel reports trouble on the bus.
     BusError {
-        /// Class bits of `linux/can/error.h`; 0x40 is bus-off.
+        /// Class bits of `linux/can/error.h`; 0x40 is bus-off, 0x100 that the interface is on the bus again.
         class: u32,
     },
     /// A frame was ignored.
@@ -132,6 +148,8 @@ pub enum IgnoreReason {
     NotOperational,
     /// Process data shorter than the device's inputs.
     ShortPdo,
+    /// From a device that sends too much; counted without an event.
+    Babbling,
     /// Addressed to others; counted without an event.
     NotForManager,
 }
@@ -149,6 +167,7 @@ impl IgnoreReason {
         IgnoreReason::UnknownNode,
         IgnoreReason::NotOperational,
         IgnoreReason::ShortPdo,
+        IgnoreReason::Babbling,
         IgnoreReason::NotForManager,
     ];
 }
@@ -164,6 +183,7 @@ impl fmt::Display for IgnoreReason {
             IgnoreReason::UnknownNode => "node not in the description",
             IgnoreReason::NotOperational => "process data from a device that was not started",
             IgnoreReason::ShortPdo => "process data too short",
+            IgnoreReason::Babbling => "from a device that sends too much",
             IgnoreReason::NotForManager => "not addressed to the manager",
         })
     }
@@ -191,11 +211,23 @@ impl fmt::Display for Event {
             Event::Emergency { node, emergency, profile } => {
                 write!(f, "node {node} reports {}", emergency.text(*profile))
             }
+            Event::ErrorRegister { node, register: 0 } => {
+                write!(f, "node {node} is in error no longer: its error register 1001h = 00h")
+            }
+            Event::ErrorRegister { node, register } => {
+                write!(f, "node {node} is in error: its error register 1001h = {register:02X}h ({})", bits(*register))
+            }
+            Event::Babbles { node } => write!(
+                f,
+                "node {node} babbles: more than {FRAMES_MAX} frames within {} ms; it is not listened to",
+                WINDOW.as_millis()
+            ),
             Event::InputsChanged { owner: Owner::Station(id) } => write!(f, "inputs of station {} changed", id.0),
             Event::InputsChanged { owner: Owner::Console } => f.write_str("inputs of the console changed"),
             Event::Answered { number } => write!(f, "request {number} is answered"),
             Event::AnotherManager => f.write_str("another manager (node 127) drives this bus"),
-            Event::BusError { class } if class & 0x40 != 0 => f.write_str("the bus is off"),
+            Event::BusError { class } if class & BUS_OFF != 0 => f.write_str("the bus is off"),
+            Event::BusError { class } if class & RESTARTED != 0 => f.write_str("the bus is on again"),
             Event::BusError { class } => write!(f, "bus error, classes {class:#X}"),
             Event::Ignored { reason, frame } => write!(f, "ignored {frame}: {reason}"),
         }

@@ -11,7 +11,10 @@
 //! know.
 
 mod boot;
+mod bus_off;
+mod errors;
 mod event;
+mod flood;
 mod guard;
 mod image;
 mod pace;
@@ -38,6 +41,7 @@ pub use status::{Condition, Status};
 use crate::codec::{DecodeError, Message, NmtState, NodeId};
 use crate::frame::Frame;
 use event::IGNORE_REASONS;
+use flood::Budget;
 use pace::Pace;
 use peer::{Outcome, Peer};
 use plain::Plain;
@@ -105,8 +109,8 @@ pub enum ManagerError {
 pub struct InputImage {
     /// Bit `i` is the owner's input `i`. The last known values where `valid` is false: for showing, not for deciding.
     pub bits: u128,
-    /// Every device of the owner is operational, was heard within the heartbeat timeout, and has sent its inputs
-    /// since it last booted. False for an owner without devices on this bus.
+    /// Every device of the owner that may not be lost is operational, was heard within the heartbeat timeout, has sent
+    /// its inputs since it last booted, and is not in error. False for an owner without devices on this bus.
     pub valid: bool,
     /// Since when `valid` is what it is.
     pub since: Tick,
@@ -136,10 +140,14 @@ pub struct Manager {
     /// `None` until the first poll: nothing has been sent yet.
     next_heartbeat: Option<Tick>,
     next_sync: Option<Tick>,
+    /// Since when the interface is off the bus.
+    off: Option<Tick>,
     ignored: [u64; IGNORE_REASONS],
     pace: Pace,
     /// Whose turn it is to send a segment of a block.
     turn: usize,
+    /// How much is said of ignored frames, by reason, and at the end of errors of the bus.
+    told: [Budget; IGNORE_REASONS + 1],
 }
 
 impl Manager {
@@ -181,7 +189,9 @@ impl Manager {
             images,
             next_heartbeat: None,
             next_sync: None,
+            off: None,
             ignored: [0; IGNORE_REASONS],
+            told: [TOLD; IGNORE_REASONS + 1],
             pace: Pace::new(),
             turn: 0,
         };
@@ -208,21 +218,28 @@ impl Manager {
         }
         let message = match Message::decode(frame) {
             Ok(message) => message,
-            Err(error) => return self.undecodable(error, *frame, out),
+            Err(error) => return self.undecodable(now, error, *frame, out),
         };
+        self.back_on_the_bus(now, out);
         match message {
             Message::Heartbeat { node, .. } if node == MANAGER_NODE => out.events.push(Event::AnotherManager),
             Message::Heartbeat { node, state } => {
                 if let Some(record) = self.record_of(node.get()) {
                     record.nmt = Some(state);
                 }
-                self.with_peer(now, node, frame, out, |peer, out| peer.heartbeat(now, state, out));
+                self.with_peer(now, node, frame, out, |peer, out| {
+                    peer.unless_babbling(now, out, |peer, out| peer.heartbeat(now, state, out))
+                });
             }
             Message::Tpdo1 { node, payload } => {
-                self.with_peer(now, node, frame, out, |peer, out| peer.inputs_heard(now, payload, out));
+                self.with_peer(now, node, frame, out, |peer, out| {
+                    peer.unless_babbling(now, out, |peer, out| peer.inputs_heard(now, payload, out))
+                });
             }
             Message::Emergency { node, emergency } => {
-                self.with_peer(now, node, frame, out, |peer, out| peer.emergency(now, emergency, out));
+                self.with_peer(now, node, frame, out, |peer, out| {
+                    peer.unless_babbling(now, out, |peer, out| peer.emergency(now, emergency, out))
+                });
             }
             Message::SdoResponse { node, raw } => {
                 let asked = self.peers.iter_mut().find(|peer| peer.node == node);
@@ -313,7 +330,7 @@ impl Manager {
         let never = InputImage { bits: 0, valid: false, since: Tick::ZERO, updated: Tick::ZERO, losses: 0 };
         let image = self.images.iter().find(|i| i.owner == owner).map_or(never, |i| i.inputs);
         // Looked at again here, so that a caller who polls late does not read a dead device as a live one.
-        let fresh = self.peers.iter().filter(|p| p.owner == owner).all(|p| p.trusted(now));
+        let fresh = self.peers.iter().filter(|p| p.owner == owner && p.is_vital).all(|p| p.trusted(now));
         let fresh = fresh && self.plains.iter().filter(|p| p.owner == owner).all(|p| p.trusted(now));
         InputImage { valid: image.valid && fresh, ..image }
     }
@@ -379,10 +396,10 @@ impl Manager {
     ) {
         match self.peers.iter().position(|p| p.node == node) {
             Some(at) => match act(&mut self.peers[at], out) {
-                Outcome::Ignored(reason) => self.ignore(reason, *frame, out),
+                Outcome::Ignored(reason) => self.ignore(now, reason, *frame, out),
                 outcome => self.settle(now, at, outcome, out),
             },
-            None => self.ignore(IgnoreReason::UnknownNode, *frame, out),
+            None => self.ignore(now, IgnoreReason::UnknownNode, *frame, out),
         }
     }
 
@@ -392,6 +409,11 @@ impl Manager {
         match outcome {
             Outcome::Unchanged | Outcome::Ignored(_) => return,
             Outcome::Inputs => {}
+            // Nothing depends on it.
+            Outcome::Lost if !self.peers[at].is_vital => {
+                self.pace.forget(self.peers[at].node);
+                self.records[at].losses += 1;
+            }
             Outcome::Up => {
                 // Operational at last: it starts from zero and gets what the owner has set since its last loss.
                 self.peers[at].send_outputs(now, out);
@@ -422,8 +444,10 @@ impl Manager {
     fn gather(&mut self, now: Tick, owner: Owner, out: &mut Outbox) {
         let peers = || self.peers.iter().filter(|p| p.owner == owner);
         let plains = || self.plains.iter().filter(|p| p.owner == owner);
-        let bits = peers().map(Peer::input_bits).chain(plains().map(Plain::input_bits)).fold(0, |all, bits| all | bits);
-        let valid = peers().all(|peer| peer.trusted(now)) && plains().all(|plain| plain.trusted(now));
+        let own = peers().map(|peer| peer.input_bits(now)).chain(plains().map(Plain::input_bits));
+        let bits = own.fold(0, |all, bits| all | bits);
+        let valid = peers().filter(|peer| peer.is_vital).all(|peer| peer.trusted(now))
+            && plains().all(|plain| plain.trusted(now));
         let updated = peers().filter_map(Peer::updated).chain(plains().filter_map(Plain::updated)).max();
         let Some(image) = self.images.iter_mut().find(|i| i.owner == owner) else { return };
         let before = image.inputs;
@@ -435,28 +459,37 @@ impl Manager {
         }
     }
 
-    fn undecodable(&mut self, error: DecodeError, frame: Frame, out: &mut Outbox) {
+    fn undecodable(&mut self, now: Tick, error: DecodeError, frame: Frame, out: &mut Outbox) {
         let reason = match error {
             DecodeError::Extended { .. } => IgnoreReason::Extended,
             DecodeError::Remote { .. } => IgnoreReason::Remote,
             DecodeError::ErrorFrame { class } => {
                 self.ignored[IgnoreReason::ErrorFrame as usize] += 1;
-                return out.events.push(Event::BusError { class });
+                if self.told[IGNORE_REASONS].take(now) {
+                    out.events.push(Event::BusError { class });
+                }
+                return self.bus_error(now, class, out);
             }
             DecodeError::UnknownCobId { .. } => IgnoreReason::UnknownCobId,
             DecodeError::Length { .. } | DecodeError::Field { .. } => IgnoreReason::Malformed,
         };
-        self.ignore(reason, frame, out);
+        self.back_on_the_bus(now, out);
+        self.ignore(now, reason, frame, out);
     }
 
-    fn ignore(&mut self, reason: IgnoreReason, frame: Frame, out: &mut Outbox) {
+    fn ignore(&mut self, now: Tick, reason: IgnoreReason, frame: Frame, out: &mut Outbox) {
         self.ignored[reason as usize] += 1;
-        // An answer to somebody else's question is everyday traffic, not worth an event.
-        if reason != IgnoreReason::NotForManager {
+        // An answer to somebody else's question is everyday traffic, not worth an event. Of the rest, enough is told to
+        // understand it; the counters have all of it.
+        let everyday = matches!(reason, IgnoreReason::NotForManager | IgnoreReason::Babbling);
+        if !everyday && self.told[reason as usize].take(now) {
             out.events.push(Event::Ignored { reason, frame });
         }
     }
 }
+
+/// How much is told of what comes again and again.
+const TOLD: Budget = Budget::new(20, Duration::from_millis(100));
 
 /// How long an unanswered order waits before it is repeated, and how often an absent device is asked for. Twice a
 /// second is soon enough for a person who plugs it in, and no load for the bus.

@@ -17,16 +17,18 @@
 
 use std::time::Duration;
 
-use linewright_line::{Device, Owner, Tick, Timing};
+use linewright_line::{Device, Owner, Reaction, Tick, Timing};
 
-use super::boot::{Boot, BootError, DEVICE_TYPE, Plan, Step};
+use super::boot::{Boot, BootError, DEVICE_TYPE, Plan, plan};
+use super::errors::Errors;
 use super::event::{Event, IgnoreReason, Outbox};
+use super::flood::{Budget, Flood};
 use super::process::Process;
 use super::sync;
 use super::transfer::Transfer;
 use super::trouble::Why;
-use super::{MANAGER_NODE, RETRY};
-use crate::codec::{Emergency, HEARTBEAT_LOST, Message, NmtCommand, NmtState, NodeId, Payload};
+use super::{RETRY, TOLD};
+use crate::codec::{Message, NmtCommand, NmtState, NodeId, Payload};
 use crate::profile::drive::Setting;
 use crate::sdo::wire::{Raw, Request};
 use crate::sdo::{Abort, Cause, Progress};
@@ -40,9 +42,9 @@ pub(super) enum Outcome {
     Ignored(IgnoreReason),
     /// It has become operational.
     Up,
-    /// It has sent inputs.
+    /// It has sent inputs, or whether it can be trusted has changed.
     Inputs,
-    /// It was operational, and is no longer.
+    /// It was operational, and is no longer, or not to be trusted.
     Lost,
 }
 
@@ -66,16 +68,23 @@ pub(super) struct Peer {
     pub(super) node: NodeId,
     pub(super) name: String,
     pub(super) owner: Owner,
+    /// Its owner depends on it.
+    pub(super) is_vital: bool,
     pub(super) process: Process,
+    pub(super) errors: Errors,
+    pub(super) flood: Flood,
+    /// How much is reported of it, and how often it is ordered to start and booted.
+    pub(super) told: Budget,
+    pub(super) orders: Budget,
     /// What it is being written while it runs.
     pub(super) writing: Option<(Setting, Transfer)>,
     /// Its SDO channel is lent to a request (`request.rs`). Whatever the manager begins there takes it back.
     pub(super) lent: bool,
     pub(super) plan: Plan,
     /// Why it was last refused, so that it is reported once.
-    refusal: Option<BootError>,
+    pub(super) refusal: Option<BootError>,
     pub(super) timeout: Duration,
-    refresh: Duration,
+    pub(super) refresh: Duration,
     pub(super) phase: Phase,
     /// When it last gave a sign of life; meaningless while absent.
     pub(super) heard: Tick,
@@ -86,11 +95,11 @@ pub(super) struct Peer {
     /// When it last sent its inputs; `None` since the last boot or loss.
     pub(super) updated: Option<Tick>,
     /// When it was last sent its outputs; `None` since the last boot or loss.
-    sent: Option<Tick>,
+    pub(super) sent: Option<Tick>,
     /// When it became operational.
-    up_since: Tick,
+    pub(super) up_since: Tick,
     /// How long inputs that come with SYNC may stay away; `None` where they come by event.
-    inputs_within: Option<Duration>,
+    pub(super) inputs_within: Option<Duration>,
 }
 
 impl Peer {
@@ -101,7 +110,12 @@ impl Peer {
             name: device.name.clone(),
             owner: device.owner,
             plan: plan(node, device, &process, timing),
+            is_vital: device.setup.when_lost == Reaction::Fault,
             process,
+            errors: Errors::new(device.on_emergency()),
+            flood: Flood::default(),
+            told: TOLD,
+            orders: ORDERS,
             writing: None,
             lent: false,
             refusal: None,
@@ -122,6 +136,7 @@ impl Peer {
     pub(super) fn trusted(&self, now: Tick) -> bool {
         matches!(self.phase, Phase::Operational)
             && now.since(self.heard) < self.timeout
+            && !self.errors.stand()
             && (!self.process.has_inputs() || self.updated.is_some())
     }
 
@@ -130,8 +145,10 @@ impl Peer {
         self.why == Some(Why::Silent)
     }
 
-    pub(super) fn input_bits(&self) -> u128 {
-        self.process.inputs()
+    /// Its share of its owner's inputs. What it last said is kept for showing after a loss that makes the whole image
+    /// invalid; of a device whose loss does not, nothing is kept.
+    pub(super) fn input_bits(&self, now: Tick) -> u128 {
+        if self.is_vital || self.trusted(now) { self.process.inputs() } else { 0 }
     }
 
     pub(super) fn updated(&self) -> Option<Tick> {
@@ -152,13 +169,19 @@ impl Peer {
             Phase::Operational => {
                 let refresh = self.sent.map_or(Tick::NEVER, |at| at + self.refresh);
                 let writing = self.writing.as_ref().map_or(Tick::NEVER, |(_, transfer)| transfer.deadline());
-                lost.min(refresh).min(self.process.deadline()).min(writing).min(self.misses_inputs_at())
+                lost.min(refresh)
+                    .min(self.process.deadline())
+                    .min(writing)
+                    .min(self.errors.deadline())
+                    .min(self.misses_inputs_at())
             }
         }
+        .min(self.flood.deadline())
     }
 
     /// Does what is due: noticing silence, asking again, refreshing outputs.
     pub(super) fn poll(&mut self, now: Tick, out: &mut Outbox) -> Outcome {
+        self.flood.ends(now);
         // A device that is being configured may be silent for longer than its heartbeats are apart: it may not have
         // been told to send them yet, or be writing to its memory. The transfer knows how long to wait.
         let watched = !matches!(self.phase, Phase::Absent { .. } | Phase::Booting(_));
@@ -167,6 +190,8 @@ impl Peer {
             if !self.lacks_heartbeat() {
                 out.events.push(Event::DeviceLost { node: self.node, silent_for: now.since(self.heard) });
             }
+            // Perhaps its heartbeat alone has ceased: then it hears this manager's, and would keep its outputs.
+            self.send_rest(out);
             return self.leave(now, Phase::Absent { probe: now + RETRY }, Why::Silent);
         }
         if self.is_operational() && self.misses_inputs_at() <= now {
@@ -175,6 +200,9 @@ impl Peer {
         match &mut self.phase {
             Phase::Absent { probe } if *probe <= now => {
                 *probe = now + RETRY;
+                if self.flood.is_on() {
+                    return Outcome::Unchanged;
+                }
                 let raw = Request::Upload { object: DEVICE_TYPE }.encode();
                 out.frames.push(Message::SdoRequest { node: self.node, raw }.encode());
             }
@@ -187,10 +215,16 @@ impl Peer {
             Phase::Operational => {
                 self.process.poll(now);
                 self.go_on_writing(now, None, out);
+                let free = self.writing.is_none() && !self.lent;
+                let read = self.errors.poll(now, self.node, free, &mut out.frames);
+                let news = self.register_read(now, read, out);
                 if self.sent.is_some_and(|at| at + self.refresh <= now) {
                     self.send_outputs(now, out);
                 }
                 self.send_if_wanted(now, out);
+                if news {
+                    return Outcome::Inputs;
+                }
             }
             _ => {}
         }
@@ -209,7 +243,8 @@ impl Peer {
                 Outcome::Unchanged
             }
             (_, NmtState::BootUp) => {
-                out.events.push(Event::DeviceRebooted { node: self.node });
+                self.tell(now, Event::DeviceRebooted { node: self.node }, out);
+                self.errors.gone();
                 let outcome = self.leave(now, Phase::Starting { retry: now }, Why::Booted);
                 // Another one may hang there now: what was found out about the last one does not count.
                 self.refusal = None;
@@ -226,18 +261,20 @@ impl Peer {
             (Phase::Booting(_) | Phase::Refused { .. }, _)
             | (Phase::Starting { .. }, NmtState::PreOperational)
             | (Phase::Operational, NmtState::Operational) => Outcome::Unchanged,
+            // Somebody sent it there, or it has booted and nobody heard: its boot-up message was lost, and with it all it
+            // had been told, the watch of this manager's heartbeat among it. It is never started as it is.
             (Phase::Stopped, NmtState::PreOperational) => {
-                self.order_start(now, out);
+                self.boot(now, out);
                 Outcome::Unchanged
             }
             (Phase::Operational, NmtState::PreOperational) => {
-                out.events.push(Event::DeviceLeft { node: self.node, state });
+                self.tell(now, Event::DeviceLeft { node: self.node, state }, out);
                 let outcome = self.leave(now, Phase::Stopped, Why::Left(state));
-                self.order_start(now, out);
+                self.boot(now, out);
                 outcome
             }
             (Phase::Starting { .. } | Phase::Operational, NmtState::Stopped | NmtState::Unknown(_)) => {
-                out.events.push(Event::DeviceLeft { node: self.node, state });
+                self.tell(now, Event::DeviceLeft { node: self.node, state }, out);
                 self.leave(now, Phase::Stopped, Why::Left(state))
             }
             (Phase::Stopped, NmtState::Stopped | NmtState::Unknown(_)) => Outcome::Unchanged,
@@ -275,23 +312,10 @@ impl Peer {
         Outcome::Inputs
     }
 
-    pub(super) fn emergency(&mut self, now: Tick, emergency: Emergency, out: &mut Outbox) -> Outcome {
-        out.events.push(Event::Emergency { node: self.node, emergency, profile: self.process.profile() });
-        // It has let go of its outputs because it did not hear us; its next heartbeat would say the same, later.
-        if emergency.code == HEARTBEAT_LOST && self.is_operational() {
-            let outcome = self.leave(now, Phase::Stopped, Why::Reported(emergency));
-            self.order_start(now, out);
-            return outcome;
-        }
-        self.process.emergency(now, emergency.code);
-        self.send_if_wanted(now, out);
-        Outcome::Unchanged
-    }
-
     /// Eight bytes of its SDO server. Those of a transfer between others are none of the manager's business.
     pub(super) fn sdo_answer(&mut self, now: Tick, raw: &Raw, out: &mut Outbox) -> Outcome {
         match &mut self.phase {
-            Phase::Absent { .. } => {
+            Phase::Absent { .. } if !self.flood.is_on() => {
                 self.heard = now;
                 self.boot(now, out);
             }
@@ -299,6 +323,12 @@ impl Peer {
                 self.heard = now;
                 let step = boot.handle(now, &self.plan, raw, &mut out.frames);
                 self.booted(now, step, out);
+            }
+            Phase::Operational if self.errors.is_reading() => {
+                let read = self.errors.answer(now, raw, &mut out.frames);
+                let news = self.register_read(now, read, out);
+                self.send_if_wanted(now, out);
+                return if news { Outcome::Inputs } else { Outcome::Unchanged };
             }
             Phase::Operational if self.writing.is_some() => {
                 self.go_on_writing(now, Some(raw), out);
@@ -336,7 +366,7 @@ impl Peer {
     }
 
     /// Sends its share of the image if that is something else than it has.
-    fn send_if_wanted(&mut self, now: Tick, out: &mut Outbox) {
+    pub(super) fn send_if_wanted(&mut self, now: Tick, out: &mut Outbox) {
         if self.process.wants_to_send() {
             self.send_outputs(now, out);
         }
@@ -366,7 +396,7 @@ impl Peer {
 
     /// Writes an object that it needs written while it runs.
     pub(super) fn write_if_wanted(&mut self, now: Tick, out: &mut Outbox) {
-        if self.writing.is_some() || self.lent || !self.is_operational() {
+        if self.writing.is_some() || self.lent || self.errors.is_reading() || !self.is_operational() {
             return;
         }
         if let Some(setting) = self.process.wants_write() {
@@ -402,7 +432,7 @@ impl Peer {
     }
 
     /// Leaves for `phase`. From here on its inputs are unknown and its outputs are taken to be off.
-    fn leave(&mut self, now: Tick, phase: Phase, why: Why) -> Outcome {
+    pub(super) fn leave(&mut self, now: Tick, phase: Phase, why: Why) -> Outcome {
         let was_operational = self.is_operational();
         self.phase = phase;
         self.why = Some(why);
@@ -410,6 +440,7 @@ impl Peer {
         self.sent = None;
         self.writing = None;
         self.lent = false;
+        self.errors.lost();
         self.process.lost(now);
         if was_operational { Outcome::Lost } else { Outcome::Unchanged }
     }
@@ -431,38 +462,11 @@ impl Peer {
         outcome
     }
 
-    /// Begins, or begins again, to bring it up.
-    pub(super) fn boot(&mut self, now: Tick, out: &mut Outbox) {
-        self.process.lost(now);
-        self.lent = false;
-        self.phase = Phase::Booting(Boot::start(now, self.node, &mut out.frames));
-    }
-
-    /// What a step of its boot leads to.
-    fn booted(&mut self, now: Tick, step: Step, out: &mut Outbox) {
-        let why = match step {
-            Step::Busy => return,
-            Step::Done => {
-                self.refusal = None;
-                return self.order_start(now, out);
-            }
-            Step::Failed(why) => why,
-        };
-        if self.refusal != Some(why) {
-            self.refusal = Some(why);
-            out.events.push(Event::BootFailed { node: self.node, why });
-        }
-        let silent = matches!(why, BootError::Transfer { error, .. } if matches!(error.cause, Cause::Silent { .. }));
-        self.phase = if silent && self.heard + self.timeout <= now {
-            Phase::Absent { probe: now + RETRY }
-        } else {
-            Phase::Refused { why, retry: now + if silent { RETRY } else { REFUSED_RETRY } }
-        };
-    }
-
     pub(super) fn order_start(&mut self, now: Tick, out: &mut Outbox) {
         self.phase = Phase::Starting { retry: now + RETRY };
-        self.order(NmtCommand::Start, out);
+        if self.orders.take(now) {
+            self.order(NmtCommand::Start, out);
+        }
     }
 
     pub(super) fn order(&self, command: NmtCommand, out: &mut Outbox) {
@@ -470,22 +474,6 @@ impl Peer {
     }
 }
 
-/// How soon a refused device is looked at again. Seldom enough that a person reads the reason in peace, often enough
-/// that whoever has mended it need not do anything else.
-const REFUSED_RETRY: Duration = Duration::from_secs(5);
-
-/// What every device has to be, and what it is told before it is started.
-fn plan(node: NodeId, device: &Device, process: &Process, timing: &Timing) -> Plan {
-    let millis = |span: Duration| u16::try_from(span.as_millis()).unwrap_or(u16::MAX);
-    // Object 1017h, producer heartbeat time in ms.
-    let produce = Setting::new(0x1017, 0, millis(timing.heartbeat).to_le_bytes());
-    // Object 1016h sub 1, consumer heartbeat time: node id in bits 16 to 23, ms below. What makes outputs safe when
-    // the manager is gone, so a device that has outputs must accept it; one that has none need not know the object.
-    let watched = u32::from(MANAGER_NODE.get()) << 16 | u32::from(millis(timing.heartbeat_timeout));
-    let consume = process.has_outputs().then(|| Setting::new(0x1016, 1, watched.to_le_bytes()));
-    // What the description says comes first: what the safety of a drive rests on comes after it, and stays.
-    let described = device.setup.settings.iter().map(|own| Setting::new(own.index, own.sub, own.data.clone()));
-    let described = described.chain(sync::settings(device, timing));
-    let settings = described.chain([produce]).chain(consume).chain(process.settings(node));
-    Plan { identity: device.setup.identity, settings: settings.collect() }
-}
+/// How often a device is booted and ordered to start: a few times at once, and then twice a second or so. What goes on
+/// faster than that does not go on.
+const ORDERS: Budget = Budget::new(20, Duration::from_millis(200));

@@ -321,7 +321,7 @@ impl Manager {
             return false;
         };
         match outcome {
-            Outcome::Ignored(reason) => self.ignore(reason, *frame, out),
+            Outcome::Ignored(reason) => self.ignore(now, reason, *frame, out),
             outcome => self.settle_plain(now, at, outcome, out),
         }
         true

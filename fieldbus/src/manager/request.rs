@@ -314,7 +314,7 @@ impl Peer {
             // A stopped device answers no SDO (CiA 301 §7.3.2.2.4).
             Phase::Absent { .. } | Phase::Stopped => Channel::None,
             Phase::Booting(_) => Channel::Busy,
-            _ if self.lent || self.writing.is_some() => Channel::Busy,
+            _ if self.lent || self.writing.is_some() || self.errors.is_reading() => Channel::Busy,
             Phase::Refused { .. } | Phase::Starting { .. } | Phase::Operational => Channel::Free,
         }
     }

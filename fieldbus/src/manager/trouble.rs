@@ -7,6 +7,7 @@
 
 use linewright_line::{Owner, Tick};
 
+use super::flood::{FRAMES_MAX, WINDOW};
 use super::peer::{Peer, Phase};
 use super::{Manager, RETRY};
 use crate::codec::{Emergency, NmtState, NodeId};
@@ -24,6 +25,10 @@ pub(super) enum Why {
     Left(NmtState),
     /// It has reported that it let go by itself.
     Reported(Emergency),
+    /// The manager's interface has left the bus.
+    BusOff,
+    /// It sent too much.
+    Babbled,
 }
 
 impl Manager {
@@ -36,9 +41,12 @@ impl Manager {
     /// way, with the device's name, its node id, the object or frame concerned, and the cause. Nothing while they are
     /// valid, and for an owner without devices on this bus.
     pub fn trouble(&self, now: Tick, owner: Owner) -> impl Iterator<Item = String> {
-        let own = self.peers.iter().filter(move |peer| peer.owner == owner);
+        let own = self.peers.iter().filter(move |peer| peer.owner == owner && peer.is_vital);
         let of_peers = own.filter_map(move |peer| {
-            let what = peer.trouble(now)?;
+            let mut what = peer.trouble(now)?;
+            if let Some(off) = self.off_the_bus() {
+                what = format!("the bus is off since {} ms: nothing is heard from it", now.since(off).as_millis());
+            }
             Some(format!("{} (node {:02X}h): {what}", peer.name, peer.node.get()))
         });
         let plains = self.plains.iter().filter(move |plain| plain.owner == owner && !plain.trusted(now));
@@ -51,6 +59,7 @@ impl Peer {
     pub(super) fn explain(&self, now: Tick) -> String {
         let silent = now.since(self.heard).as_millis();
         match &self.phase {
+            _ if self.flood.is_on() => self.distrusted(now),
             Phase::Absent { .. } => {
                 let asked = format!("asked for its device type (1000h) every {} ms", RETRY.as_millis());
                 format!("{}; {asked}", self.silence(now))
@@ -61,10 +70,15 @@ impl Peer {
                 format!("not started: {why}; looked at again in {again} ms, and when it boots")
             }
             Phase::Starting { .. } => "configured and ordered to start; waits for it to say that it has".to_owned(),
+            Phase::Operational if self.errors.stand() => {
+                format!("operational, but not trusted: {}", self.distrusted(now))
+            }
             Phase::Operational => match self.updated {
                 Some(at) => {
                     let heard = now.since(at).as_millis();
-                    let own = self.process.explain().map(|own| format!("; {own}")).unwrap_or_default();
+                    let error = self.errors.explain(self.process.profile());
+                    let own = self.process.explain().into_iter().chain(error).map(|own| format!("; {own}"));
+                    let own: String = own.collect();
                     format!("operational; its heartbeat came {silent} ms ago, its inputs {heard} ms ago{own}")
                 }
                 None => format!("operational; its heartbeat came {silent} ms ago, its inputs have not come yet"),
@@ -80,15 +94,8 @@ impl Peer {
         if self.trusted(now) {
             return None;
         }
-        if matches!(self.phase, Phase::Operational) {
-            return Some(if now.since(self.heard) < self.timeout {
-                format!(
-                    "operational, but its inputs (TPDO1, {:03X}h) have not come yet",
-                    0x180 + u16::from(self.node.get())
-                )
-            } else {
-                self.silence(now)
-            });
+        if matches!(self.phase, Phase::Operational) || self.flood.is_on() {
+            return Some(self.distrusted(now));
         }
         let now_is = self.explain(now);
         Some(match self.why {
@@ -105,12 +112,29 @@ impl Peer {
                 )
             }
             Some(Why::NoSync) => format!("it hears no SYNC (080h): TPDO1 has stopped; {now_is}"),
+            Some(Why::Babbled) => format!("it babbled; {now_is}"),
+            Some(Why::BusOff) => format!("the bus was off; {now_is}"),
             Some(Why::Booted) => format!("it has booted (boot-up, {}); {now_is}", self.beat_id()),
             Some(Why::Left(state)) => {
                 format!("it has left the operational state ({} says {:02X}h); {now_is}", self.beat_id(), state.code())
             }
             Some(Why::Reported(emergency)) => format!("emergency {}; {now_is}", emergency.text(self.process.profile())),
         })
+    }
+
+    /// Why it cannot be trusted although it is operational.
+    fn distrusted(&self, now: Tick) -> String {
+        if self.flood.is_on() {
+            let window = WINDOW.as_millis();
+            return format!("it babbles: more than {FRAMES_MAX} frames within {window} ms; it is not listened to");
+        }
+        if now.since(self.heard) >= self.timeout {
+            return self.silence(now);
+        }
+        if let Some(error) = self.errors.explain(self.process.profile()).filter(|_| self.errors.stand()) {
+            return error;
+        }
+        format!("operational, but its inputs (TPDO1, {:03X}h) have not come yet", 0x180 + u16::from(self.node.get()))
     }
 
     /// That it is not heard, and since when.

@@ -86,7 +86,17 @@ impl Transmission {
     }
 }
 
-/// What a device has to be and is told.
+/// What trouble with a device does to its owner.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Hash)]
+pub enum Reaction {
+    /// Its owner's inputs are invalid until it is over, and every output of the owner is let go.
+    #[default]
+    Fault,
+    /// It is reported, and nothing else.
+    Report,
+}
+
+/// What a device has to be and is told, and what follows when it is in trouble.
 #[derive(Clone, Debug, Default, PartialEq, Eq)]
 pub struct Setup {
     /// Its EDS or DCF, by its path from the description's directory. Whoever reads the description reads it too, and
@@ -98,6 +108,26 @@ pub struct Setup {
     pub settings: Vec<Setting>,
     /// When its process data are sent and taken.
     pub transmission: Transmission,
+    /// What an emergency of the device does to its owner; `None` where the description leaves it open, see
+    /// [`Device::on_emergency`].
+    pub on_emergency: Option<Reaction>,
+    /// What its loss does to its owner. [`Reaction::Report`] only for a device nothing depends on: the description's
+    /// rules see to it.
+    pub when_lost: Reaction,
+}
+
+impl Device {
+    /// What an emergency of the device does to its owner.
+    ///
+    /// Usually a fault: a device that says it is in error is not believed what it says of its inputs, nor to do with its
+    /// outputs what it is told. Two kinds are not asked that much unless the description does. A drive with a fault
+    /// signal tells its station by that signal, which stops the operation under way and no other. And of a device whose
+    /// loss does not matter, its emergency matters less.
+    pub fn on_emergency(&self) -> Reaction {
+        let tells_itself = self.drive.as_ref().is_some_and(|drive| drive.fault.is_some());
+        let usual = if tells_itself { Reaction::Report } else { self.setup.when_lost };
+        self.setup.on_emergency.unwrap_or(usual)
+    }
 }
 
 impl Line {

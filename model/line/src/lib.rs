@@ -13,7 +13,7 @@ mod time;
 mod transfer_line;
 mod whereabouts;
 
-pub use device::{Device, Identity, Owner, Setting, Setup, Transmission};
+pub use device::{Device, Identity, Owner, Reaction, Setting, Setup, Transmission};
 pub use drive::{AtRest, Drive, DriveMode, DriveTarget, Homing};
 pub use frames::{
     Checksum, Coding, Field, FrameBinding, FrameId, Frames, HeardFrame, Named, Page, Receive, Send, SignalInput,

@@ -1,6 +1,6 @@
 //! What a device has to be and is told: what is read, and every rule about it broken once.
 
-use linewright_line::{Identity, Problem, Setting, parse};
+use linewright_line::{Identity, Problem, Reaction, Setting, parse};
 
 const LINE: &str = include_str!("descriptions/drives.toml");
 
@@ -39,6 +39,36 @@ fn problem(text: &str) -> String {
     let first = new.next().unwrap_or_else(|| panic!("nothing wrong with {text}"));
     assert_eq!(new.next(), None, "{text}");
     first
+}
+
+#[test]
+fn what_trouble_does_is_read() {
+    let reactions = |text: &str| {
+        let parsed = parse("line.toml", &with(text)).unwrap_or_else(|problems| panic!("{problems:#}"));
+        parsed.line.devices.iter().map(|d| (d.on_emergency(), d.setup.when_lost)).collect::<Vec<_>>()
+    };
+    let (fault, report) = (Reaction::Fault, Reaction::Report);
+    // The drive has a fault signal of its own.
+    assert_eq!(reactions(""), [(fault, fault), (report, fault)]);
+    assert_eq!(reactions("on_emergency = \"report\""), [(report, fault), (report, fault)]);
+    let lamp = "[[device]]\nname = \"lamps\"\nstation = \"slide\"\nnode = 9\noutputs = [\"L\"]\nwhen_lost = \"report\"";
+    assert_eq!(reactions(lamp), [(fault, fault), (report, report), (report, fault)]);
+}
+
+#[test]
+fn a_device_that_something_depends_on_cannot_be_lost_without_a_fault() {
+    let cannot = "this device cannot be lost without a fault:";
+    assert_eq!(problem("when_lost = \"report\""), format!("{cannot} `C_0` is one of its inputs"));
+    let output = LINE.replace("outputs = [\"Y_open\", \"Y_close\"]", "outputs = [\"Y_open\"]")
+        + "\n[[device]]\nname = \"valve\"\nstation = \"slide\"\nnode = 9\noutputs = [\"Y_close\"]\nwhen_lost = \"report\"\n";
+    let problems = parse("line.toml", &output).expect_err("a motion needs it");
+    let messages: Vec<String> = problems.iter().map(|problem| problem.message.clone()).collect();
+    assert!(messages.contains(&format!("{cannot} `Y_close` is one of its outputs")), "{messages:?}");
+    let drive = LINE.replace("node = 3\n", "node = 3\nwhen_lost = \"report\"\n");
+    let problems = parse("line.toml", &drive).expect_err("a drive moves an axis");
+    let messages: Vec<String> = problems.iter().map(|problem| problem.message.clone()).collect();
+    assert!(messages.contains(&format!("{cannot} it is a drive")), "{messages:?}");
+    assert_eq!(problem("on_emergency = \"ignore\""), "unknown on_emergency `ignore`");
 }
 
 #[test]

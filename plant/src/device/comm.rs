@@ -14,13 +14,17 @@
 use std::time::Duration;
 
 use linewright_fieldbus::MANAGER_NODE;
-use linewright_fieldbus::codec::{Emergency, HEARTBEAT_LOST, Message, NO_ERROR, NmtCommand, NmtState, NodeId};
+use linewright_fieldbus::codec::{
+    BUS_OFF_RECOVERED, Emergency, HEARTBEAT_LOST, Message, NO_ERROR, NmtCommand, NmtState, NodeId,
+};
 use linewright_fieldbus::sdo::{Abort, ObjectId, Server};
 use linewright_line::{Tick, Timing};
 
 use super::DeviceOutbox;
 use super::objects::exactly;
 use super::on_error::Behaviour;
+use super::trouble::Trouble;
+use crate::fault::DeviceFault;
 
 /// What a boot takes. Short against any timeout, long enough that a reboot is a gap and not an instant.
 const BOOT: Duration = Duration::from_millis(20);
@@ -57,7 +61,7 @@ pub(super) enum Change {
 pub(super) struct Comm {
     pub node: NodeId,
     pub state: State,
-    pub silent: bool,
+    pub trouble: Trouble,
     /// Object 1017h.
     heartbeat: Duration,
     next_heartbeat: Tick,
@@ -75,7 +79,7 @@ impl Comm {
         Comm {
             node,
             state: State::Booting { until: now + BOOT },
-            silent: false,
+            trouble: Trouble::default(),
             heartbeat: timing.heartbeat,
             next_heartbeat: Tick::NEVER,
             watched: Some((MANAGER_NODE, timing.heartbeat_timeout)),
@@ -100,7 +104,7 @@ impl Comm {
 
     /// Whether it hears anything at all.
     pub fn hears(&self) -> bool {
-        !self.silent && !matches!(self.state, State::Booting { .. })
+        !self.trouble.is_mute() && !matches!(self.state, State::Booting { .. })
     }
 
     /// Takes a message that is not process data and no service data.
@@ -122,12 +126,15 @@ impl Comm {
             self.send(&Message::Heartbeat { node: self.node, state: NmtState::BootUp }, out);
             self.schedule_heartbeat(now);
         }
+        self.speak_up(now, out);
         let mut change = Change::Nothing;
         if self.lost_at.is_some_and(|at| at <= now) {
             change = self.lose_manager(behaviour, out);
         }
         if self.next_heartbeat <= now {
-            self.send(&Message::Heartbeat { node: self.node, state: self.nmt_state() }, out);
+            if !self.trouble.no_heartbeat {
+                self.send(&Message::Heartbeat { node: self.node, state: self.nmt_state() }, out);
+            }
             self.schedule_heartbeat(now);
         }
         change
@@ -139,7 +146,9 @@ impl Comm {
             State::Booting { until } => until,
             _ => Tick::NEVER,
         };
-        let own = self.lost_at.into_iter().chain(self.server.next_deadline());
+        let unsaid = self.trouble.unsaid.filter(|_| self.hears());
+        let own =
+            self.lost_at.into_iter().chain(self.server.next_deadline()).chain(self.trouble.off_until).chain(unsaid);
         own.fold(boot.min(self.next_heartbeat), Tick::min)
     }
 
@@ -163,7 +172,7 @@ impl Comm {
     }
 
     pub fn boot(&mut self, now: Tick) -> Change {
-        self.enter(State::Booting { until: now + BOOT });
+        self.enter(State::Booting { until: if self.trouble.dead { Tick::NEVER } else { now + BOOT } });
         self.next_heartbeat = Tick::NEVER;
         self.lost_at = None;
         self.error_register = 0;
@@ -227,10 +236,67 @@ impl Comm {
 
     /// Sends an emergency; `more` are bits of the error register beyond those of communication.
     pub fn report(&self, code: u16, more: u8, out: &mut DeviceOutbox) {
-        let emergency = Emergency { code, register: self.error_register | more, vendor: [0; 5] };
+        let emergency = Emergency { code, register: self.register() | more, vendor: [0; 5] };
         // A stopped device sends nothing but heartbeats (CiA 301 §7.3.2.2).
         if self.state != State::Stopped {
             self.send(&Message::Emergency { node: self.node, emergency }, out);
+        }
+    }
+
+    /// Object 1001h as far as it is not the profile's.
+    pub fn register(&self) -> u8 {
+        self.error_register | self.trouble.register()
+    }
+
+    /// Makes its communication fail, or work again.
+    pub fn inject(&mut self, now: Tick, fault: Option<DeviceFault>, behaviour: Behaviour) -> Change {
+        let trouble = &mut self.trouble;
+        match fault {
+            None => {
+                let before = std::mem::take(trouble);
+                trouble.unsaid = before.error.map(|_| now);
+                // What it has to say of it is said when it is next looked at.
+                trouble.off_until = before.off_until.map(|_| now);
+                if before.dead {
+                    return self.boot(now);
+                }
+            }
+            Some(DeviceFault::Silent) => trouble.silent = true,
+            Some(DeviceFault::Reboot) => {
+                trouble.silent = false;
+                return self.boot(now);
+            }
+            Some(DeviceFault::NoBoot) => {
+                trouble.dead = true;
+                return self.boot(now);
+            }
+            Some(DeviceFault::NoHeartbeat) => trouble.no_heartbeat = true,
+            Some(DeviceFault::Identity { object, value }) => trouble.answer_falsely(object, value),
+            Some(DeviceFault::Abort { object, code, reading, writing }) => {
+                trouble.refuse(object, code, reading, writing);
+            }
+            Some(DeviceFault::Emergency { code, register }) => {
+                trouble.error = Some((code, register));
+                trouble.unsaid = Some(now);
+            }
+            Some(DeviceFault::BusOff { millis }) => {
+                trouble.off_until = Some(now + Duration::from_millis(millis.into()));
+                // An error of communication as any other (object 1029h).
+                return self.lose_manager(behaviour, &mut DeviceOutbox::default());
+            }
+        }
+        Change::Nothing
+    }
+
+    /// Says what has come up while nobody asked: that it was off the bus, that it is in error or no longer.
+    fn speak_up(&mut self, now: Tick, out: &mut DeviceOutbox) {
+        if self.trouble.off_until.is_some_and(|until| until <= now) {
+            self.trouble.off_until = None;
+            self.report(BUS_OFF_RECOVERED, 0, out);
+        }
+        if self.hears() && self.trouble.unsaid.take_if(|since| *since <= now).is_some() {
+            let code = self.trouble.error.map_or(NO_ERROR, |(code, _)| code);
+            self.report(code, 0, out);
         }
     }
 
@@ -240,7 +306,7 @@ impl Comm {
     }
 
     pub fn send(&self, message: &Message, out: &mut DeviceOutbox) {
-        if !self.silent {
+        if !self.trouble.is_mute() {
             out.frames.push(message.encode());
         }
     }

@@ -19,12 +19,14 @@ mod pdo;
 mod plain;
 mod serve;
 mod sync;
+mod trouble;
 
 use linewright_fieldbus::Frame;
 use linewright_fieldbus::codec::{Message, NmtState, NodeId, Payload};
 use linewright_line::{Tick, Timing};
 
 use crate::fault::{DeviceFault, Fault};
+use crate::wire::FrameFaults;
 use comm::{Change, Comm};
 pub use drive::DriveNode;
 use on_error::OnError;
@@ -55,7 +57,16 @@ pub enum Order {
         /// The value; `None` lets go.
         value: Option<bool>,
     },
-    /// Every fault and every held input of this device is to be cleared.
+    /// An output bit is to stay at a value, or follow process data again.
+    Stick {
+        /// Bit of the device's output PDO.
+        output: usize,
+        /// The value; `None` lets go.
+        value: Option<bool>,
+    },
+    /// The line to the device is to be this bad.
+    Disturb(FrameFaults),
+    /// Every fault, and every held input and output of this device is to be cleared.
     ClearAll,
 }
 
@@ -120,11 +131,8 @@ impl DeviceNode {
     /// Makes it fail, or work again (`None`). A silent device goes on by itself: unplugged from the bus it still
     /// misses its manager, and lets go of its outputs.
     pub fn inject(&mut self, now: Tick, fault: Option<DeviceFault>) {
-        self.comm.silent = fault == Some(DeviceFault::Silent);
-        if fault == Some(DeviceFault::Reboot) {
-            self.comm.boot(now);
-            self.forget();
-        }
+        let change = self.comm.inject(now, fault, self.on_error.behaviour);
+        self.react(now, change, &mut DeviceOutbox::default());
     }
 
     /// Sets its inputs as the switches have them at `now`. A change is sent at once, or with a SYNC if it was told so.

@@ -10,7 +10,7 @@ use linewright_line::Tick;
 use super::comm::Comm;
 use super::serve::Device;
 use super::{DeviceNode, DeviceOutbox, Order, identity};
-use crate::fault::{DeviceFault, FAULT_INDEX, Fault, PRESS_INDEX};
+use crate::fault::{DeviceFault, FAULT_INDEX, Fault, PRESS_INDEX, STUCK_INDEX};
 
 /// Device profile 401 with digital inputs and outputs (CiA 401, object 1000h).
 const DEVICE_TYPE: u32 = 0x0003_0191;
@@ -18,6 +18,10 @@ const DEVICE_TYPE: u32 = 0x0003_0191;
 impl Device for DeviceNode {
     fn comm(&mut self) -> &mut Comm {
         &mut self.comm
+    }
+
+    fn inject(&mut self, now: Tick, fault: Option<DeviceFault>) {
+        DeviceNode::inject(self, now, fault);
     }
 
     fn read(&self, _: Tick, object: ObjectId) -> Result<Vec<u8>, Abort> {
@@ -30,10 +34,10 @@ impl Device for DeviceNode {
         }
         match (object.index, object.sub) {
             (0x1000, 0) => Ok(DEVICE_TYPE.to_le_bytes().into()),
-            (0x1001, 0) => Ok(vec![self.comm.error_register]),
+            (0x1001, 0) => Ok(vec![self.comm.register()]),
             (0x6000, sub) => read_bits(self.inputs, self.input_count, sub),
             (0x6200, sub) => read_bits(self.outputs, self.output_count, sub),
-            (FAULT_INDEX | PRESS_INDEX, _) => Err(Abort::WRITE_ONLY),
+            (FAULT_INDEX | PRESS_INDEX | STUCK_INDEX, _) => Err(Abort::WRITE_ONLY),
             (0x1000 | 0x1001, _) => Err(Abort::NO_SUBINDEX),
             _ => Err(Abort::NO_OBJECT),
         }
@@ -69,13 +73,12 @@ impl Device for DeviceNode {
             }
             (PRESS_INDEX, sub) => {
                 let input = bit_of(sub, self.input_count)?;
-                let value = match number(data)? {
-                    0 => Some(false),
-                    1 => Some(true),
-                    2 => None,
-                    _ => return Err(Abort::VALUE),
-                };
-                out.orders.push(Order::Press { input, value });
+                out.orders.push(Order::Press { input, value: held(number(data)?)? });
+                Ok(())
+            }
+            (STUCK_INDEX, sub) => {
+                let output = bit_of(sub, self.output_count)?;
+                out.orders.push(Order::Stick { output, value: held(number(data)?)? });
                 Ok(())
             }
             // Whatever else can be read cannot be written.
@@ -105,6 +108,16 @@ fn read_bits(bits: u64, count: usize, sub: u8) -> Result<Vec<u8>, Abort> {
     match usize::from(sub).checked_sub(1) {
         None => Ok(vec![payload.bytes().len() as u8]),
         Some(at) => payload.bytes().get(at).map(|byte| vec![*byte]).ok_or(Abort::NO_SUBINDEX),
+    }
+}
+
+/// At which value a bit is held: 0 off, 1 on, 2 at none.
+fn held(code: u32) -> Result<Option<bool>, Abort> {
+    match code {
+        0 => Ok(Some(false)),
+        1 => Ok(Some(true)),
+        2 => Ok(None),
+        _ => Err(Abort::VALUE),
     }
 }
 

@@ -9,7 +9,8 @@ use linewright_line::Tick;
 
 use super::DeviceOutbox;
 use super::comm::{Comm, State};
-use crate::fault::FAULT_INDEX;
+use super::trouble;
+use crate::fault::{DeviceFault, FAULT_INDEX, TROUBLE_INDEX};
 
 /// A device with an object dictionary.
 pub(super) trait Device {
@@ -21,6 +22,9 @@ pub(super) trait Device {
 
     /// Gives an object these bytes.
     fn write(&mut self, now: Tick, object: ObjectId, data: &[u8], out: &mut DeviceOutbox) -> Result<(), Abort>;
+
+    /// Makes its communication fail, or work again.
+    fn inject(&mut self, now: Tick, fault: Option<DeviceFault>);
 }
 
 /// A device, as its server reaches it while it answers one frame.
@@ -32,16 +36,30 @@ struct Objects<'a, D> {
 
 impl<D: Device> Dictionary for Objects<'_, D> {
     fn read(&mut self, object: ObjectId) -> Result<Cow<'_, [u8]>, Abort> {
-        self.device.read(self.now, object).map(Cow::Owned)
+        if object.index == TROUBLE_INDEX {
+            return Err(Abort::WRITE_ONLY);
+        }
+        let instead = self.device.comm().trouble.read(object);
+        instead.unwrap_or_else(|| self.device.read(self.now, object)).map(Cow::Owned)
     }
 
     fn write(&mut self, object: ObjectId, data: &[u8]) -> Result<(), Abort> {
-        self.device.write(self.now, object, data, self.out)
+        if object.index == TROUBLE_INDEX {
+            return trouble::write(self.device, self.now, object.sub, data, self.out);
+        }
+        match self.device.comm().trouble.refuses(object) {
+            Some(code) => Err(code),
+            None => self.device.write(self.now, object, data, self.out),
+        }
     }
 
     fn may_write(&mut self, object: ObjectId, _len: Option<usize>) -> Result<(), Abort> {
         // One that is not there says so before its bytes come.
+        if let Some(code) = self.device.comm().trouble.refuses(object) {
+            return Err(code);
+        }
         match self.device.read(self.now, object) {
+            _ if object.index == TROUBLE_INDEX => Ok(()),
             Err(code) if code != Abort::WRITE_ONLY => Err(code),
             _ => Ok(()),
         }
@@ -53,8 +71,9 @@ pub(super) fn serve<D: Device>(device: &mut D, now: Tick, raw: &Raw, out: &mut D
     let plug =
         matches!(Request::decode(raw), Some(Request::Download { object: ObjectId { index: FAULT_INDEX, sub: 0 }, .. }));
     let comm = device.comm();
-    let deaf = comm.silent || matches!(comm.state, State::Booting { .. } | State::Stopped);
-    if deaf && !(comm.silent && plug) {
+    let mute = comm.trouble.is_mute();
+    let deaf = mute || matches!(comm.state, State::Booting { .. } | State::Stopped);
+    if deaf && !(mute && plug) {
         return;
     }
     let mut answers = Vec::new();
@@ -71,7 +90,7 @@ pub(super) fn serve<D: Device>(device: &mut D, now: Tick, raw: &Raw, out: &mut D
 pub(super) fn poll(comm: &mut Comm, now: Tick, out: &mut DeviceOutbox) {
     let mut answers = Vec::new();
     comm.server.poll(now, &mut answers);
-    if !comm.silent {
+    if !comm.trouble.is_mute() {
         answer(comm, answers, out);
     }
 }

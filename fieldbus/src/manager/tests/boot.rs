@@ -58,6 +58,9 @@ fn unanswered_questions_and_orders_are_repeated() {
     bench.hear("586#6017100000000000");
     bench.hear("586#6016100100000000");
     bench.take();
+    assert!(alive(&mut bench).contains(&"606#4001100000000000".to_owned()));
+    bench.hear("586#4F01100000000000");
+    bench.take();
     assert!(alive(&mut bench).contains(&"000#0106".to_owned()));
 }
 
@@ -120,6 +123,8 @@ fn the_device_that_is_expected_is_told_everything_in_order() {
     bench.hear("586#6017100000000000");
     bench.take();
     bench.hear("586#6016100100000000");
+    bench.take();
+    bench.hear("586#4F01100000000000");
     assert_eq!(bench.frames(), ["000#0106"]);
 }
 

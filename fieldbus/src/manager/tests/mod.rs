@@ -2,6 +2,7 @@
 
 mod boot;
 mod crowd;
+mod errors;
 mod plain;
 mod request;
 mod trouble;
@@ -95,6 +96,7 @@ impl Bench {
         self.hear(&format!("{:03X}#4300100091010300", 0x580 + u16::from(node)));
         self.hear(&format!("{:03X}#6017100000000000", 0x580 + u16::from(node)));
         self.hear(&format!("{:03X}#6016100100000000", 0x580 + u16::from(node)));
+        self.hear(&format!("{:03X}#4F01100000000000", 0x580 + u16::from(node)));
     }
 
     /// The frames sent and events reported since the last call.
@@ -137,6 +139,8 @@ fn a_device_that_boots_is_configured_started_and_then_gets_its_outputs() {
     bench.hear("586#6017100000000000");
     assert_eq!(bench.frames(), ["606#23161001C8007F00"], "watch node 127, 200 ms");
     bench.hear("586#6016100100000000");
+    assert_eq!(bench.frames(), ["606#4001100000000000"], "does an error stand?");
+    bench.hear("586#4F01100000000000");
     assert_eq!(bench.frames(), ["000#0106"]);
     bench.hear("706#7F");
     assert!(bench.frames().is_empty(), "not operational yet");
@@ -210,12 +214,14 @@ fn a_device_that_rebooted_gets_only_what_was_set_since_and_only_when_operational
 }
 
 #[test]
-fn a_device_that_falls_back_is_started_again_a_stopped_one_is_left_alone() {
+fn a_device_that_falls_back_is_configured_and_started_again_a_stopped_one_is_left_alone() {
     let mut bench = Bench::up();
     bench.hear("706#7F");
     let (frames, events) = bench.take();
-    assert_eq!(frames, ["000#0106"]);
+    assert_eq!(frames, ["606#4000100000000000"], "it may have booted unheard: never started as it is");
     assert_eq!(events[0], Event::DeviceLeft { node: node(6), state: NmtState::PreOperational });
+    bench.configure(6);
+    assert_eq!(bench.take().0.last().map(String::as_str), Some("000#0106"));
     bench.hear("706#05");
     bench.take();
     bench.hear("706#04");
@@ -233,7 +239,11 @@ fn a_device_that_lost_the_manager_has_no_outputs_until_it_is_operational_again()
     bench.take();
     bench.hear("086#3081110000000000");
     assert!(!bench.inputs(CLAMP).valid);
-    assert_eq!(bench.frames(), ["000#0106"]);
+    assert_eq!(bench.frames(), ["606#4000100000000000"]);
+    bench.configure(6);
+    assert_eq!(bench.frames().last().map(String::as_str), Some("000#0106"));
+    bench.hear("706#05");
+    assert_eq!(bench.frames(), ["206#00"]);
 }
 
 #[test]
@@ -267,7 +277,7 @@ fn what_is_not_understood_is_ignored_and_counted() {
         assert!(matches!(bench.take().1[..], [Event::Ignored { .. }]), "{text}");
     }
     bench.hear("20000040#0000000000000000");
-    assert_eq!(bench.take().1, [Event::BusError { class: 0x40 }]);
+    assert_eq!(bench.take().1[0], Event::BusError { class: 0x40 });
     bench.hear("000#0104");
     bench.hear("77F#05");
     assert_eq!(bench.take().1, [Event::AnotherManager]);
@@ -295,6 +305,10 @@ fn any_frame() -> impl Strategy<Value = Frame> {
         "586#4300100091010300",
         "586#6017100000000000",
         "586#6016100100000000",
+        "586#4F01100000000000",
+        "586#4F01100005000000",
+        "086#1023030000000000",
+        "086#0000000000000000",
         "586#8016100111000906",
         "086#3081110000000000",
     ]);
@@ -309,6 +323,8 @@ fn any_frame() -> impl Strategy<Value = Frame> {
 #[derive(Default)]
 struct Oracle {
     up: bool,
+    /// An error that it has reported stands.
+    in_error: bool,
     set_since_loss: bool,
 }
 
@@ -324,11 +340,22 @@ impl Oracle {
                 Event::DeviceLost { node, .. } | Event::DeviceRebooted { node } | Event::DeviceLeft { node, .. } => {
                     node.get() == 6
                 }
-                Event::Emergency { node, emergency, .. } => node.get() == 6 && emergency.code == HEARTBEAT_LOST,
+                // Reported, or found in its register: an error that stands is a loss too, though it stays up.
+                Event::Emergency { node, emergency, .. } => {
+                    let counts = node.get() == 6 && emergency.code != HEARTBEAT_LOST;
+                    let begins = counts && emergency.register & !0x11 != 0 && !self.in_error;
+                    self.in_error = if counts { emergency.register != 0 } else { self.in_error };
+                    self.set_since_loss &= !(begins && self.up);
+                    node.get() == 6 && emergency.code == HEARTBEAT_LOST
+                }
                 _ => false,
             };
+            if let Event::ErrorRegister { register, .. } = event {
+                self.in_error = *register != 0;
+            }
+            self.in_error &= !matches!(event, Event::DeviceRebooted { .. });
             if left && self.up {
-                *self = Oracle::default();
+                (self.up, self.set_since_loss) = (false, false);
             }
         }
         let energised = frames.iter().any(|f| f == "206#01");

@@ -122,6 +122,7 @@ fn what_the_description_sets_is_not_written_by_others() {
         bench.hear(text);
     }
     bench.hear("586#6016100100000000");
+    bench.hear("586#4F01100000000000");
     bench.hear("186#00");
     bench.told();
     bench.ask(6, write(0x2001, 0, 5));
@@ -138,8 +139,9 @@ fn a_boot_comes_first_and_requests_wait_for_its_end() {
     assert_eq!(bench.told(), (vec![], vec![]), "the boot is under way");
     bench.hear("586#4300100091010300");
     bench.hear("586#6017100000000000");
-    bench.told();
     bench.hear("586#6016100100000000");
+    bench.told();
+    bench.hear("586#4F01100000000000");
     assert_eq!(bench.told().0, ["000#0106", "606#4018100100000000"], "started, and then the first request");
     bench.hear("586#4318100101000000");
     let (frames, answers) = bench.told();
@@ -160,6 +162,7 @@ fn a_device_that_boots_in_the_middle_overtakes_the_request() {
     bench.hear("586#4300100091010300");
     bench.hear("586#6017100000000000");
     bench.hear("586#6016100100000000");
+    bench.hear("586#4F01100000000000");
     bench.hear("186#01");
     assert!(bench.manager.inputs(bench.now, CLAMP).valid);
 }

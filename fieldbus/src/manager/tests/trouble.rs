@@ -33,8 +33,12 @@ fn a_device_that_was_never_there() {
 fn a_device_that_fell_silent() {
     let mut bench = Bench::up();
     assert_eq!(said(&bench), Vec::<String>::new());
+    bench.set(CLAMP, 1);
+    bench.take();
     bench.pass_with(200, &[4, 5]);
     assert_eq!(one(&bench), "clamp (node 06h): no heartbeat (1017h) for 200 ms");
+    let last = bench.frames().into_iter().rfind(|frame| frame.starts_with("206"));
+    assert_eq!(last.as_deref(), Some("206#00"), "it may hear more than it says");
     assert_eq!(bench.manager.trouble(bench.now, DRILL).count(), 0);
     bench.pass_with(100, &[4, 5]);
     assert_eq!(one(&bench), "clamp (node 06h): no heartbeat (1017h) for 300 ms");
@@ -51,15 +55,15 @@ fn a_device_whose_heartbeat_alone_has_stopped_is_not_trusted_by_its_process_data
         lost += events.iter().filter(|e| matches!(e, Event::DeviceLost { .. })).count();
         // It answers whatever it is asked.
         for frame in frames.iter().filter(|f| f.starts_with("606")) {
-            bench.hear(&format!(
-                "586#{}",
-                if frame[4..].starts_with("40") { "4300100091010300" } else { "6000000000000000" }
-            ));
-            if frame[4..].starts_with("2B171000") {
-                bench.hear("586#6017100000000000");
-            } else if frame[4..].starts_with("23161001") {
-                bench.hear("586#6016100100000000");
-            }
+            let answers = [
+                ("40001000", "4300100091010300"),
+                ("2B171000", "6017100000000000"),
+                ("23161001", "6016100100000000"),
+                ("40011000", "4F01100000000000"),
+            ];
+            let answer =
+                answers.iter().find(|(question, _)| frame[4..].starts_with(question)).expect("it is asked that");
+            bench.hear(&format!("586#{}", answer.1));
         }
         assert!(round < 5 || !bench.inputs(CLAMP).valid, "{round}");
     }

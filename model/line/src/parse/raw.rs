@@ -7,7 +7,7 @@
 use std::ops::Range;
 use std::time::Duration;
 
-use crate::{AtRest, Checksum, DriveMode};
+use crate::{AtRest, Checksum, DriveMode, Reaction};
 
 /// A stretch of the text, in bytes.
 pub(super) type Where = Range<usize>;
@@ -172,6 +172,8 @@ pub(super) struct RawDevice {
     pub settings: Vec<RawSetting>,
     /// With its place.
     pub transmission: Option<(RawTransmission, Where)>,
+    pub on_emergency: Option<At<Reaction>>,
+    pub when_lost: Option<At<Reaction>>,
     pub drive: Option<RawDrive>,
     pub frames: Option<RawFrames>,
 }

@@ -39,7 +39,14 @@ pub(super) fn finish(raw: &RawDevice) -> Option<Setup> {
     let identity = raw.identity.as_ref().map_or(Some(Identity::default()), identity)?;
     let settings = raw.settings.iter().map(setting).collect::<Option<_>>()?;
     let transmission = raw.transmission.as_ref().map_or(Some(Transmission::default()), |(raw, _)| types(raw))?;
-    Some(Setup { file: raw.file.as_ref().map(|file| file.value.clone()), identity, settings, transmission })
+    Some(Setup {
+        file: raw.file.as_ref().map(|file| file.value.clone()),
+        identity,
+        settings,
+        transmission,
+        on_emergency: raw.on_emergency.as_ref().map(|reaction| reaction.value),
+        when_lost: raw.when_lost.as_ref().map(|reaction| reaction.value).unwrap_or_default(),
+    })
 }
 
 /// A transmission type, if it can be one. 0 is none here: inputs that are sent only when they have changed are never

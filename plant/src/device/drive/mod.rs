@@ -24,7 +24,7 @@ use super::comm::{Change, Comm};
 use super::objects::number;
 use super::on_error::Behaviour;
 use super::serve::{self, Device};
-use super::{DeviceOutbox, PDO_LENGTH};
+use super::{DeviceOutbox, Order, PDO_LENGTH};
 use crate::fault::{DeviceFault, FAULT_INDEX, Fault};
 use motion::Motion;
 use objects::Objects;
@@ -128,11 +128,10 @@ impl DriveNode {
     /// Makes its communication fail, or work again (`None`). A silent drive goes on by itself: unplugged from the bus it
     /// still misses its manager, and stops.
     pub fn inject(&mut self, now: Tick, fault: Option<DeviceFault>) {
-        self.comm.silent = fault == Some(DeviceFault::Silent);
-        if fault == Some(DeviceFault::Reboot) {
-            self.comm.boot(now);
-            self.begin_anew(now);
-        }
+        let change = self.comm.inject(now, fault, Behaviour::PreOperational);
+        let mut unsaid = DeviceOutbox::default();
+        self.react(now, change, &mut unsaid);
+        self.settle(now, &mut unsaid);
     }
 
     /// Makes its axis fail, or work again (`None`): stuck, until its following error trips, or with a broken encoder.
@@ -317,12 +316,16 @@ impl Device for DriveNode {
         &mut self.comm
     }
 
+    fn inject(&mut self, now: Tick, fault: Option<DeviceFault>) {
+        DriveNode::inject(self, now, fault);
+    }
+
     fn read(&self, _: Tick, object: ObjectId) -> Result<Vec<u8>, Abort> {
         match object.index {
             FAULT_INDEX => Err(Abort::WRITE_ONLY),
             0x1001 if object.sub == 0 => {
                 let profile = if self.objects.u32(0x603F, 0) == 0 { 0 } else { PROFILE_ERROR };
-                Ok(vec![self.comm.error_register | profile])
+                Ok(vec![self.comm.register() | profile])
             }
             _ => self.comm.read(object).unwrap_or_else(|| self.objects.read(object)),
         }
@@ -333,6 +336,7 @@ impl Device for DriveNode {
             (FAULT_INDEX, 0) => {
                 let fault = DeviceFault::from_code(number(data)?)?;
                 if fault.is_none() {
+                    out.orders.push(Order::ClearAll);
                     self.fail(now, None, out);
                 }
                 self.inject(now, fault);

@@ -184,6 +184,8 @@ fn device(mut f: Fields<'_>, report: &mut Report) -> RawDevice {
         identity: f.table(report, "identity", "`identity`").map(|f| setup::identity(f, report)),
         settings: each(f.tables(report, "settings", "a setting", SETTINGS_MAX), report, setup::setting),
         transmission: f.table(report, "transmission", "`transmission`").map(|f| setup::transmission(f, report)),
+        on_emergency: setup::reaction(&mut f, "on_emergency", report),
+        when_lost: setup::reaction(&mut f, "when_lost", report),
         drive: f.table(report, "drive", "`drive`").map(|f| drive::drive(f, report)),
         frames,
     };

@@ -22,12 +22,14 @@ pub(super) fn check(draft: &Draft<'_>, report: &mut Report) {
 fn nothing_of_canopen_is_said(device: &RawDevice, frames: &RawFrames, report: &mut Report) {
     let bits = device.inputs.first().or(device.outputs.first()).map(|bit| &bit.at);
     let settings = device.settings.first().and_then(|setting| setting.object.as_ref()).map(|object| &object.at);
-    let said: [(&str, Option<&Where>); 6] = [
+    let said: [(&str, Option<&Where>); 8] = [
         ("`node`", device.node.as_ref().map(|node| &node.at)),
         ("`inputs` and `outputs`", bits),
         ("`settings`", settings),
         ("`file`", device.file.as_ref().map(|file| &file.at)),
         ("`transmission`", device.transmission.as_ref().map(|(_, at)| at)),
+        ("`on_emergency`", device.on_emergency.as_ref().map(|key| &key.at)),
+        ("`when_lost`", device.when_lost.as_ref().map(|key| &key.at)),
         ("`drive`", device.drive.as_ref().map(|drive| &drive.at)),
     ];
     for (what, at) in said.into_iter().filter_map(|(what, at)| Some((what, at?))) {

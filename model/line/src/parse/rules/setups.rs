@@ -1,11 +1,12 @@
-//! What a device has to be and is told.
+//! What a device has to be and is told, and what its trouble may do.
 
 use std::collections::HashMap;
 
-use crate::parse::draft::Draft;
+use crate::parse::draft::{Draft, DraftDevice, DraftStation};
 use crate::parse::problem::{Problem, Report};
-use crate::parse::raw::{RawDevice, RawIdentity, RawSetting};
+use crate::parse::raw::{RawDevice, RawIdentity, RawSetting, Where};
 use crate::parse::setup::{object, part};
+use crate::{InputId, OutputId, Owner, Reaction};
 
 pub(super) fn check(draft: &Draft<'_>, report: &mut Report) {
     for device in &draft.raw.devices {
@@ -17,6 +18,45 @@ pub(super) fn check(draft: &Draft<'_>, report: &mut Report) {
         }
         objects_are_set_once(device, report);
     }
+    for (device, raw) in draft.devices.iter().zip(&draft.raw.devices) {
+        nothing_depends_on_what_may_be_lost(draft, device, raw, report);
+    }
+}
+
+/// A device that may be lost without a fault must carry nothing that a motion, a panel or the console is decided by.
+fn nothing_depends_on_what_may_be_lost(draft: &Draft<'_>, device: &DraftDevice, raw: &RawDevice, report: &mut Report) {
+    let Some(when_lost) = raw.when_lost.as_ref().filter(|key| key.value == Reaction::Report) else { return };
+    let problem = |at: &Where, what: &str, label: &str| {
+        Problem::error(when_lost.at.clone(), format!("this device cannot be lost without a fault: {what}"))
+            .also(at, label.to_owned())
+            .hint("write `when_lost = \"fault\"`, or leave it out")
+    };
+    if device.drive.is_some() {
+        return report.add(problem(&raw.at, "it is a drive", "which moves an axis"));
+    }
+    let (inputs, outputs) = match device.owner {
+        Some(Owner::Station(id)) => depended_on(&draft.stations[id.index()]),
+        Some(Owner::Console) => {
+            let keys = draft.console.inputs.iter().flatten().map(|input| input.value);
+            (keys.chain(draft.console.buttons.iter().copied().flatten()).collect(), Vec::new())
+        }
+        None => return,
+    };
+    let input = raw.inputs.iter().zip(&device.inputs).find(|(_, id)| id.is_some_and(|id| inputs.contains(&id)));
+    let output = raw.outputs.iter().zip(&device.outputs).find(|(_, id)| id.is_some_and(|id| outputs.contains(&id)));
+    if let Some((name, _)) = input {
+        report.add(problem(&name.at, &format!("`{}` is one of its inputs", name.value), "something is decided by it"));
+    } else if let Some((name, _)) = output {
+        report.add(problem(&name.at, &format!("`{}` is one of its outputs", name.value), "it drives a motion"));
+    }
+}
+
+/// The inputs by which a station decides, and the outputs that move something. Lamps are neither.
+fn depended_on(station: &DraftStation<'_>) -> (Vec<InputId>, Vec<OutputId>) {
+    let signals = || station.operations.iter().flat_map(|operation| operation.motions()).map(|(signals, _)| signals);
+    let ends = signals().flat_map(|s| s.complete.iter().chain(&s.fault)).map(|input| input.value);
+    let panel = station.panel.iter().flatten().map(|input| input.value);
+    (ends.chain(panel).collect(), signals().filter_map(|s| s.actuator.as_ref()).map(|output| output.value).collect())
 }
 
 fn identity_has_numbers(device: &RawDevice, report: &mut Report) {

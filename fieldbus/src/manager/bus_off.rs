@@ -1,0 +1,69 @@
+//! The manager's own interface has left the bus.
+//!
+//! After too many errors a CAN controller switches itself off (bus-off) and neither sends nor hears until it is
+//! restarted; the kernel says so by error frames. Devices are then lost at once, for that reason and not for two
+//! hundred milliseconds of silence: nobody would hear them if they spoke. Nothing has to be restarted here afterwards.
+//! The first frame heard, or the kernel's word, ends it; every output is let go before anything else, since a device
+//! that waits longer for its manager than the interruption lasted still has the outputs from before; and every device
+//! is brought up as one that was lost.
+
+use linewright_line::Tick;
+
+use super::peer::{Outcome, Peer, Phase};
+use super::trouble::Why;
+use super::{Manager, Outbox, RETRY};
+
+/// Error class "bus off" (`CAN_ERR_BUSOFF` in `linux/can/error.h`).
+pub(super) const BUS_OFF: u32 = 0x40;
+/// Error class "controller restarted" (`CAN_ERR_RESTARTED`).
+pub(super) const RESTARTED: u32 = 0x100;
+
+impl Manager {
+    /// Since when the interface has been off the bus; `None` while it is on it.
+    pub fn off_the_bus(&self) -> Option<Tick> {
+        self.off
+    }
+
+    /// The kernel reports these error classes.
+    pub(super) fn bus_error(&mut self, now: Tick, class: u32, out: &mut Outbox) {
+        if class & BUS_OFF != 0 {
+            if self.off.is_some() {
+                return;
+            }
+            self.off = Some(now);
+            for at in 0..self.peers.len() {
+                let outcome = self.peers[at].cut_off(now);
+                self.settle(now, at, outcome, out);
+            }
+        }
+        if class & RESTARTED != 0 {
+            self.back_on_the_bus(now, out);
+        }
+    }
+
+    /// The interface is on the bus: something has been heard.
+    pub(super) fn back_on_the_bus(&mut self, now: Tick, out: &mut Outbox) {
+        if self.off.take().is_none() {
+            return;
+        }
+        self.next_heartbeat = Some(now);
+        for peer in &mut self.peers {
+            peer.send_rest(out);
+            peer.ask_soon(now);
+        }
+    }
+}
+
+impl Peer {
+    /// The interface has left the bus: nothing of the device can be heard.
+    pub(super) fn cut_off(&mut self, now: Tick) -> Outcome {
+        self.leave(now, Phase::Absent { probe: now + RETRY }, Why::BusOff)
+    }
+
+    /// Asks for it at once, if it is absent.
+    pub(super) fn ask_soon(&mut self, now: Tick) {
+        if let Phase::Absent { probe } = &mut self.phase {
+            *probe = now;
+        }
+    }
+}

@@ -1,0 +1,212 @@
+//! What a device says of its own errors, and how long it is believed to be in error.
+//!
+//! An emergency (CiA 301 §7.2.7) carries an error code and the error register, object 1001h. The error stands until the
+//! device says that it is gone: by an emergency 0000h with a register of zero, by a register that reads zero, or by
+//! booting. That frame comes once and may be lost, so the register is read once a second while an error stands, and at
+//! the end of every boot: a device may come up with an error it reported to nobody.
+//!
+//! # Which emergencies count
+//!
+//! Everything that sets the error register, with one exception. Codes 81xxh are about the wire: frames overrun, error
+//! passive, recovered from bus-off. What went missing on the wire is made good by the next frame, and what is missing
+//! too long is noticed by heartbeats, on both sides; an error register that names communication alone says the same. Two
+//! of them are more than a warning: 8130h and 8140h say that the device has let go of its outputs by itself (`peer.rs`
+//! sees to that), and 8150h that somebody else uses its identifiers, so what seems to come from it may not.
+//!
+//! 82xxh does count: the device has not taken the outputs it was sent. So do codes of current, voltage, temperature,
+//! hardware, software and everything outside of it, and those of the manufacturer: inputs may be read wrongly, outputs
+//! may be off that were switched on, and nobody here knows better.
+
+use std::time::Duration;
+
+use linewright_line::{Reaction, Tick};
+
+use super::event::{Event, Outbox};
+use super::peer::{Outcome, Peer, Phase};
+use super::transfer::Transfer;
+use super::trouble::Why;
+use crate::codec::{BUS_OFF_RECOVERED, Emergency, HEARTBEAT_LOST, NodeId, Profile};
+use crate::frame::Frame;
+use crate::sdo::wire::Raw;
+use crate::sdo::{ObjectId, Progress};
+
+/// The error register.
+pub(super) const ERROR_REGISTER: ObjectId = ObjectId::new(0x1001, 0);
+/// How often it is read while an error stands.
+const READ_EVERY: Duration = Duration::from_secs(1);
+/// Generic and communication error: bits 0 and 4.
+const WIRE: u8 = 0x11;
+/// Communication error: bit 4.
+const COMMUNICATION: u8 = 0x10;
+
+/// An error that stands.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+struct Standing {
+    /// By which emergency it was reported; `None` if only the register says so.
+    emergency: Option<Emergency>,
+    register: u8,
+}
+
+/// The errors of one device.
+#[derive(Debug)]
+pub(super) struct Errors {
+    reaction: Reaction,
+    standing: Option<Standing>,
+    reading: Option<Transfer>,
+    next_read: Tick,
+}
+
+impl Errors {
+    pub fn new(reaction: Reaction) -> Self {
+        Errors { reaction, standing: None, reading: None, next_read: Tick::NEVER }
+    }
+
+    /// An error stands because of which the device is not to be trusted.
+    pub fn stand(&self) -> bool {
+        self.standing.is_some() && self.reaction == Reaction::Fault
+    }
+
+    /// Hears an emergency.
+    pub fn hear(&mut self, now: Tick, emergency: Emergency) {
+        let Emergency { code, register, .. } = emergency;
+        if register == 0 {
+            // A code without a bit in the register is an event that has passed, or one that is reported as gone.
+            return self.gone();
+        }
+        let counts = register & !WIRE != 0 || !emergency.is_reset() && !is_of_the_wire(code);
+        if let Some(standing) = &mut self.standing {
+            standing.register = register;
+            if counts && !emergency.is_reset() {
+                standing.emergency = Some(emergency);
+            }
+        } else if counts {
+            let emergency = Some(emergency).filter(|emergency| !emergency.is_reset());
+            self.standing = Some(Standing { emergency, register });
+            self.next_read = now + READ_EVERY;
+        }
+    }
+
+    /// The register has been read. Whether that is news.
+    pub fn register(&mut self, now: Tick, register: u8) -> bool {
+        let before = self.standing;
+        match (register, &mut self.standing) {
+            (0, _) => self.gone(),
+            (_, Some(standing)) => standing.register = register,
+            (_, None) if register & !WIRE == 0 && register & COMMUNICATION != 0 => {}
+            (_, None) => {
+                self.standing = Some(Standing { emergency: None, register });
+                self.next_read = now + READ_EVERY;
+            }
+        }
+        before.is_some() != self.standing.is_some()
+    }
+
+    /// It has booted, and begins without.
+    pub fn gone(&mut self) {
+        self.standing = None;
+        self.next_read = Tick::NEVER;
+    }
+
+    /// It does not exchange anything any more: what it was being asked, it will not answer.
+    pub fn lost(&mut self) {
+        self.reading = None;
+    }
+
+    /// It is being asked for its register: it has one channel for that.
+    pub fn is_reading(&self) -> bool {
+        self.reading.is_some()
+    }
+
+    /// Does what is due: asks, if `free`. Gives the register if it has just been read.
+    pub fn poll(&mut self, now: Tick, node: NodeId, free: bool, out: &mut Vec<Frame>) -> Option<u8> {
+        if let Some(transfer) = &mut self.reading {
+            let progress = transfer.poll(now, out);
+            return self.done(progress);
+        }
+        if self.next_read <= now {
+            self.next_read = now + READ_EVERY;
+            if free {
+                self.reading = Some(Transfer::read(now, node, ERROR_REGISTER, out));
+            }
+        }
+        None
+    }
+
+    /// Takes eight bytes of its server. Gives the register if it has just been read.
+    pub fn answer(&mut self, now: Tick, raw: &Raw, out: &mut Vec<Frame>) -> Option<u8> {
+        let progress = self.reading.as_mut()?.handle(now, raw, out);
+        self.done(progress)
+    }
+
+    fn done(&mut self, progress: Progress) -> Option<u8> {
+        let Progress::Done(result) = progress else { return None };
+        self.reading = None;
+        // One that cannot be asked stays in error until it says otherwise by itself.
+        result.ok()?.first().copied()
+    }
+
+    /// When [`Errors::poll`] has something to do next.
+    pub fn deadline(&self) -> Tick {
+        let reading = self.reading.as_ref().map_or(Tick::NEVER, Transfer::deadline);
+        reading.min(self.next_read)
+    }
+
+    /// The error that stands, in words, whatever it leads to.
+    pub fn explain(&self, profile: Profile) -> Option<String> {
+        let Standing { emergency, register } = self.standing?;
+        Some(match emergency {
+            Some(emergency) => {
+                let meaning = emergency.meaning(profile).unwrap_or("unknown error");
+                format!("emergency {:04X}h ({meaning}), error register 1001h = {register:02X}h", emergency.code)
+            }
+            None => format!("its error register 1001h = {register:02X}h ({})", bits(register)),
+        })
+    }
+}
+
+impl Peer {
+    pub(super) fn emergency(&mut self, now: Tick, emergency: Emergency, out: &mut Outbox) -> Outcome {
+        self.tell(now, Event::Emergency { node: self.node, emergency, profile: self.process.profile() }, out);
+        // It has let go of its outputs because it did not hear us; its next heartbeat would say the same, later. While it
+        // was away it may have booted unheard, so it is not started as it is.
+        if matches!(emergency.code, HEARTBEAT_LOST | BUS_OFF_RECOVERED) && self.is_operational() {
+            let outcome = self.leave(now, Phase::Stopped, Why::Reported(emergency));
+            self.boot(now, out);
+            return outcome;
+        }
+        self.process.emergency(now, emergency.code);
+        let stood = self.errors.stand();
+        self.errors.hear(now, emergency);
+        self.send_if_wanted(now, out);
+        match (stood, self.errors.stand()) {
+            (false, true) if self.is_operational() => Outcome::Lost,
+            (true, false) => Outcome::Inputs,
+            _ => Outcome::Unchanged,
+        }
+    }
+
+    /// Its error register has been read, or not. Whether it can be trusted has changed by that.
+    pub(super) fn register_read(&mut self, now: Tick, register: Option<u8>, out: &mut Outbox) -> bool {
+        let Some(register) = register else { return false };
+        let news = self.errors.register(now, register);
+        if news {
+            self.tell(now, Event::ErrorRegister { node: self.node, register }, out);
+        }
+        news
+    }
+}
+
+/// Whether a code is about the wire alone.
+fn is_of_the_wire(code: u16) -> bool {
+    /// Another node uses its identifier.
+    const COLLISION: u16 = 0x8150;
+    code >> 8 == 0x81 && code != COLLISION
+}
+
+/// The bits of the error register, in words (CiA 301 table 50).
+pub(super) fn bits(register: u8) -> String {
+    const NAMES: [&str; 8] =
+        ["generic", "current", "voltage", "temperature", "communication", "device profile", "reserved", "manufacturer"];
+    let on = NAMES.iter().enumerate().filter(|(bit, _)| register >> bit & 1 == 1);
+    on.map(|(_, name)| *name).collect::<Vec<_>>().join(", ")
+}

@@ -1,0 +1,121 @@
+//! What a simulated device can be made to suffer on the bus, beyond what its mechanism can: the state of that, and how
+//! it is commanded by SDO.
+//!
+//! Several troubles may hold at once; each is cleared by itself, or all with 5F00h:00 = 0.
+
+use linewright_fieldbus::codec::Abort;
+use linewright_fieldbus::sdo::ObjectId;
+use linewright_line::Tick;
+
+use super::objects::number;
+use super::serve::Device;
+use super::{DeviceOutbox, Order};
+use crate::fault::DeviceFault;
+use crate::wire::FrameFaults;
+
+/// What a device suffers now.
+#[derive(Debug, Default)]
+pub(super) struct Trouble {
+    /// Unplugged.
+    pub silent: bool,
+    /// It does not come up.
+    pub dead: bool,
+    /// Its heartbeats alone cease.
+    pub no_heartbeat: bool,
+    /// It is off the bus until then.
+    pub off_until: Option<Tick>,
+    /// An error of its own: code and bits of the error register.
+    pub error: Option<(u16, u8)>,
+    /// Since when there is an emergency to be sent.
+    pub unsaid: Option<Tick>,
+    identity: Option<(ObjectId, u32)>,
+    refusal: Option<Refusal>,
+    /// What the next write to its companion makes effective.
+    value: u32,
+    code: u32,
+    frames: FrameFaults,
+}
+
+#[derive(Clone, Copy, Debug)]
+struct Refusal {
+    object: ObjectId,
+    code: Abort,
+    reading: bool,
+    writing: bool,
+}
+
+impl Trouble {
+    /// It neither sends nor hears.
+    pub fn is_mute(&self) -> bool {
+        self.silent || self.dead || self.off_until.is_some()
+    }
+
+    /// Its own bits of the error register.
+    pub fn register(&self) -> u8 {
+        self.error.map_or(0, |(_, register)| register)
+    }
+
+    /// What reading an object gives instead of what it holds.
+    pub fn read(&self, object: ObjectId) -> Option<Result<Vec<u8>, Abort>> {
+        if let Some(refusal) = self.refusal.filter(|refusal| refusal.object == object && refusal.reading) {
+            return Some(Err(refusal.code));
+        }
+        let (_, value) = self.identity.filter(|(other, _)| *other == object)?;
+        Some(Ok(value.to_le_bytes().into()))
+    }
+
+    /// Why an object is not written.
+    pub fn refuses(&self, object: ObjectId) -> Option<Abort> {
+        self.refusal.filter(|refusal| refusal.object == object && refusal.writing).map(|refusal| refusal.code)
+    }
+
+    /// Begins to answer something else.
+    pub fn answer_falsely(&mut self, (index, sub): (u16, u8), value: u32) {
+        self.identity = Some((ObjectId::new(index, sub), value));
+    }
+
+    /// Begins to refuse an object.
+    pub fn refuse(&mut self, (index, sub): (u16, u8), code: u32, reading: bool, writing: bool) {
+        let object = ObjectId::new(index, sub);
+        self.refusal = Some(Refusal { object, code: Abort(code), reading, writing });
+    }
+}
+
+/// Object 5F02h is written.
+pub(super) fn write<D: Device>(
+    device: &mut D,
+    now: Tick,
+    sub: u8,
+    data: &[u8],
+    out: &mut DeviceOutbox,
+) -> Result<(), Abort> {
+    let value = number(data)?;
+    let object = ((value >> 8) as u16, value as u8);
+    let per_mille = || u16::try_from(value).ok().filter(|share| *share <= 1000).ok_or(Abort::VALUE);
+    let trouble = &mut device.comm().trouble;
+    match sub {
+        1 if value == 0 => {
+            trouble.unsaid = trouble.error.take().map(|_| now);
+        }
+        1 => device.inject(now, Some(DeviceFault::Emergency { code: value as u16, register: (value >> 16) as u8 })),
+        2 => device.inject(now, Some(DeviceFault::BusOff { millis: value })),
+        3 => trouble.value = value,
+        4 if value == 0 => trouble.identity = None,
+        4 => trouble.answer_falsely(object, trouble.value),
+        5 => trouble.code = value,
+        6 if value == 0 => trouble.refusal = None,
+        6 => {
+            let (reading, writing) = (value >> 24 & 1 == 1, value >> 25 & 1 == 1);
+            trouble.refuse(object, trouble.code, reading, writing);
+        }
+        7 => trouble.frames.lost_to = per_mille()?,
+        8 => trouble.frames.lost_from = per_mille()?,
+        9 => trouble.frames.doubled = per_mille()?,
+        10 => trouble.frames.seed = value.into(),
+        _ => return Err(Abort::NO_SUBINDEX),
+    }
+    if let 7..=10 = sub {
+        out.orders.push(Order::Disturb(device.comm().trouble.frames));
+    }
+    Ok(())
+}
