@@ -7,7 +7,7 @@ use std::time::Duration;
 
 use linewright_fieldbus::{Frame, NodeId};
 use linewright_line::{AxisId, Bus, InputId, Line, OpId, Owner, StationId, Tick};
-use linewright_plant::{DeviceFault, Fault, Plant, PlantOptions, Rack};
+use linewright_plant::{DeviceFault, Fault, FrameFaults, Plant, PlantOptions, Rack};
 
 use crate::observer::Observer;
 
@@ -103,11 +103,7 @@ impl Field {
 
     /// Makes a device fail, or work again.
     pub(crate) fn fail_device(&mut self, now: Tick, node: NodeId, fault: Option<DeviceFault>) {
-        if let Some(device) = self.rack.device_mut(node) {
-            device.inject(now, fault);
-        } else if let Some(drive) = self.rack.drive_mut(node) {
-            drive.inject(now, fault);
-        }
+        self.rack.inject(now, node, fault);
         self.poll(now);
     }
 
@@ -116,6 +112,17 @@ impl Field {
         if let Some(device) = self.rack.plain_mut(name) {
             device.inject(now, fault);
         }
+        self.poll(now);
+    }
+
+    /// Makes the line to a device lose and double frames.
+    pub(crate) fn disturb(&mut self, node: NodeId, faults: FrameFaults) {
+        self.rack.disturb(node, faults);
+    }
+
+    /// Holds an output bit of a device at a value, or lets it follow process data again.
+    pub(crate) fn stick(&mut self, now: Tick, node: NodeId, output: usize, value: Option<bool>) {
+        self.rack.stick(node, output, value);
         self.poll(now);
     }
 

@@ -110,6 +110,11 @@ impl CoordinatorNode {
         self.step(now, said);
     }
 
+    /// What its manager says is wrong with an owner's devices.
+    pub(crate) fn trouble(&self, now: Tick, owner: Owner) -> Vec<String> {
+        self.manager.trouble(now, owner).collect()
+    }
+
     /// Puts on the bus what a station's image is worth now.
     fn energise(&mut self, now: Tick, station: StationId) {
         let owner = Owner::Station(station);

@@ -4,8 +4,8 @@ use std::time::Duration;
 
 use linewright_fieldbus::NodeId;
 use linewright_line::net::{ControlMode, Place};
-use linewright_line::{ButtonId, Line, OpId, StationId, Tick, TransferLine, parse};
-use linewright_plant::{DeviceFault, Fault};
+use linewright_line::{ButtonId, Line, OpId, OutputId, Owner, StationId, Tick, TransferLine, parse};
+use linewright_plant::{DeviceFault, Fault, FrameFaults};
 use linewright_station_logic::{Controller, Restore};
 
 use crate::ledger::Ledger;
@@ -94,16 +94,58 @@ impl Sim {
         self.wake_field();
     }
 
-    /// Makes a device fail, or plugs it in again.
+    /// Makes a device fail, or work again.
     pub fn fail_device(&mut self, device: &str, fault: Option<DeviceFault>) {
-        let found = self.line.devices.iter().find(|d| d.name == device);
-        let number = found.unwrap_or_else(|| panic!("no device {device}")).node_id;
+        let number = self.number_of(device);
         self.act(format!("{device}: {fault:?}"));
         match NodeId::new(number) {
             Some(node) => self.field.fail_device(self.now, node, fault),
             None => self.field.fail_plain(self.now, device, fault),
         }
         self.wake_field();
+    }
+
+    /// Makes the line to a device lose and double frames.
+    pub fn disturb(&mut self, device: &str, faults: FrameFaults) {
+        let node = self.node_of(device);
+        self.act(format!("{device}: {faults:?}"));
+        self.field.disturb(node, faults);
+    }
+
+    /// Holds the output bit of a device that carries this output, or lets it follow process data again.
+    pub fn stick(&mut self, device: &str, output: OutputId, value: Option<bool>) {
+        let node = self.node_of(device);
+        let bits = self.line.devices.iter().find(|d| d.name == device).map(|d| d.outputs.clone()).unwrap_or_default();
+        let bit = bits.iter().position(|bound| *bound == Some(output)).unwrap_or_else(|| panic!("no such output"));
+        self.act(format!("{device}: output bit {bit} {value:?}"));
+        self.field.stick(self.now, node, bit, value);
+        self.wake_field();
+    }
+
+    /// 0 for a device that speaks no CANopen.
+    fn number_of(&self, device: &str) -> u8 {
+        let found = self.line.devices.iter().find(|d| d.name == device);
+        found.unwrap_or_else(|| panic!("no device {device}")).node_id
+    }
+
+    fn node_of(&self, device: &str) -> NodeId {
+        NodeId::new(self.number_of(device)).unwrap_or_else(|| panic!("{device} has no node id"))
+    }
+
+    /// What the manager of the bus says is wrong with a station's devices; nothing while the coordinator is down.
+    pub fn trouble(&self, station: StationId) -> Vec<String> {
+        let of = |node: &crate::coordinator::CoordinatorNode| node.trouble(self.now, Owner::Station(station));
+        self.coordinator.as_ref().map(of).unwrap_or_default()
+    }
+
+    /// The lives of the coordinator and of every station, 0 for one that is down: whoever was restarted has another.
+    pub fn lives(&self) -> Vec<u64> {
+        let station = |process: &Process| match process {
+            Process::Running(node) => node.boot_id,
+            Process::Killed(_) => 0,
+        };
+        let coordinator = self.coordinator.as_ref().map_or(0, |node| node.boot_id);
+        std::iter::once(coordinator).chain(self.stations.iter().map(station)).collect()
     }
 
     /// Kills a station's process, now.
@@ -273,7 +315,9 @@ impl Sim {
         };
         let mode = self.coordinator.as_ref().map_or("down".to_owned(), |node| node.coordinator.text());
         let positions = self.positions();
+        let troubles: Vec<String> = self.line.station_ids().flat_map(|id| self.trouble(id)).collect();
         self.line.station_ids().map(station).collect::<String>()
+            + &troubles.iter().map(|said| format!("{said}\n")).collect::<String>()
             + &format!("line: {mode}\naxes stand at {positions:.1?}\n")
     }
 }

@@ -36,6 +36,8 @@ pub struct Sim {
     pub(crate) network: Network,
     pub(crate) field: Field,
     field_wake: Tick,
+    /// The manager's interface is off the bus.
+    pub(crate) off_the_bus: bool,
     pub(crate) stations: Vec<Process>,
     station_wakes: Vec<Tick>,
     /// Who reads whose state.
@@ -76,6 +78,7 @@ impl Sim {
             network: Network::new(conditions),
             field: Field::new(line, PlantOptions { seed, variation }),
             field_wake: Tick::NEVER,
+            off_the_bus: false,
             stations: Vec::new(),
             station_wakes: vec![Tick::NEVER; line.stations.len()],
             readers: line.station_ids().map(|station| readers_of(line, station)).collect(),
@@ -184,6 +187,15 @@ impl Sim {
         self.now = self.now.max(end);
     }
 
+    /// The manager's interface leaves the bus, or comes back to it; the kernel tells the manager.
+    pub fn bus_off(&mut self, off: bool) {
+        self.act(format!("the manager's interface is off the bus: {off}"));
+        self.off_the_bus = off;
+        let told = if off { "20000040#0000000000000000" } else { "20000100#0000000000000000" };
+        let frame = told.parse().unwrap_or_else(|error| panic!("{error}"));
+        self.queue.push(self.now, Due::ToManager(frame));
+    }
+
     /// Runs for a time.
     pub fn run_for(&mut self, time: Duration) {
         self.run_to(self.now + time);
@@ -206,6 +218,9 @@ impl Sim {
                 self.wake_field();
             }
             Due::ToManager(frame) => {
+                if self.off_the_bus && frame.cob_id().is_some() {
+                    return;
+                }
                 let Some(node) = &mut self.coordinator else { return };
                 node.frame(self.now, &frame, &mut self.ordered);
                 self.after_coordinator();
@@ -325,7 +340,8 @@ impl Sim {
         for (to, message) in said.messages.drain(..) {
             self.say(Node::Coordinator, to, message);
         }
-        for frame in said.frames.drain(..) {
+        let off_the_bus = self.off_the_bus;
+        for frame in said.frames.drain(..).filter(|_| !off_the_bus) {
             self.queue.push(self.now + FRAME_TIME, Due::ToDevices(frame));
         }
         self.ordered = said;
