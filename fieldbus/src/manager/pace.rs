@@ -50,6 +50,8 @@ pub(super) struct Pace {
     service: VecDeque<Frame>,
     /// When service data may go in any case.
     next_service: Tick,
+    /// What [`Pace::pass`] has been given, for the time it takes: kept, so that steady traffic allocates nothing.
+    given: Vec<Frame>,
 }
 
 #[derive(Clone, Copy, PartialEq, Eq)]
@@ -92,7 +94,9 @@ impl Pace {
     /// Takes the frames from `start` on and gives back those that may go now.
     pub fn pass(&mut self, now: Tick, start: usize, frames: &mut Vec<Frame>) {
         self.refill(now);
-        for frame in frames.split_off(start) {
+        let mut given = std::mem::take(&mut self.given);
+        given.extend(frames.drain(start..));
+        for frame in given.drain(..) {
             match self.class(&frame) {
                 Class::Urgent if !self.urgent.is_empty() => self.queue_urgent(frame),
                 Class::Urgent => {
@@ -104,6 +108,7 @@ impl Pace {
             }
             self.release(now, frames);
         }
+        self.given = given;
         self.release(now, frames);
     }
 
