@@ -319,7 +319,7 @@ impl Shell {
         for event in events {
             match event {
                 BusEvent::InputsChanged { .. } | BusEvent::Answered { .. } => {}
-                BusEvent::Ignored { reason, frame } => self.ignore(format!("frame {frame}: {reason}")),
+                BusEvent::Ignored { reason, frame } => self.ignore(format_args!("frame {frame}: {reason}")),
                 other => tracing::info!("{other}"),
             }
         }

@@ -299,7 +299,7 @@ impl Shell {
             match event {
                 BusEvent::InputsChanged { owner: changed } if *changed == owner => {}
                 BusEvent::Answered { .. } => {}
-                BusEvent::Ignored { reason, frame } => self.ignore(format!("frame {frame}: {reason}")),
+                BusEvent::Ignored { reason, frame } => self.ignore(format_args!("frame {frame}: {reason}")),
                 other => tracing::info!(station = self.name, "{other}"),
             }
         }
