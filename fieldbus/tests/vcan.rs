@@ -2,6 +2,10 @@
 //!
 //! `vcan_uml.sh` next to this file runs it inside a user-mode Linux, on machines whose own kernel has no CAN.
 
+mod crowd;
+#[path = "vcan/load.rs"]
+mod load;
+
 use std::io::Write;
 use std::sync::{Arc, Mutex, Once};
 use std::time::{Duration, Instant};
@@ -20,14 +24,18 @@ fn open() -> Option<Bus> {
     match Bus::open(INTERFACE, &options) {
         Ok(bus) => Some(bus),
         Err(error) => {
-            // Past the test harness, which would swallow what a passing test prints.
             static SAID: Once = Once::new();
             let text =
                 format!("SKIPPED tests/vcan.rs, nothing tested: {error}. See docs/can.md for how to get vcan0.\n");
-            SAID.call_once(|| _ = std::io::stderr().write_all(text.as_bytes()));
+            SAID.call_once(|| say(&text));
             None
         }
     }
+}
+
+/// Past the test harness, which would swallow what a passing test prints.
+fn say(text: &str) {
+    _ = std::io::stderr().write_all(text.as_bytes());
 }
 
 /// Tests share the one interface: one at a time, so that none hears another's frames.

@@ -15,6 +15,10 @@ use crate::frame::{Frame, Kind};
 /// After a failed read: an interface that is down fails at once, and again at once.
 const READ_PAUSE: Duration = Duration::from_millis(50);
 
+/// In bytes, of which the kernel takes some 800 for a frame: more than a thousand frames, a quarter of a second of a full
+/// bus of 500 kbit/s.
+const RECEIVE_BUFFER: libc::c_int = 1 << 20;
+
 pub(super) struct KernelBus {
     name: String,
     socket: CanSocket,
@@ -27,6 +31,9 @@ impl KernelBus {
         let socket = CanSocket::open(name)?;
         // The kernel's reports about the bus come as frames; without them a bus that is off looks like a quiet one.
         socket.set_error_filter_accept_all()?;
+        // A program that is held up finds what came meanwhile here, and what did not fit is lost. Not every system gives
+        // more than its default, and none has to.
+        let _ = socket.set_socket_option_int(libc::SOL_SOCKET, libc::SO_RCVBUF, RECEIVE_BUFFER);
         Ok(KernelBus { name: name.to_owned(), socket, failing: false })
     }
 

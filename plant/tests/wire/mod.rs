@@ -1,0 +1,376 @@
+//! A CAN bus of 500 kbit/s in virtual time, with a manager, devices and others on it.
+//!
+//! One frame at a time; of those that are first in their senders' queues the lowest identifier goes (CiA 301 §6,
+//! ISO 11898-1 §10.4.3). A frame is as long as it is with every stuff bit it can have. Each member has one queue, first
+//! in first out, as a Linux interface has and a simple controller: a heartbeat that has to wait holds up what is behind
+//! it, whatever its identifier.
+
+mod latency;
+
+use std::collections::VecDeque;
+use std::time::Duration;
+
+use linewright_fieldbus::manager::Outbox;
+use linewright_fieldbus::{Event, Frame, Manager, Message};
+use linewright_line::{Bus, Console, Device, InputId, Line, OutputId, Owner, Setup, Tick, Timing};
+use linewright_plant::{PlantOptions, Rack};
+
+pub use latency::Report;
+
+const BIT: Duration = Duration::from_micros(2);
+/// Frames an interface queues (`txqueuelen`).
+const QUEUE: usize = 10;
+/// Devices: their heartbeats, inputs, outputs and refreshes are about 4 % of the bus, and fit beside the others.
+const DEVICES: u8 = 4;
+/// Bits of each in each direction.
+const BITS: u16 = 16;
+/// A program with timers of a millisecond polls that often.
+const GRAIN: Duration = Duration::from_millis(1);
+
+/// How long a frame is on the bus, with the gap after it. The bits from its start to the checksum are subject to
+/// stuffing: after the first, every four can bring one.
+fn time(frame: &Frame) -> Duration {
+    let data = 8 * frame.len() as u32;
+    let (stuffed, rest) = if frame.cob_id().is_some() { (34 + data, 13) } else { (54 + data, 13) };
+    BIT * (stuffed + (stuffed - 1) / 4 + rest)
+}
+
+/// A number that follows from the last one (SplitMix64).
+fn random(state: &mut u64) -> u64 {
+    *state = state.wrapping_add(0x9E37_79B9_7F4A_7C15);
+    let mut z = (*state ^ (*state >> 30)).wrapping_mul(0xBF58_476D_1CE4_E5B9);
+    z = (z ^ (z >> 27)).wrapping_mul(0x94D0_49BB_1331_11EB);
+    z ^ (z >> 31)
+}
+
+/// What others send: so much that the bus is busy with it for nine tenths of the time.
+pub struct Foreign {
+    ids: Vec<u16>,
+    /// How many send at the same moment.
+    at_once: usize,
+    next: Tick,
+    turn: usize,
+    seed: u64,
+    queues: Vec<VecDeque<Frame>>,
+}
+
+impl Foreign {
+    /// Nobody.
+    pub fn none() -> Self {
+        Foreign::steady(Vec::new())
+    }
+
+    /// One after the other.
+    pub fn steady(ids: Vec<u16>) -> Self {
+        Foreign { at_once: 1, next: Tick::ZERO, turn: 0, seed: 7, queues: vec![VecDeque::new(); ids.len()], ids }
+    }
+
+    /// Ten at once, then a pause.
+    pub fn bursts(ids: Vec<u16>) -> Self {
+        Foreign { at_once: 10, ..Foreign::steady(ids) }
+    }
+
+    /// Puts what is due until `now` in the senders' queues.
+    fn send(&mut self, now: Tick) {
+        while !self.ids.is_empty() && self.next <= now {
+            let mut takes = Duration::ZERO;
+            for _ in 0..self.at_once {
+                let len = if random(&mut self.seed).is_multiple_of(4) { 4 } else { 8 };
+                let data = random(&mut self.seed).to_le_bytes();
+                let frame = Frame::data_frame(self.ids[self.turn], &data[..len]).expect("11 bits, 8 bytes");
+                takes += time(&frame);
+                self.queues[self.turn].push_back(frame);
+                self.turn = (self.turn + 1) % self.ids.len();
+            }
+            // A tenth around the mean, so that it is in step with nobody.
+            let permille = 1110 * (900 + random(&mut self.seed) % 201) / 1000;
+            self.next = self.next + takes * permille as u32 / 1000;
+        }
+    }
+}
+
+/// Who has the bus.
+#[derive(Clone, Copy)]
+enum Sender {
+    Manager,
+    Device(usize),
+    Foreign(usize),
+}
+
+/// A counter that goes up in some bits of an image, and when it did.
+#[derive(Default)]
+struct Counter {
+    value: u16,
+    seen: u16,
+    changed: Tick,
+    next: Tick,
+}
+
+/// The bus and everybody on it.
+pub struct Wire {
+    now: Tick,
+    polled: Tick,
+    manager: Manager,
+    interface: VecDeque<Frame>,
+    rack: Rack,
+    devices: Vec<VecDeque<Frame>>,
+    foreign: Foreign,
+    inputs: Vec<Counter>,
+    outputs: Vec<Counter>,
+    up: usize,
+    swallow: u64,
+    seed: u64,
+    report: Report,
+}
+
+impl Wire {
+    /// Everything is switched on at once.
+    pub fn new(foreign: Foreign) -> Self {
+        let line = line();
+        let manager = Manager::new(&line.devices, line.timing).expect("their ids are right");
+        let counters = || (0..DEVICES).map(|_| Counter::default()).collect();
+        Wire {
+            now: Tick::ZERO,
+            polled: Tick::ZERO,
+            manager,
+            interface: VecDeque::new(),
+            rack: Rack::new(Tick::ZERO, &line, &Bus::Line, PlantOptions::default()),
+            devices: vec![VecDeque::new(); DEVICES.into()],
+            foreign,
+            inputs: counters(),
+            outputs: counters(),
+            up: 0,
+            swallow: u64::MAX,
+            seed: 1,
+            report: Report::default(),
+        }
+    }
+
+    /// From here on one frame of process data in so many is lost.
+    pub fn swallow_one_in(&mut self, frames: u64) {
+        self.swallow = frames;
+    }
+
+    /// Until all devices are up, and what others could not send meanwhile is through.
+    pub fn boot(&mut self) {
+        while self.up < DEVICES.into() || !self.manager.inputs(self.now, Owner::Console).valid {
+            assert!(self.now < Tick::from_millis(5000), "{} are up", self.up);
+            self.step();
+        }
+        self.report = Report { up_after: self.now, ..Report::default() };
+        while self.now.since(self.report.up_after) < Duration::from_secs(1) {
+            self.step();
+        }
+        self.report = Report { up_after: self.report.up_after, ..Report::default() };
+        for at in 0..usize::from(DEVICES) {
+            let later = |seed: &mut u64| self.now + Duration::from_micros(random(seed) % 20_000);
+            self.inputs[at].next = later(&mut self.seed);
+            self.outputs[at].next = later(&mut self.seed);
+        }
+    }
+
+    /// Counts inputs and outputs up, each at a moment of its own, and follows them.
+    pub fn exchange(&mut self, long: Duration) {
+        let began = self.now;
+        while self.now.since(began) < long {
+            self.count_up();
+            self.step();
+            self.look();
+        }
+        self.report.long = self.now.since(began);
+    }
+
+    pub fn report(&self) -> Report {
+        let mut report = self.report.clone();
+        report.foreign_share = report.foreign.as_secs_f64() / report.long.as_secs_f64();
+        report
+    }
+
+    /// Inputs of the devices and outputs of the owner whose time has come.
+    fn count_up(&mut self) {
+        for at in 0..usize::from(DEVICES) {
+            if self.inputs[at].next <= self.now {
+                let value = self.count(at, true);
+                for bit in 0..BITS {
+                    let input = InputId(at as u16 * BITS + bit);
+                    self.rack.plant_mut().force(Owner::Console, input, Some(value >> bit & 1 == 1));
+                }
+                let mut out = Vec::new();
+                self.rack.poll(self.now, &mut out);
+                self.queue(out);
+            }
+            if self.outputs[at].next <= self.now {
+                self.count(at, false);
+                let image = self.outputs.iter().rev().fold(0, |image, c| image << BITS | u128::from(c.value));
+                let mut out = Outbox::default();
+                self.manager.set_outputs(self.now, Owner::Console, image, &mut out);
+                self.take(out);
+            }
+        }
+    }
+
+    fn count(&mut self, at: usize, inputs: bool) -> u16 {
+        let counter = if inputs { &mut self.inputs[at] } else { &mut self.outputs[at] };
+        counter.value = counter.value.wrapping_add(1);
+        // Its own moment, in the middle of somebody's frame: that it takes part only when that has ended is the bus.
+        counter.changed = counter.next;
+        counter.next = counter.next + Duration::from_micros(40_000 + random(&mut self.seed) % 100_000);
+        counter.value
+    }
+
+    /// What has arrived since the last look. Each state must, before the next one.
+    fn look(&mut self) {
+        let image = self.manager.inputs(self.now, Owner::Console);
+        for at in 0..usize::from(DEVICES) {
+            let shown = (image.bits >> (at as u16 * BITS)) as u16;
+            let wired = self.rack.device(node(at)).expect("it is there").outputs() as u16;
+            let seen = [(&mut self.inputs[at], shown, "inputs"), (&mut self.outputs[at], wired, "outputs")];
+            for (counter, shown, what) in seen {
+                if shown == counter.seen {
+                    continue;
+                }
+                let expected = counter.seen.wrapping_add(1);
+                assert_eq!(shown, expected, "a state of the {what} was skipped at device {at}, {:?}", self.now);
+                assert_eq!(shown, counter.value, "a state of the {what} arrived only after the next one");
+                counter.seen = shown;
+                let took = self.now.since(counter.changed);
+                if what == "inputs" { &mut self.report.inputs } else { &mut self.report.outputs }.add(took);
+            }
+        }
+    }
+
+    /// One frame, or a moment of silence.
+    fn step(&mut self) {
+        self.foreign.send(self.now);
+        if self.now.since(self.polled) >= GRAIN {
+            self.polled = self.now;
+            self.poll();
+        }
+        let Some((frame, sender)) = self.winner() else {
+            self.now = self.now + BIT * 10;
+            return;
+        };
+        let takes = time(&frame);
+        self.now = self.now + takes;
+        if let Sender::Foreign(_) = sender {
+            self.report.foreign += takes;
+        } else {
+            self.report.own += takes;
+            let process_data = frame.cob_id().is_some_and(|id| (0x180..0x280).contains(&id));
+            if process_data && random(&mut self.seed).is_multiple_of(self.swallow) {
+                return;
+            }
+        }
+        self.deliver(&frame, sender);
+    }
+
+    fn poll(&mut self) {
+        let mut out = Outbox::default();
+        if self.manager.next_deadline().is_none_or(|due| due <= self.now) {
+            self.manager.poll(self.now, &mut out);
+        }
+        self.take(out);
+        let mut frames = Vec::new();
+        if self.rack.next_deadline().is_some_and(|due| due <= self.now) {
+            self.rack.poll(self.now, &mut frames);
+        }
+        self.queue(frames);
+    }
+
+    /// The frame that wins arbitration, taken from its queue.
+    fn winner(&mut self) -> Option<(Frame, Sender)> {
+        let manager = self.interface.front().map(|frame| (frame, Sender::Manager));
+        let first = |queues: &[VecDeque<Frame>], at: usize| queues[at].front().is_some();
+        let devices = (0..self.devices.len()).filter(|at| first(&self.devices, *at));
+        let devices = devices.map(|at| (&self.devices[at][0], Sender::Device(at)));
+        let foreign = (0..self.foreign.queues.len()).filter(|at| first(&self.foreign.queues, *at));
+        let foreign = foreign.map(|at| (&self.foreign.queues[at][0], Sender::Foreign(at)));
+        let wins = manager.into_iter().chain(devices).chain(foreign).min_by_key(|(frame, _)| frame.id_word());
+        let (_, sender) = wins?;
+        let queue = match sender {
+            Sender::Manager => &mut self.interface,
+            Sender::Device(at) => &mut self.devices[at],
+            Sender::Foreign(at) => &mut self.foreign.queues[at],
+        };
+        Some((queue.pop_front()?, sender))
+    }
+
+    fn deliver(&mut self, frame: &Frame, sender: Sender) {
+        if !matches!(sender, Sender::Manager) {
+            let mut out = Outbox::default();
+            self.manager.handle(self.now, frame, &mut out);
+            self.take(out);
+        }
+        if !matches!(sender, Sender::Device(_)) {
+            let mut frames = Vec::new();
+            self.rack.handle(self.now, frame, &mut frames);
+            self.queue(frames);
+        }
+    }
+
+    /// What the manager sends, as far as its interface has room.
+    fn take(&mut self, out: Outbox) {
+        for event in &out.events {
+            match event {
+                Event::DeviceUp { .. } => self.up += 1,
+                Event::DeviceLost { .. } | Event::BootFailed { .. } | Event::DeviceLeft { .. } => {
+                    self.report.lost_devices += 1;
+                }
+                _ => {}
+            }
+        }
+        let mut frames = out.frames;
+        let refused = frames.split_off((QUEUE - self.interface.len()).min(frames.len()));
+        self.interface.extend(frames);
+        if !refused.is_empty() {
+            self.report.refused += refused.len();
+            self.manager.give_back(self.now, refused);
+        }
+    }
+
+    /// What the devices send, each by its own controller.
+    fn queue(&mut self, frames: Vec<Frame>) {
+        for frame in frames {
+            let at = match Message::decode(&frame) {
+                Ok(
+                    Message::Tpdo1 { node, .. }
+                    | Message::Heartbeat { node, .. }
+                    | Message::Emergency { node, .. }
+                    | Message::SdoResponse { node, .. },
+                ) => usize::from(node.get()) - 1,
+                other => panic!("a device sends {other:?}"),
+            };
+            self.devices[at].push_back(frame);
+        }
+    }
+}
+
+fn node(at: usize) -> linewright_fieldbus::NodeId {
+    linewright_fieldbus::NodeId::new(at as u8 + 1).expect("from 1")
+}
+
+/// The devices and nothing behind them: fingers press their inputs.
+fn line() -> Line {
+    let device = |at: u8| Device {
+        name: format!("io {at}"),
+        node_id: at + 1,
+        owner: Owner::Console,
+        bus: Bus::Line,
+        inputs: (0..BITS).map(|bit| Some(InputId(u16::from(at) * BITS + bit))).collect(),
+        outputs: (0..BITS).map(|bit| Some(OutputId(u16::from(at) * BITS + bit))).collect(),
+        setup: Setup::default(),
+        drive: None,
+        frames: None,
+    };
+    Line {
+        name: "test".to_owned(),
+        title: "Test".to_owned(),
+        stations: Vec::new(),
+        arrows: Vec::new(),
+        conflicts: Vec::new(),
+        devices: (0..DEVICES).map(device).collect(),
+        buttons: Vec::new(),
+        console: Console::default(),
+        timing: Timing::default(),
+    }
+}
