@@ -9,6 +9,7 @@ use std::time::Duration;
 
 use linewright_fieldbus::codec::{NmtCommand, NmtState, Payload};
 use linewright_fieldbus::manager::Outbox;
+use linewright_fieldbus::sdo::ObjectId;
 use linewright_fieldbus::sdo::wire::{Raw, Request};
 use linewright_fieldbus::{Event, Frame, Manager, Message, NodeId};
 use linewright_line::{Bus, Device, InputId, OutputId, Owner, Setup, StationId, Tick, Timing};
@@ -57,10 +58,11 @@ pub fn answer(frame: &Frame) -> Option<Frame> {
     }
 }
 
-/// It is a generic I/O device, and takes whatever it is written in one frame.
+/// It is a generic I/O device, has no error, and takes whatever it is written in one frame.
 fn answer_raw(raw: &Raw) -> Option<Raw> {
     let [_, low, high, sub, ..] = *raw;
     match Request::decode(raw)? {
+        Request::Upload { object: ObjectId { index: 0x1001, .. } } => Some([0x4F, low, high, sub, 0, 0, 0, 0]),
         Request::Upload { .. } => Some([0x43, low, high, sub, 0x91, 0x01, 0x03, 0]),
         Request::Download { .. } => Some([0x60, low, high, sub, 0, 0, 0, 0]),
         _ => None,
@@ -107,6 +109,8 @@ impl Crowd {
             }
             up += crowd.out.events.drain(..).filter(|event| matches!(event, Event::DeviceUp { .. })).count() as u8;
             crowd.now = crowd.now + Duration::from_millis(1);
+            let valid = (1..=count).all(|id| up < count || crowd.manager.inputs(crowd.now, owner(id)).valid);
+            assert!(valid, "a device that is up is not trusted");
             assert!(crowd.now < Tick::from_millis(9000), "{up} of {count} devices are up");
             for id in 1..=count {
                 crowd.manager.handle(crowd.now, &heartbeat(id), &mut crowd.out);
