@@ -3,9 +3,10 @@
 //! Numbers and bytes only. Where they come from, the description itself or a device's own file (EDS, DCF), is no matter
 //! here; what an object does, the device's manual says.
 
-use crate::{Bus, Drive, Frames, InputId, Line, OutputId, StationId};
+use crate::{Analogue, Bus, Drive, Frames, InputId, Line, OutputId, StationId};
 
-/// A CAN device: digital inputs and outputs (CiA 401 default mapping: one PDO of up to 64 bits each way), or a drive.
+/// A CAN device: inputs and outputs (CiA 401 default mapping: one PDO of up to 64 bits each way, and three of four
+/// analogue channels), or a drive.
 #[derive(Clone, Debug, PartialEq)]
 pub struct Device {
     /// Its name.
@@ -20,6 +21,8 @@ pub struct Device {
     pub inputs: Vec<Option<InputId>>,
     /// For each bit of its output PDO (RPDO1, 0x200 + id), the output of its owner's image it carries.
     pub outputs: Vec<Option<OutputId>>,
+    /// Its analogue channels.
+    pub analogue: Analogue,
     /// Who it has to be, and what it is told before it is started.
     pub setup: Setup,
     /// What it is beyond that, if it is a drive: its signals are then all here, and it has no bits above.

@@ -113,12 +113,13 @@ impl Drive {
 }
 
 impl Device {
-    /// Every input of its owner's image it carries: its bits', its drive's, or its frames'.
+    /// Every input of its owner's image it carries: its bits' and its channels', its drive's, or its frames'.
     pub fn carried_inputs(&self) -> impl Iterator<Item = InputId> {
         self.inputs
             .iter()
             .flatten()
             .copied()
+            .chain(self.analogue.carried_inputs())
             .chain(self.drive.iter().flat_map(Drive::inputs))
             .chain(self.frames.iter().flat_map(Frames::inputs))
     }
@@ -129,6 +130,7 @@ impl Device {
             .iter()
             .flatten()
             .copied()
+            .chain(self.analogue.carried_outputs())
             .chain(self.drive.iter().flat_map(Drive::outputs))
             .chain(self.frames.iter().flat_map(Frames::outputs))
     }

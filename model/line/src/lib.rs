@@ -3,6 +3,7 @@
 //! This crate knows what a line is and how its description is written. It knows nothing of time passing, messages or
 //! devices beyond their names and numbers: those are the business of the crates that take a [`Line`].
 
+mod analogue;
 mod device;
 mod drive;
 mod frames;
@@ -13,6 +14,7 @@ mod time;
 mod transfer_line;
 mod whereabouts;
 
+pub use analogue::{Analogue, AnalogueInput, AnalogueOutput, CHANNELS_MAX, Channel, Follows, Lag};
 pub use device::{Device, Identity, Owner, Reaction, Setting, Setup, Transmission};
 pub use drive::{AtRest, Drive, DriveMode, DriveTarget, Homing};
 pub use frames::{

@@ -28,10 +28,10 @@ impl Line {
             }
             let bit = device.inputs.iter().position(|carried| *carried == Some(input));
             let object = match (bit, &device.drive) {
+                (None, None) => device.analogue_source(input)?,
                 // CiA 401: eight digital inputs in each subindex.
                 (Some(bit), _) => format!("6000h:{:02X} bit {}", bit / 8 + 1, bit % 8),
                 (None, Some(drive)) => drive_object(drive, input)?.to_owned(),
-                (None, None) => return None,
             };
             Some(format!("{}, node {:02X}h, {object}", device.name, device.node_id))
         })

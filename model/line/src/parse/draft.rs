@@ -82,6 +82,7 @@ pub(super) struct DraftDevice {
     pub inputs: Vec<Option<InputId>>,
     pub outputs: Vec<Option<OutputId>>,
     pub drive: Option<DraftDrive>,
+    pub analogue: DraftAnalogue,
     pub frames: Option<DraftFrames>,
 }
 
@@ -89,6 +90,14 @@ pub(super) struct DraftDevice {
 #[derive(Default)]
 pub(super) struct DraftFrames {
     pub inputs: Vec<Vec<Option<InputId>>>,
+    pub outputs: Vec<Vec<Option<OutputId>>>,
+}
+
+/// The signals of a device's channels, channel by channel.
+#[derive(Default)]
+pub(super) struct DraftAnalogue {
+    /// Those of its limits, and the one that says that there is no measurement.
+    pub inputs: Vec<(Vec<Option<InputId>>, Option<InputId>)>,
     pub outputs: Vec<Vec<Option<OutputId>>>,
 }
 
@@ -114,6 +123,16 @@ pub(super) struct DraftConsole {
     pub buttons: Vec<Option<InputId>>,
     /// Auto, hand, manual, fault.
     pub lamps: [Option<At<OutputId>>; 4],
+}
+
+impl Draft<'_> {
+    /// What the bits of an owner's image are called.
+    pub fn image(&self, owner: Owner) -> &Wiring {
+        match owner {
+            Owner::Station(id) => &self.stations[id.index()].wiring,
+            Owner::Console => &self.console.wiring,
+        }
+    }
 }
 
 impl DraftOperation<'_> {

@@ -9,7 +9,7 @@ use super::draft::{Draft, DraftConsole, DraftOperation, DraftSignals, DraftStati
 use super::raw::{At, Kind, RawTiming};
 use super::rules::node_id;
 use super::setup;
-use super::{drive, frames};
+use super::{analogue, drive, frames};
 use crate::{Arrow, Conflict, Console, Device, InputId, Line, Module, Operation, Panel, Signals, Station, Timing};
 
 /// The line a draft describes; `None` if a part is missing.
@@ -119,6 +119,7 @@ fn devices(draft: &Draft<'_>) -> Option<Vec<Device>> {
                 (Some(draft), Some(raw)) => Some(drive::finish(draft, raw)?),
                 _ => None,
             },
+            analogue: analogue::finish(&device.analogue, &raw.analogue, draft.image(device.owner?))?,
             frames: match (&device.frames, &raw.frames) {
                 (Some(draft), Some(raw)) => Some(frames::finish(draft, raw)?),
                 _ => None,

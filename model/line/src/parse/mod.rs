@@ -11,6 +11,7 @@
 //! No pass stops at a mistake. What could not be read is absent in the later passes and is passed over there, so that
 //! one run reports all that can be known, and none of it twice. The passes know nothing of nets or of running lines.
 
+mod analogue;
 mod draft;
 mod drive;
 mod finish;

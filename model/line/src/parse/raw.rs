@@ -175,6 +175,7 @@ pub(super) struct RawDevice {
     pub on_emergency: Option<At<Reaction>>,
     pub when_lost: Option<At<Reaction>>,
     pub drive: Option<RawDrive>,
+    pub analogue: RawAnalogue,
     pub frames: Option<RawFrames>,
 }
 
@@ -237,6 +238,64 @@ pub(super) struct RawHoming {
     pub offset: Option<At<f64>>,
     pub output: Option<Name>,
     pub done: Option<Name>,
+}
+
+/// The channels of a device.
+#[derive(Debug)]
+pub(super) struct RawAnalogue {
+    pub inputs: Vec<RawAnalogueInput>,
+    pub outputs: Vec<RawAnalogueOutput>,
+}
+
+#[derive(Debug)]
+pub(super) struct RawChannel {
+    pub at: Where,
+    pub number: Option<At<i64>>,
+    pub unit: Option<Name>,
+    pub factor: Option<At<f64>>,
+    pub offset: Option<At<f64>>,
+}
+
+#[derive(Debug)]
+pub(super) struct RawAnalogueInput {
+    pub channel: RawChannel,
+    pub least: Option<At<f64>>,
+    pub most: Option<At<f64>>,
+    pub inputs: Vec<RawLimit>,
+    pub broken: Option<Name>,
+    pub simulated: Option<RawLag>,
+}
+
+#[derive(Debug)]
+pub(super) struct RawLimit {
+    pub at: Where,
+    pub input: Option<Name>,
+    pub above: Option<At<f64>>,
+    pub below: Option<At<f64>>,
+    pub hysteresis: Option<At<f64>>,
+}
+
+#[derive(Debug)]
+pub(super) struct RawLag {
+    pub at: Where,
+    pub output: Option<Name>,
+    pub on: Option<At<f64>>,
+    pub off: Option<At<f64>>,
+    pub channel: Option<At<i64>>,
+    pub lag: Option<At<Duration>>,
+}
+
+#[derive(Debug)]
+pub(super) struct RawAnalogueOutput {
+    pub channel: RawChannel,
+    pub rest: Option<At<f64>>,
+    pub outputs: Vec<RawLevel>,
+}
+
+#[derive(Debug)]
+pub(super) struct RawLevel {
+    pub output: Option<Name>,
+    pub value: Option<At<f64>>,
 }
 
 #[derive(Debug)]

@@ -7,7 +7,7 @@ use super::draft::{DraftDevice, Wiring};
 use super::names::{Names, Table, tag};
 use super::problem::{Problem, Report};
 use super::raw::{At, Name, RawDevice, RawLine};
-use super::{drive, frames};
+use super::{analogue, drive, frames};
 use crate::{Bus, IMAGE_BITS, InputId, OutputId, Owner, StationId};
 
 /// One owner's image while it is being put together.
@@ -31,7 +31,8 @@ impl Owned<'_> {
         let names = |d: &RawDevice| {
             let drive = d.drive.iter().flat_map(drive::signals);
             let frames = d.frames.iter().flat_map(frames::signals);
-            d.inputs.iter().chain(&d.outputs).chain(drive).chain(frames).any(|bit| bit.value == name)
+            let channels = analogue::signals(&d.analogue);
+            d.inputs.iter().chain(&d.outputs).chain(drive).chain(frames).chain(channels).any(|bit| bit.value == name)
         };
         let device = self.raw.devices.iter().find(|device| names(device))?;
         match (&device.station, &device.console) {
@@ -67,7 +68,8 @@ pub(super) fn wire<'a>(
         };
         let drive = device.drive.as_ref().map(|drive| drive::wire(drive, axes, wires, report));
         let frames = device.frames.as_ref().map(|frames| frames::wire(frames, wires, report));
-        devices.push(DraftDevice { owner, bus, inputs, outputs, drive, frames });
+        let analogue = analogue::wire(&device.analogue, wires, report);
+        devices.push(DraftDevice { owner, bus, inputs, outputs, drive, analogue, frames });
         if owner.is_none() {
             nobody = Wires::default();
         }

@@ -2,7 +2,8 @@
 
 use super::fields::Fields;
 use super::{
-    ARROWS_MAX, CONFLICTS_MAX, DEVICE_BITS, DEVICES_MAX, SETTINGS_MAX, STATIONS_MAX, drive, frames, setup, station,
+    ARROWS_MAX, CONFLICTS_MAX, DEVICE_BITS, DEVICES_MAX, SETTINGS_MAX, STATIONS_MAX, analogue, drive, frames, setup,
+    station,
 };
 use crate::BUTTONS_MAX;
 use crate::parse::problem::{Problem, Report};
@@ -187,6 +188,7 @@ fn device(mut f: Fields<'_>, report: &mut Report) -> RawDevice {
         on_emergency: setup::reaction(&mut f, "on_emergency", report),
         when_lost: setup::reaction(&mut f, "when_lost", report),
         drive: f.table(report, "drive", "`drive`").map(|f| drive::drive(f, report)),
+        analogue: analogue::channels(&mut f, report),
         frames,
     };
     f.finish(report);

@@ -2,6 +2,7 @@
 //!
 //! Every list is bounded here, so that whatever a file contains, the later passes work on something of known size.
 
+mod analogue;
 mod drive;
 mod fields;
 mod frames;
@@ -31,6 +32,8 @@ const DEVICE_BITS: usize = 64;
 const SETTINGS_MAX: usize = 256;
 /// At most this many targets of one drive.
 const TARGETS_MAX: usize = 64;
+/// At most this many limits or values of one analogue channel.
+const LIMITS_MAX: usize = 64;
 /// At most this many messages of one device each way, and of signals in each that anything follows from.
 const SIGNALS_MAX: usize = 64;
 

@@ -49,7 +49,8 @@ pub(super) fn node_ids_are_unique_on_a_bus(draft: &Draft<'_>, report: &mut Repor
 
 pub(super) fn devices_carry_something(draft: &Draft<'_>, report: &mut Report) {
     for device in draft.raw.devices.iter().filter(|device| device.drive.is_none() && device.frames.is_none()) {
-        if device.inputs.iter().chain(&device.outputs).all(|bit| bit.value.is_empty()) {
+        let channels = device.analogue.inputs.len() + device.analogue.outputs.len();
+        if channels == 0 && device.inputs.iter().chain(&device.outputs).all(|bit| bit.value.is_empty()) {
             let at = device.name.as_ref().map_or(&device.at, |name| &name.at);
             report.add(
                 Problem::warning(at.clone(), "this device has no connected input or output")

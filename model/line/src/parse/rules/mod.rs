@@ -3,6 +3,7 @@
 //! Every rule reads the whole draft and reports on its own; where a part is missing because it could not be read or
 //! resolved, a rule passes over it in silence, since the reason has been reported already.
 
+mod analogue;
 mod arrows;
 mod causality;
 mod conflicts;
@@ -38,6 +39,7 @@ pub(super) fn check(draft: &Draft<'_>, report: &mut Report) {
     setups::check(draft, report);
     sync::check(draft, report);
     frames::check(draft, report);
+    analogue::check(draft, report);
     for station in &draft.stations {
         stations::station_has_operations(station, report);
         stations::panel_is_complete(station, report);

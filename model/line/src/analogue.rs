@@ -1,0 +1,242 @@
+//! Analogue channels of a device (CiA 401), bound to the bits of its owner's process image.
+//!
+//! To a station nothing changes: an input is on while a measured value is above or below a limit, an output that is on
+//! gives a channel its value. This is what the description says about it, in the channel's unit. How the 16 bits of a
+//! channel lie in a process data object a [`Field`] knows, as it does for other devices' signals.
+
+use crate::{Coding, Device, Field, InputId, OutputId, When};
+
+/// Channels of one device each way: CiA 401 gives its second to fourth process data objects four each.
+pub const CHANNELS_MAX: u8 = 12;
+/// Channels in one process data object: four of 16 bits.
+const IN_ONE: u8 = 4;
+
+/// The analogue channels of a device.
+#[derive(Clone, Debug, Default, PartialEq)]
+pub struct Analogue {
+    /// Channels that are measured, each once.
+    pub inputs: Vec<AnalogueInput>,
+    /// Channels that are set, each once.
+    pub outputs: Vec<AnalogueOutput>,
+}
+
+/// Which channel it is, and what its number means.
+#[derive(Clone, Debug, PartialEq)]
+pub struct Channel {
+    /// 1 to [`CHANNELS_MAX`]: the subindex of object 6401h or 6411h.
+    pub number: u8,
+    /// What it is measured in, for people; may be empty.
+    pub unit: String,
+    /// What a step of the number is worth; not 0.
+    pub factor: f64,
+    /// What 0 is worth.
+    pub offset: f64,
+}
+
+/// A channel that is measured.
+#[derive(Clone, Debug, PartialEq)]
+pub struct AnalogueInput {
+    /// Which, and what its number means.
+    pub channel: Channel,
+    /// A value below it is no measurement.
+    pub least: Option<f64>,
+    /// A value above it is no measurement.
+    pub most: Option<f64>,
+    /// Inputs, and when they are on: [`When::Above`] or [`When::Below`].
+    pub inputs: Vec<(InputId, When)>,
+    /// The input that is on while there is no measurement. Without one the owner's inputs are then invalid.
+    pub broken: Option<InputId>,
+    /// What a simulated plant has behind it. Without one its value is such that its inputs are what the mechanisms say.
+    pub simulated: Option<Lag>,
+}
+
+/// A channel that is set.
+#[derive(Clone, Debug, PartialEq)]
+pub struct AnalogueOutput {
+    /// Which, and what its number means.
+    pub channel: Channel,
+    /// Its value while none of its outputs is on, or more than one; and what the device puts it to by itself.
+    pub rest: f64,
+    /// Its values while one of them is on.
+    pub outputs: Vec<(OutputId, f64)>,
+}
+
+/// What a simulated plant has behind a measured channel: a value that goes to another with a delay of first order.
+#[derive(Clone, Debug, PartialEq)]
+pub struct Lag {
+    /// What it follows.
+    pub follows: Follows,
+    /// After this time it has done 63 % of its way.
+    pub time_constant: std::time::Duration,
+}
+
+/// What a simulated value follows.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub enum Follows {
+    /// An output of the owner.
+    Output {
+        /// The output.
+        output: OutputId,
+        /// The value while it is on.
+        on: f64,
+        /// The value while it is off.
+        off: f64,
+    },
+    /// An analogue output of the same device, by its number.
+    Channel(u8),
+}
+
+impl Channel {
+    /// Which process data object carries it, 2 to 4.
+    pub fn pdo(&self) -> u8 {
+        2 + self.number.saturating_sub(1) / IN_ONE
+    }
+
+    /// Where its 16 bits lie in that, and what they mean.
+    pub fn field(&self) -> Field {
+        let start = self.number.saturating_sub(1) % IN_ONE * 16;
+        let (factor, offset) = (self.factor, self.offset);
+        Field { start, size: 16, motorola: false, coding: Coding::Signed, factor, offset }
+    }
+
+    /// The number that is worth `value`, or what comes nearest; `None` if it is beyond 16 bits.
+    pub fn number_of(&self, value: f64) -> Option<i16> {
+        self.field().bits(value).map(|bits| bits as u16 as i16)
+    }
+
+    /// What a number is worth.
+    pub fn value_of(&self, number: i16) -> f64 {
+        f64::from(number) * self.factor + self.offset
+    }
+
+    /// A value in words, with as many decimals as the channel tells apart.
+    pub fn text(&self, value: f64) -> String {
+        let decimals = (-self.factor.abs().log10()).ceil().clamp(0.0, 6.0) as usize;
+        let unit = if self.unit.is_empty() { String::new() } else { format!(" {}", self.unit) };
+        format!("{value:.decimals$}{unit}")
+    }
+}
+
+impl AnalogueInput {
+    /// Whether a number is a measurement. The ends of the range are none, whatever the limits: a converter that has run
+    /// out of its range, or has lost its wire, stands there.
+    pub fn is_measured(&self, number: i16) -> bool {
+        let value = self.channel.value_of(number);
+        number != i16::MIN
+            && number != i16::MAX
+            && self.least.is_none_or(|least| value >= least)
+            && self.most.is_none_or(|most| value <= most)
+    }
+
+    /// Whether an input that is now `on` is on with this number.
+    pub fn holds(&self, when: When, number: i16, on: bool) -> bool {
+        when.holds(&self.channel.field(), u64::from(number as u16), on)
+    }
+}
+
+impl AnalogueOutput {
+    /// Its value for an image of its owner's outputs.
+    pub fn value(&self, image: u128) -> f64 {
+        let is_on = |output: &OutputId| u32::from(output.0) < 128 && image >> output.0 & 1 == 1;
+        let mut on = self.outputs.iter().filter(|(output, _)| is_on(output));
+        match (on.next(), on.next()) {
+            (Some((_, value)), None) => *value,
+            _ => self.rest,
+        }
+    }
+
+    /// That as a number.
+    pub fn number(&self, image: u128) -> i16 {
+        // The description's rules let no value be beyond the range; were one, the channel stays at rest.
+        self.channel.number_of(self.value(image)).unwrap_or_else(|| self.at_rest())
+    }
+
+    /// The number it rests at.
+    pub fn at_rest(&self) -> i16 {
+        self.channel.number_of(self.rest).unwrap_or(0)
+    }
+}
+
+impl Analogue {
+    /// Whether there is no channel.
+    pub fn is_empty(&self) -> bool {
+        self.inputs.is_empty() && self.outputs.is_empty()
+    }
+
+    /// Every input of its owner that a measured value turns on and off.
+    pub fn carried_inputs(&self) -> impl Iterator<Item = InputId> {
+        self.inputs.iter().flat_map(|channel| channel.inputs.iter().map(|(input, _)| *input).chain(channel.broken))
+    }
+
+    /// Every output of its owner that gives a channel its value.
+    pub fn carried_outputs(&self) -> impl Iterator<Item = OutputId> {
+        self.outputs.iter().flat_map(|channel| channel.outputs.iter().map(|(output, _)| *output))
+    }
+}
+
+impl Device {
+    /// The object of the analogue channel that turns an input on and off, and how; `None` if none does.
+    pub(crate) fn analogue_source(&self, input: InputId) -> Option<String> {
+        self.analogue.inputs.iter().find_map(|own| {
+            let (channel, number) = (&own.channel, own.channel.number);
+            if own.broken == Some(input) {
+                return Some(format!("6401h:{number:02X} is no measurement"));
+            }
+            let (_, when) = own.inputs.iter().find(|(bound, _)| *bound == input)?;
+            let limit = match when {
+                When::Above { at, .. } => format!(" above {}", channel.text(*at)),
+                When::Below { at, .. } => format!(" below {}", channel.text(*at)),
+                When::NotZero | When::Equals(_) | When::Bit(_) => String::new(),
+            };
+            Some(format!("6401h:{number:02X}{limit}"))
+        })
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    fn channel(number: u8, factor: f64, offset: f64) -> Channel {
+        Channel { number, unit: "bar".to_owned(), factor, offset }
+    }
+
+    #[test]
+    fn channels_lie_four_to_a_process_data_object() {
+        let place = |number| (channel(number, 1.0, 0.0).pdo(), channel(number, 1.0, 0.0).field().start);
+        assert_eq!([1, 4, 5, 8, 9, 12].map(place), [(2, 0), (2, 48), (3, 0), (3, 48), (4, 0), (4, 48)]);
+    }
+
+    #[test]
+    fn numbers_and_values_are_each_others_inverse() {
+        for (factor, offset) in [(0.01, 0.0), (-0.5, 3.0), (2.5, -1000.0), (1.0 / 3.0, 0.1)] {
+            let channel = channel(1, factor, offset);
+            for number in i16::MIN..=i16::MAX {
+                assert_eq!(channel.number_of(channel.value_of(number)), Some(number), "{factor} {offset}");
+            }
+            assert_eq!(channel.number_of(factor * 32768.0 + offset), None);
+        }
+        assert_eq!(channel(1, 0.01, 0.0).text(5.0), "5.00 bar");
+        assert_eq!(channel(1, 20.0, 0.0).text(-40.0), "-40 bar");
+    }
+
+    #[test]
+    fn a_channel_rests_while_none_or_two_of_its_outputs_are_on() {
+        let outputs = vec![(OutputId(0), 3.5), (OutputId(5), 6.0)];
+        let output = AnalogueOutput { channel: channel(1, 0.01, 0.0), rest: 0.5, outputs };
+        assert_eq!([0, 1, 1 << 5, 1 | 1 << 5, 1 << 4].map(|image| output.number(image)), [50, 350, 600, 50, 50]);
+    }
+
+    #[test]
+    fn the_ends_of_the_range_and_what_is_beyond_the_limits_is_no_measurement() {
+        let channel = channel(1, 0.001, 0.0);
+        let (inputs, broken, simulated) = (Vec::new(), None, None);
+        let mut input = AnalogueInput { channel, least: None, most: None, inputs, broken, simulated };
+        let measured = |input: &AnalogueInput| {
+            [i16::MIN, -32767, 3599, 3600, 21000, 21001, 32766, i16::MAX].map(|number| input.is_measured(number))
+        };
+        assert_eq!(measured(&input), [false, true, true, true, true, true, true, false]);
+        (input.least, input.most) = (Some(3.6), Some(21.0));
+        assert_eq!(measured(&input), [false, false, false, true, true, false, false, false]);
+    }
+}
