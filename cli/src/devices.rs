@@ -118,6 +118,7 @@ mod tests {
             outputs: Vec::new(),
             setup: Setup::default(),
             drive: None,
+            analogue: Default::default(),
             frames: None,
         }
     }

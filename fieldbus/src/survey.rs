@@ -67,10 +67,14 @@ impl Survey {
         match message {
             Message::Heartbeat { node, state } => self.of(now, node).heartbeat(now, state),
             Message::Emergency { node, emergency } => self.of(now, node).emergency = Some((now, emergency)),
-            Message::Tpdo1 { node, .. } => self.of(now, node).inputs += 1,
+            Message::Tpdo1 { node, .. } | Message::Tpdo { node, .. } => self.of(now, node).inputs += 1,
             Message::SdoResponse { node, .. } => _ = self.of(now, node),
             // Sent to a node, not by it.
-            Message::Nmt { .. } | Message::Sync { .. } | Message::Rpdo1 { .. } | Message::SdoRequest { .. } => {
+            Message::Nmt { .. }
+            | Message::Sync { .. }
+            | Message::Rpdo1 { .. }
+            | Message::Rpdo { .. }
+            | Message::SdoRequest { .. } => {
                 self.other += 1;
             }
         }

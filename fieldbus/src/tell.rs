@@ -45,6 +45,12 @@ pub fn tell(frame: &Frame, names: &Names) -> String {
         Message::Emergency { node, emergency } => format!("{}: emergency {emergency}", names.name(node)),
         Message::Tpdo1 { node, payload } => format!("{}: inputs {}", names.name(node), bits(payload)),
         Message::Rpdo1 { node, payload } => format!("to {}: outputs {}", names.name(node), bits(payload)),
+        Message::Tpdo { node, number, payload } => {
+            format!("{}: analogue inputs {}", names.name(node), channels(number, payload))
+        }
+        Message::Rpdo { node, number, payload } => {
+            format!("to {}: analogue outputs {}", names.name(node), channels(number, payload))
+        }
         Message::SdoRequest { node, raw } => format!("to {}: {}", names.name(node), asked(&raw)),
         Message::SdoResponse { node, raw } => format!("{}: {}", names.name(node), answered(&raw)),
         Message::Heartbeat { node, state } => format!("{}: {}", names.name(node), state_name(state)),
@@ -106,6 +112,14 @@ fn bits(payload: Payload) -> String {
     if groups.is_empty() { "none".to_owned() } else { groups.join(" ") }
 }
 
+/// The numbers of the channels of one object, each with its channel.
+fn channels(object: u8, payload: Payload) -> String {
+    let first = usize::from(object.saturating_sub(2)) * 4 + 1;
+    let numbers = payload.bytes().chunks_exact(2).map(|pair| i16::from_le_bytes([pair[0], pair[1]]));
+    let each: Vec<String> = (first..).zip(numbers).map(|(channel, number)| format!("{channel}: {number}")).collect();
+    if each.is_empty() { "none".to_owned() } else { each.join(", ") }
+}
+
 /// Tells frames that say what their sender said before from those that say something new.
 #[derive(Clone, Debug, Default)]
 pub struct News {
@@ -117,7 +131,13 @@ impl News {
     /// Whether a frame says something new: heartbeats that change nothing and repeated process data do not.
     pub fn is_news(&mut self, frame: &Frame) -> bool {
         match Message::decode(frame) {
-            Ok(Message::Heartbeat { .. } | Message::Tpdo1 { .. } | Message::Rpdo1 { .. }) => {}
+            Ok(
+                Message::Heartbeat { .. }
+                | Message::Tpdo1 { .. }
+                | Message::Tpdo { .. }
+                | Message::Rpdo1 { .. }
+                | Message::Rpdo { .. },
+            ) => {}
             Ok(Message::Sync { .. }) => return false,
             _ => return true,
         }

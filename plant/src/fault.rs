@@ -15,6 +15,10 @@ pub const TROUBLE_INDEX: u16 = 0x5F02;
 /// say, like a relay whose contacts have welded or broken. 0 off, 1 on, 2 lets go.
 pub const STUCK_INDEX: u16 = 0x5F03;
 
+/// Manufacturer object 5F04h of a simulated device: subindex n holds analogue input n at a number, whatever is measured.
+/// 0 to FFFFh are its 16 bits, 10000h lets go.
+pub const HOLD_INDEX: u16 = 0x5F04;
+
 /// What goes wrong with one motion. Lasts until it is cleared.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Hash)]
 pub enum Fault {

@@ -97,7 +97,8 @@ impl Rack {
                 }
                 _ => {
                     let (inputs, outputs) = (device.inputs.len(), device.outputs.len());
-                    Node::Io(Box::new(DeviceNode::new(now, id, inputs, outputs, &line.timing)))
+                    let node = DeviceNode::new(now, id, inputs, outputs, &line.timing);
+                    Node::Io(Box::new(node.with_channels(&device.analogue)))
                 }
             };
             slots.push(Slot::of(device, node));
@@ -286,7 +287,8 @@ impl Rack {
             });
             let plain = self.slots.iter().filter(|slot| slot.device.owner == *owner).map(|slot| match &slot.node {
                 Node::Plain(node) => node.outputs(),
-                Node::Io(_) | Node::Drive(..) => 0,
+                Node::Io(node) => node.analogue_outputs(),
+                Node::Drive(..) => 0,
             });
             let plain = plain.fold(0, |all, outputs| all | outputs);
             let image = on.fold(plain, |image, output| image | bit(output.index()));
@@ -309,6 +311,7 @@ impl Rack {
             let bits = on.fold(0, |bits, (at, _)| bits | 1 << at);
             let mut outbox = DeviceOutbox::default();
             node.set_inputs(now, bits, &mut outbox);
+            node.set_plant(now, image, self.plant.outputs(slot.device.owner), &mut outbox);
             slot.send(&mut outbox.frames, out);
         }
     }

@@ -79,6 +79,26 @@ pub enum Message {
         /// Bit `i` is output `i`.
         payload: Payload,
     },
+    /// Second to fourth transmit PDO, COB-ID 0x280, 0x380 and 0x480 + node: the device's analogue inputs (default
+    /// mapping of CiA 401).
+    Tpdo {
+        /// Whose inputs.
+        node: NodeId,
+        /// Which PDO, 2 to 4.
+        number: u8,
+        /// Four channels of 16 bits.
+        payload: Payload,
+    },
+    /// Second to fourth receive PDO, COB-ID 0x300, 0x400 and 0x500 + node: the device's analogue outputs (default
+    /// mapping of CiA 401).
+    Rpdo {
+        /// Whose outputs.
+        node: NodeId,
+        /// Which PDO, 2 to 4.
+        number: u8,
+        /// Four channels of 16 bits.
+        payload: Payload,
+    },
     /// SDO answer, COB-ID 0x580 + node (CiA 301 §7.2.4). What it says depends on the transfer under way:
     /// [`sdo::Client`](crate::sdo::Client) knows.
     SdoResponse {
@@ -159,6 +179,13 @@ const SYNC: u16 = 0x080;
 const EMERGENCY: u16 = 0x080;
 const TPDO1: u16 = 0x180;
 const RPDO1: u16 = 0x200;
+/// Those of the second to fourth are 0x100 apart.
+const TPDO2: u16 = 0x280;
+const TPDO3: u16 = 0x380;
+const TPDO4: u16 = 0x480;
+const RPDO2: u16 = 0x300;
+const RPDO3: u16 = 0x400;
+const RPDO4: u16 = 0x500;
 const SDO_RESPONSE: u16 = 0x580;
 const SDO_REQUEST: u16 = 0x600;
 const HEARTBEAT: u16 = 0x700;
@@ -180,6 +207,12 @@ impl Message {
             (EMERGENCY, Some(node)) => emcy::decode(cob_id, node, data),
             (TPDO1, Some(node)) => Ok(Message::Tpdo1 { node, payload: Payload::of(data) }),
             (RPDO1, Some(node)) => Ok(Message::Rpdo1 { node, payload: Payload::of(data) }),
+            (base @ (TPDO2 | TPDO3 | TPDO4), Some(node)) => {
+                Ok(Message::Tpdo { node, number: number(base, TPDO2), payload: Payload::of(data) })
+            }
+            (base @ (RPDO2 | RPDO3 | RPDO4), Some(node)) => {
+                Ok(Message::Rpdo { node, number: number(base, RPDO2), payload: Payload::of(data) })
+            }
             (SDO_RESPONSE, Some(node)) => Ok(Message::SdoResponse { node, raw: eight(cob_id, data)? }),
             (SDO_REQUEST, Some(node)) => Ok(Message::SdoRequest { node, raw: eight(cob_id, data)? }),
             (HEARTBEAT, Some(node)) => {
@@ -198,6 +231,8 @@ impl Message {
             Message::Emergency { node, emergency } => frame(EMERGENCY, Some(*node), &emergency.to_bytes()),
             Message::Tpdo1 { node, payload } => frame(TPDO1, Some(*node), payload.bytes()),
             Message::Rpdo1 { node, payload } => frame(RPDO1, Some(*node), payload.bytes()),
+            Message::Tpdo { node, number, payload } => frame(base(TPDO2, *number), Some(*node), payload.bytes()),
+            Message::Rpdo { node, number, payload } => frame(base(RPDO2, *number), Some(*node), payload.bytes()),
             Message::SdoResponse { node, raw } => frame(SDO_RESPONSE, Some(*node), raw),
             Message::SdoRequest { node, raw } => frame(SDO_REQUEST, Some(*node), raw),
             Message::Heartbeat { node, state } => frame(HEARTBEAT, Some(*node), &[state.code()]),
@@ -209,6 +244,16 @@ impl Message {
 fn frame(base: u16, node: Option<NodeId>, data: &[u8]) -> Frame {
     let cob_id = base | u16::from(node.map_or(0, NodeId::get));
     Frame::data_frame(cob_id, data).expect("every message fits an 11-bit identifier and eight bytes")
+}
+
+/// Which PDO has a COB-ID, that of the second being `second`.
+fn number(cob_id: u16, second: u16) -> u8 {
+    ((cob_id - second) / 0x100) as u8 + 2
+}
+
+/// And back; beyond the second to the fourth there is none.
+fn base(second: u16, number: u8) -> u16 {
+    second + 0x100 * u16::from(number.clamp(2, 4) - 2)
 }
 
 /// SDO frames always have eight bytes (CiA 301 §7.2.4.3).

@@ -283,6 +283,6 @@ pub(super) fn plan(node: NodeId, device: &Device, process: &Process, timing: &Ti
     // What the description says comes first: what the safety of a drive rests on comes after it, and stays.
     let described = device.setup.settings.iter().map(|own| Setting::new(own.index, own.sub, own.data.clone()));
     let described = described.chain(super::sync::settings(device, timing));
-    let settings = described.chain([produce]).chain(consume).chain(process.settings(node));
+    let settings = described.chain([produce]).chain(consume).chain(process.settings(node, &device.setup.settings));
     Plan { identity: device.setup.identity, settings: settings.collect() }
 }

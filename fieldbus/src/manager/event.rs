@@ -7,6 +7,7 @@ use linewright_line::{FrameId, Owner};
 
 use super::boot::BootError;
 use super::bus_off::{BUS_OFF, RESTARTED};
+use super::channels::ChannelFault;
 use super::errors::bits;
 use super::flood::{FRAMES_MAX, WINDOW};
 use super::plain::FrameFault;
@@ -46,6 +47,13 @@ pub enum Event {
         node: NodeId,
         /// For how long.
         silent_for: Duration,
+    },
+    /// Nothing follows any more from an analogue channel of the device, and with it from the device.
+    ChannelFault {
+        /// Which.
+        node: NodeId,
+        /// Why.
+        fault: ChannelFault,
     },
     /// A device that speaks no CANopen is live: all its messages come.
     FramesUp {
@@ -203,6 +211,7 @@ impl fmt::Display for Event {
             Event::NoSync { node, silent_for } => {
                 write!(f, "node {node} hears no SYNC: its inputs have not come for {} ms", silent_for.as_millis())
             }
+            Event::ChannelFault { node, fault } => write!(f, "node {node} is not trusted: {fault}"),
             Event::FramesUp { id } => write!(f, "the sender of {id} is live"),
             Event::FramesLost { id, silent_for, why } => {
                 write!(f, "the sender of {id} is lost: nothing of it for {} ms: {why}", silent_for.as_millis())

@@ -19,7 +19,7 @@ pub(super) fn scatter(image: u128, map: &[Option<OutputId>]) -> u64 {
 }
 
 /// Bit `index` of an image, nothing beyond its width.
-fn image_bit(index: usize) -> u128 {
+pub(super) fn image_bit(index: usize) -> u128 {
     u32::try_from(index).ok().and_then(|index| 1u128.checked_shl(index)).unwrap_or(0)
 }
 

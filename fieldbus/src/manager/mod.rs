@@ -12,6 +12,7 @@
 
 mod boot;
 mod bus_off;
+mod channels;
 mod errors;
 mod event;
 mod flood;
@@ -33,6 +34,7 @@ use linewright_line::{Device, FrameId, Owner, Tick, Timing};
 use thiserror::Error;
 
 pub use boot::BootError;
+pub use channels::ChannelFault;
 pub use event::{Event, IgnoreReason, Outbox};
 pub use plain::FrameFault;
 pub use request::{Answer, Ask, AskError};
@@ -233,7 +235,12 @@ impl Manager {
             }
             Message::Tpdo1 { node, payload } => {
                 self.with_peer(now, node, frame, out, |peer, out| {
-                    peer.unless_babbling(now, out, |peer, out| peer.inputs_heard(now, payload, out))
+                    peer.unless_babbling(now, out, |peer, out| peer.inputs_heard(now, 1, payload, out))
+                });
+            }
+            Message::Tpdo { node, number, payload } => {
+                self.with_peer(now, node, frame, out, |peer, out| {
+                    peer.unless_babbling(now, out, |peer, out| peer.inputs_heard(now, number, payload, out))
                 });
             }
             Message::Emergency { node, emergency } => {
@@ -249,7 +256,11 @@ impl Manager {
                 self.with_peer(now, node, frame, out, |peer, out| peer.sdo_answer(now, &raw, out));
             }
             // Orders and outputs from a technician's tool or another client; the devices answer for themselves.
-            Message::Nmt { .. } | Message::Sync { .. } | Message::Rpdo1 { .. } | Message::SdoRequest { .. } => {
+            Message::Nmt { .. }
+            | Message::Sync { .. }
+            | Message::Rpdo1 { .. }
+            | Message::Rpdo { .. }
+            | Message::SdoRequest { .. } => {
                 self.ignored[IgnoreReason::NotForManager as usize] += 1;
             }
         }

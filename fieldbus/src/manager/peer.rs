@@ -20,6 +20,7 @@ use std::time::Duration;
 use linewright_line::{Device, Owner, Reaction, Tick, Timing};
 
 use super::boot::{Boot, BootError, DEVICE_TYPE, Plan, plan};
+use super::channels::Channels;
 use super::errors::Errors;
 use super::event::{Event, IgnoreReason, Outbox};
 use super::flood::{Budget, Flood};
@@ -92,7 +93,7 @@ pub(super) struct Peer {
     pub(super) beat: Option<Tick>,
     /// Why it was last lost; `None` while it is operational, or was never lost.
     pub(super) why: Option<Why>,
-    /// When it last sent its inputs; `None` since the last boot or loss.
+    /// When it last sent its first process data object; `None` since the last boot or loss.
     pub(super) updated: Option<Tick>,
     /// When it was last sent its outputs; `None` since the last boot or loss.
     pub(super) sent: Option<Tick>,
@@ -104,7 +105,7 @@ pub(super) struct Peer {
 
 impl Peer {
     pub(super) fn new(node: NodeId, device: &Device, timing: &Timing) -> Self {
-        let process = Process::of(device);
+        let process = Process::of(device, timing);
         Peer {
             node,
             name: device.name.clone(),
@@ -138,6 +139,7 @@ impl Peer {
             && now.since(self.heard) < self.timeout
             && !self.errors.stand()
             && (!self.process.has_inputs() || self.updated.is_some())
+            && self.process.fault(now).is_none()
     }
 
     /// It was lost because its heartbeat stopped, and none has come since.
@@ -152,7 +154,7 @@ impl Peer {
     }
 
     pub(super) fn updated(&self) -> Option<Tick> {
-        self.updated
+        self.updated.max(self.process.channels().and_then(Channels::updated))
     }
 
     pub(super) fn is_operational(&self) -> bool {
@@ -222,8 +224,9 @@ impl Peer {
                     self.send_outputs(now, out);
                 }
                 self.send_if_wanted(now, out);
-                if news {
-                    return Outcome::Inputs;
+                match self.judge_channels(now, out) {
+                    Outcome::Unchanged if news => return Outcome::Inputs,
+                    outcome => return outcome,
                 }
             }
             _ => {}
@@ -281,8 +284,9 @@ impl Peer {
         }
     }
 
+    /// Takes its first process data object (its bits, or a drive's words), or one with channels, 2 to 4.
     /// Only an operational device sends process data (CiA 301 §7.3.2.2), so hearing it is as good as being told.
-    pub(super) fn inputs_heard(&mut self, now: Tick, payload: Payload, out: &mut Outbox) -> Outcome {
+    pub(super) fn inputs_heard(&mut self, now: Tick, object: u8, payload: Payload, out: &mut Outbox) -> Outcome {
         match &self.phase {
             // Without heartbeats nobody would notice its end: process data alone do not make up for them. It is asked
             // and configured anew as one that is absent.
@@ -300,16 +304,20 @@ impl Peer {
             }
             Phase::Starting { .. } | Phase::Operational => {}
         }
-        if self.process.take(now, payload).is_err() {
-            return Outcome::Ignored(IgnoreReason::ShortPdo);
+        match self.process.take(now, object, payload) {
+            Ok(()) if object == 1 => self.updated = Some(now),
+            Ok(()) => {}
+            Err(why) => return Outcome::Ignored(why),
         }
-        self.updated = Some(now);
         if !self.is_operational() {
             return self.up(now, out);
         }
         // What it says may call for an answer: a drive's handshake.
         self.send_if_wanted(now, out);
-        Outcome::Inputs
+        match self.judge_channels(now, out) {
+            Outcome::Unchanged => Outcome::Inputs,
+            news => news,
+        }
     }
 
     /// Eight bytes of its SDO server. Those of a transfer between others are none of the manager's business.
@@ -377,8 +385,8 @@ impl Peer {
     /// would believe it has the outputs.
     pub(super) fn send_outputs(&mut self, now: Tick, out: &mut Outbox) {
         if self.is_operational() && self.process.has_outputs() {
-            let payload = self.process.give();
-            out.frames.push(self.rpdo(payload));
+            let node = self.node;
+            self.process.give(|object, payload| out.frames.push(rpdo(node, object, payload)));
             self.sent = Some(now);
         }
     }
@@ -386,12 +394,8 @@ impl Peer {
     /// Lets go of all outputs, whatever state it is in.
     pub(super) fn send_rest(&self, out: &mut Outbox) {
         if self.process.has_outputs() {
-            out.frames.push(self.rpdo(self.process.rest()));
+            self.process.rest(|object, payload| out.frames.push(rpdo(self.node, object, payload)));
         }
-    }
-
-    fn rpdo(&self, payload: Payload) -> crate::Frame {
-        Message::Rpdo1 { node: self.node, payload }.encode()
     }
 
     /// Writes an object that it needs written while it runs.
@@ -477,3 +481,12 @@ impl Peer {
 /// How often a device is booted and ordered to start: a few times at once, and then twice a second or so. What goes on
 /// faster than that does not go on.
 const ORDERS: Budget = Budget::new(20, Duration::from_millis(200));
+
+/// A process data object for a device: its first, or one with channels, 2 to 4.
+fn rpdo(node: NodeId, object: u8, payload: Payload) -> crate::Frame {
+    match object {
+        1 => Message::Rpdo1 { node, payload },
+        number => Message::Rpdo { node, number, payload },
+    }
+    .encode()
+}

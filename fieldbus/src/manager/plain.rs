@@ -17,8 +17,9 @@ use std::time::Duration;
 use embedded_can::{ExtendedId, Frame as _, Id, StandardId};
 use linewright_line::{Device, FrameBinding, FrameId, HeardFrame, Owner, Tick, ToldFrame};
 
+use super::channels::Channels;
 use super::event::{Event, IgnoreReason, Outbox};
-use super::peer::Outcome;
+use super::peer::{Outcome, Peer};
 use super::{Manager, ManagerError};
 use crate::frame::{Frame, Kind};
 
@@ -301,10 +302,13 @@ impl Manager {
                 }
                 let node = id.id & 0x7F;
                 let of_node = matches!(id.id & 0x780, 0x080 | 0x180 | 0x200 | 0x580 | 0x600 | 0x700);
+                let of_channels = matches!(id.id & 0x780, 0x280 | 0x300 | 0x380 | 0x400 | 0x480 | 0x500);
                 if id.id == 0 || id.id == 0x080 || id.id == 0x77F {
                     return refuse("the manager".to_owned());
                 }
-                if let Some(peer) = self.peers.iter().find(|peer| of_node && u32::from(peer.node.get()) == node) {
+                let uses =
+                    |peer: &&Peer| of_node || of_channels && peer.process.channels().is_some_and(Channels::is_any);
+                if let Some(peer) = self.peers.iter().filter(uses).find(|peer| u32::from(peer.node.get()) == node) {
                     return refuse(format!("device `{}`", peer.name));
                 }
             }

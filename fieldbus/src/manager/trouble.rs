@@ -73,7 +73,8 @@ impl Peer {
             Phase::Operational if self.errors.stand() => {
                 format!("operational, but not trusted: {}", self.distrusted(now))
             }
-            Phase::Operational => match self.updated {
+            Phase::Operational if self.process.fault(now).is_some() => self.distrusted(now),
+            Phase::Operational => match self.updated() {
                 Some(at) => {
                     let heard = now.since(at).as_millis();
                     let error = self.errors.explain(self.process.profile());
@@ -134,7 +135,13 @@ impl Peer {
         if let Some(error) = self.errors.explain(self.process.profile()).filter(|_| self.errors.stand()) {
             return error;
         }
-        format!("operational, but its inputs (TPDO1, {:03X}h) have not come yet", 0x180 + u16::from(self.node.get()))
+        match self.process.fault(now).filter(|_| !self.process.has_inputs() || self.updated.is_some()) {
+            Some(fault) => format!("operational, but {fault}"),
+            None => {
+                let id = 0x180 + u16::from(self.node.get());
+                format!("operational, but its inputs (TPDO1, {id:03X}h) have not come yet")
+            }
+        }
     }
 
     /// That it is not heard, and since when.

@@ -10,6 +10,7 @@
 //! which is zero unless somebody has set another. Coming back does not restore outputs: that takes a new PDO from
 //! whoever is in charge.
 
+mod channels;
 mod comm;
 mod drive;
 mod identity;
@@ -23,10 +24,11 @@ mod trouble;
 
 use linewright_fieldbus::Frame;
 use linewright_fieldbus::codec::{Message, NmtState, NodeId, Payload};
-use linewright_line::{Tick, Timing};
+use linewright_line::{Analogue, Tick, Timing};
 
 use crate::fault::{DeviceFault, Fault};
 use crate::wire::FrameFaults;
+use channels::Channels;
 use comm::{Change, Comm};
 pub use drive::DriveNode;
 use on_error::OnError;
@@ -96,6 +98,7 @@ pub struct DeviceNode {
     on_error: OnError,
     sync_watch: SyncWatch,
     next_inputs: Tick,
+    channels: Channels,
 }
 
 impl DeviceNode {
@@ -115,12 +118,45 @@ impl DeviceNode {
             on_error: OnError::new(output_count),
             sync_watch: SyncWatch::default(),
             next_inputs: Tick::NEVER,
+            channels: Channels::new(node, &Analogue::default()),
         }
+    }
+
+    /// The same with analogue channels.
+    pub fn with_channels(self, analogue: &Analogue) -> Self {
+        DeviceNode { channels: Channels::new(self.comm.node, analogue), ..self }
     }
 
     /// Its outputs now; bit `i` is output `i`.
     pub fn outputs(&self) -> u64 {
         self.outputs
+    }
+
+    /// The outputs of its owner's image that are on by an analogue channel's value.
+    pub fn analogue_outputs(&self) -> u128 {
+        self.channels.outputs()
+    }
+
+    /// The number an analogue output is at, by its channel.
+    pub fn analogue_output(&self, channel: u8) -> Option<i16> {
+        self.channels.output(channel)
+    }
+
+    /// Holds an analogue input at a number, whatever is measured, or lets go.
+    pub fn hold(&mut self, channel: u8, number: Option<i16>) {
+        self.channels.hold(channel, number);
+    }
+
+    /// What is behind its analogue channels at `now`: what its owner's inputs would be, and which outputs are on.
+    pub fn set_plant(&mut self, now: Tick, inputs: u128, outputs: u128, out: &mut DeviceOutbox) {
+        self.channels.behind(now, inputs, outputs);
+        self.poll_channels(now, out);
+    }
+
+    fn poll_channels(&mut self, now: Tick, out: &mut DeviceOutbox) {
+        let Comm { node, .. } = self.comm;
+        let (comm, sends) = (&self.comm, self.comm.is_operational());
+        self.channels.poll(now, sends, |number, payload| comm.send(&Message::Tpdo { node, number, payload }, out));
     }
 
     /// The state it reports of itself.
@@ -131,6 +167,9 @@ impl DeviceNode {
     /// Makes it fail, or work again (`None`). A silent device goes on by itself: unplugged from the bus it still
     /// misses its manager, and lets go of its outputs.
     pub fn inject(&mut self, now: Tick, fault: Option<DeviceFault>) {
+        if fault.is_none() {
+            self.channels.release();
+        }
         let change = self.comm.inject(now, fault, self.on_error.behaviour);
         self.react(now, change, &mut DeviceOutbox::default());
     }
@@ -153,6 +192,11 @@ impl DeviceNode {
             Message::SdoRequest { node, raw } if node == self.comm.node => serve::serve(self, now, &raw, out),
             _ if !self.comm.hears() => {}
             Message::Rpdo1 { node, payload } if node == self.comm.node => self.take_outputs(payload, out),
+            Message::Rpdo { node, number, payload } if node == self.comm.node => {
+                if self.comm.is_operational() && !self.channels.take(number, payload) {
+                    self.comm.report(PDO_LENGTH, 0, out);
+                }
+            }
             Message::Sync { .. } => self.sync(now, out),
             message => {
                 let change = self.comm.handle(now, &message, self.on_error.behaviour, out);
@@ -176,12 +220,18 @@ impl DeviceNode {
                 self.send_inputs(now, out);
             }
         }
+        self.poll_channels(now, out);
         serve::poll(&mut self.comm, now, out);
     }
 
     /// When [`DeviceNode::poll`] has something to do next.
     pub fn next_deadline(&self) -> Option<Tick> {
-        let first = self.comm.next_deadline().min(self.next_inputs).min(self.sync_watch.deadline());
+        let first = self
+            .comm
+            .next_deadline()
+            .min(self.next_inputs)
+            .min(self.sync_watch.deadline())
+            .min(self.channels.deadline());
         (first != Tick::NEVER).then_some(first)
     }
 
@@ -194,6 +244,7 @@ impl DeviceNode {
                 }
                 // What the inputs are is news to whoever just started it.
                 self.unsent = true;
+                self.channels.started();
                 if self.inputs_pdo.by_event() {
                     self.send_inputs(now, out);
                 }
@@ -210,6 +261,7 @@ impl DeviceNode {
         self.inputs_pdo = Pdo::of_inputs(self.comm.node, self.input_count);
         self.outputs_pdo = Pdo::of_outputs(self.comm.node, self.output_count);
         self.on_error = OnError::new(self.output_count);
+        self.channels.forget();
         self.sync_watch = SyncWatch::default();
     }
 
@@ -219,6 +271,7 @@ impl DeviceNode {
         self.waiting = None;
         if !self.comm.is_operational() {
             self.sync_watch.rest();
+            self.channels.let_go();
             self.next_inputs = Tick::NEVER;
         }
     }

@@ -10,7 +10,7 @@ use linewright_line::Tick;
 use super::comm::Comm;
 use super::serve::Device;
 use super::{DeviceNode, DeviceOutbox, Order, identity};
-use crate::fault::{DeviceFault, FAULT_INDEX, Fault, PRESS_INDEX, STUCK_INDEX};
+use crate::fault::{DeviceFault, FAULT_INDEX, Fault, HOLD_INDEX, PRESS_INDEX, STUCK_INDEX};
 
 /// Device profile 401 with digital inputs and outputs (CiA 401, object 1000h).
 const DEVICE_TYPE: u32 = 0x0003_0191;
@@ -29,14 +29,19 @@ impl Device for DeviceNode {
             .or_else(|| self.on_error.read(object))
             .or_else(|| self.comm.read(object))
             .or_else(|| self.sync_watch.read(object));
-        if let Some(answer) = parts.or_else(|| self.inputs_pdo.read(object)).or_else(|| self.outputs_pdo.read(object)) {
+        if let Some(answer) = parts
+            .or_else(|| self.channels.read(object))
+            .or_else(|| self.inputs_pdo.read(object))
+            .or_else(|| self.outputs_pdo.read(object))
+        {
             return answer;
         }
         match (object.index, object.sub) {
-            (0x1000, 0) => Ok(DEVICE_TYPE.to_le_bytes().into()),
+            (0x1000, 0) => Ok((DEVICE_TYPE | self.channels.device_type()).to_le_bytes().into()),
             (0x1001, 0) => Ok(vec![self.comm.register()]),
             (0x6000, sub) => read_bits(self.inputs, self.input_count, sub),
             (0x6200, sub) => read_bits(self.outputs, self.output_count, sub),
+            (HOLD_INDEX, _) if self.channels.measures() => Err(Abort::WRITE_ONLY),
             (FAULT_INDEX | PRESS_INDEX | STUCK_INDEX, _) => Err(Abort::WRITE_ONLY),
             (0x1000 | 0x1001, _) => Err(Abort::NO_SUBINDEX),
             _ => Err(Abort::NO_OBJECT),
@@ -44,6 +49,12 @@ impl Device for DeviceNode {
     }
 
     fn write(&mut self, now: Tick, object: ObjectId, data: &[u8], out: &mut DeviceOutbox) -> Result<(), Abort> {
+        if let Some(answer) = self.channels.write(object, data) {
+            if answer.is_ok() {
+                self.poll_channels(now, out);
+            }
+            return answer;
+        }
         if let Some(answer) = self.on_error.write(object, data).or_else(|| self.outputs_pdo.write(object, data)) {
             return answer;
         }

@@ -1,6 +1,7 @@
-//! The parameters of a device's two PDOs: when they are sent or taken, and what they carry (CiA 301 §7.5.2.35 ff.).
+//! The parameters of a device's PDOs: when they are sent or taken, and what they carry (CiA 301 §7.5.2.35 ff.).
 //!
-//! The mapping is fixed: the PDO of the inputs carries all of 6000h, that of the outputs all of 6200h, byte by byte. A
+//! The mapping is fixed: the first PDO of the inputs carries all of 6000h, that of the outputs all of 6200h, byte by
+//! byte; the others four channels of 6401h and 6411h each, which go by event alone. A
 //! manager may still go through the motions of configuring it (disable, clear, write, count, enable): values that are
 //! those anyway are taken, others refused.
 
@@ -22,7 +23,7 @@ const BY_EVENT: u8 = 255;
 /// way is made good.
 const EVENT_TIMER: Duration = Duration::from_millis(100);
 
-/// The first PDO of one direction.
+/// One PDO.
 #[derive(Debug)]
 pub(super) struct Pdo {
     /// Index of its communication parameters: 1400h or 1800h. Its mapping is 200h above.
@@ -32,8 +33,12 @@ pub(super) struct Pdo {
     cob_id: u32,
     transmission: u8,
     event_timer: Duration,
-    /// How many bytes there are to map.
-    bytes: u8,
+    /// The subindex before the first one mapped.
+    before: u8,
+    /// Bits of each.
+    width: u8,
+    /// How many subindices there are to map.
+    entries: u8,
     /// How many are mapped: all or none.
     mapped: u8,
     /// SYNCs since it was last sent.
@@ -43,18 +48,31 @@ pub(super) struct Pdo {
 impl Pdo {
     /// That of the inputs (TPDO1).
     pub(super) fn of_inputs(node: NodeId, inputs: usize) -> Self {
-        Pdo::new(0x1800, 0x6000, 0x180 + u32::from(node.get()), inputs)
+        Pdo::new(0x1800, 0x6000, 0x180 + u32::from(node.get()), inputs.div_ceil(8) as u8)
     }
 
     /// That of the outputs (RPDO1).
     pub(super) fn of_outputs(node: NodeId, outputs: usize) -> Self {
-        Pdo::new(0x1400, 0x6200, 0x200 + u32::from(node.get()), outputs)
+        Pdo::new(0x1400, 0x6200, 0x200 + u32::from(node.get()), outputs.div_ceil(8) as u8)
     }
 
-    fn new(index: u16, mapped_index: u16, cob_id: u32, bits: usize) -> Self {
-        let bytes = bits.div_ceil(8) as u8;
+    /// The `nth` of those that carry four of `channels` channels each: TPDO2 and on, or RPDO2 and on.
+    pub(super) fn of_channels(node: NodeId, sends: bool, nth: u8, channels: u8) -> Self {
+        let entries = channels.saturating_sub(4 * nth).min(4);
+        let (index, mapped, cob_id) = if sends { (0x1801, 0x6401, 0x280) } else { (0x1401, 0x6411, 0x300) };
+        let cob_id = cob_id + 0x100 * u32::from(nth) + u32::from(node.get());
+        Pdo { before: 4 * nth, width: 16, ..Pdo::new(index + u16::from(nth), mapped, cob_id, entries) }
+    }
+
+    fn new(index: u16, mapped_index: u16, cob_id: u32, entries: u8) -> Self {
         let (transmission, event_timer) = (BY_EVENT, EVENT_TIMER);
-        Pdo { index, mapped_index, cob_id, transmission, event_timer, bytes, mapped: bytes, syncs: 0 }
+        let (before, width, mapped, syncs) = (0, 8, entries, 0);
+        Pdo { index, mapped_index, cob_id, transmission, event_timer, before, width, entries, mapped, syncs }
+    }
+
+    /// Its bytes.
+    pub(super) fn len(&self) -> usize {
+        usize::from(self.entries) * usize::from(self.width) / 8
     }
 
     /// Whether it exists and carries anything.
@@ -94,13 +112,13 @@ impl Pdo {
             return None;
         }
         Some(match object.sub {
-            _ if self.bytes == 0 => Err(Abort::NO_OBJECT),
+            _ if self.entries == 0 => Err(Abort::NO_OBJECT),
             0 if communication => Ok(vec![if sends { 5 } else { 2 }]),
             1 if communication => Ok(self.cob_id.to_le_bytes().into()),
             2 if communication => Ok(vec![self.transmission]),
             5 if communication && sends => Ok((self.event_timer.as_millis() as u16).to_le_bytes().into()),
             0 if mapping => Ok(vec![self.mapped]),
-            sub if mapping && sub <= self.bytes => Ok(self.mapping(sub).to_le_bytes().into()),
+            sub if mapping && sub <= self.entries => Ok(self.mapping(sub).to_le_bytes().into()),
             _ => Err(Abort::NO_SUBINDEX),
         })
     }
@@ -131,7 +149,8 @@ impl Pdo {
 
     fn write_transmission(&mut self, code: u8) -> Result<(), Abort> {
         // 241 to 251 are reserved, 252 and 253 are answers to remote requests.
-        if (241..=253).contains(&code) {
+        let channels = self.width == 16;
+        if (241..=253).contains(&code) || channels && code <= 240 {
             return Err(Abort::VALUE);
         }
         self.transmission = code;
@@ -148,7 +167,7 @@ impl Pdo {
             let [count] = exactly(data)?;
             match count {
                 0 => self.mapped = 0,
-                count if count == self.bytes => self.mapped = count,
+                count if count == self.entries => self.mapped = count,
                 count if count > 8 => return Err(Abort::PDO_LENGTH),
                 _ => return Err(Abort::VALUE),
             }
@@ -162,8 +181,8 @@ impl Pdo {
         }
     }
 
-    /// The entry a mapping has at a subindex: index, subindex, and a length of 8 bits.
+    /// The entry a mapping has at a subindex: index, subindex, and a length in bits.
     fn mapping(&self, sub: u8) -> u32 {
-        u32::from(self.mapped_index) << 16 | u32::from(sub) << 8 | 8
+        u32::from(self.mapped_index) << 16 | u32::from(self.before + sub) << 8 | u32::from(self.width)
     }
 }

@@ -1,5 +1,6 @@
 //! Scenarios, named by what happens on the bus. Frames are written as candump prints them.
 
+mod analogue;
 mod boot;
 mod crowd;
 mod errors;
@@ -27,6 +28,7 @@ fn devices() -> Vec<Device> {
         outputs: vec![Some(OutputId(bit))],
         setup: linewright_line::Setup::default(),
         drive: None,
+        analogue: Default::default(),
         frames: None,
     };
     vec![device("drill-a", 4, DRILL, 0), device("drill-b", 5, DRILL, 1), device("clamp", 6, CLAMP, 0)]

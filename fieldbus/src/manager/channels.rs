@@ -1,0 +1,321 @@
+//! Analogue channels of an I/O device (CiA 401): numbers ↔ bits of its owner's image.
+//!
+//! A measured number turns inputs on and off by limits, each with its own memory for its hysteresis: what is on follows
+//! from the numbers heard since the device came up, in their order, and from nothing else. An output gives a channel its
+//! value; none, or two at once, is rest.
+//!
+//! # What is no measurement
+//!
+//! A number at the end of its range, or outside of what the description allows, comes from a broken wire or a converter
+//! that has run out of its range. Nothing follows from it: "not above 5 bar" would be as wrong as "above 5 bar". If the
+//! description names an input for it, that is on and the limits' are off, and the owner decides. Otherwise the owner's
+//! inputs are invalid until the channel measures again, as if the device were lost. The same holds for a value that stays
+//! away: digital inputs that do not come have not changed, but the device is told to send its channels again and again,
+//! so one that does not is in trouble, and its last value means nothing.
+//!
+//! # What the device is told
+//!
+//! That it may send by itself (6423h, by default it may not), on a change and ten times a second; which errors make its
+//! outputs rest (6443h: each), and at what (6444h). A device that refuses one of these is not started. How large a change
+//! is one (6426h), the device's settings may say.
+
+use std::fmt;
+use std::time::Duration;
+
+use linewright_line::{Analogue, AnalogueInput, AnalogueOutput, Tick, Timing};
+
+use super::event::{Event, IgnoreReason, Outbox};
+use super::image::image_bit;
+use super::peer::{Outcome, Peer};
+use crate::codec::{NodeId, Payload};
+use crate::profile::drive::Setting;
+
+/// The first process data object with channels, and how many there are.
+const FIRST: u8 = 2;
+const OBJECTS: usize = 3;
+/// How often the device sends its channels when nothing changes (event timer).
+const EVERY: Duration = Duration::from_millis(100);
+/// So many in a row may be missing.
+const MISSING: u32 = 3;
+/// How long the device waits at least between two frames, in 100 µs: a noisy input changes all the time.
+const INHIBIT: u16 = 50;
+/// Transmission type: when something changes, and by the event timer.
+const EVENT_DRIVEN: u8 = 255;
+/// In a COB-ID parameter: the object does not exist; it is not sent on remote request.
+const INVALID: u32 = 1 << 31;
+const NO_REMOTE: u32 = 1 << 30;
+
+/// Why nothing follows from a channel.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub enum ChannelFault {
+    /// It is no measurement.
+    Number {
+        /// Which channel: the subindex of object 6401h.
+        channel: u8,
+        /// The number it gave.
+        number: i16,
+    },
+    /// The process data object that carries it has not come for too long.
+    Late {
+        /// Which: 2 to 4.
+        object: u8,
+    },
+}
+
+impl fmt::Display for ChannelFault {
+    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
+        match self {
+            ChannelFault::Number { channel, number: i16::MIN | i16::MAX } => {
+                write!(
+                    f,
+                    "analogue input {channel} (6401h:{channel:02X}) is at the end of its range: is its wire broken?"
+                )
+            }
+            ChannelFault::Number { channel, number } => {
+                write!(f, "analogue input {channel} (6401h:{channel:02X}) is {number}, which is no measurement")
+            }
+            ChannelFault::Late { object } => write!(f, "its analogue inputs (TPDO{object}) do not come"),
+        }
+    }
+}
+
+#[derive(Debug)]
+struct Input {
+    of: AnalogueInput,
+    /// What it last gave; `None` since the last boot or loss.
+    number: Option<i16>,
+    /// Which of its limits' inputs are on; kept for showing after a loss.
+    on: Vec<bool>,
+    broken: bool,
+}
+
+/// The channels of one device.
+#[derive(Debug)]
+pub(super) struct Channels {
+    inputs: Vec<Input>,
+    outputs: Vec<AnalogueOutput>,
+    /// How long inputs may stay away.
+    within: Duration,
+    /// The image its owner set last.
+    image: u128,
+    /// The image it was last sent; `None` since the last boot or loss.
+    sent: Option<u128>,
+    /// For each object, when it last came since the last boot or loss.
+    heard: [Option<Tick>; OBJECTS],
+    /// Whether everything was heard and measured when this was last looked at.
+    sound: bool,
+}
+
+impl Channels {
+    pub fn of(analogue: &Analogue, timing: &Timing) -> Self {
+        let input = |of: &AnalogueInput| Input {
+            of: of.clone(),
+            number: None,
+            on: vec![false; of.inputs.len()],
+            broken: false,
+        };
+        Channels {
+            inputs: analogue.inputs.iter().map(input).collect(),
+            outputs: analogue.outputs.clone(),
+            within: (EVERY * MISSING).max(timing.heartbeat_timeout),
+            image: 0,
+            sent: None,
+            heard: [None; OBJECTS],
+            sound: false,
+        }
+    }
+
+    /// Whether the device has channels at all.
+    pub fn is_any(&self) -> bool {
+        !self.inputs.is_empty() || !self.outputs.is_empty()
+    }
+
+    pub fn has_outputs(&self) -> bool {
+        !self.outputs.is_empty()
+    }
+
+    /// What the device is told before it is started. `own` is what its description has it told already.
+    pub fn settings(&self, node: NodeId, own: &[linewright_line::Setting]) -> Vec<Setting> {
+        let mut settings = Vec::new();
+        for output in &self.outputs {
+            let sub = output.channel.number;
+            settings.push(Setting::new(0x6443, sub, [1]));
+            // An INTEGER32 in CiA 401. Of the devices that have it in two bytes instead the description tells.
+            if !own.iter().any(|setting| (setting.index, setting.sub) == (0x6444, sub)) {
+                settings.push(Setting::new(0x6444, sub, i32::from(output.at_rest()).to_le_bytes()));
+            }
+        }
+        for at in (0..OBJECTS as u16).filter(|at| self.last_input(FIRST + *at as u8).is_some()) {
+            let (index, cob_id) = (0x1801 + at, NO_REMOTE | u32::from(0x280 + 0x100 * at) | u32::from(node.get()));
+            settings.extend([
+                Setting::new(index, 1, (INVALID | cob_id).to_le_bytes()),
+                Setting::new(index, 2, [EVENT_DRIVEN]),
+                Setting { optional: true, ..Setting::new(index, 3, INHIBIT.to_le_bytes()) },
+                Setting::new(index, 5, (EVERY.as_millis() as u16).to_le_bytes()),
+                Setting::new(index, 1, cob_id.to_le_bytes()),
+            ]);
+        }
+        if !self.inputs.is_empty() {
+            settings.push(Setting::new(0x6423, 0, [1]));
+        }
+        settings
+    }
+
+    /// Takes a process data object, 2 to 4, that the device has sent.
+    pub fn take(&mut self, now: Tick, object: u8, payload: Payload) -> Result<(), IgnoreReason> {
+        // Nothing is read of it, so it says nothing.
+        let last = self.last_input(object).ok_or(IgnoreReason::UnknownCobId)?;
+        if payload.bytes().len() < usize::from((last - 1) % 4 + 1) * 2 {
+            return Err(IgnoreReason::ShortPdo);
+        }
+        if let Some(heard) = self.heard.get_mut(usize::from(object - FIRST)) {
+            *heard = Some(now);
+        }
+        let data = payload.bits().to_le_bytes();
+        for input in self.inputs.iter_mut().filter(|input| input.of.channel.pdo() == object) {
+            input.take(input.of.channel.field().get(&data) as u16 as i16);
+        }
+        Ok(())
+    }
+
+    /// Its bits of its owner's input image.
+    pub fn bits(&self) -> u128 {
+        let on = |input: &Input| {
+            let limits = input.of.inputs.iter().zip(&input.on).filter(|(_, on)| **on);
+            let limits = limits.fold(0, |bits, ((id, _), _)| bits | image_bit(id.index()));
+            limits | input.of.broken.filter(|_| input.broken).map_or(0, |id| image_bit(id.index()))
+        };
+        self.inputs.iter().fold(0, |bits, input| bits | on(input))
+    }
+
+    /// Why its owner's inputs cannot be valid, if they cannot.
+    pub fn fault(&self, now: Tick) -> Option<ChannelFault> {
+        let late = |input: &&Input| {
+            let heard = self.heard.get(usize::from(input.of.channel.pdo() - FIRST)).copied().flatten();
+            heard.is_none_or(|heard| heard + self.within <= now)
+        };
+        if let Some(input) = self.inputs.iter().find(late) {
+            return Some(ChannelFault::Late { object: input.of.channel.pdo() });
+        }
+        let broken = self.inputs.iter().find(|input| input.broken && input.of.broken.is_none())?;
+        Some(ChannelFault::Number { channel: broken.of.channel.number, number: broken.number? })
+    }
+
+    /// Looks again whether everything is heard and measured; what is wrong, if that is news.
+    fn news(&mut self, now: Tick) -> Option<Result<(), ChannelFault>> {
+        let now_is = self.fault(now).map_or(Ok(()), Err);
+        (std::mem::replace(&mut self.sound, now_is.is_ok()) != now_is.is_ok()).then_some(now_is)
+    }
+
+    /// When an object is late.
+    pub fn deadline(&self) -> Tick {
+        let used = self.heard.iter().flatten().filter(|_| self.sound);
+        used.map(|heard| *heard + self.within).fold(Tick::NEVER, Tick::min)
+    }
+
+    /// Takes the image its owner has set, or the one without outputs after a loss.
+    pub fn set_image(&mut self, image: u128) {
+        self.image = image;
+    }
+
+    /// Whether it is to be sent something else than it has.
+    pub fn wants_to_send(&self) -> bool {
+        let differs = |sent| self.outputs.iter().any(|output| output.number(sent) != output.number(self.image));
+        self.sent.is_some_and(differs)
+    }
+
+    /// What it is to be sent now; the caller sends it.
+    pub fn give(&mut self, send: &mut impl FnMut(u8, Payload)) {
+        self.sent = Some(self.image);
+        self.payloads(self.image, send);
+    }
+
+    /// What it is sent to rest.
+    pub fn rest(&self, send: &mut impl FnMut(u8, Payload)) {
+        self.payloads(0, send);
+    }
+
+    fn payloads(&self, image: u128, send: &mut impl FnMut(u8, Payload)) {
+        for object in FIRST..FIRST + OBJECTS as u8 {
+            let mine = || self.outputs.iter().filter(move |output| output.channel.pdo() == object);
+            // The frame is as long as its last channel asks for; one that is not described is 0.
+            let Some(last) = mine().map(|output| output.channel.number).max() else { continue };
+            let mut data = [0; 8];
+            for output in mine() {
+                output.channel.field().put(&mut data, u64::from(output.number(image) as u16));
+            }
+            send(object, Payload::from_bits(u64::from_le_bytes(data), usize::from((last - 1) % 4 + 1) * 16));
+        }
+    }
+
+    /// It was lost, or is about to be configured.
+    pub fn lost(&mut self) {
+        self.sent = None;
+        self.heard = [None; OBJECTS];
+        self.sound = false;
+        for input in &mut self.inputs {
+            input.number = None;
+        }
+    }
+
+    /// When it last sent a channel.
+    pub fn updated(&self) -> Option<Tick> {
+        self.heard.iter().flatten().max().copied()
+    }
+
+    /// What is measured and set, in words; `None` without channels.
+    pub fn explain(&self) -> Option<String> {
+        let measured = self.inputs.iter().map(|input| {
+            let channel = &input.of.channel;
+            match input.number {
+                Some(number) if input.broken => format!("analogue input {}: no measurement ({number})", channel.number),
+                Some(number) => {
+                    format!("analogue input {}: {}", channel.number, channel.text(channel.value_of(number)))
+                }
+                None => format!("analogue input {}: nothing yet", channel.number),
+            }
+        });
+        let set = self.outputs.iter().map(|output| {
+            let value = output.value(self.sent.unwrap_or(0));
+            format!("analogue output {}: {}", output.channel.number, output.channel.text(value))
+        });
+        let all: Vec<String> = measured.chain(set).collect();
+        (!all.is_empty()).then(|| all.join(", "))
+    }
+
+    /// The highest channel that is read of an object.
+    fn last_input(&self, object: u8) -> Option<u8> {
+        let own = self.inputs.iter().map(|input| &input.of.channel).filter(|channel| channel.pdo() == object);
+        own.map(|channel| channel.number).max()
+    }
+}
+
+impl Input {
+    fn take(&mut self, number: i16) {
+        // What was on before a loss, or before the wire broke, is no memory to go on with.
+        let knew = self.number.is_some() && !self.broken;
+        self.broken = !self.of.is_measured(number);
+        self.number = Some(number);
+        for (at, on) in self.on.iter_mut().enumerate() {
+            let (_, when) = self.of.inputs[at];
+            *on = !self.broken && self.of.holds(when, number, knew && *on);
+        }
+    }
+}
+
+impl Peer {
+    /// Looks again at its channels: whether they are heard and measured, and what follows if that has changed.
+    pub(super) fn judge_channels(&mut self, now: Tick, out: &mut Outbox) -> Outcome {
+        if !self.is_operational() {
+            return Outcome::Unchanged;
+        }
+        match self.process.channels_mut().and_then(|channels| channels.news(now)) {
+            None => Outcome::Unchanged,
+            Some(Ok(())) => Outcome::Inputs,
+            Some(Err(fault)) => {
+                out.events.push(Event::ChannelFault { node: self.node, fault });
+                Outcome::Lost
+            }
+        }
+    }
+}
