@@ -7,14 +7,32 @@ use std::time::Duration;
 use linewright_eds::{Eds, NodeId, Value, read};
 use linewright_fieldbus::sdo::{Client, ObjectId, Options, Progress};
 use linewright_fieldbus::{Frame, Message};
-use linewright_line::{Tick, Timing};
+use linewright_line::{Analogue, AnalogueInput, AnalogueOutput, Channel, Tick, Timing};
 use linewright_plant::{DeviceNode, DeviceOutbox};
 
 const NODE: u8 = 4;
 const EDS: &[u8] = include_bytes!("../../launch-config/devices/linewright-io.eds");
+const ANALOGUE: &[u8] = include_bytes!("../../launch-config/devices/linewright-analogue.eds");
 
 fn described() -> Eds {
     read("linewright-io.eds", EDS).unwrap_or_else(|problems| panic!("{problems:#}"))
+}
+
+/// Descriptions, their devices, and how many entries of each can be read.
+fn pairs() -> [(Eds, DeviceNode, usize); 2] {
+    let analogue = read("linewright-analogue.eds", ANALOGUE).unwrap_or_else(|problems| panic!("{problems:#}"));
+    [(described(), device(), 78), (analogue, device().with_channels(&channels()), 195)]
+}
+
+/// All that a device can have.
+fn channels() -> Analogue {
+    let channel = |number| Channel { number, unit: String::new(), factor: 1.0, offset: 0.0 };
+    let input = |number| {
+        let (least, most, broken, simulated) = (None, None, None, None);
+        AnalogueInput { channel: channel(number), least, most, inputs: Vec::new(), broken, simulated }
+    };
+    let output = |number| AnalogueOutput { channel: channel(number), rest: 0.0, outputs: Vec::new() };
+    Analogue { inputs: (1..=12).map(input).collect(), outputs: (1..=12).map(output).collect() }
 }
 
 /// A device of 64 inputs and outputs that has booted.
@@ -56,33 +74,35 @@ fn upload(device: &mut DeviceNode, object: ObjectId) -> Vec<u8> {
 
 #[test]
 fn every_entry_answers_as_described() {
-    let (eds, mut device) = (described(), device());
-    let mut read = 0;
-    for (index, sub, entry) in eds.entries() {
-        let answer = ask(&mut device, index, sub);
-        if !entry.access.is_readable() {
-            assert_eq!(answer[0], 0x80, "{index:04X} {sub} is described as {}", entry.access);
-            continue;
+    for (eds, mut device, readable) in pairs() {
+        let mut read = 0;
+        for (index, sub, entry) in eds.entries() {
+            let answer = ask(&mut device, index, sub);
+            if !entry.access.is_readable() {
+                assert_eq!(answer[0], 0x80, "{index:04X} {sub} is described as {}", entry.access);
+                continue;
+            }
+            let bytes = upload(&mut device, ObjectId::new(index, sub));
+            let value = entry.data_type.decode(&bytes).expect("of its size");
+            if let Some(default) = entry.default_for(NodeId::new(NODE).expect("a node id")) {
+                assert_eq!(value, default, "{index:04X} {sub}");
+            }
+            read += 1;
         }
-        let bytes = upload(&mut device, ObjectId::new(index, sub));
-        let value = entry.data_type.decode(&bytes).expect("of its size");
-        if let Some(default) = entry.default_for(NodeId::new(NODE).expect("a node id")) {
-            assert_eq!(value, default, "{index:04X} {sub}");
-        }
-        read += 1;
+        assert_eq!(read, readable, "entries of the description that can be read");
     }
-    assert_eq!(read, 78, "entries of the description that can be read");
 }
 
 #[test]
 fn nothing_answers_that_is_not_described() {
-    let (eds, mut device) = (described(), device());
-    for index in (0x1000..0x1C00).chain(0x2000..0x7000) {
-        for sub in 0..=70 {
-            // Whatever can be read is described; what can only be written says so.
-            let answer = ask(&mut device, index, sub);
-            if eds.entry(index, sub).is_none() && !(matches!(index, 0x5F00 | 0x5F01)) {
-                assert_eq!(answer[0], 0x80, "{index:04X} {sub} answers and is not described");
+    for (eds, mut device, _) in pairs() {
+        for index in (0x1000..0x1C00).chain(0x2000..0x7000) {
+            for sub in 0..=70 {
+                // Whatever can be read is described; what can only be written says so.
+                let answer = ask(&mut device, index, sub);
+                if eds.entry(index, sub).is_none() && !(matches!(index, 0x5F00 | 0x5F01)) {
+                    assert_eq!(answer[0], 0x80, "{index:04X} {sub} answers and is not described");
+                }
             }
         }
     }

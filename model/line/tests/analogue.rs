@@ -122,3 +122,14 @@ fn only_io_devices_have_channels_and_the_manager_writes_what_they_rest_upon() {
         assert!(problems.iter().any(|p| p.message == "an object that the manager writes for analogue channels"));
     }
 }
+
+#[test]
+fn a_device_that_may_be_lost_decides_nothing_by_its_channels_either() {
+    let text = with("{ channel = 1, inputs = [{ input = \"C_0\", above = 5 }] }", "").replace(
+        "inputs = [\"C_0\", \"C_5\", \"S0\", \"S1\", \"S2\"]\noutputs = [\"Y_open\", \"Y_close\"]",
+        "when_lost = \"report\"",
+    );
+    let problems = parse("line.toml", &text).expect_err("an operation ends by it");
+    let message = "this device cannot be lost without a fault: `C_0` is one of its inputs";
+    assert!(problems.iter().any(|problem| problem.message == message), "{problems:#}");
+}

@@ -17,6 +17,27 @@ pub(super) fn signals(raw: &RawAnalogue) -> impl Iterator<Item = &Name> {
     limits.chain(broken).chain(levels)
 }
 
+/// The inputs among them, each with its bit.
+pub(super) fn named_inputs<'a>(
+    raw: &'a RawAnalogue,
+    draft: &'a DraftAnalogue,
+) -> impl Iterator<Item = (&'a Name, &'a Option<InputId>)> {
+    raw.inputs.iter().zip(&draft.inputs).flat_map(|(raw, (bound, broken))| {
+        let limits = raw.inputs.iter().zip(bound).filter_map(|(limit, id)| Some((limit.input.as_ref()?, id)));
+        limits.chain(raw.broken.iter().map(move |name| (name, broken)))
+    })
+}
+
+/// The outputs among them, each with its bit.
+pub(super) fn named_outputs<'a>(
+    raw: &'a RawAnalogue,
+    draft: &'a DraftAnalogue,
+) -> impl Iterator<Item = (&'a Name, &'a Option<OutputId>)> {
+    raw.outputs.iter().zip(&draft.outputs).flat_map(|(raw, bound)| {
+        raw.outputs.iter().zip(bound).filter_map(|(level, id)| Some((level.output.as_ref()?, id)))
+    })
+}
+
 /// Binds them.
 pub(super) fn wire<'a>(raw: &'a RawAnalogue, wires: &mut Wires<'a>, report: &mut Report) -> DraftAnalogue {
     let mut draft = DraftAnalogue::default();

@@ -2,6 +2,7 @@
 
 use std::collections::HashMap;
 
+use crate::parse::analogue;
 use crate::parse::draft::{Draft, DraftDevice, DraftStation};
 use crate::parse::problem::{Problem, Report};
 use crate::parse::raw::{RawDevice, RawIdentity, RawSetting, Where};
@@ -42,8 +43,11 @@ fn nothing_depends_on_what_may_be_lost(draft: &Draft<'_>, device: &DraftDevice, 
         }
         None => return,
     };
-    let input = raw.inputs.iter().zip(&device.inputs).find(|(_, id)| id.is_some_and(|id| inputs.contains(&id)));
-    let output = raw.outputs.iter().zip(&device.outputs).find(|(_, id)| id.is_some_and(|id| outputs.contains(&id)));
+    let (own, channels) = (&device.analogue, &raw.analogue);
+    let mut input = raw.inputs.iter().zip(&device.inputs).chain(analogue::named_inputs(channels, own));
+    let mut output = raw.outputs.iter().zip(&device.outputs).chain(analogue::named_outputs(channels, own));
+    let input = input.find(|(_, id)| id.is_some_and(|id| inputs.contains(&id)));
+    let output = output.find(|(_, id)| id.is_some_and(|id| outputs.contains(&id)));
     if let Some((name, _)) = input {
         report.add(problem(&name.at, &format!("`{}` is one of its inputs", name.value), "something is decided by it"));
     } else if let Some((name, _)) = output {
