@@ -118,7 +118,7 @@ mod tests {
             outputs: Vec::new(),
             setup: Setup::default(),
             drive: None,
-            analogue: Default::default(),
+            analogue: linewright_line::Analogue::default(),
             frames: None,
         }
     }

@@ -90,7 +90,7 @@ fn a_manager_brings_a_device_up_and_the_log_can_be_read() {
             outputs: vec![Some(OutputId(0))],
             setup: linewright_line::Setup::default(),
             drive: None,
-            analogue: Default::default(),
+            analogue: linewright_line::Analogue::default(),
             frames: None,
         };
         let manager = Manager::new([&description], Timing::default()).unwrap();

@@ -16,7 +16,7 @@ use crate::sdo::Abort;
 #[derive(Debug)]
 pub(super) enum Process {
     /// Digital inputs and outputs, and analogue channels (CiA 401).
-    Io(Bits, Channels),
+    Io(Bits, Box<Channels>),
     /// A drive (CiA 402).
     Drive(Box<Drive>),
 }
@@ -40,7 +40,7 @@ impl Process {
             None => {
                 let (inputs, outputs) = (device.inputs.clone(), device.outputs.clone());
                 let bits = Bits { inputs, outputs, heard: 0, wanted: 0, sent: None };
-                Process::Io(bits, Channels::of(&device.analogue, timing))
+                Process::Io(bits, Box::new(Channels::of(&device.analogue, timing)))
             }
         }
     }

@@ -35,6 +35,7 @@ fn device(id: u8) -> Device {
         outputs: (first..first + BITS).map(|bit| Some(OutputId(bit))).collect(),
         setup: Setup::default(),
         drive: None,
+        analogue: linewright_line::Analogue::default(),
         frames: None,
     }
 }

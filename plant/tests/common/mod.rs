@@ -77,7 +77,7 @@ fn device(name: &str, node_id: u8, owner: Owner, bus: Bus, inputs: u16, outputs:
         outputs: (0..outputs).map(|i| Some(OutputId(i))).collect(),
         setup: linewright_line::Setup::default(),
         drive: None,
-        analogue: Default::default(),
+        analogue: linewright_line::Analogue::default(),
         frames: None,
     }
 }

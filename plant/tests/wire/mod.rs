@@ -360,6 +360,7 @@ fn line() -> Line {
         outputs: (0..BITS).map(|bit| Some(OutputId(u16::from(at) * BITS + bit))).collect(),
         setup: Setup::default(),
         drive: None,
+        analogue: linewright_line::Analogue::default(),
         frames: None,
     };
     Line {

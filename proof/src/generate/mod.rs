@@ -125,6 +125,7 @@ fn devices(number: usize, station: &Station) -> impl Iterator<Item = Device> + u
         outputs: bits(nth, outputs).map(|bit| Some(linewright_line::OutputId::at(bit))).collect(),
         setup: linewright_line::Setup::default(),
         drive: None,
+        analogue: linewright_line::Analogue::default(),
         frames: None,
     })
 }

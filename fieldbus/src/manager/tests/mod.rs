@@ -8,7 +8,7 @@ mod plain;
 mod request;
 mod trouble;
 
-use linewright_line::{Bus, InputId, OutputId, StationId};
+use linewright_line::{Bus, Device, InputId, OutputId, StationId};
 use proptest::prelude::*;
 
 use super::*;
@@ -28,7 +28,7 @@ fn devices() -> Vec<Device> {
         outputs: vec![Some(OutputId(bit))],
         setup: linewright_line::Setup::default(),
         drive: None,
-        analogue: Default::default(),
+        analogue: linewright_line::Analogue::default(),
         frames: None,
     };
     vec![device("drill-a", 4, DRILL, 0), device("drill-b", 5, DRILL, 1), device("clamp", 6, CLAMP, 0)]
