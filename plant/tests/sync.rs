@@ -145,8 +145,9 @@ fn a_device_that_does_not_is_stopped_by_the_manager_and_comes_back_when_sync_doe
         assert_eq!(pair.device.outputs(), 0);
         assert!(!pair.manager.inputs(pair.now, OWNER).valid || pair.device.outputs() == 0);
     }
+    // By now it has lost SYNC three times in a row, and is looked at every five seconds.
     pair.deaf = false;
-    pair.run(1500);
+    pair.run(6000);
     assert!(pair.manager.inputs(pair.now, OWNER).valid, "{:?}", pair.manager.trouble(pair.now, OWNER).next());
     pair.set(common::FORWARD);
     pair.run(20);
@@ -162,4 +163,37 @@ fn frames_are_those_of_the_standard() {
         pair.wire.iter().map(|(_, text)| text.as_str()).filter(|text| text.starts_with("604#2")).collect();
     // 1006h in microseconds, then the two transmission types.
     assert_eq!(written[..3], ["604#2306100010270000", "604#2F00140201000000", "604#2F00180202000000"]);
+}
+
+#[test]
+fn a_device_that_loses_sync_again_and_again_is_left_stopped_and_tried_now_and_then() {
+    let mut pair = Pair::up(false);
+    pair.set(common::FORWARD);
+    pair.run(20);
+    pair.deaf = true;
+    (pair.events, pair.wire) = (Vec::new(), Vec::new());
+    pair.run(20_000);
+    let lost = pair.events.iter().filter(|event| matches!(event, Event::NoSync { .. })).count();
+    assert!((5..=7).contains(&lost), "three times, and then every five seconds: {lost}");
+    let stops = pair.wire.iter().filter(|(_, frame)| frame == "000#0204").count();
+    assert!((lost..=lost + 2).contains(&stops), "one order each: {stops}");
+    let refused = pair.events.iter().filter(|event| matches!(event, Event::BootFailed { .. })).count();
+    assert_eq!(refused, 1, "said once");
+    // In between it is at rest, and says why. Whoever mends it need do nothing else.
+    while pair.events.last().is_none_or(|event| !matches!(event, Event::NoSync { .. })) {
+        pair.events.clear();
+        pair.run(1);
+    }
+    pair.run(300);
+    assert_eq!(pair.device.outputs(), 0);
+    let trouble: Vec<String> = pair.manager.trouble(pair.now, OWNER).collect();
+    assert!(trouble[0].contains("not started: it has lost SYNC (080h)"), "{trouble:?}");
+    pair.deaf = false;
+    pair.run(8000);
+    assert!(pair.manager.inputs(pair.now, OWNER).valid);
+    // After a while it may lose it three times again.
+    pair.deaf = true;
+    pair.events.clear();
+    pair.run(1000);
+    assert!(!pair.events.iter().any(|event| matches!(event, Event::BootFailed { .. })), "{:?}", pair.events);
 }

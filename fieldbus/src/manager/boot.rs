@@ -27,7 +27,7 @@ use crate::sdo::{Cause, ObjectId, Progress, TransferError};
 
 /// How soon a refused device is looked at again. Seldom enough that a person reads the reason in peace, often enough
 /// that whoever has mended it need not do anything else.
-const REFUSED_RETRY: Duration = Duration::from_secs(5);
+pub(super) const REFUSED_RETRY: Duration = Duration::from_secs(5);
 
 /// What a device is to be before it is started.
 #[derive(Clone, Debug, Default, PartialEq, Eq)]
@@ -57,6 +57,11 @@ pub enum BootError {
         /// Its bytes; a number has four.
         bytes: usize,
     },
+    /// It is who it should be, but loses SYNC, which its outputs wait for.
+    NoSync {
+        /// How often in a row.
+        times: u32,
+    },
     /// A transfer failed.
     Transfer {
         /// It was to be written; otherwise read.
@@ -76,6 +81,7 @@ impl fmt::Display for BootError {
             BootError::NotANumber { object, bytes } => {
                 write!(f, "its {} (object {object}) has {bytes} bytes, not 4", what(*object))
             }
+            BootError::NoSync { times } => write!(f, "it has lost SYNC (080h) {times} times in a row"),
             BootError::Transfer { writing: true, error } => write!(f, "it cannot be configured: {error}"),
             BootError::Transfer { writing: false, error } if error.object == ERROR_REGISTER => {
                 write!(f, "it does not say whether an error stands: {error}")

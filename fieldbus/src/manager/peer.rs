@@ -101,6 +101,8 @@ pub(super) struct Peer {
     pub(super) up_since: Tick,
     /// How long inputs that come with SYNC may stay away; `None` where they come by event.
     pub(super) inputs_within: Option<Duration>,
+    /// How often in a row it has lost SYNC.
+    pub(super) sync_losses: u32,
 }
 
 impl Peer {
@@ -130,6 +132,7 @@ impl Peer {
             sent: None,
             up_since: Tick::ZERO,
             inputs_within: sync::inputs_within(device, timing),
+            sync_losses: 0,
         }
     }
 
@@ -213,6 +216,8 @@ impl Peer {
                 self.booted(now, step, out);
             }
             Phase::Refused { retry, .. } if *retry <= now => self.boot(now, out),
+            // One that watches SYNC by itself gives up before it is heard to run.
+            Phase::Starting { retry } if *retry <= now && self.sync_losses > 0 => return self.lose_sync(now, out),
             Phase::Starting { retry } if *retry <= now => self.order_start(now, out),
             Phase::Operational => {
                 self.process.poll(now);
@@ -251,8 +256,14 @@ impl Peer {
                 let outcome = self.leave(now, Phase::Starting { retry: now }, Why::Booted);
                 // Another one may hang there now: what was found out about the last one does not count.
                 self.refusal = None;
+                self.sync_losses = 0;
                 self.boot(now, out);
                 outcome
+            }
+            // The order to stop it was lost: its outputs wait for a SYNC.
+            (Phase::Refused { why: BootError::NoSync { .. }, .. }, NmtState::Operational) => {
+                self.order(NmtCommand::Stop, out);
+                Outcome::Unchanged
             }
             // A stopped device answers no SDO: to be configured it must be woken.
             (Phase::Booting(_), NmtState::Stopped) => {
@@ -269,6 +280,12 @@ impl Peer {
             (Phase::Stopped, NmtState::PreOperational) => {
                 self.boot(now, out);
                 Outcome::Unchanged
+            }
+            // It was started, and gave up before anything came with SYNC: one that watches SYNC by itself.
+            (Phase::Operational, NmtState::PreOperational)
+                if self.inputs_within.is_some() && self.updated.is_none() =>
+            {
+                self.lose_sync(now, out)
             }
             (Phase::Operational, NmtState::PreOperational) => {
                 self.tell(now, Event::DeviceLeft { node: self.node, state }, out);
@@ -305,7 +322,10 @@ impl Peer {
             Phase::Starting { .. } | Phase::Operational => {}
         }
         match self.process.take(now, object, payload) {
-            Ok(()) if object == 1 => self.updated = Some(now),
+            Ok(()) if object == 1 => {
+                self.updated = Some(now);
+                self.hears_sync(now);
+            }
             Ok(()) => {}
             Err(why) => return Outcome::Ignored(why),
         }
@@ -447,23 +467,6 @@ impl Peer {
         self.errors.lost();
         self.process.lost(now);
         if was_operational { Outcome::Lost } else { Outcome::Unchanged }
-    }
-
-    /// When inputs that come with SYNC are missed.
-    fn misses_inputs_at(&self) -> Tick {
-        let last = self.updated.unwrap_or(self.up_since);
-        self.inputs_within.map_or(Tick::NEVER, |within| last + within)
-    }
-
-    /// It hears no SYNC, so outputs that wait for one stay as they are whatever it is sent. It is stopped, by which they
-    /// take their error values, and brought up anew.
-    fn lose_sync(&mut self, now: Tick, out: &mut Outbox) -> Outcome {
-        let silent_for = now.since(self.updated.unwrap_or(self.up_since));
-        out.events.push(Event::NoSync { node: self.node, silent_for });
-        let outcome = self.leave(now, Phase::Stopped, Why::NoSync);
-        self.order(NmtCommand::Stop, out);
-        self.boot(now, out);
-        outcome
     }
 
     pub(super) fn order_start(&mut self, now: Tick, out: &mut Outbox) {

@@ -112,6 +112,7 @@ impl Peer {
                     self.said()
                 )
             }
+            Some(Why::NoSync) if matches!(self.phase, Phase::Refused { .. }) => now_is,
             Some(Why::NoSync) => format!("it hears no SYNC (080h): TPDO1 has stopped; {now_is}"),
             Some(Why::Babbled) => format!("it babbled; {now_is}"),
             Some(Why::BusOff) => format!("the bus was off; {now_is}"),

@@ -24,7 +24,11 @@ struct Objects {
 
 impl Dictionary for Objects {
     fn read(&mut self, object: ObjectId) -> Result<Cow<'_, [u8]>, Abort> {
-        if object.index == 0x1000 { Ok(vec![0x91, 1, 3, 0].into()) } else { Err(Abort::NO_OBJECT) }
+        match object.index {
+            0x1000 => Ok(vec![0x91, 1, 3, 0].into()),
+            0x2000 => Ok(self.domain.clone().into()),
+            _ => Err(Abort::NO_OBJECT),
+        }
     }
 
     fn write(&mut self, object: ObjectId, data: &[u8]) -> Result<(), Abort> {
@@ -49,6 +53,15 @@ struct Station {
 }
 
 impl Station {
+    /// Sends the next segments of a block, when the last ones are through.
+    fn go_on(&mut self, now: Tick) {
+        if self.queue.is_empty() {
+            let (node, mut segments) = (self.node, Vec::new());
+            self.server.poll(now, &mut segments);
+            self.queue.extend(segments.into_iter().map(|raw| Message::SdoResponse { node, raw }.encode()));
+        }
+    }
+
     fn hear(&mut self, now: Tick, frame: &Frame) {
         match Message::decode(frame) {
             Ok(Message::SdoRequest { node, raw }) if node == self.node => {
@@ -73,6 +86,7 @@ struct Crowd {
     refused: usize,
     stations: Vec<Station>,
     up: Vec<Tick>,
+    answers: Vec<(u64, Answer)>,
 }
 
 impl Crowd {
@@ -102,10 +116,12 @@ impl Crowd {
             refused: 0,
             stations: (1..=count).map(station).collect(),
             up: Vec::new(),
+            answers: Vec::new(),
         }
     }
 
-    fn send(&mut self, out: Outbox) {
+    fn send(&mut self, mut out: Outbox) {
+        self.answers.append(&mut out.answers);
         self.up.extend(out.events.iter().filter(|e| matches!(e, Event::DeviceUp { .. })).map(|_| self.now));
         let failed = out.events.iter().find(|e| matches!(e, Event::BootFailed { .. } | Event::DeviceLost { .. }));
         assert_eq!(failed, None, "at {:?}", self.now);
@@ -132,6 +148,9 @@ impl Crowd {
             let state = station.state;
             station.queue.push_back(Message::Heartbeat { node: station.node, state }.encode());
             station.next_heartbeat = station.next_heartbeat + Duration::from_millis(50);
+        }
+        for station in &mut self.stations {
+            station.go_on(self.now);
         }
         let of_stations = (0..self.stations.len()).filter_map(|at| Some((self.stations[at].queue.front()?, Some(at))));
         let heads = self.queue.front().map(|frame| (frame, None)).into_iter().chain(of_stations);
@@ -212,4 +231,36 @@ fn outputs_of_many_devices_go_off_at_once_and_no_queue_overflows() {
     assert_eq!(crowd.refused, 0);
     let took = crowd.now.since(began);
     assert!(took < Duration::from_millis(20), "{took:?}");
+}
+
+#[test]
+fn a_long_object_is_read_on_request_in_blocks_while_others_are_told_theirs() {
+    let mut crowd = Crowd::new(8);
+    crowd.boot();
+    // Two devices boot again, and are told a kilobyte each, in blocks; of a third and a fourth a kilobyte is read.
+    for at in [5, 6] {
+        let station = &mut crowd.stations[at];
+        (station.objects.domain, station.state) = (Vec::new(), NmtState::PreOperational);
+        station.queue.push_back(format!("7{:02X}#00", station.node.get()).parse().unwrap());
+    }
+    let began = crowd.now;
+    let mut out = Outbox::default();
+    let asked = [3, 4].map(|node| {
+        (crowd.manager.ask(crowd.now, node, Ask::Read(ObjectId::new(0x2000, 0)), &mut out), Ok(domain(node)))
+    });
+    crowd.send(out);
+    let told = |crowd: &Crowd| crowd.stations.iter().all(|station| station.objects.domain.len() == DOMAIN);
+    while crowd.answers.len() < asked.len() || !told(&crowd) || crowd.up.len() < 10 {
+        assert!(
+            crowd.now.since(began) < Duration::from_secs(2),
+            "{} answers, {} up",
+            crowd.answers.len(),
+            crowd.up.len()
+        );
+        crowd.step();
+    }
+    crowd.answers.sort_by_key(|(number, _)| *number);
+    assert_eq!(crowd.answers, asked);
+    assert!(crowd.stations.iter().all(|station| station.objects.domain == domain(station.node.get())));
+    println!("two kilobytes each way after {:?}", crowd.now.since(began));
 }
