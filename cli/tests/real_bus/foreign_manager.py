@@ -116,8 +116,10 @@ def silence_of_the_manager(network, node):
 def drive(network, node):
     """A drive by the package's own profile: through its states, to a place and back."""
     same("device type", node.sdo[0x1000].raw & 0xFFFF, 402)
-    node.nmt.state = "OPERATIONAL"
+    # It believes process data alone, and those come when the drive is started.
     node.setup_402_state_machine(read_pdos=True)
+    node.nmt.state = "OPERATIONAL"
+    until("its statusword", lambda: node.state == "SWITCH ON DISABLED")
     node.state = "READY TO SWITCH ON"
     same("state", node.state, "READY TO SWITCH ON")
     node.state = "OPERATION ENABLED"
