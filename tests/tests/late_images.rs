@@ -1,4 +1,4 @@
-//! Input images that are late: what a motion may conclude from one that is older than itself. Nothing.
+//! Input images that are late: what a motion may conclude from one that is older than itself.
 
 use std::time::Duration;
 
@@ -6,6 +6,19 @@ use linewright_line::net::{ControlMode, Place};
 use linewright_line::{OpId, Tick};
 use linewright_station_logic::{Controller, Input, ModeOrder, Outbox, PanelCommand, Restore};
 use linewright_tests::transfer_line;
+
+fn manual() -> ModeOrder {
+    ModeOrder {
+        boot_id: 1,
+        epoch: 1,
+        mode: ControlMode::Manual,
+        enabled: true,
+        master_stop: None,
+        manual_all: true,
+        buttons: 0,
+        lease: Duration::from_secs(10),
+    }
+}
 
 /// A clamp that stands half open is opened, taken back and opened again, faster than its images come. The one at hand
 /// is from before all that and shows the switch off; the next one is from the end of the *first* opening and shows it
@@ -37,17 +50,7 @@ fn neither_off_nor_on_counts_in_an_image_from_before_the_motion() {
         (controller.marking().collect::<Vec<_>>(), out.number)
     };
     let image = |bits: u128, under: u64| Input::Inputs { bits, valid: true, until: Tick::NEVER, under };
-    let order = ModeOrder {
-        boot_id: 1,
-        epoch: 1,
-        mode: ControlMode::Manual,
-        enabled: true,
-        master_stop: None,
-        manual_all: true,
-        buttons: 0,
-        lease: Duration::from_secs(10),
-    };
-    tell(Input::Order(order));
+    tell(Input::Order(manual()));
     tell(image(0, 0));
     let press = |advance: bool, held: bool| {
         Input::Panel(if advance { PanelCommand::Advance(held) } else { PanelCommand::Retract(held) })
@@ -62,4 +65,39 @@ fn neither_off_nor_on_counts_in_an_image_from_before_the_motion() {
 
     assert_eq!(tell(image(is_open, first)).0, [Place::operating(open)], "that was the first opening");
     assert_eq!(tell(image(is_open, last)).0, [Place::completed(open)], "this is the last");
+}
+
+/// The slide feeds in less time than the next image needs: the one at hand, from before it but under the same outputs, has
+/// shown its switch off, and the next is from its end.
+#[test]
+fn a_motion_of_which_only_the_end_is_seen_has_arrived() {
+    let line = transfer_line(1.0);
+    let mill = line.station_named("mill_1").expect("a mill");
+    let feed = OpId(2);
+    let operations = &line.station(mill).operations;
+    assert_eq!(operations[feed.index()].name, "feed main slide");
+    let (fed, forward) = (1 << operations[2].normal.complete.0, 1 << operations[1].normal.complete.0);
+    for (at_start, arrives) in [(forward, true), (forward | fed, false)] {
+        let mut controller = Controller::new(&line, mill, 1, Restore::Fresh).expect("it compiles");
+        let mut snapshot = controller.snapshot();
+        snapshot.marking = vec![Place::completed(OpId(1))];
+        (snapshot.cycle, snapshot.done, snapshot.started) = (1, vec![1, 1, 0, 0, 0], vec![1, 1, 0, 0, 0]);
+        controller = Controller::new(&line, mill, 2, Restore::From(snapshot)).expect("it compiles");
+        let mut out = Outbox::default();
+        let mut now = Tick::from_millis(1000);
+        let mut tell = |input: Input<'_>| {
+            now = now + Duration::from_millis(5);
+            controller.handle(now, input);
+            controller.step(now, &mut out);
+            (controller.marking().collect::<Vec<_>>(), out.number)
+        };
+        let image = |bits: u128, under: u64| Input::Inputs { bits, valid: true, until: Tick::NEVER, under };
+        tell(Input::Order(manual()));
+        tell(image(at_start, 0));
+        let (feeding, under) = tell(Input::Panel(PanelCommand::Advance(true)));
+        assert_eq!(feeding, [Place::operating(feed)]);
+        let (after, _) = tell(image(forward | fed, under));
+        let expected = if arrives { Place::completed(feed) } else { Place::operating(feed) };
+        assert_eq!(after, [expected], "a switch that was on already proves nothing");
+    }
 }

@@ -88,10 +88,15 @@ impl Controller {
             ControlMode::Manual => Run::Manual,
             ControlMode::Home | ControlMode::StandBy | ControlMode::Auto | ControlMode::EStop => Run::Auto,
         };
+        // Nothing has been driven since an image that was taken under the outputs still in force: if it shows the switch
+        // off, the motion starts with it off, and need not be seen under way. Of a short motion on a slow network no
+        // image may arrive but the one from its end.
+        let just_seen = self.inputs_under != NO_DELAY && self.inputs_under >= self.output_number;
+        let off = just_seen && self.inputs & self.program.places[table as usize].complete == 0;
         self.tokens[index] = Token {
             place: table,
             run,
-            left_start: from_between && self.inputs_under == NO_DELAY,
+            left_start: if self.inputs_under == NO_DELAY { from_between } else { off && !from_between },
             awaits_image: from_between && self.inputs_under != NO_DELAY,
             driven_since: 0,
             driven: false,
