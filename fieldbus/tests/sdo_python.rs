@@ -1,7 +1,7 @@
 //! Our SDO client and server against the Python package `canopen`, over a real CAN interface.
 //!
 //! Runs where the kernel has an interface `vcan0` and `LINEWRIGHT_PYTHON` names a Python that has `canopen`; elsewhere
-//! it says so. `sdo_python_uml.sh` next to this file finds both, in a user-mode Linux where the kernel has no CAN.
+//! it says so. `vcan_uml.sh` next to this file runs it in a user-mode Linux where the kernel has no CAN.
 
 use std::borrow::Cow;
 use std::collections::BTreeMap;

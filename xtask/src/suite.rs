@@ -98,20 +98,27 @@ fn tests(tally: &mut Tally, command: Command) -> Vec<String> {
     programs
 }
 
+/// The tests that want real CAN sockets: the bus itself, SDO against Python's `canopen`, and whole programs.
+const ON_VCAN: [&str; 3] = ["tests/vcan.rs", "tests/sdo_python.rs", "tests/real_bus/main.rs"];
+
 /// The CAN tests on real sockets, in a kernel of their own where this one has no CAN.
-///
-/// It is given the program that has just been built: built by itself, the crate would have other features, and with them
-/// most of its dependencies once more.
 fn vcan(tally: &mut Tally, root: &Path, programs: &[String]) {
-    const SCRIPT: &str = "fieldbus/tests/vcan_uml.sh";
     if Path::new("/sys/class/net/vcan0").exists() {
         return;
     }
-    heading("CAN sockets in a user-mode Linux");
-    let Some(program) = programs.iter().find_map(|line| program_of(line, "tests/vcan.rs")) else {
-        tally.skip(&format!("SKIPPED {SCRIPT}: the test it runs was not built"));
-        return;
-    };
+    for test in ON_VCAN {
+        heading(&format!("CAN sockets in a user-mode Linux: {test}"));
+        match programs.iter().find_map(|line| program_of(line, test)) {
+            Some(program) => in_user_mode_linux(tally, root, program),
+            None => tally.skip(&format!("SKIPPED {test} in a user-mode Linux: it was not built")),
+        }
+    }
+}
+
+/// It is given the program that has just been built: built by itself, the crate would have other features, and with them
+/// most of its dependencies once more.
+fn in_user_mode_linux(tally: &mut Tally, root: &Path, program: &str) {
+    const SCRIPT: &str = "fieldbus/tests/vcan_uml.sh";
     let mut command = Command::new("sh");
     command.current_dir(root).args([SCRIPT, program]);
     let failed_before = tally.failed;

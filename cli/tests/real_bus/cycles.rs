@@ -19,7 +19,7 @@ fn ten_cycles_seen_by_an_independent_listener() {
     if no_bus() {
         return;
     }
-    let text = TransferLine { machines: 1, time_scale: 0.5 }.text() + TIMING;
+    let text = TransferLine::default().text() + TIMING;
     let (directory, line) = line_of(&text, &[]);
     let log = directory.path().join("candump.log");
     let file = File::create(&log).expect("a file");

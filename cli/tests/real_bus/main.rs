@@ -18,7 +18,7 @@ use std::process::{Child, Command, Stdio};
 
 /// The interface.
 const BUS: &str = "vcan0";
-const TIMING: &str = "\n[timing]\nrefresh_ms = 200\nstale_ms = 2000\nlease_ms = 4000\nheartbeat_ms = 200\n\
+const TIMING: &str = "\n[timing]\nrefresh_ms = 100\nstale_ms = 2000\nlease_ms = 4000\nheartbeat_ms = 200\n\
                       heartbeat_timeout_ms = 3000\n";
 
 /// Whether there is a bus to test on; says so if not.
