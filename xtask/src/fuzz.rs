@@ -8,12 +8,13 @@ use std::process::Command;
 use crate::part::lines;
 
 /// The fuzz targets, with the directories that their seeds are in besides `fuzz/seeds`.
-const TARGETS: [(&str, &[&str]); 5] = [
+const TARGETS: [(&str, &[&str]); 6] = [
     ("description", &["model/line/tests/descriptions", "launch-config/lines/transfer-line"]),
     ("pnml", &[]),
     ("eds", &["model/eds/tests/devices", "launch-config/devices"]),
     ("dbc", &[]),
     ("sdo", &[]),
+    ("frames", &[]),
 ];
 
 /// Runs one target; true if nothing was found.

@@ -1,0 +1,23 @@
+//! Anything from the bus, in any order: to a manager among its devices, and to simulated devices. No panic, bounded
+//! answers, and no output but those that the owner's image, or the process data last sent, says.
+//!
+//! How a script of bytes is played, and what is looked at, is told where it is done: the property tests of the two crates
+//! play the same.
+
+#![no_main]
+
+use libfuzzer_sys::fuzz_target;
+
+#[path = "../../plant/tests/any_frames/mod.rs"]
+mod devices;
+#[path = "../../fieldbus/tests/any_frames/mod.rs"]
+mod manager;
+
+fuzz_target!(|input: &[u8]| {
+    let Some((which, script)) = input.split_first() else { return };
+    if which & 1 == 0 {
+        manager::Bench::new().play(script);
+    } else {
+        devices::Bench::new().play(script);
+    }
+});
