@@ -203,7 +203,9 @@ fn a_wire_that_breaks_stops_its_owner_and_is_mended_without_restarting_anything(
     bench.run(2000);
     assert!(!bench.valid());
     bench.send("604#23045F0300000100");
-    bench.run(200);
+    bench.run(250);
+    assert!(!bench.valid(), "not before it has held for a while");
+    bench.run(150);
     assert!(bench.valid());
     assert_eq!(bench.rack.plant().outputs(OWNER), 0);
     let booted = bench.events.iter().filter(|event| matches!(event, Event::DeviceUp { .. })).count();

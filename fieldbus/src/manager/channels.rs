@@ -9,7 +9,9 @@
 //! A number at the end of its range, or outside of what the description allows, comes from a broken wire or a converter
 //! that has run out of its range. Nothing follows from it: "not above 5 bar" would be as wrong as "above 5 bar". If the
 //! description names an input for it, that is on and the limits' are off, and the owner decides. Otherwise the owner's
-//! inputs are invalid until the channel measures again, as if the device were lost. The same holds for a value that stays
+//! inputs are invalid until the channel measures again, as if the device were lost. It does when its numbers have been
+//! measurements for as long as they may stay away: a loose contact may flicker with every frame, and each change of the
+//! owner's validity is told to others. The same holds for a value that stays
 //! away: digital inputs that do not come have not changed, but the device is told to send its channels again and again,
 //! so one that does not is in trouble, and its last value means nothing.
 //!
@@ -84,9 +86,18 @@ struct Input {
     of: AnalogueInput,
     /// What it last gave; `None` since the last boot or loss.
     number: Option<i16>,
-    /// Which of its limits' inputs are on; kept for showing after a loss.
+    /// Which of its limits' inputs are on, by its numbers since the last that was none; kept for showing after a loss.
     on: Vec<bool>,
-    broken: bool,
+    /// Why it counts as no measurement; `None` while it is one.
+    broken: Option<Broken>,
+}
+
+#[derive(Clone, Copy, Debug)]
+struct Broken {
+    /// The last number that was no measurement.
+    number: i16,
+    /// When it is one again, if its numbers stay so; `None` while the last was none.
+    mended: Option<Tick>,
 }
 
 /// The channels of one device.
@@ -94,7 +105,7 @@ struct Input {
 pub(super) struct Channels {
     inputs: Vec<Input>,
     outputs: Vec<AnalogueOutput>,
-    /// How long inputs may stay away.
+    /// How long inputs may stay away, and how long they are measurements again before that counts.
     within: Duration,
     /// The image its owner set last.
     image: u128,
@@ -108,12 +119,8 @@ pub(super) struct Channels {
 
 impl Channels {
     pub fn of(analogue: &Analogue, timing: &Timing) -> Self {
-        let input = |of: &AnalogueInput| Input {
-            of: of.clone(),
-            number: None,
-            on: vec![false; of.inputs.len()],
-            broken: false,
-        };
+        let input =
+            |of: &AnalogueInput| Input { of: of.clone(), number: None, on: vec![false; of.inputs.len()], broken: None };
         Channels {
             inputs: analogue.inputs.iter().map(input).collect(),
             outputs: analogue.outputs.clone(),
@@ -173,7 +180,7 @@ impl Channels {
         }
         let data = payload.bits().to_le_bytes();
         for input in self.inputs.iter_mut().filter(|input| input.of.channel.pdo() == object) {
-            input.take(input.of.channel.field().get(&data) as u16 as i16);
+            input.take(now, input.of.channel.field().get(&data) as u16 as i16, self.within);
         }
         Ok(())
     }
@@ -181,9 +188,11 @@ impl Channels {
     /// Its bits of its owner's input image.
     pub fn bits(&self) -> u128 {
         let on = |input: &Input| {
+            if input.broken.is_some() {
+                return input.of.broken.map_or(0, |id| image_bit(id.index()));
+            }
             let limits = input.of.inputs.iter().zip(&input.on).filter(|(_, on)| **on);
-            let limits = limits.fold(0, |bits, ((id, _), _)| bits | image_bit(id.index()));
-            limits | input.of.broken.filter(|_| input.broken).map_or(0, |id| image_bit(id.index()))
+            limits.fold(0, |bits, ((id, _), _)| bits | image_bit(id.index()))
         };
         self.inputs.iter().fold(0, |bits, input| bits | on(input))
     }
@@ -197,8 +206,22 @@ impl Channels {
         if let Some(input) = self.inputs.iter().find(late) {
             return Some(ChannelFault::Late { object: input.of.channel.pdo() });
         }
-        let broken = self.inputs.iter().find(|input| input.broken && input.of.broken.is_none())?;
-        Some(ChannelFault::Number { channel: broken.of.channel.number, number: broken.number? })
+        self.inputs.iter().filter(|input| input.of.broken.is_none()).find_map(|input| {
+            let number = input.broken?.number;
+            Some(ChannelFault::Number { channel: input.of.channel.number, number })
+        })
+    }
+
+    /// Lets time pass: channels that have measured for long enough are measured again. Whether there are any.
+    fn mend(&mut self, now: Tick) -> bool {
+        let mut any = false;
+        for input in &mut self.inputs {
+            if input.mended_at().is_some_and(|at| at <= now) {
+                input.broken = None;
+                any = true;
+            }
+        }
+        any
     }
 
     /// Looks again whether everything is heard and measured; what is wrong, if that is news.
@@ -207,10 +230,11 @@ impl Channels {
         (std::mem::replace(&mut self.sound, now_is.is_ok()) != now_is.is_ok()).then_some(now_is)
     }
 
-    /// When an object is late.
+    /// When an object is late, or a channel measured again.
     pub fn deadline(&self) -> Tick {
         let used = self.heard.iter().flatten().filter(|_| self.sound);
-        used.map(|heard| *heard + self.within).fold(Tick::NEVER, Tick::min)
+        let late = used.map(|heard| *heard + self.within);
+        late.chain(self.inputs.iter().filter_map(Input::mended_at)).fold(Tick::NEVER, Tick::min)
     }
 
     /// Takes the image its owner has set, or the one without outputs after a loss.
@@ -255,6 +279,9 @@ impl Channels {
         self.sound = false;
         for input in &mut self.inputs {
             input.number = None;
+            if let Some(broken) = &mut input.broken {
+                broken.mended = None;
+            }
         }
     }
 
@@ -267,12 +294,14 @@ impl Channels {
     pub fn explain(&self) -> Option<String> {
         let measured = self.inputs.iter().map(|input| {
             let channel = &input.of.channel;
-            match input.number {
-                Some(number) if input.broken => format!("analogue input {}: no measurement ({number})", channel.number),
-                Some(number) => {
+            match (input.number, input.broken) {
+                (Some(_), Some(Broken { number, .. })) => {
+                    format!("analogue input {}: no measurement ({number})", channel.number)
+                }
+                (Some(number), None) => {
                     format!("analogue input {}: {}", channel.number, channel.text(channel.value_of(number)))
                 }
-                None => format!("analogue input {}: nothing yet", channel.number),
+                (None, _) => format!("analogue input {}: nothing yet", channel.number),
             }
         });
         let set = self.outputs.iter().map(|output| {
@@ -291,15 +320,26 @@ impl Channels {
 }
 
 impl Input {
-    fn take(&mut self, number: i16) {
+    /// Takes a number; one that was none counts as measured again after it has been so for `steady`.
+    fn take(&mut self, now: Tick, number: i16, steady: Duration) {
         // What was on before a loss, or before the wire broke, is no memory to go on with.
-        let knew = self.number.is_some() && !self.broken;
-        self.broken = !self.of.is_measured(number);
+        let knew = self.number.is_some_and(|last| self.of.is_measured(last));
+        let measured = self.of.is_measured(number);
         self.number = Some(number);
+        self.broken = match self.broken {
+            _ if !measured => Some(Broken { number, mended: None }),
+            Some(Broken { mended: Some(at), .. }) if at <= now => None,
+            Some(Broken { number, mended }) => Some(Broken { number, mended: mended.or(Some(now + steady)) }),
+            None => None,
+        };
         for (at, on) in self.on.iter_mut().enumerate() {
             let (_, when) = self.of.inputs[at];
-            *on = !self.broken && self.of.holds(when, number, knew && *on);
+            *on = measured && self.of.holds(when, number, knew && *on);
         }
+    }
+
+    fn mended_at(&self) -> Option<Tick> {
+        self.broken?.mended
     }
 }
 
@@ -309,7 +349,11 @@ impl Peer {
         if !self.is_operational() {
             return Outcome::Unchanged;
         }
-        match self.process.channels_mut().and_then(|channels| channels.news(now)) {
+        let Some(channels) = self.process.channels_mut() else { return Outcome::Unchanged };
+        let mended = channels.mend(now);
+        match channels.news(now) {
+            // One with an input of its own for it.
+            None if mended => Outcome::Inputs,
             None => Outcome::Unchanged,
             Some(Ok(())) => Outcome::Inputs,
             Some(Err(fault)) => {

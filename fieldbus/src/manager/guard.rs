@@ -1,4 +1,4 @@
-//! Which objects of a working device are not written for others.
+//! Which objects of a device are not written for others.
 //!
 //! While a device is operational its owner moves machines by what the manager wrote into it and reads from it. Whoever
 //! changes the meaning of a bit under it (a polarity, a mapping), lets an output go on without a manager (1016h, 6206h)
@@ -6,12 +6,13 @@
 //! that a standard gives a meaning for the process, and what the description sets; the rest of the manufacturer's own
 //! objects may be written: parameters of a sensor, faults of a simulated device.
 //!
-//! A device that is not operational may be written anything. It is configured again before it is started.
+//! That holds in every state of the device. One that was refused is looked at again and started without a reset, and
+//! what the description does not set keeps what was written meanwhile: an output that goes on without a manager, say.
 
 use crate::profile::drive::Setting;
 use crate::sdo::ObjectId;
 
-/// Why `object` is not written while its device is operational; `None` if it may be.
+/// Why `object` is not written for others; `None` if it may be.
 pub(super) fn guarded(object: ObjectId, settings: &[Setting]) -> Option<&'static str> {
     match object.index {
         _ if settings.iter().any(|setting| setting.object == object) => {

@@ -187,6 +187,7 @@ impl Manager {
         self.poll_plain(now, out);
         self.requests.poll(now, &mut self.peers, out);
         self.record(now, &out.events[told..]);
+        self.forget_states(now);
         self.pass(now, start, out);
     }
 

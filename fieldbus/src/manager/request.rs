@@ -75,8 +75,8 @@ pub enum AskError {
     /// The manager needed the channel before the transfer was done.
     #[error("interrupted by the manager: the device {0}")]
     Overtaken(String),
-    /// Not to be written while the device is operational.
-    #[error("object {object} is not written while the device is operational: {why}")]
+    /// Not to be written for others.
+    #[error("object {object} is not written for others: {why}")]
     Guarded {
         /// The object.
         object: ObjectId,
@@ -217,17 +217,11 @@ impl Requests {
         let Waiting { number, node, ask, .. } = *request;
         let (transfer, step) = match ask {
             Ask::Read(object) => (Transfer::read(now, node, object, &mut out.frames), Step::Last),
-            Ask::Write { object, value, bytes } => {
-                // Asked again now: the device may have come up since.
-                if let Some(why) = peer.guards(object) {
-                    return tell(number, Err(AskError::Guarded { object, why }), out);
-                }
-                match bytes.map(|bytes| setting(object, value, bytes)) {
-                    Some(Ok(setting)) => (Transfer::write(now, node, &setting, &mut out.frames), Step::Last),
-                    Some(Err(error)) => return tell(number, Err(error), out),
-                    None => (Transfer::read(now, node, object, &mut out.frames), Step::Measure),
-                }
-            }
+            Ask::Write { object, value, bytes } => match bytes.map(|bytes| setting(object, value, bytes)) {
+                Some(Ok(setting)) => (Transfer::write(now, node, &setting, &mut out.frames), Step::Last),
+                Some(Err(error)) => return tell(number, Err(error), out),
+                None => (Transfer::read(now, node, object, &mut out.frames), Step::Measure),
+            },
         };
         peer.lent = true;
         self.active.push(Active { number, node, ask, transfer, step });
@@ -325,14 +319,6 @@ impl Peer {
         self.write_if_wanted(now, out);
     }
 
-    /// Why an object of it is not written for others now; `None` if it may be.
-    fn guards(&self, object: ObjectId) -> Option<&'static str> {
-        match self.phase {
-            Phase::Starting { .. } | Phase::Operational => guarded(object, &self.plan.settings),
-            Phase::Absent { .. } | Phase::Booting(_) | Phase::Refused { .. } | Phase::Stopped => None,
-        }
-    }
-
     /// Somebody wants it started. It never is before it is identified and configured.
     fn start_by_request(&mut self, now: Tick, out: &mut Outbox) -> Result<String, String> {
         let text = self.explain(now);
@@ -363,7 +349,7 @@ impl Manager {
             return number;
         };
         if let Ask::Write { object, .. } = ask
-            && let Some(why) = peer.guards(object)
+            && let Some(why) = guarded(object, &peer.plan.settings)
         {
             tell(number, Err(AskError::Guarded { object, why }), out);
         } else if self.requests.waiting.len() >= WAITING_MAX {

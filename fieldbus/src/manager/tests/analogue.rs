@@ -172,7 +172,9 @@ fn a_broken_wire_is_a_loss_until_it_is_mended_and_says_so() {
     assert_eq!(bench.trouble(), [said]);
     // Said once, and nothing is energised by what was set before.
     bench.measure(i16::MIN);
-    bench.measure(300);
+    bench.live(300, Some(300));
+    assert!(!bench.inputs(DRILL).valid, "not yet: it has measured for 250 ms");
+    bench.live(50, Some(300));
     let (frames, events) = bench.take();
     assert!(!events.iter().any(|event| matches!(event, Event::ChannelFault { .. })));
     assert!(!frames.iter().any(|frame| frame == "204#01"), "{frames:?}");
@@ -194,7 +196,38 @@ fn a_broken_wire_with_an_input_of_its_own_turns_that_on_and_the_limits_off() {
     assert_eq!((bench.limits(), bench.inputs(DRILL).bits >> 10 & 1), ((false, false), 1));
     // Within the hysteresis it has no memory of before.
     bench.measure(490);
+    bench.live(250, Some(490));
+    assert_eq!((bench.limits(), bench.inputs(DRILL).bits >> 10 & 1), ((false, false), 1));
+    bench.take();
+    bench.pass(50);
+    assert!(bench.take().1.contains(&Event::InputsChanged { owner: DRILL }), "by time alone");
     assert_eq!((bench.limits(), bench.inputs(DRILL).bits >> 10 & 1), ((false, false), 0));
+}
+
+#[test]
+fn a_loose_contact_is_one_loss_until_it_has_held_for_a_while() {
+    let mut bench = up();
+    for at in 0..400 {
+        bench.measure(if at % 2 == 0 { i16::MAX } else { 200 });
+        bench.now = bench.now + Duration::from_millis(5);
+        if at % 10 == 0 {
+            bench.live(50, None);
+        }
+    }
+    let changes =
+        |events: &[Event]| events.iter().filter(|event| matches!(event, Event::InputsChanged { owner: DRILL })).count();
+    assert_eq!((changes(&bench.take().1), bench.inputs(DRILL).losses), (1, 1));
+    bench.measure(200);
+    let mended = bench.now + Duration::from_millis(295);
+    bench.live(250, Some(200));
+    bench.take();
+    // The last number of the loop was a measurement too, 5 ms before: since then it holds.
+    assert_eq!(bench.manager.next_deadline(), Some(mended));
+    bench.pass(44);
+    assert!(!bench.inputs(DRILL).valid);
+    bench.pass(1);
+    assert!(bench.inputs(DRILL).valid && bench.manager.next_deadline().unwrap() > bench.now);
+    assert_eq!(changes(&bench.take().1), 1);
 }
 
 #[test]
@@ -281,6 +314,9 @@ proptest! {
             // The last one clear of the band decides; without any, it is off.
             let above = history.iter().find_map(|n| match n { n if *n >= 500 => Some(true), n if *n < 480 => Some(false), _ => None });
             let below = history.iter().find_map(|n| match n { n if *n <= 100 => Some(true), n if *n > 110 => Some(false), _ => None });
+            if !history.is_empty() {
+                bench.live(300, None);
+            }
             prop_assert_eq!(bench.limits(), (above.unwrap_or(false), below.unwrap_or(false)));
             prop_assert_eq!(bench.inputs(DRILL).bits >> 10 & 1 == 1, history.is_empty());
         }

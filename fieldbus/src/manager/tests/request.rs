@@ -88,27 +88,41 @@ fn an_object_that_cannot_be_read_is_written_in_the_length_it_takes() {
     assert_eq!(bench.told().1[0].1, Ok(vec![]));
 }
 
-#[test]
-fn what_the_process_rests_on_is_written_only_while_the_device_does_not_work() {
-    let mut bench = Bench::up();
-    for index in [0x1016, 0x1017, 0x1600, 0x6200, 0x6206, 0x6002] {
+/// None of what the process rests on is written now.
+fn assert_guarded(bench: &mut Bench) {
+    for index in [0x1016, 0x1017, 0x1400, 0x1600, 0x1A00, 0x6200, 0x6206, 0x6002] {
         let number = bench.ask(6, write(index, 1, 1));
         let (frames, answers) = bench.told();
         assert!(frames.is_empty() && answers[0].0 == number, "{index:04X}h");
         let error = answers[0].1.as_ref().unwrap_err();
         assert_eq!(error.abort(), Abort::LOCAL_CONTROL);
-        assert!(error.to_string().contains("is not written while the device is operational"), "{error}");
+        assert!(error.to_string().contains("is not written for others"), "{error}");
     }
+}
+
+#[test]
+fn what_the_process_rests_on_is_not_written_in_any_state() {
+    let mut bench = Bench::up();
+    assert_guarded(&mut bench);
     // Reading is never refused.
     bench.ask(6, Ask::Read(ObjectId::new(0x6200, 1)));
     assert_eq!(bench.told().0, ["606#4000620100000000"]);
-    // One that was refused at its boot may be set right.
+    bench.hear("586#4F00620100000000");
+    // Being booted, and then refused: it is tried again without a reset, and would be started with what was written.
     bench.hear("706#00");
+    bench.told();
+    assert_guarded(&mut bench);
     bench.hear("586#4300100091010300");
     bench.hear("586#8017100000000106");
     bench.told();
-    bench.ask(6, write(0x6206, 1, 0xFF));
-    assert_eq!(bench.told().0, ["606#4006620100000000"]);
+    assert_guarded(&mut bench);
+    // The manufacturer's own objects may be set right.
+    bench.ask(6, write(0x2001, 1, 0xFF));
+    assert_eq!(bench.told().0, ["606#4001200100000000"]);
+    bench.hear("586#8001200100000206");
+    bench.told();
+    bench.hear("706#04");
+    assert_guarded(&mut bench);
 }
 
 #[test]
@@ -223,6 +237,35 @@ fn a_reset_is_sent_and_takes_its_owners_outputs_along_once_the_device_boots() {
     assert!(!bench.inputs(DRILL).valid);
     let status = bench.manager.statuses().find(|status| status.node == node(4)).unwrap();
     assert_eq!((status.condition, status.losses, status.nmt), (Condition::Booting, 1, Some(NmtState::BootUp)));
+}
+
+#[test]
+fn the_state_is_what_the_last_heartbeat_said_and_none_once_there_is_none() {
+    let nmt = |bench: &Bench| bench.manager.statuses().find(|status| status.node == node(6)).unwrap().nmt;
+    // Found pre-operational, or booting: refused either way.
+    for first in ["706#7F", "706#00"] {
+        let mut bench = Bench::new();
+        assert_eq!(nmt(&bench), None);
+        bench.hear(first);
+        let said = if first == "706#00" { NmtState::BootUp } else { NmtState::PreOperational };
+        assert_eq!(nmt(&bench), Some(said));
+        bench.hear("586#4300100091010300");
+        bench.hear("586#8017100000000106");
+        bench.hear("706#7F");
+        let status = bench.manager.statuses().find(|status| status.node == node(6)).unwrap();
+        assert_eq!((status.condition, status.nmt), (Condition::Refused, Some(NmtState::PreOperational)));
+        bench.pass_with(100, &[4]);
+        bench.hear("706#04");
+        assert_eq!(nmt(&bench), Some(NmtState::Stopped));
+        bench.pass(200);
+        assert_eq!(nmt(&bench), None, "silent");
+        // It falls silent in the middle of its boot: nothing is lost, and still it says nothing.
+        bench.hear("706#00");
+        assert_eq!(nmt(&bench), Some(NmtState::BootUp));
+        (0..100).for_each(|_| bench.pass(50));
+        let status = bench.manager.statuses().find(|status| status.node == node(6)).unwrap();
+        assert_eq!((status.condition, status.nmt), (Condition::Absent, None));
+    }
 }
 
 #[test]
