@@ -18,6 +18,10 @@ pub struct Driver {
     outbox: Outbox,
 }
 
+/// How often, and how far apart, the last orders are offered: a tenth of a second in all.
+const RELEASE_TRIES: usize = 100;
+const RELEASE_PAUSE: std::time::Duration = std::time::Duration::from_millis(1);
+
 impl Driver {
     /// Joins a manager and its bus. Nothing is sent before [`Driver::next`] or [`Driver::set_outputs`] is called.
     pub fn new(bus: Bus, manager: Manager, clock: Clock) -> Self {
@@ -60,10 +64,19 @@ impl Driver {
         self.flush();
     }
 
-    /// Lets go of every output, for an orderly end.
+    /// Lets go of every output, for an orderly end. Nobody gives the bus another turn after that, so what the interface
+    /// has no room for is offered again for a while, and the program waits.
     pub fn release_outputs(&mut self) {
         self.manager.release_outputs(self.clock.now(), &mut self.outbox);
-        self.flush();
+        for _ in 0..RELEASE_TRIES {
+            let sent = self.outbox.frames.iter().take_while(|frame| self.bus.send(frame)).count();
+            self.outbox.frames.drain(..sent);
+            if self.outbox.frames.is_empty() {
+                return;
+            }
+            std::thread::sleep(RELEASE_PAUSE);
+        }
+        tracing::warn!(left = self.outbox.frames.len(), "the interface does not take the orders to let go");
     }
 
     /// Asks a device; see [`Manager::ask`]. [`Driver::next`] reports when it is answered.

@@ -3,6 +3,7 @@
 use linewright_line::{Device, FrameId, Tick, Timing};
 use thiserror::Error;
 
+use super::ANOTHER_MANAGER;
 use super::event::IGNORE_REASONS;
 use super::pace::Pace;
 use super::peer::Peer;
@@ -101,7 +102,7 @@ impl Manager {
             next_sync: None,
             off: None,
             ignored: [0; IGNORE_REASONS],
-            told: [TOLD; IGNORE_REASONS + 1],
+            told: [TOLD; ANOTHER_MANAGER + 1],
             pace: Pace::new(),
             turn: 0,
         };

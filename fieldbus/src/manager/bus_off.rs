@@ -35,6 +35,10 @@ impl Manager {
                 let outcome = self.peers[at].cut_off(now);
                 self.settle(now, at, outcome, out);
             }
+            // Also those whose devices all speak no CANopen, which may be silent for longer than the bus was off.
+            for owner in self.images.iter().map(|image| image.owner).collect::<Vec<_>>() {
+                self.let_go(now, owner, out);
+            }
         }
         if class & RESTARTED != 0 {
             self.back_on_the_bus(now, out);

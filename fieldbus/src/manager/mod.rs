@@ -42,7 +42,7 @@ pub use request::{Answer, Ask, AskError};
 pub use status::{Condition, Status};
 
 use crate::codec::{DecodeError, Message, NmtState, NodeId};
-use crate::frame::Frame;
+use crate::frame::{Frame, Kind};
 use event::IGNORE_REASONS;
 use flood::Budget;
 use pace::Pace;
@@ -100,8 +100,8 @@ pub struct Manager {
     pace: Pace,
     /// Whose turn it is to send a segment of a block.
     turn: usize,
-    /// How much is said of ignored frames, by reason, and at the end of errors of the bus.
-    told: [Budget; IGNORE_REASONS + 1],
+    /// How much is said of ignored frames, by reason, and at the end of errors of the bus and of another manager.
+    told: [Budget; ANOTHER_MANAGER + 1],
 }
 
 impl Manager {
@@ -116,6 +116,9 @@ impl Manager {
     }
 
     fn take(&mut self, now: Tick, frame: &Frame, out: &mut Outbox) {
+        if !matches!(frame.kind(), Kind::Error(_)) {
+            self.back_on_the_bus(now, out);
+        }
         if self.take_plain(now, frame, out) {
             return;
         }
@@ -123,9 +126,12 @@ impl Manager {
             Ok(message) => message,
             Err(error) => return self.undecodable(now, error, *frame, out),
         };
-        self.back_on_the_bus(now, out);
         match message {
-            Message::Heartbeat { node, .. } if node == MANAGER_NODE => out.events.push(Event::AnotherManager),
+            Message::Heartbeat { node, .. } if node == MANAGER_NODE => {
+                if self.told[ANOTHER_MANAGER].take(now) {
+                    out.events.push(Event::AnotherManager);
+                }
+            }
             Message::Heartbeat { node, state } => {
                 if let Some(record) = self.record_of(node.get()) {
                     record.nmt = Some(state);
@@ -224,17 +230,21 @@ impl Manager {
         self.pace.give_back(now, frames);
     }
 
-    /// Lets go of every output of every device: for an orderly end, so nothing waits. (After any other end the devices'
-    /// own heartbeat consumers do it.)
+    /// Lets go of every output of every device: for an orderly end, so nothing waits, and what waited is not sent. (After
+    /// any other end the devices' own heartbeat consumers do it; those that speak no CANopen have none and come first.)
     pub fn release_outputs(&mut self, now: Tick, out: &mut Outbox) {
+        self.pace.forget_all();
         for image in &mut self.images {
             image.outputs = 0;
         }
-        for peer in &mut self.peers {
-            peer.set_image(now, 0, out);
-        }
         for plain in &mut self.plains {
-            plain.set_image(now, 0, out);
+            plain.release(now, out);
+        }
+        // What they were sent last may still have waited: each is told, whatever it is thought to have.
+        let mut differing = Outbox::default();
+        for peer in &mut self.peers {
+            peer.set_image(now, 0, &mut differing);
+            peer.send_rest(out);
         }
     }
 
@@ -324,7 +334,7 @@ impl Manager {
             Outcome::Inputs => {}
             // Nothing depends on it.
             Outcome::Lost if !self.peers[at].is_vital => {
-                self.pace.forget(self.peers[at].node);
+                self.forget_what_waits(at);
                 self.records[at].losses += 1;
             }
             Outcome::Up => {
@@ -332,7 +342,7 @@ impl Manager {
                 self.peers[at].send_outputs(now, out);
             }
             Outcome::Lost => {
-                self.pace.forget(self.peers[at].node);
+                self.forget_what_waits(at);
                 self.records[at].losses += 1;
                 self.let_go(now, owner, out);
             }
@@ -340,8 +350,16 @@ impl Manager {
         self.gather(now, owner, out);
     }
 
+    /// What waits for a device that is gone was decided before. One that is only not trusted is still told: what waits
+    /// may be the order to let go, and is replaced by a newer one.
+    fn forget_what_waits(&mut self, at: usize) {
+        if !self.peers[at].is_operational() {
+            self.pace.forget(self.peers[at].node);
+        }
+    }
+
     /// One of an owner's devices is lost. Its controller decided without knowing: none of its outputs is vouched for.
-    fn let_go(&mut self, now: Tick, owner: Owner, out: &mut Outbox) {
+    pub(super) fn let_go(&mut self, now: Tick, owner: Owner, out: &mut Outbox) {
         if let Some(image) = self.images.iter_mut().find(|i| i.owner == owner) {
             image.outputs = 0;
         }
@@ -353,7 +371,7 @@ impl Manager {
         }
     }
 
-    /// Recomputes an owner's input image, and reports a change.
+    /// Recomputes an owner's input image, and reports a change. However it came to be invalid, outputs are let go.
     fn gather(&mut self, now: Tick, owner: Owner, out: &mut Outbox) {
         let peers = || self.peers.iter().filter(|p| p.owner == owner);
         let plains = || self.plains.iter().filter(|p| p.owner == owner);
@@ -369,6 +387,9 @@ impl Manager {
         image.inputs = InputImage { bits, valid, since, updated: updated.unwrap_or(before.updated), losses };
         if (before.bits, before.valid) != (bits, valid) {
             out.events.push(Event::InputsChanged { owner });
+        }
+        if before.valid && !valid {
+            self.let_go(now, owner, out);
         }
     }
 
@@ -386,7 +407,6 @@ impl Manager {
             DecodeError::UnknownCobId { .. } => IgnoreReason::UnknownCobId,
             DecodeError::Length { .. } | DecodeError::Field { .. } => IgnoreReason::Malformed,
         };
-        self.back_on_the_bus(now, out);
         self.ignore(now, reason, frame, out);
     }
 
@@ -400,6 +420,9 @@ impl Manager {
         }
     }
 }
+
+/// Where the budget for telling of another manager is.
+const ANOTHER_MANAGER: usize = IGNORE_REASONS + 1;
 
 /// How much is told of what comes again and again.
 const TOLD: Budget = Budget::new(20, Duration::from_millis(100));

@@ -170,9 +170,11 @@ impl Pace {
         self.own_is_through() && self.service.is_empty()
     }
 
-    /// The same of one frame.
-    pub fn forget_frame(&mut self, id_word: u32) {
-        self.process.retain(|frame| frame.id_word() != id_word);
+    /// The manager ends: what waits is not sent.
+    pub fn forget_all(&mut self) {
+        self.urgent.clear();
+        self.process.clear();
+        self.service.clear();
     }
 
     /// When something that waits may go; `streaming` is whether a transfer has segments to send.

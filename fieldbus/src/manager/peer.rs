@@ -3,11 +3,13 @@
 //! ```text
 //!            heard               all as planned             operational heartbeat or TPDO
 //!  Absent ──────────▶ Booting ─────────────────▶ Starting ───────────────────────────────▶ Operational
-//!    ▲                │   ▲  another device,        ▲  ▲                                      │    │
-//!    │                │   │  setting refused        │  └────────── pre-operational ───────────┘    │
-//!    │                ▼   │ boot-up, after a while  │                                              │
+//!    ▲                │   ▲  another device,        ▲                                              │
+//!    │                │   │  setting refused,       │ operational                                  │
+//!    │                ▼   │  SYNC lost              │                                              │
 //!    │               Refused                     Stopped ◀───────── stopped, unknown ──────────────┘
-//!    └── from every state, when it is silent for too long; boot-up leads from every state to Booting
+//!    └── from every state but Refused, when it is silent for too long
+//!  Boot-up leads from every state to Booting; so does pre-operational from Stopped and Operational, for it may have
+//!  booted unheard, and a start that has no effect.
 //! ```
 //!
 //! Booting (`boot.rs`) comes before starting, also for a device found operational: it must be the device that is
@@ -169,7 +171,8 @@ impl Peer {
         match &self.phase {
             Phase::Absent { probe } => *probe,
             Phase::Booting(boot) => boot.deadline(),
-            Phase::Starting { retry } | Phase::Refused { retry, .. } => lost.min(*retry),
+            Phase::Refused { retry, .. } => *retry,
+            Phase::Starting { retry } => lost.min(*retry),
             Phase::Stopped => lost,
             Phase::Operational => {
                 let refresh = self.sent.map_or(Tick::NEVER, |at| at + self.refresh);
@@ -189,7 +192,8 @@ impl Peer {
         self.flood.ends(now);
         // A device that is being configured may be silent for longer than its heartbeats are apart: it may not have
         // been told to send them yet, or be writing to its memory. The transfer knows how long to wait.
-        let watched = !matches!(self.phase, Phase::Absent { .. } | Phase::Booting(_));
+        // One that is refused may never have been told; its next boot finds out whether it is still there.
+        let watched = !matches!(self.phase, Phase::Absent { .. } | Phase::Booting(_) | Phase::Refused { .. });
         if watched && self.heard + self.timeout <= now {
             // Said once: one that is heard otherwise is looked at again and again.
             if !self.lacks_heartbeat() {
@@ -218,7 +222,8 @@ impl Peer {
             Phase::Refused { retry, .. } if *retry <= now => self.boot(now, out),
             // One that watches SYNC by itself gives up before it is heard to run.
             Phase::Starting { retry } if *retry <= now && self.sync_losses > 0 => return self.lose_sync(now, out),
-            Phase::Starting { retry } if *retry <= now => self.order_start(now, out),
+            // It is not started as it is: perhaps it has booted since, and nobody heard.
+            Phase::Starting { retry } if *retry <= now => self.boot(now, out),
             Phase::Operational => {
                 self.process.poll(now);
                 self.go_on_writing(now, None, out);
@@ -245,6 +250,12 @@ impl Peer {
         if self.lacks_heartbeat() {
             self.why = None;
         }
+        if state == NmtState::BootUp {
+            // Another one may hang there now: what was found out about the last one does not count.
+            self.errors.gone();
+            self.refusal = None;
+            self.sync_losses = 0;
+        }
         match (&self.phase, state) {
             (Phase::Absent { .. }, _) => {
                 self.boot(now, out);
@@ -252,26 +263,26 @@ impl Peer {
             }
             (_, NmtState::BootUp) => {
                 self.tell(now, Event::DeviceRebooted { node: self.node }, out);
-                self.errors.gone();
                 let outcome = self.leave(now, Phase::Starting { retry: now }, Why::Booted);
-                // Another one may hang there now: what was found out about the last one does not count.
-                self.refusal = None;
-                self.sync_losses = 0;
                 self.boot(now, out);
                 outcome
             }
             // The order to stop it was lost: its outputs wait for a SYNC.
             (Phase::Refused { why: BootError::NoSync { .. }, .. }, NmtState::Operational) => {
-                self.order(NmtCommand::Stop, out);
+                if self.orders.take(now) {
+                    self.order(NmtCommand::Stop, out);
+                }
                 Outcome::Unchanged
             }
             // A stopped device answers no SDO: to be configured it must be woken.
             (Phase::Booting(_), NmtState::Stopped) => {
-                self.order(NmtCommand::EnterPreOperational, out);
+                if self.orders.take(now) {
+                    self.order(NmtCommand::EnterPreOperational, out);
+                }
                 Outcome::Unchanged
             }
             (Phase::Starting { .. } | Phase::Stopped, NmtState::Operational) => self.up(now, out),
-            // Still pre-operational after an order to start: `retry` repeats it, this heartbeat may have crossed it.
+            // Still pre-operational after an order to start: this heartbeat may have crossed it, or `retry` boots it anew.
             (Phase::Booting(_) | Phase::Refused { .. }, _)
             | (Phase::Starting { .. }, NmtState::PreOperational)
             | (Phase::Operational, NmtState::Operational) => Outcome::Unchanged,

@@ -190,6 +190,14 @@ impl Plain {
         self.send_changes(now, out);
     }
 
+    /// Sends every message with everything off, whatever it was sent before.
+    pub fn release(&mut self, now: Tick, out: &mut Outbox) {
+        self.image = 0;
+        for told in &mut self.told {
+            told.send(now, 0, out);
+        }
+    }
+
     fn send_changes(&mut self, now: Tick, out: &mut Outbox) {
         let image = self.vouched();
         for told in &mut self.told {
@@ -356,13 +364,8 @@ impl Manager {
             Outcome::Unchanged | Outcome::Ignored(_) => return,
             Outcome::Inputs => {}
             Outcome::Up => self.plains[at].send_changes(now, out),
-            Outcome::Lost => {
-                for told in &self.plains[at].told {
-                    self.pace.forget_frame(frame_of(told.frame.id, &[]).map_or(0, |frame| frame.id_word()));
-                }
-                // It is told to let go as well: it may hear what it cannot answer.
-                self.let_go(now, owner, out);
-            }
+            // It is told to let go as well: it may hear what it cannot answer.
+            Outcome::Lost => self.let_go(now, owner, out),
         }
         self.gather(now, owner, out);
     }

@@ -250,3 +250,60 @@ fn a_node_that_babbles_says_so() {
         ["clamp (node 06h): it babbles: more than 200 frames within 100 ms; it is not listened to"]
     );
 }
+
+/// The interface has just refused the order to let go when the device says that it is in error.
+#[test]
+fn an_order_to_let_go_that_waits_is_sent_all_the_same() {
+    let mut bench = Bench::up();
+    bench.set(CLAMP, 1);
+    bench.set(CLAMP, 0);
+    assert_eq!(bench.take().0, ["206#01", "206#00"]);
+    bench.manager.give_back(bench.now, vec!["206#00".parse().unwrap()]);
+    bench.manager.handle(bench.now, &OVERLOAD.parse().unwrap(), &mut bench.out);
+    bench.take();
+    bench.pass(5);
+    assert!(bench.frames().contains(&"206#00".to_owned()));
+}
+
+/// The device says that its error is gone; an answer from before says that it stands.
+#[test]
+fn an_old_answer_about_an_error_makes_outputs_be_let_go() {
+    let mut bench = Bench::up();
+    bench.hear(OVERLOAD);
+    bench.pass_with(1000, &[4, 5, 6]);
+    assert!(bench.frames().contains(&"606#4001100000000000".to_owned()), "it is asked for its register");
+    bench.hear("086#0000000000000000");
+    assert!(bench.inputs(CLAMP).valid);
+    bench.set(CLAMP, 1);
+    bench.take();
+    bench.hear("586#4F01100005000000");
+    assert!(!bench.inputs(CLAMP).valid);
+    assert_eq!(bench.frames(), ["206#00"]);
+}
+
+/// Whatever the devices are thought to have: what they were sent last may not have left.
+#[test]
+fn at_the_end_everything_is_let_go_and_nothing_that_waited_is_sent() {
+    let mut bench = Bench::up();
+    bench.set(CLAMP, 1);
+    bench.take();
+    bench.manager.give_back(bench.now, vec!["206#01".parse().unwrap()]);
+    bench.manager.release_outputs(bench.now, &mut bench.out);
+    assert!(bench.take().0.contains(&"206#00".to_owned()));
+    bench.pass(5);
+    assert!(!bench.frames().contains(&"206#01".to_owned()));
+}
+
+#[test]
+fn a_boot_ends_an_error_also_of_a_device_that_was_away_and_has_no_register() {
+    let mut bench = Bench::up();
+    bench.hear(OVERLOAD);
+    bench.pass(1000);
+    bench.hear("706#00");
+    bench.hear("586#4300100091010300");
+    bench.hear("586#6017100000000000");
+    bench.hear("586#6016100100000000");
+    bench.hear("586#8001100000000206");
+    bench.hear("186#00");
+    assert!(bench.inputs(CLAMP).valid, "{:?}", trouble(&bench, CLAMP));
+}
