@@ -12,6 +12,17 @@ pub const ITEMS_MAX: usize = 4096;
 /// Most bytes of any string. Texts are for people and for names.
 pub const TEXT_BYTES_MAX: usize = 4096;
 
+/// A text that is not too long for a message: one that is ends in `…`. A message with a longer one reaches nobody.
+pub fn fitting(mut text: String) -> String {
+    const MORE: &str = " …";
+    if text.len() > TEXT_BYTES_MAX {
+        let end = (0..=TEXT_BYTES_MAX - MORE.len()).rev().find(|&at| text.is_char_boundary(at));
+        text.truncate(end.unwrap_or(0));
+        text.push_str(MORE);
+    }
+    text
+}
+
 /// A decoded message that must not be used.
 #[derive(Debug, Clone, PartialEq, Eq, Error)]
 pub enum Invalid {
@@ -90,5 +101,25 @@ pub(crate) fn indices(field: &'static str, indices: &[u16], count: usize) -> Res
     match indices.iter().find(|index| usize::from(**index) >= count) {
         Some(&index) => Err(Invalid::NoSuchOperation { field, index, count }),
         None => Ok(()),
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn a_text_is_cut_where_a_character_ends() {
+        assert_eq!(fitting("short".to_owned()), "short");
+        let longest = "ä".repeat(TEXT_BYTES_MAX / 2);
+        assert_eq!(fitting(longest.clone()), longest);
+        for before in 0..4 {
+            let cut = fitting("a".repeat(before) + &longest + "bb");
+            assert!(
+                cut.len() <= TEXT_BYTES_MAX && cut.len() > TEXT_BYTES_MAX - 8 && cut.ends_with(" …"),
+                "{}",
+                cut.len()
+            );
+        }
     }
 }

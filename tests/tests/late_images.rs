@@ -77,11 +77,13 @@ fn a_motion_of_which_only_the_end_is_seen_has_arrived() {
     let operations = &line.station(mill).operations;
     assert_eq!(operations[feed.index()].name, "feed main slide");
     let (fed, forward) = (1 << operations[2].normal.complete.0, 1 << operations[1].normal.complete.0);
-    for (at_start, arrives) in [(forward, true), (forward | fed, false)] {
+    let decel = OpId(1);
+    // What the image at hand shows, and how many numbers before the present one it was taken.
+    for (at_start, age, arrives) in [(forward, 0, true), (forward | fed, 0, false), (forward, 1, false)] {
         let mut controller = Controller::new(&line, mill, 1, Restore::Fresh).expect("it compiles");
         let mut snapshot = controller.snapshot();
-        snapshot.marking = vec![Place::completed(OpId(1))];
-        (snapshot.cycle, snapshot.done, snapshot.started) = (1, vec![1, 1, 0, 0, 0], vec![1, 1, 0, 0, 0]);
+        snapshot.marking = vec![Place::completed(OpId(0))];
+        (snapshot.cycle, snapshot.done, snapshot.started) = (1, vec![1, 0, 0, 0, 0], vec![1, 0, 0, 0, 0]);
         controller = Controller::new(&line, mill, 2, Restore::From(snapshot)).expect("it compiles");
         let mut out = Outbox::default();
         let mut now = Tick::from_millis(1000);
@@ -92,12 +94,19 @@ fn a_motion_of_which_only_the_end_is_seen_has_arrived() {
             (controller.marking().collect::<Vec<_>>(), out.number)
         };
         let image = |bits: u128, under: u64| Input::Inputs { bits, valid: true, until: Tick::NEVER, under };
+        let press = |held| Input::Panel(PanelCommand::Advance(held));
         tell(Input::Order(manual()));
-        tell(image(at_start, 0));
-        let (feeding, under) = tell(Input::Panel(PanelCommand::Advance(true)));
+        tell(image(0, 0));
+        let (slowing, first) = tell(press(true));
+        assert_eq!(slowing, [Place::operating(decel)]);
+        assert_eq!(tell(image(forward, first)).0, [Place::completed(decel)]);
+        let (_, standing) = tell(press(false));
+        assert!(standing > first, "its output is off: another number");
+        tell(image(at_start, standing - age));
+        let (feeding, under) = tell(press(true));
         assert_eq!(feeding, [Place::operating(feed)]);
         let (after, _) = tell(image(forward | fed, under));
         let expected = if arrives { Place::completed(feed) } else { Place::operating(feed) };
-        assert_eq!(after, [expected], "a switch that was on already proves nothing");
+        assert_eq!(after, [expected], "shown {at_start:b}, {age} numbers before");
     }
 }

@@ -7,7 +7,7 @@ use linewright_coordinator_logic::{Command, Coordinator, Gateway, Heard, InForce
 use linewright_fieldbus::{Bus as CanBus, BusError, Clock, Driver, Event as BusEvent, Manager, ManagerError};
 use linewright_line::net::ControlMode;
 use linewright_line::{Bus, Line, Owner, StationId, Tick};
-use linewright_msgs::{LineState, ModeOrder, ProcessImage, Text};
+use linewright_msgs::{LineState, ModeOrder, ProcessImage, Text, fitting};
 use linewright_node_shell::{
     Forward, Journal, JournalError, NewestBySequence, OpenError, Participant, TopicError, fresh_boot_id, stamp,
 };
@@ -310,7 +310,8 @@ impl Shell {
             self.refusal_log_due = now + ANSWER_EVERY;
             tracing::warn!(refusals = self.refusals, "{text}");
         }
-        self.refusal = text;
+        // With many devices lost there is more to say than a message carries.
+        self.refusal = fitting(text);
         // Tell it now, but a flood of foolish commands no faster than reliable topics can bear.
         self.refresh_due = self.refresh_due.min(self.told + ANSWER_EVERY);
     }

@@ -88,9 +88,10 @@ impl Controller {
             ControlMode::Manual => Run::Manual,
             ControlMode::Home | ControlMode::StandBy | ControlMode::Auto | ControlMode::EStop => Run::Auto,
         };
-        // Nothing has been driven since an image that was taken under the outputs still in force: if it shows the switch
-        // off, the motion starts with it off, and need not be seen under way. Of a short motion on a slow network no
-        // image may arrive but the one from its end.
+        // This axis has not been driven towards this switch since an image that was taken under the outputs still in force
+        // (a neighbour's has another axis, and the operation before has just arrived elsewhere by this image): if it shows
+        // the switch off, the motion starts with it off, and need not be seen under way. Of a short motion on a slow
+        // network no image may arrive but the one from its end.
         let just_seen = self.inputs_under != NO_DELAY && self.inputs_under >= self.output_number;
         let off = just_seen && self.inputs & self.program.places[table as usize].complete == 0;
         self.tokens[index] = Token {

@@ -217,7 +217,7 @@ mod tests {
 
     #[test]
     fn the_shipped_line_holds_with_any_number_of_machines() {
-        for machines in [1, 2, 31] {
+        for machines in [1, 2, TransferLine::MACHINES_MAX] {
             let line = shipped(machines);
             home_is_consistent(&line).unwrap();
             assert!(every_circuit_has_a_token(&line).unwrap().contains("no station can run away"));

@@ -5,7 +5,7 @@
 
 use linewright_fieldbus::Driver;
 use linewright_line::{Owner, Tick};
-use linewright_msgs::Text;
+use linewright_msgs::{Text, fitting};
 use linewright_node_shell::{Node, Publisher, TopicError, qos};
 
 use super::EVERY;
@@ -47,8 +47,42 @@ impl Trouble {
     }
 }
 
-/// A sentence for each device of `owner` that is in the way; empty if none is.
+/// About how much is said of one owner's devices, in bytes: it stands in messages of bounded length, several times.
+const ENOUGH: usize = 800;
+
+/// A sentence for each device of `owner` that is in the way, or for the first ones; empty if none is.
 pub fn in_words(driver: &Driver, owner: Owner) -> String {
-    let sentences: Vec<String> = driver.manager().trouble(driver.now(), owner).collect();
-    sentences.join("; ")
+    joined(driver.manager().trouble(driver.now(), owner))
+}
+
+fn joined(sentences: impl Iterator<Item = String>) -> String {
+    let mut text = String::new();
+    let mut more = 0;
+    for sentence in sentences {
+        if text.is_empty() {
+            text = sentence;
+        } else if text.len() + sentence.len() <= ENOUGH {
+            text.push_str("; ");
+            text.push_str(&sentence);
+        } else {
+            more += 1;
+        }
+    }
+    if more == 0 { fitting(text) } else { fitting(format!("{text}; and {more} more")) }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn of_many_devices_the_first_are_named_and_the_rest_counted() {
+        let of = |number: usize| joined((0..number).map(|at| format!("device {at:03} is not heard")));
+        assert_eq!(of(0), "");
+        assert_eq!(of(2), "device 000 is not heard; device 001 is not heard");
+        let many = of(200);
+        assert!(many.len() < 2 * ENOUGH && many.ends_with(" more"), "{many}");
+        let named = many.matches("device ").count();
+        assert!(many.ends_with(&format!("; and {} more", 200 - named)), "{many}");
+    }
 }
