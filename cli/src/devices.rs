@@ -6,14 +6,11 @@
 use std::path::Path;
 
 use linewright_eds::{Content, Eds, NodeId, Value, limits, read};
-use linewright_line::{Device, Line, Setting, Transmission};
+use linewright_line::{Device, Line, Setting};
 use miette::{IntoDiagnostic, WrapErr, miette};
 
 /// Objects that the manager writes itself, whatever a file says: how devices and manager watch each other.
 const MANAGERS: [u16; 2] = [0x1016, 0x1017];
-
-/// Object 1005h of a device that hears SYNC and sends none; bit 31 means nothing.
-const COB_ID_SYNC: u64 = 0x80;
 
 /// Reads the file of every device that names one, beside the description in `dir`.
 pub fn complete(line: &mut Line, dir: &Path, quiet: bool) -> miette::Result<()> {
@@ -72,36 +69,13 @@ fn apply(device: &mut Device, eds: &Eds) -> Result<(), String> {
             return Err(format!("line {}: a DownloadFile is not sent to devices here", download.line));
         };
         if !MANAGERS.contains(&download.index) {
-            let setting = Setting { index: download.index, sub: download.sub, data };
-            sync_is_not_set(&setting, device.setup.transmission)
-                .map_err(|why| format!("line {}: {why}", download.line))?;
-            settings.push(setting);
+            settings.push(Setting { index: download.index, sub: download.sub, data });
         }
     }
     // What the description says itself comes last, and so stays.
     settings.append(&mut device.setup.settings);
     device.setup.settings = settings;
     Ok(())
-}
-
-/// What waits for SYNC is said in the description, where the rules about it see it: otherwise outputs could wait for a
-/// SYNC that nobody misses. What changes nothing may stand in a file: its tool writes it there with all the rest.
-fn sync_is_not_set(setting: &Setting, said: Transmission) -> Result<(), String> {
-    let Setting { index, sub, data } = setting;
-    let value = data.iter().rev().fold(0u64, |value, byte| value << 8 | u64::from(*byte));
-    let (harmless, hint) = match (*index, *sub) {
-        (0x1005, _) => (value & 0x7FFF_FFFF == COB_ID_SYNC, "`sync_ms` in [timing] says whether SYNC is sent"),
-        (0x1006 | 0x1007, _) => (value == 0, "`sync_ms` in [timing] says how often SYNC is sent"),
-        // What `transmission` says is written later.
-        (0x1400, 2) if said.outputs.is_some() => return Ok(()),
-        (0x1800, 2) if said.inputs.is_some() => return Ok(()),
-        (0x1400 | 0x1800, 2) => (matches!(value, 254 | 255), "say it in the device's `transmission`"),
-        (0x1401..=0x15FF | 0x1801..=0x19FF, 2) => {
-            (matches!(value, 254 | 255), "254 or 255: only the first PDO waits for SYNC")
-        }
-        _ => return Ok(()),
-    };
-    if harmless { Ok(()) } else { Err(format!("object {index:04X}h:{sub:02X} is {value} ({hint})")) }
 }
 
 /// Whether the device has an object like this, that can be written with so many bytes.
@@ -181,35 +155,5 @@ mod tests {
         assert!(refused(setting(0x1000, 0, &[0; 4])).contains("cannot be written"));
         let why = refused(setting(0x1029, 1, &[0; 4]));
         assert!(why.contains("object 1029h:01"), "{why}");
-    }
-
-    #[test]
-    fn a_file_says_nothing_of_sync() {
-        let text = std::str::from_utf8(IO).expect("it is plain text");
-        let applied = |index: &str, default: &str, own: &str, transmission| {
-            let section = text.find(&format!("[{index}]")).expect("the object is there");
-            let (before, after) = text.split_at(section);
-            let after = after.replacen(default, &format!("{default}\nParameterValue={own}"), 1);
-            let eds = read("io.dcf", format!("{before}{after}").as_bytes()).expect("a value alone breaks nothing");
-            let mut device = device();
-            device.setup.transmission = transmission;
-            apply(&mut device, &eds).map(|()| device.setup.settings.len())
-        };
-        let (none, both) = (Transmission::default(), Transmission { inputs: Some(1), outputs: Some(1) });
-        for index in ["1400sub2", "1800sub2"] {
-            for by_event in ["254", "255"] {
-                applied(index, "DefaultValue=255", by_event, none).expect("nothing waits for SYNC");
-            }
-            let why = applied(index, "DefaultValue=255", "1", none).expect_err("nobody would miss the SYNC");
-            assert!(
-                why.starts_with("line ") && why.ends_with("h:02 is 1 (say it in the device's `transmission`)"),
-                "{why}"
-            );
-            applied(index, "DefaultValue=255", "1", both).expect("the description says so itself");
-        }
-        applied("1005", "DefaultValue=0x00000080", "0x80", none).expect("as it is");
-        applied("1005", "DefaultValue=0x00000080", "0x40000080", none).expect_err("it would send SYNC");
-        applied("1006", "DefaultValue=0", "0", none).expect("as it is");
-        applied("1006", "DefaultValue=0", "1000", none).expect_err("`sync_ms` says so");
     }
 }

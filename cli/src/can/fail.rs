@@ -7,14 +7,14 @@ use clap::{Args, ValueEnum};
 use linewright_fieldbus::sdo::{ObjectId, Options};
 use linewright_fieldbus::{Bus, NodeId, Options as BusOptions, sdo_client};
 use linewright_line::{Bus as BusName, Device, Line, Module, Owner};
-use linewright_plant::FAULT_INDEX;
+use linewright_plant::{FAULT_INDEX, TROUBLE_INDEX};
 use miette::{IntoDiagnostic, miette};
 
 use crate::load;
 use crate::nodes::DEFAULT_BUS;
 
 /// What goes wrong.
-#[derive(Clone, Copy, Debug, ValueEnum)]
+#[derive(Clone, Copy, Debug, PartialEq, Eq, ValueEnum)]
 enum Wrong {
     /// The mechanism does not move.
     Stick,
@@ -28,26 +28,62 @@ enum Wrong {
     Silent,
     /// The device boots.
     Reboot,
+    /// It boots and does not come up.
+    NoBoot,
+    /// Its heartbeats cease, all else goes on.
+    NoHeartbeat,
+    /// It says to be another product (object 1018h:02) and boots.
+    Identity,
+    /// It refuses its heartbeat time (object 1017h) and boots.
+    Refuse,
+    /// It reports an overload of its outputs (emergency 2310h).
+    Emergency,
+    /// It is off the bus for a second.
+    BusOff,
+    /// A twentieth of the frames to and from it is lost, a twentieth doubled.
+    Lossy,
     /// All is well again.
     Clear,
 }
 
+/// Object 5F02h: index and subindex of an object, as its subindices 4 and 6 want it.
+const fn place(index: u32, sub: u32) -> u32 {
+    index << 8 | sub
+}
+
 impl Wrong {
-    /// Its number in the plant's fault object, for a motion or for a whole device.
-    fn code(self, whole_device: bool) -> miette::Result<u32> {
-        match (self, whole_device) {
-            (Wrong::Clear, _) => Ok(0),
-            (Wrong::Stick, false) | (Wrong::Silent, true) => Ok(1),
-            (Wrong::Slip, false) | (Wrong::Reboot, true) => Ok(2),
-            (Wrong::Break, false) => Ok(3),
-            (Wrong::SlipBack, false) => Ok(4),
-            (Wrong::Stick | Wrong::Slip | Wrong::Break | Wrong::SlipBack, true) => {
-                Err(miette!("{self:?} happens to a motion: say which with --operation"))
-            }
-            (Wrong::Silent | Wrong::Reboot, false) => {
-                Err(miette!("{self:?} happens to a whole device: leave --operation away"))
-            }
+    /// Its number in the plant's fault object, if it happens to a motion.
+    fn of_a_motion(self) -> Option<u32> {
+        match self {
+            Wrong::Clear => Some(0),
+            Wrong::Stick => Some(1),
+            Wrong::Slip => Some(2),
+            Wrong::Break => Some(3),
+            Wrong::SlipBack => Some(4),
+            _ => None,
         }
+    }
+
+    /// What is written to the device, object and value, if it happens to a whole device. The order matters: a boot last.
+    fn of_a_device(self) -> Option<Vec<(ObjectId, u32)>> {
+        /// "Written" in 5F02h:06.
+        const WRITTEN: u32 = 1 << 25;
+        const HARDWARE: u32 = 0x0606_0000;
+        let fault = |value| (ObjectId::new(FAULT_INDEX, 0), value);
+        let trouble = |sub, value| (ObjectId::new(TROUBLE_INDEX, sub), value);
+        Some(match self {
+            Wrong::Clear => vec![fault(0)],
+            Wrong::Silent => vec![fault(1)],
+            Wrong::Reboot => vec![fault(2)],
+            Wrong::NoBoot => vec![fault(3)],
+            Wrong::NoHeartbeat => vec![fault(4)],
+            Wrong::Identity => vec![trouble(3, 0xFFFF), trouble(4, place(0x1018, 2)), fault(2)],
+            Wrong::Refuse => vec![trouble(5, HARDWARE), trouble(6, place(0x1017, 0) | WRITTEN), fault(2)],
+            Wrong::Emergency => vec![trouble(1, 0x05_2310)],
+            Wrong::BusOff => vec![trouble(2, 1000)],
+            Wrong::Lossy => vec![trouble(7, 50), trouble(8, 50), trouble(9, 50)],
+            Wrong::Stick | Wrong::Slip | Wrong::Break | Wrong::SlipBack => return None,
+        })
     }
 }
 
@@ -66,6 +102,9 @@ pub struct FailArgs {
     /// Its recovery motion instead of the normal one.
     #[arg(long, requires = "operation")]
     recovery: bool,
+    /// Which of the station's devices, by its name; the first one without this.
+    #[arg(long, conflicts_with = "operation")]
+    device: Option<String>,
     /// The CAN interface of the line's bus.
     #[arg(long, default_value = DEFAULT_BUS)]
     bus: String,
@@ -74,31 +113,50 @@ pub struct FailArgs {
 /// `linewright fail`
 pub async fn fail(args: FailArgs) -> miette::Result<ExitCode> {
     let line = load::line(&args.line, true)?;
-    let (device, sub) = target(&line, &args)?;
-    let code = args.what.code(sub == 0)?;
+    let (device, orders) = orders(&line, &args)?;
     let interface = match &device.bus {
         BusName::Line => &args.bus,
         BusName::Own(interface) => interface,
     };
     let mut bus = Bus::open(interface, &BusOptions::default()).into_diagnostic()?;
-    let node = NodeId::new(device.node_id).ok_or_else(|| miette!("node id {} is out of range", device.node_id))?;
-    let object = ObjectId::new(FAULT_INDEX, sub);
-    sdo_client::write(&mut bus, node, object, &code.to_le_bytes(), Options::default())
-        .await
-        .map_err(|error| miette!("{error} on {}; is the simulated plant running?", bus.describe()))?;
-    crate::out::say!("{} (node {node}, object {object}): {:?}", device.name, args.what);
+    let node = NodeId::new(device.node_id)
+        .ok_or_else(|| miette!("{} speaks no CANopen: it cannot be told to fail", device.name))?;
+    for (object, value) in &orders {
+        sdo_client::write(&mut bus, node, *object, &value.to_le_bytes(), Options::default())
+            .await
+            .map_err(|error| miette!("{error} on {}; is the simulated plant running?", bus.describe()))?;
+    }
+    crate::out::say!("{} (node {node}): {:?}", device.name, args.what);
     Ok(ExitCode::SUCCESS)
 }
 
-/// The device, and the subindex of its fault object: 0 for the whole device, else output bit + 1.
-fn target<'a>(line: &'a Line, args: &FailArgs) -> miette::Result<(&'a Device, u8)> {
+/// The device, and what is written to it.
+fn orders<'a>(line: &'a Line, args: &FailArgs) -> miette::Result<(&'a Device, Vec<(ObjectId, u32)>)> {
+    let what = args.what;
+    if args.operation.is_some() {
+        let code =
+            what.of_a_motion().ok_or_else(|| miette!("{what:?} happens to a whole device: leave --operation away"))?;
+        let (device, sub) = moving(line, args)?;
+        return Ok((device, vec![(ObjectId::new(FAULT_INDEX, sub), code)]));
+    }
+    let orders =
+        what.of_a_device().ok_or_else(|| miette!("{what:?} happens to a motion: say which with --operation"))?;
+    let id = load::station(line, &args.station)?;
+    let devices: Vec<&Device> = line.devices_of(Owner::Station(id)).collect();
+    let named = |device: &&&Device| args.device.as_ref().is_none_or(|name| device.name == *name);
+    let device = devices.iter().find(named).ok_or_else(|| {
+        let known: Vec<&str> = devices.iter().map(|device| device.name.as_str()).collect();
+        miette!("{} has no such device; it has {}", args.station, known.join(", "))
+    })?;
+    Ok((device, orders))
+}
+
+/// The device that drives an operation, and the subindex of its fault object: output bit + 1.
+fn moving<'a>(line: &'a Line, args: &FailArgs) -> miette::Result<(&'a Device, u8)> {
     let id = load::station(line, &args.station)?;
     let station = line.station(id);
-    let mut devices = line.devices_of(Owner::Station(id));
-    let Some(name) = &args.operation else {
-        let device = devices.next().ok_or_else(|| miette!("{} has no device", args.station))?;
-        return Ok((device, 0));
-    };
+    let devices = line.devices_of(Owner::Station(id));
+    let name = args.operation.as_deref().unwrap_or_default();
     let op = station.operation_named(name).ok_or_else(|| {
         let known: Vec<&str> = station.operations.iter().map(|o| o.name.as_str()).collect();
         miette!("{} has no operation '{name}'; it has {}", args.station, known.join(", "))

@@ -341,7 +341,7 @@ impl Session {
             Ok(()) => None,
         };
         let mode = self.client.coordinator().map_or("not heard", |state| mode_name(state.mode));
-        let report = self.tally.report(mode, conflicts, self.observer.frames(), restarts, error.clone());
+        let report = self.tally.report(mode, &self.observer, restarts, error.clone());
         if args.json {
             crate::out::say!("{}", serde_json::to_string(&report).into_diagnostic()?);
         } else {
@@ -351,6 +351,9 @@ impl Session {
                 conflicts.len(),
                 report.frames_seen
             );
+            for conflict in &report.conflicts_not_watched {
+                crate::out::say!("not watched, its switches are in frames this observer does not read: {conflict}");
+            }
             if let Some(error) = error {
                 eprintln!("linewright: {error}");
             }

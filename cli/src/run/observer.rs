@@ -24,7 +24,9 @@ impl Seen {
     fn of(line: &Line, id: StationId) -> Self {
         let devices = || line.devices_of(Owner::Station(id));
         let drives = devices().map(|device| device.drive.as_ref().map(DriveBinding::of)).collect();
-        Seen { bits: 0, heard: vec![false; devices().count()], drives }
+        // One that has nothing to say in its first process data need not be heard.
+        let heard = devices().map(|device| device.inputs.iter().flatten().next().is_none() && device.drive.is_none());
+        Seen { bits: 0, heard: heard.collect(), drives }
     }
 
     /// Takes process data of one of its devices. Too short for its inputs, they are nobody's, whatever their identifier
@@ -50,11 +52,31 @@ fn bits_of(device: &Device, payload: Payload) -> (u128, u128) {
     })
 }
 
+/// Whether a switch can be read from the first process data of one of the devices: a limit of an analogue channel cannot,
+/// nor what a device says in frames that are no CANopen's.
+fn is_read(line: &Line, station: StationId, input: InputId) -> bool {
+    line.devices_of(Owner::Station(station)).any(|device| {
+        let drive = device.drive.iter().flat_map(|drive| &drive.targets).map(|target| target.at);
+        device.inputs.iter().flatten().copied().chain(drive).any(|read| read == input)
+    })
+}
+
+/// The switches at which a stretch ends: where it is left, if that has one, and where it is over.
+fn switches(line: &Line, span: &Span) -> (Option<InputId>, InputId) {
+    let from = match &line.operation((span.station, span.from)).module {
+        Module::Reversible { recovery, .. } => Some(recovery.complete),
+        Module::Irreversible { .. } => None,
+    };
+    (from, line.operation((span.station, span.until)).normal.complete)
+}
+
 /// The observer of all buses of a line.
 #[derive(Clone, Debug)]
 pub struct Observer {
     line: Line,
     stations: Vec<Seen>,
+    /// For each conflict, whether it can be seen at all.
+    watched: Vec<bool>,
     /// For each conflict, whether both stretches hold now.
     holds: Vec<bool>,
     seen: Vec<String>,
@@ -64,13 +86,24 @@ pub struct Observer {
 impl Observer {
     /// An observer that has seen nothing.
     pub fn new(line: &Line) -> Self {
+        let is_seen = |span: &Span| {
+            let (from, until) = switches(line, span);
+            from.into_iter().chain([until]).all(|input| is_read(line, span.station, input))
+        };
         Observer {
+            watched: line.conflicts.iter().map(|conflict| is_seen(&conflict.a) && is_seen(&conflict.b)).collect(),
             stations: line.station_ids().map(|id| Seen::of(line, id)).collect(),
             holds: vec![false; line.conflicts.len()],
             line: line.clone(),
             seen: Vec::new(),
             frames: 0,
         }
+    }
+
+    /// The conflicts it cannot watch.
+    pub fn unwatched(&self) -> Vec<String> {
+        let blind = self.line.conflicts.iter().zip(&self.watched).filter(|(_, watched)| !**watched);
+        blind.map(|(conflict, _)| describe(&self.line, conflict)).collect()
     }
 
     /// The conflicts reached so far, each time one began.
@@ -98,7 +131,7 @@ impl Observer {
 
     fn judge(&mut self) {
         for (index, conflict) in self.line.conflicts.iter().enumerate() {
-            let holds = self.is_inside(&conflict.a) && self.is_inside(&conflict.b);
+            let holds = self.watched[index] && self.is_inside(&conflict.a) && self.is_inside(&conflict.b);
             if holds && !self.holds[index] {
                 self.seen.push(describe(&self.line, conflict));
             }
@@ -109,11 +142,7 @@ impl Observer {
     fn is_inside(&self, span: &Span) -> bool {
         let seen = &self.stations[span.station.index()];
         let on = |input: InputId| seen.bits & (1 << input.0) != 0;
-        let until = self.line.operation((span.station, span.until)).normal.complete;
-        let from = match &self.line.operation((span.station, span.from)).module {
-            Module::Reversible { recovery, .. } => Some(recovery.complete),
-            Module::Irreversible { .. } => None,
-        };
+        let (from, until) = switches(&self.line, span);
         seen.heard.iter().all(|&heard| heard) && !on(until) && !from.is_some_and(on)
     }
 }

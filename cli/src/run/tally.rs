@@ -9,6 +9,8 @@ use linewright_line::{Line, OpId, StationId};
 use linewright_msgs::{Header, StationEvent, StationState};
 use serde::Serialize;
 
+use super::observer::Observer;
+
 /// The tally of a run.
 pub struct Tally {
     line: Line,
@@ -45,6 +47,9 @@ pub struct Report {
     pub stations: serde_json::Map<String, serde_json::Value>,
     /// Conflicts the observer of the CAN frames has seen.
     pub conflicts_seen: Vec<String>,
+    /// Conflicts that cannot be seen from the frames it reads.
+    #[serde(skip_serializing_if = "Vec::is_empty")]
+    pub conflicts_not_watched: Vec<String>,
     /// CAN frames it has looked at.
     pub frames_seen: u64,
     /// Processes that had to be started again.
@@ -149,14 +154,7 @@ impl Tally {
     }
 
     /// The report.
-    pub fn report(
-        &self,
-        mode: &str,
-        conflicts: &[String],
-        frames: u64,
-        restarts: u32,
-        error: Option<String>,
-    ) -> Report {
+    pub fn report(&self, mode: &str, observer: &Observer, restarts: u32, error: Option<String>) -> Report {
         let mut stations = serde_json::Map::new();
         for (id, tally) in self.line.station_ids().zip(&self.stations) {
             stations.insert(self.line.station(id).name.clone(), self.station_report(id, tally));
@@ -167,8 +165,9 @@ impl Tally {
             mode: mode.to_owned(),
             cycle_time_s: self.ends.windows(2).map(|pair| round(pair[1] - pair[0])).collect(),
             stations,
-            conflicts_seen: conflicts.to_vec(),
-            frames_seen: frames,
+            conflicts_seen: observer.conflicts().to_vec(),
+            conflicts_not_watched: observer.unwatched(),
+            frames_seen: observer.frames(),
             restarts,
             error,
         }

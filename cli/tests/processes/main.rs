@@ -11,6 +11,7 @@
 mod support;
 
 mod auto_cycles;
+mod device_faults;
 mod devices;
 mod estop;
 mod faults;

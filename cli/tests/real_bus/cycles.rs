@@ -9,7 +9,7 @@ use crate::support::chart::starts_follow_the_chart;
 use crate::support::eye::Seen;
 use crate::support::pause;
 use crate::support::plan::Plan;
-use crate::{BUS, Beside, TIMING, line_of, linewright, no_bus};
+use crate::{BUS, Beside, line_of, linewright, no_bus, patient};
 
 const CYCLES: usize = 10;
 
@@ -19,7 +19,7 @@ fn ten_cycles_seen_by_an_independent_listener() {
     if no_bus() {
         return;
     }
-    let text = TransferLine::default().text() + TIMING;
+    let text = patient(&TransferLine::default().text());
     let (directory, line) = line_of(&text, &[]);
     let log = directory.path().join("candump.log");
     let file = File::create(&log).expect("a file");

@@ -51,7 +51,7 @@ fn runs_with_a_foreign_device(python: &str, change: impl Fn(String) -> String) -
     let shown = state.display().to_string();
     let cycles = CYCLES.to_string();
     let mut args = vec!["run", &line, "--no-plant", "--bus", BUS, "--cycles", &cycles, "--json"];
-    args.extend(["--state-dir", &shown, "--patience", "15"]);
+    args.extend(["--state-dir", &shown, "--patience", "40"]);
     let ended = linewright(&args).stdin(Stdio::null()).output().expect("it runs");
     drop(device.0.stdin.take());
     let mut said = String::new();
@@ -68,7 +68,7 @@ fn our_manager_boots_a_foreign_device_from_its_eds_and_runs_it() {
     assert!(succeeded, "{told:?}\n{log}");
     let place = |what: &str| told.iter().position(|line| line.starts_with(what));
     let started = place("state OPERATIONAL").expect("it was started");
-    for setting in ["written 2100:00 0f000000", "written 1017:00 c800", "written 1016:01 b80b7f00"] {
+    for setting in ["written 2100:00 0f000000", "written 1017:00 f401", "written 1016:01 88137f00"] {
         assert!(place(setting).is_some_and(|at| at < started), "{setting} before it was started: {told:?}");
     }
     let motions: Vec<&str> =

@@ -131,7 +131,7 @@ impl<'a> Binder<'a> {
                     None => continue,
                 },
                 Mux::Nested => {
-                    let what = format!("`{}` is multiplexed by one of several selectors", signal.name);
+                    let what = format!("`{}` is multiplexed by a signal that is multiplexed itself", signal.name);
                     self.problem(&input.signal, what, Some("one selector in a message is supported".to_owned()));
                     continue;
                 }
@@ -171,28 +171,8 @@ impl<'a> Binder<'a> {
                     self.problem(at, what.trim_end().to_owned(), hint);
                 }
             }
-            When::Above { at: limit, hysteresis } => {
-                let (least, most) = field.ends();
-                self.limit_is_crossed(at, signal, field, (limit <= most, limit - hysteresis > least));
-            }
-            When::Below { at: limit, hysteresis } => {
-                let (least, most) = field.ends();
-                self.limit_is_crossed(at, signal, field, (limit >= least, limit + hysteresis < most));
-            }
-            When::Bit(_) | When::NotZero => {}
+            _ => {}
         }
-    }
-
-    /// An input with a limit must be able to go on, and off again.
-    fn limit_is_crossed(&mut self, at: &Named, signal: &Signal, field: &Field, on_and_off: (bool, bool)) {
-        let fault = match on_and_off {
-            (true, true) => return,
-            (false, _) => "is never reached",
-            (true, false) => "is never left again",
-        };
-        let (least, most) = field.ends();
-        let range = format!("it is from {least} to {most} {}", signal.unit).trim_end().to_owned();
-        self.problem(at, format!("`{}` has a limit that {fault}", signal.name), Some(range));
     }
 
     /// A message is listed once: its timeout and its counter are its own.
@@ -255,7 +235,7 @@ impl<'a> Binder<'a> {
         match &signal.mux {
             Mux::Plain | Mux::Selector => {}
             Mux::Nested => {
-                let what = format!("`{}` is multiplexed by one of several selectors", signal.name);
+                let what = format!("`{}` is multiplexed by a signal that is multiplexed itself", signal.name);
                 self.problem(named, what, Some("one selector in a message is supported".to_owned()));
             }
             Mux::Selected(values) => {

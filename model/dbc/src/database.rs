@@ -72,7 +72,7 @@ pub enum Mux {
     Selector,
     /// Only when the selector of the message has one of these values.
     Selected(Vec<(u64, u64)>),
-    /// Only when one of several selectors has some value. Not supported.
+    /// Only when a selector, itself selected, has some value. Not supported.
     Nested,
 }
 
@@ -150,22 +150,17 @@ fn field(raw: &can_dbc::Signal, coding: Coding) -> Option<Field> {
 
 fn mux(dbc: &Dbc, message: &can_dbc::Message, raw: &can_dbc::Signal) -> Mux {
     let extended = dbc.extended_multiplex.iter().find(|e| e.message_id == message.id && e.signal_name == raw.name);
-    let selector = |signal: &can_dbc::Signal| match signal.multiplexer_indicator {
-        MultiplexIndicator::Multiplexor | MultiplexIndicator::MultiplexorAndMultiplexedSignal(_) => true,
-        MultiplexIndicator::MultiplexedSignal(_) | MultiplexIndicator::Plain => false,
+    let selects = |name: &str| {
+        let named = message.signals.iter().find(|signal| signal.name == name);
+        named.is_some_and(|signal| signal.multiplexer_indicator == MultiplexIndicator::Multiplexor)
     };
-    let outer = |signal: &can_dbc::Signal| signal.multiplexer_indicator == MultiplexIndicator::Multiplexor;
-    let outers = message.signals.iter().filter(|signal| outer(signal)).count();
-    let selectors = message.signals.iter().filter(|signal| selector(signal)).count();
-    // Of several selectors, only one that is named is sure, and only the one that is always there is read.
-    let selects = |name: &str| outers == 1 && message.signals.iter().any(|signal| signal.name == name && outer(signal));
     match (raw.multiplexer_indicator, extended) {
         (MultiplexIndicator::Plain, _) => Mux::Plain,
         (MultiplexIndicator::Multiplexor, _) => Mux::Selector,
         (MultiplexIndicator::MultiplexedSignal(_), Some(extended)) if selects(&extended.multiplexor_signal_name) => {
             Mux::Selected(extended.mappings.iter().map(|range| (range.min_value, range.max_value)).collect())
         }
-        (MultiplexIndicator::MultiplexedSignal(value), None) if selectors <= 1 => Mux::Selected(vec![(value, value)]),
+        (MultiplexIndicator::MultiplexedSignal(value), None) => Mux::Selected(vec![(value, value)]),
         _ => Mux::Nested,
     }
 }

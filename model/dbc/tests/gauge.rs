@@ -112,32 +112,3 @@ fn what_does_not_fit_is_said_with_a_way_out() {
         Some("`Hours` is not in the frame that is sent")
     );
 }
-
-#[test]
-fn a_limit_must_be_crossed_in_both_directions() {
-    // 12 bits of half a millimetre: 0 to 2047.5.
-    let level = |when| frames(vec![receive("GaugeState", vec![input(0, "Level", when)])], vec![]);
-    let above = |at, hysteresis| level(When::Above { at, hysteresis });
-    let below = |at, hysteresis| level(When::Below { at, hysteresis });
-    let (never, always) = ("`Level` has a limit that is never reached", "`Level` has a limit that is never left again");
-    assert_eq!(problem(&above(2048.0, 0.0)), format!("{never}; it is from 0 to 2047.5 mm"));
-    assert_eq!(problem(&above(0.5, 0.5)), format!("{always}; it is from 0 to 2047.5 mm"));
-    assert_eq!(problem(&below(-0.5, 0.0)), format!("{never}; it is from 0 to 2047.5 mm"));
-    assert_eq!(problem(&below(2047.0, 0.5)), format!("{always}; it is from 0 to 2047.5 mm"));
-    for possible in [above(2047.5, 0.0), above(0.5, 0.0), below(0.0, 0.0), below(2047.0, 0.0)] {
-        bind(&possible, &gauge()).expect("it goes on and off");
-    }
-}
-
-#[test]
-fn a_message_has_one_selector() {
-    let two = String::from_utf8_lossy(GAUGE)
-        .replace(" SG_ Temperature m0", " SG_ Other M : 40|8@1+ (1,0) [0|255] \"\" Controller\n SG_ Temperature m0");
-    let named = two.clone() + "\nSG_MUL_VAL_ 2566844672 Hours Other 1-1;\n";
-    for text in [two, named] {
-        let database = read(text.as_bytes()).expect("it follows the grammar");
-        let hours = frames(vec![receive("GaugeDetail", vec![input(0, "Hours", When::NotZero)])], vec![]);
-        let problems = bind(&hours, &database).expect_err("which selector, nobody knows");
-        assert_eq!(problems[0].message, "`Hours` is multiplexed by one of several selectors");
-    }
-}

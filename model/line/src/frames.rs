@@ -171,19 +171,6 @@ pub struct Field {
 }
 
 impl Field {
-    /// The least and the greatest value that its bits can have.
-    pub fn ends(&self) -> (f64, f64) {
-        let half = 1 << (u32::from(self.size.clamp(1, 64)) - 1);
-        let (low, high) = match self.coding {
-            Coding::Unsigned => (0, self.mask()),
-            Coding::Signed => (half, half - 1),
-            Coding::Float => (f32::MIN.to_bits().into(), f32::MAX.to_bits().into()),
-            Coding::Double => (f64::MIN.to_bits(), f64::MAX.to_bits()),
-        };
-        let (one, other) = (self.value(low), self.value(high));
-        (one.min(other), one.max(other))
-    }
-
     /// Whether it lies within a frame of so many bytes.
     pub fn fits(&self, len: u8) -> bool {
         let (start, size, bits) = (u32::from(self.start), u32::from(self.size), u32::from(len) * 8);
@@ -331,12 +318,9 @@ impl Page {
 }
 
 impl When {
-    /// Whether an input that is now `on` is on with these bits. Bits that are no finite number turn nothing on.
+    /// Whether an input that is now `on` is on with these bits.
     pub fn holds(self, field: &Field, bits: u64, on: bool) -> bool {
         let value = field.value(bits);
-        if !value.is_finite() {
-            return false;
-        }
         match self {
             When::NotZero => value != 0.0,
             When::Equals(equal) => field.bits(equal) == Some(bits),

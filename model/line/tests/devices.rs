@@ -114,7 +114,6 @@ fn a_device_without_canopen_is_described_by_its_frames_alone() {
     raises(old, &with("node = 5"), "a device with a `dbc` table has no `node`", "5");
     raises(old, &with("inputs = [\"x\"]"), "a device with a `dbc` table has no `inputs` and `outputs`", "\"x\"");
     raises(old, &with("file = \"box.eds\""), "a device with a `dbc` table has no `file`", "\"box.eds\"");
-    raises(old, &with("identity = { vendor = 7 }"), "a device with a `dbc` table has no `identity`", "7");
     raises(old, &with("when_lost = \"report\""), "a device with a `dbc` table has no `when_lost`", "\"report\"");
     raises("node = 4\n", "", "a device needs `node`", "[[device]]");
     raises("file = \"box.dbc\"\n", "", "`dbc` needs `file`", "[device.dbc]");

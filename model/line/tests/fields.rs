@@ -1,6 +1,6 @@
 //! Where a number lies in a frame, against walking through its bits one by one.
 
-use linewright_line::{Checksum, Coding, Field, When};
+use linewright_line::{Checksum, Coding, Field};
 use proptest::prelude::*;
 
 fn field() -> impl Strategy<Value = Field> {
@@ -91,35 +91,4 @@ fn checksums_are_those_of_their_catalogues() {
     assert_eq!(Checksum::Crc8.of(&data, 8, 7), slow(b"1234567"));
     assert_eq!(Checksum::Xor.of(&data, 8, 7), b'1' ^ b'2' ^ b'3' ^ b'4' ^ b'5' ^ b'6' ^ b'7');
     assert_eq!(Checksum::Sum.of(&[200, 100, 9, 1, 0, 0, 0, 0], 4, 2), 45);
-}
-
-#[test]
-fn what_is_no_number_turns_nothing_on() {
-    let field = |coding, size| Field { start: 0, size, motorola: false, coding, factor: 1.0, offset: 0.0 };
-    let (float, double) = (field(Coding::Float, 32), field(Coding::Double, 64));
-    let all = [
-        When::NotZero,
-        When::Equals(1.0),
-        When::Bit(23),
-        When::Bit(52),
-        When::Above { at: 0.0, hysteresis: 1.0 },
-        When::Below { at: 0.0, hysteresis: 1.0 },
-    ];
-    for (when, on) in all.into_iter().flat_map(|when| [(when, false), (when, true)]) {
-        for value in [f32::NAN, f32::INFINITY, f32::NEG_INFINITY] {
-            assert!(!when.holds(&float, value.to_bits().into(), on), "{when:?} {value}");
-            assert!(!when.holds(&double, f64::from(value).to_bits(), on), "{when:?} {value}");
-        }
-    }
-    assert!(When::NotZero.holds(&float, 1f32.to_bits().into(), false));
-}
-
-#[test]
-fn a_field_has_a_least_and_a_greatest_value() {
-    let ends = |coding, size, factor, offset| Field { start: 0, size, motorola: false, coding, factor, offset }.ends();
-    assert_eq!(ends(Coding::Unsigned, 12, 0.5, -10.0), (-10.0, 2037.5));
-    assert_eq!(ends(Coding::Signed, 8, 1.0, 0.0), (-128.0, 127.0));
-    assert_eq!(ends(Coding::Signed, 8, -1.0, 0.0), (-127.0, 128.0));
-    assert_eq!(ends(Coding::Signed, 64, 1.0, 0.0), (i64::MIN as f64, i64::MAX as f64));
-    assert_eq!(ends(Coding::Float, 32, 1.0, 0.0), (f32::MIN.into(), f32::MAX.into()));
 }

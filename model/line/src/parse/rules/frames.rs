@@ -3,7 +3,7 @@
 use crate::parse::draft::Draft;
 use crate::parse::frames::when;
 use crate::parse::problem::{Problem, Report};
-use crate::parse::raw::{RawDevice, RawFrames, RawIdentity, RawSignalInput, RawTold, Where};
+use crate::parse::raw::{RawDevice, RawFrames, RawSignalInput, RawTold, Where};
 
 pub(super) fn check(draft: &Draft<'_>, report: &mut Report) {
     for device in &draft.raw.devices {
@@ -22,11 +22,9 @@ pub(super) fn check(draft: &Draft<'_>, report: &mut Report) {
 fn nothing_of_canopen_is_said(device: &RawDevice, frames: &RawFrames, report: &mut Report) {
     let bits = device.inputs.first().or(device.outputs.first()).map(|bit| &bit.at);
     let settings = device.settings.first().and_then(|setting| setting.object.as_ref()).map(|object| &object.at);
-    let identity = device.identity.as_ref().and_then(|RawIdentity(parts)| parts.iter().flatten().next());
-    let said: [(&str, Option<&Where>); 9] = [
+    let said: [(&str, Option<&Where>); 8] = [
         ("`node`", device.node.as_ref().map(|node| &node.at)),
         ("`inputs` and `outputs`", bits),
-        ("`identity`", identity.map(|part| &part.at)),
         ("`settings`", settings),
         ("`file`", device.file.as_ref().map(|file| &file.at)),
         ("`transmission`", device.transmission.as_ref().map(|(_, at)| at)),

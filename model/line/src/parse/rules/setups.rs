@@ -15,7 +15,6 @@ pub(super) fn check(draft: &Draft<'_>, report: &mut Report) {
         for setting in &device.settings {
             object_is_one(setting, report);
             object_is_not_the_managers(setting, report);
-            sync_is_not_set(setting, report);
             value_fits(setting, report);
         }
         objects_are_set_once(device, report);
@@ -99,28 +98,6 @@ fn object_is_not_the_managers(setting: &RawSetting, report: &mut Report) {
             .label(what)
             .hint(format!("it follows from `{key}` in [timing]")),
     );
-}
-
-/// What waits for SYNC is said in `transmission`, where the rules about it see it: otherwise outputs could wait for a
-/// SYNC that nobody misses.
-fn sync_is_not_set(setting: &RawSetting, report: &mut Report) {
-    let Some((index, sub)) = setting.object.as_ref().and_then(|name| object(&name.value)) else { return };
-    let by_event = setting.value.as_ref().is_some_and(|value| matches!(value.value, 254 | 255));
-    let (what, hint) = match (index, sub) {
-        (0x1005..=0x1007, _) => ("whether and when SYNC comes", "it follows from `sync_ms` in [timing]"),
-        (0x1400 | 0x1800, 2) => ("what waits for SYNC", "say it in `transmission`"),
-        (0x1401..=0x15FF | 0x1801..=0x19FF, 2) if !by_event => {
-            ("what waits for SYNC", "254 or 255; only the first PDO waits for SYNC: say it in `transmission`")
-        }
-        _ => return,
-    };
-    if let Some(name) = &setting.object {
-        report.add(
-            Problem::error(name.at.clone(), format!("object {index:04X}h:{sub:02X} is not for `settings`"))
-                .label(what)
-                .hint(hint),
-        );
-    }
 }
 
 fn value_fits(setting: &RawSetting, report: &mut Report) {
