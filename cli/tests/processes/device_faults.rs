@@ -12,7 +12,7 @@ const FAULTS: [(&str, &str, &str, &str, &str); 5] = [
     ("clamp_1", "clamp 1 io", "close", "refuse", "object 1017h:00: refused: 06060000h"),
     ("mill_1", "mill 1 main drive", "feed", "no-heartbeat", "no heartbeat (1017h) for "),
     ("mill_1", "mill 1 positioning drive", "rapid_advance", "bus-off", "mill 1 positioning drive (node 23h): "),
-    ("transfer", "transfer io", "return", "emergency", "emergency 2310h (current at outputs too high)"),
+    ("transfer", "transfer io", "return", "emergency", "emergency 2310h (current at outputs too high, "),
 ];
 
 #[test]

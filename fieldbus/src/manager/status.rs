@@ -67,11 +67,11 @@ impl Peer {
 }
 
 impl Manager {
-    /// Forgets the states of devices that are absent and have said none for too long. Not every way there is an event.
+    /// Forgets the states of devices that are absent or refused and have said none for too long. Not every way there is an event.
     pub(super) fn forget_states(&mut self, now: Tick) {
         for (peer, record) in self.peers.iter().zip(&mut self.records) {
             let said = peer.beat.is_some_and(|beat| now < beat + peer.timeout);
-            if matches!(peer.phase, Phase::Absent { .. }) && !said {
+            if matches!(peer.phase, Phase::Absent { .. } | Phase::Refused { .. }) && !said {
                 record.nmt = None;
             }
         }
