@@ -59,5 +59,6 @@ out=$(mktemp)
 trap 'rm -f "$out"' EXIT
 timeout 500 "$uml" mem=1024M rootfstype=hostfs rootflags=/ rw "init=$here/vcan_uml.sh" "LW_TEST=$test" \
     ${LINEWRIGHT_PYTHON:+"LINEWRIGHT_PYTHON=$LINEWRIGHT_PYTHON"} \
+    ${LINEWRIGHT_WHOLE_LINE:+"LINEWRIGHT_WHOLE_LINE=$LINEWRIGHT_WHOLE_LINE"} \
     con=null con0=fd:0,fd:1 quiet </dev/null | tee "$out" || true
 grep -q 'guest: RESULT 0' "$out"

