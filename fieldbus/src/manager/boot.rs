@@ -19,7 +19,7 @@ use super::peer::{Peer, Phase};
 use super::process::Process;
 use super::transfer::Transfer;
 use super::{MANAGER_NODE, RETRY};
-use crate::codec::NodeId;
+use crate::codec::{NmtCommand, NodeId};
 use crate::frame::Frame;
 use crate::profile::drive::Setting;
 use crate::sdo::wire::Raw;
@@ -241,6 +241,13 @@ impl Boot {
 }
 
 impl Peer {
+    pub(super) fn order_start(&mut self, now: Tick, out: &mut Outbox) {
+        self.phase = Phase::Starting { retry: now + RETRY };
+        if self.orders.take(now) {
+            self.order(NmtCommand::Start, out);
+        }
+    }
+
     /// Begins, or begins again, to bring it up.
     pub(super) fn boot(&mut self, now: Tick, out: &mut Outbox) {
         self.process.lost(now);

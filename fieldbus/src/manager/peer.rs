@@ -480,13 +480,6 @@ impl Peer {
         if was_operational { Outcome::Lost } else { Outcome::Unchanged }
     }
 
-    pub(super) fn order_start(&mut self, now: Tick, out: &mut Outbox) {
-        self.phase = Phase::Starting { retry: now + RETRY };
-        if self.orders.take(now) {
-            self.order(NmtCommand::Start, out);
-        }
-    }
-
     pub(super) fn order(&self, command: NmtCommand, out: &mut Outbox) {
         out.frames.push(Message::Nmt { command, node: Some(self.node) }.encode());
     }
