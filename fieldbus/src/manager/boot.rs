@@ -21,9 +21,8 @@ use super::transfer::Transfer;
 use super::{MANAGER_NODE, RETRY};
 use crate::codec::{NmtCommand, NodeId};
 use crate::frame::Frame;
-use crate::profile::drive::Setting;
 use crate::sdo::wire::Raw;
-use crate::sdo::{Cause, ObjectId, Progress, TransferError};
+use crate::sdo::{Cause, ObjectId, Progress, Setting, TransferError};
 
 /// How soon a refused device is looked at again. Seldom enough that a person reads the reason in peace, often enough
 /// that whoever has mended it need not do anything else.

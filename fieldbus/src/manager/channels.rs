@@ -30,7 +30,7 @@ use super::event::{Event, IgnoreReason, Outbox};
 use super::image::image_bit;
 use super::peer::{Outcome, Peer};
 use crate::codec::{NodeId, Payload};
-use crate::profile::drive::Setting;
+use crate::sdo::Setting;
 
 /// The first process data object with channels, and how many there are.
 const FIRST: u8 = 2;

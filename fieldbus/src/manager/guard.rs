@@ -9,8 +9,7 @@
 //! That holds in every state of the device. One that was refused is looked at again and started without a reset, and
 //! what the description does not set keeps what was written meanwhile: an output that goes on without a manager, say.
 
-use crate::profile::drive::Setting;
-use crate::sdo::ObjectId;
+use crate::sdo::{ObjectId, Setting};
 
 /// Why `object` is not written for others; `None` if it may be.
 pub(super) fn guarded(object: ObjectId, settings: &[Setting]) -> Option<&'static str> {

@@ -136,24 +136,16 @@ impl Manager {
                 if let Some(record) = self.record_of(node.get()) {
                     record.nmt = Some(state);
                 }
-                self.with_peer(now, node, frame, out, |peer, out| {
-                    peer.unless_babbling(now, out, |peer, out| peer.heartbeat(now, state, out))
-                });
+                self.unless_babbling(now, node, frame, out, |peer, out| peer.heartbeat(now, state, out));
             }
             Message::Tpdo1 { node, payload } => {
-                self.with_peer(now, node, frame, out, |peer, out| {
-                    peer.unless_babbling(now, out, |peer, out| peer.inputs_heard(now, 1, payload, out))
-                });
+                self.unless_babbling(now, node, frame, out, |peer, out| peer.inputs_heard(now, 1, payload, out));
             }
             Message::Tpdo { node, number, payload } => {
-                self.with_peer(now, node, frame, out, |peer, out| {
-                    peer.unless_babbling(now, out, |peer, out| peer.inputs_heard(now, number, payload, out))
-                });
+                self.unless_babbling(now, node, frame, out, |peer, out| peer.inputs_heard(now, number, payload, out));
             }
             Message::Emergency { node, emergency } => {
-                self.with_peer(now, node, frame, out, |peer, out| {
-                    peer.unless_babbling(now, out, |peer, out| peer.emergency(now, emergency, out))
-                });
+                self.unless_babbling(now, node, frame, out, |peer, out| peer.emergency(now, emergency, out));
             }
             Message::SdoResponse { node, raw } => {
                 let asked = self.peers.iter_mut().find(|peer| peer.node == node);
@@ -212,16 +204,20 @@ impl Manager {
     /// A device that is not operational gets nothing, and once it is operational again the image set *since*. An
     /// owner unknown on this bus is ignored.
     pub fn set_outputs(&mut self, now: Tick, owner: Owner, image: u128, out: &mut Outbox) {
-        let Some(known) = self.images.iter_mut().find(|i| i.owner == owner) else { return };
-        known.outputs = image;
         let start = out.frames.len();
+        self.give_image(now, owner, image, out);
+        self.pass(now, start, out);
+    }
+
+    fn give_image(&mut self, now: Tick, owner: Owner, outputs: u128, out: &mut Outbox) {
+        let Some(image) = self.images.iter_mut().find(|i| i.owner == owner) else { return };
+        image.outputs = outputs;
         for peer in self.peers.iter_mut().filter(|p| p.owner == owner) {
-            peer.set_image(now, image, out);
+            peer.set_image(now, outputs, out);
         }
         for plain in self.plains.iter_mut().filter(|p| p.owner == owner) {
-            plain.set_image(now, image, out);
+            plain.set_image(now, outputs, out);
         }
-        self.pass(now, start, out);
     }
 
     /// Takes frames back that the interface had no room for, in the order in which they were to be sent. They go as
@@ -253,9 +249,13 @@ impl Manager {
         let never = InputImage { bits: 0, valid: false, since: Tick::ZERO, updated: Tick::ZERO, losses: 0 };
         let image = self.images.iter().find(|i| i.owner == owner).map_or(never, |i| i.inputs);
         // Looked at again here, so that a caller who polls late does not read a dead device as a live one.
-        let fresh = self.peers.iter().filter(|p| p.owner == owner && p.is_vital).all(|p| p.trusted(now));
-        let fresh = fresh && self.plains.iter().filter(|p| p.owner == owner).all(|p| p.trusted(now));
-        InputImage { valid: image.valid && fresh, ..image }
+        InputImage { valid: image.valid && self.are_trusted(now, owner), ..image }
+    }
+
+    /// Whether every device of an owner that may not be lost can be acted upon.
+    fn are_trusted(&self, now: Tick, owner: Owner) -> bool {
+        self.peers.iter().filter(|p| p.owner == owner && p.is_vital).all(|p| p.trusted(now))
+            && self.plains.iter().filter(|p| p.owner == owner).all(|p| p.trusted(now))
     }
 
     /// Every device: its node id, its name, and whether it is operational.
@@ -309,6 +309,18 @@ impl Manager {
         }
     }
 
+    /// What a device sends of its own accord: one that babbles is not listened to.
+    fn unless_babbling(
+        &mut self,
+        now: Tick,
+        node: NodeId,
+        frame: &Frame,
+        out: &mut Outbox,
+        act: impl FnOnce(&mut Peer, &mut Outbox) -> Outcome,
+    ) {
+        self.with_peer(now, node, frame, out, |peer, out| peer.unless_babbling(now, out, act));
+    }
+
     fn with_peer(
         &mut self,
         now: Tick,
@@ -332,11 +344,6 @@ impl Manager {
         match outcome {
             Outcome::Unchanged | Outcome::Ignored(_) => return,
             Outcome::Inputs => {}
-            // Nothing depends on it.
-            Outcome::Lost if !self.peers[at].is_vital => {
-                self.forget_what_waits(at);
-                self.records[at].losses += 1;
-            }
             Outcome::Up => {
                 // Operational at last: it starts from zero and gets what the owner has set since its last loss.
                 self.peers[at].send_outputs(now, out);
@@ -344,7 +351,10 @@ impl Manager {
             Outcome::Lost => {
                 self.forget_what_waits(at);
                 self.records[at].losses += 1;
-                self.let_go(now, owner, out);
+                // On one that may be lost nothing depends.
+                if self.peers[at].is_vital {
+                    self.let_go(now, owner, out);
+                }
             }
         }
         self.gather(now, owner, out);
@@ -360,15 +370,7 @@ impl Manager {
 
     /// One of an owner's devices is lost. Its controller decided without knowing: none of its outputs is vouched for.
     pub(super) fn let_go(&mut self, now: Tick, owner: Owner, out: &mut Outbox) {
-        if let Some(image) = self.images.iter_mut().find(|i| i.owner == owner) {
-            image.outputs = 0;
-        }
-        for peer in self.peers.iter_mut().filter(|p| p.owner == owner) {
-            peer.set_image(now, 0, out);
-        }
-        for plain in self.plains.iter_mut().filter(|p| p.owner == owner) {
-            plain.set_image(now, 0, out);
-        }
+        self.give_image(now, owner, 0, out);
     }
 
     /// Recomputes an owner's input image, and reports a change. However it came to be invalid, outputs are let go.
@@ -377,8 +379,7 @@ impl Manager {
         let plains = || self.plains.iter().filter(|p| p.owner == owner);
         let own = peers().map(|peer| peer.input_bits(now)).chain(plains().map(Plain::input_bits));
         let bits = own.fold(0, |all, bits| all | bits);
-        let valid = peers().filter(|peer| peer.is_vital).all(|peer| peer.trusted(now))
-            && plains().all(|plain| plain.trusted(now));
+        let valid = self.are_trusted(now, owner);
         let updated = peers().filter_map(Peer::updated).chain(plains().filter_map(Plain::updated)).max();
         let Some(image) = self.images.iter_mut().find(|i| i.owner == owner) else { return };
         let before = image.inputs;

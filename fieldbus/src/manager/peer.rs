@@ -32,9 +32,8 @@ use super::transfer::Transfer;
 use super::trouble::Why;
 use super::{RETRY, TOLD};
 use crate::codec::{Message, NmtCommand, NmtState, NodeId, Payload};
-use crate::profile::drive::Setting;
+use crate::sdo::Setting;
 use crate::sdo::wire::{Raw, Request};
-use crate::sdo::{Abort, Cause, Progress};
 
 /// What a frame or the passing of time did to a device.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
@@ -378,26 +377,6 @@ impl Peer {
         Outcome::Unchanged
     }
 
-    /// Whether a transfer of it has segments of a block to send.
-    pub(super) fn streams(&self) -> bool {
-        match &self.phase {
-            Phase::Booting(boot) => boot.transfer().streams(),
-            _ => self.writing.as_ref().is_some_and(|(_, transfer)| transfer.streams()),
-        }
-    }
-
-    /// Sends one of them.
-    pub(super) fn stream(&mut self, now: Tick, out: &mut Outbox) {
-        match &mut self.phase {
-            Phase::Booting(boot) => boot.transfer_mut().stream(now, &mut out.frames),
-            _ => {
-                if let Some((_, transfer)) = &mut self.writing {
-                    transfer.stream(now, &mut out.frames);
-                }
-            }
-        }
-    }
-
     /// Takes the image its owner has set, and sends its share if it is operational and has something else.
     pub(super) fn set_image(&mut self, now: Tick, image: u128, out: &mut Outbox) {
         self.process.set_image(now, image);
@@ -426,35 +405,6 @@ impl Peer {
     pub(super) fn send_rest(&self, out: &mut Outbox) {
         if self.process.has_outputs() {
             self.process.rest(|object, payload| out.frames.push(rpdo(self.node, object, payload)));
-        }
-    }
-
-    /// Writes an object that it needs written while it runs.
-    pub(super) fn write_if_wanted(&mut self, now: Tick, out: &mut Outbox) {
-        if self.writing.is_some() || self.lent || self.errors.is_reading() || !self.is_operational() {
-            return;
-        }
-        if let Some(setting) = self.process.wants_write() {
-            let transfer = Transfer::write(now, self.node, &setting, &mut out.frames);
-            self.writing = Some((setting, transfer));
-        }
-    }
-
-    /// Goes on with that: with what the device has answered, or with the time that has passed.
-    fn go_on_writing(&mut self, now: Tick, raw: Option<&Raw>, out: &mut Outbox) {
-        let Some((_, transfer)) = &mut self.writing else { return };
-        let progress = match raw {
-            Some(raw) => transfer.handle(now, raw, &mut out.frames),
-            None => transfer.poll(now, &mut out.frames),
-        };
-        if let Progress::Done(result) = progress
-            && let Some((setting, _)) = self.writing.take()
-        {
-            let answer = result.map(|_| ()).map_err(|error| match error.cause {
-                Cause::Refused(code) => code,
-                other => other.abort().unwrap_or(Abort::GENERAL),
-            });
-            self.process.written(now, &setting, answer);
         }
     }
 

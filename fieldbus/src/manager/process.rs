@@ -9,8 +9,9 @@ use super::channels::{ChannelFault, Channels};
 use super::event::IgnoreReason;
 use super::image;
 use crate::codec::{NodeId, Payload, Profile};
-use crate::profile::drive::{Drive, DriveBinding, Setting};
+use crate::profile::drive::{Drive, DriveBinding};
 use crate::sdo::Abort;
+use crate::sdo::Setting;
 
 /// A device's process data.
 #[derive(Debug)]

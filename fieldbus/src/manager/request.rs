@@ -20,9 +20,8 @@ use super::guard::guarded;
 use super::peer::{Peer, Phase};
 use super::transfer::Transfer;
 use crate::codec::{NmtCommand, NodeId};
-use crate::profile::drive::Setting;
 use crate::sdo::wire::Raw;
-use crate::sdo::{Abort, Cause, ObjectId, Progress, TransferError};
+use crate::sdo::{Abort, Cause, ObjectId, Progress, Setting, TransferError};
 
 /// Requests that may wait, for all devices together.
 pub const WAITING_MAX: usize = 32;

@@ -18,7 +18,7 @@ use super::peer::{Outcome, Peer, Phase};
 use super::trouble::Why;
 use super::{Manager, Outbox};
 use crate::codec::{Message, NmtCommand};
-use crate::profile::drive::Setting;
+use crate::sdo::Setting;
 
 /// So many frames of inputs in a row may be missing.
 const MISSING: u32 = 3;

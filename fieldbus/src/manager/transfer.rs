@@ -4,11 +4,12 @@ use std::time::Duration;
 
 use linewright_line::Tick;
 
+use super::event::Outbox;
+use super::peer::{Peer, Phase};
 use crate::codec::{Message, NodeId};
 use crate::frame::Frame;
-use crate::profile::drive::Setting;
 use crate::sdo::wire::Raw;
-use crate::sdo::{Client, Mode, ObjectId, Options, Progress};
+use crate::sdo::{Abort, Cause, Client, Mode, ObjectId, Options, Progress, Setting};
 
 /// How long a device may take for an answer. Half a second is slow for reading a dictionary, and quick for writing a
 /// flash memory; the first frame is repeated once. Segments of blocks wait for [`Transfer::stream`].
@@ -85,5 +86,56 @@ impl Transfer {
     fn flush(&mut self, out: &mut Vec<Frame>) {
         let node = self.node;
         out.extend(self.frames.drain(..).map(|raw| Message::SdoRequest { node, raw }.encode()));
+    }
+}
+
+impl Peer {
+    /// Whether a transfer of it has segments of a block to send.
+    pub(super) fn streams(&self) -> bool {
+        match &self.phase {
+            Phase::Booting(boot) => boot.transfer().streams(),
+            _ => self.writing.as_ref().is_some_and(|(_, transfer)| transfer.streams()),
+        }
+    }
+
+    /// Sends one of them.
+    pub(super) fn stream(&mut self, now: Tick, out: &mut Outbox) {
+        match &mut self.phase {
+            Phase::Booting(boot) => boot.transfer_mut().stream(now, &mut out.frames),
+            _ => {
+                if let Some((_, transfer)) = &mut self.writing {
+                    transfer.stream(now, &mut out.frames);
+                }
+            }
+        }
+    }
+
+    /// Writes an object that it needs written while it runs.
+    pub(super) fn write_if_wanted(&mut self, now: Tick, out: &mut Outbox) {
+        if self.writing.is_some() || self.lent || self.errors.is_reading() || !self.is_operational() {
+            return;
+        }
+        if let Some(setting) = self.process.wants_write() {
+            let transfer = Transfer::write(now, self.node, &setting, &mut out.frames);
+            self.writing = Some((setting, transfer));
+        }
+    }
+
+    /// Goes on with that: with what the device has answered, or with the time that has passed.
+    pub(super) fn go_on_writing(&mut self, now: Tick, raw: Option<&Raw>, out: &mut Outbox) {
+        let Some((_, transfer)) = &mut self.writing else { return };
+        let progress = match raw {
+            Some(raw) => transfer.handle(now, raw, &mut out.frames),
+            None => transfer.poll(now, &mut out.frames),
+        };
+        if let Progress::Done(result) = progress
+            && let Some((setting, _)) = self.writing.take()
+        {
+            let answer = result.map(|_| ()).map_err(|error| match error.cause {
+                Cause::Refused(code) => code,
+                other => other.abort().unwrap_or(Abort::GENERAL),
+            });
+            self.process.written(now, &setting, answer);
+        }
     }
 }

@@ -14,6 +14,7 @@ mod cause;
 mod client;
 mod object;
 mod server;
+mod setting;
 pub mod wire;
 
 pub use abort::Abort;
@@ -21,6 +22,7 @@ pub use cause::{Cause, TransferError};
 pub use client::{Client, Mode, Options, Progress};
 pub use object::{ObjectId, ObjectIdError};
 pub use server::{Dictionary, Server};
+pub use setting::Setting;
 
 #[cfg(test)]
 mod tests;

@@ -6,7 +6,8 @@ use std::collections::VecDeque;
 use std::time::Duration;
 
 use linewright_fieldbus::codec::Message;
-use linewright_fieldbus::profile::drive::{Drive, DriveBinding, Setting};
+use linewright_fieldbus::profile::drive::{Drive, DriveBinding};
+use linewright_fieldbus::sdo::Setting;
 use linewright_fieldbus::{Frame, NodeId};
 use linewright_line::{
     AtRest, AxisId, Drive as Described, DriveMode, DriveTarget, Homing, InputId, OutputId, Tick, Timing,

@@ -53,11 +53,10 @@ use linewright_line::{OutputId, Tick};
 
 pub use binding::{DriveBinding, Homing, Target};
 pub use error::{FOLLOWING_ERROR, SENSOR_1, loses_position, meaning};
-pub use settings::Setting;
 pub use status::{State, Statusword};
 
 use crate::codec::Payload;
-use crate::sdo::Abort;
+use crate::sdo::{Abort, Setting};
 use binding::{Wanted, bit};
 
 /// Bytes of a drive's process data, each way: controlword or statusword, mode, target or actual value.
