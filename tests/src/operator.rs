@@ -213,11 +213,17 @@ impl Sim {
         self.ledger.count(station, op)
     }
 
-    /// After anything that put the line into stand-by: waits until everybody is heard, leads what is incomplete on, and
-    /// orders auto again.
+    /// After anything that put the line into stand-by or into the emergency stop: waits until everybody is heard, leads
+    /// what is incomplete on, and orders auto again.
     pub fn bring_back(&mut self) {
         self.run_until("everything is heard", Sim::all_heard);
         self.settle();
+        if self.mode() == Some(ControlMode::Auto) {
+            return;
+        }
+        if self.mode() == Some(ControlMode::EStop) {
+            self.order(Command::Reset);
+        }
         if self.mode() == Some(ControlMode::Home) {
             self.order(Command::Start);
         }

@@ -40,17 +40,7 @@ fn off_until_recovered(sim: &mut Sim, station: &str) {
 }
 
 fn bring_back(sim: &mut Sim) {
-    sim.run_until("everything is heard", Sim::all_heard);
-    sim.settle();
-    if sim.mode() != Some(ControlMode::Auto) {
-        sim.go_manual();
-        for (station, _) in DEVICES {
-            if sim.is_incomplete(station) {
-                sim.resume(station);
-            }
-        }
-        sim.back_to_auto();
-    }
+    sim.bring_back();
     sim.run_until_done("mill_1", "reset main slide", 4);
     for part in 1..=3 {
         assert_eq!(sim.observer().machined(1, part), 1, "part {part} is machined once");

@@ -98,21 +98,6 @@ fn is_said(sim: &Sim, station: StationId, device: &str, node: &str, words: &str)
     sim.trouble(station).iter().any(|said| said.starts_with(&whose) && said.contains(words))
 }
 
-fn bring_back(sim: &mut Sim) {
-    sim.run_until("everything is heard", Sim::all_heard);
-    sim.settle();
-    if sim.mode() != Some(ControlMode::Auto) {
-        sim.go_manual();
-        for id in sim.line().station_ids().collect::<Vec<_>>() {
-            let name = sim.line().station(id).name.clone();
-            if sim.is_incomplete(&name) {
-                sim.resume(&name);
-            }
-        }
-        sim.back_to_auto();
-    }
-}
-
 /// The line makes parts again, each machined once, and nobody was restarted for it.
 fn cycles_on(sim: &mut Sim, lives: &[u64]) {
     let parts = sim.observer().places();
@@ -171,7 +156,7 @@ fn in_mid_cycle(case: &Case, (device, node, station): &(String, String, StationI
     sim.fail_device(device, None);
     let again = sim.wait_for(Duration::from_secs(1), |s| s.energised(station) != 0);
     assert!(!again, "{device}: a repair moves nothing");
-    bring_back(&mut sim);
+    sim.bring_back();
     cycles_on(&mut sim, &lives);
 }
 
@@ -259,11 +244,8 @@ fn the_managers_interface_leaves_the_bus() {
         assert!(!sim.anything_energised(), "everything is let go first, at {moment} ms");
         let again = sim.wait_for(Duration::from_secs(3), Sim::anything_energised);
         assert!(!again, "and nothing moves by itself, at {moment} ms");
-        if sim.mode() == Some(ControlMode::EStop) {
-            // The console is on that bus too.
-            sim.order(Command::Reset);
-        }
-        bring_back(&mut sim);
+        // The console is on that bus too: this may have been an emergency stop.
+        sim.bring_back();
         cycles_on(&mut sim, &lives);
     }
 }
@@ -294,11 +276,7 @@ fn frames_that_are_lost_or_come_twice() {
                 faults += 1;
                 // Nobody recovers a line on a bus like that.
                 disturb(&mut sim, 0);
-                sim.settle();
-                if sim.mode() == Some(ControlMode::EStop) {
-                    sim.order(Command::Reset);
-                }
-                bring_back(&mut sim);
+                sim.bring_back();
                 disturb(&mut sim, share);
             }
             if parts >= 3 {
@@ -306,39 +284,10 @@ fn frames_that_are_lost_or_come_twice() {
             }
         }
         disturb(&mut sim, 0);
-        if sim.mode() != Some(ControlMode::Auto) {
-            bring_back(&mut sim);
-        }
+        sim.bring_back();
         cycles_on(&mut sim, &lives);
     }
     println!("{faults} times it had to be brought back");
-}
-
-#[test]
-fn an_output_that_is_stuck_off_is_found_by_its_watchdog() {
-    let line = line();
-    for (device, _, station) in devices(&line) {
-        let Some(op) = line.station(station).operations.iter().position(|op| {
-            line.devices.iter().any(|d| d.name == device && d.outputs.contains(&Some(op.normal.actuator)))
-        }) else {
-            continue;
-        };
-        let operation = &line.station(station).operations[op];
-        let mut sim = Sim::new(&line, 3);
-        let lives = sim.lives();
-        sim.stick(&device, operation.normal.actuator, Some(false));
-        sim.start_auto();
-        let name = line.station(station).name.clone();
-        sim.run_until("it is found", |s| s.is_incomplete(&name));
-        let found = |(_, event): &(linewright_line::Tick, linewright_station_logic::Event)| {
-            matches!(event.what, Happening::Stopped(_, _, Cause::Watchdog))
-        };
-        assert!(sim.log().of(station).any(|entry| found(&entry)), "{device}: {}", operation.name);
-        assert_eq!(sim.trouble(station), Vec::<String>::new(), "nothing is wrong with the device, as far as it knows");
-        sim.stick(&device, operation.normal.actuator, None);
-        bring_back(&mut sim);
-        cycles_on(&mut sim, &lives);
-    }
 }
 
 /// Any of it, at any moment, several at once; then all is repaired.
@@ -383,12 +332,7 @@ fn whatever_devices_suffer_the_line_comes_back() {
             sim.fail_device(device, None);
         }
         sim.run_for(Duration::from_secs(6));
-        sim.run_until("everything is heard", Sim::all_heard);
-        sim.settle();
-        if sim.mode() == Some(ControlMode::EStop) {
-            sim.order(Command::Reset);
-        }
-        bring_back(&mut sim);
+        sim.bring_back();
         cycles_on(&mut sim, &lives);
     }
 }

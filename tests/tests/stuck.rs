@@ -1,0 +1,142 @@
+//! Switches and relays that stay as they are, of which nobody on the bus knows: the device is in order, and what it says
+//! or does is not true. A motion that should end does not, and the operator reads which switch was waited for and where
+//! it is.
+//!
+//! A relay that does not open is not among them: no signal tells of it. With the motion back both of its outputs are on,
+//! which only the wiring can prevent; see `docs/can.md`.
+
+use std::time::Duration;
+
+use linewright_line::net::ControlMode;
+use linewright_line::{InputId, Line, OpId, OutputId, Owner, StationId};
+use linewright_station_logic::{Cause, Happening};
+use linewright_tests::{Sim, transfer_line};
+
+/// Every operation whose signal is on a digital device: the operation, the device, the signal.
+fn wired<T>(
+    line: &Line,
+    signal: impl Fn(&linewright_line::Operation) -> T,
+    carries: impl Fn(&linewright_line::Device, &T) -> bool,
+) -> Vec<(StationId, OpId, String, T)> {
+    let mut all = Vec::new();
+    for station in line.station_ids() {
+        for (at, operation) in line.station(station).operations.iter().enumerate() {
+            let signal = signal(operation);
+            let own = line.devices.iter().filter(|device| device.owner == Owner::Station(station));
+            if let Some(device) = own.into_iter().find(|device| carries(device, &signal)) {
+                all.push((station, OpId::at(at), device.name.clone(), signal));
+            }
+        }
+    }
+    all
+}
+
+fn switches(line: &Line) -> Vec<(StationId, OpId, String, InputId)> {
+    wired(line, |operation| operation.normal.complete, |device, input| device.inputs.contains(&Some(*input)))
+}
+
+fn relays(line: &Line) -> Vec<(StationId, OpId, String, OutputId)> {
+    wired(line, |operation| operation.normal.actuator, |device, output| device.outputs.contains(&Some(*output)))
+}
+
+/// Why the operation was stopped last, and what the operator reads of it.
+fn last_stop(sim: &Sim, station: StationId) -> Option<(OpId, Cause, String)> {
+    let stops = sim.log().of(station).filter_map(|(_, event)| match event.what {
+        Happening::Stopped(op, block, cause) => Some((op, cause, cause.text_of(sim.line(), station, op, block))),
+        _ => None,
+    });
+    stops.last()
+}
+
+fn says_where(said: &str, switch: &str, device: &str) -> bool {
+    said.contains(&format!("{switch} ({device}, node ")) && said.contains("6000h:")
+}
+
+/// Runs in auto until a station stands with an operation that did not end.
+fn until_found(sim: &mut Sim, station: StationId) {
+    let name = sim.line().station(station).name.clone();
+    sim.run_until("it is found", |s| s.is_incomplete(&name));
+    sim.run_until("the line stands by", |s| s.mode() == Some(ControlMode::StandBy));
+    sim.settle();
+    assert_eq!(sim.trouble(station), Vec::<String>::new(), "nothing is wrong with the device, as far as it knows");
+    assert!(!sim.anything_energised());
+}
+
+/// Repaired, and led on by the operator: each part is machined once, and nobody was restarted.
+fn goes_on(sim: &mut Sim, lives: &[u64]) {
+    sim.bring_back();
+    let parts = sim.observer().places();
+    sim.run_until("two more parts", |s| s.observer().places() >= parts + 2);
+    for part in 1..=parts + 1 {
+        assert_eq!(sim.observer().machined(1, part), 1, "part {part} is machined once");
+    }
+    assert_eq!(sim.lives(), lives);
+}
+
+fn in_auto(line: &Line, seed: u64) -> Sim {
+    let mut sim = Sim::new(line, seed);
+    sim.start_auto();
+    sim.run_until_done("clamp_1", "return clamp", 2);
+    sim.run_for(Duration::from_millis(seed));
+    sim
+}
+
+#[test]
+fn a_switch_that_does_not_close() {
+    let line = transfer_line(1.0);
+    for (station, _, device, switch) in switches(&line) {
+        for moment in (0..3560).step_by(300) {
+            let mut sim = in_auto(&line, moment);
+            let lives = sim.lives();
+            let name = line.station(station).inputs[switch.index()].clone();
+            sim.wire(Owner::Station(station), &name, Some(false));
+            until_found(&mut sim, station);
+            let (stopped, cause, said) = last_stop(&sim, station).unwrap();
+            // Others may wait for the same switch.
+            let waited_for = sim.line().operation((station, stopped)).normal.complete;
+            assert_eq!((waited_for, cause), (switch, Cause::Watchdog), "{device} at {moment} ms: {said}");
+            assert!(says_where(&said, &name, &device), "{said}");
+            sim.wire(Owner::Station(station), &name, None);
+            goes_on(&mut sim, &lives);
+        }
+    }
+}
+
+#[test]
+fn a_switch_that_is_closed_from_the_start() {
+    let line = transfer_line(1.0);
+    for (station, op, device, switch) in switches(&line) {
+        let mut sim = in_auto(&line, 3);
+        let lives = sim.lives();
+        let name = line.station(station).inputs[switch.index()].clone();
+        // Just after it was closed rightly: with the next motion it stays so.
+        let cycle = sim.done(station, op) + 1;
+        sim.run_until("done", |s| s.done(station, op) >= cycle);
+        sim.wire(Owner::Station(station), &name, Some(true));
+        until_found(&mut sim, station);
+        let (stopped, cause, said) = last_stop(&sim, station).unwrap();
+        let waited_for = sim.line().operation((station, stopped)).normal.complete;
+        assert_eq!((waited_for, cause), (switch, Cause::SwitchStuck), "{device}: {said}");
+        assert!(says_where(&said, &name, &device), "{said}");
+        sim.wire(Owner::Station(station), &name, None);
+        goes_on(&mut sim, &lives);
+    }
+}
+
+#[test]
+fn a_relay_that_does_not_close() {
+    let line = transfer_line(1.0);
+    for (station, op, device, output) in relays(&line) {
+        for moment in (0..3560).step_by(600) {
+            let mut sim = in_auto(&line, moment);
+            let lives = sim.lives();
+            sim.stick(&device, output, Some(false));
+            until_found(&mut sim, station);
+            let (stopped, cause, said) = last_stop(&sim, station).unwrap();
+            assert_eq!(stopped, op, "{device} at {moment} ms: {said}");
+            assert!(matches!(cause, Cause::Watchdog | Cause::SwitchStuck), "{said}");
+            sim.stick(&device, output, None);
+            goes_on(&mut sim, &lives);
+        }
+    }
+}
