@@ -234,3 +234,33 @@ fn a_value_that_rests_is_sent_ten_times_a_second_and_no_more() {
     let count = bench.wire.iter().filter(|frame| frame.starts_with("284#")).count();
     assert!((9..=11).contains(&count), "{count}");
 }
+
+/// A technician switches what it sends off, or its inputs, while it runs: it does nothing about it, and not all the time.
+#[test]
+fn channels_that_are_switched_off_while_it_runs_wait_until_they_are_on_again() {
+    // Object 6423h, and bit 31 of 1801h:01 for the TPDO2 of node 4.
+    for (off, on) in
+        [("604#2F23640000000000", "604#2F23640001000000"), ("604#2301180184020080", "604#2301180184020000")]
+    {
+        let mut bench = Bench::up(analogue(pump()));
+        bench.set(1);
+        bench.run(2);
+        bench.send(off);
+        assert!(bench.wire.last().is_some_and(|answer| answer.starts_with("584#60")), "{:?}", bench.wire.last());
+        bench.wire.clear();
+        let mut polls = 0;
+        for _ in 0..200 {
+            bench.run(1);
+            let mut sent = Vec::new();
+            while bench.rack.next_deadline().is_some_and(|due| due <= bench.now) && polls < 1000 {
+                bench.rack.poll(bench.now, &mut sent);
+                polls += 1;
+            }
+        }
+        assert!(polls < 1000, "{off}: it wants to be polled again and again for nothing");
+        assert!(!bench.wire.iter().any(|frame| frame.starts_with("284#")), "{off}");
+        bench.send(on);
+        bench.run(2);
+        assert!(bench.wire.iter().any(|frame| frame.starts_with("284#")), "{on}");
+    }
+}

@@ -2,13 +2,13 @@
 //! fuzz target.
 //!
 //! Whatever comes from the bus, in whatever order: each frame of outputs that the manager sends says what the image says
-//! that the owner set last, or lets go. A drive is sent to a place only by the output that stands for it. Nothing else
+//! that the owner set last, or lets go; and once a device of the owner is lost, only what it has set since. A drive is sent to a place only by the output that stands for it. Nothing else
 //! is sent than network management, the manager's heartbeat, questions to the devices, and settings of the description.
 //! What one call sends and reports is bounded.
 
 use std::time::Duration;
 
-use linewright_fieldbus::manager::Outbox;
+use linewright_fieldbus::manager::{Event, Outbox};
 use linewright_fieldbus::sdo::ObjectId;
 use linewright_fieldbus::sdo::wire::Request;
 use linewright_fieldbus::{Ask, Frame, Manager, Message, NodeId};
@@ -103,7 +103,12 @@ fn obey(command: &[u8]) -> Option<[u8; 7]> {
 pub struct Bench {
     manager: Manager,
     now: Tick,
+    /// What each owner set last; nothing since one of its devices was lost.
     images: [u128; 3],
+    /// How often each image of inputs has become invalid.
+    losses: [u32; 3],
+    /// The devices that were operational after the last call.
+    up: Vec<u8>,
     /// What devices have been asked, and have not answered.
     pending: Vec<Frame>,
     /// How many frames of the next call the interface refuses.
@@ -125,6 +130,8 @@ impl Bench {
             manager,
             now: Tick::from_millis(1000),
             images: [0; 3],
+            losses: [0; 3],
+            up: Vec::new(),
             pending: Vec::new(),
             refuse: 0,
             energised: 0,
@@ -282,6 +289,7 @@ impl Bench {
         assert!(out.events.len() <= EVENTS_MAX, "{} events", out.events.len());
         let mut frames = out.frames;
         frames.iter().for_each(|frame| self.check_frame(frame));
+        self.forget_images(&out.events);
         let room = frames.len().saturating_sub(std::mem::take(&mut self.refuse));
         let refused = frames.split_off(room);
         for frame in frames {
@@ -297,6 +305,28 @@ impl Bench {
         if !refused.is_empty() {
             self.manager.give_back(self.now, refused);
         }
+    }
+
+    /// From the next call on nothing may be energised that was decided before a loss.
+    fn forget_images(&mut self, events: &[Event]) {
+        for (at, losses) in self.losses.iter_mut().enumerate() {
+            let now = self.manager.inputs(self.now, Owner::Station(StationId(at as u16))).losses;
+            if std::mem::replace(losses, now) != now {
+                self.images[at] = 0;
+            }
+        }
+        for event in events {
+            // Lost before its owner's image was ever valid.
+            if let Event::DeviceLost { node, .. } | Event::DeviceRebooted { node } | Event::DeviceLeft { node, .. } =
+                event
+                && self.up.contains(&node.get())
+                && let Owner::Station(StationId(at)) = owner(node.get())
+            {
+                self.images[usize::from(at)] = 0;
+            }
+        }
+        let up = self.manager.devices().filter(|(_, _, up)| *up);
+        self.up = up.map(|(node, _, _)| node.get()).collect();
     }
 
     fn check_frame(&mut self, frame: &Frame) {

@@ -216,7 +216,11 @@ impl Channels {
             let object = nth as u8 + 2;
             let is_mine = |own: &Measured| own.of.channel.pdo() == object;
             let changed = self.measured.iter().any(|own| is_mine(own) && own.has_changed());
-            if !self.enabled || !pdo.is_active() || !(changed || self.due[nth] <= now) {
+            if !self.enabled || !pdo.is_active() {
+                self.due[nth] = Tick::NEVER;
+                continue;
+            }
+            if !(changed || self.due[nth] <= now) {
                 continue;
             }
             let mut data = [0; 8];
@@ -269,6 +273,10 @@ impl Channels {
 
     /// Gives an object these bytes; `None` for what cannot be written here.
     pub fn write(&mut self, object: ObjectId, data: &[u8]) -> Option<Result<(), Abort>> {
+        if matches!(object.index, 0x1801..=0x1803 | 0x6423) {
+            // Whatever may be sent from now on is news.
+            self.started();
+        }
         let pdo = self.transmit.iter_mut().chain(&mut self.receive).find_map(|pdo| pdo.write(object, data));
         if pdo.is_some() {
             return pdo;
