@@ -7,8 +7,9 @@ use std::time::Duration;
 use clap::Args;
 use linewright_fieldbus::codec::NmtState;
 use linewright_fieldbus::survey::Survey;
-use linewright_fieldbus::{Bus, Clock, MANAGER_NODE, NodeId};
-use linewright_line::{Line, Owner, Tick};
+use linewright_fieldbus::{Bus, Clock, MANAGER_NODE, Manager, NodeId, Outbox};
+use linewright_line::{Device, Line, Tick};
+use miette::IntoDiagnostic as _;
 use serde::Serialize;
 use tokio::time::{Instant, timeout_at};
 
@@ -29,7 +30,8 @@ pub struct StatusArgs {
 
 #[derive(Debug, Serialize)]
 struct Node {
-    node: u8,
+    /// `None` for a device that speaks no CANopen.
+    node: Option<u8>,
     name: Option<String>,
     owner: Option<String>,
     operational: bool,
@@ -38,14 +40,25 @@ struct Node {
 
 pub async fn run(bus: &mut Bus, interface: &str, args: &StatusArgs) -> miette::Result<ExitCode> {
     let line = load::line(&args.line, true)?;
-    let listen = args.listen.map_or(line.timing.heartbeat * 4 + Duration::from_millis(50), Duration::from_millis);
+    let plain: Vec<&Device> = line.devices_on(interface).filter(|device| device.frames.is_some()).collect();
+    let mut plain = Manager::new(plain, line.timing).into_diagnostic()?;
+    let listen = args.listen.map_or_else(|| long_enough(&line, interface), Duration::from_millis);
     let clock = Clock::start();
     let mut survey = Survey::default();
     let until = Instant::now() + listen;
     while let Ok(frame) = timeout_at(until, bus.recv()).await {
         survey.hear(clock.now(), &frame);
+        // It takes what it hears as the line's own manager does; what it would send is not sent.
+        plain.handle(clock.now(), &frame, &mut Outbox::default());
     }
-    let nodes = nodes(&line, interface, &survey, clock.now(), listen);
+    let mut nodes = nodes(&line, interface, &survey, clock.now(), listen);
+    nodes.extend(plain.plain_statuses(clock.now()).map(|status| Node {
+        node: None,
+        name: Some(status.name.to_owned()),
+        owner: Some(line.owner_name(status.owner).to_owned()),
+        operational: status.live,
+        is: status.is,
+    }));
     let all_well = nodes.iter().all(|node| node.operational || node.name.is_none());
     if args.json {
         let Survey { other, bus_errors, .. } = survey;
@@ -59,18 +72,21 @@ pub async fn run(bus: &mut Bus, interface: &str, args: &StatusArgs) -> miette::R
     Ok(if all_well { ExitCode::SUCCESS } else { ExitCode::FAILURE })
 }
 
-/// The description's devices on this bus, then whoever else was heard.
+/// Four heartbeats; where devices speak no CANopen, as long as the slowest of their messages may stay away.
+fn long_enough(line: &Line, interface: &str) -> Duration {
+    let heard = line.devices_on(interface).filter_map(|device| device.frames.as_ref()?.bound.as_ref());
+    let slowest = heard.flat_map(|bound| bound.heard.iter().map(|heard| heard.timeout)).max().unwrap_or_default();
+    (line.timing.heartbeat * 4).max(slowest) + Duration::from_millis(50)
+}
+
+/// The description's CANopen devices on this bus, then whoever else was heard.
 fn nodes(line: &Line, interface: &str, survey: &Survey, now: Tick, listened: Duration) -> Vec<Node> {
     let described = line.devices_on(interface).filter(|device| device.frames.is_none()).map(|device| {
         let heard = NodeId::new(device.node_id).and_then(|node| survey.node(node));
-        let owner = match device.owner {
-            Owner::Station(id) => line.station(id).name.clone(),
-            Owner::Console => "console".to_owned(),
-        };
         Node {
-            node: device.node_id,
+            node: Some(device.node_id),
             name: Some(device.name.clone()),
-            owner: Some(owner),
+            owner: Some(line.owner_name(device.owner).to_owned()),
             operational: heard.is_some_and(|heard| heard.state == Some(NmtState::Operational)),
             is: heard.map_or_else(
                 || format!("silent: nothing heard in {} ms; off, unplugged, or another node id", listened.as_millis()),
@@ -80,7 +96,7 @@ fn nodes(line: &Line, interface: &str, survey: &Survey, now: Tick, listened: Dur
     });
     let known = |node: NodeId| line.devices_on(interface).any(|device| device.node_id == node.get());
     let others = survey.heard().filter(|(node, _)| !known(*node)).map(|(node, heard)| Node {
-        node: node.get(),
+        node: Some(node.get()),
         name: None,
         owner: (node == MANAGER_NODE).then(|| "the manager".to_owned()),
         operational: heard.state == Some(NmtState::Operational),
@@ -104,9 +120,10 @@ fn table(nodes: &[Node], survey: &Survey) {
         } else {
             "·"
         };
-        crate::out::say!("{mark} {:3}  {:width$}  {}", node.node, name(node), node.is);
+        let number = node.node.map_or_else(|| "-".to_owned(), |number| number.to_string());
+        crate::out::say!("{mark} {number:>3}  {:width$}  {}", name(node), node.is);
     }
-    if !nodes.iter().any(|node| node.node == MANAGER_NODE.get()) {
+    if !nodes.iter().any(|node| node.node == Some(MANAGER_NODE.get())) {
         crate::out::say!("no manager is heard (node {MANAGER_NODE}): nobody starts these devices");
     }
     if survey.bus_errors > 0 {

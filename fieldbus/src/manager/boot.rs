@@ -251,6 +251,7 @@ impl Peer {
     pub(super) fn boot(&mut self, now: Tick, out: &mut Outbox) {
         self.process.lost(now);
         self.lent = false;
+        self.held = false;
         if !self.orders.take(now) {
             // It boots again and again: it is asked for after a while, like one that is absent.
             self.phase = Phase::Absent { probe: now + RETRY };

@@ -53,12 +53,14 @@ pub(super) struct Errors {
     reaction: Reaction,
     standing: Option<Standing>,
     reading: Option<Transfer>,
+    /// A reading is due, and the channel was not free.
+    waits: bool,
     next_read: Tick,
 }
 
 impl Errors {
     pub fn new(reaction: Reaction) -> Self {
-        Errors { reaction, standing: None, reading: None, next_read: Tick::NEVER }
+        Errors { reaction, standing: None, reading: None, waits: false, next_read: Tick::NEVER }
     }
 
     /// An error stands because of which the device is not to be trusted.
@@ -74,7 +76,9 @@ impl Errors {
             return self.gone();
         }
         let counts = register & !WIRE != 0 || !emergency.is_reset() && !is_of_the_wire(code);
-        if let Some(standing) = &mut self.standing {
+        if self.only_the_wire_is_left(register) && !counts {
+            self.gone();
+        } else if let Some(standing) = &mut self.standing {
             standing.register = register;
             if counts && !emergency.is_reset() {
                 standing.emergency = Some(emergency);
@@ -89,11 +93,12 @@ impl Errors {
     /// The register has been read. Whether that is news.
     pub fn register(&mut self, now: Tick, register: u8) -> bool {
         let before = self.standing;
-        match (register, &mut self.standing) {
-            (0, _) => self.gone(),
-            (_, Some(standing)) => standing.register = register,
-            (_, None) if register & !WIRE == 0 && register & COMMUNICATION != 0 => {}
-            (_, None) => {
+        let ends = register == 0 || self.only_the_wire_is_left(register);
+        match &mut self.standing {
+            _ if ends => self.gone(),
+            Some(standing) => standing.register = register,
+            None if is_the_wire_alone(register) => {}
+            None => {
                 self.standing = Some(Standing { emergency: None, register });
                 self.next_read = now + READ_EVERY;
             }
@@ -104,17 +109,32 @@ impl Errors {
     /// It has booted, and begins without.
     pub fn gone(&mut self) {
         self.standing = None;
+        self.waits = false;
         self.next_read = Tick::NEVER;
+    }
+
+    /// What made the error stand is gone from the register, and what has come instead would not have made it stand.
+    fn only_the_wire_is_left(&self, register: u8) -> bool {
+        let others = |standing: Standing| {
+            standing.register & !WIRE != 0 && standing.emergency.is_none_or(|emergency| emergency.code >> 8 != 0x81)
+        };
+        self.standing.is_some_and(others) && is_the_wire_alone(register)
     }
 
     /// It does not exchange anything any more: what it was being asked, it will not answer.
     pub fn lost(&mut self) {
         self.reading = None;
+        self.waits = false;
     }
 
     /// It is being asked for its register: it has one channel for that.
     pub fn is_reading(&self) -> bool {
         self.reading.is_some()
+    }
+
+    /// It is, or is to be as soon as the channel is free.
+    pub fn want_channel(&self) -> bool {
+        self.reading.is_some() || self.waits
     }
 
     /// Does what is due: asks, if `free`. Gives the register if it has just been read.
@@ -125,11 +145,19 @@ impl Errors {
         }
         if self.next_read <= now {
             self.next_read = now + READ_EVERY;
-            if free {
-                self.reading = Some(Transfer::read(now, node, ERROR_REGISTER, out));
-            }
+            self.waits = true;
+        }
+        if free {
+            self.ask(now, node, out);
         }
         None
+    }
+
+    /// The channel is free: asks, if that has waited.
+    pub fn ask(&mut self, now: Tick, node: NodeId, out: &mut Vec<Frame>) {
+        if std::mem::take(&mut self.waits) {
+            self.reading = Some(Transfer::read(now, node, ERROR_REGISTER, out));
+        }
     }
 
     /// Takes eight bytes of its server. Gives the register if it has just been read.
@@ -201,6 +229,11 @@ fn is_of_the_wire(code: u16) -> bool {
     /// Another node uses its identifier.
     const COLLISION: u16 = 0x8150;
     code >> 8 == 0x81 && code != COLLISION
+}
+
+/// Whether a register names communication and nothing else.
+fn is_the_wire_alone(register: u8) -> bool {
+    register & !WIRE == 0 && register & COMMUNICATION != 0
 }
 
 /// The bits of the error register, in words (CiA 301 table 50).

@@ -37,7 +37,7 @@ pub use boot::BootError;
 pub use build::ManagerError;
 pub use channels::ChannelFault;
 pub use event::{Event, IgnoreReason, Outbox};
-pub use plain::FrameFault;
+pub use plain::{FrameFault, PlainStatus};
 pub use request::{Answer, Ask, AskError};
 pub use status::{Condition, Status};
 

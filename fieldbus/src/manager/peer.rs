@@ -92,6 +92,8 @@ pub(super) struct Peer {
     pub(super) heard: Tick,
     /// When its last heartbeat came, if one ever did.
     pub(super) beat: Option<Tick>,
+    /// Somebody else has stopped it, and it has not been brought up since.
+    pub(super) held: bool,
     /// Why it was last lost; `None` while it is operational, or was never lost.
     pub(super) why: Option<Why>,
     /// When it last sent its first process data object; `None` since the last boot or loss.
@@ -128,6 +130,7 @@ impl Peer {
             phase: Phase::Absent { probe: Tick::ZERO },
             heard: Tick::ZERO,
             beat: None,
+            held: false,
             why: None,
             updated: None,
             sent: None,
@@ -256,6 +259,8 @@ impl Peer {
             self.sync_losses = 0;
         }
         match (&self.phase, state) {
+            // Nothing was heard of it for a while, and it is as somebody left it.
+            (Phase::Absent { .. }, NmtState::Stopped) if self.held => self.leave(now, Phase::Stopped, Why::Left(state)),
             (Phase::Absent { .. }, _) => {
                 self.boot(now, out);
                 Outcome::Unchanged
@@ -420,6 +425,7 @@ impl Peer {
     pub(super) fn leave(&mut self, now: Tick, phase: Phase, why: Why) -> Outcome {
         let was_operational = self.is_operational();
         self.phase = phase;
+        self.held |= matches!(why, Why::Left(NmtState::Stopped));
         self.why = Some(why);
         self.updated = None;
         self.sent = None;

@@ -50,6 +50,23 @@ impl fmt::Display for FrameFault {
     }
 }
 
+/// A device that speaks no CANopen, as its manager knows it.
+#[derive(Clone, Debug, PartialEq, Eq)]
+pub struct PlainStatus<'a> {
+    /// Its name.
+    pub name: &'a str,
+    /// Whose image it carries.
+    pub owner: Owner,
+    /// All its messages come in time, and make sense; true of one that is only sent to.
+    pub live: bool,
+    /// Something of it has come in time, whatever it was.
+    pub heard: bool,
+    /// How often it was live and then was not.
+    pub losses: u32,
+    /// How it is, in one sentence.
+    pub is: String,
+}
+
 struct Heard {
     frame: HeardFrame,
     counter: Option<u64>,
@@ -74,6 +91,7 @@ pub(super) struct Plain {
     heard: Vec<Heard>,
     told: Vec<Told>,
     live: bool,
+    losses: u32,
     image: u128,
     updated: Option<Tick>,
 }
@@ -94,6 +112,7 @@ impl Plain {
             told: binding.told.iter().map(told).collect(),
             // Of one that says nothing nobody knows better.
             live: binding.heard.is_empty(),
+            losses: 0,
             image: 0,
             updated: None,
         }
@@ -164,6 +183,7 @@ impl Plain {
             let (id, silent_for) = (heard.frame.id, silent_for.unwrap_or_default());
             out.events.push(Event::FramesLost { id, silent_for, why });
             self.live = false;
+            self.losses += 1;
             self.image = 0;
             outcome = Outcome::Lost;
         }
@@ -249,9 +269,10 @@ impl Heard {
         }
         for (page, (seen, on)) in definition.pages.iter().zip(&mut self.pages) {
             if page.is_in(&data) {
-                *seen = Some(now);
+                // After a silence a value between two limits is not what it was before.
+                let goes_on = seen.replace(now).is_some_and(|last| now < last + definition.timeout);
                 for ((_, field, when), on) in page.inputs.iter().zip(on) {
-                    *on = when.holds(field, field.get(&data), *on);
+                    *on = when.holds(field, field.get(&data), goes_on && *on);
                 }
             }
         }
@@ -352,9 +373,16 @@ impl Manager {
         self.plains.iter().map(Plain::deadline).fold(Tick::NEVER, Tick::min)
     }
 
-    /// How the device of this name is at `now`, in one sentence, if it is one that speaks no CANopen.
-    pub fn explain_frames(&self, now: Tick, name: &str) -> Option<String> {
-        self.plains.iter().find(|plain| plain.name == name).map(|plain| plain.explain(now))
+    /// Every device that speaks no CANopen as it is at `now`, in the order of the description.
+    pub fn plain_statuses(&self, now: Tick) -> impl Iterator<Item = PlainStatus<'_>> {
+        self.plains.iter().map(move |plain| PlainStatus {
+            name: &plain.name,
+            owner: plain.owner,
+            live: plain.trusted(now),
+            heard: plain.heard.iter().any(|heard| heard.last.is_some_and(|(at, _)| now < at + heard.frame.timeout)),
+            losses: plain.losses,
+            is: plain.explain(now),
+        })
     }
 
     /// What a change of one of them means for its owner's images.

@@ -307,7 +307,7 @@ impl Peer {
             // A stopped device answers no SDO (CiA 301 §7.3.2.2.4).
             Phase::Absent { .. } | Phase::Stopped => Channel::None,
             Phase::Booting(_) => Channel::Busy,
-            _ if self.lent || self.writing.is_some() || self.errors.is_reading() => Channel::Busy,
+            _ if self.lent || self.writing.is_some() || self.errors.want_channel() => Channel::Busy,
             Phase::Refused { .. } | Phase::Starting { .. } | Phase::Operational => Channel::Free,
         }
     }
@@ -315,6 +315,9 @@ impl Peer {
     /// The channel is the manager's again; what had to wait for it comes first.
     fn give_back(&mut self, now: Tick, out: &mut Outbox) {
         self.lent = false;
+        if self.writing.is_none() && self.is_operational() {
+            self.errors.ask(now, self.node, &mut out.frames);
+        }
         self.write_if_wanted(now, out);
     }
 
@@ -323,9 +326,12 @@ impl Peer {
         let text = self.explain(now);
         match self.phase {
             Phase::Operational | Phase::Starting { .. } => Ok(text),
+            // Not as it is: nobody knows what it has been through since it was stopped. And a stopped device answers no
+            // SDO.
             Phase::Stopped => {
-                self.order_start(now, out);
-                Ok("ordered to start".to_owned())
+                self.order(NmtCommand::EnterPreOperational, out);
+                self.boot(now, out);
+                Ok("woken, to be configured and started".to_owned())
             }
             Phase::Refused { .. } => {
                 self.boot(now, out);

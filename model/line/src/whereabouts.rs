@@ -20,6 +20,14 @@ impl Line {
         }
     }
 
+    /// The station's name, or `console`.
+    pub fn owner_name(&self, owner: Owner) -> &str {
+        match owner {
+            Owner::Station(id) => &self.station(id).name,
+            Owner::Console => "console",
+        }
+    }
+
     /// Device, node id, object and bit of an input.
     fn input_place(&self, owner: Owner, input: InputId) -> Option<String> {
         self.devices.iter().filter(|device| device.owner == owner).find_map(|device| {

@@ -307,3 +307,56 @@ fn a_boot_ends_an_error_also_of_a_device_that_was_away_and_has_no_register() {
     bench.hear("186#00");
     assert!(bench.inputs(CLAMP).valid, "{:?}", trouble(&bench, CLAMP));
 }
+
+#[test]
+fn one_that_somebody_stopped_is_left_so_also_after_it_was_not_heard_for_a_while() {
+    let floods = |bench: &mut Bench| (0..300).for_each(|_| bench.hear("186#00"));
+    let silence = |bench: &mut Bench| bench.pass_with(400, &[4, 5]);
+    let bus_off = |bench: &mut Bench| {
+        bench.hear("20000040#0000000000000000");
+        bench.hear("20000100#0000000000000000");
+    };
+    for lost in [&floods as &dyn Fn(&mut Bench), &silence, &bus_off] {
+        let mut bench = Bench::up();
+        bench.hear("706#04");
+        lost(&mut bench);
+        (0..30).for_each(|_| bench.pass_with(50, &[4, 5]));
+        bench.take();
+        for _ in 0..60 {
+            bench.hear("706#04");
+            bench.pass_with(50, &[4, 5]);
+        }
+        let frames = bench.frames();
+        assert!(!frames.iter().any(|frame| frame.starts_with("000#") || frame.starts_with("606#")), "{frames:?}");
+        let said = trouble(&bench, CLAMP);
+        assert!(said[0].starts_with("clamp (node 06h): stopped by somebody else (NMT)"), "{said:?}");
+        // Whoever has it boot, or in another state, wants it back.
+        bench.bring_up(6);
+        assert!(bench.inputs(CLAMP).valid);
+        // And from then on it is like any other: found stopped, it is woken.
+        bench.pass_with(400, &[4, 5]);
+        bench.take();
+        bench.hear("706#04");
+        assert!(bench.frames().contains(&"606#4000100000000000".to_owned()));
+    }
+}
+
+#[test]
+fn an_error_of_its_own_that_turns_into_one_of_the_wire_has_ended() {
+    for said in ["086#2081110000000000", "586#4F01100011000000"] {
+        let mut bench = Bench::up();
+        bench.hear(OVERLOAD);
+        bench.pass_with(1000, &[4, 5, 6]);
+        assert!(!bench.inputs(CLAMP).valid);
+        bench.hear(said);
+        assert!(bench.inputs(CLAMP).valid, "{said}: {:?}", trouble(&bench, CLAMP));
+    }
+    // Generic alone is not of the wire, and an identifier used twice does not end by itself.
+    for first in ["086#0010010000000000", "086#5081950000000000"] {
+        let mut bench = Bench::up();
+        bench.hear(first);
+        bench.pass_with(1000, &[4, 5, 6]);
+        bench.hear("586#4F01100011000000");
+        assert!(!bench.inputs(CLAMP).valid, "{first}");
+    }
+}

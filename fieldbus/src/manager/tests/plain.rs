@@ -95,6 +95,17 @@ fn an_input_follows_its_limit_with_hysteresis() {
 }
 
 #[test]
+fn a_value_between_two_limits_is_off_after_a_silence() {
+    let mut bench = bench();
+    bench.hear("18FEF100#2800");
+    assert_eq!(bench.inputs(CLAMP).bits, 0b10);
+    bench.pass_with(100, &[6]);
+    assert!(!bench.inputs(CLAMP).valid);
+    bench.hear("18FEF100#1F01");
+    assert_eq!((bench.inputs(CLAMP).valid, bench.inputs(CLAMP).bits), (true, 0));
+}
+
+#[test]
 fn one_that_falls_silent_or_says_the_same_again_is_lost_and_takes_its_owners_outputs_along() {
     for (again, why) in [
         (None, "it does not come"),

@@ -279,7 +279,10 @@ fn only_a_device_that_somebody_stopped_is_started_by_request() {
     assert!(said.unwrap().starts_with("operational") && frames.is_empty());
     bench.hear("706#04");
     bench.frames();
-    assert_eq!(start(&mut bench), (Ok("ordered to start".to_owned()), vec!["000#0106".to_owned()]));
+    let woken = vec!["000#8006".to_owned(), "606#4000100000000000".to_owned()];
+    assert_eq!(start(&mut bench), (Ok("woken, to be configured and started".to_owned()), woken));
+    bench.configure(6);
+    assert_eq!(bench.frames().last().map(String::as_str), Some("000#0106"));
     bench.hear("706#05");
     bench.frames();
     bench.hear("706#00");
@@ -293,4 +296,27 @@ fn only_a_device_that_somebody_stopped_is_started_by_request() {
     let (said, frames) = start(&mut bench);
     assert!(said.unwrap_err().contains("is being looked at again"));
     assert_eq!(frames, ["606#4000100000000000"]);
+}
+
+#[test]
+fn requests_one_after_the_other_do_not_keep_an_error_from_being_looked_at() {
+    let mut bench = Bench::up();
+    bench.hear("086#1023050000000000");
+    bench.told();
+    let mut reads = 0;
+    for _ in 0..60 {
+        // There is always one under way and one that waits.
+        bench.ask(6, Ask::Read(VENDOR));
+        bench.ask(6, Ask::Read(VENDOR));
+        for node in [4, 5, 6] {
+            bench.hear(&format!("7{node:02X}#05"));
+        }
+        bench.pass(50);
+        while let Some(asked) = bench.told().0.into_iter().rfind(|frame| frame.starts_with("606#40")) {
+            let register = asked == "606#4001100000000000";
+            reads += u32::from(register);
+            bench.hear(if register { "586#4F01100005000000" } else { "586#4318100178563412" });
+        }
+    }
+    assert_eq!(reads, 3, "one a second");
 }

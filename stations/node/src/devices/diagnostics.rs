@@ -1,11 +1,11 @@
 //! `/diagnostics`: each device in a status of its own.
 
 use linewright_fieldbus::Driver;
-use linewright_fieldbus::manager::{Condition, Status};
+use linewright_fieldbus::manager::{Condition, PlainStatus, Status};
 use linewright_line::{Device, Tick};
 use linewright_msgs::{Byte, DiagnosticStatus, KeyValue};
 
-use super::{Devices, Told, names};
+use super::{Devices, Plain, Told, names};
 
 impl Devices {
     pub(super) fn diagnosis(&self, now: Tick, driver: &Driver, status: &Status<'_>, told: &Told) -> DiagnosticStatus {
@@ -34,6 +34,23 @@ impl Devices {
             message: trouble.or_else(|| manager.explain(now, status.node)).unwrap_or_default(),
             hardware_id: hardware_id(&told.device),
             values,
+        }
+    }
+
+    pub(super) fn plain_diagnosis(&self, status: &PlainStatus<'_>, plain: &Plain) -> DiagnosticStatus {
+        DiagnosticStatus {
+            level: match (status.live, status.heard) {
+                (true, _) => DiagnosticStatus::OK,
+                (false, true) => DiagnosticStatus::ERROR,
+                (false, false) => DiagnosticStatus::STALE,
+            },
+            name: format!("{}: {}", self.node, status.name),
+            message: status.is.clone(),
+            hardware_id: format!("frames of {}", plain.file),
+            values: vec![
+                KeyValue::new("belongs to", plain.owner.clone()),
+                KeyValue::new("losses", status.losses.to_string()),
+            ],
         }
     }
 }

@@ -10,9 +10,9 @@ mod trouble;
 
 use std::time::Duration;
 
-use linewright_fieldbus::manager::{Condition, Status};
+use linewright_fieldbus::manager::{Condition, PlainStatus, Status};
 use linewright_fieldbus::{Driver, Event, NodeId};
-use linewright_line::{Device, Line, Owner, Tick};
+use linewright_line::{Device, Line, Tick};
 use linewright_msgs::{DiagnosticArray, Text};
 use linewright_node_shell::{Forward, Node, Publisher, TopicError, qos, stamp};
 use tokio::sync::mpsc;
@@ -43,13 +43,21 @@ struct Told {
     failed: String,
 }
 
-/// Condition, state, emergency code and losses of each device: what makes a diagnosis news.
-type Key = Vec<(Condition, &'static str, Option<u16>, u32)>;
+/// A device that speaks no CANopen: whose it is, and what describes its frames.
+struct Plain {
+    owner: String,
+    file: String,
+}
+
+/// Condition, state, emergency code and losses of each device, and whether and how often one that speaks no CANopen was
+/// lost: what makes a diagnosis news.
+type Key = (Vec<(Condition, &'static str, Option<u16>, u32)>, Vec<(bool, u32)>);
 
 /// The devices of one bus.
 pub struct Devices {
     node: String,
     told: Vec<Told>,
+    plain: Vec<Plain>,
     diagnostics: Publisher<DiagnosticArray>,
     key: Key,
     due: Tick,
@@ -66,25 +74,29 @@ impl Devices {
         line: &Line,
         devices: impl IntoIterator<Item = &'a Device>,
     ) -> Result<Self, TopicError> {
+        let owner = |device: &Device| line.owner_name(device.owner).to_owned();
         // The services are those of CANopen; whoever speaks none has none.
-        let devices: Vec<&Device> = devices.into_iter().filter(|device| device.frames.is_none()).collect();
+        let (devices, of_frames): (Vec<&Device>, Vec<&Device>) =
+            devices.into_iter().partition(|device| device.frames.is_none());
+        let plain = |device: &&Device| {
+            let file = device.frames.as_ref().map(|frames| frames.file.name.clone()).unwrap_or_default();
+            Plain { owner: owner(device), file }
+        };
         let (to, from) = mpsc::channel(QUEUE);
         let mut tasks = services::open_bus(node, &to)?;
         let mut told = Vec::with_capacity(devices.len());
         for (device, name) in devices.iter().zip(device_names(line, &devices)) {
             tasks.extend(services::open_device(node, &name, device.node_id, &to)?);
             let state = node.publisher(&format!("{name}/nmt_state"), qos::latched_state())?;
-            let owner = match device.owner {
-                Owner::Station(id) => line.station(id).name.clone(),
-                Owner::Console => "console".to_owned(),
-            };
-            told.push(Told { device: (*device).clone(), owner, state, word: "", at_once: 0, failed: String::new() });
+            let (device, owner) = ((*device).clone(), owner(device));
+            told.push(Told { device, owner, state, word: "", at_once: 0, failed: String::new() });
         }
         Ok(Devices {
             node: node.name().to_owned(),
             told,
+            plain: of_frames.iter().map(plain).collect(),
             diagnostics: node.publisher("/diagnostics", qos::event())?,
-            key: Key::new(),
+            key: Key::default(),
             due: Tick::ZERO,
             last: Tick::ZERO,
             from,
@@ -142,12 +154,11 @@ impl Devices {
         }
         self.states(driver, u32::MAX);
         let statuses: Vec<Status<'_>> = driver.manager().statuses().collect();
-        let key: Key = statuses
-            .iter()
-            .map(|s| {
-                (s.condition, names::state_word(s.nmt), s.emergency.map(|(_, emergency)| emergency.code), s.losses)
-            })
-            .collect();
+        let plain: Vec<PlainStatus<'_>> = driver.manager().plain_statuses(now).collect();
+        let of_node = |s: &Status<'_>| {
+            (s.condition, names::state_word(s.nmt), s.emergency.map(|(_, emergency)| emergency.code), s.losses)
+        };
+        let key: Key = (statuses.iter().map(of_node).collect(), plain.iter().map(|s| (s.live, s.losses)).collect());
         if self.key != key || self.last + EVERY <= now {
             if self.last + EVERY <= now {
                 self.told.iter_mut().for_each(|told| told.at_once = 0);
@@ -155,7 +166,9 @@ impl Devices {
             self.key = key;
             self.last = now;
             let status = statuses.iter().zip(&self.told);
-            let status = status.map(|(status, told)| self.diagnosis(now, driver, status, told)).collect();
+            let status = status.map(|(status, told)| self.diagnosis(now, driver, status, told));
+            let plain = plain.iter().zip(&self.plain).map(|(status, plain)| self.plain_diagnosis(status, plain));
+            let status = status.chain(plain).collect();
             self.diagnostics.send(DiagnosticArray { header: stamp(), status });
         }
         self.due = self.last + EVERY;
