@@ -18,6 +18,7 @@ mod faults;
 mod hand_mode;
 mod interrupts;
 mod kills;
+mod other_devices;
 mod panels;
 mod remaps;
 mod rubbish;

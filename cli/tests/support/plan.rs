@@ -8,6 +8,7 @@ use toml_edit::{DocumentMut, InlineTable, Item, Table};
 /// A CAN device.
 #[derive(Clone, Debug)]
 pub struct Device {
+    /// 0 for one that speaks no CANopen.
     pub node: u8,
     /// Its station; the console has none.
     pub station: Option<String>,
@@ -53,7 +54,8 @@ impl Plan {
                 None => (names(table, "inputs"), names(table, "outputs"), None),
             };
             Device {
-                node: u8::try_from(table["node"].as_integer().expect("a node id")).expect("a node id"),
+                node: u8::try_from(table.get("node").map_or(Some(0), Item::as_integer).expect("a number"))
+                    .expect("a node id"),
                 station: table.get("station").and_then(|s| s.as_str()).map(str::to_owned),
                 inputs,
                 outputs,

@@ -58,6 +58,11 @@ impl Rig {
         Rig { eye, plan, run: None, domain: free_domain(), directory, _alone: alone }
     }
 
+    /// One more file beside the description.
+    pub fn file(&self, name: &str, text: &str) {
+        fs::write(self.directory.path().join("line").join(name), text).expect("a file beside the description");
+    }
+
     /// The ROS domain of this rig.
     pub fn domain(&self) -> u16 {
         self.domain
