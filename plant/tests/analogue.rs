@@ -186,6 +186,21 @@ fn a_valve_takes_its_value_and_rests_when_the_manager_is_gone() {
 }
 
 #[test]
+fn a_device_told_to_stay_operational_lets_go_without_its_manager_and_goes_on_telling() {
+    let mut bench = Bench::up(analogue(Some(Follows::Channel(1))));
+    bench.send("604#2F29100101000000");
+    bench.set(SOFT);
+    bench.run(500);
+    assert_eq!(bench.valve(), Some(350));
+    bench.cut = true;
+    bench.run(300);
+    assert_eq!(bench.valve(), Some(50));
+    bench.wire.clear();
+    bench.run(1000);
+    assert!(bench.wire.iter().filter(|frame| frame.starts_with("284#")).count() >= 9, "{:?}", bench.wire);
+}
+
+#[test]
 fn a_wire_that_breaks_stops_its_owner_and_is_mended_without_restarting_anything() {
     let mut bench = Bench::up(analogue(pump()));
     bench.set(common::FORWARD);

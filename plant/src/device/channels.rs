@@ -160,11 +160,15 @@ impl Channels {
         true
     }
 
-    /// The manager is gone, or the device is not operational any more.
+    /// The manager is gone, or the device is not operational any more: outputs take their error values.
     pub fn let_go(&mut self) {
         for set in self.set.iter_mut().filter(|set| set.takes == 1) {
             set.number = i16::try_from(set.error).unwrap_or(if set.error < 0 { i16::MIN } else { i16::MAX });
         }
+    }
+
+    /// The device is not operational any more, and sends nothing.
+    pub fn rest(&mut self) {
         self.due.fill(Tick::NEVER);
     }
 

@@ -269,9 +269,11 @@ impl DeviceNode {
     fn let_go(&mut self, outputs: u64) {
         self.outputs = self.wired(outputs);
         self.waiting = None;
+        // Whether the loss of the manager changes its state is for 1029h:01; that its outputs let go is not.
+        self.channels.let_go();
         if !self.comm.is_operational() {
             self.sync_watch.rest();
-            self.channels.let_go();
+            self.channels.rest();
             self.next_inputs = Tick::NEVER;
         }
     }

@@ -8,7 +8,7 @@ use linewright_line::{Owner, Tick};
 use linewright_msgs::{Text, fitting};
 use linewright_node_shell::{Node, Publisher, TopicError, qos};
 
-use super::EVERY;
+use super::{EVERY, NEWS_EVERY};
 
 /// The topic of one owner.
 pub struct Trouble {
@@ -16,6 +16,7 @@ pub struct Trouble {
     publisher: Publisher<Text>,
     text: String,
     valid: Option<bool>,
+    told: Tick,
     due: Tick,
 }
 
@@ -23,7 +24,7 @@ impl Trouble {
     /// Opens the topic.
     pub fn open(node: &mut Node, topic: &str, owner: Owner) -> Result<Self, TopicError> {
         let publisher = node.publisher(topic, qos::latched_state())?;
-        Ok(Trouble { owner, publisher, text: String::new(), valid: None, due: Tick::ZERO })
+        Ok(Trouble { owner, publisher, text: String::new(), valid: None, told: Tick::ZERO, due: Tick::ZERO })
     }
 
     /// Tells what there is to tell now.
@@ -32,8 +33,13 @@ impl Trouble {
         if self.valid == Some(valid) && (valid || now < self.due) {
             return;
         }
+        // A device that comes and goes must not flood a reliable topic. What is not told now is told at the next look,
+        // which is never far: the manager's heartbeat alone calls for one.
+        if now < self.told + NEWS_EVERY && self.valid.is_some() {
+            return;
+        }
         self.valid = Some(valid);
-        self.due = now + EVERY;
+        (self.told, self.due) = (now, now + EVERY);
         let text = in_words(driver, self.owner);
         if text != self.text || text.is_empty() {
             self.text.clone_from(&text);
