@@ -6,11 +6,8 @@
 use std::path::Path;
 
 use linewright_eds::{Content, Eds, NodeId, Value, limits, read};
-use linewright_line::{Device, Line, Setting};
+use linewright_line::{Device, Line, Setting, is_the_managers};
 use miette::{IntoDiagnostic, WrapErr, miette};
-
-/// Objects that the manager writes itself, whatever a file says: how devices and manager watch each other.
-const MANAGERS: [u16; 2] = [0x1016, 0x1017];
 
 /// Reads the file of every device that names one, beside the description in `dir`.
 pub fn complete(line: &mut Line, dir: &Path, quiet: bool) -> miette::Result<()> {
@@ -68,7 +65,7 @@ fn apply(device: &mut Device, eds: &Eds) -> Result<(), String> {
         let Content::Bytes(data) = download.content else {
             return Err(format!("line {}: a DownloadFile is not sent to devices here", download.line));
         };
-        if !MANAGERS.contains(&download.index) {
+        if !is_the_managers(download.index) {
             settings.push(Setting { index: download.index, sub: download.sub, data });
         }
     }

@@ -5,6 +5,7 @@
 //! it is for the reader to say that it has no use for them.
 
 use embedded_can::{ExtendedId, Id, StandardId};
+use linewright_line::FrameId;
 use thiserror::Error;
 
 /// Set in the id word of a frame with a 29-bit identifier (`CAN_EFF_FLAG`).
@@ -69,6 +70,16 @@ impl Frame {
         embedded_can::Frame::new(StandardId::new(id)?, data)
     }
 
+    /// A data frame with an identifier of either length, or `None` where the identifier or the data is too long.
+    pub fn of_id(id: FrameId, data: &[u8]) -> Option<Self> {
+        let id: Id = if id.extended {
+            ExtendedId::new(id.id)?.into()
+        } else {
+            StandardId::new(u16::try_from(id.id).ok()?)?.into()
+        };
+        embedded_can::Frame::new(id, data)
+    }
+
     /// A frame from the kernel's id word and its data; what exceeds eight bytes is an error.
     pub(crate) fn from_word(word: u32, data: &[u8]) -> Result<Self, FrameError> {
         if data.len() > 8 {
@@ -95,6 +106,12 @@ impl Frame {
     /// The 11-bit identifier of a data frame: what CANopen calls the COB-ID. `None` for anything else.
     pub fn cob_id(&self) -> Option<u16> {
         (self.word & (EXTENDED | REMOTE | ERROR) == 0).then_some((self.word & 0x7FF) as u16)
+    }
+
+    /// The identifier of a data frame, whatever its length; `None` for anything else.
+    pub fn frame_id(&self) -> Option<FrameId> {
+        let extended = self.word & EXTENDED != 0;
+        (self.kind() == Kind::Data).then_some(FrameId { id: self.word & 0x1FFF_FFFF, extended })
     }
 
     /// What kind of frame it is.
@@ -232,9 +249,13 @@ mod tests {
         let extended = Frame::new(ExtendedId::new(0x181).unwrap(), &[7]).unwrap();
         assert!(extended.is_extended());
         assert_eq!(extended.cob_id(), None);
+        let id = FrameId { id: 0x181, extended: true };
+        assert_eq!((extended.frame_id(), Frame::of_id(id, &[7])), (Some(id), Some(extended)));
+        assert_eq!(Frame::of_id(FrameId { id: 0x800, extended: false }, &[]), None);
         let remote = Frame::new_remote(StandardId::new(0x701).unwrap(), 1).unwrap();
         assert_eq!((remote.kind(), remote.len(), remote.data()), (Kind::Remote, 1, &[][..]));
         let error = Frame::from_word(ERROR | 0x40, &[0; 8]).unwrap();
+        assert_eq!((remote.frame_id(), error.frame_id()), (None, None));
         assert_eq!(error.kind(), Kind::Error(0x40));
         for frame in [extended, remote, error] {
             assert_eq!(Frame::from_bytes(&frame.to_bytes()), Ok(frame));

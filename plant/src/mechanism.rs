@@ -128,7 +128,7 @@ impl Mechanism {
         let at = self.position(now);
         let switches = self.switches.iter().filter(|s| s.is_on(at)).map(|s| s.input);
         let broken = self.drives.iter().filter(|d| d.fault == Some(Fault::Break)).filter_map(|d| d.fault_input);
-        switches.chain(broken).fold(0, |image, input| image | bit(input.index()))
+        switches.chain(broken).fold(0, |image, input| image | input.bit())
     }
 
     /// The next moment after `now` at which its inputs change or its motion ends, if outputs stay as they are.
@@ -160,7 +160,7 @@ impl Mechanism {
     /// Does what the outputs in `image` and the faults say from `now` on. `random` gives a motion's duration its
     /// factor, from the number of motions begun before.
     pub(crate) fn drive(&mut self, now: Tick, image: u128, random: impl Fn(u64) -> f64) -> Change {
-        let on = |drive: &&Drive| image & bit(drive.output.index()) != 0 && drive.target != drive.from;
+        let on = |drive: &&Drive| image & drive.output.bit() != 0 && drive.target != drive.from;
         let (mut forward, mut back) = (false, false);
         for drive in self.drives.iter().filter(on) {
             *(if drive.target > drive.from { &mut forward } else { &mut back }) = true;
@@ -196,7 +196,7 @@ impl Mechanism {
     /// faulty one decides: one that slips back drags the others along, and holds them where it came from.
     fn choose(&self, now: Tick, image: u128) -> Option<usize> {
         let here = self.position(now);
-        let is_on = |d: &Drive| image & bit(d.output.index()) != 0 && d.from != d.target;
+        let is_on = |d: &Drive| image & d.output.bit() != 0 && d.from != d.target;
         let on = || self.drives.iter().enumerate().filter(|(_, d)| is_on(d));
         if let Some((at, slipping)) = on().find(|(_, d)| d.fault == Some(Fault::SlipBack)) {
             return (here != slipping.from).then_some(at);
@@ -235,9 +235,4 @@ impl Switch {
     fn is_on(&self, position: f64) -> bool {
         (position - self.at).abs() <= self.reach
     }
-}
-
-/// Bit `index` of an image, nothing beyond its width.
-pub(crate) fn bit(index: usize) -> u128 {
-    u32::try_from(index).ok().and_then(|index| 1u128.checked_shl(index)).unwrap_or(0)
 }

@@ -7,7 +7,7 @@
 use linewright_line::{AxisId, InputId, Line, OpId, OutputId, Owner, StationId, Tick};
 
 use crate::fault::Fault;
-use crate::mechanism::{Mechanism, Stroke, bit};
+use crate::mechanism::{Mechanism, Stroke};
 
 /// How a plant deviates from its description.
 #[derive(Clone, Copy, Debug, Default, PartialEq)]
@@ -164,7 +164,7 @@ impl Plant {
     pub fn force(&mut self, owner: Owner, input: InputId, value: Option<bool>) {
         let place = self.place_of(owner);
         let (held, on) = &mut self.forced[place];
-        let input = bit(input.index());
+        let input = input.bit();
         (*held, *on) = (*held & !input, *on & !input);
         if let Some(value) = value {
             *held |= input;

@@ -8,7 +8,6 @@ use linewright_line::{AxisId, Bus, Device, Drive, DriveMode, Line, Owner, Statio
 
 use crate::device::{DeviceNode, DeviceOutbox, DriveNode, Order, PlainNode};
 use crate::fault::{DeviceFault, Fault};
-use crate::mechanism::bit;
 use crate::plant::{Plant, PlantOptions};
 use crate::wire::{FrameFaults, Wire};
 
@@ -230,7 +229,7 @@ impl Rack {
             Node::Drive(node, _) if node.obeys_an_order() => slot.device.drive.as_ref(),
             Node::Drive(..) | Node::Io(_) | Node::Plain(_) => None,
         });
-        let moved = drives.flat_map(Drive::outputs).fold(0, |image, output| image | bit(output.index()));
+        let moved = drives.flat_map(Drive::outputs).fold(0, |image, output| image | output.bit());
         self.plant.outputs(owner) | moved
     }
 
@@ -291,7 +290,7 @@ impl Rack {
                 Node::Drive(..) => 0,
             });
             let plain = plain.fold(0, |all, outputs| all | outputs);
-            let image = on.fold(plain, |image, output| image | bit(output.index()));
+            let image = on.fold(plain, |image, output| image | output.bit());
             self.plant.set_outputs(now, *owner, image);
         }
     }
@@ -307,7 +306,7 @@ impl Rack {
             }
             let Node::Io(node) = &mut slot.node else { continue };
             let wired = slot.device.inputs.iter().take(64).enumerate();
-            let on = wired.filter(|(_, input)| input.is_some_and(|input| image & bit(input.index()) != 0));
+            let on = wired.filter(|(_, input)| input.is_some_and(|input| image & input.bit() != 0));
             let bits = on.fold(0, |bits, (at, _)| bits | 1 << at);
             let mut outbox = DeviceOutbox::default();
             node.set_inputs(now, bits, &mut outbox);

@@ -75,13 +75,13 @@ BO_ 320 BoxCommand: 3 Controller
  SG_ Check : 16|8@1+ (1,0) [0|255] "" Box
 "#;
 
-fn line() -> Line {
-    let buttons = LINE.replacen("name = \"pressing\"", "name = \"pressing\"\nbuttons = [\"PB_1\", \"PB_2\"]", 1);
+fn line(text: &str, file: &str) -> Line {
+    let buttons = text.replacen("name = \"pressing\"", "name = \"pressing\"\nbuttons = [\"PB_1\", \"PB_2\"]", 1);
     let mut line = match linewright_line::parse("line.toml", &buttons) {
         Ok(parsed) => parsed.line,
         Err(problems) => panic!("{problems:#}"),
     };
-    let database = linewright_dbc::read(BOX.as_bytes()).expect("a sound file");
+    let database = linewright_dbc::read(file.as_bytes()).expect("a sound file");
     let frames = line.devices[0].frames.as_mut().expect("a device of frames");
     frames.bound = Some(linewright_dbc::bind(frames, &database).expect("it fits"));
     line
@@ -98,7 +98,11 @@ struct Bench {
 
 impl Bench {
     fn new() -> Self {
-        let (line, now) = (line(), Tick::from_millis(100));
+        Bench::with(LINE, BOX)
+    }
+
+    fn with(text: &str, file: &str) -> Self {
+        let (line, now) = (line(text, file), Tick::from_millis(100));
         Bench {
             now,
             manager: Manager::new(&line.devices, line.timing).expect("the device"),
@@ -162,6 +166,47 @@ fn outputs_move_the_ram_and_inputs_say_where_it_is() {
     bench.run(210);
     assert_eq!(bench.inputs(), Some((false, true)));
     assert!(!bench.events.iter().any(|event| matches!(event, Event::FramesLost { .. } | Event::Ignored { .. })));
+}
+
+/// 0 mm, which is what it would send otherwise while the ram is at neither end, is beyond the limits.
+#[test]
+fn it_sends_nothing_that_its_file_says_is_no_value() {
+    let file = BOX.replace("[-100|200]", "[0.1|79.6]");
+    let mut bench = Bench::with(LINE, &file);
+    bench.run(20);
+    assert_eq!(bench.inputs(), Some((false, true)));
+    bench.set(ADVANCE);
+    for _ in 0..250 {
+        bench.run(1);
+        assert!(bench.inputs().is_some());
+    }
+    assert_eq!(bench.inputs(), Some((true, false)));
+    assert!(!bench.events.iter().any(|event| matches!(event, Event::FramesLost { .. })));
+}
+
+/// A form for each valve. By the device's counter, which is one, no frame is taken for the one before it.
+#[test]
+fn a_message_in_two_forms_moves_the_ram() {
+    let (head, tail) = LINE.split_once("send = [").expect("what it is sent");
+    assert!(tail.contains("Back"));
+    let form = |which: u8, output: &str, signal: &str| {
+        format!(
+            r#"{{ message = "BoxCommand", every_ms = 10, counter = "Count", checksum = {{ signal = "Check", kind = "xor" }}, set = [{{ signal = "Which", value = {which} }}], outputs = [{{ output = "{output}", signal = "{signal}" }}] }}"#
+        )
+    };
+    let line = format!("{head}send = [{}, {}]\n", form(0, "forward", "Forward"), form(1, "back", "Back"));
+    let file = BOX.replace(
+        " SG_ Forward : 0|1@1+ (1,0) [0|1] \"\" Box\n SG_ Back : 4|2",
+        " SG_ Which M : 6|2@1+ (1,0) [0|3] \"\" Box\n SG_ Forward m0 : 0|1@1+ (1,0) [0|1] \"\" Box\n SG_ Back m1 : 0|2",
+    );
+    let mut bench = Bench::with(&line, &file);
+    bench.run(20);
+    bench.set(ADVANCE);
+    bench.run(220);
+    assert_eq!(bench.inputs(), Some((true, false)));
+    bench.set(RETURN);
+    bench.run(220);
+    assert_eq!(bench.inputs(), Some((false, true)));
 }
 
 #[test]

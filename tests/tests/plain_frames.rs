@@ -30,7 +30,7 @@ fn line() -> Line {
         timeout: Duration::from_millis(100),
         counter: Some(field(48, 4)),
         checksum: Some((7, Checksum::Crc8)),
-        pages: vec![Page { selected: None, inputs: inputs.collect() }],
+        pages: vec![Page { selected: None, inputs: inputs.collect(), limits: Vec::new() }],
     };
     let told = ToldFrame {
         name: "Command".to_owned(),

@@ -24,10 +24,9 @@
 use std::fmt;
 use std::time::Duration;
 
-use linewright_line::{Analogue, AnalogueInput, AnalogueOutput, Tick, Timing};
+use linewright_line::{Analogue, AnalogueInput, AnalogueOutput, InputId, Tick, Timing};
 
 use super::event::{Event, IgnoreReason, Outbox};
-use super::image::image_bit;
 use super::peer::{Outcome, Peer};
 use crate::codec::{NodeId, Payload};
 use crate::sdo::Setting;
@@ -189,10 +188,10 @@ impl Channels {
     pub fn bits(&self) -> u128 {
         let on = |input: &Input| {
             if input.broken.is_some() {
-                return input.of.broken.map_or(0, |id| image_bit(id.index()));
+                return input.of.broken.map_or(0, InputId::bit);
             }
             let limits = input.of.inputs.iter().zip(&input.on).filter(|(_, on)| **on);
-            limits.fold(0, |bits, ((id, _), _)| bits | image_bit(id.index()))
+            limits.fold(0, |bits, ((id, _), _)| bits | id.bit())
         };
         self.inputs.iter().fold(0, |bits, input| bits | on(input))
     }

@@ -5,22 +5,13 @@ use linewright_line::{InputId, OutputId};
 /// The image bits a device's input bits stand for.
 pub(super) fn gather(bits: u64, map: &[Option<InputId>]) -> u128 {
     let on = map.iter().take(64).enumerate().filter(|(at, _)| bits >> at & 1 == 1);
-    on.fold(0, |image, (_, input)| image | input.map_or(0, |id| image_bit(id.index())))
+    on.fold(0, |image, (_, input)| image | input.map_or(0, InputId::bit))
 }
 
 /// The device's output bits for an image. A bit that carries no output of the owner stays off.
 pub(super) fn scatter(image: u128, map: &[Option<OutputId>]) -> u64 {
-    let on = map
-        .iter()
-        .take(64)
-        .enumerate()
-        .filter(|(_, output)| output.is_some_and(|id| image & image_bit(id.index()) != 0));
+    let on = map.iter().take(64).enumerate().filter(|(_, output)| output.is_some_and(|id| image & id.bit() != 0));
     on.fold(0, |bits, (at, _)| bits | 1 << at)
-}
-
-/// Bit `index` of an image, nothing beyond its width.
-pub(super) fn image_bit(index: usize) -> u128 {
-    u32::try_from(index).ok().and_then(|index| 1u128.checked_shl(index)).unwrap_or(0)
 }
 
 #[cfg(test)]

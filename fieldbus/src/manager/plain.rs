@@ -7,21 +7,21 @@
 //! ```
 //!
 //! There is no boot, no state to ask for and no heartbeat: that the device is alive shows by its messages alone. A frame
-//! that is too short, has a wrong checksum or the counter of the one before it is none. What it is sent goes out again
+//! that is too short, has a wrong checksum, the counter of the one before it or a number that is none is none itself. What it is sent goes out again
 //! and again from the beginning, with every output off until the device is live, and at once when something changes. The
 //! device hears no heartbeat of the manager either: that its outputs go off when these frames stop is for the device.
 
+use std::collections::BTreeMap;
 use std::fmt;
 use std::time::Duration;
 
-use embedded_can::{ExtendedId, Frame as _, Id, StandardId};
-use linewright_line::{Device, FrameBinding, FrameId, HeardFrame, Owner, Tick, ToldFrame};
+use linewright_line::{Device, FrameBinding, FrameId, HeardFrame, Owner, Tick, ToldFrame, Unsound};
 
 use super::channels::Channels;
 use super::event::{Event, IgnoreReason, Outbox};
 use super::peer::{Outcome, Peer};
 use super::{Manager, ManagerError};
-use crate::frame::{Frame, Kind};
+use crate::frame::Frame;
 
 /// What is wrong with a message that came.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
@@ -34,6 +34,8 @@ pub enum FrameFault {
     Checksum,
     /// Its counter stands still.
     Counter,
+    /// A signal that an input follows has no value.
+    Value(Unsound),
     /// Nothing is wrong with it, but one of its multiplexed parts has not come.
     Page,
 }
@@ -41,6 +43,7 @@ pub enum FrameFault {
 impl fmt::Display for FrameFault {
     fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
         f.write_str(match self {
+            FrameFault::Value(unsound) => return unsound.fmt(f),
             FrameFault::Silent => "it does not come",
             FrameFault::Short => "it has too few bytes",
             FrameFault::Checksum => "its checksum is wrong",
@@ -78,7 +81,6 @@ struct Heard {
 
 struct Told {
     frame: ToldFrame,
-    count: u64,
     due: Tick,
     /// What was last sent, without the counter.
     sent: Option<[u8; 8]>,
@@ -90,6 +92,8 @@ pub(super) struct Plain {
     pub owner: Owner,
     heard: Vec<Heard>,
     told: Vec<Told>,
+    /// How often each message has been sent: in several forms it is one to the device.
+    counts: BTreeMap<FrameId, u64>,
     live: bool,
     losses: u32,
     image: u128,
@@ -104,12 +108,13 @@ impl Plain {
             pages: frame.pages.iter().map(|page| (None, vec![false; page.inputs.len()])).collect(),
             last: None,
         };
-        let told = |frame: &ToldFrame| Told { frame: frame.clone(), count: 0, due: Tick::ZERO, sent: None };
+        let told = |frame: &ToldFrame| Told { frame: frame.clone(), due: Tick::ZERO, sent: None };
         Plain {
             name: device.name.clone(),
             owner: device.owner,
             heard: binding.heard.iter().map(heard).collect(),
             told: binding.told.iter().map(told).collect(),
+            counts: BTreeMap::new(),
             // Of one that says nothing nobody knows better.
             live: binding.heard.is_empty(),
             losses: 0,
@@ -135,8 +140,7 @@ impl Plain {
     pub fn input_bits(&self) -> u128 {
         let pages = self.heard.iter().flat_map(|heard| heard.frame.pages.iter().zip(&heard.pages));
         let inputs = pages.flat_map(|(page, (_, on))| page.inputs.iter().zip(on));
-        let on = inputs.filter(|(_, on)| **on).map(|((input, _, _), _)| u32::from(input.0));
-        on.fold(0, |bits, at| bits | 1u128.checked_shl(at).unwrap_or(0))
+        inputs.filter(|(_, on)| **on).fold(0, |bits, ((input, _, _), _)| bits | input.bit())
     }
 
     /// A message that has not come in time, how long it has not, and why.
@@ -190,7 +194,7 @@ impl Plain {
         let image = self.vouched();
         for told in &mut self.told {
             if told.due <= now {
-                told.send(now, image, out);
+                told.send(now, image, &mut self.counts, out);
             }
         }
         outcome
@@ -214,7 +218,7 @@ impl Plain {
     pub fn release(&mut self, now: Tick, out: &mut Outbox) {
         self.image = 0;
         for told in &mut self.told {
-            told.send(now, 0, out);
+            told.send(now, 0, &mut self.counts, out);
         }
     }
 
@@ -222,7 +226,7 @@ impl Plain {
         let image = self.vouched();
         for told in &mut self.told {
             if told.sent.is_some_and(|sent| sent != told.frame.bytes(image, 0)) {
-                told.send(now, image, out);
+                told.send(now, image, &mut self.counts, out);
             }
         }
     }
@@ -261,6 +265,12 @@ impl Heard {
         {
             return Err(FrameFault::Checksum);
         }
+        // Before anything of it is kept.
+        if let Some(unsound) =
+            definition.pages.iter().filter(|page| page.is_in(&data)).find_map(|page| page.unsound(&data))
+        {
+            return Err(FrameFault::Value(unsound));
+        }
         if let Some(counter) = &definition.counter {
             let count = counter.get(&data);
             if self.counter.replace(count) == Some(count) {
@@ -281,26 +291,16 @@ impl Heard {
 }
 
 impl Told {
-    fn send(&mut self, now: Tick, image: u128, out: &mut Outbox) {
-        let data = self.frame.bytes(image, self.count);
+    fn send(&mut self, now: Tick, image: u128, counts: &mut BTreeMap<FrameId, u64>, out: &mut Outbox) {
+        let count = counts.entry(self.frame.id).or_default();
+        let data = self.frame.bytes(image, *count);
         let len = usize::from(self.frame.len.min(8));
         // By construction of the binding neither is too long.
-        out.frames.extend(frame_of(self.frame.id, &data[..len]));
-        self.count = self.count.wrapping_add(1);
+        out.frames.extend(Frame::of_id(self.frame.id, &data[..len]));
+        *count = count.wrapping_add(1);
         self.sent = Some(self.frame.bytes(image, 0));
         self.due = now + self.frame.every;
     }
-}
-
-fn frame_of(id: FrameId, data: &[u8]) -> Option<Frame> {
-    let id: Id =
-        if id.extended { ExtendedId::new(id.id)?.into() } else { StandardId::new(u16::try_from(id.id).ok()?)?.into() };
-    Frame::new(id, data)
-}
-
-/// The identifier of a data frame.
-fn id_of(frame: &Frame) -> Option<FrameId> {
-    (frame.kind() == Kind::Data).then(|| FrameId { id: frame.id_word() & 0x1FFF_FFFF, extended: frame.is_extended() })
 }
 
 impl Manager {
@@ -308,7 +308,7 @@ impl Manager {
     pub(super) fn add_plain(&mut self, device: &Device, binding: &FrameBinding) {
         let plain = Plain::new(device, binding);
         for told in &plain.told {
-            self.pace.treat_as_process_data(frame_of(told.frame.id, &[]).map_or(0, |frame| frame.id_word()));
+            self.pace.treat_as_process_data(Frame::of_id(told.frame.id, &[]).map_or(0, |frame| frame.id_word()));
         }
         self.plains.push(plain);
     }
@@ -347,7 +347,7 @@ impl Manager {
 
     /// Takes a frame of a device that speaks no CANopen; false if it is none.
     pub(super) fn take_plain(&mut self, now: Tick, frame: &Frame, out: &mut Outbox) -> bool {
-        let Some(id) = id_of(frame).filter(|_| !self.plains.is_empty()) else { return false };
+        let Some(id) = frame.frame_id().filter(|_| !self.plains.is_empty()) else { return false };
         let Some((at, outcome)) =
             self.plains.iter_mut().enumerate().find_map(|(at, plain)| Some((at, plain.hear(now, id, frame, out)?)))
         else {

@@ -1,7 +1,7 @@
 //! What a description says in the names of a DBC file → numbers, with every problem at its place in the description.
 
 use linewright_line::{
-    Checksum, Field, FrameBinding, Frames, HeardFrame, Named, Page, Problem, Receive, Send, ToldFrame, When, suggestion,
+    Checksum, Field, FrameBinding, Frames, HeardFrame, Named, Page, Problem, Receive, When, suggestion,
 };
 
 use crate::{Database, Message, Mux, Signal};
@@ -15,32 +15,23 @@ const COUNTER_BITS_MIN: u8 = 2;
 pub fn bind(frames: &Frames, database: &Database) -> Result<FrameBinding, Vec<Problem>> {
     let mut binder = Binder { database, file: &frames.file.name, problems: Vec::new() };
     let heard: Vec<_> = frames.receive.iter().filter_map(|receive| binder.heard(receive)).collect();
-    let told: Vec<_> = frames.send.iter().filter_map(|send| binder.told(send)).collect();
+    let told = binder.all_told(&frames.send);
     binder.heard_once(&frames.receive);
     if binder.problems.is_empty() { Ok(FrameBinding { heard, told }) } else { Err(binder.problems) }
 }
 
-struct Binder<'a> {
+pub(crate) struct Binder<'a> {
     database: &'a Database,
     file: &'a str,
     problems: Vec<Problem>,
 }
 
 impl<'a> Binder<'a> {
-    fn problem(&mut self, at: &Named, message: String, hint: Option<String>) {
-        self.problems.push(Problem {
-            message,
-            span: at.at.clone(),
-            line: 1,
-            column: 1,
-            hint,
-            label: None,
-            also: Vec::new(),
-            is_warning: false,
-        });
+    pub(crate) fn problem(&mut self, at: &Named, message: String, hint: Option<String>) {
+        self.problems.push(Problem::error(at.at.clone(), message).maybe_hint(hint));
     }
 
-    fn message(&mut self, named: &Named) -> Option<&'a Message> {
+    pub(crate) fn message(&mut self, named: &Named) -> Option<&'a Message> {
         let database = self.database;
         let Some(message) = database.messages.iter().find(|message| message.name == named.name) else {
             let hint = suggestion(&named.name, database.messages.iter().map(|message| message.name.as_str()));
@@ -54,7 +45,7 @@ impl<'a> Binder<'a> {
         Some(message)
     }
 
-    fn signal(&mut self, message: &'a Message, named: &Named) -> Option<(&'a Signal, Field)> {
+    pub(crate) fn signal(&mut self, message: &'a Message, named: &Named) -> Option<(&'a Signal, Field)> {
         let Some(signal) = message.signals.iter().find(|signal| signal.name == named.name) else {
             let names = message.signals.iter().map(|signal| signal.name.as_str());
             let near = suggestion(&named.name, names.clone());
@@ -81,7 +72,7 @@ impl<'a> Binder<'a> {
         Some(field)
     }
 
-    fn counter(&mut self, message: &'a Message, named: Option<&Named>) -> Option<Option<Field>> {
+    pub(crate) fn counter(&mut self, message: &'a Message, named: Option<&Named>) -> Option<Option<Field>> {
         let Some(named) = named else { return Some(None) };
         let field = self.plain(message, named, "a counter")?;
         if field.size < COUNTER_BITS_MIN {
@@ -91,7 +82,11 @@ impl<'a> Binder<'a> {
         Some(Some(field))
     }
 
-    fn checksum(&mut self, message: &'a Message, named: Option<&(Named, Checksum)>) -> Option<Option<(u8, Checksum)>> {
+    pub(crate) fn checksum(
+        &mut self,
+        message: &'a Message,
+        named: Option<&(Named, Checksum)>,
+    ) -> Option<Option<(u8, Checksum)>> {
         let Some((named, kind)) = named else { return Some(None) };
         let field = self.plain(message, named, "a checksum")?;
         let whole = field.size == 8 && field.start % 8 == if field.motorola { 7 } else { 0 };
@@ -103,10 +98,9 @@ impl<'a> Binder<'a> {
         Some(Some((field.start / 8, *kind)))
     }
 
-    fn selector(&mut self, message: &'a Message, named: &Named) -> Option<Field> {
-        let selector =
-            message.signals.iter().find(|signal| signal.mux == Mux::Selector).and_then(|signal| signal.field);
-        let selector = selector.filter(|field| field.fits(message.len as u8));
+    /// The selector that shows the multiplexed signal `named`.
+    pub(crate) fn selector(&mut self, message: &'a Message, named: &Named) -> Option<Field> {
+        let selector = message.selector().map(|(_, field)| field);
         if selector.is_none() {
             self.problem(
                 named,
@@ -121,6 +115,7 @@ impl<'a> Binder<'a> {
         let message = self.message(&receive.message)?;
         let counter = self.counter(message, receive.counter.as_ref());
         let checksum = self.checksum(message, receive.checksum.as_ref());
+        self.apart(message, receive.counter.iter().chain(receive.checksum.iter().map(|(named, _)| named)), None);
         let mut pages: Vec<Page> = Vec::new();
         for input in &receive.inputs {
             let Some((signal, field)) = self.signal(message, &input.signal) else { continue };
@@ -136,15 +131,20 @@ impl<'a> Binder<'a> {
                     continue;
                 }
             };
+            let (least, most) = within(signal, &field);
             self.condition_is_possible(&input.signal, signal, &field, input.when);
-            let entry = (input.input, field, input.when);
-            match pages.iter_mut().find(|page| page.selected == selected) {
-                Some(page) => page.inputs.push(entry),
-                None => pages.push(Page { selected, inputs: vec![entry] }),
+            let nth = pages.iter().position(|page| page.selected == selected).unwrap_or_else(|| {
+                pages.push(Page { selected, inputs: Vec::new(), limits: Vec::new() });
+                pages.len() - 1
+            });
+            pages[nth].inputs.push((input.input, field, input.when));
+            let limits = (field, least, most);
+            if (least, most) != field.range() && !pages[nth].limits.contains(&limits) {
+                pages[nth].limits.push(limits);
             }
         }
         if pages.is_empty() {
-            pages.push(Page { selected: None, inputs: Vec::new() });
+            pages.push(Page { selected: None, inputs: Vec::new(), limits: Vec::new() });
         }
         Some(HeardFrame {
             name: message.name.clone(),
@@ -158,6 +158,16 @@ impl<'a> Binder<'a> {
     }
 
     fn condition_is_possible(&mut self, at: &Named, signal: &Signal, field: &Field, when: When) {
+        let (least, most) = within(signal, field);
+        let unit = &signal.unit;
+        let has =
+            || Some(format!("by {} it has values from {least} to {most} {unit}", self.file).trim_end().to_owned());
+        if least > most {
+            let (first, last) = field.range();
+            let what = format!("no value of `{}` is within its limits in {}", signal.name, self.file);
+            self.problem(at, what, Some(format!("its bits hold {first} to {last} {unit}").trim_end().to_owned()));
+            return;
+        }
         match when {
             When::Bit(bit) if bit >= field.size => {
                 self.problem(at, format!("`{}` has {} bits, and no bit {bit}", signal.name, field.size), None);
@@ -165,13 +175,23 @@ impl<'a> Binder<'a> {
             When::Equals(value) => {
                 let nearest = field.bits(value).map(|bits| field.value(bits));
                 let step = field.factor.abs() * 1e-6;
-                if nearest.is_none_or(|nearest| (nearest - value).abs() > step) {
-                    let hint = nearest.map(|nearest| format!("the nearest value is {nearest}"));
-                    let what = format!("`{}` is never {value} {}", signal.name, signal.unit);
+                let hint = match nearest {
+                    Some(nearest) if !(least..=most).contains(&nearest) => has(),
+                    Some(nearest) if (nearest - value).abs() <= step => return,
+                    Some(nearest) => Some(format!("the nearest value is {nearest}")),
+                    None => has(),
+                };
+                let what = format!("`{}` is never {value} {unit}", signal.name);
+                self.problem(at, what.trim_end().to_owned(), hint);
+            }
+            When::Above { at: limit, .. } | When::Below { at: limit, .. } => {
+                if let Some(fault) = when.out_of_reach(least, most) {
+                    let hint = has();
+                    let what = format!("`{}` has a limit that {fault}: {limit} {unit}", signal.name);
                     self.problem(at, what.trim_end().to_owned(), hint);
                 }
             }
-            _ => {}
+            When::NotZero | When::Bit(_) => {}
         }
     }
 
@@ -185,91 +205,34 @@ impl<'a> Binder<'a> {
         }
     }
 
-    fn told(&mut self, send: &Send) -> Option<ToldFrame> {
-        let message = self.message(&send.message)?;
-        let counter = self.counter(message, send.counter.as_ref());
-        let checksum = self.checksum(message, send.checksum.as_ref());
-        let mut rest = [0; 8];
-        let mut used: Vec<&str> = send.counter.iter().map(|named| named.name.as_str()).collect();
-        used.extend(send.checksum.iter().map(|(named, _)| named.name.as_str()));
-        let mut selected: Vec<(&Named, &Signal)> = Vec::new();
-        let once = |this: &mut Self, named: &Named| {
-            if message.signals.iter().any(|signal| signal.name == named.name && used.contains(&signal.name.as_str())) {
-                this.problem(named, format!("`{}` is given two values", named.name), None);
+    /// Each of these signals has one meaning in a frame, and bits of its own; so has `other`, which is there besides.
+    pub(crate) fn apart<'n>(
+        &mut self,
+        message: &'a Message,
+        named: impl Iterator<Item = &'n Named>,
+        other: Option<&'a Signal>,
+    ) {
+        let lies = |signal: &Signal| signal.field.filter(|field| field.fits(message.len as u8));
+        let place = |signal: &'a Signal| Some((signal.name.as_str(), lies(signal)?));
+        let mut seen: Vec<(&str, Field)> = other.and_then(place).into_iter().collect();
+        for named in named {
+            let signal = message.signals.iter().find(|signal| signal.name == named.name);
+            let Some((name, field)) = signal.and_then(place) else { continue };
+            if seen.iter().any(|(earlier, _)| *earlier == name) {
+                self.problem(named, format!("`{name}` is given two values"), None);
+            } else if let Some((other, _)) = seen.iter().find(|(_, other)| other.meets(&field)) {
+                self.problem(named, format!("`{other}` and `{name}` share bits"), None);
             }
-        };
-        for (named, value) in &send.set {
-            once(self, named);
-            let Some((signal, field)) = self.signal(message, named) else { continue };
-            selected.push((named, signal));
-            if let Some(bits) = self.bits(named, signal, &field, *value) {
-                field.put(&mut rest, bits);
-            }
+            seen.push((name, field));
         }
-        used_twice(self, send);
-        let mut outputs = Vec::new();
-        for output in &send.outputs {
-            once(self, &output.signal);
-            let Some((signal, field)) = self.signal(message, &output.signal) else { continue };
-            selected.push((&output.signal, signal));
-            let off = self.bits(&output.signal, signal, &field, output.off);
-            let on = self.bits(&output.signal, signal, &field, output.on);
-            if let (Some(off), Some(on)) = (off, on) {
-                if off == on {
-                    let what = format!("`{}` is the same for {} and {}", signal.name, output.on, output.off);
-                    self.problem(&output.signal, what, Some(format!("a step of it is {}", field.factor)));
-                }
-                field.put(&mut rest, off);
-                outputs.push((output.output, field, on));
-            }
-        }
-        for (named, signal) in selected {
-            self.is_selected(message, named, signal, &rest);
-        }
-        let (name, id, len) = (message.name.clone(), message.id, message.len as u8);
-        Some(ToldFrame { name, id, len, every: send.every, counter: counter?, checksum: checksum?, rest, outputs })
-    }
-
-    /// A signal that is multiplexed is sent with the selector's value that shows it.
-    fn is_selected(&mut self, message: &'a Message, named: &Named, signal: &Signal, rest: &[u8; 8]) {
-        match &signal.mux {
-            Mux::Plain | Mux::Selector => {}
-            Mux::Nested => {
-                let what = format!("`{}` is multiplexed by a signal that is multiplexed itself", signal.name);
-                self.problem(named, what, Some("one selector in a message is supported".to_owned()));
-            }
-            Mux::Selected(values) => {
-                let Some(selector) = self.selector(message, named) else { return };
-                let value = selector.get(rest);
-                if !values.iter().any(|(first, last)| (*first..=*last).contains(&value)) {
-                    let name = message.signals.iter().find(|signal| signal.mux == Mux::Selector);
-                    let name = name.map_or("?", |selector| selector.name.as_str());
-                    let shows = values.first().map_or(0, |(first, _)| *first);
-                    let value = selector.value(shows);
-                    let hint = format!("`set = [{{ signal = \"{name}\", value = {value} }}]`");
-                    self.problem(named, format!("`{}` is not in the frame that is sent", signal.name), Some(hint));
-                }
-            }
-        }
-    }
-
-    fn bits(&mut self, named: &Named, signal: &Signal, field: &Field, value: f64) -> Option<u64> {
-        let bits = field.bits(value);
-        if bits.is_none() {
-            let what = format!("`{}` cannot be {value} {}", signal.name, signal.unit);
-            self.problem(named, what.trim_end().to_owned(), Some(format!("it has {} bits", field.size)));
-        }
-        bits
     }
 }
 
-/// Each signal of a message that is sent follows one output, or has one value.
-fn used_twice(binder: &mut Binder<'_>, send: &Send) {
-    let set = send.set.iter().map(|(named, _)| named);
-    let all: Vec<&Named> = set.chain(send.outputs.iter().map(|output| &output.signal)).collect();
-    for (nth, named) in all.iter().enumerate() {
-        if all[..nth].iter().any(|earlier| earlier.name == named.name) {
-            binder.problem(named, format!("`{}` is given two values", named.name), None);
-        }
-    }
+/// The least and the greatest value of a signal: what its bits hold, and no more than the file says. A limit between two
+/// values is taken as the nearer one.
+fn within(signal: &Signal, field: &Field) -> (f64, f64) {
+    let (first, last) = field.range();
+    let nearest = |limit: f64| field.bits(limit).map_or(limit, |bits| field.value(bits));
+    let limits = signal.limits.map(|(least, most)| (nearest(least).max(first), nearest(most).min(last)));
+    limits.unwrap_or((first, last))
 }

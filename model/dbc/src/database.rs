@@ -2,7 +2,7 @@
 
 use std::fmt;
 
-use can_dbc::{ByteOrder, Dbc, MessageId, MultiplexIndicator, SignalExtendedValueType, ValueType};
+use can_dbc::{ByteOrder, Dbc, MessageId, MultiplexIndicator, NumericValue, SignalExtendedValueType, ValueType};
 use linewright_line::{Coding, Field, FrameId};
 use thiserror::Error;
 
@@ -59,6 +59,8 @@ pub struct Signal {
     pub field: Option<Field>,
     /// Whether it is always there.
     pub mux: Mux,
+    /// The least and the greatest value it has, if the file says so: `[0|0]`, or any two that are no range, say nothing.
+    pub limits: Option<(f64, f64)>,
     /// Its unit.
     pub unit: String,
 }
@@ -74,6 +76,14 @@ pub enum Mux {
     Selected(Vec<(u64, u64)>),
     /// Only when a selector, itself selected, has some value. Not supported.
     Nested,
+}
+
+impl Message {
+    /// The signal that selects others, if there is one in its eight bytes, and where it lies.
+    pub fn selector(&self) -> Option<(&Signal, Field)> {
+        let selector = self.signals.iter().find(|signal| signal.mux == Mux::Selector)?;
+        Some((selector, selector.field.filter(|field| u8::try_from(self.len).is_ok_and(|len| field.fits(len)))?))
+    }
 }
 
 impl fmt::Display for Message {
@@ -127,7 +137,22 @@ fn signal(dbc: &Dbc, message: &can_dbc::Message, raw: &can_dbc::Signal) -> Signa
         (_, ValueType::Signed) => Coding::Signed,
         (_, ValueType::Unsigned) => Coding::Unsigned,
     };
-    Signal { name: raw.name.clone(), field: field(raw, coding), mux: mux(dbc, message, raw), unit: raw.unit.clone() }
+    let (least, most) = (number(raw.min), number(raw.max));
+    Signal {
+        name: raw.name.clone(),
+        field: field(raw, coding),
+        mux: mux(dbc, message, raw),
+        limits: (least < most).then_some((least, most)),
+        unit: raw.unit.clone(),
+    }
+}
+
+fn number(raw: NumericValue) -> f64 {
+    match raw {
+        NumericValue::Uint(number) => number as f64,
+        NumericValue::Int(number) => number as f64,
+        NumericValue::Double(number) => number,
+    }
 }
 
 fn field(raw: &can_dbc::Signal, coding: Coding) -> Option<Field> {

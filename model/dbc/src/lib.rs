@@ -6,6 +6,7 @@
 
 mod bind;
 mod database;
+mod told;
 
 pub use bind::bind;
 pub use database::{Database, DbcError, FILE_BYTES_MAX, Message, Mux, Signal, read};

@@ -137,8 +137,7 @@ impl AnalogueInput {
 impl AnalogueOutput {
     /// Its value for an image of its owner's outputs.
     pub fn value(&self, image: u128) -> f64 {
-        let is_on = |output: &OutputId| u32::from(output.0) < 128 && image >> output.0 & 1 == 1;
-        let mut on = self.outputs.iter().filter(|(output, _)| is_on(output));
+        let mut on = self.outputs.iter().filter(|(output, _)| image & output.bit() != 0);
         match (on.next(), on.next()) {
             (Some((_, value)), None) => *value,
             _ => self.rest,
@@ -158,11 +157,6 @@ impl AnalogueOutput {
 }
 
 impl Analogue {
-    /// Whether there is no channel.
-    pub fn is_empty(&self) -> bool {
-        self.inputs.is_empty() && self.outputs.is_empty()
-    }
-
     /// Every input of its owner that a measured value turns on and off.
     pub fn carried_inputs(&self) -> impl Iterator<Item = InputId> {
         self.inputs.iter().flat_map(|channel| channel.inputs.iter().map(|(input, _)| *input).chain(channel.broken))

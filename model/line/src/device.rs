@@ -80,13 +80,23 @@ pub struct Transmission {
 impl Transmission {
     /// With every how many SYNCs inputs come, if they come with SYNC.
     pub fn inputs_every(self) -> Option<u8> {
-        self.inputs.filter(|kind| *kind <= 240)
+        self.inputs.filter(|kind| is_synchronous(*kind))
     }
 
     /// Whether anything waits for SYNC.
     pub fn is_synchronous(self) -> bool {
-        [self.inputs, self.outputs].into_iter().flatten().any(|kind| kind <= 240)
+        [self.inputs, self.outputs].into_iter().flatten().any(is_synchronous)
     }
+}
+
+/// Whether process data of this transmission type wait for SYNC (CiA 301 §7.5.2.35).
+pub(crate) fn is_synchronous(kind: u8) -> bool {
+    kind <= 240
+}
+
+/// Whether the manager writes this object itself, whatever else is said: how it and the devices watch each other.
+pub fn is_the_managers(index: u16) -> bool {
+    matches!(index, 0x1016 | 0x1017)
 }
 
 /// What trouble with a device does to its owner.

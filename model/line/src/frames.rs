@@ -201,6 +201,29 @@ impl Field {
         *data = if self.motorola { all.to_be_bytes() } else { all.to_le_bytes() };
     }
 
+    /// Whether the two have a bit in common. Both fit 8 bytes.
+    pub fn meets(&self, other: &Field) -> bool {
+        let [own, others] = [self, other].map(|field| {
+            let mut data = [0; 8];
+            field.put(&mut data, u64::MAX);
+            u64::from_le_bytes(data)
+        });
+        own & others != 0
+    }
+
+    /// The least and the greatest value it holds.
+    pub fn range(&self) -> (f64, f64) {
+        let highest = 1 << (self.size.clamp(1, 64) - 1);
+        let ends = match self.coding {
+            Coding::Unsigned => [0, self.mask()],
+            Coding::Signed => [highest, self.mask() & !highest],
+            Coding::Float => [f32::MIN, f32::MAX].map(|end| end.to_bits().into()),
+            Coding::Double => [f64::MIN, f64::MAX].map(f64::to_bits),
+        };
+        let [one, other] = ends.map(|bits| self.value(bits));
+        (one.min(other), one.max(other))
+    }
+
     /// What its bits are worth.
     pub fn value(&self, bits: u64) -> f64 {
         let number = match self.coding {
@@ -284,6 +307,27 @@ pub struct Page {
     pub selected: Option<(Field, Vec<(u64, u64)>)>,
     /// Inputs, what they follow, and when they are on.
     pub inputs: Vec<(InputId, Field, When)>,
+    /// Of what they follow, the least and the greatest value that is one, where the DBC file says so. Many a device says
+    /// "not available" beyond them.
+    pub limits: Vec<(Field, f64, f64)>,
+}
+
+/// Why the bits of a signal are no value.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub enum Unsound {
+    /// The signal that starts at this bit is infinite, or no number.
+    Number(u8),
+    /// The signal that starts at this bit is beyond its limits.
+    Limits(u8),
+}
+
+impl fmt::Display for Unsound {
+    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
+        match self {
+            Unsound::Number(start) => write!(f, "its signal at bit {start} is no number"),
+            Unsound::Limits(start) => write!(f, "its signal at bit {start} is beyond its limits in the DBC file"),
+        }
+    }
 }
 
 /// A message that the device is sent.
@@ -315,9 +359,32 @@ impl Page {
             values.iter().any(|(first, last)| (*first..=*last).contains(&value))
         })
     }
+
+    /// What in a frame that has it is no value, although an input follows it.
+    pub fn unsound(&self, data: &[u8; 8]) -> Option<Unsound> {
+        let value = |field: &Field| field.value(field.get(data));
+        let is_none = |(_, field, _): &&(InputId, Field, When)| !value(field).is_finite();
+        let is_beyond = |(field, least, most): &&(Field, f64, f64)| !(*least..=*most).contains(&value(field));
+        let number = self.inputs.iter().find(is_none).map(|(_, field, _)| Unsound::Number(field.start));
+        number.or_else(|| self.limits.iter().find(is_beyond).map(|(field, ..)| Unsound::Limits(field.start)))
+    }
 }
 
 impl When {
+    /// Why a limit says nothing of values from `least` to `most`; `None` if they are on either side of it.
+    pub fn out_of_reach(self, least: f64, most: f64) -> Option<&'static str> {
+        let (on, off) = match self {
+            When::NotZero | When::Equals(_) | When::Bit(_) => return None,
+            When::Above { at, hysteresis } => (at <= most, at - hysteresis > least),
+            When::Below { at, hysteresis } => (at >= least, at + hysteresis < most),
+        };
+        match (on, off) {
+            (true, true) => None,
+            (false, _) => Some("is never reached"),
+            (true, false) => Some("is never left again"),
+        }
+    }
+
     /// Whether an input that is now `on` is on with these bits.
     pub fn holds(self, field: &Field, bits: u64, on: bool) -> bool {
         let value = field.value(bits);
@@ -336,7 +403,7 @@ impl ToldFrame {
     pub fn bytes(&self, image: u128, count: u64) -> [u8; 8] {
         let mut data = self.rest;
         for (output, field, on) in &self.outputs {
-            if u32::from(output.0) < 128 && image >> output.0 & 1 == 1 {
+            if image & output.bit() != 0 {
                 field.put(&mut data, *on);
             }
         }
@@ -356,13 +423,17 @@ impl Frames {
         self.receive.iter().flat_map(|message| message.inputs.iter().map(|input| input.input))
     }
 
-    /// Message and signal that turn an input on, in words; `None` if it is none of this device's.
+    /// Message and signal that turn an input on, as `18FEF100h State.Temperature`, without the identifier while the DBC file
+    /// has not been read; `None` if it is none of this device's.
     pub fn source(&self, input: InputId) -> Option<String> {
-        let found = self
-            .receive
-            .iter()
-            .find_map(|message| Some((message, message.inputs.iter().find(|of_signal| of_signal.input == input)?)));
-        found.map(|(message, input)| format!("message {}, signal {}", message.message.name, input.signal.name))
+        let of_message = |message: &Receive| {
+            let signal = &message.inputs.iter().find(|of_signal| of_signal.input == input)?.signal.name;
+            let name = &message.message.name;
+            let bound = self.bound.iter().flat_map(|bound| &bound.heard).find(|heard| heard.name == *name);
+            let id = bound.map(|heard| format!("{} ", heard.id)).unwrap_or_default();
+            Some(format!("{id}{name}.{signal}"))
+        };
+        self.receive.iter().find_map(of_message)
     }
 
     /// Every output of its station that goes into frames.

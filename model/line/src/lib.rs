@@ -15,11 +15,11 @@ mod transfer_line;
 mod whereabouts;
 
 pub use analogue::{Analogue, AnalogueInput, AnalogueOutput, CHANNELS_MAX, Channel, Follows, Lag};
-pub use device::{Device, Identity, Owner, Reaction, Setting, Setup, Transmission};
+pub use device::{Device, Identity, Owner, Reaction, Setting, Setup, Transmission, is_the_managers};
 pub use drive::{AtRest, Drive, DriveMode, DriveTarget, Homing};
 pub use frames::{
     Checksum, Coding, Field, FrameBinding, FrameId, Frames, HeardFrame, Named, Page, Receive, Send, SignalInput,
-    SignalOutput, ToldFrame, When,
+    SignalOutput, ToldFrame, Unsound, When,
 };
 pub use line::*;
 pub use parse::{Parsed, Problem, Problems, parse, suggestion};

@@ -49,6 +49,25 @@ index_id! {
     /// A digital output of one station, by its place in [`Station::outputs`]: bit `i` of its output image.
     OutputId
 }
+
+impl InputId {
+    /// Its bit of the image; 0 beyond its width.
+    pub const fn bit(self) -> u128 {
+        bit(self.0)
+    }
+}
+
+impl OutputId {
+    /// Its bit of the image; 0 beyond its width.
+    pub const fn bit(self) -> u128 {
+        bit(self.0)
+    }
+}
+
+const fn bit(at: u16) -> u128 {
+    if (at as usize) < IMAGE_BITS { 1 << at } else { 0 }
+}
+
 index_id! {
     /// A hand-mode push button of the main console, by its place in [`Line::buttons`].
     ButtonId

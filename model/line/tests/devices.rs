@@ -1,6 +1,8 @@
 //! Rules about process data that wait for SYNC, and about devices that speak no CANopen: each broken once.
 
-use linewright_line::{Device, Transmission, When, parse};
+use std::time::Duration;
+
+use linewright_line::{Device, FrameBinding, FrameId, HeardFrame, Transmission, When, parse};
 
 const LINE: &str = r#"
 name = "pressing"
@@ -90,7 +92,12 @@ fn what_is_said_of_them_is_there() {
     assert_eq!(input.when, When::Below { at: 0.5, hysteresis: 0.1 });
     assert_eq!(&LINE[input.signal.at.clone()], "\"Place\"");
     assert_eq!((frames.send[0].outputs[0].on, frames.send[0].outputs[0].off), (3.0, 0.0));
-    assert_eq!(frames.source(input.input).as_deref(), Some("message State, signal Place"));
+    assert_eq!(frames.source(input.input).as_deref(), Some("State.Place"));
+    let mut read = frames.clone();
+    let (name, id, timeout) = ("State".to_owned(), FrameId { id: 0x18FE_F100, extended: true }, Duration::ZERO);
+    let heard = HeardFrame { name, id, len: 8, timeout, counter: None, checksum: None, pages: Vec::new() };
+    read.bound = Some(FrameBinding { heard: vec![heard], told: Vec::new() });
+    assert_eq!(read.source(input.input).as_deref(), Some("18FEF100h State.Place"));
     assert_eq!(devices[1].carried_inputs().chain(devices[0].carried_inputs()).count(), 2);
     assert_eq!(devices[1].carried_outputs().count(), 1);
 }
@@ -112,6 +119,8 @@ fn a_device_without_canopen_is_described_by_its_frames_alone() {
     let old = "name = \"box\"\nstation = \"press\"\n";
     let with = |more: &str| format!("{old}{more}\n");
     raises(old, &with("node = 5"), "a device with a `dbc` table has no `node`", "5");
+    let identity = "a device with a `dbc` table has no `identity`";
+    raises(old, &with("identity = { vendor = 7 }"), identity, "7");
     raises(old, &with("inputs = [\"x\"]"), "a device with a `dbc` table has no `inputs` and `outputs`", "\"x\"");
     raises(old, &with("file = \"box.eds\""), "a device with a `dbc` table has no `file`", "\"box.eds\"");
     raises(old, &with("when_lost = \"report\""), "a device with a `dbc` table has no `when_lost`", "\"report\"");

@@ -16,7 +16,6 @@ use linewright_line::{Analogue, AnalogueInput, AnalogueOutput, Follows, Tick, Wh
 use super::objects::{exactly, number};
 use super::pdo::Pdo;
 use crate::fault::HOLD_INDEX;
-use crate::mechanism::bit;
 
 /// How often a value on its way is looked at.
 const GRAIN: Duration = Duration::from_millis(5);
@@ -111,7 +110,7 @@ impl Channels {
         let on = |set: &Set| {
             let level = |value: &f64| set.of.channel.number_of(*value) == Some(set.number);
             let found = set.of.outputs.iter().find(|(_, value)| level(value));
-            found.map_or(0, |(output, _)| bit(output.index()))
+            found.map_or(0, |(output, _)| output.bit())
         };
         self.set.iter().fold(0, |bits, set| bits | on(set))
     }
@@ -126,7 +125,7 @@ impl Channels {
         for at in 0..self.measured.len() {
             let to = match self.measured[at].of.simulated.as_ref().map(|lag| lag.follows) {
                 Some(Follows::Output { output, on, off }) => {
-                    if outputs & bit(output.index()) == 0 {
+                    if outputs & output.bit() == 0 {
                         off
                     } else {
                         on
@@ -311,13 +310,6 @@ impl Channels {
             _ => return None,
         })
     }
-
-    /// Holds a measured channel at a number, whatever is behind it, or lets it go.
-    pub fn hold(&mut self, channel: u8, number: Option<i16>) {
-        for own in self.measured.iter_mut().filter(|own| own.of.channel.number == channel) {
-            own.held = number;
-        }
-    }
 }
 
 impl Measured {
@@ -358,7 +350,7 @@ impl Measured {
 /// A number that makes the inputs of a channel what they would be, whatever they are now; of those that do so the one
 /// nearest to 0. Where none can, the one that is right for most of them.
 fn fitting(of: &AnalogueInput, image: u128) -> i16 {
-    let is_on = |input: linewright_line::InputId| image & bit(input.index()) != 0;
+    let is_on = |input: linewright_line::InputId| image & input.bit() != 0;
     if of.broken.is_some_and(is_on) {
         return i16::MAX;
     }

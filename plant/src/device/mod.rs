@@ -142,11 +142,6 @@ impl DeviceNode {
         self.channels.output(channel)
     }
 
-    /// Holds an analogue input at a number, whatever is measured, or lets go.
-    pub fn hold(&mut self, channel: u8, number: Option<i16>) {
-        self.channels.hold(channel, number);
-    }
-
     /// What is behind its analogue channels at `now`: what its owner's inputs would be, and which outputs are on.
     pub fn set_plant(&mut self, now: Tick, inputs: u128, outputs: u128, out: &mut DeviceOutbox) {
         self.channels.behind(now, inputs, outputs);

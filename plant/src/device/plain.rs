@@ -5,10 +5,10 @@
 //! them is simulated. It does what a device of this kind has to do by itself: when a message it is sent has not come for
 //! three of its periods, or comes with the counter standing still, **its outputs go off**.
 
+use std::collections::BTreeMap;
 use std::time::Duration;
 
-use embedded_can::{ExtendedId, Frame as _, Id, StandardId};
-use linewright_fieldbus::{Frame, Kind};
+use linewright_fieldbus::Frame;
 use linewright_line::{Field, FrameBinding, FrameId, HeardFrame, Page, Tick, ToldFrame, When};
 
 use super::DeviceOutbox;
@@ -30,7 +30,6 @@ struct Sent {
 #[derive(Debug)]
 struct Taken {
     frame: ToldFrame,
-    counter: Option<u64>,
     /// When it is missed; `None` before it has come, and after that.
     missed: Option<Tick>,
     /// The outputs it switched on.
@@ -42,6 +41,8 @@ struct Taken {
 pub struct PlainNode {
     sent: Vec<Sent>,
     taken: Vec<Taken>,
+    /// The counter each message came with last, whatever it showed.
+    counters: BTreeMap<FrameId, u64>,
     inputs: u128,
     silent: bool,
 }
@@ -50,10 +51,11 @@ impl PlainNode {
     /// One that is switched on at `now`.
     pub fn new(now: Tick, binding: &FrameBinding) -> Self {
         let sent = |frame: &HeardFrame| Sent { frame: frame.clone(), count: 0, page: 0, due: now };
-        let taken = |frame: &ToldFrame| Taken { frame: frame.clone(), counter: None, missed: None, outputs: 0 };
+        let taken = |frame: &ToldFrame| Taken { frame: frame.clone(), missed: None, outputs: 0 };
         PlainNode {
             sent: binding.heard.iter().map(sent).collect(),
             taken: binding.told.iter().map(taken).collect(),
+            counters: BTreeMap::new(),
             inputs: 0,
             silent: false,
         }
@@ -68,8 +70,9 @@ impl PlainNode {
     pub fn inject(&mut self, now: Tick, fault: Option<DeviceFault>) {
         self.silent = fault == Some(DeviceFault::Silent);
         if fault == Some(DeviceFault::Reboot) {
+            self.counters.clear();
             for taken in &mut self.taken {
-                (taken.counter, taken.missed, taken.outputs) = (None, None, 0);
+                (taken.missed, taken.outputs) = (None, 0);
             }
         }
         for sent in &mut self.sent {
@@ -83,7 +86,7 @@ impl PlainNode {
         self.inputs = inputs;
         for sent in &mut self.sent {
             let mut own = sent.frame.pages.iter().flat_map(|page| &page.inputs);
-            if own.any(|(input, _, _)| changed & bit(input.0) != 0) {
+            if own.any(|(input, _, _)| changed & input.bit() != 0) {
                 for _ in 0..sent.frame.pages.len() {
                     send(sent, now, inputs, self.silent, out);
                 }
@@ -93,15 +96,18 @@ impl PlainNode {
 
     /// Takes a frame from the bus.
     pub fn handle(&mut self, now: Tick, frame: &Frame, _: &mut DeviceOutbox) {
-        if self.silent || frame.kind() != Kind::Data {
-            return;
-        }
-        let id = FrameId { id: frame.id_word() & 0x1FFF_FFFF, extended: frame.is_extended() };
+        let Some(id) = frame.frame_id().filter(|_| !self.silent) else { return };
         let mut data = [0; 8];
         data[..frame.data().len()].copy_from_slice(frame.data());
-        for taken in self.taken.iter_mut().filter(|taken| taken.frame.id == id) {
-            taken.take(now, frame.data().len(), &data);
+        let mut meant = self.taken.iter_mut().filter(|taken| taken.frame.id == id);
+        let Some(taken) = meant.find(|taken| taken.is(frame.data().len(), &data)) else { return };
+        if let Some(counter) = &taken.frame.counter {
+            let count = counter.get(&data);
+            if self.counters.insert(id, count) == Some(count) {
+                return;
+            }
         }
+        taken.obey(now, &data);
     }
 
     /// Does what is due at `now`.
@@ -130,7 +136,7 @@ fn send(sent: &mut Sent, now: Tick, inputs: u128, silent: bool, out: &mut Device
     let every = frame.timeout / PER_TIMEOUT / u32::try_from(pages).unwrap_or(1);
     *due = now + every.max(Duration::from_millis(1));
     if !silent {
-        out.frames.extend(frame_of(frame.id, &data[..usize::from(frame.len.min(8))]));
+        out.frames.extend(Frame::of_id(frame.id, &data[..usize::from(frame.len.min(8))]));
     }
 }
 
@@ -155,24 +161,29 @@ fn bytes(frame: &HeardFrame, page: usize, count: u64, inputs: u128) -> [u8; 8] {
     data
 }
 
-/// Gives each signal of a page a value with which the inputs that follow it are what they are to be.
+/// Gives each signal of a page a value with which the inputs that follow it are what they are to be; where there is none,
+/// at least one within its limits, so that the message is not taken for a broken one.
 fn show(page: &Page, inputs: u128, data: &mut [u8; 8]) {
     for (_, field, _) in &page.inputs {
         let of_field = || page.inputs.iter().filter(|(_, other, _)| other == field);
         let suits = |bits: &u64| {
             of_field().all(|(input, field, when)| {
-                let on = inputs & bit(input.0) != 0;
+                let on = inputs & input.bit() != 0;
                 when.holds(field, *bits, true) == on && when.holds(field, *bits, false) == on
             })
         };
         // Bits first, as they are to be; then every value at which something changes, and its neighbours.
         let wired = of_field().fold(0, |bits, (input, _, when)| match when {
-            When::Bit(at) if inputs & bit(input.0) != 0 => bits | 1u64.checked_shl((*at).into()).unwrap_or(0),
+            When::Bit(at) if inputs & input.bit() != 0 => bits | 1u64.checked_shl((*at).into()).unwrap_or(0),
             _ => bits,
         });
         let edges = of_field().flat_map(|(_, field, when)| edges(field, *when));
-        if let Some(bits) = [wired, 0, 1].into_iter().chain(edges).find(suits) {
-            field.put(data, bits);
+        let limits = || page.limits.iter().filter(|(other, ..)| other == field);
+        let ends = limits().flat_map(|(_, least, most)| [*least, *most]).filter_map(|end| field.bits(end));
+        let is_value = |bits: &u64| limits().all(|(_, least, most)| (*least..=*most).contains(&field.value(*bits)));
+        let candidates: Vec<u64> = [wired, 0, 1].into_iter().chain(edges).chain(ends).filter(is_value).collect();
+        if let Some(bits) = candidates.iter().find(|bits| suits(bits)).or(candidates.first()) {
+            field.put(data, *bits);
         }
     }
 }
@@ -191,7 +202,8 @@ fn edges(field: &Field, when: When) -> Vec<u64> {
 }
 
 impl Taken {
-    fn take(&mut self, now: Tick, len: usize, data: &[u8; 8]) {
+    /// Whether a frame is this message, in this form.
+    fn is(&self, len: usize, data: &[u8; 8]) -> bool {
         let frame = &self.frame;
         // Another page of the same message has other bits where this one's never change.
         let mut fixed = *data;
@@ -204,31 +216,16 @@ impl Taken {
         if let Some((at, checksum)) = frame.checksum {
             let at = usize::from(at.min(7));
             if data[at] != checksum.of(data, frame.len, at as u8) {
-                return;
+                return false;
             }
             fixed[at] = frame.rest[at];
         }
-        if len < usize::from(frame.len) || fixed != frame.rest {
-            return;
-        }
-        if let Some(counter) = &frame.counter {
-            let count = counter.get(data);
-            if self.counter.replace(count) == Some(count) {
-                return;
-            }
-        }
-        self.missed = Some(now + frame.every * PERIODS);
-        let on = frame.outputs.iter().filter(|(_, field, on)| field.get(data) == *on);
-        self.outputs = on.fold(0, |outputs, (output, _, _)| outputs | bit(output.0));
+        len >= usize::from(frame.len) && fixed == frame.rest
     }
-}
 
-fn bit(at: u16) -> u128 {
-    1u128.checked_shl(at.into()).unwrap_or(0)
-}
-
-fn frame_of(id: FrameId, data: &[u8]) -> Option<Frame> {
-    let id: Id =
-        if id.extended { ExtendedId::new(id.id)?.into() } else { StandardId::new(u16::try_from(id.id).ok()?)?.into() };
-    Frame::new(id, data)
+    fn obey(&mut self, now: Tick, data: &[u8; 8]) {
+        self.missed = Some(now + self.frame.every * PERIODS);
+        let on = self.frame.outputs.iter().filter(|(_, field, on)| field.get(data) == *on);
+        self.outputs = on.fold(0, |outputs, (output, _, _)| outputs | output.bit());
+    }
 }

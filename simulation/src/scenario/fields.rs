@@ -20,16 +20,7 @@ pub(super) struct Report {
 impl Report {
     pub(super) fn error(&mut self, span: Range<usize>, message: impl Into<String>, hint: Option<String>) {
         if self.problems.len() < PROBLEMS_MAX {
-            self.problems.push(Problem {
-                message: message.into(),
-                span,
-                line: 1,
-                column: 1,
-                hint,
-                label: None,
-                also: Vec::new(),
-                is_warning: false,
-            });
+            self.problems.push(Problem::error(span, message).maybe_hint(hint));
         }
     }
 

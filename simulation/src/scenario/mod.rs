@@ -60,16 +60,7 @@ impl Scenario {
     /// The place of a step that failed, from 0, with the reason.
     pub fn failed_at(&self, step: usize, why: &str) -> Option<Problems> {
         let span = self.script.steps.get(step)?.span.clone();
-        let problem = Problem {
-            message: format!("this step failed: {why}"),
-            span,
-            line: 1,
-            column: 1,
-            hint: None,
-            label: Some("here".to_owned()),
-            also: Vec::new(),
-            is_warning: false,
-        };
+        let problem = Problem::error(span, format!("this step failed: {why}")).label("here");
         Some(Problems::new(&self.file_name, &self.text, vec![problem]))
     }
 }

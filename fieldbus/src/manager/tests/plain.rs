@@ -23,6 +23,7 @@ fn gauge() -> Device {
         pages: vec![Page {
             selected: None,
             inputs: vec![(InputId(1), field(0, 8), When::Above { at: 20.0, hysteresis: 5.0 })],
+            limits: vec![(field(0, 8), 0.0, 60.0)],
         }],
     };
     let told = ToldFrame {
@@ -91,6 +92,60 @@ fn an_input_follows_its_limit_with_hysteresis() {
     for (nth, (text, on)) in [("27", 0), ("28", 2), ("1F", 2), ("1E", 2), ("1D", 0), ("27", 0)].iter().enumerate() {
         bench.hear(&format!("18FEF100#{text}{nth:02X}"));
         assert_eq!(bench.inputs(CLAMP).bits, *on, "{text}");
+    }
+}
+
+/// A message in two forms: to the device it is one, whose counter never stands still.
+#[test]
+fn one_counter_runs_through_all_forms_of_a_message() {
+    let mut gauge = gauge();
+    let bound = gauge.frames.as_mut().and_then(|frames| frames.bound.as_mut()).unwrap();
+    let mut other = bound.told[0].clone();
+    other.rest[0] = 0x80;
+    other.outputs.clear();
+    bound.told.push(other);
+    let manager = Manager::new(&[gauge], Timing::default()).unwrap();
+    let mut bench = Bench { manager, now: Tick::from_millis(1000), out: Outbox::default() };
+    for _ in 0..3 {
+        bench.poll();
+        bench.pass(20);
+    }
+    let sent = sent(&mut bench);
+    let counts: Vec<&str> = sent.iter().map(|frame| &frame[6..8]).collect();
+    assert_eq!(counts[..6], ["00", "01", "02", "03", "04", "05"], "{sent:?}");
+}
+
+#[test]
+fn a_value_that_is_none_makes_its_frame_none() {
+    // Steps of a half; from 0 to 60 it is a value.
+    let mut bench = bench();
+    bench.hear("18FEF100#7800");
+    assert_eq!((bench.inputs(CLAMP).valid, bench.inputs(CLAMP).bits), (true, 2));
+    for _ in 0..10 {
+        bench.hear("18FEF100#FF01");
+        bench.pass(10);
+    }
+    assert!(!bench.inputs(CLAMP).valid);
+    let trouble: Vec<String> = bench.manager.trouble(bench.now, CLAMP).collect();
+    assert!(
+        trouble.iter().any(|text| text.ends_with("its signal at bit 0 is beyond its limits in the DBC file")),
+        "{trouble:?}"
+    );
+    // Not even its counter was taken.
+    bench.hear("18FEF100#0001");
+    assert!(bench.inputs(CLAMP).valid);
+    let number = Field { size: 32, coding: Coding::Float, factor: 1.0, ..field(16, 32) };
+    for when in [When::NotZero, When::Above { at: 1.0, hysteresis: 0.0 }, When::Below { at: 1.0, hysteresis: 0.0 }] {
+        let mut gauge = gauge();
+        let heard = &mut gauge.frames.as_mut().and_then(|frames| frames.bound.as_mut()).unwrap().heard[0];
+        (heard.len, heard.pages[0].inputs) = (6, vec![(InputId(1), number, when)]);
+        let manager = Manager::new(&[gauge], Timing::default()).unwrap();
+        let mut bench = Bench { manager, now: Tick::from_millis(1000), out: Outbox::default() };
+        bench.poll();
+        for value in [f32::NAN, f32::INFINITY, f32::NEG_INFINITY] {
+            bench.hear(&format!("18FEF100#0000{:08X}", value.to_bits().swap_bytes()));
+            assert!(!bench.inputs(CLAMP).valid, "{when:?} {value}");
+        }
     }
 }
 

@@ -100,7 +100,7 @@ impl DriveBinding {
     pub fn places(&self, payload: Payload) -> Option<(u128, u128)> {
         let actual = i32::from_le_bytes(payload.bytes().get(3..PDO_BYTES)?.try_into().ok()?);
         let stands = |target: &&Target| actual.abs_diff(target.to) <= self.window;
-        let image = |image, target: &Target| image | bit(target.at.index());
+        let image = |image, target: &Target| image | target.at.bit();
         Some((self.targets.iter().fold(0, image), self.targets.iter().filter(stands).fold(0, image)))
     }
 
@@ -132,7 +132,7 @@ impl DriveBinding {
         let targets = self.targets.iter().enumerate().map(|(at, target)| (target.output, Wanted::Target(at)));
         let home = self.home.iter().map(|home| (home.output, Wanted::Home));
         let mut first: Option<(OutputId, Wanted)> = None;
-        for (output, wanted) in targets.chain(home).filter(|(output, _)| image & bit(output.index()) != 0) {
+        for (output, wanted) in targets.chain(home).filter(|(output, _)| image & output.bit() != 0) {
             match first {
                 None => first = Some((output, wanted)),
                 Some((other, _)) if other == output => {}
@@ -141,9 +141,4 @@ impl DriveBinding {
         }
         first.map_or(Wanted::Nothing, |(_, wanted)| wanted)
     }
-}
-
-/// Bit `index` of an image, nothing beyond its width.
-pub(super) fn bit(index: usize) -> u128 {
-    u32::try_from(index).ok().and_then(|index| 1u128.checked_shl(index)).unwrap_or(0)
 }

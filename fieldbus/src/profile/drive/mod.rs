@@ -57,7 +57,7 @@ pub use status::{State, Statusword};
 
 use crate::codec::Payload;
 use crate::sdo::{Abort, Setting};
-use binding::{Wanted, bit};
+use binding::Wanted;
 
 /// Bytes of a drive's process data, each way: controlword or statusword, mode, target or actual value.
 pub const PDO_BYTES: usize = 7;
@@ -307,7 +307,7 @@ impl Drive {
         let done = home.and_then(|home| home.done).filter(|_| self.phase != Phase::Preparing(Goal::Home));
         let fault = self.binding.fault.filter(|_| self.has_failed());
         let places = self.binding.targets.iter().filter(|target| self.is_at(target)).map(|target| target.at);
-        places.chain(done).chain(fault).fold(0, |image, input| image | bit(input.index()))
+        places.chain(done).chain(fault).fold(0, |image, input| image | input.bit())
     }
 
     /// Whether it is where this target is. While it is ordered to that place, also whether it says so itself.

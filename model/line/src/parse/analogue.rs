@@ -5,7 +5,7 @@
 
 use super::draft::{DraftAnalogue, Wiring};
 use super::problem::Report;
-use super::raw::{At, Name, RawAnalogue, RawAnalogueInput, RawAnalogueOutput, RawChannel, RawLag, RawLimit};
+use super::raw::{Name, RawAnalogue, RawAnalogueInput, RawAnalogueOutput, RawChannel, RawLag, RawLimit, or};
 use super::wiring::{Wires, one_input, one_output};
 use crate::{Analogue, AnalogueInput, AnalogueOutput, CHANNELS_MAX, Channel, Follows, InputId, Lag, OutputId, When};
 
@@ -125,8 +125,4 @@ pub(super) fn follows(raw: &RawLag, image: &Wiring) -> Option<Follows> {
         (None, Some(channel)) => number(channel.value).map(Follows::Channel),
         _ => None,
     }
-}
-
-fn or(own: &Option<At<f64>>, usual: f64) -> f64 {
-    own.as_ref().map_or(usual, |own| own.value)
 }

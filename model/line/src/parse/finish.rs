@@ -3,10 +3,8 @@
 //! Every `?` here is a part that some earlier pass must have reported missing. Should that ever not be so, the caller
 //! says that much instead of panicking: a description is a user's input, whatever the mistake is.
 
-use std::time::Duration;
-
 use super::draft::{Draft, DraftConsole, DraftOperation, DraftSignals, DraftStation};
-use super::raw::{At, Kind, RawTiming};
+use super::raw::{At, Kind, RawTiming, or};
 use super::rules::node_id;
 use super::setup;
 use super::{analogue, drive, frames};
@@ -71,7 +69,6 @@ fn operation(draft: &DraftOperation<'_>) -> Option<Operation> {
     let module = match draft.kind()? {
         Kind::Reversible => {
             let recovery = raw.recovery.as_ref()?;
-            let or = |own: &Option<At<Duration>>, normal| own.as_ref().map_or(normal, |own| own.value);
             Module::Reversible {
                 recovery: signals(draft.recovery.as_ref()?)?,
                 recovery_duration: or(&recovery.duration, duration),
@@ -147,7 +144,6 @@ fn console(draft: &DraftConsole) -> Console {
 }
 
 fn timing(raw: &RawTiming) -> Timing {
-    let or = |written: &Option<At<Duration>>, default| written.as_ref().map_or(default, |w| w.value);
     let default = Timing::default();
     Timing {
         refresh: or(&raw.refresh, default.refresh),

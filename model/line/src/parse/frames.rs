@@ -5,7 +5,7 @@
 
 use super::draft::DraftFrames;
 use super::problem::Report;
-use super::raw::{At, Name, RawFrames, RawHeard, RawSignalInput, RawTold};
+use super::raw::{Name, RawFrames, RawHeard, RawSignalInput, RawTold, or};
 use super::wiring::{Wires, one_input, one_output};
 use crate::{Frames, Named, Receive, Send, SignalInput, SignalOutput, When};
 
@@ -32,7 +32,7 @@ pub(super) fn wire<'a>(raw: &'a RawFrames, wires: &mut Wires<'a>, report: &mut R
 
 /// When an input is on; `None` where that is not said well.
 pub(super) fn when(raw: &RawSignalInput) -> Option<When> {
-    let hysteresis = raw.hysteresis.as_ref().map_or(0.0, |own| own.value);
+    let hysteresis = or(&raw.hysteresis, 0.0);
     Some(match (&raw.equals, &raw.above, &raw.below, &raw.bit) {
         (None, None, None, None) => When::NotZero,
         (Some(equals), None, None, None) => When::Equals(equals.value),
@@ -69,7 +69,6 @@ fn receive(raw: &RawHeard, bound: &[Option<crate::InputId>]) -> Option<Receive> 
 }
 
 fn send(raw: &RawTold, bound: &[Option<crate::OutputId>]) -> Option<Send> {
-    let or = |own: &Option<At<f64>>, else_| own.as_ref().map_or(else_, |own| own.value);
     let outputs = raw.outputs.iter().zip(bound).map(|(raw, output)| {
         let signal = named(raw.signal.as_ref()?);
         Some(SignalOutput { output: (*output)?, signal, on: or(&raw.on, 1.0), off: or(&raw.off, 0.0) })

@@ -35,7 +35,7 @@ pub struct Problem {
 
 impl Problem {
     /// An error at `span`; its line and column are set when it joins its text.
-    pub(super) fn error(span: Range<usize>, message: impl Into<String>) -> Self {
+    pub fn error(span: Range<usize>, message: impl Into<String>) -> Self {
         Problem {
             message: message.into(),
             span,
@@ -54,7 +54,7 @@ impl Problem {
     }
 
     /// With this written under the marked text.
-    pub(super) fn label(mut self, label: impl Into<String>) -> Self {
+    pub fn label(mut self, label: impl Into<String>) -> Self {
         self.label = Some(label.into());
         self
     }
@@ -66,7 +66,7 @@ impl Problem {
     }
 
     /// With this advice, if there is any.
-    pub(super) fn maybe_hint(mut self, hint: Option<String>) -> Self {
+    pub fn maybe_hint(mut self, hint: Option<String>) -> Self {
         self.hint = hint.or(self.hint);
         self
     }

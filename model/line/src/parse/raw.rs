@@ -25,6 +25,11 @@ impl<T> At<T> {
     }
 }
 
+/// What is written, or what is usual.
+pub(super) fn or<T: Copy>(written: &Option<At<T>>, usual: T) -> T {
+    written.as_ref().map_or(usual, |written| written.value)
+}
+
 pub(super) type Name = At<String>;
 
 #[derive(Debug)]

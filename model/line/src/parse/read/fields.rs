@@ -155,17 +155,26 @@ impl<'a> Fields<'a> {
 
     /// One of a few words; the first one where nothing is written.
     pub fn word<T: Copy>(&mut self, report: &mut Report, key: &'static str, known: &[(&'static str, T)]) -> T {
-        let usual = known[0].1;
-        let Some(word) = self.text(report, key) else { return usual };
+        self.maybe_word(report, key, known).map_or(known[0].1, |word| word.value)
+    }
+
+    /// One of a few words, and its place.
+    pub fn maybe_word<T: Copy>(
+        &mut self,
+        report: &mut Report,
+        key: &'static str,
+        known: &[(&'static str, T)],
+    ) -> Option<At<T>> {
+        let word = self.text(report, key)?;
         if let Some((_, meaning)) = known.iter().find(|(name, _)| *name == word.value) {
-            return *meaning;
+            return Some(At::new(*meaning, word.at));
         }
         let names = known.iter().map(|(name, _)| *name);
         report.add(
             Problem::error(word.at, format!("unknown {key} `{}`", word.value))
                 .maybe_hint(suggest::hint(&word.value, names)),
         );
-        usual
+        None
     }
 
     /// A positive duration in seconds.

@@ -2,23 +2,12 @@
 
 use super::fields::Fields;
 use crate::Reaction;
-use crate::parse::problem::{Problem, Report};
+use crate::parse::problem::Report;
 use crate::parse::raw::{At, RawIdentity, RawSetting, RawTransmission, Where, Width};
-use crate::parse::suggest;
 
 /// What trouble does to the owner.
 pub(super) fn reaction(f: &mut Fields<'_>, key: &'static str, report: &mut Report) -> Option<At<Reaction>> {
-    let word = f.text(report, key)?;
-    let reaction = match word.value.as_str() {
-        "fault" => Reaction::Fault,
-        "report" => Reaction::Report,
-        _ => {
-            let hint = suggest::hint(&word.value, ["fault", "report"]);
-            report.add(Problem::error(word.at, format!("unknown {key} `{}`", word.value)).maybe_hint(hint));
-            return None;
-        }
-    };
-    Some(At::new(reaction, word.at))
+    f.maybe_word(report, key, &[("fault", Reaction::Fault), ("report", Reaction::Report)])
 }
 
 pub(super) fn identity(mut f: Fields<'_>, report: &mut Report) -> RawIdentity {

@@ -5,10 +5,10 @@ use std::collections::HashMap;
 use crate::parse::analogue::{channel, number, when};
 use crate::parse::draft::{Draft, DraftDevice, Wiring};
 use crate::parse::problem::{Problem, Report};
-use crate::parse::raw::{At, RawAnalogueInput, RawAnalogueOutput, RawChannel, RawDevice, RawLag, Where};
+use crate::parse::raw::{At, RawAnalogueInput, RawAnalogueOutput, RawChannel, RawDevice, RawLag, Where, or};
 use crate::parse::setup::object;
 use crate::parse::suggest;
-use crate::{CHANNELS_MAX, Channel, When};
+use crate::{CHANNELS_MAX, Channel};
 
 pub(super) fn check(draft: &Draft<'_>, report: &mut Report) {
     for (device, raw) in draft.devices.iter().zip(&draft.raw.devices) {
@@ -133,16 +133,8 @@ fn limits_can_be_reached(input: &RawAnalogueInput, report: &mut Report) {
         return;
     }
     for limit in &input.inputs {
-        let (at, on, off) = match (when(limit), &limit.above, &limit.below) {
-            (Some(When::Above { at, hysteresis }), Some(own), _) => (own, at <= most, at - hysteresis > least),
-            (Some(When::Below { at, hysteresis }), _, Some(own)) => (own, at >= least, at + hysteresis < most),
-            _ => continue,
-        };
-        let fault = match (on, off) {
-            (true, true) => continue,
-            (false, _) => "is never reached",
-            (true, false) => "is never left again",
-        };
+        let (Some(when), Some(at)) = (when(limit), limit.above.as_ref().or(limit.below.as_ref())) else { continue };
+        let Some(fault) = when.out_of_reach(least, most) else { continue };
         let range = format!("{} to {} can be measured", channel.text(least), channel.text(most));
         report.add(Problem::error(at.at.clone(), format!("a limit that {fault}")).hint(range));
     }
@@ -151,9 +143,8 @@ fn limits_can_be_reached(input: &RawAnalogueInput, report: &mut Report) {
 /// The least and the greatest value that counts as measured.
 fn measured(channel: &Channel, input: &RawAnalogueInput) -> (f64, f64) {
     let ends = [channel.value_of(i16::MIN + 1), channel.value_of(i16::MAX - 1)];
-    let own = |own: &Option<At<f64>>, usual| own.as_ref().map_or(usual, |own| own.value);
     let (least, most) = (ends[0].min(ends[1]), ends[0].max(ends[1]));
-    (own(&input.least, least).max(least), own(&input.most, most).min(most))
+    (or(&input.least, least).max(least), or(&input.most, most).min(most))
 }
 
 fn simulated_value_follows_something(lag: &RawLag, device: &RawDevice, image: Option<&Wiring>, report: &mut Report) {

@@ -3,7 +3,7 @@
 use crate::parse::draft::Draft;
 use crate::parse::frames::when;
 use crate::parse::problem::{Problem, Report};
-use crate::parse::raw::{RawDevice, RawFrames, RawSignalInput, RawTold, Where};
+use crate::parse::raw::{RawDevice, RawFrames, RawIdentity, RawSignalInput, RawTold, Where, or};
 
 pub(super) fn check(draft: &Draft<'_>, report: &mut Report) {
     for device in &draft.raw.devices {
@@ -22,8 +22,10 @@ pub(super) fn check(draft: &Draft<'_>, report: &mut Report) {
 fn nothing_of_canopen_is_said(device: &RawDevice, frames: &RawFrames, report: &mut Report) {
     let bits = device.inputs.first().or(device.outputs.first()).map(|bit| &bit.at);
     let settings = device.settings.first().and_then(|setting| setting.object.as_ref()).map(|object| &object.at);
-    let said: [(&str, Option<&Where>); 8] = [
+    let identity = device.identity.as_ref().and_then(|RawIdentity(parts)| parts.iter().flatten().next());
+    let said: [(&str, Option<&Where>); 9] = [
         ("`node`", device.node.as_ref().map(|node| &node.at)),
+        ("`identity`", identity.map(|part| &part.at)),
         ("`inputs` and `outputs`", bits),
         ("`settings`", settings),
         ("`file`", device.file.as_ref().map(|file| &file.at)),
@@ -80,8 +82,7 @@ fn conditions_are_one(input: &RawSignalInput, report: &mut Report) {
 
 fn outputs_have_two_values(told: &RawTold, report: &mut Report) {
     for output in &told.outputs {
-        let (on, off) =
-            (output.on.as_ref().map_or(1.0, |on| on.value), output.off.as_ref().map_or(0.0, |off| off.value));
+        let (on, off) = (or(&output.on, 1.0), or(&output.off, 0.0));
         if on == off
             && let Some(name) = &output.output
         {

@@ -7,7 +7,7 @@ use crate::parse::draft::{Draft, DraftDevice, DraftStation};
 use crate::parse::problem::{Problem, Report};
 use crate::parse::raw::{RawDevice, RawIdentity, RawSetting, Where};
 use crate::parse::setup::{object, part};
-use crate::{InputId, OutputId, Owner, Reaction};
+use crate::{InputId, OutputId, Owner, Reaction, is_the_managers};
 
 pub(super) fn check(draft: &Draft<'_>, report: &mut Report) {
     for device in &draft.raw.devices {
@@ -87,7 +87,7 @@ fn object_is_one(setting: &RawSetting, report: &mut Report) {
 /// its outputs when the manager is gone.
 fn object_is_not_the_managers(setting: &RawSetting, report: &mut Report) {
     let Some(name) = &setting.object else { return };
-    let Some((index @ (0x1016 | 0x1017), _)) = object(&name.value) else { return };
+    let Some((index, _)) = object(&name.value).filter(|(index, _)| is_the_managers(*index)) else { return };
     let (what, key) = if index == 0x1016 {
         ("how long the device waits for the manager", "heartbeat_timeout_ms")
     } else {

@@ -1,12 +1,10 @@
 //! Process data that wait for SYNC.
 
+use crate::device::is_synchronous;
 use crate::parse::draft::Draft;
 use crate::parse::problem::{Problem, Report};
 use crate::parse::raw::{At, RawDevice};
 use crate::parse::setup::transmission;
-
-/// Transmission types from here on are by event (CiA 301 §7.5.2.35).
-const BY_EVENT: u8 = 254;
 
 pub(super) fn check(draft: &Draft<'_>, report: &mut Report) {
     for device in &draft.raw.devices {
@@ -31,7 +29,7 @@ fn check_type(number: &At<i64>, draft: &Draft<'_>, report: &mut Report) {
             Problem::error(number.at.clone(), format!("{} is no transmission type", number.value))
                 .hint("1 to 240: with every so many SYNCs; 254 or 255: at once"),
         ),
-        Some(kind) if kind < BY_EVENT && draft.raw.timing.sync.is_none() => report.add(
+        Some(kind) if is_synchronous(kind) && draft.raw.timing.sync.is_none() => report.add(
             Problem::error(number.at.clone(), "process data with SYNC, but nobody sends it")
                 .hint("say how often in [timing]: `sync_ms = 10`"),
         ),
@@ -44,7 +42,7 @@ fn check_type(number: &At<i64>, draft: &Draft<'_>, report: &mut Report) {
 fn outputs_have_inputs_to_show(device: &RawDevice, report: &mut Report) {
     let Some((raw, _)) = &device.transmission else { return };
     let synchronous = |number: &Option<At<i64>>| {
-        number.as_ref().and_then(|number| transmission(number.value)).is_some_and(|kind| kind < BY_EVENT)
+        number.as_ref().and_then(|number| transmission(number.value)).is_some_and(is_synchronous)
     };
     let Some(outputs) = raw.outputs.as_ref().filter(|_| synchronous(&raw.outputs)) else { return };
     if !synchronous(&raw.inputs) || device.inputs.is_empty() {
