@@ -163,6 +163,44 @@ fn all_problems_of_a_text_are_reported_with_their_places() {
     assert!(plain.stdout.is_empty() && text(&plain.stderr).contains("watchdog"), "{plain:?}");
 }
 
+/// What only the DBC file shows to be wrong is a problem of the description all the same, at its place.
+#[test]
+fn names_that_a_dbc_file_does_not_have_are_problems_of_the_text() {
+    let scratch = Scratch::new();
+    let frames = r#"
+[[device]]
+name = "gauge"
+station = "clamp_1"
+
+[device.dbc]
+file = "gauge.dbc"
+receive = [{ message = "GaugeStatus", timeout_ms = 100 }]
+"#;
+    let head = "[console]\n";
+    let file = scratch.changed(head, &format!("{frames}\n{head}"));
+    let database = "VERSION \"\"\n\nNS_ :\n\nBS_:\n\nBU_: Gauge\n\nBO_ 291 GaugeState: 8 Gauge\n";
+    scratch.file("gauge.dbc", database);
+    let output = linewright(&["check", &file, "--structure", "--json"]);
+    assert_eq!(output.status.code(), Some(1), "{output:?}");
+    let found = json(&output);
+    assert_eq!((&found["ok"], found["problems"].as_array().map(Vec::len)), (&false.into(), Some(1)), "{found}");
+    let problem = &found["problems"][0];
+    assert_eq!(problem["message"], "gauge.dbc has no message `GaugeStatus`", "{problem}");
+    let text = scratch.read("line.toml");
+    let line = text.lines().nth(problem["line"].as_u64().expect("a line") as usize - 1).expect("of the text");
+    assert!(
+        line[problem["column"].as_u64().expect("a column") as usize - 1..].starts_with("\"GaugeStatus\""),
+        "{line}"
+    );
+
+    // A file that is no database has a line of its own, not one of the description's.
+    scratch.file("gauge.dbc", &database.replace("291", "x"));
+    let output = linewright(&["check", &file, "--structure", "--json"]);
+    assert_eq!(output.status.code(), Some(1), "{output:?}");
+    let message = json(&output)["problems"][0]["message"].as_str().expect("a message").to_owned();
+    assert!(message.contains("device `gauge`") && message.contains("gauge.dbc: line "), "{message}");
+}
+
 #[test]
 fn a_deadlock_among_arrows_is_a_problem_of_the_text() {
     let scratch = Scratch::new();
