@@ -1,0 +1,286 @@
+//! What a record does to a state: the one place where a cell's state changes.
+//!
+//! A record is looked at before anything is changed, so one that does not fit leaves the state as it was. The player
+//! writes none that do not fit; a log of another cell, or one that somebody has edited, can have them.
+
+use linewright_line::{StationId, Tick};
+
+use super::firing::{Firing, Next, Order, OrderState, Phase};
+use super::ids::{CellId, FiringId, ModeId, OrderKey, PartId};
+use super::plan::{CellKind, OrderTemplate};
+use super::question::Reason;
+use super::record::{Cause, Fact, Failure, Record};
+use super::state::{Misfit, Part, Place, State};
+
+type Fits = Result<(), String>;
+
+impl State {
+    /// Does what the record says. It takes time for what it touches only: the cells of one mode, one firing.
+    pub fn apply(&mut self, record: &Record) -> Result<(), Misfit> {
+        let sequence = self.sequence + 1;
+        if record.at < self.now {
+            return Err(Misfit { sequence, why: format!("it is of {}, after one of {}", record.at, self.now) });
+        }
+        let result = match &record.fact {
+            Fact::Epoch { epoch } => self.begin_epoch(*epoch, record.at),
+            Fact::Memory { station, memory } => {
+                self.memory.insert(*station, *memory);
+                Ok(())
+            }
+            Fact::Decided { question, started: _, held } => self.decided(*question, held),
+            Fact::Started { firing, mode, part, orders } => self.started(*firing, *mode, *part, orders, record.at),
+            Fact::Acknowledged { key } => self.acknowledged(*key),
+            Fact::OrderEnded { key } => self.order_ended(*key),
+            Fact::OrderFailed { key, failure } => self.order_failed(*key, *failure),
+            Fact::Raised { firing, cause } => self.raised(*firing, *cause),
+            Fact::Ended { firing } => self.ended(*firing, record.at),
+            Fact::Fired { mode, part } => self.fired(*mode, *part, record.at),
+        };
+        result.map_err(|why| Misfit { sequence, why })?;
+        self.sequence = sequence;
+        self.now = record.at;
+        Ok(())
+    }
+
+    fn begin_epoch(&mut self, epoch: u64, at: Tick) -> Fits {
+        if epoch <= self.epoch {
+            return Err(format!("epoch {epoch} after epoch {}", self.epoch));
+        }
+        self.epoch = epoch;
+        let open: Vec<FiringId> = self.firings.keys().copied().collect();
+        let spared_until = at + self.table.grace();
+        open.into_iter().for_each(|id| self.change(id, |firing| firing.spared_until = spared_until));
+        Ok(())
+    }
+
+    fn decided(&mut self, question: u64, held: &[(ModeId, Reason)]) -> Fits {
+        if question != self.questions + 1 {
+            return Err(format!("question {question} after question {}", self.questions));
+        }
+        self.questions = question;
+        self.held = held.to_vec();
+        Ok(())
+    }
+
+    fn started(&mut self, id: FiringId, mode: ModeId, part: Option<PartId>, keys: &[OrderKey], at: Tick) -> Fits {
+        let arrival = self.can_fire(mode, part)?;
+        let table = self.table.clone();
+        if id.0 != self.last_firing + 1 {
+            return Err(format!("{id} after firing {}", self.last_firing));
+        }
+        if table.is_immediate(mode) {
+            return Err(format!("`{}` takes no time and cannot be in progress", table.mode_name(mode)));
+        }
+        let templates = &table.activity(mode).orders;
+        let expected = (1..=templates.len() as u64).map(|k| OrderKey { epoch: self.epoch, id: self.last_order + k });
+        if !expected.eq(keys.iter().copied()) {
+            return Err(format!("the keys of its orders are not the next {} of this epoch", templates.len()));
+        }
+        self.take(mode, part, arrival);
+        part.into_iter().for_each(|part| self.place(part, Place::In(id), at));
+        let order = |(&key, template): (&OrderKey, &OrderTemplate)| Order {
+            key,
+            station: template.station,
+            state: OrderState::Written,
+            limit: at + template.limit,
+        };
+        let orders: Vec<Order> = keys.iter().zip(templates).map(order).collect();
+        for (position, order) in orders.iter().enumerate() {
+            self.orders.insert(order.key, (id, position));
+            self.unheard.entry(order.station).or_default().insert(order.key);
+        }
+        let firing = Firing { id, mode, part, began: at, orders, phase: Phase::Running, spared_until: Tick::ZERO };
+        self.due.extend(firing.due(table.activity(mode)).map(|due| (due, id)));
+        self.firings.insert(id, firing);
+        self.in_progress[mode.index()] += 1;
+        self.last_firing = id.0;
+        self.last_order += keys.len() as u64;
+        Ok(())
+    }
+
+    fn acknowledged(&mut self, key: OrderKey) -> Fits {
+        let (id, position, Order { station, state, .. }) = self.open(key)?;
+        if state != OrderState::Written {
+            return Err(format!("{key} is taken on, but is {state:?}"));
+        }
+        self.answered(station, key);
+        self.change(id, |firing| firing.orders[position].state = OrderState::Running);
+        Ok(())
+    }
+
+    fn order_ended(&mut self, key: OrderKey) -> Fits {
+        let (id, position, Order { station, state, .. }) = self.open(key)?;
+        let failed = self.running(id).is_err();
+        match state {
+            OrderState::Written | OrderState::Running => (),
+            OrderState::Failed(_) if failed => (),
+            OrderState::Ended | OrderState::Failed(_) => return Err(format!("{key} ends, but is {state:?}")),
+        }
+        self.answered(station, key);
+        self.change(id, |firing| firing.orders[position].state = OrderState::Ended);
+        Ok(())
+    }
+
+    fn order_failed(&mut self, key: OrderKey, failure: Failure) -> Fits {
+        let (id, position, Order { station, state, .. }) = self.open(key)?;
+        match state {
+            OrderState::Written | OrderState::Running => (),
+            OrderState::Ended | OrderState::Failed(_) => return Err(format!("{key} fails, but is {state:?}")),
+        }
+        self.answered(station, key);
+        self.change(id, |firing| firing.orders[position].state = OrderState::Failed(failure));
+        Ok(())
+    }
+
+    fn raised(&mut self, id: FiringId, cause: Cause) -> Fits {
+        let firing = self.running(id)?;
+        // Whatever of it has not been taken on is not asked for any more.
+        let keys: Vec<_> = firing.orders.iter().map(|order| (order.station, order.key)).collect();
+        keys.into_iter().for_each(|(station, key)| self.answered(station, key));
+        self.change(id, |firing| firing.phase = Phase::Failed(cause));
+        Ok(())
+    }
+
+    fn ended(&mut self, id: FiringId, at: Tick) -> Fits {
+        let firing = self.running(id)?;
+        if firing.orders.iter().any(|order| order.state != OrderState::Ended) {
+            return Err(format!("{id} ends before its orders do"));
+        }
+        self.unschedule(id);
+        let Some(firing) = self.firings.remove(&id) else { return Ok(()) };
+        firing.orders.iter().for_each(|order| _ = self.orders.remove(&order.key));
+        self.in_progress[firing.mode.index()] -= 1;
+        self.give(firing.mode, firing.part, at);
+        Ok(())
+    }
+
+    fn fired(&mut self, mode: ModeId, part: Option<PartId>, at: Tick) -> Fits {
+        let arrival = self.can_fire(mode, part)?;
+        if !self.table.is_immediate(mode) {
+            return Err(format!("`{}` takes time", self.table.mode_name(mode)));
+        }
+        self.take(mode, part, arrival);
+        self.give(mode, part, at);
+        Ok(())
+    }
+
+    /// Whether a mode has its tokens, a server, and the right part; and since when that has been where it is.
+    fn can_fire(&self, mode: ModeId, part: Option<PartId>) -> Result<u64, String> {
+        if mode.index() >= self.table.mode_count() {
+            return Err(format!("there is no {mode}"));
+        }
+        let name = self.table.mode_name(mode);
+        if let Some(cell) = self.enabling.lacks(mode) {
+            return Err(format!("`{name}` lacks tokens of `{}`", self.table.cell_name(cell)));
+        }
+        if self.room(mode) == 0 {
+            return Err(format!("`{name}` is in progress as often as it may be"));
+        }
+        match (self.table.part_in(mode), self.table.part_out(mode), part) {
+            (None, None, None) => Ok(0),
+            (None, Some(_), Some(PartId(new))) if new == self.last_part + 1 => Ok(0),
+            (Some(from), _, Some(part)) => self
+                .arrival(from, part)
+                .ok_or_else(|| format!("`{name}` cannot take {part} from `{}`", self.table.cell_name(from))),
+            (_, _, part) => Err(format!("`{name}` does not happen with {part:?}")),
+        }
+    }
+
+    /// Whether a part is on a cell and can be taken from it.
+    pub(super) fn can_take(&self, from: CellId, part: PartId) -> bool {
+        self.arrival(from, part).is_some()
+    }
+
+    /// Since when a part has been on a cell, if it is there and can be taken.
+    fn arrival(&self, from: CellId, part: PartId) -> Option<u64> {
+        let CellKind::Parts(pick) = self.table.kind(from) else { return None };
+        match self.parts.get(&part)?.place {
+            Place::On { cell, arrival } if cell == from => {
+                self.marking.is_takeable(cell, pick, arrival).then_some(arrival)
+            }
+            Place::On { .. } | Place::In(_) => None,
+        }
+    }
+
+    /// Takes what a mode takes. A part that it does not take from anywhere is a new one.
+    fn take(&mut self, mode: ModeId, part: Option<PartId>, arrival: u64) {
+        let table = self.table.clone();
+        for &(cell, weight) in table.takes(mode) {
+            self.marking.take(cell, weight);
+            self.enabling.taken(&table, self.marking.counts(), cell);
+        }
+        match (table.part_in(mode), part) {
+            (Some(from), _) => self.marking.pull(from, arrival),
+            (None, Some(PartId(new))) => self.last_part = new,
+            (None, None) => (),
+        }
+    }
+
+    /// Gives what a mode gives. A part that it does not put anywhere has left.
+    fn give(&mut self, mode: ModeId, part: Option<PartId>, at: Tick) {
+        let table = self.table.clone();
+        for &(cell, weight) in table.gives(mode) {
+            self.marking.give(cell, weight);
+            self.enabling.given(&table, self.marking.counts(), cell);
+        }
+        let Some(part) = part else { return };
+        match table.part_out(mode) {
+            Some(cell) => {
+                let arrival = self.marking.put(cell, part);
+                self.place(part, Place::On { cell, arrival }, at);
+            }
+            None => {
+                self.parts.remove(&part);
+                self.left += 1;
+            }
+        }
+    }
+
+    fn place(&mut self, id: PartId, place: Place, at: Tick) {
+        let part = self.parts.entry(id).or_insert(Part { id, entered: at, since: at, place });
+        (part.place, part.since) = (place, at);
+    }
+
+    fn running(&self, id: FiringId) -> Result<&Firing, String> {
+        let firing = self.firings.get(&id).ok_or_else(|| format!("{id} is not in progress"))?;
+        match firing.phase {
+            Phase::Running => Ok(firing),
+            Phase::Failed(_) => Err(format!("{id} has failed already")),
+        }
+    }
+
+    fn open(&self, key: OrderKey) -> Result<(FiringId, usize, Order), String> {
+        let &(id, at) = self.orders.get(&key).ok_or_else(|| format!("{key} is of no activity in progress"))?;
+        let order = self.firings.get(&id).and_then(|firing| firing.orders.get(at));
+        order.map(|order| (id, at, *order)).ok_or_else(|| format!("{key} is not where it was"))
+    }
+
+    /// An order need not be sent any more.
+    fn answered(&mut self, station: StationId, key: OrderKey) {
+        if let Some(keys) = self.unheard.get_mut(&station) {
+            keys.remove(&key);
+            if keys.is_empty() {
+                self.unheard.remove(&station);
+            }
+        }
+    }
+
+    /// Changes a firing, and with it when it is due and whether it is settled.
+    fn change(&mut self, id: FiringId, change: impl FnOnce(&mut Firing)) {
+        self.unschedule(id);
+        if let Some(firing) = self.firings.get_mut(&id) {
+            change(firing);
+            self.due.extend(firing.due(self.table.activity(firing.mode)).map(|due| (due, id)));
+            if firing.next() != Next::Wait {
+                self.settled.insert(id);
+            }
+        }
+    }
+
+    fn unschedule(&mut self, id: FiringId) {
+        if let Some(firing) = self.firings.get(&id) {
+            firing.due(self.table.activity(firing.mode)).map(|due| self.due.remove(&(due, id)));
+            self.settled.remove(&id);
+        }
+    }
+}

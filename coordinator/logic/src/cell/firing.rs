@@ -1,0 +1,125 @@
+//! An activity between its start and its end, and what the stations have said of their orders.
+//!
+//! ```text
+//!  Started ──all orders ended, or its time is over──▶ Ended (the firing is gone)
+//!     │
+//!     └──an order failed, or the limit ran out──▶ failed: it keeps tokens and part until somebody says what is true
+//!
+//!  an order:  written ──taken on──▶ running ──▶ ended
+//!                │                     │          ▲ a failed activity's order may still be heard to have ended
+//!                └──────────▶ failed ◀─┘──────────┘
+//! ```
+
+use linewright_line::{StationId, Tick};
+
+use super::ids::{FiringId, ModeId, OrderKey, PartId};
+use super::plan::{Activity, ActivityKind};
+use super::record::{Cause, Failure};
+
+/// An activity in progress.
+#[derive(Clone, Debug, PartialEq, Eq)]
+pub struct Firing {
+    /// Its number.
+    pub id: FiringId,
+    /// What it is; the table knows what it has taken and will give.
+    pub mode: ModeId,
+    /// The part it holds.
+    pub part: Option<PartId>,
+    /// When it started. All limits count from here.
+    pub began: Tick,
+    /// What stations were told, as the activity lists it.
+    pub orders: Vec<Order>,
+    /// Where it is.
+    pub phase: Phase,
+    /// Before this no limit runs out.
+    pub(super) spared_until: Tick,
+}
+
+/// Where an activity in progress is.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub enum Phase {
+    /// On its way to its end.
+    Running,
+    /// It will not end by itself.
+    Failed(Cause),
+}
+
+/// One order of an activity in progress.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub struct Order {
+    /// What the station knows it by.
+    pub key: OrderKey,
+    /// To whom.
+    pub station: StationId,
+    /// What has been heard of it.
+    pub state: OrderState,
+    /// When it should have ended.
+    pub limit: Tick,
+}
+
+/// What has been heard of an order.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub enum OrderState {
+    /// Nothing. It may have been sent or not; [`super::Coordination::sending`] knows for this life.
+    Written,
+    /// The station has taken it on.
+    Running,
+    /// It is done.
+    Ended,
+    /// It will not be done, as far as is known.
+    Failed(Failure),
+}
+
+/// What a firing is waiting to have written about it.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub(super) enum Next {
+    /// Nothing yet.
+    Wait,
+    /// That it has ended.
+    End,
+    /// That it has failed.
+    Fail(Cause),
+}
+
+impl Firing {
+    /// What the orders say.
+    pub(super) fn next(&self) -> Next {
+        match self.phase {
+            Phase::Failed(_) => return Next::Wait,
+            Phase::Running => (),
+        }
+        for order in &self.orders {
+            match order.state {
+                OrderState::Failed(failure) => return Next::Fail(Cause::Order { key: order.key, failure }),
+                OrderState::Written | OrderState::Running | OrderState::Ended => (),
+            }
+        }
+        let done = !self.orders.is_empty() && self.orders.iter().all(|order| order.state == OrderState::Ended);
+        if done { Next::End } else { Next::Wait }
+    }
+
+    /// When it has something to do unless something is heard before: its end, or its first limit.
+    pub(super) fn due(&self, activity: &Activity) -> Option<Tick> {
+        match self.phase {
+            Phase::Failed(_) => return None,
+            Phase::Running => (),
+        }
+        let ActivityKind::Decided { time, limit } = activity.kind else { return None };
+        if self.orders.is_empty() {
+            return Some(self.began + time);
+        }
+        let open = self.orders.iter().filter(|order| order.is_open()).map(|order| order.limit);
+        let first = open.chain(limit.map(|limit| self.began + limit)).min()?;
+        Some(first.max(self.spared_until))
+    }
+}
+
+impl Order {
+    /// Whether its end is waited for.
+    pub fn is_open(&self) -> bool {
+        match self.state {
+            OrderState::Written | OrderState::Running => true,
+            OrderState::Ended | OrderState::Failed(_) => false,
+        }
+    }
+}

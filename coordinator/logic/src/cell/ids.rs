@@ -1,0 +1,67 @@
+//! What the player numbers, each kind of number with a type of its own.
+//!
+//! Cells and modes are numbered by the table and mean nothing beside another. Parts, firings and orders are numbered as
+//! they come, by counters that are folded from the records and never go back: no number is ever used twice.
+
+use std::fmt;
+
+macro_rules! number {
+    ($(#[$doc:meta])* $name:ident($of:ty), $word:literal) => {
+        $(#[$doc])*
+        #[derive(Clone, Copy, Debug, PartialEq, Eq, PartialOrd, Ord, Hash)]
+        pub struct $name(pub $of);
+
+        impl fmt::Display for $name {
+            fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
+                write!(f, concat!($word, " {}"), self.0)
+            }
+        }
+    };
+}
+
+number! {
+    /// One colour on one place: a place of the unfolded net, by its position there.
+    CellId(u32), "cell"
+}
+number! {
+    /// One way in which an activity can happen: a transition of the unfolded net, by its position there.
+    ModeId(u32), "mode"
+}
+number! {
+    /// A part, from its entering to its leaving.
+    PartId(u64), "part"
+}
+number! {
+    /// An activity that was started, until it has ended.
+    FiringId(u64), "firing"
+}
+
+impl CellId {
+    /// The id as an index.
+    pub const fn index(self) -> usize {
+        self.0 as usize
+    }
+}
+
+impl ModeId {
+    /// The id as an index.
+    pub const fn index(self) -> usize {
+        self.0 as usize
+    }
+}
+
+/// What a station knows an order by. The id alone is never used twice; the epoch is the coordinator's life in which it
+/// was given, so that a station can refuse what somebody of an earlier life asks for anew.
+#[derive(Clone, Copy, Debug, PartialEq, Eq, PartialOrd, Ord, Hash)]
+pub struct OrderKey {
+    /// The coordinator's life, from 1.
+    pub epoch: u64,
+    /// The order, from 1, rising over all epochs.
+    pub id: u64,
+}
+
+impl fmt::Display for OrderKey {
+    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
+        write!(f, "order {}.{}", self.epoch, self.id)
+    }
+}

@@ -1,0 +1,90 @@
+//! Where the tokens are, and which of them are which part.
+//!
+//! Every cell has a count. A cell of parts has them beside it, in the order in which they came: a store that is emptied
+//! from one end knows which is next, and a decision between equals can prefer the one that has waited longest. The two
+//! agree always; counts are what enables.
+
+use std::collections::BTreeMap;
+
+use super::ids::{CellId, PartId};
+use super::plan::{CellKind, Pick};
+use super::table::CellTable;
+
+/// The marking of a cell.
+#[derive(Clone, Debug, PartialEq, Eq)]
+pub struct Marking {
+    counts: Vec<u64>,
+    /// Of each cell, its parts by when they came; empty for cells of plain tokens.
+    parts: Vec<BTreeMap<u64, PartId>>,
+    /// How many parts have come to a cell so far.
+    arrivals: u64,
+}
+
+impl Marking {
+    /// The table's initial counts, without any part yet.
+    pub(super) fn new(table: &CellTable) -> Self {
+        let is_parts = |cell: CellId| matches!(table.kind(cell), CellKind::Parts(_));
+        let counts = table.cells().map(|cell| if is_parts(cell) { 0 } else { table.initial()[cell.index()] });
+        Marking { counts: counts.collect(), parts: vec![BTreeMap::new(); table.cell_count()], arrivals: 0 }
+    }
+
+    /// The counts of all cells, in their order.
+    pub fn counts(&self) -> &[u64] {
+        &self.counts
+    }
+
+    /// The count of a cell.
+    pub fn count(&self, cell: CellId) -> u64 {
+        self.counts[cell.index()]
+    }
+
+    /// The parts of a cell, the one that came first first.
+    pub fn parts(&self, cell: CellId) -> impl DoubleEndedIterator<Item = PartId> + ExactSizeIterator + '_ {
+        self.parts[cell.index()].values().copied()
+    }
+
+    /// Those of its parts that can be taken, in the same order.
+    pub(super) fn takeable(&self, cell: CellId, pick: Pick) -> impl Iterator<Item = PartId> + '_ {
+        let parts = &self.parts[cell.index()];
+        let (from, most) = match pick {
+            Pick::Any => (0, usize::MAX),
+            Pick::Oldest => (0, 1),
+            Pick::Newest => (parts.last_key_value().map_or(0, |(&arrival, _)| arrival), 1),
+        };
+        parts.range(from..).take(most).map(|(_, &part)| part)
+    }
+
+    /// Whether a part that is on a cell, since an arrival, can be taken from it.
+    pub(super) fn is_takeable(&self, cell: CellId, pick: Pick, arrival: u64) -> bool {
+        let parts = &self.parts[cell.index()];
+        match pick {
+            Pick::Any => true,
+            Pick::Oldest => parts.first_key_value().is_some_and(|(&first, _)| first == arrival),
+            Pick::Newest => parts.last_key_value().is_some_and(|(&last, _)| last == arrival),
+        }
+    }
+
+    /// Takes tokens that are there.
+    pub(super) fn take(&mut self, cell: CellId, weight: u32) {
+        let count = &mut self.counts[cell.index()];
+        *count = count.saturating_sub(u64::from(weight));
+    }
+
+    /// Gives tokens. Some 10¹⁰ firings of the greatest weight there is would be needed to leave 64 bits.
+    pub(super) fn give(&mut self, cell: CellId, weight: u32) {
+        let count = &mut self.counts[cell.index()];
+        *count = count.saturating_add(u64::from(weight));
+    }
+
+    /// Which part one of the tokens just given is; its arrival.
+    pub(super) fn put(&mut self, cell: CellId, part: PartId) -> u64 {
+        self.arrivals += 1;
+        self.parts[cell.index()].insert(self.arrivals, part);
+        self.arrivals
+    }
+
+    /// Which part one of the tokens just taken was.
+    pub(super) fn pull(&mut self, cell: CellId, arrival: u64) {
+        self.parts[cell.index()].remove(&arrival);
+    }
+}

@@ -1,0 +1,38 @@
+//! The coordination of a flexible cell: a coloured net whose transitions are activities, played with parts and stations.
+//!
+//! # Map
+//! - [`CellTable`], compiled from the net's long form and a [`Plan`] that says what transitions and tokens stand for.
+//! - [`State`]: marking, parts, what is in progress; it changes by [`Record`]s alone, in [`State::apply`].
+//! - [`Enabling`]: which modes have their tokens, after each firing by looking at what it touched.
+//! - [`Question`], [`Answer`], [`Dispatcher`]: what is asked before anything starts; [`Fifo`] answers until somebody
+//!   who knows more does.
+//! - [`Coordination`]: the token player, with the argument why a crash loses nothing and repeats nothing.
+//!
+//! Nothing here knows ROS, files, or how a cell is described.
+
+mod apply;
+mod enabling;
+mod fifo;
+mod firing;
+mod ids;
+mod marking;
+mod orders;
+mod plan;
+mod player;
+mod question;
+mod record;
+mod state;
+mod table;
+
+pub use enabling::Enabling;
+pub use fifo::Fifo;
+pub use firing::{Firing, Order, OrderState, Phase};
+pub use ids::{CellId, FiringId, ModeId, OrderKey, PartId};
+pub use marking::Marking;
+pub use orders::{Event, Heard, Input, OrderMessage, Outbox, Outcome, Reply, Send, Sending};
+pub use plan::{Activity, ActivityKind, CellKind, OrderTemplate, Pick, Plan};
+pub use player::{Coordination, OldEpoch};
+pub use question::{Answer, BadAnswer, Candidate, Dispatcher, Group, Held, Question, Reason, Start, check};
+pub use record::{Cause, Fact, Failure, Record, Refusal};
+pub use state::{Misfit, Part, Place, State};
+pub use table::{CellTable, PlanError, Tokens};

@@ -1,0 +1,135 @@
+//! What the player hears and says: whole states of stations, replies to single orders, and orders.
+//!
+//! Shapes only. A station keeps one order at a time in a slot and the results of some it has had, remembers them over its
+//! own restarts, and answers an order it knows with what it has instead of doing it again; [`super::player`] builds on
+//! that. Nothing here has to arrive: a lost message costs one period.
+
+use std::sync::Arc;
+use std::time::Duration;
+
+use linewright_line::{StationId, Tick};
+
+use super::ids::{ModeId, OrderKey, PartId};
+use super::question::BadAnswer;
+use super::record::{Record, Refusal};
+
+/// What reaches the player.
+#[derive(Clone, Copy, Debug)]
+pub enum Input<'a> {
+    /// A station's newest whole state.
+    Station(StationId, &'a Heard),
+    /// A station's answer to one order.
+    Reply(StationId, OrderKey, Reply),
+    /// Whether activities may start: the line is in auto, and enabled. They may not until this says so.
+    Starts(bool),
+}
+
+/// What a station says of itself, again and again.
+#[derive(Clone, Debug, Default, PartialEq, Eq)]
+pub struct Heard {
+    /// A number that it drew when its memory began. As long as it is the same, the station knows every order it has had.
+    pub memory: u64,
+    /// The newest epoch in which it was told anything; 0 if it never was.
+    pub epoch: u64,
+    /// The order it is doing.
+    pub slot: Option<OrderKey>,
+    /// How the orders it had before have ended, those it still knows.
+    pub results: Vec<(OrderKey, Outcome)>,
+}
+
+/// How an order has ended.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub enum Outcome {
+    /// As it should: the activity-end of seed 001 (L131-185).
+    Done,
+    /// With an error code.
+    Failed(u16),
+}
+
+/// What a station says to one order.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub enum Reply {
+    /// It is doing it.
+    Running,
+    /// It has had it.
+    Ended(Outcome),
+    /// It does not take it on.
+    Refused(Refusal),
+}
+
+/// What a step leaves for the caller: first write the records down, then send, then tell.
+#[derive(Clone, Debug, Default, PartialEq, Eq)]
+pub struct Outbox {
+    /// To be on disk, in this order, before anything is sent.
+    pub records: Vec<Record>,
+    /// To be sent. Each may be lost or doubled.
+    pub sends: Vec<Send>,
+    /// To be told to people.
+    pub events: Vec<Event>,
+}
+
+/// What is sent.
+#[derive(Clone, Debug, PartialEq, Eq)]
+pub enum Send {
+    /// Do this.
+    Order(OrderMessage),
+}
+
+/// An order as its station gets it.
+#[derive(Clone, Debug, PartialEq, Eq)]
+pub struct OrderMessage {
+    /// What it is known by, the same each time it is sent.
+    pub key: OrderKey,
+    /// Who.
+    pub station: StationId,
+    /// The memory it is meant for ([`Heard::memory`]). A station with another one refuses it.
+    pub memory: u64,
+    /// Which task.
+    pub task: Arc<str>,
+    /// Its parameters.
+    pub parameters: Vec<(Arc<str>, i32)>,
+    /// The part it is about.
+    pub part: Option<PartId>,
+    /// How long there is left until it must have ended, counted from now: clocks are not compared across machines. A
+    /// station that hears it when this is over does not begin.
+    pub limit: Duration,
+}
+
+/// How far an order has got towards its station in this life.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub enum Sending {
+    /// Not sent yet.
+    Unsent,
+    /// Sent.
+    Sent {
+        /// How often.
+        tries: u32,
+        /// When last.
+        at: Tick,
+    },
+}
+
+/// What people should know.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub enum Event {
+    /// A dispatcher's answer could not be followed, and first come, first served has answered instead.
+    BadAnswer {
+        /// The number of the question.
+        question: u64,
+        /// Why.
+        why: BadAnswer,
+    },
+    /// A station knows a later life of the coordinator. This one starts and sends nothing more.
+    Superseded {
+        /// Who says so.
+        by: StationId,
+        /// Which life it knows.
+        epoch: u64,
+    },
+    /// So much has happened by itself at one moment that it goes on in the next step. If this comes again and again, the
+    /// net has a circle that takes no time.
+    Busy {
+        /// What happened last.
+        mode: ModeId,
+    },
+}

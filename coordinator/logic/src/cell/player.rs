@@ -1,0 +1,354 @@
+//! The token player: the interpreter of seed 001 (§5.1, L120-129), firing in three phases (seed 000, definition 44, L2369).
+//!
+//! An activity takes its tokens when it starts, its stations are told, and it gives its tokens when all of them have done
+//! what they were told. One [`Coordination::step`] takes what was heard, lets limits run out, closes what has ended, lets
+//! happen what happens by itself, asks the dispatcher, starts what he says, and repeats that until nothing is new. It has
+//! no clock, no file and no network; what it knows of the cell is its [`State`], which changes by records alone.
+//!
+//! # Why a crash at any moment loses nothing and repeats nothing
+//! 1. The caller has `records` on disk before it performs `sends`. So nobody ever knows of an order that the log lacks.
+//! 2. Numbers come from counters that are folded from the records, and the life before the first order of a life is a
+//!    record, [`Fact::Epoch`]. So no two orders ever have one key.
+//! 3. A station remembers the orders it has had, over its own restarts, and does none of them twice. So an order may be
+//!    sent again at any time. All that nobody has acknowledged are: after a restart too, since nobody knows whether they
+//!    were sent.
+//! 4. Each station is sent its orders one by one, the oldest first, the next when it has answered to the one before.
+//!    Keys therefore reach it rising, over restarts as well, and it never takes an order for an old one that it has not
+//!    had.
+//! 5. Ends are repeated by the stations until nobody asks any more. What was heard and not yet written down is heard
+//!    again.
+//! 6. A station that says it has a new memory may have done what it had been told or not. Such an order fails as
+//!    [`Failure::Forgotten`] and is never sent again. To know a new memory from the first one, an order is sent only
+//!    after the station's memory is in a record; and it says for which memory it is meant, so that one which is on its
+//!    way while the memory is lost is not done for a second time.
+//!
+//! A failed activity stays where it is, with its tokens, its part and what was heard of its orders, and waits for whoever
+//! knows what is true.
+
+use std::collections::{BTreeMap, BTreeSet};
+
+use linewright_line::{StationId, Tick};
+use thiserror::Error;
+
+use super::fifo::Fifo;
+use super::firing::{Next, OrderState, Phase};
+use super::ids::{FiringId, ModeId, OrderKey, PartId};
+use super::orders::{Event, Heard, Input, OrderMessage, Outbox, Outcome, Reply, Send, Sending};
+use super::question::{Answer, Candidate, Dispatcher, Question, Reason, check, pose};
+use super::record::{Cause, Fact, Failure, Record};
+use super::state::State;
+
+/// At most so much happens by itself in one step, and as many activities start; the rest does in the next. A net may have
+/// circles that take no time.
+const FIRINGS_MAX: usize = 10_000;
+
+/// The epoch of a new life is not a new one.
+#[derive(Clone, Copy, Debug, PartialEq, Eq, Error)]
+#[error("epoch {asked} cannot begin after epoch {newest}")]
+pub struct OldEpoch {
+    /// What it would have been.
+    pub asked: u64,
+    /// The newest there was.
+    pub newest: u64,
+}
+
+/// One life of the coordinator of a cell.
+#[derive(Clone, Debug)]
+pub struct Coordination {
+    state: State,
+    starts: bool,
+    /// The stations that were heard in this life.
+    heard: BTreeSet<StationId>,
+    /// What was sent in this life, of orders that nobody has taken on: how often, and when last.
+    sent: BTreeMap<OrderKey, (u32, Tick)>,
+    superseded: bool,
+    /// When the dispatcher wants to be asked again.
+    ask_again: Option<Tick>,
+    /// The last step was cut short.
+    cut_short: bool,
+}
+
+impl Coordination {
+    /// Begins a life, after what `state` knows (see [`State::replay`]). The epoch is above that of every life before, also
+    /// of those that only stations know of.
+    pub fn begin(state: State, now: Tick, epoch: u64, out: &mut Outbox) -> Result<Self, OldEpoch> {
+        if epoch <= state.epoch() {
+            return Err(OldEpoch { asked: epoch, newest: state.epoch() });
+        }
+        let mut new = Coordination {
+            state,
+            starts: false,
+            heard: BTreeSet::new(),
+            sent: BTreeMap::new(),
+            superseded: false,
+            ask_again: None,
+            cut_short: false,
+        };
+        let now = now.max(new.state.now());
+        new.write(now, Fact::Epoch { epoch }, out);
+        Ok(new)
+    }
+
+    /// What is known of the cell.
+    pub fn state(&self) -> &State {
+        &self.state
+    }
+
+    /// How far an order has got towards its station; none if its station has answered, or nobody waits for it.
+    pub fn sending(&self, key: OrderKey) -> Option<Sending> {
+        let (_, order) = self.state.order(key)?;
+        let is_unheard = self.state.unheard.get(&order.station).is_some_and(|keys| keys.contains(&key));
+        is_unheard.then(|| match self.sent.get(&key) {
+            Some(&(tries, at)) => Sending::Sent { tries, at },
+            None => Sending::Unsent,
+        })
+    }
+
+    /// Takes what has arrived, all of it before anything is decided, and does what follows. A time before that of the
+    /// newest record is taken for that.
+    pub fn step(&mut self, now: Tick, inputs: &[Input<'_>], dispatcher: &mut dyn Dispatcher, out: &mut Outbox) {
+        let now = now.max(self.state.now());
+        for input in inputs {
+            match *input {
+                Input::Station(station, heard) => self.hear(now, station, heard, out),
+                Input::Reply(station, key, reply) => self.reply(now, station, key, reply, out),
+                Input::Starts(may) => self.starts = may,
+            }
+        }
+        let (mut room, mut starts) = (FIRINGS_MAX, FIRINGS_MAX);
+        self.ask_again = None;
+        loop {
+            self.run_out(now, out);
+            self.settle(now, out);
+            let happened = self.immediates(now, &mut room, out);
+            let started = self.ask(now, &mut starts, dispatcher, out);
+            if !(happened || started) || room == 0 || starts == 0 {
+                break;
+            }
+        }
+        self.cut_short = room == 0 || starts == 0;
+        self.send(now, out);
+    }
+
+    /// When to call again if nothing arrives before.
+    pub fn next_deadline(&self) -> Option<Tick> {
+        let limit = self.state.due.first().map(|&(due, _)| due);
+        let resend = self.next_to_send().map(|key| match self.sent.get(&key) {
+            Some(&(_, at)) => at + self.state.table.refresh(),
+            None => self.state.now(),
+        });
+        let again = self.cut_short.then_some(self.state.now());
+        limit.into_iter().chain(self.ask_again).chain(resend).chain(again).min()
+    }
+
+    fn write(&mut self, at: Tick, fact: Fact, out: &mut Outbox) {
+        let record = Record { at, fact };
+        // Every caller has looked at the state it writes about, and nothing else changes it.
+        self.state.apply(&record).expect("the player writes only what fits");
+        out.records.push(record);
+    }
+
+    fn hear(&mut self, now: Tick, station: StationId, heard: &Heard, out: &mut Outbox) {
+        match self.state.memory.get(&station) {
+            Some(&memory) if memory == heard.memory => (),
+            Some(_) => {
+                // First what follows from it: a crash in between would make the new memory one that was always there.
+                let open = self.state.orders.keys().copied().filter(|&key| self.may_be_known(station, key));
+                for key in open.collect::<Vec<_>>() {
+                    self.write(now, Fact::OrderFailed { key, failure: Failure::Forgotten }, out);
+                }
+                self.write(now, Fact::Memory { station, memory: heard.memory }, out);
+            }
+            None => self.write(now, Fact::Memory { station, memory: heard.memory }, out),
+        }
+        self.heard.insert(station);
+        if heard.epoch > self.state.epoch() && !self.superseded {
+            self.superseded = true;
+            out.events.push(Event::Superseded { by: station, epoch: heard.epoch });
+        }
+        if let Some(key) = heard.slot {
+            self.reply(now, station, key, Reply::Running, out);
+        }
+        for &(key, outcome) in &heard.results {
+            self.reply(now, station, key, Reply::Ended(outcome), out);
+        }
+    }
+
+    /// Whether an order that is waited for may have reached its station: only those of this life are surely unsent.
+    fn may_be_known(&self, station: StationId, key: OrderKey) -> bool {
+        let open = self.state.order(key).is_some_and(|(_, order)| order.station == station && order.is_open());
+        open && (key.epoch < self.state.epoch() || self.sending(key) != Some(Sending::Unsent))
+    }
+
+    fn reply(&mut self, now: Tick, station: StationId, key: OrderKey, reply: Reply, out: &mut Outbox) {
+        // Of orders that are over, or another station's, nothing need be known.
+        let known = self.state.order(key).filter(|(_, order)| order.station == station);
+        let Some((firing, order)) = known else { return };
+        let has_failed = firing.phase != Phase::Running;
+        let fact = match (reply, order.state) {
+            (Reply::Running, OrderState::Written) => Fact::Acknowledged { key },
+            (Reply::Ended(Outcome::Done), OrderState::Written | OrderState::Running) => Fact::OrderEnded { key },
+            // Known to whoever has to find out what is true.
+            (Reply::Ended(Outcome::Done), OrderState::Failed(_)) if has_failed => Fact::OrderEnded { key },
+            (Reply::Ended(Outcome::Failed(code)), OrderState::Written | OrderState::Running) => {
+                Fact::OrderFailed { key, failure: Failure::Code(code) }
+            }
+            (Reply::Refused(refusal), OrderState::Written) if !refusal.is_passing() => {
+                Fact::OrderFailed { key, failure: Failure::Refused(refusal) }
+            }
+            // It is repeated when the time has come.
+            (Reply::Refused(_), OrderState::Written) => return,
+            // A refusal of what is being done answers a doubled message. What has failed or ended has.
+            (Reply::Running | Reply::Refused(_), OrderState::Running | OrderState::Ended | OrderState::Failed(_))
+            | (Reply::Ended(_), OrderState::Ended | OrderState::Failed(_)) => return,
+        };
+        self.sent.remove(&key);
+        self.write(now, fact, out);
+    }
+
+    /// Lets time run out: of orders, of activities, and of those that nobody but the clock ends.
+    fn run_out(&mut self, now: Tick, out: &mut Outbox) {
+        while let Some(&(due, id)) = self.state.due.first().filter(|(due, _)| *due <= now) {
+            let Some(firing) = self.state.firing(id) else { return };
+            let late = firing.orders.iter().filter(|order| order.is_open() && order.limit <= due);
+            let late: Vec<OrderKey> = late.map(|order| order.key).collect();
+            if firing.orders.is_empty() {
+                self.write(now, Fact::Ended { firing: id }, out);
+            } else if firing.next() != Next::Wait {
+                // What was heard just now counts for more than a limit that runs out just now.
+                self.settle(now, out);
+            } else if late.is_empty() {
+                self.write(now, Fact::Raised { firing: id, cause: Cause::TimedOut }, out);
+            } else {
+                for key in late {
+                    self.sent.remove(&key);
+                    self.write(now, Fact::OrderFailed { key, failure: Failure::TimedOut }, out);
+                }
+                self.settle(now, out);
+            }
+        }
+    }
+
+    /// Closes what has ended or failed.
+    fn settle(&mut self, now: Tick, out: &mut Outbox) {
+        while let Some(&id) = self.state.settled.first() {
+            match self.state.firing(id).map(|firing| firing.next()) {
+                Some(Next::End) => self.write(now, Fact::Ended { firing: id }, out),
+                Some(Next::Fail(cause)) => {
+                    let keys: Vec<_> = self.state.firings[&id].orders.iter().map(|order| order.key).collect();
+                    keys.iter().for_each(|key| _ = self.sent.remove(key));
+                    self.write(now, Fact::Raised { firing: id, cause }, out);
+                }
+                // Only firings that have something next are listed.
+                Some(Next::Wait) | None => return,
+            }
+        }
+    }
+
+    /// What happens by itself, the first mode first.
+    fn immediates(&mut self, now: Tick, room: &mut usize, out: &mut Outbox) -> bool {
+        let before = *room;
+        while *room > 0 {
+            let Some(mode) = self.state.enabling().immediate().iter().copied().min() else { break };
+            let part = self.part_for(mode);
+            self.write(now, Fact::Fired { mode, part }, out);
+            *room -= 1;
+            if *room == 0 {
+                out.events.push(Event::Busy { mode });
+            }
+        }
+        *room < before
+    }
+
+    /// The part that has been there longest, of those a mode can take; or a new one for a mode that lets one enter.
+    fn part_for(&self, mode: ModeId) -> Option<PartId> {
+        let table = &self.state.table;
+        match (table.part_in(mode), table.part_out(mode)) {
+            (Some(_), _) => self.state.takeable(mode).next(),
+            (None, Some(_)) => Some(PartId(self.state.last_part + 1)),
+            (None, None) => None,
+        }
+    }
+
+    /// Puts the question, and starts what is answered.
+    fn ask(&mut self, now: Tick, room: &mut usize, dispatcher: &mut dyn Dispatcher, out: &mut Outbox) -> bool {
+        if !self.starts || self.superseded {
+            return false;
+        }
+        let modes = self.state.enabling().decided().iter().copied();
+        let (candidates, groups) = pose(&self.state, modes.filter(|&mode| self.is_heard(mode)));
+        if candidates.is_empty() {
+            return false;
+        }
+        let number = self.state.questions + 1;
+        let question = Question { now, state: &self.state, candidates: &candidates, groups: &groups };
+        let mut answer = dispatcher.decide(&question);
+        if let Err(why) = check(&question, &answer) {
+            out.events.push(Event::BadAnswer { question: number, why });
+            answer = Fifo.decide(&question);
+        }
+        answer.start.truncate(*room);
+        *room -= answer.start.len();
+        let wakes = answer.held.iter().filter_map(|held| held.until).filter(|&until| until > now);
+        self.ask_again = wakes.chain(self.ask_again).min();
+        self.start(now, number, &candidates, &answer, out);
+        !answer.start.is_empty()
+    }
+
+    /// Whether all stations that a mode needs were heard in this life. Until then it waits; it is not an exception.
+    fn is_heard(&self, mode: ModeId) -> bool {
+        self.state.table.activity(mode).orders.iter().all(|order| self.heard.contains(&order.station))
+    }
+
+    fn start(&mut self, now: Tick, question: u64, candidates: &[Candidate], answer: &Answer, out: &mut Outbox) {
+        let mode = |index: usize| candidates[index].mode;
+        let held: Vec<(ModeId, Reason)> = answer.held.iter().map(|held| (mode(held.candidate), held.reason)).collect();
+        let started: Vec<_> = answer.start.iter().map(|start| (mode(start.candidate), start.part)).collect();
+        if !started.is_empty() || held != self.state.held() {
+            self.write(now, Fact::Decided { question, started: started.clone(), held }, out);
+        }
+        for (mode, part) in started {
+            let part = part.or_else(|| self.part_for(mode));
+            let (epoch, last) = (self.state.epoch(), self.state.last_order);
+            let count = self.state.table.activity(mode).orders.len() as u64;
+            let orders = (1..=count).map(|k| OrderKey { epoch, id: last + k }).collect();
+            let firing = FiringId(self.state.last_firing + 1);
+            self.write(now, Fact::Started { firing, mode, part, orders }, out);
+        }
+    }
+
+    /// For each station that was heard, the oldest order it has not answered to.
+    fn heads(&self) -> impl Iterator<Item = OrderKey> + '_ {
+        let heard = self.state.unheard.iter().filter(|(station, _)| !self.superseded && self.heard.contains(station));
+        heard.filter_map(|(_, keys)| keys.first().copied())
+    }
+
+    fn next_to_send(&self) -> Option<OrderKey> {
+        self.heads().min_by_key(|key| self.sent.get(key).map_or(Tick::ZERO, |&(_, at)| at))
+    }
+
+    fn send(&mut self, now: Tick, out: &mut Outbox) {
+        let refresh = self.state.table.refresh();
+        let is_due = |key: &OrderKey| self.sent.get(key).is_none_or(|&(_, at)| at + refresh <= now);
+        for key in self.heads().filter(is_due).collect::<Vec<_>>() {
+            let Some(message) = self.message(now, key) else { continue };
+            self.sent.entry(key).and_modify(|(tries, at)| (*tries, *at) = (*tries + 1, now)).or_insert((1, now));
+            out.sends.push(Send::Order(message));
+        }
+    }
+
+    fn message(&self, now: Tick, key: OrderKey) -> Option<OrderMessage> {
+        let &(_, position) = self.state.orders.get(&key)?;
+        let (firing, order) = self.state.order(key)?;
+        let template = self.state.table.activity(firing.mode).orders.get(position)?;
+        Some(OrderMessage {
+            key,
+            station: order.station,
+            memory: *self.state.memory.get(&order.station)?,
+            task: template.task.clone(),
+            parameters: template.parameters.clone(),
+            part: firing.part,
+            limit: order.limit.max(firing.spared_until).since(now),
+        })
+    }
+}

@@ -1,0 +1,225 @@
+//! The question that is put to a dispatcher, and what an answer has to be.
+//!
+//! The player decides nothing (seed 001, L39, L111, L187-190): whenever activities can start it *poses* a decision problem
+//! and starts what the answer says. Every start is asked about, also where nothing conflicts, because the dispatcher may
+//! hold back. An answer is looked at before anything is done, so a dispatcher can be wrong without doing harm.
+//!
+//! *Candidates* are modes that have their tokens and a server (seed 000, definition 43, without the sensors and the
+//! dispatcher). Candidates that cannot all have what they need form a *group*: the closure over everything they compete
+//! for. What is decided in one group does not matter to another, and a candidate alone in its group is only asked when.
+
+use std::collections::{BTreeMap, BTreeSet};
+
+use linewright_line::Tick;
+use thiserror::Error;
+
+use super::ids::{CellId, ModeId, PartId};
+use super::plan::{CellKind, Pick};
+use super::state::State;
+
+/// What could start now.
+#[derive(Clone, Copy, Debug)]
+pub struct Question<'a> {
+    /// The time.
+    pub now: Tick,
+    /// The cell.
+    pub state: &'a State,
+    /// What could start, by mode.
+    pub candidates: &'a [Candidate],
+    /// Which of them compete.
+    pub groups: &'a [Group],
+}
+
+/// A mode that could start.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub struct Candidate {
+    /// Which.
+    pub mode: ModeId,
+    /// How often, if nobody else took anything; at least 1.
+    pub times: u32,
+    /// Its group, as an index.
+    pub group: usize,
+}
+
+/// Candidates that compete, directly or through others.
+#[derive(Clone, Debug, PartialEq, Eq)]
+pub struct Group {
+    /// They, as indices, ascending.
+    pub candidates: Vec<usize>,
+    /// The cells that have less than all of them together would take.
+    pub contested: Vec<CellId>,
+}
+
+impl<'a> Question<'a> {
+    /// The parts with which a candidate could start, the one that has been there longest first; none if it takes none.
+    pub fn parts(&self, candidate: &Candidate) -> impl Iterator<Item = PartId> + use<'a> {
+        self.state.takeable(candidate.mode)
+    }
+
+    /// Whether a candidate takes a part from somewhere.
+    pub fn takes_part(&self, candidate: &Candidate) -> bool {
+        self.state.table().part_in(candidate.mode).is_some()
+    }
+}
+
+/// What a dispatcher says.
+#[derive(Clone, Debug, Default, PartialEq, Eq)]
+pub struct Answer {
+    /// What is to start.
+    pub start: Vec<Start>,
+    /// What is not, and why. A candidate that is in neither list is held without a reason.
+    pub held: Vec<Held>,
+}
+
+/// A candidate that is to start.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub struct Start {
+    /// Which, as an index.
+    pub candidate: usize,
+    /// With which part; none exactly if the mode takes none.
+    pub part: Option<PartId>,
+}
+
+/// A candidate that is not to start now.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub struct Held {
+    /// Which, as an index.
+    pub candidate: usize,
+    /// Why.
+    pub reason: Reason,
+    /// When to ask again, if nothing happens before.
+    pub until: Option<Tick>,
+}
+
+/// Why something does not start.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub enum Reason {
+    /// What it needs goes to another.
+    LostTo(ModeId),
+    /// It is too early.
+    NotYet,
+}
+
+/// Decides what starts.
+pub trait Dispatcher {
+    /// Answers a question. It can be asked the same again.
+    fn decide(&mut self, question: &Question<'_>) -> Answer;
+}
+
+/// Why an answer cannot be followed.
+#[derive(Clone, Copy, Debug, PartialEq, Eq, Error)]
+pub enum BadAnswer {
+    /// There is no such candidate.
+    #[error("candidate {0} was not asked about")]
+    NoCandidate(usize),
+    /// The part cannot be taken, or there must be none, or one is missing.
+    #[error("{mode} cannot start with {part:?}")]
+    Part {
+        /// The mode.
+        mode: ModeId,
+        /// The part.
+        part: Option<PartId>,
+    },
+    /// A part would be in two places.
+    #[error("{0} is to start twice")]
+    PartTwice(PartId),
+    /// A mode more often than its servers allow, or more than one part of a cell that gives one after the other.
+    #[error("{0} cannot start so often at once")]
+    TooOften(ModeId),
+    /// Not enough tokens for all that is to start.
+    #[error("{0} has fewer tokens than the answer takes")]
+    NotCovered(CellId),
+}
+
+/// The question about these modes; none if nothing could start.
+pub(super) fn pose(state: &State, modes: impl Iterator<Item = ModeId>) -> (Vec<Candidate>, Vec<Group>) {
+    let with_room = modes.map(|mode| Candidate { mode, times: state.room(mode), group: 0 });
+    let mut candidates: Vec<Candidate> = with_room.filter(|candidate| candidate.times > 0).collect();
+    candidates.sort_unstable_by_key(|candidate| candidate.mode);
+    let mut demand: BTreeMap<CellId, (u64, Vec<usize>)> = BTreeMap::new();
+    for (index, candidate) in candidates.iter().enumerate() {
+        for &(cell, weight) in state.table().takes(candidate.mode) {
+            let (needed, by) = demand.entry(cell).or_default();
+            *needed = needed.saturating_add(u64::from(weight) * u64::from(candidate.times));
+            by.push(index);
+        }
+    }
+    demand.retain(|&cell, (needed, _)| *needed > state.marking().count(cell));
+    let mut leader: Vec<usize> = (0..candidates.len()).collect();
+    for (_, by) in demand.values() {
+        by.windows(2).for_each(|pair| join(&mut leader, pair[0], pair[1]));
+    }
+    let mut groups: Vec<Group> = Vec::new();
+    let mut group_of = BTreeMap::new();
+    for (index, candidate) in candidates.iter_mut().enumerate() {
+        let at = *group_of.entry(find(&mut leader, index)).or_insert_with(|| {
+            groups.push(Group { candidates: Vec::new(), contested: Vec::new() });
+            groups.len() - 1
+        });
+        groups[at].candidates.push(index);
+        candidate.group = at;
+    }
+    demand.iter().for_each(|(&cell, (_, by))| groups[candidates[by[0]].group].contested.push(cell));
+    (candidates, groups)
+}
+
+fn find(leader: &mut [usize], of: usize) -> usize {
+    let mut at = of;
+    while leader[at] != at {
+        leader[at] = leader[leader[at]];
+        at = leader[at];
+    }
+    at
+}
+
+/// The smaller leads, so that groups are in the order of their first candidates.
+fn join(leader: &mut [usize], a: usize, b: usize) {
+    let (a, b) = (find(leader, a), find(leader, b));
+    leader[a.max(b)] = a.min(b);
+}
+
+/// Whether all that an answer starts can start at once (seed 000, definition 16).
+pub fn check(question: &Question<'_>, answer: &Answer) -> Result<(), BadAnswer> {
+    let (state, table) = (question.state, question.state.table());
+    let (mut parts, mut ordered) = (BTreeSet::new(), BTreeSet::new());
+    let (mut often, mut demand) = (BTreeMap::<ModeId, u32>::new(), BTreeMap::<CellId, u64>::new());
+    for start in &answer.start {
+        let candidate = question.candidates.get(start.candidate).ok_or(BadAnswer::NoCandidate(start.candidate))?;
+        let mode = candidate.mode;
+        match (table.part_in(mode), start.part) {
+            (None, None) => (),
+            (Some(cell), Some(part)) => {
+                if !state.can_take(cell, part) {
+                    return Err(BadAnswer::Part { mode, part: start.part });
+                }
+                if !parts.insert(part) {
+                    return Err(BadAnswer::PartTwice(part));
+                }
+                let one_by_one = match table.kind(cell) {
+                    CellKind::Tokens | CellKind::Parts(Pick::Any) => false,
+                    CellKind::Parts(Pick::Oldest | Pick::Newest) => true,
+                };
+                if one_by_one && !ordered.insert(cell) {
+                    return Err(BadAnswer::TooOften(mode));
+                }
+            }
+            (None, Some(_)) | (Some(_), None) => return Err(BadAnswer::Part { mode, part: start.part }),
+        }
+        let times = often.entry(mode).or_default();
+        *times += 1;
+        if *times > candidate.times {
+            return Err(BadAnswer::TooOften(mode));
+        }
+        for &(cell, weight) in table.takes(mode) {
+            let needed = demand.entry(cell).or_default();
+            *needed += u64::from(weight);
+            if *needed > state.marking().count(cell) {
+                return Err(BadAnswer::NotCovered(cell));
+            }
+        }
+    }
+    match answer.held.iter().find(|held| held.candidate >= question.candidates.len()) {
+        Some(held) => Err(BadAnswer::NoCandidate(held.candidate)),
+        None => Ok(()),
+    }
+}

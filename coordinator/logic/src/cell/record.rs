@@ -1,0 +1,177 @@
+//! What is written down of a cell: one record for each step of it.
+//!
+//! Records are the truth: a state is what [`super::State::apply`] makes of them, in life and after a restart alike. The
+//! caller has to have them on disk, in order, before it tells anybody anything that follows from them (see
+//! [`super::player`]). A record says what has happened, never what was tried: that an order was *sent* is none, since
+//! written before it might be untrue, and written after it might be missing.
+
+use std::fmt;
+
+use linewright_line::{StationId, Tick};
+
+use super::ids::{FiringId, ModeId, OrderKey, PartId};
+use super::question::Reason;
+
+/// What has happened, and when.
+#[derive(Clone, Debug, PartialEq, Eq)]
+pub struct Record {
+    /// When; never earlier than the record before.
+    pub at: Tick,
+    /// What.
+    pub fact: Fact,
+}
+
+/// What has happened.
+#[derive(Clone, Debug, PartialEq, Eq)]
+pub enum Fact {
+    /// A life of the coordinator begins.
+    Epoch {
+        /// Greater than any before.
+        epoch: u64,
+    },
+    /// A station is heard that remembers what it was told since a certain beginning, or another beginning than before.
+    Memory {
+        /// Who.
+        station: StationId,
+        /// A number that it drew when its memory began.
+        memory: u64,
+    },
+    /// A question was answered. What was decided to start follows as [`Fact::Started`].
+    Decided {
+        /// The number of the question, from 1.
+        question: u64,
+        /// What is to start, with which part.
+        started: Vec<(ModeId, Option<PartId>)>,
+        /// What is not, and why.
+        held: Vec<(ModeId, Reason)>,
+    },
+    /// An activity has started: its tokens are taken, its orders exist.
+    Started {
+        /// The next number.
+        firing: FiringId,
+        /// What.
+        mode: ModeId,
+        /// With which part; a new one if the mode lets parts enter.
+        part: Option<PartId>,
+        /// The keys of its orders, as its activity lists them.
+        orders: Vec<OrderKey>,
+    },
+    /// A station has taken an order on.
+    Acknowledged {
+        /// Which.
+        key: OrderKey,
+    },
+    /// A station has done what it was told.
+    OrderEnded {
+        /// Which.
+        key: OrderKey,
+    },
+    /// An order will not be done, as far as is known.
+    OrderFailed {
+        /// Which.
+        key: OrderKey,
+        /// Why.
+        failure: Failure,
+    },
+    /// An activity will not end by itself. It keeps its tokens and its part until somebody says what is true.
+    Raised {
+        /// Which.
+        firing: FiringId,
+        /// Why.
+        cause: Cause,
+    },
+    /// An activity has ended: its tokens are given.
+    Ended {
+        /// Which.
+        firing: FiringId,
+    },
+    /// What takes no time has happened: tokens are taken and given.
+    Fired {
+        /// What.
+        mode: ModeId,
+        /// With which part; a new one if the mode lets parts enter.
+        part: Option<PartId>,
+    },
+}
+
+/// Why an order was not done.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub enum Failure {
+    /// The station has ended it with this code (seed 001, L131-185: an activity that ends abnormally has an error code).
+    Code(u16),
+    /// The station does not take it on, and will not later.
+    Refused(Refusal),
+    /// No end was heard within its limit.
+    TimedOut,
+    /// The station has lost its memory. Whether it was done, nobody knows but who looks.
+    Forgotten,
+}
+
+/// Why a station does not take an order on.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub enum Refusal {
+    /// It has another one.
+    Busy,
+    /// It is not in auto, or not enabled.
+    Mode,
+    /// Its memory is not the one the order was meant for. Its whole state will say so, and be believed.
+    OtherMemory,
+    /// It knows a later life of the coordinator.
+    OldEpoch,
+    /// It has had it, and no longer knows how it ended.
+    Old,
+    /// The time in which it was to start is over.
+    Late,
+    /// It does not stand where the task begins.
+    NotThere,
+    /// Its devices are not there.
+    Devices,
+    /// It has no such task, or not such a parameter.
+    Unknown,
+    /// An operation was stopped before its end.
+    Incomplete,
+    /// It is left out until somebody has looked after it.
+    Isolated,
+}
+
+impl Refusal {
+    /// Whether to ask again: what is in the way ends by itself, or by a decision about the whole line.
+    pub fn is_passing(self) -> bool {
+        match self {
+            Refusal::Busy | Refusal::Mode | Refusal::OtherMemory => true,
+            Refusal::OldEpoch
+            | Refusal::Old
+            | Refusal::Late
+            | Refusal::NotThere
+            | Refusal::Devices
+            | Refusal::Unknown
+            | Refusal::Incomplete
+            | Refusal::Isolated => false,
+        }
+    }
+}
+
+/// Why an activity does not end by itself.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub enum Cause {
+    /// One of its orders has failed.
+    Order {
+        /// The first of them.
+        key: OrderKey,
+        /// Why.
+        failure: Failure,
+    },
+    /// It takes longer than it may altogether.
+    TimedOut,
+}
+
+impl fmt::Display for Failure {
+    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
+        match self {
+            Failure::Code(code) => write!(f, "ended with code {code}"),
+            Failure::Refused(refusal) => write!(f, "refused ({refusal:?})"),
+            Failure::TimedOut => f.write_str("not done in time"),
+            Failure::Forgotten => f.write_str("forgotten by its station"),
+        }
+    }
+}

@@ -1,0 +1,235 @@
+//! All that is remembered of a cell: marking, parts, what is in progress, and the counters that numbers come from.
+//!
+//! It changes in [`State::apply`] alone, and all of it follows from the records. What does not follow from them (what
+//! was sent when, who was heard in this life) is the player's and is forgotten by a restart on purpose. Beside the facts
+//! there are lists that could be worked out from them and are kept up to date instead, so that no step searches: the
+//! enabled modes, the firings by when they are due, those that can be closed, the orders nobody has taken on.
+
+use std::collections::{BTreeMap, BTreeSet};
+use std::sync::Arc;
+
+use linewright_line::{StationId, Tick};
+use thiserror::Error;
+
+use super::enabling::Enabling;
+use super::firing::Firing;
+use super::ids::{CellId, FiringId, ModeId, OrderKey, PartId};
+use super::marking::Marking;
+use super::plan::{CellKind, Pick};
+use super::question::Reason;
+use super::record::Record;
+use super::table::CellTable;
+
+/// A part in the cell.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub struct Part {
+    /// Which.
+    pub id: PartId,
+    /// When it entered.
+    pub entered: Tick,
+    /// Since when it has been where it is.
+    pub since: Tick,
+    /// Where it is.
+    pub place: Place,
+}
+
+/// Where a part is.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub enum Place {
+    /// On a cell.
+    On {
+        /// Where.
+        cell: CellId,
+        /// Of two parts of a cell the one that came first has the smaller number.
+        arrival: u64,
+    },
+    /// Held by an activity in progress.
+    In(FiringId),
+}
+
+/// Why records cannot be what happened to this cell.
+#[derive(Clone, Debug, PartialEq, Eq, Error)]
+#[error("record {sequence} does not fit: {why}")]
+pub struct Misfit {
+    /// The position of the record, from 1.
+    pub sequence: u64,
+    /// What is wrong with it.
+    pub why: String,
+}
+
+/// The state of a cell.
+#[derive(Clone, Debug, PartialEq, Eq)]
+pub struct State {
+    pub(super) table: Arc<CellTable>,
+    pub(super) marking: Marking,
+    pub(super) enabling: Enabling,
+    pub(super) parts: BTreeMap<PartId, Part>,
+    pub(super) firings: BTreeMap<FiringId, Firing>,
+    /// For each mode how many of the firings are its.
+    pub(super) in_progress: Vec<u32>,
+    /// The firing of each order of one, and the position there.
+    pub(super) orders: BTreeMap<OrderKey, (FiringId, usize)>,
+    /// Orders that nobody has taken on, of activities that have not failed, for each station.
+    pub(super) unheard: BTreeMap<StationId, BTreeSet<OrderKey>>,
+    pub(super) due: BTreeSet<(Tick, FiringId)>,
+    /// Firings whose end or failure has not been written yet.
+    pub(super) settled: BTreeSet<FiringId>,
+    pub(super) memory: BTreeMap<StationId, u64>,
+    pub(super) held: Vec<(ModeId, Reason)>,
+    pub(super) epoch: u64,
+    pub(super) questions: u64,
+    pub(super) last_order: u64,
+    pub(super) last_firing: u64,
+    pub(super) last_part: u64,
+    pub(super) left: u64,
+    pub(super) sequence: u64,
+    pub(super) now: Tick,
+}
+
+impl State {
+    /// Before anything has happened. The parts of the initial marking have the first numbers, in the order of the cells.
+    pub fn new(table: Arc<CellTable>) -> Self {
+        let mut marking = Marking::new(&table);
+        let (mut parts, mut last_part) = (BTreeMap::new(), 0);
+        for cell in table.cells().filter(|&cell| matches!(table.kind(cell), CellKind::Parts(_))) {
+            for _ in 0..table.initial()[cell.index()] {
+                last_part += 1;
+                let id = PartId(last_part);
+                marking.give(cell, 1);
+                let arrival = marking.put(cell, id);
+                let place = Place::On { cell, arrival };
+                parts.insert(id, Part { id, entered: Tick::ZERO, since: Tick::ZERO, place });
+            }
+        }
+        State {
+            enabling: Enabling::new(&table, marking.counts()),
+            marking,
+            parts,
+            firings: BTreeMap::new(),
+            in_progress: vec![0; table.mode_count()],
+            orders: BTreeMap::new(),
+            unheard: BTreeMap::new(),
+            due: BTreeSet::new(),
+            settled: BTreeSet::new(),
+            memory: BTreeMap::new(),
+            held: Vec::new(),
+            epoch: 0,
+            questions: 0,
+            last_order: 0,
+            last_firing: 0,
+            last_part,
+            left: 0,
+            sequence: 0,
+            now: Tick::ZERO,
+            table,
+        }
+    }
+
+    /// What the records make of a cell. Records of another cell, or not from the beginning, do not fit.
+    pub fn replay<'a>(table: Arc<CellTable>, records: impl IntoIterator<Item = &'a Record>) -> Result<Self, Misfit> {
+        let mut state = State::new(table);
+        records.into_iter().try_for_each(|record| state.apply(record))?;
+        Ok(state)
+    }
+
+    /// What is played.
+    pub fn table(&self) -> &Arc<CellTable> {
+        &self.table
+    }
+
+    /// Where the tokens are. What activities in progress have taken is nowhere.
+    pub fn marking(&self) -> &Marking {
+        &self.marking
+    }
+
+    /// Which modes have their tokens.
+    pub fn enabling(&self) -> &Enabling {
+        &self.enabling
+    }
+
+    /// The modes that have their tokens, in order, whether somebody decides about them or not.
+    pub fn enabled(&self) -> Vec<ModeId> {
+        let mut all = [self.enabling.decided(), self.enabling.immediate()].concat();
+        all.sort_unstable();
+        all
+    }
+
+    /// The parts in the cell, by number.
+    pub fn parts(&self) -> impl ExactSizeIterator<Item = &Part> {
+        self.parts.values()
+    }
+
+    /// A part, if it is in the cell.
+    pub fn part(&self, part: PartId) -> Option<&Part> {
+        self.parts.get(&part)
+    }
+
+    /// How many parts have left.
+    pub fn left(&self) -> u64 {
+        self.left
+    }
+
+    /// The activities in progress, by number.
+    pub fn firings(&self) -> impl ExactSizeIterator<Item = &Firing> {
+        self.firings.values()
+    }
+
+    /// An activity, if it is in progress.
+    pub fn firing(&self, firing: FiringId) -> Option<&Firing> {
+        self.firings.get(&firing)
+    }
+
+    /// How many firings of a mode are in progress.
+    pub fn in_progress(&self, mode: ModeId) -> u32 {
+        self.in_progress[mode.index()]
+    }
+
+    /// The modes that were last decided not to start, and why.
+    pub fn held(&self) -> &[(ModeId, Reason)] {
+        &self.held
+    }
+
+    /// The coordinator's life; 0 before the first.
+    pub fn epoch(&self) -> u64 {
+        self.epoch
+    }
+
+    /// How many records this state is made of.
+    pub fn sequence(&self) -> u64 {
+        self.sequence
+    }
+
+    /// The time of the newest record.
+    pub fn now(&self) -> Tick {
+        self.now
+    }
+
+    /// The parts with which a mode could start now, longest there first; none if it takes none.
+    pub fn takeable(&self, mode: ModeId) -> impl Iterator<Item = PartId> + '_ {
+        let with_pick = self.table.part_in(mode).and_then(|cell| match self.table.kind(cell) {
+            CellKind::Tokens => None,
+            CellKind::Parts(pick) => Some((cell, pick)),
+        });
+        with_pick.into_iter().flat_map(|(cell, pick)| self.marking.takeable(cell, pick))
+    }
+
+    /// How many firings of a mode could be added at once, if it had all tokens for itself.
+    pub fn room(&self, mode: ModeId) -> u32 {
+        let servers = self.table.activity(mode).servers.saturating_sub(self.in_progress(mode));
+        let times = |&(cell, weight): &(CellId, u32)| self.marking.count(cell) / u64::from(weight).max(1);
+        let tokens = self.table.takes(mode).iter().map(times).min().unwrap_or(u64::MAX);
+        let ordered = self.table.part_in(mode).is_some_and(|cell| match self.table.kind(cell) {
+            CellKind::Tokens | CellKind::Parts(Pick::Any) => false,
+            CellKind::Parts(Pick::Oldest | Pick::Newest) => true,
+        });
+        let most = if ordered { servers.min(1) } else { servers };
+        u32::try_from(tokens).map_or(most, |tokens| tokens.min(most))
+    }
+
+    /// The order of that key, if its activity is in progress.
+    pub fn order(&self, key: OrderKey) -> Option<(&Firing, &super::firing::Order)> {
+        let &(firing, at) = self.orders.get(&key)?;
+        let firing = self.firings.get(&firing)?;
+        Some((firing, firing.orders.get(at)?))
+    }
+}

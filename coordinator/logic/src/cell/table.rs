@@ -1,0 +1,322 @@
+//! The compiled cell: what every mode takes and gives, and what it stands for.
+//!
+//! A coloured net is unfolded, so that a mode is a row and a colour of a place is a *cell*; the player never evaluates a
+//! function or a guard. Rows lie one after the other in one block of memory, found by where they start. The table does
+//! not know what a machine or a robot is; it never changes, and exists only in sound form.
+//!
+//! The inputs of a mode are in the order in which enabling looks at them: those few modes compete for come first (the
+//! part at its location, then the target's capacity), those many compete for come last (the carrier). A mode that cannot
+//! fire then waits for what is its own rather than for the robot; [`super::enabling`] says what that is good for.
+
+use std::sync::Arc;
+use std::time::Duration;
+
+use linewright_nets::coloured::Unfolding;
+use linewright_nets::{Net, PlaceId, TransitionId};
+use thiserror::Error;
+
+use super::ids::{CellId, ModeId};
+use super::plan::{Activity, ActivityKind, CellKind, Plan};
+
+/// Why a plan does not fit its net.
+#[derive(Clone, Debug, PartialEq, Eq, Error)]
+pub enum PlanError {
+    /// Not one kind for each cell.
+    #[error("the plan has kinds for {has} cells, the net has {expected}")]
+    Cells {
+        /// How many there are.
+        has: usize,
+        /// How many there must be.
+        expected: usize,
+    },
+    /// Not one activity for each mode.
+    #[error("the plan has activities for {has} modes, the net has {expected}")]
+    Modes {
+        /// How many there are.
+        has: usize,
+        /// How many there must be.
+        expected: usize,
+    },
+    /// An activity that is not in the list.
+    #[error("`{mode}` is said to be activity {activity} of {count}")]
+    NoActivity {
+        /// The mode.
+        mode: String,
+        /// The position asked for.
+        activity: usize,
+        /// How many there are.
+        count: usize,
+    },
+    /// A mode moves more than one part.
+    #[error("`{mode}` {moves} more than one part; a mode moves one at most")]
+    Parts {
+        /// The mode.
+        mode: String,
+        /// `takes` or `gives`.
+        moves: &'static str,
+    },
+    /// More parts than are kept apart.
+    #[error("{has} parts are in the cell from the beginning, at most {most} can be")]
+    TooManyParts {
+        /// How many there would be.
+        has: u64,
+        /// How many there may be.
+        most: u64,
+    },
+    /// Nobody could be told, since what is immediate has ended when it starts.
+    #[error("activity `{activity}` is immediate and has orders; make it a decided one")]
+    ImmediateOrders {
+        /// The activity.
+        activity: String,
+    },
+    /// It would happen for ever.
+    #[error("`{mode}` is immediate and takes nothing, so it would never stop happening")]
+    ImmediateSource {
+        /// The mode.
+        mode: String,
+    },
+    /// Not even one firing is allowed.
+    #[error("activity `{activity}` has no server; 1 lets each of its modes happen once at a time")]
+    NoServer {
+        /// The activity.
+        activity: String,
+    },
+}
+
+/// At most so many parts from the beginning; each is kept by itself.
+const PARTS_MAX: u64 = 1_000_000;
+
+/// What a mode is beside its arcs.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+struct Row {
+    activity: usize,
+    part_in: Option<CellId>,
+    part_out: Option<CellId>,
+}
+
+/// Lists of one length each, one after the other.
+#[derive(Clone, Debug, PartialEq, Eq)]
+struct Rows<T> {
+    starts: Vec<usize>,
+    items: Vec<T>,
+}
+
+impl<T> Rows<T> {
+    fn new(rows: impl Iterator<Item = Vec<T>>) -> Self {
+        let (mut starts, mut items) = (vec![0], Vec::new());
+        for row in rows {
+            items.extend(row);
+            starts.push(items.len());
+        }
+        Rows { starts, items }
+    }
+
+    fn range(&self, row: usize) -> std::ops::Range<usize> {
+        self.starts[row]..self.starts[row + 1]
+    }
+
+    fn of(&self, row: usize) -> &[T] {
+        &self.items[self.range(row)]
+    }
+}
+
+/// A token demand or gift: so many of a cell.
+pub type Tokens = (CellId, u32);
+
+/// A cell, compiled.
+///
+/// # Panics
+/// Methods that take an id panic when it is not one of this table.
+#[derive(Clone, Debug, PartialEq, Eq)]
+pub struct CellTable {
+    cell_names: Vec<Arc<str>>,
+    mode_names: Vec<Arc<str>>,
+    kinds: Vec<CellKind>,
+    initial: Vec<u64>,
+    activities: Vec<Activity>,
+    modes: Vec<Row>,
+    inputs: Rows<Tokens>,
+    outputs: Rows<Tokens>,
+    consumers: Rows<ModeId>,
+    /// Whose each of the input arcs is.
+    arc_modes: Vec<ModeId>,
+    refresh: Duration,
+    grace: Duration,
+}
+
+impl CellTable {
+    /// Compiles the long form of a coloured net, with what `plan` says of its places and transitions. Cells and modes are
+    /// numbered as places and transitions of [`Unfolding::net`] are.
+    pub fn compile(unfolding: &Unfolding, plan: Plan) -> Result<Self, PlanError> {
+        let net = unfolding.net();
+        let cells = net.place_count();
+        if plan.cells.len() != cells {
+            return Err(PlanError::Cells { has: plan.cells.len(), expected: cells });
+        }
+        if plan.activity_of.len() != net.transition_count() {
+            return Err(PlanError::Modes { has: plan.activity_of.len(), expected: net.transition_count() });
+        }
+        plan.activities.iter().try_for_each(check_activity)?;
+        let modes = net.transitions().map(|t| row(net, t, &plan)).collect::<Result<Vec<_>, _>>()?;
+        let takes = |t: TransitionId| {
+            let mut arcs: Vec<(PlaceId, u32)> = net.preset(t).to_vec();
+            arcs.sort_by_key(|&(place, _)| (net.consumers(place).len(), place));
+            arcs.into_iter().map(|(place, weight)| (CellId(place.0), weight)).collect()
+        };
+        let gives = |t| net.postset(t).iter().map(|&(place, weight)| (CellId(place.0), weight)).collect();
+        let takers = |p| net.consumers(p).iter().map(|&(t, _)| ModeId(t.0)).collect();
+        let mine = |t| net.preset(t).iter().map(move |_| ModeId(t.0));
+        let start = net.initial_marking();
+        let parts = plan.cells.iter().zip(start.as_slice()).filter(|(kind, _)| matches!(kind, CellKind::Parts(_)));
+        let has = parts.map(|(_, &count)| u64::from(count)).sum();
+        if has > PARTS_MAX {
+            return Err(PlanError::TooManyParts { has, most: PARTS_MAX });
+        }
+        Ok(CellTable {
+            cell_names: net.places().map(|p| net.place_name(p).into()).collect(),
+            mode_names: net.transitions().map(|t| net.transition_name(t).into()).collect(),
+            initial: start.as_slice().iter().map(|&count| u64::from(count)).collect(),
+            modes,
+            inputs: Rows::new(net.transitions().map(takes)),
+            outputs: Rows::new(net.transitions().map(gives)),
+            consumers: Rows::new(net.places().map(takers)),
+            arc_modes: net.transitions().flat_map(mine).collect(),
+            kinds: plan.cells,
+            activities: plan.activities,
+            refresh: plan.refresh,
+            grace: plan.grace,
+        })
+    }
+
+    /// How many cells there are.
+    pub fn cell_count(&self) -> usize {
+        self.cell_names.len()
+    }
+
+    /// How many modes there are.
+    pub fn mode_count(&self) -> usize {
+        self.mode_names.len()
+    }
+
+    /// All cells.
+    pub fn cells(&self) -> impl ExactSizeIterator<Item = CellId> + use<> {
+        // Nets are bounded far below 32 bits.
+        (0..self.cell_count() as u32).map(CellId)
+    }
+
+    /// All modes.
+    pub fn modes(&self) -> impl ExactSizeIterator<Item = ModeId> + use<> {
+        (0..self.mode_count() as u32).map(ModeId)
+    }
+
+    /// What a cell is called in the net.
+    pub fn cell_name(&self, cell: CellId) -> &str {
+        &self.cell_names[cell.index()]
+    }
+
+    /// What a mode is called in the net.
+    pub fn mode_name(&self, mode: ModeId) -> &str {
+        &self.mode_names[mode.index()]
+    }
+
+    /// What the tokens of a cell are.
+    pub fn kind(&self, cell: CellId) -> CellKind {
+        self.kinds[cell.index()]
+    }
+
+    /// The tokens of each cell before anything has happened.
+    pub fn initial(&self) -> &[u64] {
+        &self.initial
+    }
+
+    /// What a mode takes, each cell once, in the order in which enabling looks at them.
+    pub fn takes(&self, mode: ModeId) -> &[Tokens] {
+        self.inputs.of(mode.index())
+    }
+
+    /// What a mode gives, each cell once.
+    pub fn gives(&self, mode: ModeId) -> &[Tokens] {
+        self.outputs.of(mode.index())
+    }
+
+    /// The modes that take from a cell.
+    pub fn consumers(&self, cell: CellId) -> &[ModeId] {
+        self.consumers.of(cell.index())
+    }
+
+    /// What a mode stands for.
+    pub fn activity(&self, mode: ModeId) -> &Activity {
+        &self.activities[self.modes[mode.index()].activity]
+    }
+
+    /// Whether a mode happens by itself.
+    pub fn is_immediate(&self, mode: ModeId) -> bool {
+        matches!(self.activity(mode).kind, ActivityKind::Immediate)
+    }
+
+    /// Where a mode takes its part from; none if it takes none.
+    pub fn part_in(&self, mode: ModeId) -> Option<CellId> {
+        self.modes[mode.index()].part_in
+    }
+
+    /// Where a mode puts its part; none if it puts none. A mode that takes none and puts one lets a part enter; one that
+    /// takes one and puts none lets it leave.
+    pub fn part_out(&self, mode: ModeId) -> Option<CellId> {
+        self.modes[mode.index()].part_out
+    }
+
+    /// After what time an order is repeated.
+    pub fn refresh(&self) -> Duration {
+        self.refresh
+    }
+
+    /// For how long after a restart no limit runs out.
+    pub fn grace(&self) -> Duration {
+        self.grace
+    }
+
+    /// How many input arcs there are in all.
+    pub(super) fn arc_count(&self) -> usize {
+        self.arc_modes.len()
+    }
+
+    /// The numbers of a mode's input arcs.
+    pub(super) fn arcs(&self, mode: ModeId) -> std::ops::Range<usize> {
+        self.inputs.range(mode.index())
+    }
+
+    /// One input arc: whose it is, and what it takes.
+    pub(super) fn arc(&self, arc: usize) -> (ModeId, Tokens) {
+        (self.arc_modes[arc], self.inputs.items[arc])
+    }
+}
+
+fn check_activity(activity: &Activity) -> Result<(), PlanError> {
+    if matches!(activity.kind, ActivityKind::Immediate) && !activity.orders.is_empty() {
+        return Err(PlanError::ImmediateOrders { activity: activity.name.to_string() });
+    }
+    if activity.servers == 0 {
+        return Err(PlanError::NoServer { activity: activity.name.to_string() });
+    }
+    Ok(())
+}
+
+fn row(net: &Net, t: TransitionId, plan: &Plan) -> Result<Row, PlanError> {
+    let (mode, at) = (|| net.transition_name(t).to_owned(), plan.activity_of[t.index()]);
+    let Some(activity) = plan.activities.get(at) else {
+        return Err(PlanError::NoActivity { mode: mode(), activity: at, count: plan.activities.len() });
+    };
+    if matches!(activity.kind, ActivityKind::Immediate) && net.preset(t).is_empty() {
+        return Err(PlanError::ImmediateSource { mode: mode() });
+    }
+    let the_part = |arcs: &[(PlaceId, u32)], moves| {
+        let mut parts = arcs.iter().filter(|(place, _)| matches!(plan.cells[place.index()], CellKind::Parts(_)));
+        match (parts.next(), parts.next()) {
+            (None, _) => Ok(None),
+            (Some(&(place, 1)), None) => Ok(Some(CellId(place.0))),
+            (Some(_), _) => Err(PlanError::Parts { mode: mode(), moves }),
+        }
+    };
+    let (part_in, part_out) = (the_part(net.preset(t), "takes")?, the_part(net.postset(t), "gives")?);
+    Ok(Row { activity: at, part_in, part_out })
+}

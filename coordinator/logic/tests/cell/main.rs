@@ -1,0 +1,14 @@
+//! The token player: its enabled set and its records against slower twins, the states of seed 000 that are printed, and
+//! whole runs with pretended stations, some of them killed at every step.
+
+mod crash;
+mod dice;
+mod enabled;
+mod exceptions;
+mod ledger;
+mod picks;
+mod plans;
+mod printed;
+mod records;
+mod workcell;
+mod world;
