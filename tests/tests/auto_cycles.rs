@@ -159,6 +159,28 @@ fn master_stop_halts_every_station_at_home_and_start_and_auto_go_on() {
     }
 }
 
+/// In the moment in which all are at home and the next round begins, somebody has begun it and somebody else has not
+/// heard of that.
+#[test]
+fn master_stop_just_as_the_next_round_begins() {
+    for seed in 0..6 {
+        for micros in (0..2400).step_by(60) {
+            let mut sim = Sim::new(&transfer_line(1.0), seed);
+            sim.start_auto();
+            sim.run_until_done("clamp_1", "return clamp", 2);
+            sim.run_for(Duration::from_micros(micros));
+            sim.order(Command::Stop);
+            sim.run_until("the line is home", |s| s.mode() == Some(ControlMode::Home));
+            assert!(sim.all_home(), "{micros} us, seed {seed}");
+            sim.settle();
+            assert!(sim.all_home(), "{micros} us, seed {seed}: and stays there");
+            sim.order(Command::Start);
+            sim.order(Command::Auto);
+            sim.run_until_done("mill_1", "reset main slide", 3);
+        }
+    }
+}
+
 #[test]
 fn a_stop_taken_back_by_start_costs_nothing() {
     let mut sim = Sim::new(&transfer_line(1.0), 5);

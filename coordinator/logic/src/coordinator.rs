@@ -2,8 +2,11 @@
 //!
 //! The order carries an epoch, which grows with every change of mode, and a lease. A mode that enables motion is
 //! *enabled* only when every station has acknowledged its epoch, so no station moves while another still acts on the
-//! mode before. Everything unknown counts against motion: a station that is not heard is trouble, a console that was
+//! mode before. The same holds for rest: a station that was last heard standing stands for sure only once it has
+//! acknowledged an epoch in which nothing starts by itself; master stop is of such an epoch, too. Everything unknown counts against motion: a station that is not heard is trouble, a console that was
 //! heard and is no longer counts as a pressed emergency stop.
+
+mod obey;
 
 use std::time::Duration;
 
@@ -104,6 +107,9 @@ pub struct Coordinator {
     epoch: u64,
     enabled: bool,
     stopping: bool,
+    /// The first epoch in which no station leaves its place by itself. Who has not acknowledged it may be on its way
+    /// though it was last heard at rest.
+    quiet: u64,
     estop: bool,
     /// "Manual" was commanded: as if every selector stood at manual.
     manual_all: bool,
@@ -128,6 +134,7 @@ impl Coordinator {
             epoch: last_epoch.saturating_add(1),
             enabled: false,
             stopping: false,
+            quiet: last_epoch.saturating_add(1),
             estop: false,
             manual_all: false,
             console: (0, false),
@@ -250,6 +257,7 @@ impl Coordinator {
         // a mode in which nothing starts.
         if heard.mode_epoch > self.epoch {
             self.epoch = heard.mode_epoch.saturating_add(1);
+            self.quiet = self.epoch;
             self.enabled = false;
             self.changed = true;
             self.manual_all = false;
@@ -273,10 +281,15 @@ impl Coordinator {
             estop: self.estop,
             trouble: !self.troubles().is_empty(),
             stopping: self.stopping,
-            all_home: self.all(|h| h.at_home && h.round == self.latest_round()),
-            all_stopped: self.all(|h| h.stopped),
+            all_home: self.all(|h| self.is_at_rest(h) && h.at_home && h.round == self.latest_round()),
+            all_stopped: self.all(|h| self.is_at_rest(h)),
             any_manual: self.manual_all || self.any_selector(),
         }
+    }
+
+    /// Nothing moves, and nothing will by an order that it heard before.
+    fn is_at_rest(&self, heard: &Heard) -> bool {
+        heard.stopped && heard.mode_epoch >= self.quiet
     }
 
     fn any_selector(&self) -> bool {
@@ -317,133 +330,6 @@ impl Coordinator {
         stations.filter(|(_, s)| !self.is_known(s)).map(|(id, _)| Reason::NotHeard(id)).collect()
     }
 
-    fn command(&mut self, command: Command) {
-        self.changed = true;
-        let reasons = self.obey(command);
-        if !reasons.is_empty() {
-            self.refusals.push(Refusal { command, mode: self.mode, reasons });
-        }
-    }
-
-    /// Obeys a command or says why not. Every pair of mode and command is decided here.
-    fn obey(&mut self, command: Command) -> Vec<Reason> {
-        use Command as C;
-        use ControlMode as M;
-        match (self.mode, command) {
-            (_, C::EStop) => {
-                self.estop = true;
-                self.decide(None);
-                Vec::new()
-            }
-            (M::EStop, C::Reset) => self.reset(),
-            (M::EStop, C::Manual) if self.estop => vec![Reason::EStop],
-            (M::EStop, C::Manual) | (M::StandBy, C::Manual) => self.go_manual(),
-            (M::EStop, C::Start | C::Stop | C::Auto | C::Hand) => vec![Reason::EStop],
-            (M::Home, C::Start) => self.ask(command, Vec::new()),
-            (M::Home, C::Stop) => vec![Reason::Already],
-            (M::Home, C::Auto | C::Hand | C::Manual | C::Reset) => vec![Reason::WrongMode(vec![C::Start])],
-            (M::StandBy, C::Start) => {
-                // Start in stand-by is the operator's word that a restarted station has been looked at.
-                self.acknowledge_restarts()
-            }
-            (M::StandBy, C::Stop) => {
-                let mut reasons = self.unheard();
-                let latest = self.latest_round();
-                reasons.extend(self.which(|h| h.at_home && h.round != latest, Reason::Behind));
-                reasons.extend(self.which(|h| !h.at_home, Reason::NotAtHome));
-                reasons.extend(self.which(|h| !h.stopped, Reason::Moving));
-                reasons.extend(self.which(|h| h.selector_manual, Reason::SelectorManual));
-                self.ask(command, reasons)
-            }
-            (M::StandBy | M::Hand, C::Auto) => self.ask(command, self.against_motion()),
-            (M::StandBy, C::Hand) => {
-                let mut reasons = self.against_motion();
-                reasons.extend(self.which(|h| !h.stopped, Reason::Moving));
-                self.ask(command, reasons)
-            }
-            (M::StandBy | M::Auto | M::Hand | M::Manual, C::Reset) => Vec::new(),
-            (M::Auto, C::Start) => {
-                self.stopping = false;
-                Vec::new()
-            }
-            (M::Auto, C::Stop) => {
-                self.stopping = true;
-                self.decide(None);
-                Vec::new()
-            }
-            (M::Auto, C::Auto) | (M::Hand, C::Hand) | (M::Manual, C::Manual) => vec![Reason::Already],
-            (M::Auto, C::Hand | C::Manual) => vec![Reason::WrongMode(vec![C::Stop, C::EStop])],
-            (M::Hand, C::Stop) => self.ask(command, Vec::new()),
-            (M::Hand, C::Start | C::Manual) => vec![Reason::WrongMode(vec![C::Auto, C::Stop, C::EStop])],
-            (M::Manual, C::Auto | C::Hand | C::Start | C::Stop) => self.leave_manual(command),
-        }
-    }
-
-    /// Gives the command to the net; if no arc takes it, these are the reasons.
-    fn ask(&mut self, command: Command, reasons: Vec<Reason>) -> Vec<Reason> {
-        let before = self.mode;
-        self.decide(Some(command));
-        if self.mode != before {
-            return Vec::new();
-        }
-        if reasons.is_empty() { vec![Reason::WrongMode(Vec::new())] } else { reasons }
-    }
-
-    fn against_motion(&self) -> Vec<Reason> {
-        let mut reasons = self.troubles();
-        reasons.extend(self.which(|h| h.selector_manual, Reason::SelectorManual));
-        reasons
-    }
-
-    fn reset(&mut self) -> Vec<Reason> {
-        if self.wired(self.line.console.estop) {
-            return vec![Reason::EStopPressed];
-        }
-        if self.line.console.estop.is_some() && self.console_was_heard && !self.console.1 {
-            return vec![Reason::ConsoleLost];
-        }
-        self.estop = false;
-        self.decide(None);
-        Vec::new()
-    }
-
-    fn go_manual(&mut self) -> Vec<Reason> {
-        let mut reasons = self.which(|h| !h.stopped, Reason::Moving);
-        reasons.extend(self.unheard());
-        if reasons.is_empty() {
-            self.manual_all = true;
-            self.decide(None);
-        }
-        reasons
-    }
-
-    /// Out of manual by command, if only a command led in: back to stand-by and, in the same breath, further.
-    fn leave_manual(&mut self, command: Command) -> Vec<Reason> {
-        let selectors = self.which(|h| h.selector_manual, Reason::SelectorManual);
-        if !selectors.is_empty() {
-            return selectors;
-        }
-        if matches!(command, Command::Auto | Command::Hand) {
-            let reasons = self.against_motion();
-            if !reasons.is_empty() {
-                return reasons;
-            }
-        }
-        self.manual_all = false;
-        self.decide(None);
-        if command == Command::Start { Vec::new() } else { self.obey(command) }
-    }
-
-    fn acknowledge_restarts(&mut self) -> Vec<Reason> {
-        if !self.stations.iter().any(|s| s.restarted) {
-            return vec![Reason::Already];
-        }
-        for station in &mut self.stations {
-            station.restarted = false;
-        }
-        Vec::new()
-    }
-
     /// Plays the net until no arc is allowed. A command is used by the first arc that takes it.
     fn decide(&mut self, mut command: Option<Command>) {
         // Six places and exclusive arcs: more hops than places would be a loop among conditions that hold together.
@@ -455,8 +341,11 @@ impl Coordinator {
     }
 
     fn enter(&mut self, mode: ControlMode) {
-        self.mode = mode;
         self.epoch = self.epoch.saturating_add(1);
+        if matches!(self.mode, ControlMode::Auto | ControlMode::Hand) {
+            self.quiet = self.epoch;
+        }
+        self.mode = mode;
         self.enabled = false;
         self.changed = true;
         self.modes.push(mode);

@@ -183,3 +183,45 @@ fn a_coordinator_that_has_heard_nobody_stays_where_nothing_moves() {
     assert_eq!(out.refusals.len(), 3);
     assert!(out.refusals.iter().all(|refusal| refusal.text(&line()).contains("transfer is not heard")));
 }
+
+/// A station that was last heard at home may have begun its next round before it heard of the stop.
+#[test]
+fn home_is_reached_only_when_every_station_has_heard_of_the_stop() {
+    let mut bench = Bench::in_mode(ControlMode::Auto);
+    bench.acknowledge = false;
+    assert_eq!(bench.command(Command::Stop), None);
+    assert_eq!(bench.mode(), ControlMode::Auto, "all are at home, as far as anybody knows");
+    assert!(bench.coordinator.order().enabled, "and go on meanwhile");
+    // The bar had begun: the others have to follow it.
+    bench.heard[0] = Heard { at_home: false, stopped: false, round: 1, ..bench.heard[0] };
+    bench.say(0);
+    assert_eq!(bench.coordinator.order().master_stop, Some(1));
+    bench.acknowledge = true;
+    bench.beat();
+    assert_eq!(bench.mode(), ControlMode::Auto);
+    for heard in &mut bench.heard {
+        *heard = Heard { at_home: true, stopped: true, round: 1, ..*heard };
+    }
+    bench.beat();
+    assert_eq!(bench.mode(), ControlMode::Home);
+}
+
+/// The same for stand-by: what a station was ordered in auto it may have begun since it was last heard.
+#[test]
+fn in_stand_by_a_station_stands_only_when_it_has_heard_of_it() {
+    for command in [Command::Stop, Command::Hand, Command::Manual] {
+        let mut bench = Bench::in_mode(ControlMode::Auto);
+        bench.acknowledge = false;
+        bench.heard[1].devices_valid = false;
+        bench.say(1);
+        assert_eq!(bench.mode(), ControlMode::StandBy);
+        bench.heard[1].devices_valid = true;
+        bench.say(1);
+        let refusal = bench.command(command).expect("nobody has heard of stand-by");
+        assert!(refusal.contains("transfer is still moving"), "{refusal}");
+        bench.acknowledge = true;
+        bench.beat();
+        assert_eq!(bench.command(command), None);
+        assert_ne!(bench.mode(), ControlMode::StandBy);
+    }
+}

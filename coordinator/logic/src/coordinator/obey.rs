@@ -1,0 +1,142 @@
+//! What each command does in each mode, and why it is refused where it is.
+
+use linewright_line::net::ControlMode;
+
+use super::Coordinator;
+use crate::decision::Command;
+use crate::refusal::{Reason, Refusal};
+
+impl Coordinator {
+    pub(super) fn command(&mut self, command: Command) {
+        self.changed = true;
+        let reasons = self.obey(command);
+        if !reasons.is_empty() {
+            self.refusals.push(Refusal { command, mode: self.mode, reasons });
+        }
+    }
+
+    /// Obeys a command or says why not. Every pair of mode and command is decided here.
+    fn obey(&mut self, command: Command) -> Vec<Reason> {
+        use Command as C;
+        use ControlMode as M;
+        match (self.mode, command) {
+            (_, C::EStop) => {
+                self.estop = true;
+                self.decide(None);
+                Vec::new()
+            }
+            (M::EStop, C::Reset) => self.reset(),
+            (M::EStop, C::Manual) if self.estop => vec![Reason::EStop],
+            (M::EStop, C::Manual) | (M::StandBy, C::Manual) => self.go_manual(),
+            (M::EStop, C::Start | C::Stop | C::Auto | C::Hand) => vec![Reason::EStop],
+            (M::Home, C::Start) => self.ask(command, Vec::new()),
+            (M::Home, C::Stop) => vec![Reason::Already],
+            (M::Home, C::Auto | C::Hand | C::Manual | C::Reset) => vec![Reason::WrongMode(vec![C::Start])],
+            (M::StandBy, C::Start) => {
+                // Start in stand-by is the operator's word that a restarted station has been looked at.
+                self.acknowledge_restarts()
+            }
+            (M::StandBy, C::Stop) => {
+                let mut reasons = self.unheard();
+                let latest = self.latest_round();
+                reasons.extend(self.which(|h| h.at_home && h.round != latest, Reason::Behind));
+                reasons.extend(self.which(|h| !h.at_home, Reason::NotAtHome));
+                reasons.extend(self.which(|h| !self.is_at_rest(h), Reason::Moving));
+                reasons.extend(self.which(|h| h.selector_manual, Reason::SelectorManual));
+                self.ask(command, reasons)
+            }
+            (M::StandBy | M::Hand, C::Auto) => self.ask(command, self.against_motion()),
+            (M::StandBy, C::Hand) => {
+                let mut reasons = self.against_motion();
+                reasons.extend(self.which(|h| !self.is_at_rest(h), Reason::Moving));
+                self.ask(command, reasons)
+            }
+            (M::StandBy | M::Auto | M::Hand | M::Manual, C::Reset) => Vec::new(),
+            (M::Auto, C::Start) => {
+                self.stopping = false;
+                Vec::new()
+            }
+            (M::Auto, C::Stop) => {
+                if !self.stopping {
+                    // Of an epoch of its own, so that it is known who has heard it: a station at home may begin its next
+                    // round before it does. The mode stays, and goes on meanwhile.
+                    self.epoch = self.epoch.saturating_add(1);
+                    self.quiet = self.epoch;
+                }
+                self.stopping = true;
+                self.decide(None);
+                Vec::new()
+            }
+            (M::Auto, C::Auto) | (M::Hand, C::Hand) | (M::Manual, C::Manual) => vec![Reason::Already],
+            (M::Auto, C::Hand | C::Manual) => vec![Reason::WrongMode(vec![C::Stop, C::EStop])],
+            (M::Hand, C::Stop) => self.ask(command, Vec::new()),
+            (M::Hand, C::Start | C::Manual) => vec![Reason::WrongMode(vec![C::Auto, C::Stop, C::EStop])],
+            (M::Manual, C::Auto | C::Hand | C::Start | C::Stop) => self.leave_manual(command),
+        }
+    }
+
+    /// Gives the command to the net; if no arc takes it, these are the reasons.
+    fn ask(&mut self, command: Command, reasons: Vec<Reason>) -> Vec<Reason> {
+        let before = self.mode;
+        self.decide(Some(command));
+        if self.mode != before {
+            return Vec::new();
+        }
+        if reasons.is_empty() { vec![Reason::WrongMode(Vec::new())] } else { reasons }
+    }
+
+    fn against_motion(&self) -> Vec<Reason> {
+        let mut reasons = self.troubles();
+        reasons.extend(self.which(|h| h.selector_manual, Reason::SelectorManual));
+        reasons
+    }
+
+    fn reset(&mut self) -> Vec<Reason> {
+        if self.wired(self.line.console.estop) {
+            return vec![Reason::EStopPressed];
+        }
+        if self.line.console.estop.is_some() && self.console_was_heard && !self.console.1 {
+            return vec![Reason::ConsoleLost];
+        }
+        self.estop = false;
+        self.decide(None);
+        Vec::new()
+    }
+
+    fn go_manual(&mut self) -> Vec<Reason> {
+        let mut reasons = self.which(|h| !self.is_at_rest(h), Reason::Moving);
+        reasons.extend(self.unheard());
+        if reasons.is_empty() {
+            self.manual_all = true;
+            self.decide(None);
+        }
+        reasons
+    }
+
+    /// Out of manual by command, if only a command led in: back to stand-by and, in the same breath, further.
+    fn leave_manual(&mut self, command: Command) -> Vec<Reason> {
+        let selectors = self.which(|h| h.selector_manual, Reason::SelectorManual);
+        if !selectors.is_empty() {
+            return selectors;
+        }
+        if matches!(command, Command::Auto | Command::Hand) {
+            let reasons = self.against_motion();
+            if !reasons.is_empty() {
+                return reasons;
+            }
+        }
+        self.manual_all = false;
+        self.decide(None);
+        if command == Command::Start { Vec::new() } else { self.obey(command) }
+    }
+
+    fn acknowledge_restarts(&mut self) -> Vec<Reason> {
+        if !self.stations.iter().any(|s| s.restarted) {
+            return vec![Reason::Already];
+        }
+        for station in &mut self.stations {
+            station.restarted = false;
+        }
+        Vec::new()
+    }
+}
