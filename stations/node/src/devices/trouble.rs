@@ -8,7 +8,7 @@ use linewright_line::{Owner, Tick};
 use linewright_msgs::{Text, fitting};
 use linewright_node_shell::{Node, Publisher, TopicError, qos};
 
-use super::{EVERY, NEWS_EVERY};
+use super::{EVERY, NEWS_EVERY, STATES_MAX};
 
 /// The topic of one owner.
 pub struct Trouble {
@@ -17,6 +17,9 @@ pub struct Trouble {
     text: String,
     valid: Option<bool>,
     told: Tick,
+    /// When the present second of news began, and how much was told in it.
+    second: Tick,
+    at_once: u32,
     due: Tick,
 }
 
@@ -24,7 +27,16 @@ impl Trouble {
     /// Opens the topic.
     pub fn open(node: &mut Node, topic: &str, owner: Owner) -> Result<Self, TopicError> {
         let publisher = node.publisher(topic, qos::latched_state())?;
-        Ok(Trouble { owner, publisher, text: String::new(), valid: None, told: Tick::ZERO, due: Tick::ZERO })
+        Ok(Trouble {
+            owner,
+            publisher,
+            text: String::new(),
+            valid: None,
+            told: Tick::ZERO,
+            second: Tick::ZERO,
+            at_once: 0,
+            due: Tick::ZERO,
+        })
     }
 
     /// Tells what there is to tell now.
@@ -35,9 +47,13 @@ impl Trouble {
         }
         // A device that comes and goes must not flood a reliable topic. What is not told now is told at the next look,
         // which is never far: the manager's heartbeat alone calls for one.
-        if now < self.told + NEWS_EVERY && self.valid.is_some() {
+        if self.second + EVERY <= now {
+            (self.second, self.at_once) = (now, 0);
+        }
+        if self.at_once >= STATES_MAX && now < self.told + NEWS_EVERY {
             return;
         }
+        self.at_once += 1;
         self.valid = Some(valid);
         (self.told, self.due) = (now, now + EVERY);
         let text = in_words(driver, self.owner);
