@@ -3,18 +3,14 @@
 //! TOML, read like a line description: all problems at once, each with its place and advice, and the names of the line
 //! checked while reading. What comes out is a [`Script`], which knows no text.
 
-mod fields;
 mod read;
 mod words;
 
 use linewright_line::{Line, Problem, Problems};
+use linewright_text::Report;
 
 use crate::options::Network;
 use crate::script::Script;
-use fields::Report;
-
-/// Longest scenario, in bytes.
-const TEXT_MAX: usize = 1 << 20;
 
 /// A scenario.
 #[derive(Clone, Debug)]
@@ -42,18 +38,13 @@ impl Scenario {
     /// All problems of the text at once, each with its place.
     pub fn parse(line: &Line, file_name: &str, text: &str) -> Result<Self, Problems> {
         let mut report = Report::default();
-        let scenario = if text.len() > TEXT_MAX {
-            report.error(0..0, format!("the scenario has {} bytes", text.len()), Some(format!("at most {TEXT_MAX}")));
-            None
-        } else {
-            read::scenario(line, text, &mut report)
-        };
-        let problems = report.into_vec();
+        let is_bounded = linewright_text::is_bounded(text, "the scenario", &mut report);
+        let scenario = if is_bounded { read::scenario(line, text, &mut report) } else { None };
         match scenario {
-            Some(scenario) if problems.is_empty() => {
+            Some(scenario) if !report.has_errors() => {
                 Ok(Scenario { file_name: file_name.to_owned(), text: text.to_owned(), ..scenario })
             }
-            _ => Err(Problems::new(file_name, text, problems)),
+            _ => Err(report.into_problems(file_name, text)),
         }
     }
 

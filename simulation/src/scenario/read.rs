@@ -2,11 +2,12 @@
 
 use std::time::Duration;
 
-use linewright_line::{Line, Module, Tick};
+use linewright_line::{BUTTONS_MAX, Line, Module, Tick};
 use linewright_plant::Fault;
 
+use linewright_text::{At, Fields, Problem, Report, Where};
+
 use super::Scenario;
-use super::fields::{At, Fields, Report};
 use super::words;
 use crate::operator::{Action, Way};
 use crate::options::{Network, NetworkChange};
@@ -15,23 +16,17 @@ use crate::script::{Deed, Script, Step};
 /// Steps in one scenario.
 const STEPS_MAX: usize = 10_000;
 /// Cycles that a scenario may ask for.
-const CYCLES_MAX: usize = 10_000_000;
+const CYCLES_MAX: i64 = 10_000_000;
 
 pub(super) fn scenario(line: &Line, text: &str, report: &mut Report) -> Option<Scenario> {
-    let document = match toml_edit::Document::parse(text) {
-        Ok(document) => document,
-        Err(error) => {
-            report.error(error.span().unwrap_or(0..0), error.message().to_owned(), None);
-            return None;
-        }
-    };
+    let document = linewright_text::document(text, report)?;
     let mut fields = Fields::new(document.as_table(), 0..0, "a scenario");
-    let title = fields.text(report, "title").map(|(title, _)| title.to_owned());
-    let cycles = fields.whole(report, "cycles", CYCLES_MAX).map(|(cycles, _)| cycles);
-    let starts = fields.flag(report, "starts").is_none_or(|(starts, _)| starts);
-    let variation = fields.number(report, "variation_percent", 0.0, 90.0).map_or(0.0, |(percent, _)| percent / 100.0);
+    let title = fields.text(report, "title").map(|title| title.value);
+    let cycles = fields.whole(report, "cycles", 0, CYCLES_MAX).map(|cycles| cycles.value as usize);
+    let starts = fields.flag(report, "starts").is_none_or(|starts| starts.value);
+    let variation = fields.within(report, "variation_percent", 0.0, 90.0).map_or(0.0, |percent| percent.value / 100.0);
     let network = fields.table(report, "network", "`network`").map(|table| network(table, report));
-    let blocks = fields.blocks(report, "step", "a step", STEPS_MAX);
+    let blocks = fields.tables(report, "step", "a step", STEPS_MAX);
     fields.finish(report);
     let network = network.unwrap_or_default().of(Network::default());
     let steps = blocks.into_iter().filter_map(|block| step(line, block, report)).collect();
@@ -49,28 +44,28 @@ pub(super) fn scenario(line: &Line, text: &str, report: &mut Report) -> Option<S
 
 fn network(mut table: Fields<'_>, report: &mut Report) -> NetworkChange {
     let mut millis = |key: &'static str| {
-        let number = table.number(report, key, 0.0, 10_000.0);
-        number.map(|(millis, _)| Duration::from_secs_f64(millis / 1e3))
+        let number = table.within(report, key, 0.0, 10_000.0);
+        number.map(|millis| Duration::from_secs_f64(millis.value / 1e3))
     };
     let (delay, jitter) = (millis("delay_ms"), millis("jitter_ms"));
-    let loss = table.number(report, "loss_percent", 0.0, 100.0);
+    let loss = table.within(report, "loss_percent", 0.0, 100.0);
     table.finish(report);
-    let loss_per_mille = loss.map(|(percent, _)| (percent * 10.0).round() as u32);
+    let loss_per_mille = loss.map(|percent| (percent.value * 10.0).round() as u32);
     NetworkChange { delay, jitter, loss_per_mille }
 }
 
 fn step(line: &Line, mut fields: Fields<'_>, report: &mut Report) -> Option<Step> {
     let span = fields.at.clone();
     if fields.is_empty() {
-        report.error(span, "an empty step", Some("a step waits, does one thing, or expects".to_owned()));
+        report.add(Problem::error(span, "an empty step").hint("a step waits, does one thing, or expects"));
         return None;
     }
-    let at = fields.seconds(report, "at_s").map(|(at, _)| Tick::ZERO + at);
-    let when = fields.text(report, "when").and_then(|when| words::condition(line, when, report));
-    let after = fields.seconds(report, "after_s").map_or(Duration::ZERO, |(after, _)| after);
+    let at = seconds(&mut fields, report, "at_s").map(|at| Tick::ZERO + at.value);
+    let when = fields.text(report, "when").and_then(|when| words::condition(line, &when, report));
+    let after = seconds(&mut fields, report, "after_s").map_or(Duration::ZERO, |after| after.value);
     let expects = fields.text(report, "expect");
-    let expect_text = expects.as_ref().map_or(String::new(), |(text, _)| (*text).to_owned());
-    let expect = expects.and_then(|expect| words::condition(line, expect, report));
+    let expect_text = expects.as_ref().map_or(String::new(), |text| text.value.clone());
+    let expect = expects.and_then(|expect| words::condition(line, &expect, report));
     let mut deeds = Deeds { found: Vec::new() };
     deeds.people(line, &mut fields, report);
     deeds.faults(line, &mut fields, report);
@@ -79,12 +74,17 @@ fn step(line: &Line, mut fields: Fields<'_>, report: &mut Report) -> Option<Step
         deeds.add(at, Some(Deed::Act(Action::Network(network(table, report)))));
     }
     fields.finish(report);
-    if let [_, (_, second), ..] = deeds.found.as_slice() {
+    if let [_, At { at: second, .. }, ..] = deeds.found.as_slice() {
         let hint = "give the second one a step of its own; steps follow each other without a pause";
-        report.error(second.clone(), "a step does one thing", Some(hint.to_owned()));
+        report.add(Problem::error(second.clone(), "a step does one thing").hint(hint));
     }
-    let deed = deeds.found.into_iter().next().map_or(Deed::Nothing, |(deed, _)| deed);
+    let deed = deeds.found.into_iter().next().map_or(Deed::Nothing, |deed| deed.value);
     Some(Step { at, when, after, deed, expect, expect_text, span })
+}
+
+/// A time in seconds, at most a day; unlike the time of a mechanism it may be none at all.
+fn seconds(fields: &mut Fields<'_>, report: &mut Report, key: &'static str) -> Option<At<Duration>> {
+    Some(fields.within(report, key, 0.0, 86_400.0)?.map(Duration::from_secs_f64))
 }
 
 /// What a step does, as far as it is found.
@@ -93,41 +93,41 @@ struct Deeds {
 }
 
 impl Deeds {
-    fn add(&mut self, at: std::ops::Range<usize>, deed: Option<Deed>) {
-        self.found.extend(deed.map(|deed| (deed, at)));
+    fn add(&mut self, at: Where, deed: Option<Deed>) {
+        self.found.extend(deed.map(|deed| At::new(deed, at)));
     }
 
     fn people(&mut self, line: &Line, fields: &mut Fields<'_>, report: &mut Report) {
         for key in ["command", "refused"] {
             if let Some(word) = fields.text(report, key) {
                 let deed = if key == "command" { Deed::Order } else { Deed::Refused };
-                self.add(word.1.clone(), words::command(word, report).map(deed));
+                self.add(word.at.clone(), words::command(&word, report).map(deed));
             }
         }
-        let held = fields.seconds(report, "for_s");
-        let time = held.as_ref().map_or(Duration::from_secs(1), |(time, _)| *time);
+        let held = seconds(fields, report, "for_s");
+        let time = held.as_ref().map_or(Duration::from_secs(1), |time| time.value);
         let mut presses = false;
         for key in ["jog", "press", "hold", "release"] {
             let Some(word) = fields.text(report, key) else { continue };
             presses |= key == "press";
-            let at = word.1.clone();
-            let deed = words::panel(line, word, report).map(|(station, advance)| match key {
+            let at = word.at.clone();
+            let deed = words::panel(line, &word, report).map(|(station, advance)| match key {
                 "jog" => Deed::Jog(station, advance),
                 "press" => Deed::Press(station, advance, time),
                 _ => Deed::Act(Action::Panel { station, advance, down: key == "hold" }),
             });
             self.add(at, deed);
         }
-        if let Some((_, at)) = held.filter(|_| !presses) {
-            report.error(at, "`for_s` without `press`", Some("a step waits with `after_s`".to_owned()));
+        if let Some(held) = held.filter(|_| !presses) {
+            report.add(Problem::error(held.at, "`for_s` without `press`").hint("a step waits with `after_s`"));
         }
         if let Some(word) = fields.text(report, "selector") {
-            let at = word.1.clone();
-            let turned = words::selector(line, word, report);
+            let at = word.at.clone();
+            let turned = words::selector(line, &word, report);
             self.add(at, turned.map(|(station, manual)| Deed::Act(Action::Selector(station, manual))));
         }
-        if let Some((names, at)) = fields.texts(report, "buttons") {
-            let held = names.into_iter().filter_map(|name| words::button(line, name, report));
+        if let Some(At { value: names, at }) = fields.texts(report, "buttons", BUTTONS_MAX) {
+            let held = names.iter().filter_map(|name| words::button(line, name, report));
             let held = held.fold(0, |held, button| held | 1 << button);
             self.add(at, Some(Deed::Act(Action::Buttons(held))));
         }
@@ -135,8 +135,8 @@ impl Deeds {
 
     fn faults(&mut self, line: &Line, fields: &mut Fields<'_>, report: &mut Report) {
         let motion = fields.text(report, "motion");
-        let motion_at = motion.as_ref().map(|(_, at)| at.clone());
-        let way = motion.map_or(Some(Way::Both), |word| words::way(word, report));
+        let motion_at = motion.as_ref().map(|motion| motion.at.clone());
+        let way = motion.map_or(Some(Way::Both), |word| words::way(&word, report));
         let mut fails = false;
         let faults = [
             ("jam", Some(Fault::Stick)),
@@ -148,41 +148,38 @@ impl Deeds {
         for (key, fault) in faults {
             let Some(word) = fields.text(report, key) else { continue };
             fails = true;
-            let at = word.1.clone();
-            let op = words::operation(line, word, report);
+            let at = word.at.clone();
+            let op = words::operation(line, &word, report);
             if let (Some(op), Some(Way::Recovery), Some(at)) = (op, way, &motion_at)
                 && let Module::Irreversible { .. } = line.operation(op).module
             {
                 let name = &line.operation(op).name;
                 let hint = "what its recovery path does are motions of the operations it names";
-                report.error(
-                    at.clone(),
-                    format!("`{name}` is irreversible: no motion undoes it"),
-                    Some(hint.to_owned()),
-                );
+                let message = format!("`{name}` is irreversible: no motion undoes it");
+                report.add(Problem::error(at.clone(), message).hint(hint));
             }
             self.add(at, op.zip(way).map(|(op, way)| Deed::Act(Action::Fail(op, way, fault))));
         }
         if let Some(at) = motion_at.filter(|_| !fails) {
             let hint = "it says which motions of `jam`, `slow`, `break`, `slip_back` or `repair` are meant";
-            report.error(at, "`motion` of nothing", Some(hint.to_owned()));
+            report.add(Problem::error(at, "`motion` of nothing").hint(hint));
         }
         for (key, value) in [("input_on", Some(true)), ("input_off", Some(false)), ("input_free", None)] {
             let Some(word) = fields.text(report, key) else { continue };
-            let at = word.1.clone();
-            let input = words::input(line, word, report);
+            let at = word.at.clone();
+            let input = words::input(line, &word, report);
             self.add(at, input.map(|(owner, input)| Deed::Act(Action::Force(owner, input, value))));
         }
         for (key, lost) in [("device_lost", true), ("device_back", false)] {
             let Some(word) = fields.text(report, key) else { continue };
-            let at = word.1.clone();
-            let device = words::device(line, word, report);
+            let at = word.at.clone();
+            let device = words::device(line, &word, report);
             self.add(at, device.map(|device| Deed::Act(Action::Device(device, lost))));
         }
         for (key, kill) in [("kill", true), ("restart", false)] {
             let Some(word) = fields.text(report, key) else { continue };
-            let at = word.1.clone();
-            let process = words::process(line, word, report);
+            let at = word.at.clone();
+            let process = words::process(line, &word, report);
             let act = |process| if kill { Action::Kill(process) } else { Action::Restart(process) };
             self.add(at, process.map(|process| Deed::Act(act(process))));
         }

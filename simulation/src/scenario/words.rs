@@ -3,34 +3,37 @@
 //! An operation is `station: operation`, as in a description's arrows. A condition is one or more clauses joined by
 //! ` and `; a clause compares (`cycles >= 3`) or says what something is (`clamp_1 is incomplete`).
 
-use std::ops::Range;
-
 use linewright_coordinator_logic::Command;
 use linewright_line::net::ControlMode;
-use linewright_line::{InputId, Line, OpId, StationId, suggestion};
+use linewright_line::{InputId, Line, OpId, StationId};
+use linewright_text::{Name, Problem, Report, Where, suggestion};
 
-use super::fields::{At, Report};
 use crate::condition::{Compare, Condition, OperationState, StationState};
 use crate::operator::{Process, Way};
 
-type Text<'a> = At<&'a str>;
+/// A word and its place.
+type Text<'a> = (&'a str, Where);
+
+fn of(name: &Name) -> Text<'_> {
+    (&name.value, name.at.clone())
+}
 
 fn one_of<T: Copy>(known: &[(&str, T)], what: &str, (word, at): Text<'_>, report: &mut Report) -> Option<T> {
     let found = known.iter().find(|(name, _)| *name == word).map(|(_, value)| *value);
     if found.is_none() {
         let hint = suggestion(word, known.iter().map(|(name, _)| *name));
-        report.error(at, format!("unknown {what} `{word}`"), hint);
+        report.add(Problem::error(at, format!("unknown {what} `{word}`")).maybe_hint(hint));
     }
     found
 }
 
-pub(super) fn command(word: Text<'_>, report: &mut Report) -> Option<Command> {
-    one_of(&Command::ALL.map(|command| (command.name(), command)), "command", word, report)
+pub(super) fn command(name: &Name, report: &mut Report) -> Option<Command> {
+    one_of(&Command::ALL.map(|command| (command.name(), command)), "command", of(name), report)
 }
 
-pub(super) fn way(word: Text<'_>, report: &mut Report) -> Option<Way> {
+pub(super) fn way(name: &Name, report: &mut Report) -> Option<Way> {
     let known = [("normal", Way::Normal), ("recovery", Way::Recovery), ("both", Way::Both)];
-    one_of(&known, "motion", word, report)
+    one_of(&known, "motion", of(name), report)
 }
 
 fn station(line: &Line, word: Text<'_>, report: &mut Report) -> Option<StationId> {
@@ -41,14 +44,14 @@ fn station(line: &Line, word: Text<'_>, report: &mut Report) -> Option<StationId
 /// The two sides of `station: something`, each with its place.
 fn sides<'a>((text, at): Text<'a>, what: &str, report: &mut Report) -> Option<(Text<'a>, Text<'a>)> {
     let Some((left, right)) = text.split_once(':') else {
-        report.error(at, format!("`{text}` names no {what}"), Some(format!("write `station: {what}`")));
+        report.add(Problem::error(at, format!("`{text}` names no {what}")).hint(format!("write `station: {what}`")));
         return None;
     };
     Some((within(text, &at, left), within(text, &at, right)))
 }
 
 /// A part of a text, trimmed, with its place in the file; `at` includes the quotes.
-fn within<'a>(text: &str, at: &Range<usize>, part: &'a str) -> Text<'a> {
+fn within<'a>(text: &str, at: &Where, part: &'a str) -> Text<'a> {
     let trimmed = part.trim();
     // An escape in the text moves everything behind it; the whole is then close enough.
     if at.len() != text.len() + 2 {
@@ -58,7 +61,11 @@ fn within<'a>(text: &str, at: &Range<usize>, part: &'a str) -> Text<'a> {
     (trimmed, start..start + trimmed.len())
 }
 
-pub(super) fn operation(line: &Line, text: Text<'_>, report: &mut Report) -> Option<(StationId, OpId)> {
+pub(super) fn operation(line: &Line, name: &Name, report: &mut Report) -> Option<(StationId, OpId)> {
+    operation_in(line, of(name), report)
+}
+
+fn operation_in(line: &Line, text: Text<'_>, report: &mut Report) -> Option<(StationId, OpId)> {
     let (left, right) = sides(text, "operation", report)?;
     let id = station(line, left, report)?;
     let described = line.station(id);
@@ -67,45 +74,46 @@ pub(super) fn operation(line: &Line, text: Text<'_>, report: &mut Report) -> Opt
     Some((id, one_of(&known, "operation", right, report)?))
 }
 
-pub(super) fn panel(line: &Line, text: Text<'_>, report: &mut Report) -> Option<(StationId, bool)> {
-    let (left, right) = sides(text, "advance", report)?;
+pub(super) fn panel(line: &Line, name: &Name, report: &mut Report) -> Option<(StationId, bool)> {
+    let (left, right) = sides(of(name), "advance", report)?;
     let side = one_of(&[("advance", true), ("return", false)], "panel button", right, report);
     Some((station(line, left, report)?, side?))
 }
 
-pub(super) fn selector(line: &Line, text: Text<'_>, report: &mut Report) -> Option<(StationId, bool)> {
-    let (left, right) = sides(text, "manual", report)?;
+pub(super) fn selector(line: &Line, name: &Name, report: &mut Report) -> Option<(StationId, bool)> {
+    let (left, right) = sides(of(name), "manual", report)?;
     let side = one_of(&[("manual", true), ("auto", false)], "selector position", right, report);
     Some((station(line, left, report)?, side?))
 }
 
-pub(super) fn button(line: &Line, word: Text<'_>, report: &mut Report) -> Option<usize> {
-    let known: Vec<(&str, usize)> = line.buttons.iter().enumerate().map(|(at, name)| (name.as_str(), at)).collect();
-    one_of(&known, "hand-mode button", word, report)
+pub(super) fn button(line: &Line, name: &Name, report: &mut Report) -> Option<usize> {
+    let known: Vec<(&str, usize)> = line.buttons.iter().enumerate().map(|(at, button)| (button.as_str(), at)).collect();
+    one_of(&known, "hand-mode button", of(name), report)
 }
 
-pub(super) fn input(line: &Line, text: Text<'_>, report: &mut Report) -> Option<(Option<StationId>, InputId)> {
-    let (left, right) = sides(text, "input", report)?;
+pub(super) fn input(line: &Line, name: &Name, report: &mut Report) -> Option<(Option<StationId>, InputId)> {
+    let (left, right) = sides(of(name), "input", report)?;
     let owner = if left.0 == "console" { None } else { Some(station(line, left, report)?) };
     let inputs = owner.map_or(&line.console.inputs, |id| &line.station(id).inputs);
     let known: Vec<(&str, InputId)> =
-        inputs.iter().enumerate().map(|(at, name)| (name.as_str(), InputId::at(at))).collect();
+        inputs.iter().enumerate().map(|(at, input)| (input.as_str(), InputId::at(at))).collect();
     Some((owner, one_of(&known, "input", right, report)?))
 }
 
-pub(super) fn device(line: &Line, word: Text<'_>, report: &mut Report) -> Option<usize> {
+pub(super) fn device(line: &Line, name: &Name, report: &mut Report) -> Option<usize> {
     let known: Vec<(&str, usize)> =
         line.devices.iter().enumerate().map(|(at, device)| (device.name.as_str(), at)).collect();
-    one_of(&known, "device", word, report)
+    one_of(&known, "device", of(name), report)
 }
 
-pub(super) fn process(line: &Line, word: Text<'_>, report: &mut Report) -> Option<Process> {
+pub(super) fn process(line: &Line, name: &Name, report: &mut Report) -> Option<Process> {
     let stations = line.station_ids().map(|id| (line.station(id).name.as_str(), Process::Station(id)));
     let known: Vec<(&str, Process)> = stations.chain([("coordinator", Process::Coordinator)]).collect();
-    one_of(&known, "process", word, report)
+    one_of(&known, "process", of(name), report)
 }
 
-pub(super) fn condition(line: &Line, (text, at): Text<'_>, report: &mut Report) -> Option<Condition> {
+pub(super) fn condition(line: &Line, name: &Name, report: &mut Report) -> Option<Condition> {
+    let (text, at) = of(name);
     let clauses: Vec<Option<Condition>> =
         clauses(line, text).into_iter().map(|part| clause(line, within(text, &at, part), report)).collect();
     let mut clauses: Vec<Condition> = clauses.into_iter().collect::<Option<_>>()?;
@@ -147,12 +155,12 @@ fn clause(line: &Line, (text, at): Text<'_>, report: &mut Report) -> Option<Cond
     if let Some((how, (left, right))) = comparison {
         let Ok(number) = right.trim().parse::<i64>() else {
             let (right, at) = part(right);
-            report.error(at, format!("`{right}` is no whole number"), None);
+            report.add(Problem::error(at, format!("`{right}` is no whole number")));
             return None;
         };
         return Some(match part(left) {
             ("cycles", _) => Condition::Cycles(how, number),
-            left => Condition::Count(operation(line, left, report)?, how, number),
+            left => Condition::Count(operation_in(line, left, report)?, how, number),
         });
     }
     if let Some((left, right)) = text.split_once(" obeys ").or_else(|| text.split_once(" obey ")) {
@@ -163,7 +171,7 @@ fn clause(line: &Line, (text, at): Text<'_>, report: &mut Report) -> Option<Cond
     let Some((left, right)) = text.rsplit_once(" is ").or_else(|| text.rsplit_once(" are ")) else {
         let hint = "`cycles >= 3`, `line is auto`, `clamp_1 is incomplete`, `all are home`, `clamp_1: advance clamp is \
                     operating`, joined by `and`";
-        report.error(at.clone(), format!("`{text}` is no condition"), Some(hint.to_owned()));
+        report.add(Problem::error(at.clone(), format!("`{text}` is no condition")).hint(hint));
         return None;
     };
     match part(left) {
@@ -176,7 +184,7 @@ fn clause(line: &Line, (text, at): Text<'_>, report: &mut Report) -> Option<Cond
                 ("undone", OperationState::Undone),
             ];
             let state = one_of(&known, "state of an operation", part(right), report);
-            Some(Condition::Operation(operation(line, left, report)?, state?))
+            Some(Condition::Operation(operation_in(line, left, report)?, state?))
         }
         left => {
             let known = [
@@ -207,7 +215,7 @@ fn mode(word: Text<'_>, report: &mut Report) -> Option<ControlMode> {
 }
 
 /// A part of a part, whose place carries no quotes.
-fn within_trimmed<'a>(text: &str, at: &Range<usize>, part: &'a str) -> Text<'a> {
+fn within_trimmed<'a>(text: &str, at: &Where, part: &'a str) -> Text<'a> {
     let trimmed = part.trim();
     if at.len() != text.len() {
         return (trimmed, at.clone());

@@ -6,9 +6,10 @@ use super::Member;
 use crate::part::{Stream, cargo, lines};
 
 /// Crates that decide and never act: called with the time and their inputs, they return outputs.
-pub const PURE: [&str; 10] = [
+pub const PURE: [&str; 11] = [
     "linewright-nets",
     "linewright-problems",
+    "linewright-text",
     "linewright-pnml",
     "linewright-eds",
     "linewright-line",
@@ -37,12 +38,13 @@ const FORBIDDEN: [&str; 9] = [
 ];
 
 /// For each crate, those of the workspace it may build on. Dependencies point one way; a new crate gets a row here.
-const MAY_USE: [(&str, &[&str]); 19] = [
+const MAY_USE: [(&str, &[&str]); 20] = [
     ("linewright-nets", &[]),
     ("linewright-problems", &[]),
+    ("linewright-text", &[]),
     ("linewright-pnml", &["linewright-nets", "linewright-problems"]),
     ("linewright-eds", &["linewright-problems"]),
-    ("linewright-line", &["linewright-nets"]),
+    ("linewright-line", &["linewright-nets", "linewright-text"]),
     ("linewright-dbc", &["linewright-line"]),
     ("linewright-station-logic", &["linewright-nets", "linewright-line"]),
     ("linewright-coordinator-logic", &["linewright-nets", "linewright-line"]),
@@ -56,7 +58,13 @@ const MAY_USE: [(&str, &[&str]); 19] = [
     ),
     (
         "linewright-simulation",
-        &["linewright-line", "linewright-station-logic", "linewright-coordinator-logic", "linewright-plant"],
+        &[
+            "linewright-text",
+            "linewright-line",
+            "linewright-station-logic",
+            "linewright-coordinator-logic",
+            "linewright-plant",
+        ],
     ),
     (
         "linewright-station-node",
@@ -90,6 +98,7 @@ const MAY_USE: [(&str, &[&str]); 19] = [
 const EVERYTHING: &[&str] = &[
     "linewright-nets",
     "linewright-problems",
+    "linewright-text",
     "linewright-pnml",
     "linewright-eds",
     "linewright-line",

@@ -3,9 +3,10 @@
 //! What a simulated channel follows is an output that somebody else may carry, on a device further down: its name is
 //! looked up when all images are complete.
 
+use linewright_text::{Name, Report, or};
+
 use super::draft::{DraftAnalogue, Wiring};
-use super::problem::Report;
-use super::raw::{Name, RawAnalogue, RawAnalogueInput, RawAnalogueOutput, RawChannel, RawLag, RawLimit, or};
+use super::raw::{RawAnalogue, RawAnalogueInput, RawAnalogueOutput, RawChannel, RawLag, RawLimit};
 use super::wiring::{Wires, one_input, one_output};
 use crate::{Analogue, AnalogueInput, AnalogueOutput, CHANNELS_MAX, Channel, Follows, InputId, Lag, OutputId, When};
 

@@ -5,8 +5,10 @@
 
 use std::ops::Range;
 
+use linewright_text::{At, Where};
+
 use super::names::Names;
-use super::raw::{At, Kind, RawLine, RawOperation, RawStation, Where};
+use super::raw::{Kind, RawLine, RawOperation, RawStation};
 use crate::{Axis, AxisId, Bus, Hand, InputId, Motion, OpId, OutputId, Owner, StationId};
 
 pub(super) struct Draft<'a> {

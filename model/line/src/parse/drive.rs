@@ -3,10 +3,10 @@
 //! A drive's signals are bits of the image like any device's; only what they mean on the wire differs, which is no
 //! matter of this crate.
 
+use linewright_text::{At, Name, Report, Table};
+
 use super::draft::{DraftDrive, DraftTarget};
-use super::names::Table;
-use super::problem::Report;
-use super::raw::{At, Name, RawDrive, RawTarget};
+use super::raw::{RawDrive, RawTarget};
 use super::wiring::{Wires, one_input, one_output};
 use crate::{AxisId, Drive, DriveTarget, Homing, InputId, OutputId};
 

@@ -3,8 +3,10 @@
 //! Every `?` here is a part that some earlier pass must have reported missing. Should that ever not be so, the caller
 //! says that much instead of panicking: a description is a user's input, whatever the mistake is.
 
+use linewright_text::{At, or};
+
 use super::draft::{Draft, DraftConsole, DraftOperation, DraftSignals, DraftStation};
-use super::raw::{At, Kind, RawTiming, or};
+use super::raw::{Kind, RawTiming};
 use super::rules::node_id;
 use super::setup;
 use super::{analogue, drive, frames};

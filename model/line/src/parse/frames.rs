@@ -3,9 +3,10 @@
 //! What messages and signals are called only the DBC file knows, which is read elsewhere: those names are passed on with
 //! their places.
 
+use linewright_text::{Name, Report, or};
+
 use super::draft::DraftFrames;
-use super::problem::Report;
-use super::raw::{Name, RawFrames, RawHeard, RawSignalInput, RawTold, or};
+use super::raw::{RawFrames, RawHeard, RawSignalInput, RawTold};
 use super::wiring::{Wires, one_input, one_output};
 use crate::{Frames, Named, Receive, Send, SignalInput, SignalOutput, When};
 

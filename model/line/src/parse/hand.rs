@@ -3,9 +3,9 @@
 //! Each type has its own set of buttons; what the types of neighbours have to do with each other is for
 //! [`super::rules`].
 
-use super::names::Table;
-use super::problem::{Problem, Report};
-use super::raw::{At, Name, RawHand};
+use linewright_text::{At, Name, Problem, Report, Table};
+
+use super::raw::RawHand;
 use crate::{ButtonId, Hand};
 
 /// What the types are for, for hints.

@@ -18,23 +18,18 @@ mod finish;
 mod frames;
 mod hand;
 mod names;
-mod problem;
 mod raw;
 mod read;
 mod resolve;
 mod rules;
 mod setup;
-mod suggest;
 mod wiring;
 
-pub use problem::{Problem, Problems};
-pub use suggest::hint as suggestion;
+pub use linewright_text::{Problem, Problems, suggestion};
+
+use linewright_text::Report;
 
 use crate::Line;
-use problem::Report;
-
-/// Longest description, in bytes: the shipped line has 16 KiB, a thousand stations fit in one.
-const TEXT_MAX: usize = 1 << 20;
 
 /// A sound description.
 #[derive(Clone, Debug)]
@@ -68,11 +63,7 @@ pub fn parse(file_name: &str, text: &str) -> Result<Parsed, Problems> {
 }
 
 fn understand(text: &str, report: &mut Report) -> Option<Line> {
-    if text.len() > TEXT_MAX {
-        report.add(
-            Problem::error(0..0, format!("the description has {} bytes", text.len()))
-                .hint(format!("at most {TEXT_MAX}; is this the right file?")),
-        );
+    if !linewright_text::is_bounded(text, "the description", report) {
         return None;
     }
     let raw = read::read(text, report)?;

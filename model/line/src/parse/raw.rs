@@ -4,33 +4,11 @@
 //! has to. This is the only form that knows how the text is laid out; [`super::draft`] is the first that knows what the
 //! names mean.
 
-use std::ops::Range;
 use std::time::Duration;
 
+use linewright_text::{At, Name, Where};
+
 use crate::{AtRest, Checksum, DriveMode, Reaction};
-
-/// A stretch of the text, in bytes.
-pub(super) type Where = Range<usize>;
-
-/// A value and the place it was written at.
-#[derive(Clone, Debug, PartialEq)]
-pub(super) struct At<T> {
-    pub value: T,
-    pub at: Where,
-}
-
-impl<T> At<T> {
-    pub fn new(value: T, at: Where) -> Self {
-        At { value, at }
-    }
-}
-
-/// What is written, or what is usual.
-pub(super) fn or<T: Copy>(written: &Option<At<T>>, usual: T) -> T {
-    written.as_ref().map_or(usual, |written| written.value)
-}
-
-pub(super) type Name = At<String>;
 
 #[derive(Debug)]
 pub(super) struct RawLine {

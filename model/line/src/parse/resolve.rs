@@ -3,11 +3,12 @@
 //! The only pass that looks names up. Each reference either becomes a number or is reported with what it could have
 //! been; what the numbers may be combined to is for the rules.
 
+use linewright_text::{At, Name, Problem, Report, nearest, suggestion};
+
 use super::draft::{Draft, DraftArrow, DraftConflict, DraftConsole, DraftOperation, DraftSignals, DraftStation, End};
 use super::names::Names;
-use super::problem::{Problem, Report};
-use super::raw::{At, Name, RawArrow, RawConflict, RawEnd, RawLine, RawMoves, RawOperation, RawSpan, RawStation};
-use super::{hand, rules, suggest, wiring};
+use super::raw::{RawArrow, RawConflict, RawEnd, RawLine, RawMoves, RawOperation, RawSpan, RawStation};
+use super::{hand, rules, wiring};
 use crate::{Axis, Bus, InputId, Motion, OpId, OutputId, StationId};
 use wiring::{Owned, Wires};
 
@@ -151,7 +152,7 @@ impl Scope<'_, '_> {
                 .also(place, format!("bound as an {other}"));
         }
         let table = if direction == "input" { &self.wires.inputs } else { &self.wires.outputs };
-        let hint = match suggest::nearest(&name.value, table.names()) {
+        let hint = match nearest(&name.value, table.names()) {
             Some(near) => format!("did you mean `{near}`?"),
             None => match self.owned.elsewhere(&name.value) {
                 Some(elsewhere) => format!("{elsewhere} has a signal of that name, but stations do not share signals"),
@@ -192,9 +193,9 @@ fn station_operation(station: usize, name: &Name, names: &Names<'_>, report: &mu
     let owner = names.stations.names().find(|other| {
         names.stations.get(other).is_some_and(|id| names.inside[id].operations.get(&name.value).is_some())
     });
-    let hint = match (suggest::nearest(&name.value, operations.names()), owner) {
+    let hint = match (nearest(&name.value, operations.names()), owner) {
         (None, Some(owner)) => Some(format!("that is an operation of station `{owner}`")),
-        _ => suggest::hint(&name.value, operations.names()),
+        _ => suggestion(&name.value, operations.names()),
     };
     report.add(
         Problem::error(name.at.clone(), format!("unknown operation `{}` of this station", name.value)).maybe_hint(hint),

@@ -1,6 +1,8 @@
 //! A device's `identity` and `settings`: what they say → numbers and bytes.
 
-use super::raw::{At, RawDevice, RawIdentity, RawSetting, RawTransmission, Width};
+use linewright_text::At;
+
+use super::raw::{RawDevice, RawIdentity, RawSetting, RawTransmission, Width};
 use crate::{Identity, Setting, Setup, Transmission};
 
 /// An object as people write it, in hexadecimal: `6206:01`, `6206h:1`, `0x1029`; without a subindex it is 0.

@@ -3,10 +3,11 @@
 //! An image has no layout of its own in a description: its bits are the connected bits of its owner's devices, in the
 //! order in which the devices are written.
 
+use linewright_text::{At, Name, Problem, Report, Table, tag};
+
 use super::draft::{DraftDevice, Wiring};
-use super::names::{Names, Table, tag};
-use super::problem::{Problem, Report};
-use super::raw::{At, Name, RawDevice, RawLine};
+use super::names::Names;
+use super::raw::{RawDevice, RawLine};
 use super::{analogue, drive, frames};
 use crate::{Bus, IMAGE_BITS, InputId, OutputId, Owner, StationId};
 

@@ -1,10 +1,10 @@
 //! The `analogue_inputs` and `analogue_outputs` of a device.
 
+use linewright_text::{Fields, Report};
+
 use super::LIMITS_MAX;
-use super::fields::Fields;
 use super::line::each;
 use crate::CHANNELS_MAX;
-use crate::parse::problem::Report;
 use crate::parse::raw::{RawAnalogue, RawAnalogueInput, RawAnalogueOutput, RawChannel, RawLag, RawLevel, RawLimit};
 
 pub(super) fn channels(f: &mut Fields<'_>, report: &mut Report) -> RawAnalogue {

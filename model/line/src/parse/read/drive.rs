@@ -1,9 +1,9 @@
 //! The `drive` table of a device.
 
+use linewright_text::{Fields, Report};
+
 use super::TARGETS_MAX;
-use super::fields::Fields;
 use super::line::each;
-use crate::parse::problem::Report;
 use crate::parse::raw::{RawDrive, RawHoming, RawTarget};
 use crate::{AtRest, DriveMode};
 

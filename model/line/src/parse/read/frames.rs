@@ -1,11 +1,11 @@
 //! The `dbc` table of a device.
 
+use linewright_text::{Fields, Name, Report};
+
 use super::SIGNALS_MAX;
-use super::fields::Fields;
 use super::line::each;
 use crate::Checksum;
-use crate::parse::problem::Report;
-use crate::parse::raw::{Name, RawFrames, RawHeard, RawSet, RawSignalInput, RawSignalOutput, RawTold};
+use crate::parse::raw::{RawFrames, RawHeard, RawSet, RawSignalInput, RawSignalOutput, RawTold};
 
 pub(super) fn frames(mut f: Fields<'_>, report: &mut Report) -> RawFrames {
     let raw = RawFrames {

@@ -1,16 +1,13 @@
 //! The description's outermost tables: everything but the stations' insides.
 
-use super::fields::Fields;
+use linewright_text::{At, Fields, Name, Problem, Report, Where, suggestion};
+
 use super::{
     ARROWS_MAX, CONFLICTS_MAX, DEVICE_BITS, DEVICES_MAX, SETTINGS_MAX, STATIONS_MAX, analogue, drive, frames, setup,
     station,
 };
 use crate::BUTTONS_MAX;
-use crate::parse::problem::{Problem, Report};
-use crate::parse::raw::{
-    At, Name, RawArrow, RawConflict, RawConsole, RawDevice, RawEnd, RawLine, RawSpan, RawTiming, Where,
-};
-use crate::parse::suggest;
+use crate::parse::raw::{RawArrow, RawConflict, RawConsole, RawDevice, RawEnd, RawLine, RawSpan, RawTiming};
 
 /// A lag above this is a slip: it would let one station run that many cycles ahead.
 const LAG_MAX: i64 = 8;
@@ -132,7 +129,7 @@ fn modes(f: &mut Fields<'_>, report: &mut Report) -> (bool, bool) {
             other => {
                 let hint = match other {
                     "hand" => Some("hand mode observes the arrows of auto and manual alike".to_owned()),
-                    _ => suggest::hint(other, ["auto", "manual"]),
+                    _ => suggestion(other, ["auto", "manual"]),
                 };
                 report.add(Problem::error(mode.at, format!("unknown mode `{other}` of an arrow")).maybe_hint(hint));
                 continue;

@@ -4,17 +4,14 @@
 
 mod analogue;
 mod drive;
-mod fields;
 mod frames;
 mod line;
 mod setup;
 mod station;
 
-use toml_edit::Document;
+use linewright_text::{Fields, Report};
 
-use super::problem::{Problem, Report};
 use super::raw::RawLine;
-use fields::Fields;
 
 /// At most this many stations: far more than one line has, and few enough to explore a mistake quickly.
 const STATIONS_MAX: usize = 1000;
@@ -39,15 +36,7 @@ const SIGNALS_MAX: usize = 64;
 
 /// Reads `text`; `None` when it is not TOML at all.
 pub(super) fn read(text: &str, report: &mut Report) -> Option<RawLine> {
-    let document = match Document::parse(text) {
-        Ok(document) => document,
-        Err(error) => {
-            let at = error.span().unwrap_or(0..0);
-            let message = format!("this is not TOML: {}", error.message().trim_end().replace('\n', ", "));
-            report.add(Problem::error(at, message).label("reading stopped here"));
-            return None;
-        }
-    };
+    let document = linewright_text::document(text, report)?;
     let top = Fields::new(document.as_table(), 0..0, "the description");
     Some(line::line(top, report))
 }

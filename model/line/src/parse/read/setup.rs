@@ -1,9 +1,9 @@
 //! What a device has to be and is told, and what its trouble does: `identity`, `settings`, `on_emergency`, `when_lost`.
 
-use super::fields::Fields;
+use linewright_text::{At, Fields, Report, Where};
+
 use crate::Reaction;
-use crate::parse::problem::Report;
-use crate::parse::raw::{At, RawIdentity, RawSetting, RawTransmission, Where, Width};
+use crate::parse::raw::{RawIdentity, RawSetting, RawTransmission, Width};
 
 /// What trouble does to the owner.
 pub(super) fn reaction(f: &mut Fields<'_>, key: &'static str, report: &mut Report) -> Option<At<Reaction>> {

@@ -1,11 +1,11 @@
 //! A station's table and its operations.
 
+use linewright_text::{At, Fields, Problem, Report};
+
 use super::AXES_MAX;
-use super::fields::Fields;
 use super::line::each;
 use crate::OPERATIONS_MAX;
-use crate::parse::problem::{Problem, Report};
-use crate::parse::raw::{At, Kind, RawHand, RawMoves, RawOperation, RawPanel, RawRecovery, RawSignals, RawStation};
+use crate::parse::raw::{Kind, RawHand, RawMoves, RawOperation, RawPanel, RawRecovery, RawSignals, RawStation};
 
 pub(super) fn station(mut f: Fields<'_>, report: &mut Report) -> RawStation {
     let raw = RawStation {

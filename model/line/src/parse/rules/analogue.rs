@@ -2,12 +2,12 @@
 
 use std::collections::HashMap;
 
+use linewright_text::{At, Problem, Report, Where, or, suggestion};
+
 use crate::parse::analogue::{channel, number, when};
 use crate::parse::draft::{Draft, DraftDevice, Wiring};
-use crate::parse::problem::{Problem, Report};
-use crate::parse::raw::{At, RawAnalogueInput, RawAnalogueOutput, RawChannel, RawDevice, RawLag, Where, or};
+use crate::parse::raw::{RawAnalogueInput, RawAnalogueOutput, RawChannel, RawDevice, RawLag};
 use crate::parse::setup::object;
-use crate::parse::suggest;
 use crate::{CHANNELS_MAX, Channel};
 
 pub(super) fn check(draft: &Draft<'_>, report: &mut Report) {
@@ -158,7 +158,7 @@ fn simulated_value_follows_something(lag: &RawLag, device: &RawDevice, image: Op
             let names = || image.iter().flat_map(|image| image.outputs.iter().map(|name| name.value.as_str()));
             if image.is_some() && !names().any(|name| name == output.value) {
                 let problem = Problem::error(output.at.clone(), format!("no output `{}` here", output.value));
-                report.add(problem.maybe_hint(suggest::hint(&output.value, names())));
+                report.add(problem.maybe_hint(suggestion(&output.value, names())));
             }
             if lag.on.is_none() {
                 let problem = Problem::error(lag.at.clone(), "a simulated value that goes nowhere");

@@ -2,9 +2,10 @@
 
 use std::collections::HashMap;
 
+use linewright_text::{Problem, Report};
+
 use crate::OpId;
 use crate::parse::draft::{Draft, DraftStation};
-use crate::parse::problem::{Problem, Report};
 
 pub(super) fn arrows_join_stations(draft: &Draft<'_>, report: &mut Report) {
     for arrow in &draft.arrows {

@@ -11,8 +11,9 @@ use petgraph::algo::kosaraju_scc;
 use petgraph::graph::{DiGraph, NodeIndex};
 use petgraph::visit::EdgeRef;
 
+use linewright_text::{Problem, Report};
+
 use crate::parse::draft::{Draft, DraftArrow};
-use crate::parse::problem::{Problem, Report};
 use crate::{OpId, StationId};
 
 /// Searching for the shortest circle of a knot starts from at most this many of its arrows.

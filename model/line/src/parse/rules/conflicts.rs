@@ -1,8 +1,9 @@
 //! Conflicts: pairs of states that must never hold together.
 
+use linewright_text::{Problem, Report};
+
 use crate::OpId;
 use crate::parse::draft::Draft;
-use crate::parse::problem::{Problem, Report};
 
 pub(super) fn conflicts_join_stations(draft: &Draft<'_>, report: &mut Report) {
     for conflict in &draft.conflicts {

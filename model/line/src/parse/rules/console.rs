@@ -1,10 +1,11 @@
 //! The main console and its hand-mode buttons.
 
+use linewright_text::{Problem, Report};
+
 use super::signals::{Meaning, Uses};
 use crate::ButtonId;
 use crate::Owner;
 use crate::parse::draft::Draft;
-use crate::parse::problem::{Problem, Report};
 
 const INPUT_KEYS: [&str; 6] = ["start", "stop", "auto", "hand", "estop", "reset"];
 const LAMP_KEYS: [&str; 4] = ["auto", "hand", "manual", "fault"];

@@ -2,9 +2,10 @@
 
 use std::collections::HashMap;
 
+use linewright_text::{Problem, Report};
+
 use crate::Bus;
 use crate::parse::draft::Draft;
-use crate::parse::problem::{Problem, Report};
 
 /// CANopen node ids are 1 to 127 (CiA 301); the highest is the bus manager's own, which by convention it is.
 const NODE_MAX: i64 = 126;

@@ -2,12 +2,13 @@
 
 use std::collections::HashMap;
 
+use linewright_text::{At, Problem, Report};
+
 use super::operations::same_place;
 use crate::drive::trapezoid_time;
 use crate::parse::draft::{Draft, DraftDrive, DraftStation};
 use crate::parse::drive::method;
-use crate::parse::problem::{Problem, Report};
-use crate::parse::raw::{At, RawDevice, RawDrive, RawTarget};
+use crate::parse::raw::{RawDevice, RawDrive, RawTarget};
 use crate::{AxisId, DriveMode, Owner, StationId};
 
 /// Applies every rule about drives.

@@ -1,9 +1,10 @@
 //! Devices that speak no CANopen.
 
+use linewright_text::{Problem, Report, Where, or};
+
 use crate::parse::draft::Draft;
 use crate::parse::frames::when;
-use crate::parse::problem::{Problem, Report};
-use crate::parse::raw::{RawDevice, RawFrames, RawIdentity, RawSignalInput, RawTold, Where, or};
+use crate::parse::raw::{RawDevice, RawFrames, RawIdentity, RawSignalInput, RawTold};
 
 pub(super) fn check(draft: &Draft<'_>, report: &mut Report) {
     for device in &draft.raw.devices {

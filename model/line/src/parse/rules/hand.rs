@@ -3,11 +3,12 @@
 //! In hand mode one held button runs a sequence of operations. A type says which part of a sequence an operation is,
 //! so the types of neighbours, going round the cycle, must tell the same story.
 
+use linewright_text::{At, Problem, Report};
+
 use crate::Hand;
 use crate::parse::draft::{DraftOperation, DraftStation};
 use crate::parse::hand::purpose;
-use crate::parse::problem::{Problem, Report};
-use crate::parse::raw::{At, Kind};
+use crate::parse::raw::Kind;
 
 /// Each step's hand entry with the operation that stands for the step, and the following step's, going round.
 fn neighbours<'s>(

@@ -24,8 +24,9 @@ mod timing;
 
 pub(super) use devices::node_id;
 
+use linewright_text::Report;
+
 use super::draft::Draft;
-use super::problem::Report;
 
 /// Applies every rule.
 pub(super) fn check(draft: &Draft<'_>, report: &mut Report) {

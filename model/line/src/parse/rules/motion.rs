@@ -4,10 +4,11 @@
 
 use std::ops::Range;
 
+use linewright_text::{Problem, Report};
+
 use super::operations::same_place;
 use crate::AxisId;
 use crate::parse::draft::DraftStation;
-use crate::parse::problem::{Problem, Report};
 
 /// An axis on its way round the cycle.
 struct Position {

@@ -2,9 +2,10 @@
 
 use std::time::Duration;
 
+use linewright_text::{At, Problem, Report};
+
 use crate::parse::draft::DraftOperation;
-use crate::parse::problem::{Problem, Report};
-use crate::parse::raw::{At, Kind};
+use crate::parse::raw::Kind;
 
 /// Coordinates nearer than this are the same place: a micrometre below anything a switch can tell apart.
 pub(super) const SAME_PLACE: f64 = 1e-6;

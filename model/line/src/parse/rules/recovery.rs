@@ -4,10 +4,11 @@
 //! each of them must be one that can be taken back and has been done since the station left home, and together they
 //! must bring every axis home.
 
+use linewright_text::{Problem, Report};
+
 use super::operations::same_place;
 use crate::OpId;
 use crate::parse::draft::{DraftOperation, DraftStation};
-use crate::parse::problem::{Problem, Report};
 use crate::parse::raw::Kind;
 
 fn irreversible<'s>(station: &'s DraftStation<'s>) -> impl Iterator<Item = (OpId, &'s DraftOperation<'s>)> {

@@ -2,10 +2,11 @@
 
 use std::collections::HashMap;
 
+use linewright_text::{Problem, Report, Where};
+
 use crate::parse::analogue;
 use crate::parse::draft::{Draft, DraftDevice, DraftStation};
-use crate::parse::problem::{Problem, Report};
-use crate::parse::raw::{RawDevice, RawIdentity, RawSetting, Where};
+use crate::parse::raw::{RawDevice, RawIdentity, RawSetting};
 use crate::parse::setup::{object, part};
 use crate::{InputId, OutputId, Owner, Reaction, is_the_managers};
 

@@ -7,10 +7,10 @@ use std::collections::BTreeMap;
 use std::fmt;
 use std::ops::Range;
 
+use linewright_text::{At, Problem, Report};
+
 use super::operations::same_place;
 use crate::parse::draft::DraftStation;
-use crate::parse::problem::{Problem, Report};
-use crate::parse::raw::At;
 
 /// What a signal means.
 #[derive(Clone, Debug)]

@@ -1,8 +1,9 @@
 //! A station as a whole.
 
+use linewright_text::{Problem, Report};
+
 use crate::Bus;
 use crate::parse::draft::{Draft, DraftStation};
-use crate::parse::problem::{Problem, Report};
 
 /// Longest name of a Linux network interface (`IFNAMSIZ` less the closing zero).
 const INTERFACE_MAX: usize = 15;

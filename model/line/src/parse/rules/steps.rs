@@ -1,8 +1,9 @@
 //! Operations side by side (seed 002, Appendix): how `with` makes steps, and which steps are allowed.
 
+use linewright_text::{Problem, Report};
+
 use crate::parse::draft::DraftStation;
 use crate::parse::names::StationNames;
-use crate::parse::problem::{Problem, Report};
 use crate::parse::raw::{Kind, RawStation};
 use crate::{BRANCHES_MAX, OpId};
 

@@ -1,9 +1,10 @@
 //! Process data that wait for SYNC.
 
+use linewright_text::{At, Problem, Report};
+
 use crate::device::is_synchronous;
 use crate::parse::draft::Draft;
-use crate::parse::problem::{Problem, Report};
-use crate::parse::raw::{At, RawDevice};
+use crate::parse::raw::RawDevice;
 use crate::parse::setup::transmission;
 
 pub(super) fn check(draft: &Draft<'_>, report: &mut Report) {

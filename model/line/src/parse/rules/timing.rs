@@ -2,10 +2,10 @@
 
 use std::time::Duration;
 
+use linewright_text::{At, Problem, Report};
+
 use crate::Timing;
 use crate::parse::draft::Draft;
-use crate::parse::problem::{Problem, Report};
-use crate::parse::raw::At;
 
 /// A limit below twice its period would trip on a single late message.
 const PERIODS_MIN: u32 = 2;

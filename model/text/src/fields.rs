@@ -8,9 +8,8 @@ use std::time::Duration;
 
 use toml_edit::{Item, TableLike, Value};
 
-use crate::parse::problem::{Problem, Report};
-use crate::parse::raw::{At, Name, Where};
-use crate::parse::suggest;
+use crate::place::{At, Name, Where};
+use crate::{Problem, Report, suggestion};
 
 /// No duration of a mechanism or message is sensibly longer.
 const DURATION_MAX_S: f64 = 24.0 * 3600.0;
@@ -25,8 +24,17 @@ const COORDINATE_MAX: f64 = 1e6;
 const POSITIVE_MIN: f64 = 1e-6;
 const POSITIVE_MAX: f64 = 1e9;
 
+/// A value that may be a text or a whole number.
+#[derive(Clone, Debug, PartialEq, Eq)]
+pub enum Scalar {
+    /// A text.
+    Text(String),
+    /// A whole number.
+    Integer(i64),
+}
+
 /// One table being read.
-pub(super) struct Fields<'a> {
+pub struct Fields<'a> {
     table: &'a dyn TableLike,
     /// Where the table is: its header, or the whole of it when inline.
     pub at: Where,
@@ -36,8 +44,14 @@ pub(super) struct Fields<'a> {
 }
 
 impl<'a> Fields<'a> {
+    /// The table at this place; `what` it is, for messages: "a station", "`moves`".
     pub fn new(table: &'a dyn TableLike, at: Where, what: &'static str) -> Self {
         Fields { table, at, what, asked: Vec::new() }
+    }
+
+    /// Whether nothing is written in it.
+    pub fn is_empty(&self) -> bool {
+        self.table.is_empty()
     }
 
     /// The item at `key` with its place.
@@ -89,19 +103,23 @@ impl<'a> Fields<'a> {
         Some(text)
     }
 
+    /// Any text, which may not be missing.
     pub fn required_text(&mut self, report: &mut Report, key: &'static str) -> Option<Name> {
         let found = self.text(report, key);
         self.require(report, key, found)
     }
 
+    /// True or false.
     pub fn flag(&mut self, report: &mut Report, key: &'static str) -> Option<At<bool>> {
         self.read(report, key, "true or false", Item::as_bool)
     }
 
+    /// A whole number.
     pub fn integer(&mut self, report: &mut Report, key: &'static str) -> Option<At<i64>> {
         self.read(report, key, "a whole number", Item::as_integer)
     }
 
+    /// A whole number, which may not be missing.
     pub fn required_integer(&mut self, report: &mut Report, key: &'static str) -> Option<At<i64>> {
         let found = self.integer(report, key);
         self.require(report, key, found)
@@ -133,6 +151,7 @@ impl<'a> Fields<'a> {
         None
     }
 
+    /// A number above zero, which may not be missing.
     pub fn required_positive(&mut self, report: &mut Report, key: &'static str) -> Option<At<f64>> {
         let found = self.positive(report, key);
         self.require(report, key, found)
@@ -148,9 +167,34 @@ impl<'a> Fields<'a> {
         None
     }
 
+    /// Any number, which may not be missing.
     pub fn required_number(&mut self, report: &mut Report, key: &'static str) -> Option<At<f64>> {
         let found = self.number(report, key);
         self.require(report, key, found)
+    }
+
+    /// A number within bounds.
+    pub fn within(&mut self, report: &mut Report, key: &'static str, low: f64, high: f64) -> Option<At<f64>> {
+        let number = self.read(report, key, "a number", number)?;
+        if (low..=high).contains(&number.value) {
+            return Some(number);
+        }
+        report.add(
+            Problem::error(number.at, format!("`{key}` is {}", number.value)).hint(format!("between {low} and {high}")),
+        );
+        None
+    }
+
+    /// A whole number within bounds.
+    pub fn whole(&mut self, report: &mut Report, key: &'static str, low: i64, high: i64) -> Option<At<i64>> {
+        let number = self.integer(report, key)?;
+        if (low..=high).contains(&number.value) {
+            return Some(number);
+        }
+        report.add(
+            Problem::error(number.at, format!("`{key}` is {}", number.value)).hint(format!("between {low} and {high}")),
+        );
+        None
     }
 
     /// One of a few words; the first one where nothing is written.
@@ -172,9 +216,20 @@ impl<'a> Fields<'a> {
         let names = known.iter().map(|(name, _)| *name);
         report.add(
             Problem::error(word.at, format!("unknown {key} `{}`", word.value))
-                .maybe_hint(suggest::hint(&word.value, names)),
+                .maybe_hint(suggestion(&word.value, names)),
         );
         None
+    }
+
+    /// One of a few words, which may not be missing.
+    pub fn required_word<T: Copy>(
+        &mut self,
+        report: &mut Report,
+        key: &'static str,
+        known: &[(&'static str, T)],
+    ) -> Option<At<T>> {
+        let found = self.maybe_word(report, key, known);
+        self.require(report, key, found)
     }
 
     /// A positive duration in seconds.
@@ -191,6 +246,7 @@ impl<'a> Fields<'a> {
         Some(At::new(Duration::from_secs_f64(seconds.value), seconds.at))
     }
 
+    /// A positive duration in seconds, which may not be missing.
     pub fn required_seconds(&mut self, report: &mut Report, key: &'static str) -> Option<At<Duration>> {
         let found = self.seconds(report, key);
         self.require(report, key, found)
@@ -211,6 +267,7 @@ impl<'a> Fields<'a> {
         }
     }
 
+    /// A period in whole milliseconds, which may not be missing.
     pub fn required_millis(&mut self, report: &mut Report, key: &'static str) -> Option<At<Duration>> {
         let found = self.millis(report, key);
         self.require(report, key, found)
@@ -244,6 +301,7 @@ impl<'a> Fields<'a> {
         Some(Fields::new(table.value, table.at, what))
     }
 
+    /// A table inside this one, which may not be missing.
     pub fn required_table(&mut self, report: &mut Report, key: &'static str, what: &'static str) -> Option<Fields<'a>> {
         let found = self.table(report, key, what);
         self.require(report, key, found)
@@ -288,6 +346,26 @@ impl<'a> Fields<'a> {
         tables
     }
 
+    /// Every key of this table with a text or a whole number: names are the user's own.
+    pub fn scalars(self, report: &mut Report, max: usize) -> Vec<(Name, At<Scalar>)> {
+        if self.table.len() > max {
+            let problem = Problem::error(self.at.clone(), format!("{} has {} entries", self.what, self.table.len()));
+            report.add(problem.hint(format!("at most {max}")));
+            return Vec::new();
+        }
+        let mut entries = Vec::new();
+        for (key, item) in self.table.iter() {
+            let key_at = self.table.key(key).and_then(|k| k.span()).unwrap_or_else(|| self.at.clone());
+            let at = item.span().unwrap_or_else(|| key_at.clone());
+            let text = item.as_str().filter(|text| text.len() <= TEXT_MAX).map(|text| Scalar::Text(text.to_owned()));
+            match text.or_else(|| item.as_integer().map(Scalar::Integer)) {
+                Some(value) => entries.push((At::new(key.to_owned(), key_at), At::new(value, at))),
+                None => report.add(wrong_type(at, key, "text in quotes or a whole number", item)),
+            }
+        }
+        entries
+    }
+
     /// Every key of this table with a coordinate: names are the user's own.
     pub fn coordinates(self, report: &mut Report, max: usize) -> Vec<(Name, f64)> {
         if self.table.len() > max {
@@ -322,7 +400,7 @@ impl<'a> Fields<'a> {
             report.add(
                 Problem::error(at, format!("unknown key `{key}` in {}", self.what))
                     .label("unknown key")
-                    .maybe_hint(suggest::hint(key, self.asked.iter().copied())),
+                    .maybe_hint(suggestion(key, self.asked.iter().copied())),
             );
         }
     }

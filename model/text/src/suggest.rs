@@ -1,12 +1,12 @@
 //! "Did you mean …": the known name nearest to an unknown one.
 
-use super::names::NAME_MAX;
+use crate::NAME_MAX;
 
 /// The candidate that `name` is most likely a slip of, if any is near enough to be worth saying.
 ///
 /// Near enough is a third of the name's letters: enough for a swapped, missing or doubled one, too little for one word
 /// to be taken for another. Case does not count, since a name written in the wrong case is always worth saying.
-pub(super) fn nearest<'a>(name: &str, candidates: impl IntoIterator<Item = &'a str>) -> Option<&'a str> {
+pub fn nearest<'a>(name: &str, candidates: impl IntoIterator<Item = &'a str>) -> Option<&'a str> {
     let wanted = name.to_lowercase();
     if wanted.len() > NAME_MAX {
         return None;
@@ -33,7 +33,7 @@ fn distance(wanted: &str, candidate: &str) -> usize {
 }
 
 /// The hint for an unknown name: the nearest known one, or else all of them where they are few.
-pub fn hint<'a>(name: &str, candidates: impl IntoIterator<Item = &'a str> + Clone) -> Option<String> {
+pub fn suggestion<'a>(name: &str, candidates: impl IntoIterator<Item = &'a str> + Clone) -> Option<String> {
     /// More than these are no help to read.
     const LISTED_MAX: usize = 12;
     if let Some(candidate) = nearest(name, candidates.clone()) {
@@ -57,7 +57,7 @@ mod tests {
         assert_eq!(nearest("watchdgo_s", known), Some("watchdog_s"));
         assert_eq!(nearest("Module", known), Some("module"));
         assert_eq!(nearest("lamp", known), None);
-        assert_eq!(hint("lamp", ["a", "b"]).as_deref(), Some("known here: `a`, `b`"));
-        assert_eq!(hint("lamp", []), None);
+        assert_eq!(suggestion("lamp", ["a", "b"]).as_deref(), Some("known here: `a`, `b`"));
+        assert_eq!(suggestion("lamp", []), None);
     }
 }

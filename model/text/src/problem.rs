@@ -49,7 +49,7 @@ impl Problem {
     }
 
     /// A warning at `span`.
-    pub(super) fn warning(span: Range<usize>, message: impl Into<String>) -> Self {
+    pub fn warning(span: Range<usize>, message: impl Into<String>) -> Self {
         Problem { is_warning: true, ..Problem::error(span, message) }
     }
 
@@ -60,7 +60,7 @@ impl Problem {
     }
 
     /// With this advice.
-    pub(super) fn hint(mut self, hint: impl Into<String>) -> Self {
+    pub fn hint(mut self, hint: impl Into<String>) -> Self {
         self.hint = Some(hint.into());
         self
     }
@@ -72,7 +72,7 @@ impl Problem {
     }
 
     /// With another place marked.
-    pub(super) fn also(mut self, span: &Range<usize>, label: impl Into<String>) -> Self {
+    pub fn also(mut self, span: &Range<usize>, label: impl Into<String>) -> Self {
         self.also.push((span.clone(), label.into()));
         self
     }
@@ -196,14 +196,14 @@ impl Diagnostic for Problems {
 
 /// Where the rules put what they find.
 #[derive(Default)]
-pub(super) struct Report {
+pub struct Report {
     errors: Vec<Problem>,
     warnings: Vec<Problem>,
 }
 
 impl Report {
     /// Adds a problem, unless there are far too many of its kind already.
-    pub(super) fn add(&mut self, problem: Problem) {
+    pub fn add(&mut self, problem: Problem) {
         let kind = if problem.is_warning { &mut self.warnings } else { &mut self.errors };
         if kind.len() < PROBLEMS_MAX {
             kind.push(problem);
@@ -211,16 +211,17 @@ impl Report {
     }
 
     /// Whether another error would not be kept: then there is no need to work out a hint for it.
-    pub(super) fn is_full(&self) -> bool {
+    pub fn is_full(&self) -> bool {
         self.errors.len() >= PROBLEMS_MAX
     }
 
     /// Whether anything forbids using the description.
-    pub(super) fn has_errors(&self) -> bool {
+    pub fn has_errors(&self) -> bool {
         !self.errors.is_empty()
     }
 
-    pub(super) fn into_problems(self, file_name: &str, text: &str) -> Problems {
+    /// All of them, with the text they point into.
+    pub fn into_problems(self, file_name: &str, text: &str) -> Problems {
         let is_cut = self.is_full();
         let all = self.errors.into_iter().chain(self.warnings).collect();
         Problems { is_cut, ..Problems::new(file_name, text, all) }

@@ -1,0 +1,32 @@
+//! A whole text as TOML, within bounds.
+
+use toml_edit::Document;
+
+use crate::{Problem, Report};
+
+/// Longest text, in bytes: a shipped line has 16 KiB, a thousand stations fit in one.
+pub const BYTES_MAX: usize = 1 << 20;
+
+/// Whether a text is short enough to read; `what` it is, for the message: "the description".
+pub fn is_bounded(text: &str, what: &str, report: &mut Report) -> bool {
+    if text.len() > BYTES_MAX {
+        report.add(
+            Problem::error(0..0, format!("{what} has {} bytes", text.len()))
+                .hint(format!("at most {BYTES_MAX}; is this the right file?")),
+        );
+    }
+    text.len() <= BYTES_MAX
+}
+
+/// The TOML that a text is; `None`, and a problem, where it is none.
+pub fn document<'a>(text: &'a str, report: &mut Report) -> Option<Document<&'a str>> {
+    match Document::parse(text) {
+        Ok(document) => Some(document),
+        Err(error) => {
+            let at = error.span().unwrap_or(0..0);
+            let message = format!("this is not TOML: {}", error.message().trim_end().replace('\n', ", "));
+            report.add(Problem::error(at, message).label("reading stopped here"));
+            None
+        }
+    }
+}
