@@ -5,8 +5,9 @@
 
 use std::collections::BTreeMap;
 
-use linewright_coordinator_logic::cell::{Fifo, PartId};
+use linewright_coordinator_logic::cell::{Fifo, PartId, Refusal};
 use linewright_line::Tick;
+use linewright_nets::NetBuilder;
 use linewright_nets::coloured::{Clause, ColouredBuilder, Guard, colour, id, proj};
 
 use crate::dice::Dice;
@@ -127,6 +128,34 @@ fn it_survives_being_killed_again_and_again() {
         assert!(world.lives > 4, "{}", world.lives);
         assert_eq!(production(&world), production(&calm), "{seed}");
         assert_eq!(world.state().firings().len(), 0);
+    }
+}
+
+/// One station that may have several orders at once, each for a part of its own.
+fn bench(parts: u32, hands: u32) -> Compiled {
+    let mut b = NetBuilder::new("bench");
+    let [stored, hand, out] = [("stored", parts), ("hands", hands), ("out", 0)].map(|(name, n)| b.place(name, n));
+    for way in 0..hands {
+        let fetch = b.transition(format!("fetch {way}"));
+        b.input(fetch, stored, 1).input(fetch, hand, 1).output(fetch, hand, 1).output(fetch, out, 1);
+    }
+    let net = ColouredBuilder::from_net(&b.build().unwrap()).build().unwrap();
+    let kind = |name: &str| if name == "hands" { TOKENS } else { PARTS };
+    Compiled::new(net, kind, |_| ordered("fetch", &[0], 600_000))
+}
+
+/// A station gets its orders one after the other, the oldest first, also where several activities wait for it: one that is
+/// overtaken by a later one would be refused as old.
+#[test]
+fn orders_reach_a_station_in_their_order_whatever_the_network_does() {
+    for seed in 0..30 {
+        let mut world = World { bad_luck: 5, crash_at: vec![20, 45], ..World::new(bench(8, 3), 1, seed) };
+        world.run(&mut Fifo, LONG);
+        let station = &world.stations[0];
+        assert!(station.done.is_sorted_by_key(|(key, ..)| key.id));
+        assert_eq!((station.done.len(), world.state().firings().len()), (8, 0), "{:?}", world.state().firings().next());
+        // While it is busy with one, it will not have another, and is asked again.
+        assert!(station.refused.contains(&Refusal::Busy) && !station.refused.contains(&Refusal::Old));
     }
 }
 

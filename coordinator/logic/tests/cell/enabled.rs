@@ -2,8 +2,12 @@
 //! keeping it up to date costs.
 
 use std::collections::BTreeSet;
+use std::sync::Arc;
+use std::time::Duration;
 
-use linewright_coordinator_logic::cell::{CellKind, Fact, FiringId, ModeId, Record, State};
+use linewright_coordinator_logic::cell::{
+    Activity, CellKind, CellTable, Fact, FiringId, ModeId, Plan, PlanError, Record, State,
+};
 use linewright_line::Tick;
 use linewright_nets::coloured::{
     ColouredBuilder, ColouredNet, Colours, Domain, Function, Guard, abs, colour, id, not_colour, proj, ring, succ,
@@ -129,7 +133,7 @@ fn counted(net: ColouredNet, dice: &mut Dice) -> Compiled {
         |name| {
             let servers = u32::MAX;
             let base = if (name.len() + salt).is_multiple_of(3) { immediate() } else { alone(1) };
-            linewright_coordinator_logic::cell::Activity { servers, ..base }
+            Activity { servers, ..base }
         },
     )
 }
@@ -208,10 +212,46 @@ fn a_firing_costs_the_same_in_a_cell_of_a_thousand_machines() {
     assert!(many < few * 1.2 && many < 20.0, "{few} {many}");
 }
 
+/// Of several cells it lacks, a mode watches the one that the fewest compete for; the robot wakes it last.
+#[test]
+fn a_mode_watches_what_is_its_own_rather_than_what_is_everybodys() {
+    let mut b = NetBuilder::new("private");
+    let robot = b.place("robot", 0);
+    let machine = b.place("machine", 0);
+    let parts: Vec<_> = (0..3).map(|kind| b.place(format!("part {kind}"), 0)).collect();
+    for (name, place) in [("robot", robot), ("machine", machine), ("part", parts[0])] {
+        let (come, away) = (b.transition(format!("{name} comes")), b.place(format!("{name} away"), 1));
+        b.input(come, away, 1).output(come, place, 1);
+    }
+    for (kind, &part) in parts.iter().enumerate() {
+        let (load, unload) = (b.transition(format!("load {kind}")), b.transition(format!("unload {kind}")));
+        b.input(load, robot, 1).input(load, machine, 1).input(load, part, 1);
+        b.input(unload, robot, 1);
+    }
+    let net = ColouredBuilder::from_net(&b.build().unwrap()).build().unwrap();
+    let long = linewright_nets::coloured::unfold(&net, Colours::All, 1000).unwrap();
+    let plan = Plan {
+        cells: vec![TOKENS; long.net().place_count()],
+        activities: vec![immediate()],
+        activity_of: vec![0; long.net().transition_count()],
+        refresh: Duration::ZERO,
+        grace: Duration::ZERO,
+    };
+    let table = Arc::new(CellTable::compile(&long, plan).unwrap());
+    let named = |name: &str| table.modes().find(|&mode| table.mode_name(mode) == name).unwrap();
+    let mut state = State::new(table.clone());
+    let mut watched = Vec::new();
+    for next in ["robot comes", "part comes", "machine comes"] {
+        watched.push(table.cell_name(state.enabling().lacks(named("load 0")).unwrap()));
+        state.apply(&Record { at: Tick::ZERO, fact: Fact::Fired { mode: named(next), part: None } }).unwrap();
+    }
+    assert_eq!(watched, ["part 0", "part 0", "machine"]);
+    assert_eq!(state.enabling().lacks(named("load 0")), None);
+    assert_eq!(table.consumers(state.enabling().lacks(named("load 1")).unwrap()), [named("load 1")]);
+}
+
 #[test]
 fn a_plan_that_does_not_fit_its_net_says_why() {
-    use linewright_coordinator_logic::cell::{CellTable, Plan, PlanError};
-    use std::time::Duration;
     let it = Compiled::new(cell(&Variant { waiting: [1, 0, 0], ..Variant::default() }), |_| TOKENS, |_| alone(1));
     let (cells, modes) = (it.table.cell_count(), it.table.mode_count());
     let plan = |kinds: Vec<CellKind>, activity, activity_of: Vec<usize>| Plan {
@@ -227,12 +267,11 @@ fn a_plan_that_does_not_fit_its_net_says_why() {
     assert!(why(plan(all(TOKENS), alone(1), vec![])).starts_with("the plan has activities for 0 modes"));
     assert!(why(plan(all(TOKENS), alone(1), vec![1; modes])).ends_with("is said to be activity 1 of 1"));
     assert!(why(plan(all(crate::plans::PARTS), alone(1), vec![0; modes])).ends_with("a mode moves one at most"));
-    let idle = linewright_coordinator_logic::cell::Activity { servers: 0, ..alone(1) };
+    let idle = Activity { servers: 0, ..alone(1) };
     assert!(matches!(
         CellTable::compile(&it.long, plan(all(TOKENS), idle, vec![0; modes])),
         Err(PlanError::NoServer { .. })
     ));
-    let told =
-        linewright_coordinator_logic::cell::Activity { kind: immediate().kind, ..crate::plans::ordered("x", &[0], 1) };
+    let told = Activity { kind: immediate().kind, ..crate::plans::ordered("x", &[0], 1) };
     assert!(why(plan(all(TOKENS), told, vec![0; modes])).contains("is immediate and has orders"));
 }

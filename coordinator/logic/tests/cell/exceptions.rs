@@ -207,6 +207,25 @@ fn an_order_to_a_station_that_has_lost_its_memory_fails_and_is_never_sent_again(
     }
 }
 
+/// Killed between the records of such a step, the next life finds the same.
+#[test]
+fn a_lost_memory_is_noticed_whichever_of_its_records_were_written() {
+    let fresh = Heard { memory: 2, ..Heard::default() };
+    let mut whole = Bench::new();
+    let before = whole.log.len();
+    whole.at(20, &[Input::Station(ROBOT, &fresh)]);
+    assert!(whole.log.len() >= before + 3, "the order fails, the memory is new, the activity fails");
+    for written in before..=whole.log.len() {
+        let mut bench = Bench::new();
+        bench.at(20, &[Input::Station(ROBOT, &fresh)]);
+        bench.log.truncate(written);
+        bench.restart();
+        bench.at(30, &[Input::Station(ROBOT, &fresh)]);
+        assert_eq!(bench.sent(), [], "{written}");
+        bench.assert_failed(Cause::Order { key: key(1), failure: Failure::Forgotten });
+    }
+}
+
 /// Until this life has heard a station, it sends it nothing: its memory has to be in a record first.
 #[test]
 fn a_restarted_coordinator_sends_what_nobody_has_answered_once_it_hears_the_station() {

@@ -2,7 +2,9 @@
 
 use std::collections::BTreeMap;
 
-use linewright_coordinator_logic::cell::{CellKind, Fact, Fifo, FiringId, ModeId, PartId, Place, Record};
+use linewright_coordinator_logic::cell::{
+    Cause, CellKind, Fact, Fifo, Firing, FiringId, ModeId, PartId, Phase, Place, Record,
+};
 use linewright_line::Tick;
 
 use crate::dice::Dice;
@@ -103,7 +105,7 @@ impl<'a> Ledger<'a> {
 }
 
 /// Plays a world to its end, and compares the ledger with the state after each record.
-fn audited(mut world: World, is_part: &dyn Fn(&str) -> bool) -> (usize, usize) {
+fn audited(world: &mut World, is_part: &dyn Fn(&str) -> bool) -> (usize, usize) {
     world.run(&mut Fifo, Tick::from_millis(3_600_000));
     let mut ledger = Ledger::new(&world.it, is_part);
     let mut state = linewright_coordinator_logic::cell::State::new(world.it.table.clone());
@@ -140,8 +142,8 @@ fn audited(mut world: World, is_part: &dyn Fn(&str) -> bool) -> (usize, usize) {
 fn no_part_of_the_printed_cell_is_lost_or_doubled() {
     for (seed, waiting) in (0..).zip([[1, 1, 1], [3, 0, 2], [0, 4, 4]]) {
         let it = compiled(&Variant { waiting, ..Variant::default() });
-        let world = World { bad_luck: 8, crash_at: vec![40, 90], ..World::new(it, 3, seed) };
-        let made = audited(world, &|name| kind(name) != CellKind::Tokens);
+        let mut world = World { bad_luck: 8, crash_at: vec![40, 90], ..World::new(it, 3, seed) };
+        let made = audited(&mut world, &|name| kind(name) != CellKind::Tokens);
         assert_eq!(made, (waiting.iter().sum::<u32>() as usize, 0));
     }
 }
@@ -151,11 +153,31 @@ fn no_part_of_a_workcell_is_lost_or_doubled() {
     for seed in 0..12 {
         let cell = Workcell::random(&mut Dice::new(seed));
         let (stations, parts) = (cell.stations(), cell.parts() as usize);
-        let world =
+        let mut world =
             World { bad_luck: 8, crash_at: vec![30, 31, 100], ..World::new(workcell::compiled(&cell), stations, seed) };
         let is_part = |name: &str| ["stored", "loaded", "ready"].iter().any(|place| name.starts_with(place));
-        assert_eq!(audited(world, &is_part), (parts, parts), "all parts have come, and all have left");
+        assert_eq!(audited(&mut world, &is_part), (parts, parts), "all parts have come, and all have left");
     }
+}
+
+/// Stations fail, and whatever fails keeps its part; what is left of the cell goes on. How many parts were kept so.
+#[test]
+fn no_part_is_lost_where_stations_fail() {
+    let mut kept = 0;
+    for seed in 0..20 {
+        let cell = Workcell::random(&mut Dice::new(seed));
+        let mut world = World::new(workcell::compiled(&cell), cell.stations(), seed);
+        world.crash_at = vec![50];
+        world.stations.iter_mut().for_each(|station| station.failing = 8);
+        let is_part = |name: &str| ["stored", "loaded", "ready"].iter().any(|place| name.starts_with(place));
+        let (made, left) = audited(&mut world, &is_part);
+        let failed =
+            |firing: &Firing| matches!(firing.phase, Phase::Failed(Cause::Order { .. })) && firing.part.is_some();
+        assert!(world.state().firings().all(failed));
+        assert_eq!(made - left, world.state().parts().len());
+        kept += world.state().firings().len();
+    }
+    assert!(kept > 10, "{kept}");
 }
 
 /// With each part every step of its plan is done once: loaded, processed, unloaded.

@@ -28,6 +28,8 @@ pub struct Station {
     pub done: Vec<(OrderKey, String, Option<PartId>)>,
     /// How often it was told something that it had been told before.
     pub doubled: usize,
+    /// One order in so many ends with a code; none with 0.
+    pub failing: usize,
     /// How often it would not.
     pub refused: Vec<Refusal>,
 }
@@ -65,14 +67,16 @@ impl Station {
     }
 
     /// Ends what it is doing when the time has come.
-    fn tick(&mut self, now: Tick) -> Option<(OrderKey, Reply)> {
+    fn tick(&mut self, now: Tick, dice: &mut Dice) -> Option<(OrderKey, Reply)> {
         let (key, _) = self.doing.take_if(|(_, until)| *until <= now)?;
         self.heard.slot = None;
-        self.heard.results.push((key, Outcome::Done));
+        let fails = self.failing > 0 && dice.one_in(self.failing);
+        let outcome = if fails { Outcome::Failed(7) } else { Outcome::Done };
+        self.heard.results.push((key, outcome));
         if self.heard.results.len() > 16 {
             self.heard.results.remove(0);
         }
-        Some((key, Reply::Ended(Outcome::Done)))
+        Some((key, Reply::Ended(outcome)))
     }
 }
 
@@ -169,7 +173,7 @@ impl World {
 
     fn stations_go_on(&mut self) {
         for index in 0..self.stations.len() {
-            if let Some((key, reply)) = self.stations[index].tick(self.now) {
+            if let Some((key, reply)) = self.stations[index].tick(self.now, &mut self.dice) {
                 self.fly(|| Flying::Reply(index, key, reply));
             }
         }
