@@ -193,7 +193,7 @@ fn looks_per_firing(machines: usize) -> f64 {
     let (before, firings, mut dice) = (state.enabling().looks(), 4000, Dice::new(3));
     let mut running = Vec::new();
     for firing in (1..=firings).map(FiringId) {
-        while state.enabled().is_empty() || running.len() > machines / 8 {
+        while state.enabling().decided().is_empty() || running.len() > machines / 8 {
             let ended = running.swap_remove(dice.below(running.len()));
             state.apply(&Record { at: Tick::ZERO, fact: Fact::Ended { firing: ended } }).unwrap();
         }
