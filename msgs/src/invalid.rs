@@ -13,10 +13,15 @@ pub const ITEMS_MAX: usize = 4096;
 pub const TEXT_BYTES_MAX: usize = 4096;
 
 /// A text that is not too long for a message: one that is ends in `…`. A message with a longer one reaches nobody.
-pub fn fitting(mut text: String) -> String {
+pub fn fitting(text: String) -> String {
+    cut(text, TEXT_BYTES_MAX)
+}
+
+/// A text of at most `most` bytes: one that is longer ends in `…`.
+pub fn cut(mut text: String, most: usize) -> String {
     const MORE: &str = " …";
-    if text.len() > TEXT_BYTES_MAX {
-        let end = (0..=TEXT_BYTES_MAX - MORE.len()).rev().find(|&at| text.is_char_boundary(at));
+    if text.len() > most {
+        let end = (0..=most.saturating_sub(MORE.len())).rev().find(|&at| text.is_char_boundary(at));
         text.truncate(end.unwrap_or(0));
         text.push_str(MORE);
     }

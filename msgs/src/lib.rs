@@ -20,7 +20,7 @@ mod std_types;
 
 pub use describe::{Bounded, Constant, Field, RosField, RosMessage};
 pub use diagnostics::{Byte, DiagnosticArray, DiagnosticStatus, KeyValue};
-pub use invalid::{ITEMS_MAX, Invalid, TEXT_BYTES_MAX, fitting};
+pub use invalid::{ITEMS_MAX, Invalid, TEXT_BYTES_MAX, cut, fitting};
 pub use line::{LineState, ModeOrder};
 pub use services::{
     CORead, COReadID, COWrite, COWriteID, CoReadIdRequest, CoReadIdResponse, CoReadRequest, CoReadResponse,

@@ -6,7 +6,7 @@ use std::time::Duration;
 use linewright_fieldbus::{Bus as CanBus, BusError, Clock, Driver, Event as BusEvent, Manager, ManagerError};
 use linewright_line::net::Block;
 use linewright_line::{Bus, Line, OpId, Owner, StationId, Tick};
-use linewright_msgs::{ModeOrder, ProcessImage, StationEvent, StationState};
+use linewright_msgs::{ModeOrder, ProcessImage, StationEvent, StationState, fitting};
 use linewright_node_shell::{
     Forward, Journal, JournalError, NewestBySequence, OpenError, Participant, TopicError, fresh_boot_id, stamp,
 };
@@ -306,13 +306,18 @@ impl Shell {
         if let (Some(devices), Some(driver)) = (&mut self.devices, &mut self.driver) {
             devices.bus_events(events, driver);
         }
+        self.tell_trouble(self.clock.now());
         if let Some(driver) = &self.driver {
-            if let Some(trouble) = &mut self.trouble {
-                trouble.act(self.clock.now(), driver);
-                self.words.trouble(trouble.text());
-            }
             let image = driver.inputs(owner);
             self.image(image.bits, image.valid, u64::from(image.losses), Tick::NEVER, NO_DELAY);
+        }
+    }
+
+    /// What is wrong with the devices on its own bus, if it has one.
+    fn tell_trouble(&mut self, now: Tick) {
+        if let (Some(trouble), Some(driver)) = (&mut self.trouble, &self.driver) {
+            trouble.act(now, driver);
+            self.words.trouble(trouble.text());
         }
     }
 
@@ -351,11 +356,8 @@ impl Shell {
         }
         if let (Some(devices), Some(driver)) = (&mut self.devices, &self.driver) {
             devices.act(now, driver);
-            if let Some(trouble) = &mut self.trouble {
-                trouble.act(now, driver);
-                self.words.trouble(trouble.text());
-            }
         }
+        self.tell_trouble(now);
         let due = now >= self.refresh_due;
         let outputs = self.outbox.outputs;
         self.drive(outputs, due || self.driven != Some((self.outbox.number, self.lives)));
@@ -418,7 +420,7 @@ impl Shell {
             kind,
             operation: op.map(|op| self.line.operation((self.station, op)).name.clone()).unwrap_or_default(),
             cycle: event.cycle,
-            text,
+            text: fitting(text),
         });
     }
 

@@ -2,7 +2,11 @@
 //!
 //! The controller knows that its devices cannot be trusted; which one and why is known to whoever manages them.
 
+use linewright_msgs::{cut, fitting};
 use linewright_station_logic::{Cause, DEVICES_INVALID, Event, Happening};
+
+/// Most bytes of what is said of the devices, whoever says it.
+pub const TROUBLE_BYTES_MAX: usize = 1024;
 
 /// What is known of the devices' trouble.
 #[derive(Debug, Default)]
@@ -14,15 +18,16 @@ pub struct Words {
 }
 
 impl Words {
-    /// Takes what the devices' manager says.
+    /// Takes what the devices' manager says, or anybody on its topic: no more of it than there is room for.
     pub fn trouble(&mut self, text: &str) {
-        text.clone_into(&mut self.now);
+        self.now = cut(text.to_owned(), TROUBLE_BYTES_MAX);
         if self.first.is_empty() {
-            text.clone_into(&mut self.first);
+            self.now.clone_into(&mut self.first);
         }
     }
 
-    /// Completes a state's fault and reasons. `valid`: the devices are.
+    /// Completes a state's fault and reasons. `valid`: the devices are. The fault fits a message afterwards: it says the
+    /// cause once per stopped operation, and a state that does not fit reaches nobody.
     pub fn complete(&mut self, valid: bool, fault: &mut String, blocked_by: &mut [String]) {
         let lost = Cause::Devices.text();
         if fault.contains(lost) {
@@ -36,6 +41,9 @@ impl Words {
             for reason in blocked_by.iter_mut().filter(|reason| *reason == DEVICES_INVALID) {
                 *reason = format!("its devices: {}", self.now);
             }
+        }
+        for text in blocked_by.iter_mut().chain([fault]) {
+            *text = fitting(std::mem::take(text));
         }
     }
 
@@ -51,7 +59,23 @@ impl Words {
 
 #[cfg(test)]
 mod tests {
+    use linewright_msgs::{RosMessage as _, StationState};
+
     use super::*;
+
+    #[test]
+    fn a_state_with_a_fault_fits_a_message_whatever_is_said_of_the_devices() {
+        let mut words = Words::default();
+        words.trouble(&"x".repeat(4096));
+        let mut state = StationState { station: "press".to_owned(), boot_id: 1, ..StationState::default() };
+        state.fault = vec!["close: devices lost"; 40].join("; ");
+        state.blocked_by = vec![DEVICES_INVALID.to_owned(), "y".repeat(5000)];
+        words.complete(false, &mut state.fault, &mut state.blocked_by);
+        assert_eq!(state.validate(), Ok(()));
+        assert!(state.fault.starts_with("close: devices lost (xxx"), "{}", state.fault);
+        let event = Event { cycle: 0, what: Happening::Devices(false) };
+        assert!(words.event(&event, "devices lost".to_owned()).len() < 4096);
+    }
 
     #[test]
     fn the_first_cause_stays_with_the_fault_and_the_present_one_is_what_is_waited_for() {

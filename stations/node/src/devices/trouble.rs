@@ -5,10 +5,11 @@
 
 use linewright_fieldbus::Driver;
 use linewright_line::{Owner, Tick};
-use linewright_msgs::{Text, fitting};
+use linewright_msgs::{Text, cut};
 use linewright_node_shell::{Node, Publisher, TopicError, qos};
 
 use super::{EVERY, NEWS_EVERY, STATES_MAX};
+use crate::words::TROUBLE_BYTES_MAX;
 
 /// The topic of one owner.
 pub struct Trouble {
@@ -90,7 +91,7 @@ fn joined(sentences: impl Iterator<Item = String>) -> String {
             more += 1;
         }
     }
-    if more == 0 { fitting(text) } else { fitting(format!("{text}; and {more} more")) }
+    cut(if more == 0 { text } else { format!("{text}; and {more} more") }, TROUBLE_BYTES_MAX)
 }
 
 #[cfg(test)]
@@ -103,8 +104,10 @@ mod tests {
         assert_eq!(of(0), "");
         assert_eq!(of(2), "device 000 is not heard; device 001 is not heard");
         let many = of(200);
-        assert!(many.len() < 2 * ENOUGH && many.ends_with(" more"), "{many}");
+        assert!(many.len() <= TROUBLE_BYTES_MAX && many.ends_with(" more"), "{many}");
         let named = many.matches("device ").count();
         assert!(many.ends_with(&format!("; and {} more", 200 - named)), "{many}");
+        let long = joined(["x".repeat(9000), "y".to_owned()].into_iter());
+        assert!(long.len() <= TROUBLE_BYTES_MAX && long.ends_with('…'), "{long}");
     }
 }
