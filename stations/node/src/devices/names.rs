@@ -1,18 +1,47 @@
 //! What a device is called in ROS 2, and its network management state in the words of `ros2_canopen`.
 
 use linewright_fieldbus::codec::NmtState;
-use linewright_line::{Device, Line};
+use linewright_line::{Device, Line, Owner};
 
-/// A device's name as a part of a ROS name: `clamp 1 io` becomes `clamp_1_io`. A name that another device, a station
-/// or the coordinator has as well gets its node id: `mill_1_41`, in hexadecimal.
+/// A device's name as a part of a ROS name: `clamp 1 io` becomes `clamp_1_io`. A name that another device, a station or
+/// the coordinator has as well gets its node id: `mill_1_41`, in hexadecimal. Where that is another's too, since a node
+/// id is one device's on its own bus only, it gets its station as well: `io_04_mill_1`.
 pub fn device_names(line: &Line, devices: &[&Device]) -> Vec<String> {
-    let plain: Vec<String> = devices.iter().map(|device| plain_name(&device.name)).collect();
-    let taken = |name: &String| {
-        let others = line.devices.iter().filter(|other| plain_name(&other.name) == *name).count();
-        others > 1 || name == "coordinator" || line.stations.iter().any(|station| station.name == *name)
+    let mut names: Vec<(usize, String)> = line.devices.iter().map(|device| (0, form(line, device, 0))).collect();
+    loop {
+        let taken = |name: &String| {
+            let same = names.iter().filter(|(_, other)| other == name).count();
+            same > 1 || name == "coordinator" || line.stations.iter().any(|station| station.name == *name)
+        };
+        let met = |(_, (form, name)): &(usize, &(usize, String))| *form < 2 && taken(name);
+        let met: Vec<usize> = names.iter().enumerate().filter(met).map(|(at, _)| at).collect();
+        if met.is_empty() {
+            break;
+        }
+        for at in met {
+            let next = names[at].0 + 1;
+            names[at] = (next, form(line, &line.devices[at], next));
+        }
+    }
+    let of = |device: &&Device| {
+        let known = line.devices.iter().position(|other| other.name == device.name);
+        known.map_or_else(|| form(line, device, 2), |at| names[at].1.clone())
     };
-    let names = plain.iter().zip(devices);
-    names.map(|(name, d)| if taken(name) { format!("{name}_{:02x}", d.node_id) } else { name.clone() }).collect()
+    devices.iter().map(of).collect()
+}
+
+/// A device's name, the shortest first; the longest is the third.
+fn form(line: &Line, device: &Device, form: usize) -> String {
+    let name = plain_name(&device.name);
+    let owner = match device.owner {
+        Owner::Station(id) => &line.station(id).name,
+        Owner::Console => "console",
+    };
+    match form {
+        0 => name,
+        1 => format!("{name}_{:02x}", device.node_id),
+        _ => format!("{name}_{:02x}_{}", device.node_id, plain_name(owner)),
+    }
 }
 
 /// Letters, digits and single underscores; no digit first.
@@ -71,5 +100,32 @@ mod tests {
         let with = |name: &str, at: usize| format!("{name}_{:02x}", ids[at]);
         let expected = [with("console_io", 0), with("clamp_1", 1), with("coordinator", 2), with("console_io", 3)];
         assert_eq!(names(&line)[..4], expected);
+    }
+
+    #[test]
+    fn devices_of_different_buses_with_one_node_id_have_names_of_their_own() {
+        let mut line = linewright_line::parse("line.toml", &TransferLine::default().text()).expect("parses").line;
+        for (at, (name, node_id)) in
+            [("Io", 4), ("io", 4), ("a b", 5), ("a-b", 6), ("a b 05", 7)].into_iter().enumerate()
+        {
+            let device = &mut line.devices[at];
+            name.clone_into(&mut device.name);
+            device.node_id = node_id;
+            device.owner = Owner::Station(linewright_line::StationId(at as u16 % 3));
+        }
+        let names = device_names(&line, &line.devices.iter().collect::<Vec<_>>());
+        let station = |at: usize| &line.stations[at].name;
+        let expected = [
+            format!("io_04_{}", station(0)),
+            format!("io_04_{}", station(1)),
+            format!("a_b_05_{}", station(2)),
+            "a_b_06".to_owned(),
+            "a_b_05_07".to_owned(),
+        ];
+        assert_eq!(names[..5], expected);
+        let mut one_each = names.clone();
+        one_each.sort();
+        one_each.dedup();
+        assert_eq!(one_each.len(), names.len(), "{names:?}");
     }
 }
