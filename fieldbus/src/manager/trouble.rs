@@ -37,16 +37,24 @@ impl Manager {
         self.peers.iter().find(|p| p.node == node).map(|peer| peer.explain(now))
     }
 
+    /// What keeps the inputs of the device with this node id from being valid at `now`, in one sentence. Nothing while they
+    /// are valid, and for a device that no image depends on.
+    pub fn trouble_of(&self, now: Tick, node: NodeId) -> Option<String> {
+        let peer = self.peers.iter().find(|peer| peer.node == node && peer.is_vital)?;
+        let what = peer.trouble(now)?;
+        Some(match self.off_the_bus() {
+            Some(off) => format!("the bus is off since {} ms: nothing is heard from it", now.since(off).as_millis()),
+            None => what,
+        })
+    }
+
     /// What keeps the inputs of `owner` from being valid at `now`: one sentence for each of its devices that is in the
     /// way, with the device's name, its node id, the object or frame concerned, and the cause. Nothing while they are
     /// valid, and for an owner without devices on this bus.
     pub fn trouble(&self, now: Tick, owner: Owner) -> impl Iterator<Item = String> {
         let own = self.peers.iter().filter(move |peer| peer.owner == owner && peer.is_vital);
         let of_peers = own.filter_map(move |peer| {
-            let mut what = peer.trouble(now)?;
-            if let Some(off) = self.off_the_bus() {
-                what = format!("the bus is off since {} ms: nothing is heard from it", now.since(off).as_millis());
-            }
+            let what = self.trouble_of(now, peer.node)?;
             Some(format!("{} (node {:02X}h): {what}", peer.name, peer.node.get()))
         });
         let plains = self.plains.iter().filter(move |plain| plain.owner == owner && !plain.trusted(now));

@@ -10,6 +10,8 @@ fn said(bench: &Bench) -> Vec<String> {
         bench.inputs(CLAMP).valid,
         "there is trouble exactly while inputs are invalid: {said:?}"
     );
+    let of_it = bench.manager.trouble_of(bench.now, node(6)).map(|what| format!("clamp (node 06h): {what}"));
+    assert_eq!(of_it.as_ref(), said.first(), "the same of the device alone");
     said
 }
 

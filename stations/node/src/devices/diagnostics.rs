@@ -10,9 +10,7 @@ use super::{Devices, Plain, Told, names};
 impl Devices {
     pub(super) fn diagnosis(&self, now: Tick, driver: &Driver, status: &Status<'_>, told: &Told) -> DiagnosticStatus {
         let manager = driver.manager();
-        // Its sentence among those that keep its owner's image from being valid.
-        let whose = format!("{} (node {:02X}h): ", status.name, status.node.get());
-        let trouble = manager.trouble(now, status.owner).find_map(|t| t.strip_prefix(&whose).map(str::to_owned));
+        let trouble = manager.trouble_of(now, status.node);
         let emergency = status.emergency.map_or_else(
             || "none".to_owned(),
             |(at, emergency)| format!("{} ({} s ago)", emergency.text(status.profile), now.since(at).as_secs()),

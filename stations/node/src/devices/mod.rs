@@ -43,8 +43,9 @@ struct Told {
     failed: String,
 }
 
-/// A device that speaks no CANopen: whose it is, and what describes its frames.
+/// A device that speaks no CANopen: its name, whose it is, and what describes its frames.
 struct Plain {
+    name: String,
     owner: String,
     file: String,
 }
@@ -80,7 +81,7 @@ impl Devices {
             devices.into_iter().partition(|device| device.frames.is_none());
         let plain = |device: &&Device| {
             let file = device.frames.as_ref().map(|frames| frames.file.name.clone()).unwrap_or_default();
-            Plain { owner: owner(device), file }
+            Plain { name: device.name.clone(), owner: owner(device), file }
         };
         let (to, from) = mpsc::channel(QUEUE);
         let mut tasks = services::open_bus(node, &to)?;
@@ -137,8 +138,9 @@ impl Devices {
 
     /// Tells the states that have changed, of devices that have not done so too often.
     fn states(&mut self, driver: &Driver, most: u32) {
-        for (told, status) in self.told.iter_mut().zip(driver.manager().statuses()) {
+        for status in driver.manager().statuses() {
             let word = names::state_word(status.nmt);
+            let Some(told) = self.told(status.node.get()) else { continue };
             if told.word != word && told.at_once < most {
                 told.word = word;
                 told.at_once = told.at_once.saturating_add(1);
@@ -165,9 +167,14 @@ impl Devices {
             }
             self.key = key;
             self.last = now;
-            let status = statuses.iter().zip(&self.told);
-            let status = status.map(|(status, told)| self.diagnosis(now, driver, status, told));
-            let plain = plain.iter().zip(&self.plain).map(|(status, plain)| self.plain_diagnosis(status, plain));
+            let status = statuses.iter().filter_map(|status| {
+                let told = self.told.iter().find(|told| told.device.node_id == status.node.get())?;
+                Some(self.diagnosis(now, driver, status, told))
+            });
+            let plain = plain.iter().filter_map(|status| {
+                let plain = self.plain.iter().find(|plain| plain.name == status.name)?;
+                Some(self.plain_diagnosis(status, plain))
+            });
             let status = status.chain(plain).collect();
             self.diagnostics.send(DiagnosticArray { header: stamp(), status });
         }
