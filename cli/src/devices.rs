@@ -5,9 +5,11 @@
 
 use std::path::Path;
 
-use linewright_eds::{Content, Eds, NodeId, Value, limits, read};
+use linewright_eds::{Content, Eds, NodeId, limits, read};
 use linewright_line::{Device, Line, Setting, is_the_managers};
-use miette::{IntoDiagnostic, WrapErr, miette};
+use miette::{WrapErr, miette};
+
+use crate::load;
 
 /// Reads the file of every device that names one, beside the description in `dir`.
 pub fn complete(line: &mut Line, dir: &Path, quiet: bool) -> miette::Result<()> {
@@ -15,7 +17,7 @@ pub fn complete(line: &mut Line, dir: &Path, quiet: bool) -> miette::Result<()> 
         let Some(file) = device.setup.file.clone() else { continue };
         let path = dir.join(&file);
         let name = path.display().to_string();
-        let eds = load(&path).wrap_err_with(|| format!("device `{}`", device.name))?;
+        let eds = description(&path).wrap_err_with(|| format!("device `{}`", device.name))?;
         if !quiet {
             for warning in eds.warnings().iter() {
                 eprintln!("{name}:{}:{}: warning: {}", warning.line, warning.column, warning.message);
@@ -26,14 +28,9 @@ pub fn complete(line: &mut Line, dir: &Path, quiet: bool) -> miette::Result<()> 
     Ok(())
 }
 
-fn load(path: &Path) -> miette::Result<Eds> {
-    let name = path.display().to_string();
-    let size = std::fs::metadata(path).into_diagnostic().wrap_err_with(|| format!("cannot read {name}"))?.len();
-    if size > limits::FILE_BYTES_MAX as u64 {
-        return Err(miette!("{name} has {size} bytes; a device's file has {} at most", limits::FILE_BYTES_MAX));
-    }
-    let bytes = std::fs::read(path).into_diagnostic().wrap_err_with(|| format!("cannot read {name}"))?;
-    read(&name, &bytes).map_err(miette::Report::new)
+fn description(path: &Path) -> miette::Result<Eds> {
+    let bytes = load::bytes(path, limits::FILE_BYTES_MAX, "a device's file")?;
+    read(&path.display().to_string(), &bytes).map_err(miette::Report::new)
 }
 
 /// Adds what the file says.
@@ -83,18 +80,11 @@ fn fits(setting: &Setting, eds: &Eds, node: NodeId) -> Result<(), String> {
     if !entry.access.is_writable() {
         return Err(format!("{what} is {}, and cannot be written", entry.access));
     }
-    let value: Value = entry.data_type.decode(data).map_err(|error| format!("{what}: {error}"))?;
-    let beyond =
-        |limit: Option<&linewright_eds::Setting>| limit.map(|limit| limit.for_node(node)).and_then(|v| v.as_u64());
-    if let Some(number) = value.as_u64() {
-        if let Some(low) = beyond(entry.low.as_ref()).filter(|low| number < *low) {
-            return Err(format!("{what}: {number} is below its limit {low}"));
-        }
-        if let Some(high) = beyond(entry.high.as_ref()).filter(|high| number > *high) {
-            return Err(format!("{what}: {number} is above its limit {high}"));
-        }
+    let value = entry.data_type.decode(data).map_err(|error| format!("{what}: {error}"))?;
+    match entry.limit_broken(&value, node) {
+        Some((limit, end)) => Err(format!("{what}: {value} is beyond {limit}, which is {end}")),
+        None => Ok(()),
     }
-    Ok(())
 }
 
 #[cfg(test)]
@@ -152,5 +142,32 @@ mod tests {
         assert!(refused(setting(0x1000, 0, &[0; 4])).contains("cannot be written"));
         let why = refused(setting(0x1029, 1, &[0; 4]));
         assert!(why.contains("object 1029h:01"), "{why}");
+        let why = refused(setting(0x1029, 1, &[3]));
+        assert!(why.contains("3 is beyond HighLimit, which is 2"), "{why}");
+    }
+
+    #[test]
+    fn limits_hold_for_numbers_of_every_kind() {
+        // The same entry as INTEGER8 and as REAL32.
+        let of = |data_type: &str, low: &str, high: &str| {
+            let text = String::from_utf8(IO.to_vec()).expect("ASCII");
+            let entry = "ParameterName=Communication error\nObjectType=0x7\nDataType=0x0005\nAccessType=rw\nDefaultValue=0\n\
+                         HighLimit=2\n";
+            assert!(text.contains(entry), "the file has changed");
+            let other = format!(
+                "ParameterName=Other\nObjectType=0x7\nDataType={data_type}\nAccessType=rw\nLowLimit={low}\nHighLimit={high}\n"
+            );
+            read("io.eds", text.replace(entry, &other).as_bytes()).expect("sound")
+        };
+        let node = NodeId::new(4).expect("a node");
+        let tried = |eds: &Eds, data: &[u8]| fits(&Setting { index: 0x1029, sub: 1, data: data.to_vec() }, eds, node);
+        let signed = of("0x0002", "-2", "5");
+        for (value, is_allowed) in [(-3i8, false), (-2, true), (5, true), (6, false)] {
+            assert_eq!(tried(&signed, &value.to_le_bytes()).is_ok(), is_allowed, "{value}");
+        }
+        let real = of("0x0008", "-0.5", "1.5");
+        for (value, is_allowed) in [(-0.6f32, false), (-0.5, true), (1.5, true), (1.6, false)] {
+            assert_eq!(tried(&real, &value.to_le_bytes()).is_ok(), is_allowed, "{value}");
+        }
     }
 }

@@ -7,6 +7,8 @@ use linewright_fieldbus::Manager;
 use linewright_line::{Line, Problem, Problems};
 use miette::{IntoDiagnostic, WrapErr, miette};
 
+use crate::load;
+
 /// Reads the DBC file of every device that has one, beside the description `file`. What does not fit is shown in the
 /// description, all of it at once.
 pub fn complete(line: &mut Line, file: &Path) -> miette::Result<()> {
@@ -14,7 +16,7 @@ pub fn complete(line: &mut Line, file: &Path) -> miette::Result<()> {
     let mut problems: Vec<Problem> = Vec::new();
     for device in &mut line.devices {
         let Some(frames) = &mut device.frames else { continue };
-        let database = load(&dir.join(&frames.file.name)).wrap_err_with(|| format!("device `{}`", device.name))?;
+        let database = database(&dir.join(&frames.file.name)).wrap_err_with(|| format!("device `{}`", device.name))?;
         match bind(frames, &database) {
             Ok(bound) => frames.bound = Some(bound),
             Err(found) => problems.extend(found),
@@ -22,20 +24,15 @@ pub fn complete(line: &mut Line, file: &Path) -> miette::Result<()> {
     }
     if !problems.is_empty() {
         let name = file.display().to_string();
-        let text = std::fs::read_to_string(file).into_diagnostic().wrap_err_with(|| format!("cannot read {name}"))?;
+        let text = load::description(file)?;
         return Err(miette::Report::new(Problems::new(&name, &text, problems)));
     }
     identifiers_are_one_devices(line)
 }
 
-fn load(path: &Path) -> miette::Result<Database> {
-    let name = path.display().to_string();
-    let size = std::fs::metadata(path).into_diagnostic().wrap_err_with(|| format!("cannot read {name}"))?.len();
-    if size > FILE_BYTES_MAX as u64 {
-        return Err(miette!("{name} has {size} bytes; a DBC file has {FILE_BYTES_MAX} at most"));
-    }
-    let bytes = std::fs::read(path).into_diagnostic().wrap_err_with(|| format!("cannot read {name}"))?;
-    read(&bytes).map_err(|error| miette!("{name}: {error}"))
+fn database(path: &Path) -> miette::Result<Database> {
+    let bytes = load::bytes(path, FILE_BYTES_MAX, "a DBC file")?;
+    read(&bytes).map_err(|error| miette!("{}: {error}", path.display()))
 }
 
 /// That no two devices of a bus use the same identifiers: only here all of them are known.

@@ -22,7 +22,7 @@ use crate::out::say;
 use report::Report;
 
 /// A scenario may be this large.
-const SCENARIO_BYTES_MAX: u64 = 1 << 20;
+const SCENARIO_BYTES_MAX: usize = 1 << 20;
 /// Cycles that are run when nobody says how many.
 const CYCLES: usize = 3;
 /// More are no more informative.
@@ -127,13 +127,8 @@ fn told(args: &Args, scenario: Option<&Scenario>) -> (Goal, Options) {
 }
 
 fn read_scenario(path: &Path, line: &Line) -> miette::Result<Scenario> {
-    let name = path.display().to_string();
-    let size = std::fs::metadata(path).into_diagnostic().wrap_err_with(|| format!("cannot read {name}"))?.len();
-    if size > SCENARIO_BYTES_MAX {
-        return Err(miette!("{name} has {size} bytes; a scenario has {SCENARIO_BYTES_MAX} at most"));
-    }
-    let text = std::fs::read_to_string(path).into_diagnostic().wrap_err_with(|| format!("cannot read {name}"))?;
-    Scenario::parse(line, &name, &text).map_err(miette::Report::new)
+    let text = load::text(path, SCENARIO_BYTES_MAX, "a scenario")?;
+    Scenario::parse(line, &path.display().to_string(), &text).map_err(miette::Report::new)
 }
 
 fn write(path: &Path, text: &str) -> miette::Result<()> {

@@ -162,7 +162,7 @@ impl Entry {
     }
 
     /// The limit a value is beyond, if it is.
-    pub(crate) fn limit_broken(&self, value: &Value, node: NodeId) -> Option<(&'static str, Value)> {
+    pub fn limit_broken(&self, value: &Value, node: NodeId) -> Option<(&'static str, Value)> {
         let low = self.low.as_ref().map(|low| low.for_node(node));
         if let Some(low) = low.filter(|low| value.is_less(low) == Some(true)) {
             return Some(("LowLimit", low));
