@@ -96,7 +96,7 @@ pub async fn record(bus: &mut Bus, args: &RecordArgs) -> miette::Result<ExitCode
         recorder.lost() == 0
     });
     match end {
-        Some(end) => _ = tokio::time::timeout(end, recording).await,
+        Some(end) => tokio::time::timeout(end, recording).await.unwrap_or(Ok(()))?,
         None => recording.await?,
     }
     recorder.flush().into_diagnostic().wrap_err_with(|| format!("cannot write {name}"))?;
@@ -128,13 +128,9 @@ pub async fn replay(bus: &mut Bus, args: &ReplayArgs) -> miette::Result<ExitCode
     if !(args.speed > 0.0 && args.speed.is_finite()) {
         return Err(miette!("--speed {} is no speed; 1 is as recorded", args.speed));
     }
-    let wanted = |interface: &str| args.from.as_deref().is_none_or(|from| from == interface);
     // All of it is read before the first frame is sent: half a recording may leave something running.
-    let mut first = None;
-    for_each_line(&args.file, |_, interface, _| {
-        first = first.or(wanted(interface).then_some(()));
-    })?;
-    if first.is_none() {
+    let frames = recorded(&args.file, args.from.as_deref())?;
+    let Some((begin, _)) = frames.first() else {
         return Err(miette!(
             "{} has no frame{}",
             args.file.display(),
@@ -143,19 +139,13 @@ pub async fn replay(bus: &mut Bus, args: &ReplayArgs) -> miette::Result<ExitCode
                 None => String::new(),
             }
         ));
-    }
-    let mut frames: Vec<(Duration, Frame)> = Vec::new();
-    for_each_line(&args.file, |stamp, interface, frame| {
-        if wanted(interface) {
-            frames.push((stamp, frame));
-        }
-    })?;
-    let (begin, start) = (frames[0].0, Instant::now());
+    };
+    let start = Instant::now();
     let mut interrupts = Interrupts::listen()?;
     let mut sent: u64 = 0;
     for (stamp, frame) in &frames {
         // A log whose clock was set back goes on at once.
-        let after = stamp.saturating_sub(begin).div_f64(args.speed);
+        let after = stamp.saturating_sub(*begin).div_f64(args.speed);
         tokio::select! {
             () = sleep_until(start + after) => {}
             () = interrupts.next() => break,
@@ -171,10 +161,11 @@ pub async fn replay(bus: &mut Bus, args: &ReplayArgs) -> miette::Result<ExitCode
     Ok(if refused == 0 && sent == frames.len() as u64 { ExitCode::SUCCESS } else { ExitCode::FAILURE })
 }
 
-/// Every line of a log, or the place of the first that is none.
-fn for_each_line(path: &Path, mut each: impl FnMut(Duration, &str, Frame)) -> miette::Result<()> {
+/// The frames of a log, those of the interface `from` if one is named; or the place of the first line that is none.
+fn recorded(path: &Path, from: Option<&str>) -> miette::Result<Vec<(Duration, Frame)>> {
     let name = path.display();
     let file = File::open(path).into_diagnostic().wrap_err_with(|| format!("cannot read {name}"))?;
+    let mut frames = Vec::new();
     for (number, line) in BufReader::new(file).lines().enumerate() {
         let line = line.into_diagnostic().wrap_err_with(|| format!("cannot read {name}"))?;
         if line.trim().is_empty() {
@@ -182,9 +173,11 @@ fn for_each_line(path: &Path, mut each: impl FnMut(Duration, &str, Frame)) -> mi
         }
         let (stamp, interface, frame) =
             candump::parse_log_line(&line).map_err(|error| miette!("{name}:{}: {error}", number + 1))?;
-        each(stamp, &interface, frame);
+        if from.is_none_or(|from| from == interface) {
+            frames.push((stamp, frame));
+        }
     }
-    Ok(())
+    Ok(frames)
 }
 
 /// Hands over frames until there are enough, the taker has enough, or Ctrl-C.
