@@ -32,6 +32,24 @@ pub enum Fault {
     SlipBack,
 }
 
+/// What is written to a simulated device: index and subindex, and a number. The order matters.
+pub type Orders = Vec<((u16, u8), u32)>;
+
+/// What clears everything that a device was made to suffer.
+pub const CLEAR: ((u16, u8), u32) = ((FAULT_INDEX, 0), 0);
+
+impl Fault {
+    /// The number it has in 5F00h.
+    pub fn code(self) -> u32 {
+        match self {
+            Fault::Stick => 1,
+            Fault::Slip => 2,
+            Fault::Break => 3,
+            Fault::SlipBack => 4,
+        }
+    }
+}
+
 #[cfg(feature = "can")]
 impl Fault {
     /// The fault a number stands for; 0 clears (`Ok(None)`).
@@ -88,6 +106,34 @@ pub enum DeviceFault {
         /// For how long, in ms.
         millis: u32,
     },
+}
+
+/// In 5F02h:06: when the object is read, when it is written.
+const READING: u32 = 1 << 24;
+const WRITING: u32 = 1 << 25;
+
+impl DeviceFault {
+    /// What is written to the device to make it suffer this.
+    pub fn orders(self) -> Orders {
+        let whole = |code| vec![((FAULT_INDEX, 0), code)];
+        let place = |(index, sub): (u16, u8)| u32::from(index) << 8 | u32::from(sub);
+        let trouble = |sub, value| ((TROUBLE_INDEX, sub), value);
+        match self {
+            DeviceFault::Silent => whole(1),
+            DeviceFault::Reboot => whole(2),
+            DeviceFault::NoBoot => whole(3),
+            DeviceFault::NoHeartbeat => whole(4),
+            DeviceFault::Emergency { code, register } => {
+                vec![trouble(1, u32::from(register) << 16 | u32::from(code))]
+            }
+            DeviceFault::BusOff { millis } => vec![trouble(2, millis)],
+            DeviceFault::Identity { object, value } => vec![trouble(3, value), trouble(4, place(object))],
+            DeviceFault::Abort { object, code, reading, writing } => {
+                let when = if reading { READING } else { 0 } | if writing { WRITING } else { 0 };
+                vec![trouble(5, code), trouble(6, place(object) | when)]
+            }
+        }
+    }
 }
 
 #[cfg(feature = "can")]

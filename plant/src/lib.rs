@@ -29,7 +29,7 @@ mod wire;
 
 #[cfg(feature = "can")]
 pub use device::{DeviceNode, DeviceOutbox, DriveNode, Order, PlainNode};
-pub use fault::{DeviceFault, FAULT_INDEX, Fault, HOLD_INDEX, PRESS_INDEX, STUCK_INDEX, TROUBLE_INDEX};
+pub use fault::{CLEAR, DeviceFault, FAULT_INDEX, Fault, HOLD_INDEX, Orders, PRESS_INDEX, STUCK_INDEX, TROUBLE_INDEX};
 pub use plant::{Plant, PlantOptions};
 #[cfg(feature = "can")]
 pub use rack::Rack;

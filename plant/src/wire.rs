@@ -5,6 +5,8 @@
 //! acknowledgement (CiA 301 builds on no frame coming once). Both are drawn from a seed, so what happened once happens
 //! again.
 
+use crate::fault::{Orders, TROUBLE_INDEX};
+
 /// How bad the line of one device is.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
 pub struct FrameFaults {
@@ -16,6 +18,15 @@ pub struct FrameFaults {
     pub doubled: u16,
     /// What is drawn follows from it.
     pub seed: u64,
+}
+
+impl FrameFaults {
+    /// What is written to a device to make its line this bad. Of the seed the device takes the lower 32 bits.
+    pub fn orders(self) -> Orders {
+        let shares = [(7, self.lost_to), (8, self.lost_from), (9, self.doubled)];
+        let shares = shares.into_iter().map(|(sub, share)| ((TROUBLE_INDEX, sub), share.into()));
+        shares.chain([((TROUBLE_INDEX, 10), self.seed as u32)]).collect()
+    }
 }
 
 /// The line of one device.

@@ -7,7 +7,7 @@ use clap::{Args, ValueEnum};
 use linewright_fieldbus::sdo::{ObjectId, Options};
 use linewright_fieldbus::{Bus, NodeId, Options as BusOptions, sdo_client};
 use linewright_line::{Bus as BusName, Device, Line, Module, Owner};
-use linewright_plant::{FAULT_INDEX, TROUBLE_INDEX};
+use linewright_plant::{CLEAR, DeviceFault, FAULT_INDEX, Fault, FrameFaults, Orders};
 use miette::{IntoDiagnostic, miette};
 
 use crate::load;
@@ -46,44 +46,45 @@ enum Wrong {
     Clear,
 }
 
-/// Object 5F02h: index and subindex of an object, as its subindices 4 and 6 want it.
-const fn place(index: u32, sub: u32) -> u32 {
-    index << 8 | sub
-}
-
 impl Wrong {
-    /// Its number in the plant's fault object, if it happens to a motion.
-    fn of_a_motion(self) -> Option<u32> {
+    /// What happens to a motion (`Some(None)`: nothing any more), if it happens to one.
+    fn of_a_motion(self) -> Option<Option<Fault>> {
         match self {
-            Wrong::Clear => Some(0),
-            Wrong::Stick => Some(1),
-            Wrong::Slip => Some(2),
-            Wrong::Break => Some(3),
-            Wrong::SlipBack => Some(4),
+            Wrong::Clear => Some(None),
+            Wrong::Stick => Some(Some(Fault::Stick)),
+            Wrong::Slip => Some(Some(Fault::Slip)),
+            Wrong::Break => Some(Some(Fault::Break)),
+            Wrong::SlipBack => Some(Some(Fault::SlipBack)),
             _ => None,
         }
     }
 
-    /// What is written to the device, object and value, if it happens to a whole device. The order matters: a boot last.
-    fn of_a_device(self) -> Option<Vec<(ObjectId, u32)>> {
-        /// "Written" in 5F02h:06.
-        const WRITTEN: u32 = 1 << 25;
+    /// What is written to the device, if it happens to a whole device. What is noticed in a boot ends with one.
+    fn of_a_device(self) -> Option<Orders> {
         const HARDWARE: u32 = 0x0606_0000;
-        let fault = |value| (ObjectId::new(FAULT_INDEX, 0), value);
-        let trouble = |sub, value| (ObjectId::new(TROUBLE_INDEX, sub), value);
-        Some(match self {
-            Wrong::Clear => vec![fault(0)],
-            Wrong::Silent => vec![fault(1)],
-            Wrong::Reboot => vec![fault(2)],
-            Wrong::NoBoot => vec![fault(3)],
-            Wrong::NoHeartbeat => vec![fault(4)],
-            Wrong::Identity => vec![trouble(3, 0xFFFF), trouble(4, place(0x1018, 2)), fault(2)],
-            Wrong::Refuse => vec![trouble(5, HARDWARE), trouble(6, place(0x1017, 0) | WRITTEN), fault(2)],
-            Wrong::Emergency => vec![trouble(1, 0x05_2310)],
-            Wrong::BusOff => vec![trouble(2, 1000)],
-            Wrong::Lossy => vec![trouble(7, 50), trouble(8, 50), trouble(9, 50)],
+        let faults = match self {
+            Wrong::Clear => return Some(vec![CLEAR]),
+            Wrong::Silent => vec![DeviceFault::Silent],
+            Wrong::Reboot => vec![DeviceFault::Reboot],
+            Wrong::NoBoot => vec![DeviceFault::NoBoot],
+            Wrong::NoHeartbeat => vec![DeviceFault::NoHeartbeat],
+            Wrong::Identity => {
+                vec![DeviceFault::Identity { object: (0x1018, 2), value: 0xFFFF }, DeviceFault::Reboot]
+            }
+            Wrong::Refuse => {
+                let object = (0x1017, 0);
+                let refusal = DeviceFault::Abort { object, code: HARDWARE, reading: false, writing: true };
+                vec![refusal, DeviceFault::Reboot]
+            }
+            Wrong::Emergency => vec![DeviceFault::Emergency { code: 0x2310, register: 5 }],
+            Wrong::BusOff => vec![DeviceFault::BusOff { millis: 1000 }],
+            Wrong::Lossy => {
+                let faults = FrameFaults { lost_to: 50, lost_from: 50, doubled: 50, ..FrameFaults::default() };
+                return Some(faults.orders());
+            }
             Wrong::Stick | Wrong::Slip | Wrong::Break | Wrong::SlipBack => return None,
-        })
+        };
+        Some(faults.into_iter().flat_map(DeviceFault::orders).collect())
     }
 }
 
@@ -121,8 +122,8 @@ pub async fn fail(args: FailArgs) -> miette::Result<ExitCode> {
     let mut bus = Bus::open(interface, &BusOptions::default()).into_diagnostic()?;
     let node = NodeId::new(device.node_id)
         .ok_or_else(|| miette!("{} speaks no CANopen: it cannot be told to fail", device.name))?;
-    for (object, value) in &orders {
-        sdo_client::write(&mut bus, node, *object, &value.to_le_bytes(), Options::default())
+    for ((index, sub), value) in orders {
+        sdo_client::write(&mut bus, node, ObjectId::new(index, sub), &value.to_le_bytes(), Options::default())
             .await
             .map_err(|error| miette!("{error} on {}; is the simulated plant running?", bus.describe()))?;
     }
@@ -131,13 +132,13 @@ pub async fn fail(args: FailArgs) -> miette::Result<ExitCode> {
 }
 
 /// The device, and what is written to it.
-fn orders<'a>(line: &'a Line, args: &FailArgs) -> miette::Result<(&'a Device, Vec<(ObjectId, u32)>)> {
+fn orders<'a>(line: &'a Line, args: &FailArgs) -> miette::Result<(&'a Device, Orders)> {
     let what = args.what;
     if args.operation.is_some() {
-        let code =
+        let fault =
             what.of_a_motion().ok_or_else(|| miette!("{what:?} happens to a whole device: leave --operation away"))?;
         let (device, sub) = moving(line, args)?;
-        return Ok((device, vec![(ObjectId::new(FAULT_INDEX, sub), code)]));
+        return Ok((device, vec![((FAULT_INDEX, sub), fault.map_or(0, Fault::code))]));
     }
     let orders =
         what.of_a_device().ok_or_else(|| miette!("{what:?} happens to a motion: say which with --operation"))?;

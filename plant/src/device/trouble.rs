@@ -119,3 +119,71 @@ pub(super) fn write<D: Device>(
     }
     Ok(())
 }
+
+#[cfg(test)]
+mod tests {
+    use linewright_fieldbus::NodeId;
+    use linewright_line::Timing;
+
+    use super::*;
+    use crate::device::DeviceNode;
+    use crate::fault::{CLEAR, Fault, Orders, TROUBLE_INDEX};
+
+    const NOW: Tick = Tick::from_millis(5000);
+
+    fn obey(node: &mut DeviceNode, orders: Orders) -> DeviceOutbox {
+        let mut out = DeviceOutbox::default();
+        for ((index, sub), value) in orders {
+            let data = value.to_le_bytes();
+            let answer = match index {
+                TROUBLE_INDEX => write(node, NOW, sub, &data, &mut out),
+                _ => node.write(NOW, ObjectId::new(index, sub), &data, &mut out),
+            };
+            assert_eq!(answer, Ok(()), "{index:04X}h:{sub:02X}");
+        }
+        out
+    }
+
+    /// What it suffers, without the numbers that only wait for their companions.
+    fn suffers(node: &mut DeviceNode) -> String {
+        let t = &node.comm().trouble;
+        let said = (t.silent, t.dead, t.no_heartbeat, t.off_until, t.error, t.unsaid, t.identity);
+        format!("{said:?} {:?}", t.refusal)
+    }
+
+    #[test]
+    fn what_is_ordered_over_the_bus_is_what_is_injected() {
+        let object = (0x1017, 3);
+        let refusal = |reading, writing| DeviceFault::Abort { object, code: 0x0606_0000, reading, writing };
+        let new = || DeviceNode::new(Tick::ZERO, NodeId::new(4).expect("a node"), 8, 8, &Timing::default());
+        for fault in [
+            DeviceFault::Silent,
+            DeviceFault::Reboot,
+            DeviceFault::NoBoot,
+            DeviceFault::NoHeartbeat,
+            DeviceFault::Identity { object: (0x1018, 2), value: 0xFFFF_0001 },
+            refusal(true, false),
+            refusal(false, true),
+            refusal(true, true),
+            DeviceFault::Emergency { code: 0x2310, register: 0x85 },
+            DeviceFault::BusOff { millis: 1000 },
+        ] {
+            let (mut ordered, mut injected) = (new(), new());
+            obey(&mut ordered, fault.orders());
+            injected.inject(NOW, Some(fault));
+            assert_eq!(suffers(&mut ordered), suffers(&mut injected), "{fault:?}");
+            if fault != DeviceFault::Reboot {
+                assert_ne!(suffers(&mut ordered), suffers(&mut new()), "{fault:?}");
+            }
+            obey(&mut ordered, vec![CLEAR]);
+            injected.inject(NOW, None);
+            assert_eq!(suffers(&mut ordered), suffers(&mut injected), "{fault:?} is cleared");
+        }
+        let faults = FrameFaults { lost_to: 1, lost_from: 20, doubled: 300, seed: 4000 };
+        let out = obey(&mut new(), faults.orders());
+        assert!(matches!(out.orders.last(), Some(Order::Disturb(ordered)) if *ordered == faults));
+        for fault in [Fault::Stick, Fault::Slip, Fault::Break, Fault::SlipBack] {
+            assert_eq!(Fault::from_code(fault.code()), Ok(Some(fault)));
+        }
+    }
+}
