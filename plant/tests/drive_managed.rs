@@ -18,6 +18,9 @@ const AT_80: u128 = 1 << 6;
 const AT_100: u128 = 1 << 7;
 const FAULT: u128 = 1 << 8;
 
+/// More than anybody has to do at one moment.
+const AT_ONCE_MAX: u32 = 50;
+
 struct World {
     manager: Manager,
     rack: Rack,
@@ -25,6 +28,8 @@ struct World {
     /// A manager that is not alive neither hears nor sends.
     alive: bool,
     events: Vec<Event>,
+    /// How often somebody had something to do without time passing.
+    at_once: u32,
 }
 
 impl World {
@@ -33,7 +38,7 @@ impl World {
         let now = Tick::from_millis(1000);
         let manager = Manager::new(&line.devices, line.timing).expect("two devices");
         let rack = Rack::new(now, &line, &Bus::Line, PlantOptions::default());
-        World { manager, rack, now, alive: true, events: Vec::new() }
+        World { manager, rack, now, alive: true, events: Vec::new(), at_once: 0 }
     }
 
     /// The world once everything is operational and the drive has been homed, standing at 0 without an order.
@@ -79,7 +84,10 @@ impl World {
     fn step(&mut self) {
         let due = [self.rack.next_deadline(), self.manager.next_deadline().filter(|_| self.alive)];
         let due = due.into_iter().flatten().min().unwrap_or(self.now + Duration::from_millis(1));
+        let before = self.now;
         self.now = self.now.max(due.min(self.now + Duration::from_millis(5)));
+        self.at_once = if self.now == before { self.at_once + 1 } else { 0 };
+        assert!(self.at_once < AT_ONCE_MAX, "a deadline stays in the past: {due:?} at {before:?}");
         let mut up = Vec::new();
         self.rack.poll(self.now, &mut up);
         let mut out = Outbox::default();
@@ -90,9 +98,6 @@ impl World {
             self.manager.poll(self.now, &mut out);
         }
         self.carry(out);
-        if self.rack.next_deadline().is_some_and(|due| due <= self.now) {
-            self.now = self.now + Duration::from_micros(100);
-        }
     }
 
     fn pass(&mut self, millis: u64) {
