@@ -3,7 +3,7 @@
 
 use linewright_msgs::StationState;
 
-use crate::support::operator::{Operator, STATIONS};
+use crate::support::operator::STATIONS;
 use crate::support::rig::{BUS, Rig, line};
 
 /// Whose device, an output that is on at the time, what happens, and what the station then says it waits for.
@@ -18,10 +18,7 @@ const FAULTS: [(&str, &str, &str, &str, &str); 5] = [
 #[test]
 fn each_is_named_and_taken_back_after_its_repair() {
     let mut rig = Rig::new(&known_products());
-    rig.start(&["--no-auto"]);
-    let operator = Operator::join(&rig);
-    operator.order("start", StationState::MODE_STANDBY);
-    operator.order("auto", StationState::MODE_AUTO);
+    let operator = rig.in_auto();
     for (station, device, output, what, said) in FAULTS {
         operator.cycles(1);
         rig.eye.wait("off", |seen| !seen.output(station, output));

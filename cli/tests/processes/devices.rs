@@ -8,12 +8,11 @@ use std::time::{Duration, Instant};
 
 use linewright_msgs::{
     Byte, CORead, COReadID, COWrite, CoReadIdRequest, CoReadRequest, CoReadResponse, CoWriteRequest, DiagnosticArray,
-    DiagnosticStatus, RosMessage, RosService, StationState, Text, Trigger, TriggerRequest,
+    DiagnosticStatus, RosMessage, RosService, Text, Trigger, TriggerRequest,
 };
 use linewright_node_shell::{Caller, Mapping, Node, Participant, RosArgs, Subscription, qos};
 use tokio::runtime::Runtime;
 
-use crate::support::operator::Operator;
 use crate::support::rig::{Rig, line};
 use crate::support::{PATIENCE, pause};
 
@@ -72,10 +71,7 @@ impl Technician {
 #[test]
 fn a_device_is_asked_seen_and_reset_while_the_line_runs() {
     let mut rig = Rig::new(&line(1.0));
-    rig.start(&["--no-auto"]);
-    let operator = Operator::join(&rig);
-    operator.order("start", StationState::MODE_STANDBY);
-    operator.order("auto", StationState::MODE_AUTO);
+    let operator = rig.in_auto();
     let mut technician = Technician::join(&rig);
     let mut states =
         technician.node.subscription::<Text>("transfer_io/nmt_state", qos::latched_state()).expect("topic");

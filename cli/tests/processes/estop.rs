@@ -9,7 +9,6 @@ use std::time::Duration;
 use linewright_msgs::StationState;
 
 use crate::faults::counts_are_what_was_seen;
-use crate::support::operator::Operator;
 use crate::support::pause;
 use crate::support::rig::{Rig, line};
 
@@ -20,9 +19,7 @@ const PROMPTLY: Duration = Duration::from_millis(1500);
 fn an_emergency_stop_switches_everything_off_and_only_manual_leads_out() {
     // Slow enough that a motion is still under way when the stop arrives.
     let mut rig = Rig::new(&line(1.0));
-    rig.start(&["--no-auto"]);
-    let operator = Operator::join(&rig);
-    operator.order("start", StationState::MODE_STANDBY);
+    let operator = rig.in_stand_by();
     let counted_before = operator.counts();
     operator.order("auto", StationState::MODE_AUTO);
     // The bar runs back while the mill works: two motions at once.

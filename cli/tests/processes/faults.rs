@@ -21,9 +21,7 @@ const FAULTS: [(&str, &str, &str, Option<u8>); 3] = [
 #[test]
 fn a_fault_in_each_station_stops_it_and_the_line_is_recovered_by_topics() {
     let mut rig = Rig::new(&line(0.3));
-    rig.start(&["--no-auto"]);
-    let operator = Operator::join(&rig);
-    operator.order("start", StationState::MODE_STANDBY);
+    let operator = rig.in_stand_by();
     let counted_before = operator.counts();
     operator.order("auto", StationState::MODE_AUTO);
     for (station, operation, output, code) in FAULTS {

@@ -12,9 +12,7 @@ use crate::support::rig::{Rig, line};
 fn a_held_button_runs_a_step_and_its_partner_runs_it_back() {
     // Four lifts of a quarter of a second and more: time to let go in between.
     let mut rig = Rig::new(&line(3.0));
-    rig.start(&["--no-auto"]);
-    let operator = Operator::join(&rig);
-    operator.order("start", StationState::MODE_STANDBY);
+    let operator = rig.in_stand_by();
     operator.order("hand", StationState::MODE_HAND);
 
     let up = operator.hold_buttons("PB_2");

@@ -17,9 +17,7 @@ use crate::support::rig::{Rig, line};
 fn a_station_and_the_coordinator_killed_come_back_and_no_count_is_lost() {
     // Slow enough to be hit in the middle.
     let mut rig = Rig::new(&line(0.8));
-    rig.start(&["--no-auto"]);
-    let operator = Operator::join(&rig);
-    operator.order("start", StationState::MODE_STANDBY);
+    let operator = rig.in_stand_by();
     let counted_before = operator.counts();
     operator.order("auto", StationState::MODE_AUTO);
 

@@ -20,14 +20,12 @@ const TEXT_MAX: usize = 4096;
 #[test]
 fn rubbish_on_topics_and_on_the_bus_changes_nothing() {
     let mut rig = Rig::new(&line(0.3));
-    rig.start(&["--no-auto"]);
-    let operator = Operator::join(&rig);
+    let operator = rig.in_stand_by();
     let participant = Participant::open(&RosArgs { domain_id: rig.domain(), ..RosArgs::default() }).expect("joins");
     let mut node = participant.node("/transfer_line", "vandal").expect("a node");
     let bytes = Bytes::open(&mut node);
     let words = Words::open(&mut node);
     let member = rig.member();
-    operator.order("start", StationState::MODE_STANDBY);
     let late: Vec<StationState> = STATIONS.iter().map(|name| operator.station(name)).collect();
     operator.order("auto", StationState::MODE_AUTO);
     pause(500);

@@ -11,11 +11,13 @@ use std::process::{Child, Command, Stdio};
 use std::sync::{Mutex, MutexGuard, PoisonError};
 use std::time::Duration;
 
+use linewright_msgs::StationState;
 use serde_json::Value;
 use tempfile::TempDir;
 
 use super::bus::{self, Member};
 use super::eye::Eye;
+use super::operator::Operator;
 use super::plan::Plan;
 use super::{PATIENCE, wait_for};
 
@@ -89,6 +91,21 @@ impl Rig {
         let mut command = self.command(&["run"], &all);
         let run = command.stdin(Stdio::null()).stdout(Stdio::piped()).stderr(said).spawn();
         self.run = Some(run.expect("the command starts"));
+    }
+
+    /// Starts the line, joins it and brings it to stand-by.
+    pub fn in_stand_by(&mut self) -> Operator {
+        self.start(&["--no-auto"]);
+        let operator = Operator::join(self);
+        operator.order("start", StationState::MODE_STANDBY);
+        operator
+    }
+
+    /// The same, and then to auto.
+    pub fn in_auto(&mut self) -> Operator {
+        let operator = self.in_stand_by();
+        operator.order("auto", StationState::MODE_AUTO);
+        operator
     }
 
     /// Waits for `linewright run` to end; gives its exit code and its report.
