@@ -53,13 +53,7 @@ fn stop_and_come_back(moment: Duration, by_wire: bool) {
     assert_eq!(sim.positions(), stands, "and a reset moves nothing");
     assert!(sim.ask(Command::Auto).is_err() && sim.ask(Command::Hand).is_err());
 
-    sim.go_manual();
-    for station in ["transfer", "clamp_1", "mill_1"] {
-        if sim.is_incomplete(station) {
-            sim.resume(station);
-        }
-    }
-    sim.back_to_auto();
+    sim.bring_back();
     sim.run_until_done("mill_1", "reset main slide", 4);
     for part in 1..=3 {
         assert_eq!(sim.observer().machined(1, part), 1, "part {part} is machined once");

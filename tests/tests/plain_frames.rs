@@ -2,7 +2,6 @@
 
 use std::time::Duration;
 
-use linewright_line::net::ControlMode;
 use linewright_line::{
     Checksum, Coding, Field, FrameBinding, FrameId, Frames, HeardFrame, Line, Named, Page, ToldFrame, When,
 };
@@ -74,17 +73,7 @@ fn a_box_that_falls_silent_stops_its_station_until_it_is_recovered() {
         sim.run_for(Duration::from_millis(110));
         assert_eq!(sim.energised(clamp), 0, "at {moment}");
         sim.fail_device(BOX, None);
-        sim.run_until("everything is heard", Sim::all_heard);
-        sim.settle();
-        if sim.mode() != Some(ControlMode::Auto) {
-            sim.go_manual();
-            for station in ["transfer", "clamp_1", "mill_1"] {
-                if sim.is_incomplete(station) {
-                    sim.resume(station);
-                }
-            }
-            sim.back_to_auto();
-        }
+        sim.bring_back();
         sim.run_until_done("mill_1", "reset main slide", 4);
         for part in 1..=3 {
             assert_eq!(sim.observer().machined(1, part), 1, "at {moment}: part {part} is machined once");
