@@ -54,6 +54,11 @@ impl<'a> Fields<'a> {
         self.table.is_empty()
     }
 
+    /// Whether anything is written at `key`, whatever it is.
+    pub fn has(&self, key: &str) -> bool {
+        self.table.get(key).is_some_and(|item| !item.is_none())
+    }
+
     /// The item at `key` with its place.
     fn item(&mut self, key: &'static str) -> Option<(&'a Item, Where)> {
         self.asked.push(key);
@@ -293,6 +298,12 @@ impl<'a> Fields<'a> {
             }
         }
         Some(At::new(texts, array.at))
+    }
+
+    /// A list of texts, which may not be missing.
+    pub fn required_texts(&mut self, report: &mut Report, key: &'static str, max: usize) -> Option<At<Vec<Name>>> {
+        let found = self.texts(report, key, max);
+        self.require(report, key, found)
     }
 
     /// A table inside this one.

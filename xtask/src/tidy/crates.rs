@@ -6,13 +6,14 @@ use super::Member;
 use crate::part::{Stream, cargo, lines};
 
 /// Crates that decide and never act: called with the time and their inputs, they return outputs.
-pub const PURE: [&str; 11] = [
+pub const PURE: [&str; 12] = [
     "linewright-nets",
     "linewright-problems",
     "linewright-text",
     "linewright-pnml",
     "linewright-eds",
     "linewright-line",
+    "linewright-cell",
     "linewright-dbc",
     "linewright-station-logic",
     "linewright-coordinator-logic",
@@ -38,13 +39,14 @@ const FORBIDDEN: [&str; 9] = [
 ];
 
 /// For each crate, those of the workspace it may build on. Dependencies point one way; a new crate gets a row here.
-const MAY_USE: [(&str, &[&str]); 20] = [
+const MAY_USE: [(&str, &[&str]); 21] = [
     ("linewright-nets", &[]),
     ("linewright-problems", &[]),
     ("linewright-text", &[]),
     ("linewright-pnml", &["linewright-nets", "linewright-problems"]),
     ("linewright-eds", &["linewright-problems"]),
     ("linewright-line", &["linewright-nets", "linewright-text"]),
+    ("linewright-cell", &["linewright-nets", "linewright-text", "linewright-line"]),
     ("linewright-dbc", &["linewright-line"]),
     ("linewright-station-logic", &["linewright-nets", "linewright-line"]),
     ("linewright-coordinator-logic", &["linewright-nets", "linewright-line"]),
@@ -102,6 +104,7 @@ const EVERYTHING: &[&str] = &[
     "linewright-pnml",
     "linewright-eds",
     "linewright-line",
+    "linewright-cell",
     "linewright-dbc",
     "linewright-station-logic",
     "linewright-coordinator-logic",

@@ -1,0 +1,352 @@
+//! The checked cell: what every other crate may rely on without asking again.
+//!
+//! A [`Cell`] comes from [`crate::parse`] alone, which has resolved every name and checked every rule; so ids index
+//! without a `Result`. Fields are public because a cell is data. Times are nominal; limits are what may pass before
+//! something counts as failed. Nothing here moves.
+
+use std::ops::Range;
+use std::time::Duration;
+
+use linewright_text::index_id;
+
+use crate::prototype::{Action, Prototype, Role};
+
+index_id! {
+    /// A resource, by its place in [`Cell::resources`].
+    ResourceId
+    /// What can be done, by its place in [`Cell::activities`].
+    ActivityId
+    /// A part type, by its place in [`Cell::part_types`].
+    PartTypeId
+    /// How far parts of one type are, by its place in [`Cell::stages`]. Its tone in the nets is one more.
+    StageId
+    /// A station that works on order, by its place in [`Cell::controllers`].
+    ControllerId
+}
+
+/// A cell.
+#[derive(Clone, Debug, PartialEq)]
+pub struct Cell {
+    /// The ROS namespace, which is the line's.
+    pub name: String,
+    /// What a person calls it.
+    pub title: String,
+    /// What holds for all of it.
+    pub limits: Limits,
+    /// How the dispatcher decides.
+    pub dispatch: Dispatch,
+    /// The stations that get orders or belong to resources, by name.
+    pub controllers: Vec<String>,
+    /// What parts are moved by, worked on and kept in.
+    pub resources: Vec<Resource>,
+    /// Synchronisations in the order of the description, then one for each resource that works on parts.
+    pub activities: Vec<Activity>,
+    /// What comes in.
+    pub part_types: Vec<PartType>,
+    /// The stages of all part types, those of one type side by side, in the order of its plan.
+    pub stages: Vec<Stage>,
+    /// What to do when an activity fails, in the order of the description; the first that fits counts.
+    pub exceptions: Vec<ExceptionRule>,
+}
+
+/// What holds for all of a cell.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct Limits {
+    /// Parts in the cell at once.
+    pub wip_max: u32,
+    /// A part is grasped only if the place for it is reserved (seed 000, L1439).
+    pub reserve: bool,
+    /// s in τs = s·τM (seed 000, L3002): a limit that is not given is so many times the nominal time.
+    pub safety: f64,
+}
+
+/// How the dispatcher decides.
+#[derive(Clone, Debug, PartialEq)]
+pub struct Dispatch {
+    /// In this order; what one leaves equal the next decides.
+    pub rules: Vec<Rule>,
+    /// How far decisions are tried out beforehand; zero for not at all.
+    pub look_ahead: Duration,
+    /// A part that could move and has waited this long goes first.
+    pub patience: Duration,
+    /// What may differ from the schedule.
+    pub window: Duration,
+}
+
+/// A rule of the dispatcher.
+#[derive(Clone, Copy, Debug, PartialEq, Eq, Hash)]
+pub enum Rule {
+    /// Who has waited longest.
+    Fifo,
+    /// What takes least time.
+    ShortestProcessingTime,
+    /// What is due first.
+    EarliestDueDate,
+    /// What has least time to spare.
+    LeastSlack,
+    /// Time left by work left.
+    CriticalRatio,
+    /// What its order says.
+    Priority,
+    /// As planned.
+    Schedule,
+}
+
+/// One resource.
+#[derive(Clone, Debug, PartialEq, Eq)]
+pub struct Resource {
+    /// Its name, which its places have as well.
+    pub name: String,
+    /// What it is an instance of.
+    pub prototype: Prototype,
+    /// How many parts it holds, or carries at a time.
+    pub capacity: u32,
+    /// Its station, if it has one.
+    pub controller: Option<ControllerId>,
+    /// The input of that station that is on while a part is there.
+    pub presence: Option<String>,
+}
+
+/// Something that can be done.
+#[derive(Clone, Debug, PartialEq)]
+pub struct Activity {
+    /// Its name: the synchronisation's, or `M1.process`.
+    pub name: String,
+    /// What it is.
+    pub kind: ActivityKind,
+    /// The actions that are one here.
+    pub uses: Vec<Use>,
+    /// What stations are told; together they have done it when each of them has.
+    pub orders: Vec<OrderTemplate>,
+    /// For which stages it is possible, in their order, and what it makes of them. At most one for each pair.
+    pub moves: Vec<Move>,
+}
+
+/// What an activity is.
+#[derive(Clone, Copy, Debug, PartialEq, Eq, Hash)]
+pub enum ActivityKind {
+    /// A part is moved within the cell.
+    Transport,
+    /// A part is worked on.
+    Process,
+    /// A part comes in.
+    Enter,
+    /// A part leaves.
+    Leave,
+}
+
+/// A part of an activity.
+#[derive(Clone, Copy, Debug, PartialEq, Eq, Hash)]
+pub struct Use {
+    /// Whose action; none for the outside.
+    pub of: Option<ResourceId>,
+    /// What it does.
+    pub action: Action,
+}
+
+/// What an activity makes of one stage.
+#[derive(Clone, Debug, PartialEq)]
+pub struct Move {
+    /// Before.
+    pub from: StageId,
+    /// Afterwards; the same where parts are only moved.
+    pub to: StageId,
+    /// How long it should take; none for what takes no time.
+    pub time: Option<Duration>,
+    /// The number of the program, where the plan gives one.
+    pub program: Option<i32>,
+}
+
+/// What one station is told when an activity starts.
+#[derive(Clone, Debug, PartialEq)]
+pub struct OrderTemplate {
+    /// Who.
+    pub controller: ControllerId,
+    /// Which of its tasks.
+    pub task: String,
+    /// The task's parameters, by name.
+    pub parameters: Vec<(String, ParameterSource)>,
+    /// How long it may take from the start of the activity; none for safety × nominal time. One limit for each
+    /// operation and resource (seed 001, Fig. 6, L137-177).
+    pub limit: Option<Duration>,
+}
+
+/// Where the value of a parameter comes from.
+#[derive(Clone, Copy, Debug, PartialEq, Eq, Hash)]
+pub enum ParameterSource {
+    /// It is always this.
+    Number(i32),
+    /// The position that the part has, or will have, in a store.
+    Position(ResourceId),
+    /// [`Move::program`].
+    Program,
+}
+
+/// A type of parts.
+#[derive(Clone, Debug, PartialEq, Eq)]
+pub struct PartType {
+    /// Its name.
+    pub name: String,
+    /// Its stages: the first is that of a part on which nothing has been done, the last that of a finished one.
+    pub stages: Range<u16>,
+    /// Its plan, in the order of the description.
+    pub steps: Vec<Step>,
+}
+
+/// A step of a plan.
+#[derive(Clone, Debug, PartialEq, Eq)]
+pub struct Step {
+    /// Its name.
+    pub name: String,
+    /// Before.
+    pub from: StageId,
+    /// Afterwards.
+    pub to: StageId,
+    /// Where it can be done.
+    pub on: Vec<ResourceId>,
+}
+
+/// How far a part is.
+#[derive(Clone, Debug, PartialEq, Eq)]
+pub struct Stage {
+    /// `A.new`, `A.turn` when that has been done, `A.done`.
+    pub name: String,
+    /// Of which type.
+    pub part_type: PartTypeId,
+}
+
+/// What to do when an activity fails (seed 001 §6, L214-229).
+#[derive(Clone, Debug, PartialEq, Eq)]
+pub struct ExceptionRule {
+    /// Of which activities.
+    pub activities: Vec<ActivityId>,
+    /// The code of the failure; `*` for any.
+    pub code: String,
+    /// What the operator is told; names in braces stand for what is meant.
+    pub tell: String,
+    /// How often the activity may be tried again.
+    pub retries: u32,
+    /// Nobody needs to answer: it is as the first answer says.
+    pub automatic: bool,
+    /// What the operator can answer.
+    pub answers: Vec<Answer>,
+}
+
+/// An answer: where the part is, and how to go on from there.
+#[derive(Clone, Debug, PartialEq, Eq)]
+pub struct Answer {
+    /// The word.
+    pub word: String,
+    /// Where the part is.
+    pub part: Whereabouts,
+    /// How to go on.
+    pub then: Strategy,
+}
+
+/// Where a part is after a failure.
+#[derive(Clone, Copy, Debug, PartialEq, Eq, Hash)]
+pub enum Whereabouts {
+    /// Where it was.
+    From,
+    /// Where it was to go.
+    To,
+    /// With the carrier.
+    Carrier,
+    /// Nowhere any more.
+    Gone,
+}
+
+/// How to go on after a failure. The source names the three (seed 000, L3101-3104); what they mean here is ours.
+#[derive(Clone, Copy, Debug, PartialEq, Eq, Hash)]
+pub enum Strategy {
+    /// The same once more, from its beginning.
+    Redo,
+    /// As it was before; then it is decided anew.
+    Backward,
+    /// As if it were done.
+    Forward,
+}
+
+impl Cell {
+    /// A resource.
+    pub fn resource(&self, id: ResourceId) -> &Resource {
+        &self.resources[id.index()]
+    }
+
+    /// All resources.
+    pub fn resource_ids(&self) -> impl ExactSizeIterator<Item = ResourceId> + use<> {
+        (0..self.resources.len()).map(ResourceId::at)
+    }
+
+    /// An activity.
+    pub fn activity(&self, id: ActivityId) -> &Activity {
+        &self.activities[id.index()]
+    }
+
+    /// All activities.
+    pub fn activity_ids(&self) -> impl ExactSizeIterator<Item = ActivityId> + use<> {
+        (0..self.activities.len()).map(ActivityId::at)
+    }
+
+    /// The activity of that name.
+    pub fn activity_named(&self, name: &str) -> Option<ActivityId> {
+        self.activities.iter().position(|activity| activity.name == name).map(ActivityId::at)
+    }
+
+    /// The part type of that name.
+    pub fn part_type_named(&self, name: &str) -> Option<PartTypeId> {
+        self.part_types.iter().position(|part| part.name == name).map(PartTypeId::at)
+    }
+
+    /// The stage of that name.
+    pub fn stage_named(&self, name: &str) -> Option<StageId> {
+        self.stages.iter().position(|stage| stage.name == name).map(StageId::at)
+    }
+
+    /// How long an order may take; none where neither a limit nor a time is known.
+    pub fn limit(&self, order: &OrderTemplate, of: &Move) -> Option<Duration> {
+        order.limit.or_else(|| of.time.map(|time| time.mul_f64(self.limits.safety)))
+    }
+}
+
+impl Activity {
+    /// Who takes part in that role.
+    pub fn used(&self, role: Role) -> Option<Use> {
+        self.uses.iter().copied().find(|part| part.action.role() == role)
+    }
+
+    /// What it makes of a stage, by the tones of a mode: before, and afterwards.
+    pub fn move_of(&self, from: StageId, to: StageId) -> Option<&Move> {
+        self.moves.iter().find(|of| (of.from, of.to) == (from, to))
+    }
+
+    /// Whether it takes no time and nobody is told: a step of the books only (seed 000, definitions 32 and 33, L1445).
+    pub fn is_logical(&self) -> bool {
+        self.orders.is_empty() && self.moves.iter().all(|of| of.time.is_none())
+    }
+}
+
+impl PartType {
+    /// Nothing has been done.
+    pub fn new_stage(&self) -> StageId {
+        StageId(self.stages.start)
+    }
+
+    /// All has been done.
+    pub fn done_stage(&self) -> StageId {
+        StageId(self.stages.end.saturating_sub(1))
+    }
+}
+
+impl Rule {
+    /// All rules with the words that a description has for them.
+    pub const ALL: [(&'static str, Rule); 7] = [
+        ("fifo", Rule::Fifo),
+        ("shortest-processing-time", Rule::ShortestProcessingTime),
+        ("earliest-due-date", Rule::EarliestDueDate),
+        ("least-slack", Rule::LeastSlack),
+        ("critical-ratio", Rule::CriticalRatio),
+        ("priority", Rule::Priority),
+        ("schedule", Rule::Schedule),
+    ];
+}

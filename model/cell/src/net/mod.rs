@@ -1,0 +1,171 @@
+//! The nets that follow from a cell (seed 001 §3; seed 000 §3.2.3).
+//!
+//! Each resource is a small coloured net of its own, an instance of its prototype; what several do together is a fused
+//! transition, called as the synchronisation is: `load M1<A.new>`. Which resource a part is at is the place, how far it
+//! is the colour; so there is one basic domain, `S`, with a tone for each stage, and a thousand resources cost a thousand
+//! small place sets instead of a product. Parts are counted, not told apart.
+//!
+//! There are two levels of detail. In *coordination* an activity is one transition, which a player fires in three phases:
+//! take, run, put. In *expanded* it is a start, a place for what is in progress, and an end; that is the same by plain
+//! interleaving, and what is proved. What takes no time stays one transition in both.
+//!
+//! With `reserve = false` a carrier grasps a part before there is room for it: two activities instead of one. It is there
+//! to be found wrong.
+
+mod instance;
+mod pieces;
+
+use linewright_nets::coloured::{ColouredError, ColouredNet, Fusion, Mode, fuse};
+use linewright_nets::{PlaceId, TransitionId};
+
+use crate::{Activity, ActivityId, Cell, Move, StageId};
+use pieces::pieces;
+
+/// The basic domain of stages.
+pub const STAGES: &str = "S";
+/// What the outside is called among the instances.
+pub const OUTSIDE: &str = "outside";
+/// What the activities in progress are called among the instances.
+pub const RUNNING: &str = "running";
+
+/// How much of an activity is to be seen.
+#[derive(Clone, Copy, Debug, PartialEq, Eq, Hash)]
+pub enum Detail {
+    /// A transition for each.
+    Coordination,
+    /// Start and end apart, and a place between them.
+    Expanded,
+}
+
+/// Which part of an activity a transition is.
+#[derive(Clone, Copy, Debug, PartialEq, Eq, Hash)]
+pub enum Phase {
+    /// All of it.
+    Whole,
+    /// Its beginning: what it needs is taken.
+    Start,
+    /// Its end: what it gives is there.
+    End,
+    /// The carrier takes the part, all of it, without a reservation.
+    Grasp,
+    /// The carrier puts the part, all of it.
+    Put,
+    /// The beginning of the grasp.
+    GraspStart,
+    /// The end of the grasp.
+    GraspEnd,
+    /// The beginning of putting.
+    PutStart,
+    /// The end of putting.
+    PutEnd,
+}
+
+/// What a transition stands for.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub enum Origin {
+    /// A part of an activity.
+    Activity {
+        /// Which.
+        id: ActivityId,
+        /// Which part of it.
+        phase: Phase,
+        /// How many tones on the stage is afterwards, around the ring of all stages.
+        shift: u32,
+    },
+    /// A part moves up in a buffer, by itself and at once.
+    Shift,
+}
+
+/// The instances of a cell and what joins them.
+#[derive(Clone, Debug)]
+pub struct Parts {
+    /// Each with its name: the resources in their order, the outside, and what is in progress.
+    pub instances: Vec<(String, ColouredNet)>,
+    /// The transitions that are one.
+    pub fusions: Vec<Fusion>,
+    /// What each fusion stands for.
+    origins: Vec<Origin>,
+}
+
+/// The net of a cell, with the way back to it.
+#[derive(Clone, Debug)]
+pub struct CellNet {
+    net: ColouredNet,
+    /// By transition.
+    origins: Vec<Origin>,
+    /// Which places hold parts.
+    holds_parts: Vec<bool>,
+    stages: usize,
+}
+
+/// The instances of a cell. Of each part type, in their order, as many parts wait outside as `waiting` says, none where
+/// it says nothing.
+///
+/// # Errors
+/// What the builder of nets refuses, which are sizes: all else is made to fit.
+pub fn parts(cell: &Cell, detail: Detail, waiting: &[u32]) -> Result<Parts, Vec<ColouredError>> {
+    let pieces = pieces(cell, detail);
+    let mut instances = Vec::with_capacity(cell.resources.len() + 2);
+    for id in cell.resource_ids() {
+        instances.push((cell.resource(id).name.clone(), instance::resource(cell, id, &pieces)?));
+    }
+    instances.push((OUTSIDE.to_owned(), instance::outside(cell, waiting, &pieces)?));
+    if let Some(running) = instance::running(cell, &pieces) {
+        instances.push((RUNNING.to_owned(), running?));
+    }
+    let fusion = |piece: &pieces::Piece| {
+        let having = instances.iter().enumerate();
+        let having = having.filter(|(_, (_, net))| net.transition_named(&piece.name).is_some());
+        Fusion::new(&*piece.name, having.map(|(at, _)| (at, &*piece.name)))
+    };
+    let fusions = pieces.iter().map(fusion).collect();
+    let origins =
+        pieces.iter().map(|piece| Origin::Activity { id: piece.activity, phase: piece.phase, shift: piece.shift });
+    Ok(Parts { instances, fusions, origins: origins.collect() })
+}
+
+/// The net of a cell.
+///
+/// # Errors
+/// As [`parts`].
+pub fn net(cell: &Cell, detail: Detail, waiting: &[u32]) -> Result<CellNet, Vec<ColouredError>> {
+    let Parts { instances, fusions, mut origins } = parts(cell, detail, waiting)?;
+    let nets: Vec<(&str, &ColouredNet)> = instances.iter().map(|(name, net)| (name.as_str(), net)).collect();
+    let net = fuse(&cell.name, &nets, &fusions)?;
+    // Fused transitions come first, in their order; what is left are the shifts of buffers.
+    origins.resize(net.transition_count(), Origin::Shift);
+    let is_stage = |place: PlaceId| {
+        let mut domain = net.place_domain(place).iter();
+        domain.any(|basic| net.basics()[basic.index()].name() == STAGES)
+    };
+    let holds_parts = net.places().map(|p| is_stage(p) && !net.place(p).name.ends_with(instance::IDLE)).collect();
+    Ok(CellNet { net, origins, holds_parts, stages: cell.stages.len() })
+}
+
+impl CellNet {
+    /// The net.
+    pub fn net(&self) -> &ColouredNet {
+        &self.net
+    }
+
+    /// What a transition stands for.
+    pub fn origin(&self, transition: TransitionId) -> Origin {
+        self.origins[transition.index()]
+    }
+
+    /// Whether the tokens of a place are parts; otherwise they are capacities.
+    pub fn holds_parts(&self, place: PlaceId) -> bool {
+        self.holds_parts[place.index()]
+    }
+
+    /// What a mode makes of which stage; none for a shift in a buffer.
+    pub fn move_of<'c>(&self, cell: &'c Cell, mode: Mode) -> Option<(&'c Activity, &'c Move)> {
+        let Origin::Activity { id, shift, .. } = self.origin(mode.transition) else { return None };
+        let domain = self.net.transition_domain(mode.transition);
+        let at = domain.iter().position(|basic| self.net.basics()[basic.index()].name() == STAGES)?;
+        let from = *self.net.mode_tones(mode).get(at)? as usize - 1;
+        let to = (from + shift as usize) % self.stages;
+        let activity = cell.activity(id);
+        Some((activity, activity.move_of(StageId::at(from), StageId::at(to))?))
+    }
+}

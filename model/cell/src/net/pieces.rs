@@ -1,0 +1,173 @@
+//! Activities taken apart into the transitions that they are.
+//!
+//! A piece says which of the activity's actions begin in it and which end, and between which places of what is in
+//! progress it lies. What each action takes when it begins and gives when it ends, [`super::instance`] says.
+//!
+//! One transition moves all stages that it allows on by the same number of tones, since arc functions have no constants;
+//! an activity that changes stages by different numbers is several transitions, `M1.process` and `M1.process/2`.
+
+use std::collections::BTreeMap;
+
+use super::{Detail, Phase};
+use crate::{Activity, ActivityId, Cell, Prototype, Role, StageId, Use};
+
+/// A transition to be.
+pub(super) struct Piece {
+    pub name: String,
+    pub activity: ActivityId,
+    pub phase: Phase,
+    /// The actions that begin here.
+    pub begins: Vec<Use>,
+    /// The actions that end here.
+    pub ends: Vec<Use>,
+    /// How many tones on the stage is afterwards.
+    pub shift: u32,
+    /// The stages it is for, where it is the first of its activity; none where those before it have seen to that.
+    pub allowed: Option<Vec<StageId>>,
+    /// What was in progress before, and is afterwards: a place's name, and those on whose stacks it stands.
+    pub from: Option<Progress>,
+    pub to: Option<Progress>,
+    /// Where nothing else keeps one stage from being moved twice at a time: the variant's name, and whether it begins.
+    pub server: Option<(String, bool)>,
+}
+
+/// A place of what is in progress.
+#[derive(Clone, Debug, PartialEq, Eq)]
+pub(super) struct Progress {
+    pub place: String,
+    /// The actions that have begun and not ended.
+    pub uses: Vec<Use>,
+}
+
+/// All pieces of all activities, in their order.
+pub(super) fn pieces(cell: &Cell, detail: Detail) -> Vec<Piece> {
+    let mut pieces = Vec::new();
+    for id in cell.activity_ids() {
+        for (number, (shift, stages)) in variants(cell, cell.activity(id)).into_iter().enumerate() {
+            let activity = cell.activity(id);
+            let name = if number == 0 { activity.name.clone() } else { format!("{}/{}", activity.name, number + 1) };
+            Variant { cell, id, activity, name, shift, stages }.pieces(detail, &mut pieces);
+        }
+    }
+    pieces
+}
+
+/// The stages that an activity is for, by how many tones they are moved on.
+fn variants(cell: &Cell, activity: &Activity) -> Vec<(u32, Vec<StageId>)> {
+    let ring = cell.stages.len();
+    let mut found: BTreeMap<usize, Vec<StageId>> = BTreeMap::new();
+    for of in &activity.moves {
+        found.entry((of.to.index() + ring - of.from.index()) % ring).or_default().push(of.from);
+    }
+    // The parser bounds stages far below 32 bits.
+    found.into_iter().map(|(shift, stages)| (shift as u32, stages)).collect()
+}
+
+struct Variant<'c> {
+    cell: &'c Cell,
+    id: ActivityId,
+    activity: &'c Activity,
+    name: String,
+    shift: u32,
+    stages: Vec<StageId>,
+}
+
+impl Variant<'_> {
+    fn pieces(&self, detail: Detail, pieces: &mut Vec<Piece>) {
+        let uses = &self.activity.uses;
+        let of = |roles: &[Role]| -> Vec<Use> {
+            uses.iter().copied().filter(|part| roles.contains(&part.action.role())).collect()
+        };
+        let is_whole = self.cell.limits.reserve || self.activity.used(Role::Carrier).is_none();
+        let is_seen = detail == Detail::Expanded && !self.activity.is_logical();
+        match (is_whole, is_seen) {
+            (true, false) => {
+                pieces.push(Piece { allowed: self.allowed(), ..self.piece("", Phase::Whole, uses, uses) });
+            }
+            (true, true) => {
+                let server = |begins| self.needs_server().then(|| (self.name.clone(), begins));
+                let progress = Some(self.progress("", uses));
+                let start = self.piece(".start", Phase::Start, uses, &[]);
+                let end = self.piece(".end", Phase::End, &[], uses);
+                let allowed = self.allowed();
+                pieces.push(Piece { to: progress.clone(), server: server(true), allowed, ..start });
+                pieces.push(Piece { from: progress, server: server(false), ..end });
+            }
+            (false, _) => {
+                let (source, target) = (of(&[Role::Source]), of(&[Role::Target]));
+                let (grasp, put) = (of(&[Role::Source, Role::Carrier]), of(&[Role::Target, Role::Carrier]));
+                let held = Some(self.progress(".held", &[]));
+                if is_seen {
+                    let (grasping, putting) = (self.progress(".grasp", &source), self.progress(".put", &target));
+                    let start = self.piece(".grasp.start", Phase::GraspStart, &grasp, &[]);
+                    pieces.push(Piece { to: Some(grasping.clone()), allowed: self.allowed(), ..start });
+                    let end = self.piece(".grasp.end", Phase::GraspEnd, &[], &source);
+                    pieces.push(Piece { from: Some(grasping), to: held.clone(), ..end });
+                    let start = self.piece(".put.start", Phase::PutStart, &target, &[]);
+                    pieces.push(Piece { from: held, to: Some(putting.clone()), ..start });
+                    let end = self.piece(".put.end", Phase::PutEnd, &[], &put);
+                    pieces.push(Piece { from: Some(putting), ..end });
+                } else {
+                    let first = self.piece(".grasp", Phase::Grasp, &grasp, &source);
+                    pieces.push(Piece { to: held.clone(), allowed: self.allowed(), ..first });
+                    pieces.push(Piece { from: held, ..self.piece(".put", Phase::Put, &target, &put) });
+                }
+            }
+        }
+    }
+
+    fn piece(&self, suffix: &str, phase: Phase, begins: &[Use], ends: &[Use]) -> Piece {
+        Piece {
+            name: format!("{}{suffix}", self.name),
+            activity: self.id,
+            phase,
+            begins: begins.to_vec(),
+            ends: ends.to_vec(),
+            shift: self.shift,
+            allowed: None,
+            from: None,
+            to: None,
+            server: None,
+        }
+    }
+
+    fn allowed(&self) -> Option<Vec<StageId>> {
+        Some(self.stages.clone())
+    }
+
+    fn progress(&self, suffix: &str, uses: &[Use]) -> Progress {
+        Progress { place: format!("{}{suffix}", self.name), uses: uses.to_vec() }
+    }
+
+    /// Single server for each mode (seed 000, proposition 15, L2385), unless whoever takes part has its own limit.
+    fn needs_server(&self) -> bool {
+        self.activity.uses.iter().all(|part| match part.of.map(|id| self.cell.resource(id)) {
+            None => true,
+            Some(resource) => match resource.prototype {
+                Prototype::RandomAccessStore => resource.capacity > 1,
+                Prototype::Machine
+                | Prototype::Human
+                | Prototype::FifoBuffer
+                | Prototype::LifoBuffer
+                | Prototype::Robot
+                | Prototype::Conveyor => false,
+            },
+        })
+    }
+}
+
+impl Piece {
+    /// Those of its actions that are a resource's, each with whether it begins and ends here.
+    pub fn actions_of(&self, resource: Option<crate::ResourceId>) -> Vec<(Use, bool, bool)> {
+        let mut found: Vec<(Use, bool, bool)> = Vec::new();
+        let here = |part: &&Use| part.of == resource;
+        found.extend(self.begins.iter().filter(here).map(|&part| (part, true, false)));
+        for &part in self.ends.iter().filter(here) {
+            match found.iter_mut().find(|(known, ..)| *known == part) {
+                Some((_, _, ends)) => *ends = true,
+                None => found.push((part, false, true)),
+            }
+        }
+        found
+    }
+}

@@ -1,0 +1,114 @@
+//! The description with its names resolved, as far as they could be.
+//!
+//! A draft has the shape of the [`crate::Cell`] it may become, but every part may be missing where the text was wrong,
+//! and every part knows its place. The rules read a draft, so that one unknown name does not hide what else is wrong.
+
+use std::time::Duration;
+
+use linewright_line::Line;
+use linewright_text::{At, Table, Where};
+
+use super::raw::{RawCell, RawException, RawOrder, RawPart, RawResource, RawStep};
+use crate::{ActivityId, ActivityKind, ControllerId, ParameterSource, Prototype, ResourceId, Role, Use};
+
+pub(super) struct Draft<'a> {
+    pub raw: &'a RawCell,
+    pub line: Option<&'a Line>,
+    pub controllers: Table<'a>,
+    pub resources: Vec<DraftResource<'a>>,
+    /// Synchronisations, then one for each resource that works on parts.
+    pub activities: Vec<DraftActivity<'a>>,
+    pub parts: Vec<DraftPart<'a>>,
+    pub exceptions: Vec<DraftException<'a>>,
+}
+
+pub(super) struct DraftResource<'a> {
+    pub raw: &'a RawResource,
+    /// Its name for messages; `?` where it has none.
+    pub name: &'a str,
+    pub prototype: Option<Prototype>,
+    pub capacity: Option<u32>,
+    pub controller: Option<ControllerId>,
+}
+
+pub(super) struct DraftActivity<'a> {
+    pub name: String,
+    /// Where it is named, or the resource that it belongs to.
+    pub at: Where,
+    pub kind: ActivityKind,
+    /// What could be resolved of its actions.
+    pub uses: Vec<At<Use>>,
+    /// Whether all could.
+    pub is_whole: bool,
+    pub time: Option<Duration>,
+    pub orders: Vec<DraftOrder<'a>>,
+}
+
+pub(super) struct DraftOrder<'a> {
+    pub raw: &'a RawOrder,
+    pub controller: Option<ControllerId>,
+    pub parameters: Vec<(&'a str, ParameterSource)>,
+}
+
+pub(super) struct DraftPart<'a> {
+    pub raw: &'a RawPart,
+    pub name: &'a str,
+    /// The names of its stages, without its own.
+    pub stages: Vec<String>,
+    pub steps: Vec<DraftStep<'a>>,
+    /// Whether the plan's graph is known.
+    pub is_whole: bool,
+}
+
+pub(super) struct DraftStep<'a> {
+    pub raw: &'a RawStep,
+    pub name: &'a str,
+    /// Stages of the part, by number.
+    pub from: usize,
+    pub to: usize,
+    pub on: Vec<Option<ResourceId>>,
+}
+
+pub(super) struct DraftException<'a> {
+    pub raw: &'a RawException,
+    pub activities: Vec<ActivityId>,
+}
+
+impl<'a> Draft<'a> {
+    pub fn resource(&self, id: ResourceId) -> &DraftResource<'a> {
+        &self.resources[id.index()]
+    }
+
+    /// A resource's name, or `outside`.
+    pub fn holder(&self, of: Option<ResourceId>) -> &str {
+        of.map_or(super::names::OUTSIDE, |id| self.resource(id).name)
+    }
+}
+
+impl DraftResource<'_> {
+    /// Where it is named, or else its header.
+    pub fn place(&self) -> Where {
+        self.raw.name.as_ref().map_or_else(|| self.raw.at.clone(), |name| name.at.clone())
+    }
+}
+
+impl DraftPart<'_> {
+    /// Where it is named, or else its header.
+    pub fn place(&self) -> Where {
+        self.raw.name.as_ref().map_or_else(|| self.raw.at.clone(), |name| name.at.clone())
+    }
+}
+
+impl DraftStep<'_> {
+    /// Where it is named, or else its header.
+    pub fn place(&self) -> Where {
+        self.raw.name.as_ref().map_or_else(|| self.raw.at.clone(), |name| name.at.clone())
+    }
+}
+
+impl DraftActivity<'_> {
+    /// Those who take part in that role.
+    pub fn used(&self, role: Role) -> impl Iterator<Item = &At<Use>> {
+        self.uses.iter().filter(move |part| part.value.action.role() == role)
+    }
+}

@@ -1,0 +1,69 @@
+//! Text → checked [`Cell`], or everything that is wrong with the text at once.
+//!
+//! The text goes through five passes, each of which knows only its own question:
+//!
+//! 1. `read`: is it TOML, and has each key the right type? → `raw`, values with their places
+//! 2. `names`: are the names well formed and unique?
+//! 3. `resolve`: what does each name stand for? → `draft`, the cell as far as it can be understood
+//! 4. `rules`: does it hold together? One function per rule
+//! 5. `finish`: draft → [`Cell`]
+//!
+//! No pass stops at a mistake. What could not be read is absent in the later passes and is passed over there, so that
+//! one run reports all that can be known, and none of it twice. The passes know nothing of nets or of running cells.
+
+mod draft;
+mod finish;
+mod names;
+mod plan;
+mod raw;
+mod read;
+mod resolve;
+mod rules;
+
+use linewright_line::Line;
+use linewright_text::{Problem, Problems, Report};
+
+use crate::Cell;
+
+/// A sound description.
+#[derive(Clone, Debug)]
+pub struct Parsed {
+    /// The cell it describes.
+    pub cell: Cell,
+    /// What is suspicious about it, in the order of the text; [`Problems::new`] has them drawn.
+    pub warnings: Vec<Problem>,
+}
+
+/// Reads the description `text` of a cell; `file_name` is for messages. Stations are looked up in `line`, the description
+/// beside it; without one they are taken as they are written.
+///
+/// # Errors
+/// All problems of the text at once, warnings included, each with its place.
+pub fn parse(file_name: &str, text: &str, line: Option<&Line>) -> Result<Parsed, Problems> {
+    let mut report = Report::default();
+    let cell = understand(text, line, &mut report);
+    let has_errors = report.has_errors();
+    match cell {
+        Some(cell) if !has_errors => Ok(Parsed { cell, warnings: report.into_problems(file_name, text).into_vec() }),
+        _ => {
+            if !has_errors {
+                report.add(
+                    Problem::error(0..0, "this description is incomplete in a way that no rule explains")
+                        .hint("this is a mistake of the program: please report it, with the file"),
+                );
+            }
+            Err(report.into_problems(file_name, text))
+        }
+    }
+}
+
+fn understand(text: &str, line: Option<&Line>, report: &mut Report) -> Option<Cell> {
+    if !linewright_text::is_bounded(text, "the description", report) {
+        return None;
+    }
+    let raw = read::read(text, report)?;
+    let names = names::names(&raw, report);
+    let draft = resolve::resolve(&raw, &names, line, report);
+    let routes = rules::check(&draft, report);
+    if report.has_errors() { None } else { finish::finish(&draft, &routes?) }
+}

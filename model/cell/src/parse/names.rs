@@ -1,0 +1,93 @@
+//! The names a description defines: are they well formed and unique, and what does each one stand for?
+//!
+//! Names of resources, synchronisations, parts and steps become names of places, transitions and tones, so they do
+//! without the signs that are put between them there.
+
+use linewright_text::{Name, Problem, Report, Table, phrase, ros_name, tag, unique};
+
+use super::raw::RawCell;
+
+/// What stands between names elsewhere: `M1.load`, `load M1<A.new>`, `load M*`, `M1.process/2`.
+const SIGNS: [char; 7] = ['.', '<', '>', ',', '/', '*', ':'];
+/// The resource that every cell has.
+pub(super) const OUTSIDE: &str = "outside";
+/// The stages that every part has.
+const STAGES: [&str; 2] = ["new", "done"];
+
+/// The names of the whole cell.
+pub(super) struct Names<'a> {
+    pub resources: Table<'a>,
+    pub syncs: Table<'a>,
+    pub parts: Table<'a>,
+    /// By part type, in the order of the description.
+    pub steps: Vec<Table<'a>>,
+}
+
+/// Collects and checks all names.
+pub(super) fn names<'a>(raw: &'a RawCell, report: &mut Report) -> Names<'a> {
+    if let Some(name) = &raw.name {
+        ros_name(name, "cell", report);
+    }
+    let mut names = Names {
+        resources: Table::default(),
+        syncs: Table::default(),
+        parts: Table::default(),
+        steps: Vec::with_capacity(raw.parts.len()),
+    };
+    for (id, resource) in raw.resources.iter().enumerate() {
+        if let Some(name) = &resource.name {
+            label(name, "resource", report);
+            reserved(name, "resource", &[OUTSIDE], "it is where parts come from and go to", report);
+            unique(&mut names.resources, name, id, "resource", report);
+        }
+    }
+    for (id, sync) in raw.syncs.iter().enumerate() {
+        if let Some(name) = &sync.name {
+            label(name, "synchronisation", report);
+            unique(&mut names.syncs, name, id, "synchronisation", report);
+        }
+    }
+    for (id, part) in raw.parts.iter().enumerate() {
+        if let Some(name) = &part.name {
+            label(name, "part", report);
+            unique(&mut names.parts, name, id, "part", report);
+        }
+        let mut steps = Table::default();
+        for (id, step) in part.steps.iter().enumerate() {
+            if let Some(name) = &step.name {
+                label(name, "step", report);
+                reserved(name, "step", &STAGES, "every part has a stage of that name", report);
+                unique(&mut steps, name, id, "step of this part", report);
+            }
+        }
+        names.steps.push(steps);
+    }
+    for answer in raw.exceptions.iter().flat_map(|exception| &exception.answers) {
+        if let Some(word) = &answer.word {
+            tag(word, "answer", report);
+        }
+    }
+    names
+}
+
+fn label(name: &Name, what: &str, report: &mut Report) {
+    if name.value.contains(SIGNS) {
+        let signs: Vec<String> = SIGNS.iter().map(|sign| format!("`{sign}`")).collect();
+        report.add(
+            Problem::error(name.at.clone(), format!("`{}` cannot name this {what}", name.value.escape_debug()))
+                .hint(format!("names are put together with {}; do without them", signs.join(" "))),
+        );
+    } else {
+        phrase(name, what, report);
+    }
+}
+
+fn reserved(name: &Name, what: &str, taken: &[&str], why: &str, report: &mut Report) {
+    if taken.contains(&name.value.as_str()) {
+        report.add(
+            Problem::error(name.at.clone(), format!("a {what} cannot be called `{}`", name.value))
+                .label("reserved")
+                .hint(why),
+        );
+    }
+}

@@ -1,0 +1,94 @@
+//! A plan's graph: between which stages each step leads.
+//!
+//! A step begins where the one before it ends; with `or`, where another begins; with `then`, it leads to where a later
+//! one begins. All lead forward, so a plan has no circle: the stages are in an order in which every step leads to a later
+//! one. A stage is called after the first step that leads to it.
+
+use linewright_text::{Name, Problem, Report, Table};
+
+use super::raw::{RawPart, RawStep};
+
+/// The stages' names, and for each step the stages it leads between.
+pub(super) struct Plan {
+    pub stages: Vec<String>,
+    pub steps: Vec<(usize, usize)>,
+    pub is_whole: bool,
+}
+
+/// Works out the graph; what cannot be is reported.
+pub(super) fn plan(part: &RawPart, names: &Table<'_>, report: &mut Report) -> Plan {
+    let mut is_whole = true;
+    // Where each step begins: the number of the first step that begins there. The number after the last is the end.
+    let mut begins: Vec<usize> = Vec::with_capacity(part.steps.len());
+    for (at, step) in part.steps.iter().enumerate() {
+        let shared = step.or.as_ref().map(|other| earlier(other, at, names, report));
+        is_whole &= shared != Some(None);
+        begins.push(shared.flatten().map_or(at, |other| begins[other]));
+    }
+    let mut ends = Vec::with_capacity(part.steps.len());
+    for (at, step) in part.steps.iter().enumerate() {
+        let end = match &step.then {
+            Some(other) => later(other, at, &begins, names, report),
+            None => following(step, at, &begins, part, report),
+        };
+        is_whole &= end.is_some();
+        ends.push(end.unwrap_or(part.steps.len()));
+    }
+    let mut points: Vec<usize> = begins.iter().chain(&ends).copied().chain([0, part.steps.len()]).collect();
+    points.sort_unstable();
+    points.dedup();
+    let stage = |point: usize| points.partition_point(|&known| known < point);
+    let called = |&point: &usize| {
+        let leading = ends.iter().position(|&end| end == point).unwrap_or(point);
+        match point {
+            0 => "new".to_owned(),
+            _ if point == part.steps.len() => "done".to_owned(),
+            _ => part.steps[leading].name.as_ref().map_or_else(|| format!("step {leading}"), |name| name.value.clone()),
+        }
+    };
+    let steps = begins.iter().zip(&ends).map(|(&begin, &end)| (stage(begin), stage(end))).collect();
+    Plan { stages: points.iter().map(called).collect(), steps, is_whole }
+}
+
+/// The step that `or` names, which must have been listed.
+fn earlier(other: &Name, at: usize, names: &Table<'_>, report: &mut Report) -> Option<usize> {
+    let found = names.find(other, "step of this part", report)?;
+    if found < at {
+        return Some(found);
+    }
+    report.add(
+        Problem::error(other.at.clone(), format!("`{}` is not listed before this step", other.value))
+            .hint("the first of several alternatives has no `or`; the others name it"),
+    );
+    None
+}
+
+/// Where the step begins that `then` names, if that is later.
+fn later(other: &Name, at: usize, begins: &[usize], names: &Table<'_>, report: &mut Report) -> Option<usize> {
+    let found = names.find(other, "step of this part", report)?;
+    if begins[found] > at {
+        return Some(begins[found]);
+    }
+    report.add(
+        Problem::error(other.at.clone(), format!("`then` leads back to `{}`", other.value))
+            .hint("a plan leads forward only; list the step again under another name if it is done twice"),
+    );
+    None
+}
+
+/// Where a step leads that does not say so: to the next one listed, alternatives to itself left out.
+fn following(step: &RawStep, at: usize, begins: &[usize], part: &RawPart, report: &mut Report) -> Option<usize> {
+    let next = (at + 1..part.steps.len()).find(|&next| begins[next] != begins[at]);
+    let Some(next) = next else { return Some(part.steps.len()) };
+    if begins[next] == next {
+        return Some(next);
+    }
+    let place = step.name.as_ref().map_or_else(|| step.at.clone(), |name| name.at.clone());
+    let name = |step: &RawStep| step.name.as_ref().map_or_else(|| "?".to_owned(), |name| name.value.clone());
+    report.add(
+        Problem::error(place, format!("it is not said what comes after step `{}`", name(step)))
+            .label(format!("`{}` follows, which begins elsewhere", name(&part.steps[next])))
+            .hint("say with `then` which step comes next"),
+    );
+    None
+}

@@ -1,0 +1,268 @@
+//! Names → numbers: from the description as written to a [`Draft`].
+//!
+//! The only pass that looks names up. Each reference either becomes a number or is reported with what it could have
+//! been; what the numbers may be combined to is for the rules.
+
+use linewright_line::Line;
+use linewright_text::{At, Name, Problem, Report, Scalar, Table, Where, suggestion};
+
+use super::draft::{Draft, DraftActivity, DraftException, DraftOrder, DraftPart, DraftResource, DraftStep};
+use super::names::{Names, OUTSIDE};
+use super::plan::plan;
+use super::raw::{RawAction, RawCell, RawException, RawOrder, RawPart, RawResource, RawSync};
+use crate::{Action, ActivityId, ActivityKind, ControllerId, ParameterSource, Prototype, ResourceId, Role, Use};
+
+/// Resolves everything that can be.
+pub(super) fn resolve<'a>(
+    raw: &'a RawCell,
+    names: &Names<'a>,
+    line: Option<&'a Line>,
+    report: &mut Report,
+) -> Draft<'a> {
+    let controllers = controllers(raw);
+    let resources: Vec<_> = raw.resources.iter().map(|r| resource(r, &controllers, report)).collect();
+    let mut scope = Scope { names, resources: &resources, controllers: &controllers };
+    let mut activities: Vec<_> = raw.syncs.iter().map(|sync| scope.sync(sync, report)).collect();
+    activities.extend(scope.processes(&raw.actions, report));
+    let parts = raw.parts.iter().zip(&names.steps).map(|(part, steps)| scope.part(part, steps, report)).collect();
+    let exceptions = raw.exceptions.iter().map(|raw| exception(raw, &activities, report)).collect();
+    Draft { raw, line, controllers, resources, activities, parts, exceptions }
+}
+
+/// The stations, in the order in which they are named: by resources first, then by orders.
+fn controllers(raw: &RawCell) -> Table<'_> {
+    let orders = raw.syncs.iter().map(|sync| &sync.orders).chain(raw.actions.iter().map(|action| &action.orders));
+    let of_resources = raw.resources.iter().filter_map(|resource| resource.station.as_ref());
+    let (mut table, mut next) = (Table::default(), 0);
+    for name in of_resources.chain(orders.flatten().filter_map(|order| order.station.as_ref())) {
+        next += usize::from(table.define(name, next).is_none());
+    }
+    table
+}
+
+fn resource<'a>(raw: &'a RawResource, controllers: &Table<'a>, report: &mut Report) -> DraftResource<'a> {
+    let prototype = raw.prototype.as_ref().and_then(|name| {
+        let found = Prototype::ALL.into_iter().find(|prototype| prototype.name() == name.value);
+        if found.is_none() {
+            report.add(
+                Problem::error(name.at.clone(), format!("unknown prototype `{}`", name.value))
+                    .maybe_hint(suggestion(&name.value, Prototype::ALL.map(Prototype::name))),
+            );
+        }
+        found
+    });
+    let most = prototype.and_then(Prototype::capacity_max);
+    let given = raw.capacity.as_ref().and_then(|capacity| u32::try_from(capacity.value).ok());
+    let given = given.filter(|given| most.is_some_and(|most| (1..=most).contains(given)));
+    DraftResource {
+        raw,
+        name: raw.name.as_ref().map_or("?", |name| name.value.as_str()),
+        prototype,
+        capacity: given.or_else(|| prototype.filter(|_| raw.capacity.is_none())?.usual_capacity()),
+        controller: raw.station.as_ref().and_then(|name| controllers.get(&name.value)).map(ControllerId::at),
+    }
+}
+
+/// What names may refer to.
+struct Scope<'a, 's> {
+    names: &'s Names<'a>,
+    resources: &'s [DraftResource<'a>],
+    controllers: &'s Table<'a>,
+}
+
+impl<'a> Scope<'a, '_> {
+    fn sync(&mut self, raw: &'a RawSync, report: &mut Report) -> DraftActivity<'a> {
+        let written = raw.actions.iter().flat_map(|actions| &actions.value);
+        let uses: Vec<_> = written.map(|name| self.action(name, report)).collect();
+        let is_whole = raw.actions.is_some() && uses.iter().all(Option::is_some);
+        let uses: Vec<_> = uses.into_iter().flatten().collect();
+        let does = |action| uses.iter().any(|part: &At<Use>| part.value.action == action);
+        let kind = match (does(Action::In), does(Action::Out)) {
+            (true, _) => ActivityKind::Enter,
+            (false, true) => ActivityKind::Leave,
+            (false, false) => ActivityKind::Transport,
+        };
+        DraftActivity {
+            name: raw.name.as_ref().map_or_else(|| "?".to_owned(), |name| name.value.clone()),
+            at: raw.name.as_ref().map_or_else(|| raw.at.clone(), |name| name.at.clone()),
+            kind,
+            uses,
+            is_whole,
+            time: raw.time.as_ref().map(|time| time.value),
+            orders: raw.orders.iter().map(|order| self.order(order, report)).collect(),
+        }
+    }
+
+    /// `resource.action`, or `outside.in` and `outside.out`.
+    fn action(&self, name: &Name, report: &mut Report) -> Option<At<Use>> {
+        let Some((holder, action)) = name.value.split_once('.') else {
+            report.add(
+                Problem::error(name.at.clone(), format!("`{}` names no action", name.value))
+                    .label("no full stop")
+                    .hint("write \"resource.action\", as in \"M1.load\""),
+            );
+            return None;
+        };
+        let (of, can): (_, &[Action]) = if holder == OUTSIDE {
+            (None, &[Action::In, Action::Out])
+        } else {
+            let id = self.resource_named(holder, &name.at, report)?;
+            (Some(id), self.resources[id.index()].prototype?.actions())
+        };
+        if let Some(&action) = can.iter().find(|known| known.name() == action) {
+            return Some(At::new(Use { of, action }, name.at.clone()));
+        }
+        let what = of.and_then(|id| self.resources[id.index()].prototype);
+        let what = what.map_or_else(String::new, |prototype| format!(" ({})", prototype.name()));
+        report.add(
+            Problem::error(name.at.clone(), format!("`{holder}`{what} has no action `{action}`"))
+                .maybe_hint(suggestion(action, can.iter().map(|action| action.name()))),
+        );
+        None
+    }
+
+    fn resource_named(&self, name: &str, at: &Where, report: &mut Report) -> Option<ResourceId> {
+        let found = self.names.resources.find(&At::new(name.to_owned(), at.clone()), "resource", report);
+        found.map(ResourceId::at)
+    }
+
+    /// One activity for each resource that works on parts, with the orders of its `[[action]]`.
+    fn processes(&self, raw: &'a [RawAction], report: &mut Report) -> Vec<DraftActivity<'a>> {
+        let mut described = Table::default();
+        for (id, action) in raw.iter().enumerate() {
+            let Some(of) = &action.of else { continue };
+            linewright_text::unique(&mut described, of, id, "description of action", report);
+            let Some(found) = self.action(of, report) else { continue };
+            if found.value.action.role() != Role::Worker {
+                report.add(
+                    Problem::error(of.at.clone(), format!("`{}` happens in synchronisations only", of.value))
+                        .hint("write its orders under the `[[sync]]` it is part of; here stands `….process`"),
+                );
+            }
+        }
+        let working = self.resources.iter().enumerate().filter(|(_, r)| r.prototype.is_some_and(Prototype::processes));
+        working
+            .map(|(id, resource)| {
+                let name = format!("{}.{}", resource.name, Action::Process.name());
+                let described = described.get(&name).map(|id| &raw[id]);
+                let part = Use { of: Some(ResourceId::at(id)), action: Action::Process };
+                DraftActivity {
+                    at: resource.place(),
+                    kind: ActivityKind::Process,
+                    uses: vec![At::new(part, resource.place())],
+                    is_whole: true,
+                    time: None,
+                    orders: described
+                        .map(|raw| raw.orders.iter().map(|order| self.order(order, report)).collect())
+                        .unwrap_or_default(),
+                    name,
+                }
+            })
+            .collect()
+    }
+
+    fn order(&self, raw: &'a RawOrder, report: &mut Report) -> DraftOrder<'a> {
+        let mut parameters = Vec::new();
+        for (name, value) in &raw.parameters {
+            parameters.extend(self.parameter(value, report).map(|source| (name.value.as_str(), source)));
+        }
+        let controller = raw.station.as_ref().and_then(|name| self.controllers.get(&name.value));
+        DraftOrder { raw, controller: controller.map(ControllerId::at), parameters }
+    }
+
+    /// A number, `step.program`, or the position in a store.
+    fn parameter(&self, value: &At<Scalar>, report: &mut Report) -> Option<ParameterSource> {
+        let text = match &value.value {
+            Scalar::Integer(number) => {
+                let fits = i32::try_from(*number);
+                if fits.is_err() {
+                    report.add(
+                        Problem::error(value.at.clone(), format!("the parameter {number} is too large"))
+                            .hint("a parameter has 32 bits"),
+                    );
+                }
+                return fits.ok().map(ParameterSource::Number);
+            }
+            Scalar::Text(text) => text,
+        };
+        match text.split_once('.') {
+            Some(("step", "program")) => Some(ParameterSource::Program),
+            Some((store, "position")) => {
+                Some(ParameterSource::Position(self.resource_named(store, &value.at, report)?))
+            }
+            Some(_) | None => {
+                report.add(
+                    Problem::error(value.at.clone(), format!("`{text}` is no value of a parameter"))
+                        .hint("a whole number, \"step.program\", or \"….position\" of a store"),
+                );
+                None
+            }
+        }
+    }
+
+    fn part(&self, raw: &'a RawPart, names: &Table<'a>, report: &mut Report) -> DraftPart<'a> {
+        let plan = plan(raw, names, report);
+        let mut is_whole = plan.is_whole;
+        let mut steps = Vec::with_capacity(raw.steps.len());
+        for (step, &(from, to)) in raw.steps.iter().zip(&plan.steps) {
+            let on: Vec<_> = step
+                .on
+                .iter()
+                .map(|on| {
+                    let name = on.resource.as_ref()?;
+                    self.resource_named(&name.value, &name.at, report)
+                })
+                .collect();
+            is_whole &= on.iter().all(Option::is_some);
+            let name = step.name.as_ref().map_or("?", |name| name.value.as_str());
+            steps.push(DraftStep { raw: step, name, from, to, on });
+        }
+        let name = raw.name.as_ref().map_or("?", |name| name.value.as_str());
+        DraftPart { raw, name, stages: plan.stages, steps, is_whole }
+    }
+}
+
+fn exception<'a>(raw: &'a RawException, activities: &[DraftActivity<'_>], report: &mut Report) -> DraftException<'a> {
+    let Some(pattern) = &raw.within else { return DraftException { raw, activities: Vec::new() } };
+    let meant = activities.iter().enumerate().filter(|(_, activity)| matches(&pattern.value, &activity.name));
+    let found: Vec<_> = meant.map(|(id, _)| ActivityId::at(id)).collect();
+    if found.is_empty() {
+        let names = activities.iter().map(|activity| activity.name.as_str());
+        report.add(
+            Problem::error(pattern.at.clone(), format!("`{}` fits no synchronisation and no action", pattern.value))
+                .maybe_hint(suggestion(&pattern.value, names)),
+        );
+    }
+    DraftException { raw, activities: found }
+}
+
+/// Whether a name fits a pattern in which `*` stands for anything.
+fn matches(pattern: &str, name: &str) -> bool {
+    let mut pieces = pattern.split('*');
+    let first = pieces.next().unwrap_or_default();
+    let Some(mut rest) = name.strip_prefix(first) else { return false };
+    let mut pieces = pieces.peekable();
+    if pieces.peek().is_none() {
+        return rest.is_empty();
+    }
+    while let Some(piece) = pieces.next() {
+        if pieces.peek().is_none() {
+            return rest.ends_with(piece);
+        }
+        let Some(at) = rest.find(piece) else { return false };
+        rest = &rest[at + piece.len()..];
+    }
+    true
+}
+
+#[cfg(test)]
+mod tests {
+    use super::matches;
+
+    #[test]
+    fn a_star_stands_for_anything() {
+        let fits = ["load M*", "*", "load M1", "l*M*1", "load M1*"];
+        assert!(fits.iter().all(|pattern| matches(pattern, "load M1")));
+        assert!(!["load", "load M", "*2", "M*", "", "load M1?", "*1*1"].iter().any(|no| matches(no, "load M1")));
+    }
+}

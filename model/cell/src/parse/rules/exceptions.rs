@@ -1,0 +1,83 @@
+//! What is to be done when an activity fails.
+
+use linewright_text::{Problem, Report, suggestion};
+
+use crate::parse::draft::DraftException;
+use crate::{Strategy, Whereabouts};
+
+/// What `tell` may name.
+const NAMES: [&str; 7] = ["part", "type", "activity", "carrier", "from", "to", "slot"];
+
+pub(super) fn answers_differ(exception: &DraftException<'_>, report: &mut Report) {
+    let words: Vec<_> = exception.raw.answers.iter().filter_map(|answer| answer.word.as_ref()).collect();
+    for (at, word) in words.iter().enumerate() {
+        if let Some(earlier) = words[..at].iter().find(|earlier| earlier.value == word.value) {
+            report.add(
+                Problem::error(word.at.clone(), format!("two answers are `{}`", word.value))
+                    .label("again")
+                    .also(&earlier.at, "first here"),
+            );
+        }
+    }
+}
+
+pub(super) fn strategies_fit(exception: &DraftException<'_>, report: &mut Report) {
+    for answer in &exception.raw.answers {
+        let (Some(part), Some(then)) = (&answer.part, &answer.then) else { continue };
+        let hint = match (part.value, then.value) {
+            (Whereabouts::From, Strategy::Redo | Strategy::Backward)
+            | (Whereabouts::To | Whereabouts::Carrier, Strategy::Forward)
+            | (Whereabouts::Gone, Strategy::Backward) => continue,
+            (Whereabouts::From, Strategy::Forward) => "the part is where it was: \"redo\" or \"backward\"",
+            (Whereabouts::To | Whereabouts::Carrier, Strategy::Redo | Strategy::Backward) => {
+                "the part is no longer where it was: \"forward\""
+            }
+            (Whereabouts::Gone, Strategy::Redo | Strategy::Forward) => "there is no part any more: \"backward\"",
+        };
+        report.add(
+            Problem::error(then.at.clone(), "this strategy does not fit where the part is")
+                .also(&part.at, "where it is")
+                .hint(hint),
+        );
+    }
+}
+
+pub(super) fn retries_are_allowed(exception: &DraftException<'_>, report: &mut Report) {
+    if exception.raw.retries > 0 {
+        return;
+    }
+    let redo = exception.raw.answers.iter().filter_map(|answer| answer.then.as_ref());
+    for then in redo.filter(|then| then.value == Strategy::Redo) {
+        report.add(
+            Problem::error(then.at.clone(), "it may not be tried again")
+                .hint("allow it with `retries = 1` or more, or choose \"backward\""),
+        );
+    }
+}
+
+pub(super) fn tells_what_is_known(exception: &DraftException<'_>, report: &mut Report) {
+    let Some(tell) = &exception.raw.tell else { return };
+    let mut rest = tell.value.as_str();
+    while let Some((_, behind)) = rest.split_once('{') {
+        let Some((name, after)) = behind.split_once('}') else {
+            report.add(Problem::error(tell.at.clone(), "a `{` without its `}`").hint("as in \"{part}\""));
+            return;
+        };
+        if !NAMES.contains(&name) {
+            report.add(
+                Problem::error(tell.at.clone(), format!("nobody knows `{{{}}}`", name.escape_debug()))
+                    .maybe_hint(suggestion(name, NAMES)),
+            );
+        }
+        rest = after;
+    }
+}
+
+pub(super) fn somebody_answers(exception: &DraftException<'_>, report: &mut Report) {
+    if exception.raw.answers.is_empty() {
+        report.add(
+            Problem::error(exception.raw.at.clone(), "an exception without an answer")
+                .hint("say in `answers` how to go on: { word = …, part = …, then = … }"),
+        );
+    }
+}

@@ -1,0 +1,70 @@
+//! What a description must hold beyond being readable: one named function per rule, one file per subject.
+//!
+//! Every rule reads the whole draft and reports on its own; where a part is missing because it could not be read or
+//! resolved, a rule passes over it in silence, since the reason has been reported already.
+
+mod dispatch;
+mod exceptions;
+mod orders;
+mod plans;
+mod resources;
+mod syncs;
+mod ways;
+mod whole;
+
+pub(super) use ways::{Offsets, offsets, transport};
+
+use linewright_text::Report;
+
+use super::draft::Draft;
+use crate::routes::Routes;
+
+/// Applies every rule; gives what can be reached, if that could be worked out.
+pub(super) fn check(draft: &Draft<'_>, report: &mut Report) -> Option<Routes> {
+    whole::the_line_is_the_same(draft, report);
+    whole::cell_has_resources(draft, report);
+    whole::cell_has_parts(draft, report);
+    whole::parts_come_and_go(draft, report);
+    whole::stores_hold_what_is_let_in(draft, report);
+    for resource in &draft.resources {
+        resources::capacity_is_possible(resource, report);
+        resources::presence_has_a_station(resource, report);
+        resources::presence_is_an_input(draft, resource, report);
+    }
+    resources::stations_belong_to_one(draft, report);
+    resources::stations_exist(draft, report);
+    for activity in &draft.activities {
+        syncs::one_part_is_moved(draft, activity, report);
+        syncs::source_and_target_differ(draft, activity, report);
+        syncs::one_carries(draft, activity, report);
+        orders::each_station_gets_one(activity, report);
+        orders::limits_are_known_and_exceed_times(draft, activity, report);
+        orders::parameters_are_there(draft, activity, report);
+    }
+    orders::stations_exist(draft, report);
+    for part in &draft.parts {
+        plans::part_has_steps(part, report);
+        plans::steps_have_resources_that_work(draft, part, report);
+        plans::nothing_is_listed_twice(draft, part, report);
+        plans::steps_are_led_to(part, report);
+    }
+    plans::stages_can_be_numbered(draft, report);
+    dispatch::rules_exist_once(draft, report);
+    dispatch::schedule_is_not_alone(draft, report);
+    dispatch::patience_outlasts_activities(draft, report);
+    for exception in &draft.exceptions {
+        exceptions::answers_differ(exception, report);
+        exceptions::strategies_fit(exception, report);
+        exceptions::retries_are_allowed(exception, report);
+        exceptions::tells_what_is_known(exception, report);
+        exceptions::somebody_answers(exception, report);
+    }
+    let routes = ways::routes(draft)?;
+    for (at, part) in draft.parts.iter().enumerate() {
+        ways::plans_can_be_done(draft, (at, part), &routes, report);
+    }
+    if !report.has_errors() {
+        ways::resources_are_used(draft, &routes, report);
+    }
+    Some(routes)
+}

@@ -1,0 +1,125 @@
+//! What stations are told.
+
+use std::collections::HashMap;
+
+use linewright_text::{Problem, Report, suggestion};
+
+use crate::parse::draft::{Draft, DraftActivity};
+use crate::{ActivityKind, ParameterSource, Prototype};
+
+pub(super) fn stations_exist(draft: &Draft<'_>, report: &mut Report) {
+    let orders = draft.activities.iter().flat_map(|activity| &activity.orders);
+    for station in orders.filter_map(|order| order.raw.station.as_ref()) {
+        if let Some(line) = draft.line {
+            if line.station_named(&station.value).is_none() {
+                let names = line.stations.iter().map(|station| station.name.as_str());
+                report.add(
+                    Problem::error(station.at.clone(), format!("the line has no station `{}`", station.value))
+                        .maybe_hint(suggestion(&station.value, names)),
+                );
+            }
+        } else {
+            let names = draft.resources.iter().filter_map(|r| Some(r.raw.station.as_ref()?.value.as_str()));
+            if !names.clone().any(|name| name == station.value) {
+                report.add(
+                    Problem::warning(station.at.clone(), format!("station `{}` is no resource's", station.value))
+                        .maybe_hint(suggestion(&station.value, names)),
+                );
+            }
+        }
+    }
+}
+
+pub(super) fn each_station_gets_one(activity: &DraftActivity<'_>, report: &mut Report) {
+    let mut told = HashMap::new();
+    for order in &activity.orders {
+        let (Some(id), Some(station)) = (order.controller, &order.raw.station) else { continue };
+        if let Some(earlier) = told.insert(id, &station.at) {
+            report.add(
+                Problem::error(station.at.clone(), format!("`{}` gives `{}` two orders", activity.name, station.value))
+                    .also(earlier, "the first")
+                    .hint("a station does one task at a time; make one task of them"),
+            );
+        }
+    }
+}
+
+/// An order without a limit could be waited for until the end of days.
+pub(super) fn limits_are_known_and_exceed_times(draft: &Draft<'_>, activity: &DraftActivity<'_>, report: &mut Report) {
+    let times: Vec<_> = match activity.kind {
+        ActivityKind::Process => times_of_work(draft, activity).collect(),
+        ActivityKind::Transport | ActivityKind::Enter | ActivityKind::Leave => activity.time.into_iter().collect(),
+    };
+    for order in &activity.orders {
+        match (&order.raw.limit, times.iter().max()) {
+            (Some(limit), Some(time)) if limit.value <= *time => report.add(
+                Problem::error(limit.at.clone(), format!("`max_s` is {} s", limit.value.as_secs_f64()))
+                    .label("too short")
+                    .hint(format!("`{}` takes {} s itself", activity.name, time.as_secs_f64())),
+            ),
+            (None, None) if activity.kind != ActivityKind::Process => report.add(
+                Problem::error(order.raw.at.clone(), "nobody knows when this order is late")
+                    .hint(format!("give it `max_s`, or `{}` a `time_s`", activity.name)),
+            ),
+            (Some(_), _) | (None, _) => {}
+        }
+    }
+}
+
+/// The times of the steps that a process is for.
+fn times_of_work<'d>(
+    draft: &'d Draft<'_>,
+    activity: &'d DraftActivity<'_>,
+) -> impl Iterator<Item = std::time::Duration> + 'd {
+    let of = activity.uses.first().and_then(|part| part.value.of);
+    let steps = draft.parts.iter().flat_map(|part| &part.steps);
+    let pairs = steps.flat_map(|step| step.on.iter().zip(&step.raw.on));
+    pairs.filter(move |(on, _)| **on == of && of.is_some()).filter_map(|(_, raw)| Some(raw.time.as_ref()?.value))
+}
+
+pub(super) fn parameters_are_there(draft: &Draft<'_>, activity: &DraftActivity<'_>, report: &mut Report) {
+    for order in &activity.orders {
+        for (name, source) in &order.parameters {
+            let at = || {
+                let found = order.raw.parameters.iter().find(|(known, _)| known.value == *name);
+                found.map_or_else(|| order.raw.at.clone(), |(_, value)| value.at.clone())
+            };
+            match *source {
+                ParameterSource::Number(_) => {}
+                ParameterSource::Position(store) => {
+                    let takes_part = activity.uses.iter().any(|part| part.value.of == Some(store));
+                    let is_store = draft.resource(store).prototype.is_none_or(Prototype::stores);
+                    if activity.is_whole && !(takes_part && is_store) {
+                        let name = draft.resource(store).name;
+                        report.add(
+                            Problem::error(at(), format!("`{name}` has no position in `{}`", activity.name))
+                                .hint("a part has a position in a store that it comes from or goes to"),
+                        );
+                    }
+                }
+                ParameterSource::Program => program_is_given(draft, activity, &at(), report),
+            }
+        }
+    }
+}
+
+fn program_is_given(draft: &Draft<'_>, activity: &DraftActivity<'_>, at: &linewright_text::Where, report: &mut Report) {
+    if activity.kind != ActivityKind::Process {
+        report.add(
+            Problem::error(at.clone(), format!("`{}` is no step of a plan", activity.name))
+                .hint("`step.program` is known where a machine works"),
+        );
+        return;
+    }
+    let of = activity.uses.first().and_then(|part| part.value.of);
+    for step in draft.parts.iter().flat_map(|part| &part.steps) {
+        let here = step.on.iter().zip(&step.raw.on).filter(|(on, raw)| **on == of && !raw.has_program);
+        for (_, raw) in here {
+            report.add(
+                Problem::error(raw.at.clone(), format!("step `{}` gives no program", step.name))
+                    .also(at, "the order needs one")
+                    .hint("add `program = …`"),
+            );
+        }
+    }
+}

@@ -1,0 +1,91 @@
+//! Resources one by one, and their stations.
+
+use std::collections::HashMap;
+
+use linewright_text::{Problem, Report, suggestion};
+
+use crate::parse::draft::{Draft, DraftResource};
+
+pub(super) fn capacity_is_possible(resource: &DraftResource<'_>, report: &mut Report) {
+    let Some(prototype) = resource.prototype else { return };
+    let (name, what) = (resource.name, prototype.name());
+    match (&resource.raw.capacity, prototype.capacity_max()) {
+        (None, _) if prototype.usual_capacity().is_none() => {
+            report.add(
+                Problem::error(resource.place(), format!("`{name}` ({what}) needs `capacity`"))
+                    .hint("how many parts there is room for"),
+            );
+        }
+        (Some(capacity), None) => {
+            report.add(
+                Problem::error(capacity.at.clone(), format!("`{name}` ({what}) has no capacity to give"))
+                    .hint("a robot carries one part; what carries several is a `conveyor`"),
+            );
+        }
+        (Some(capacity), Some(most)) if !(1..=i64::from(most)).contains(&capacity.value) => {
+            report.add(
+                Problem::error(capacity.at.clone(), format!("a capacity of {}", capacity.value))
+                    .hint(format!("a {what} has room for 1 to {most} parts")),
+            );
+        }
+        (None, _) | (Some(_), Some(_)) => {}
+    }
+}
+
+pub(super) fn presence_has_a_station(resource: &DraftResource<'_>, report: &mut Report) {
+    if let (Some(presence), None) = (&resource.raw.presence, &resource.raw.station) {
+        report.add(
+            Problem::error(presence.at.clone(), format!("`{}` has no station with an input", resource.name))
+                .hint("`presence` is an input of the resource's own `station`"),
+        );
+    }
+}
+
+pub(super) fn presence_is_an_input(draft: &Draft<'_>, resource: &DraftResource<'_>, report: &mut Report) {
+    let (Some(line), Some(presence), Some(station)) = (draft.line, &resource.raw.presence, &resource.raw.station)
+    else {
+        return;
+    };
+    let Some(id) = line.station_named(&station.value) else { return };
+    let inputs = &line.station(id).inputs;
+    if !inputs.contains(&presence.value) {
+        report.add(
+            Problem::error(
+                presence.at.clone(),
+                format!("station `{}` has no input `{}`", station.value, presence.value),
+            )
+            .maybe_hint(suggestion(&presence.value, inputs.iter().map(String::as_str))),
+        );
+    }
+}
+
+pub(super) fn stations_belong_to_one(draft: &Draft<'_>, report: &mut Report) {
+    let mut owners = HashMap::new();
+    for resource in &draft.resources {
+        let Some(station) = &resource.raw.station else { continue };
+        if let Some((owner, at)) = owners.insert(station.value.as_str(), (resource.name, &station.at)) {
+            report.add(
+                Problem::error(
+                    station.at.clone(),
+                    format!("station `{}` belongs to `{owner}` and to `{}`", station.value, resource.name),
+                )
+                .label("again")
+                .also(at, "first here")
+                .hint("a station is one resource's, and does one thing at a time"),
+            );
+        }
+    }
+}
+
+pub(super) fn stations_exist(draft: &Draft<'_>, report: &mut Report) {
+    let Some(line) = draft.line else { return };
+    for station in draft.resources.iter().filter_map(|resource| resource.raw.station.as_ref()) {
+        if line.station_named(&station.value).is_none() {
+            let names = line.stations.iter().map(|station| station.name.as_str());
+            report.add(
+                Problem::error(station.at.clone(), format!("the line has no station `{}`", station.value))
+                    .maybe_hint(suggestion(&station.value, names)),
+            );
+        }
+    }
+}

@@ -1,0 +1,167 @@
+//! Whether plans can be done: whether what moves parts leads them where they are worked on, and out again.
+//!
+//! Judged only where moves and plans are sound each for itself; one unknown name would make every plan impossible.
+
+use linewright_text::{Problem, Report, Where};
+
+use super::plans::STAGES_MAX;
+use crate::parse::draft::{Draft, DraftPart, DraftStep};
+use crate::routes::{Routes, Spot, Ways};
+use crate::{ActivityKind, Prototype, ResourceId, Role, StageId};
+
+/// Where the stages of each part type begin.
+pub struct Offsets(Vec<usize>);
+
+impl Offsets {
+    /// The stage of that number of that part type.
+    pub fn stage(&self, part: usize, stage: usize) -> StageId {
+        StageId::at(self.0[part] + stage)
+    }
+}
+
+/// Where the stages of each part type begin.
+pub fn offsets(draft: &Draft<'_>) -> Offsets {
+    let mut next = 0;
+    let begin = |part: &DraftPart<'_>| {
+        next += part.stages.len();
+        next - part.stages.len()
+    };
+    Offsets(draft.parts.iter().map(begin).collect())
+}
+
+/// What can be reached; none unless moves and plans are sound.
+pub(super) fn routes(draft: &Draft<'_>) -> Option<Routes> {
+    let stages: usize = draft.parts.iter().map(|part| part.stages.len()).sum();
+    let mut ways = Ways { stages, resources: draft.resources.len(), ..Ways::default() };
+    if stages > STAGES_MAX || draft.resources.iter().any(|resource| resource.prototype.is_none()) {
+        return None;
+    }
+    for activity in draft.activities.iter().filter(|activity| activity.kind != ActivityKind::Process) {
+        ways.transports.push(transport(activity)?);
+    }
+    let offsets = offsets(draft);
+    for (at, part) in draft.parts.iter().enumerate() {
+        if !part.is_whole || part.steps.is_empty() || part.raw.name.is_none() {
+            return None;
+        }
+        ways.ends.push((offsets.stage(at, 0), offsets.stage(at, part.stages.len() - 1)));
+        for step in &part.steps {
+            if step.on.is_empty() {
+                return None;
+            }
+            for on in &step.on {
+                let id = on.filter(|id| draft.resource(*id).prototype.is_some_and(Prototype::processes))?;
+                ways.works.push((id, offsets.stage(at, step.from), offsets.stage(at, step.to)));
+            }
+        }
+    }
+    Some(Routes::new(&ways))
+}
+
+/// From where to where a synchronisation moves parts, if it does so soundly.
+pub fn transport(activity: &crate::parse::draft::DraftActivity<'_>) -> Option<(Spot, Spot)> {
+    let one = |role| {
+        let mut found = activity.used(role);
+        let part = found.next().filter(|_| found.next().is_none())?.value;
+        Spot::of(part.of, part.action)
+    };
+    activity.is_whole.then_some(())?;
+    Some((one(Role::Source)?, one(Role::Target)?))
+}
+
+/// Parts of a type in the draft, with the type's number.
+type Part<'p, 'a> = (usize, &'p DraftPart<'a>);
+
+pub(super) fn plans_can_be_done(draft: &Draft<'_>, part: Part<'_, '_>, routes: &Routes, report: &mut Report) {
+    let (at, of) = part;
+    let offsets = offsets(draft);
+    let comes =
+        |id: ResourceId, step: &DraftStep<'_>| routes.is_reached(Spot::work(id)[0], offsets.stage(at, step.from));
+    let led_to = |step: &&DraftStep<'_>| step.from == 0 || of.steps.iter().any(|before| before.to == step.from);
+    let known = of.steps.iter().filter(led_to);
+    // What comes after a step that cannot be done cannot be done either; the first is the one to mend.
+    if let Some(step) = known.clone().find(|step| !step.on.iter().flatten().any(|&id| comes(id, step))) {
+        report.add(never_comes(draft, part, step, routes));
+        return;
+    }
+    let done = offsets.stage(at, of.stages.len() - 1);
+    if !routes.is_reached(Spot::AFTER, done) {
+        let hint = "a synchronisation must take it from there, and at last one to `outside.out`";
+        let message = format!("a finished part `{}` never leaves the cell", of.name);
+        report.add(Problem::error(of.place(), message).label(stands(draft, done, routes)).hint(hint));
+        return;
+    }
+    for step in known {
+        for (id, raw) in step.on.iter().zip(&step.raw.on).filter_map(|(on, raw)| Some(((*on)?, raw))) {
+            let name = draft.resource(id).name;
+            let at_resource: Where = raw.resource.as_ref().map_or_else(|| raw.at.clone(), |name| name.at.clone());
+            if !comes(id, step) {
+                report.add(
+                    Problem::error(
+                        at_resource,
+                        format!("no part `{}` ever comes to `{name}` for step `{}`", of.name, step.name),
+                    )
+                    .hint(format!("a synchronisation with \"{name}.load\" must bring it")),
+                );
+            } else if !routes.finishes(Spot::work(id)[1], offsets.stage(at, step.to)) {
+                report.add(
+                    Problem::error(
+                        at_resource,
+                        format!("after step `{}` a part `{}` never leaves `{name}`", step.name, of.name),
+                    )
+                    .label("a dead end")
+                    .hint(format!("a synchronisation with \"{name}.unload\" must lead to where the plan goes on")),
+                );
+            }
+        }
+    }
+}
+
+fn never_comes(draft: &Draft<'_>, (at, of): Part<'_, '_>, step: &DraftStep<'_>, routes: &Routes) -> Problem {
+    let names: Vec<String> = step.on.iter().flatten().map(|&id| format!("`{}`", draft.resource(id).name)).collect();
+    let loads = names.iter().map(|name| format!("\"{}.load\"", name.trim_matches('`'))).collect::<Vec<_>>();
+    let message = match names.as_slice() {
+        [] => format!("step `{}` of part `{}` can be done nowhere", step.name, of.name),
+        names => format!("no part `{}` ever comes to {} for step `{}`", of.name, names.join(" or "), step.name),
+    };
+    Problem::error(step.place(), message)
+        .label(stands(draft, offsets(draft).stage(at, step.from), routes))
+        .hint(format!("a synchronisation with {} must bring it from there", loads.join(" or ")))
+}
+
+/// Where parts of a stage can be, in words.
+fn stands(draft: &Draft<'_>, stage: StageId, routes: &Routes) -> String {
+    let ids = (0..draft.resources.len()).map(ResourceId::at);
+    let at = ids.filter(|&id| Spot::work(id).iter().any(|&spot| routes.is_reached(spot, stage)));
+    let mut names: Vec<&str> = at.map(|id| draft.resource(id).name).take(6).collect();
+    if routes.is_reached(Spot::BEFORE, stage) {
+        names.insert(0, crate::parse::names::OUTSIDE);
+    }
+    if names.is_empty() {
+        "it is nowhere by then".to_owned()
+    } else {
+        format!("it gets as far as {}", names.join(", "))
+    }
+}
+
+pub(super) fn resources_are_used(draft: &Draft<'_>, routes: &Routes, report: &mut Report) {
+    let offsets = offsets(draft);
+    let mut used = vec![false; draft.resources.len()];
+    for activity in &draft.activities {
+        let of_use =
+            match transport(activity) {
+                Some(way) => draft.parts.iter().enumerate().any(|(at, part)| {
+                    (0..part.stages.len()).any(|stage| routes.is_of_use(way, offsets.stage(at, stage)))
+                }),
+                None => false,
+            };
+        let ids = activity.uses.iter().filter_map(|part| part.value.of).filter(|_| of_use);
+        ids.for_each(|id| used[id.index()] = true);
+    }
+    for (resource, _) in draft.resources.iter().zip(used).filter(|(_, used)| !used) {
+        report.add(
+            Problem::warning(resource.place(), format!("no plan needs `{}`", resource.name))
+                .hint("no part that can be finished is moved by it, to it or from it"),
+        );
+    }
+}

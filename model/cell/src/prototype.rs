@@ -1,0 +1,149 @@
+//! The prototypes that resources are instances of, and what each can do.
+//!
+//! The only module that knows which actions belong to which prototype and what a capacity means there; what the places
+//! and arcs of an instance are, [`crate::net`] says. The machine is the one of seed 001 (L68-70, Figs. 2 and 3).
+
+/// What a resource is an instance of.
+#[derive(Clone, Copy, Debug, PartialEq, Eq, PartialOrd, Ord, Hash)]
+pub enum Prototype {
+    /// Works on parts: available-capacity, loaded, unload-ready.
+    Machine,
+    /// A machine who can also carry: one token for all he does.
+    Human,
+    /// Keeps parts, and gives back any of them.
+    RandomAccessStore,
+    /// Keeps parts in a row: in at one end, out at the other.
+    FifoBuffer,
+    /// A stack: the part that came last goes first.
+    LifoBuffer,
+    /// Carries one part at a time.
+    Robot,
+    /// Carries several parts at a time.
+    Conveyor,
+}
+
+/// What a resource does when an activity happens.
+#[derive(Clone, Copy, Debug, PartialEq, Eq, PartialOrd, Ord, Hash)]
+pub enum Action {
+    /// A machine takes a part.
+    Load,
+    /// A machine works on the part it has.
+    Process,
+    /// A machine gives the part it has worked on.
+    Unload,
+    /// A store takes a part.
+    Store,
+    /// A store gives a part.
+    Retrieve,
+    /// A robot brings a part from one place to another.
+    PickAndPlace,
+    /// A part comes into the cell.
+    In,
+    /// A part leaves the cell.
+    Out,
+}
+
+/// What an action is for the part that an activity moves.
+#[derive(Clone, Copy, Debug, PartialEq, Eq, PartialOrd, Ord, Hash)]
+pub enum Role {
+    /// The part is there before.
+    Source,
+    /// The part is there afterwards.
+    Target,
+    /// It brings the part over.
+    Carrier,
+    /// The part stays, and is another afterwards.
+    Worker,
+}
+
+impl Prototype {
+    /// All of them.
+    pub const ALL: [Prototype; 7] = [
+        Prototype::Machine,
+        Prototype::Human,
+        Prototype::RandomAccessStore,
+        Prototype::FifoBuffer,
+        Prototype::LifoBuffer,
+        Prototype::Robot,
+        Prototype::Conveyor,
+    ];
+
+    /// As a description writes it.
+    pub const fn name(self) -> &'static str {
+        match self {
+            Prototype::Machine => "machine",
+            Prototype::Human => "human",
+            Prototype::RandomAccessStore => "random-access-store",
+            Prototype::FifoBuffer => "fifo-buffer",
+            Prototype::LifoBuffer => "lifo-buffer",
+            Prototype::Robot => "robot",
+            Prototype::Conveyor => "conveyor",
+        }
+    }
+
+    /// What it can do.
+    pub const fn actions(self) -> &'static [Action] {
+        match self {
+            Prototype::Machine => &[Action::Load, Action::Process, Action::Unload],
+            Prototype::Human => &[Action::Load, Action::Process, Action::Unload, Action::PickAndPlace],
+            Prototype::RandomAccessStore | Prototype::FifoBuffer | Prototype::LifoBuffer => {
+                &[Action::Store, Action::Retrieve]
+            }
+            Prototype::Robot | Prototype::Conveyor => &[Action::PickAndPlace],
+        }
+    }
+
+    /// How much an instance holds if the description does not say; none where it has to, or has nothing to say.
+    pub const fn usual_capacity(self) -> Option<u32> {
+        match self {
+            Prototype::Machine | Prototype::Human | Prototype::Robot => Some(1),
+            Prototype::RandomAccessStore | Prototype::FifoBuffer | Prototype::LifoBuffer | Prototype::Conveyor => None,
+        }
+    }
+
+    /// The most that an instance may hold; none where there is no capacity to give.
+    pub const fn capacity_max(self) -> Option<u32> {
+        match self {
+            Prototype::Machine | Prototype::Human | Prototype::RandomAccessStore | Prototype::Conveyor => Some(10_000),
+            // Each position is a place of its own, or a tone.
+            Prototype::FifoBuffer | Prototype::LifoBuffer => Some(100),
+            Prototype::Robot => None,
+        }
+    }
+
+    /// Whether it works on parts.
+    pub fn processes(self) -> bool {
+        self.actions().contains(&Action::Process)
+    }
+
+    /// Whether parts stay in it between activities without being worked on.
+    pub fn stores(self) -> bool {
+        self.actions().contains(&Action::Store)
+    }
+}
+
+impl Action {
+    /// As a description writes it.
+    pub const fn name(self) -> &'static str {
+        match self {
+            Action::Load => "load",
+            Action::Process => "process",
+            Action::Unload => "unload",
+            Action::Store => "store",
+            Action::Retrieve => "retrieve",
+            Action::PickAndPlace => "pick-and-place",
+            Action::In => "in",
+            Action::Out => "out",
+        }
+    }
+
+    /// What it is for the part that moves.
+    pub const fn role(self) -> Role {
+        match self {
+            Action::Unload | Action::Retrieve | Action::In => Role::Source,
+            Action::Load | Action::Store | Action::Out => Role::Target,
+            Action::PickAndPlace => Role::Carrier,
+            Action::Process => Role::Worker,
+        }
+    }
+}

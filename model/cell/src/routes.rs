@@ -1,0 +1,122 @@
+//! Where parts can come and still be finished: reachability of (stage, spot), forwards and backwards.
+//!
+//! A spot is where a part can stand: outside before or after, in a store, in a machine before or after its work. What
+//! lies on a way from *new, outside* to *done, outside* is what activities are for; the rest is left out of the nets and
+//! reported where a plan needs it. Capacities play no part here. The search is linear in spots × stages × ways.
+
+use crate::prototype::Action;
+use crate::{ResourceId, StageId};
+
+/// Where a part can stand.
+#[derive(Clone, Copy, Debug, PartialEq, Eq, PartialOrd, Ord, Hash)]
+pub struct Spot(usize);
+
+impl Spot {
+    /// Outside, before.
+    pub const BEFORE: Spot = Spot(0);
+    /// Outside, afterwards.
+    pub const AFTER: Spot = Spot(1);
+
+    /// The spot that an action takes the part from or puts it to; none for a carrier.
+    pub fn of(resource: Option<ResourceId>, action: Action) -> Option<Spot> {
+        let first = resource.map(|id| 2 + 2 * id.index());
+        match action {
+            Action::In => Some(Spot::BEFORE),
+            Action::Out => Some(Spot::AFTER),
+            Action::Load | Action::Store | Action::Retrieve | Action::Process => first.map(Spot),
+            Action::Unload => first.map(|first| Spot(first + 1)),
+            Action::PickAndPlace => None,
+        }
+    }
+
+    /// Where a machine's parts are before and after its work.
+    pub fn work(resource: ResourceId) -> [Spot; 2] {
+        [Spot(2 + 2 * resource.index()), Spot(3 + 2 * resource.index())]
+    }
+}
+
+/// What moves parts and what changes them.
+#[derive(Clone, Debug, Default)]
+pub struct Ways {
+    /// From where to where, whatever the stage.
+    pub transports: Vec<(Spot, Spot)>,
+    /// On which resource, from which stage to which.
+    pub works: Vec<(ResourceId, StageId, StageId)>,
+    /// The first and the last stage of each part type.
+    pub ends: Vec<(StageId, StageId)>,
+    /// How many stages there are.
+    pub stages: usize,
+    /// How many resources there are.
+    pub resources: usize,
+}
+
+/// What can be reached.
+#[derive(Clone, Debug)]
+pub struct Routes {
+    stages: usize,
+    /// From the beginning of the part's type.
+    reached: Vec<bool>,
+    /// From here its end can be reached.
+    finishes: Vec<bool>,
+}
+
+impl Routes {
+    /// Plays all ways.
+    pub fn new(ways: &Ways) -> Routes {
+        let spots = 2 + 2 * ways.resources;
+        let mut forwards = vec![(Vec::new(), Vec::new()); spots];
+        let mut backwards = forwards.clone();
+        for &(source, target) in &ways.transports {
+            forwards[source.0].0.push(target.0);
+            backwards[target.0].0.push(source.0);
+        }
+        for &(resource, from, to) in &ways.works {
+            let [before, after] = Spot::work(resource);
+            forwards[before.0].1.push((from.index(), after.0, to.index()));
+            backwards[after.0].1.push((to.index(), before.0, from.index()));
+        }
+        let starts = ways.ends.iter().map(|(new, _)| (Spot::BEFORE.0, new.index()));
+        let goals = ways.ends.iter().map(|(_, done)| (Spot::AFTER.0, done.index()));
+        Routes {
+            stages: ways.stages,
+            reached: spread(&forwards, ways.stages, starts),
+            finishes: spread(&backwards, ways.stages, goals),
+        }
+    }
+
+    /// Whether a part of this stage can come there.
+    pub fn is_reached(&self, spot: Spot, stage: StageId) -> bool {
+        self.reached.get(spot.0 * self.stages + stage.index()).copied().unwrap_or(false)
+    }
+
+    /// Whether a part of this stage that is there can still be finished and leave.
+    pub fn finishes(&self, spot: Spot, stage: StageId) -> bool {
+        self.finishes.get(spot.0 * self.stages + stage.index()).copied().unwrap_or(false)
+    }
+
+    /// Whether this transport of this stage is part of a way from the beginning to the end.
+    pub fn is_of_use(&self, (source, target): (Spot, Spot), stage: StageId) -> bool {
+        self.is_reached(source, stage) && self.finishes(target, stage)
+    }
+}
+
+/// The ways from one spot: to which others, and from which stage to which spot and stage.
+type From = (Vec<usize>, Vec<(usize, usize, usize)>);
+
+fn spread(ways: &[From], stages: usize, starts: impl Iterator<Item = (usize, usize)>) -> Vec<bool> {
+    let mut seen = vec![false; ways.len() * stages];
+    let mut open: Vec<(usize, usize)> = Vec::new();
+    let mut visit = |spot: usize, stage: usize, open: &mut Vec<_>| {
+        if !std::mem::replace(&mut seen[spot * stages + stage], true) {
+            open.push((spot, stage));
+        }
+    };
+    starts.for_each(|(spot, stage)| visit(spot, stage, &mut open));
+    while let Some((spot, stage)) = open.pop() {
+        let (transports, works) = &ways[spot];
+        transports.iter().for_each(|&target| visit(target, stage, &mut open));
+        let works = works.iter().filter(|work| work.0 == stage);
+        works.for_each(|&(_, target, to)| visit(target, to, &mut open));
+    }
+    seen
+}

@@ -1,0 +1,99 @@
+//! What the shipped descriptions say.
+
+mod common;
+
+use std::time::Duration;
+
+use common::{ASSEMBLY, C1, cell};
+use linewright_cell::{ActivityKind, ParameterSource, Prototype, Rule};
+
+/// A1, seed 000, L2029-2035: robot 1 loads robot 2: 3, loads the human: 2, unloads robot 2: 3, unloads the human: 2; robot 2
+/// works on part 1: 7.5; the human on part 2: 5, on part 3: 4. One time unit is a second here.
+#[test]
+fn the_times_of_the_assembly_cell_are_the_printed_ones() {
+    let cell = cell(ASSEMBLY);
+    let times = |activity: &str| -> Vec<(&str, f64)> {
+        let moves = &cell.activity(cell.activity_named(activity).expect("it is there")).moves;
+        let time = |time: Option<Duration>| time.expect("it takes time").as_secs_f64();
+        moves.iter().map(|of| (cell.stages[of.from.index()].name.as_str(), time(of.time))).collect()
+    };
+    assert_eq!(times("load robot_2"), [("1.new", 3.0)]);
+    assert_eq!(times("load human"), [("2.new", 2.0), ("3.new", 2.0)]);
+    assert_eq!(times("unload robot_2"), [("1.done", 3.0)]);
+    assert_eq!(times("unload human"), [("2.done", 2.0), ("3.done", 2.0)]);
+    assert_eq!(times("robot_2.process"), [("1.new", 7.5)]);
+    assert_eq!(times("human.process"), [("2.new", 5.0), ("3.new", 4.0)]);
+}
+
+/// Seed 000, L1428-1430: robot 1 loads and unloads; each resource has capacity for one part at a time.
+#[test]
+fn the_resources_of_the_assembly_cell_are_the_printed_ones() {
+    let cell = cell(ASSEMBLY);
+    let of = |name: &str| cell.resources.iter().find(|r| r.name == name).map(|r| (r.prototype, r.capacity));
+    assert_eq!(of("robot_1"), Some((Prototype::Robot, 1)));
+    assert_eq!(of("robot_2"), Some((Prototype::Machine, 1)));
+    assert_eq!(of("human"), Some((Prototype::Human, 1)));
+    assert_eq!(cell.dispatch.rules, [Rule::Schedule, Rule::ShortestProcessingTime, Rule::Fifo]);
+}
+
+/// Seed 001, L72-77: M1, M2, M3, ST and R; load and unload actions are synchronised with pick-and-place.
+#[test]
+fn the_workcell_is_the_described_one() {
+    let cell = cell(C1);
+    let names: Vec<&str> = cell.resources.iter().map(|r| r.name.as_str()).collect();
+    assert_eq!(names, ["ST", "M1", "M2", "M3", "R"]);
+    let load = cell.activity(cell.activity_named("load M1").expect("it is there"));
+    assert_eq!((load.kind, load.uses.len(), load.orders.len()), (ActivityKind::Transport, 3, 2));
+    assert_eq!(
+        load.orders[0].parameters,
+        [("slot".to_owned(), ParameterSource::Position(linewright_cell::ResourceId(0)))]
+    );
+    // Only what M1 works on is brought there.
+    assert_eq!(load.moves.iter().map(|of| cell.stages[of.from.index()].name.as_str()).collect::<Vec<_>>(), ["A.new"]);
+    let process = cell.activity(cell.activity_named("M3.process").expect("it is there"));
+    let of = &process.moves[0];
+    assert_eq!((cell.stages[of.from.index()].name.as_str(), of.program), ("A.turn", Some(2)));
+    // Twice the nominal 30 s, since the order gives no limit.
+    assert_eq!(cell.limit(&process.orders[0], of), Some(Duration::from_secs(60)));
+    let rule = &cell.exceptions[0];
+    let meant: Vec<&str> = rule.activities.iter().map(|&id| cell.activity(id).name.as_str()).collect();
+    assert_eq!((meant, rule.retries), (vec!["load M1", "load M2", "load M3"], 2));
+}
+
+/// `or` begins where another step begins, `then` leads on to where a later one does.
+#[test]
+fn a_plan_may_have_alternatives() {
+    let text = C1.replace(
+        "[[part]]\nname = \"B\"",
+        "[[part.step]]\nname = \"mill\"\nor = \"turn\"\nthen = \"polish\"\non = [{ resource = \"M2\", time_s = 9, program = 5 }]\n\
+         [[part.step]]\nname = \"polish\"\non = [{ resource = \"M1\", time_s = 8, program = 6 }]\n\n[[part]]\nname = \"B\"",
+    );
+    let text = text.replacen("name = \"grind\"\n", "name = \"grind\"\nthen = \"polish\"\n", 1);
+    let cell = cell(&text);
+    let stage = |id: linewright_cell::StageId| cell.stages[id.index()].name.as_str();
+    let steps: Vec<_> =
+        cell.part_types[0].steps.iter().map(|s| (s.name.as_str(), stage(s.from), stage(s.to))).collect();
+    let expected = [
+        ("turn", "A.new", "A.turn"),
+        ("grind", "A.turn", "A.grind"),
+        ("mill", "A.new", "A.grind"),
+        ("polish", "A.grind", "A.done"),
+    ];
+    assert_eq!(steps, expected);
+}
+
+/// The example of the documentation is a sound one, with the part of the alternatives beside it.
+#[test]
+fn the_documented_examples_are_sound() {
+    let text = include_str!("../../../docs/cell-description.md");
+    let blocks: Vec<&str> = text.split("```toml\n").skip(1).filter_map(|block| block.split("```").next()).collect();
+    assert_eq!(blocks.len(), 2);
+    let small = linewright_cell::parse("small.toml", blocks[0], None).unwrap_or_else(|problems| panic!("{problems:#}"));
+    assert_eq!(small.warnings, []);
+    let c1 = C1
+        .replace("[[part]]\nname = \"A\"", "[[part]]\nname = \"old A\"")
+        .replace("{ program = \"step.program\" }", "{ program = 1 }");
+    let alternatives = cell(&format!("{c1}\n{}", blocks[1]));
+    let steps = &alternatives.part_types.last().expect("it is there").steps;
+    assert_eq!(steps.iter().filter(|step| step.from == steps[0].from).count(), 2);
+}
