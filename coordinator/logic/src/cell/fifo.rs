@@ -10,7 +10,8 @@ use std::collections::{BTreeMap, BTreeSet, BinaryHeap};
 use linewright_line::Tick;
 
 use super::ids::{CellId, ModeId, PartId};
-use super::question::{Answer, Dispatcher, Held, Question, Reason, Start};
+use super::question::{Answer, Dispatcher, Held, Question, Start};
+use super::reason::{Ground, Lost, Reason};
 
 /// First come, first served.
 #[derive(Clone, Copy, Debug, Default)]
@@ -47,7 +48,9 @@ impl Dispatcher for Fifo {
         }
         let idle = started.iter().zip(question.candidates).enumerate().filter(|(_, (times, _))| **times == 0);
         answer.held.extend(idle.filter_map(|(candidate, (_, lost))| {
-            let reason = Reason::LostTo(taken.in_the_way(question, lost.mode)?);
+            let (to, with) = taken.in_the_way(question, lost.mode)?;
+            let own = question.parts(lost).next();
+            let reason = Reason::LostTo(Lost { to, with, own, by: Ground::Order });
             Some(Held { candidate, reason, until: None })
         }));
         answer
@@ -73,12 +76,12 @@ fn next(
 #[derive(Default)]
 struct Taken {
     parts: BTreeSet<PartId>,
-    tokens: BTreeMap<CellId, (u64, ModeId)>,
+    tokens: BTreeMap<CellId, (u64, (ModeId, Option<PartId>))>,
 }
 
 impl Taken {
     /// Who took what the mode would need.
-    fn in_the_way(&self, question: &Question<'_>, mode: ModeId) -> Option<ModeId> {
+    fn in_the_way(&self, question: &Question<'_>, mode: ModeId) -> Option<(ModeId, Option<PartId>)> {
         let short = |&(cell, weight): &(CellId, u32)| {
             let &(gone, by) = self.tokens.get(&cell)?;
             (gone + u64::from(weight) > question.state.marking().count(cell)).then_some(by)
@@ -89,7 +92,7 @@ impl Taken {
     fn take(&mut self, question: &Question<'_>, mode: ModeId, part: Option<PartId>) {
         self.parts.extend(part);
         for &(cell, weight) in question.state.table().takes(mode) {
-            self.tokens.entry(cell).or_insert((0, mode)).0 += u64::from(weight);
+            self.tokens.entry(cell).or_insert((0, (mode, part))).0 += u64::from(weight);
         }
     }
 }

@@ -4,13 +4,15 @@
 //! - [`CellTable`], compiled from the net's long form and a [`Plan`] that says what transitions and tokens stand for.
 //! - [`State`]: marking, parts, what is in progress; it changes by [`Record`]s alone, in [`State::apply`].
 //! - [`Enabling`]: which modes have their tokens, after each firing by looking at what it touched.
-//! - [`Question`], [`Answer`], [`Dispatcher`]: what is asked before anything starts; [`Fifo`] answers until somebody
-//!   who knows more does.
+//! - [`Question`], [`Answer`], [`Dispatcher`]: what is asked before anything starts; [`Fifo`] answers where
+//!   nobody who knows more does.
+//! - [`dispatch`]: the dispatcher with rules, who lets nobody wait for ever, and says why.
 //! - [`Coordination`]: the token player, with the argument why a crash loses nothing and repeats nothing.
 //!
 //! Nothing here knows ROS, files, or how a cell is described.
 
 mod apply;
+pub mod dispatch;
 mod enabling;
 mod fifo;
 mod firing;
@@ -20,6 +22,7 @@ mod orders;
 mod plan;
 mod player;
 mod question;
+mod reason;
 mod record;
 mod state;
 mod table;
@@ -32,7 +35,8 @@ pub use marking::Marking;
 pub use orders::{Event, Heard, Input, OrderMessage, Outbox, Outcome, Reply, Send, Sending};
 pub use plan::{Activity, ActivityKind, CellKind, OrderTemplate, Pick, Plan};
 pub use player::{Coordination, OldEpoch};
-pub use question::{Answer, BadAnswer, Candidate, Dispatcher, Group, Held, Question, Reason, Start, check};
+pub use question::{Answer, BadAnswer, Candidate, Dispatcher, Group, Held, Question, Start, check};
+pub use reason::{Ground, Lost, Reason};
 pub use record::{Cause, Fact, Failure, Record, Refusal};
 pub use state::{Misfit, Part, Place, State};
 pub use table::{CellTable, PlanError, Tokens};

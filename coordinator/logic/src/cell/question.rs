@@ -15,6 +15,7 @@ use thiserror::Error;
 
 use super::ids::{CellId, ModeId, PartId};
 use super::plan::{CellKind, Pick};
+pub use super::reason::Reason;
 use super::state::State;
 
 /// What could start now.
@@ -89,15 +90,6 @@ pub struct Held {
     pub reason: Reason,
     /// When to ask again, if nothing happens before.
     pub until: Option<Tick>,
-}
-
-/// Why something does not start.
-#[derive(Clone, Copy, Debug, PartialEq, Eq)]
-pub enum Reason {
-    /// What it needs goes to another.
-    LostTo(ModeId),
-    /// It is too early.
-    NotYet,
 }
 
 /// Decides what starts.

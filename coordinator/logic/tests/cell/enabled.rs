@@ -67,7 +67,7 @@ fn random_net(dice: &mut Dice) -> ColouredNet {
 }
 
 /// What a mode takes and gives in the long form, as the coloured net has it.
-fn moves(it: &Compiled) -> Vec<[Vec<(usize, u32)>; 2]> {
+pub fn moves(it: &Compiled) -> Vec<[Vec<(usize, u32)>; 2]> {
     let of_mode = |t| {
         let mode = it.long.mode(t);
         let mut sides = [Vec::new(), Vec::new()];

@@ -4,8 +4,8 @@ use std::collections::BTreeMap;
 use std::time::Duration;
 
 use linewright_coordinator_logic::cell::{
-    Activity, ActivityKind, Answer, BadAnswer, CellKind, Coordination, Dispatcher, Event, Fact, Fifo, Held, Input,
-    ModeId, Outbox, PartId, Pick, Question, Reason, Start, State,
+    Activity, ActivityKind, Answer, BadAnswer, CellKind, Coordination, Dispatcher, Event, Fact, Fifo, Ground, Held,
+    Input, Lost, ModeId, Outbox, PartId, Pick, Question, Reason, Start, State,
 };
 use linewright_line::Tick;
 use linewright_nets::NetBuilder;
@@ -154,7 +154,9 @@ fn first_come_first_served_says_who_won() {
         _ => None,
     });
     let (left, right) = (it.mode("left"), it.mode("right"));
-    let expected = (1, vec![(left, Some(PartId(1)))], vec![(right, Reason::LostTo(left))]);
+    let first = Some(PartId(1));
+    let lost = Lost { to: left, with: first, own: first, by: Ground::Order };
+    let expected = (1, vec![(left, first)], vec![(right, Reason::LostTo(lost))]);
     assert_eq!(decided, Some(expected));
 }
 
@@ -168,7 +170,7 @@ fn what_is_held_until_a_time_is_asked_about_again_then() {
             if question.now >= until {
                 return Fifo.decide(question);
             }
-            let hold = |candidate| Held { candidate, reason: Reason::NotYet, until: Some(until) };
+            let hold = |candidate| Held { candidate, reason: Reason::NotYet(until), until: Some(until) };
             Answer { start: Vec::new(), held: (0..question.candidates.len()).map(hold).collect() }
         }
     }

@@ -90,7 +90,7 @@ pub fn compiled(variant: &Variant) -> Compiled {
 
 /// Starts what is on its list, one after the other, and holds everything else; keeps the last question.
 #[derive(Default)]
-struct Script {
+pub struct Script {
     starts: Vec<&'static str>,
     asked: Vec<String>,
     groups: Vec<Vec<usize>>,
@@ -112,7 +112,9 @@ impl Dispatcher for Script {
                     let part = question.parts(&question.candidates[candidate]).next();
                     answer.start.push(Start { candidate, part });
                 }
-                Some(_) | None => answer.held.push(Held { candidate, reason: Reason::NotYet, until: None }),
+                Some(_) | None => {
+                    answer.held.push(Held { candidate, reason: Reason::NotYet(Tick::NEVER), until: None })
+                }
             }
         }
         answer
@@ -121,7 +123,7 @@ impl Dispatcher for Script {
 
 /// Plays the cell until it stands still in the state of Fig. 41: robot 2 has finished a part 1, the human is free, parts 2
 /// and 3 wait (L2738-2740).
-fn conflict_state() -> (World, Script) {
+pub fn conflict_state() -> (World, Script) {
     let it = compiled(&Variant { waiting: [1, 1, 1], ..Variant::default() });
     let mut script = Script { starts: vec!["t1<m1,r1,p1>", "t2<m1,r1,p1>", "t4<m1,p1>"], ..Script::default() };
     let mut world = World::new(it, 3, 1);

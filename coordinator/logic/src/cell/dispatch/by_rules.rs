@@ -1,0 +1,276 @@
+//! The dispatcher with rules: all that could start stands in one line, and is started as long as there are tokens.
+//!
+//! The line is ordered by who waits too long ([`super::urgency`]), then parts inside before parts outside, then by the
+//! chain of rules, then by who has waited longest, part and mode. Whoever comes to the front starts unless somebody before
+//! has taken what it needs. In a group of candidates that compete this leaves nobody who could still start; candidates of
+//! different groups never take anything from each other, so one line for all of them is as good as one for each.
+//! Structural conflicts and those of the moment (seed 000, L2777-2782, L2849) are both conflicts for tokens here.
+//!
+//! A rule says who is first, never that nobody is: only [`Rule::Schedule`] holds something back, until its window opens,
+//! and an urgent part's reservation does.
+
+use std::cmp::Ordering;
+use std::collections::BTreeMap;
+use std::time::Duration;
+
+use linewright_line::Tick;
+
+use super::super::ids::{CellId, ModeId, PartId};
+use super::super::plan::{CellKind, Pick};
+use super::super::question::{Answer, Dispatcher, Held, Question, Start};
+use super::super::reason::{Ground, Lost, Reason};
+use super::super::state::State;
+use super::super::table::CellTable;
+use super::rule::{Facts, Jobs, Measure, Rule, Timetable};
+use super::urgency::{Fairness, Urgent, pursue, urgent};
+use super::ways::Ways;
+
+/// Decides by rules. It remembers nothing from one question to the next: the same question has the same answer.
+#[derive(Clone, Debug)]
+pub struct ByRules {
+    /// The first decides, what it leaves equal the next does. Where there are none, who has waited longest is first.
+    pub rules: Vec<Rule>,
+    /// What is done against waiting for ever.
+    pub fairness: Fairness,
+    /// What is known of parts.
+    pub jobs: Jobs,
+    /// What has been planned. It counts only with [`Rule::Schedule`].
+    pub timetable: Timetable,
+    ways: Ways,
+}
+
+impl ByRules {
+    /// For a cell, with these rules, and this patience with a part that could do something and does not.
+    pub fn new(table: &CellTable, rules: &[Rule], patience: Duration) -> Self {
+        ByRules {
+            rules: rules.to_vec(),
+            fairness: Fairness::after(patience),
+            jobs: Jobs::default(),
+            timetable: Timetable::default(),
+            ways: Ways::new(table),
+        }
+    }
+
+    /// What lies before parts, by the table.
+    pub fn ways(&self) -> &Ways {
+        &self.ways
+    }
+
+    fn facts<'a>(&'a self, now: Tick, state: &'a State) -> Facts<'a> {
+        let timetable = if self.rules.contains(&Rule::Schedule) { &self.timetable } else { &NO_TIMETABLE };
+        Facts { now, state, ways: &self.ways, jobs: &self.jobs, timetable }
+    }
+
+    /// Everybody who could start, the first first; and of each candidate that is held by the timetable, until when.
+    fn line(
+        &self,
+        question: &Question<'_>,
+        facts: &Facts<'_>,
+        late: &[Urgent],
+        helper: Option<(ModeId, Option<PartId>)>,
+    ) -> (Vec<Entry>, BTreeMap<usize, Tick>) {
+        let late: BTreeMap<_, Rank> = late.iter().map(Urgent::rank).collect();
+        let (mut line, mut asleep) = (Vec::new(), BTreeMap::new());
+        for (candidate, of) in question.candidates.iter().enumerate() {
+            let mode = of.mode;
+            // If anybody helps, it is one of them, and with the first of its parts.
+            let mut helps = helper.filter(|(helper, _)| *helper == mode).map(|(_, of)| Rank::Helper(of));
+            let outside = (!question.takes_part(of)).then_some(None);
+            for part in question.parts(of).map(Some).chain(outside) {
+                let helps = helps.take();
+                if let Some(until) = facts.timetable.held_until(facts.now, part, mode).filter(|_| helps.is_none()) {
+                    let first = asleep.entry(candidate).or_insert(until);
+                    *first = until.min(*first);
+                    continue;
+                }
+                let usual = if part.is_some() { Rank::Inside } else { Rank::Outside };
+                let late = late.get(&(part, part.is_none().then_some(mode))).copied();
+                let rank = helps.or(late).unwrap_or(usual);
+                let since = facts.since(part, mode).unwrap_or(Tick::NEVER);
+                let measures = self.rules.iter().map(|&rule| facts.measure(rule, part, mode)).collect();
+                line.push(Entry { candidate, mode, part, rank, since, measures });
+            }
+        }
+        line.sort_unstable_by(Entry::compare);
+        (line, asleep)
+    }
+}
+
+/// Who stands in the line.
+struct Entry {
+    candidate: usize,
+    mode: ModeId,
+    part: Option<PartId>,
+    rank: Rank,
+    since: Tick,
+    measures: Vec<Measure>,
+}
+
+/// What comes before all rules, the first first.
+#[derive(Clone, Copy, Debug, PartialEq, Eq, PartialOrd, Ord)]
+enum Rank {
+    /// It makes way for the first that has waited too long; none if that is outside.
+    Helper(Option<PartId>),
+    /// It has waited too long, since then; parts inside first.
+    Urgent(Tick, bool, Option<PartId>),
+    /// It is inside.
+    Inside,
+    /// It would enter, or is no part at all.
+    Outside,
+}
+
+impl Entry {
+    fn compare(&self, other: &Entry) -> Ordering {
+        let key = |of: &Entry| (of.since, of.part, of.mode);
+        let by_rules = || self.by_rules(other).map_or(Ordering::Equal, |(_, order)| order);
+        self.rank.cmp(&other.rank).then_with(by_rules).then_with(|| key(self).cmp(&key(other)))
+    }
+
+    /// The first rule that tells two apart.
+    fn by_rules(&self, other: &Entry) -> Option<(usize, Ordering)> {
+        let pairs = self.measures.iter().zip(&other.measures).map(|(ours, theirs)| ours.compare(theirs));
+        pairs.enumerate().find(|&(_, order)| order != Ordering::Equal)
+    }
+
+    /// Why it comes before another.
+    fn ground(&self, other: &Entry) -> Ground {
+        if self.rank != other.rank {
+            return match self.rank {
+                Rank::Helper(part) => Ground::Helps { part },
+                Rank::Urgent(..) => Ground::Waited,
+                // Outside is before nobody.
+                Rank::Inside | Rank::Outside => Ground::Inside,
+            };
+        }
+        match self.by_rules(other) {
+            Some((at, _)) => {
+                let (theirs, ours) = (self.measures[at], other.measures[at]);
+                Ground::Rule { rule: theirs.rule, theirs, ours }
+            }
+            None => Ground::Order,
+        }
+    }
+}
+
+impl Dispatcher for ByRules {
+    fn decide(&mut self, question: &Question<'_>) -> Answer {
+        let facts = self.facts(question.now, question.state);
+        let late = self.fairness.patience.map(|patience| urgent(&facts, patience)).unwrap_or_default();
+        let pursuit = pursue(question, &self.ways, self.fairness, &late);
+        let helper = pursuit.as_ref().and_then(|pursuit| Some((pursuit.helper()?, pursuit.part)));
+        let (line, asleep) = self.line(question, &facts, &late, helper);
+        let reserves = pursuit.filter(|_| self.fairness.reserves);
+        let claims = reserves.as_ref().map(|pursuit| pursuit.claims(question, &self.ways)).unwrap_or_default();
+        let claimed_by = reserves.and_then(|pursuit| pursuit.part);
+        Taking { question, line: &line, taken: Taken::default(), claims, claimed_by }.answer(&asleep)
+    }
+}
+
+static NO_TIMETABLE: Timetable = Timetable { windows: BTreeMap::new(), tolerance: Duration::ZERO };
+
+impl Urgent {
+    /// Whom it is about, a part or a mode outside, and where that stands in the line.
+    fn rank(&self) -> ((Option<PartId>, Option<ModeId>), Rank) {
+        let outside = self.part.is_none().then(|| self.options.first().copied()).flatten();
+        ((self.part, outside), Rank::Urgent(self.since, self.part.is_none(), self.part))
+    }
+}
+
+/// What has been given away so far, and to whom, as positions in the line.
+#[derive(Default)]
+struct Taken {
+    tokens: BTreeMap<CellId, (u64, usize)>,
+    parts: BTreeMap<PartId, usize>,
+    /// Cells that give one part after the other.
+    ordered: BTreeMap<CellId, usize>,
+}
+
+/// Going along the line.
+struct Taking<'a> {
+    question: &'a Question<'a>,
+    line: &'a [Entry],
+    taken: Taken,
+    claims: BTreeMap<CellId, (u64, ModeId)>,
+    claimed_by: Option<PartId>,
+}
+
+impl Taking<'_> {
+    fn answer(&mut self, asleep: &BTreeMap<usize, Tick>) -> Answer {
+        let mut answer = Answer::default();
+        let mut started = vec![0; self.question.candidates.len()];
+        let (mut reasons, mut elsewhere) = (vec![None; started.len()], vec![None; started.len()]);
+        for (at, entry) in self.line.iter().enumerate() {
+            let times = &mut started[entry.candidate];
+            if *times >= self.question.candidates[entry.candidate].times {
+                continue;
+            }
+            if let Some(&winner) = entry.part.and_then(|part| self.taken.parts.get(&part)) {
+                elsewhere[entry.candidate].get_or_insert(self.lost(entry, winner));
+                continue;
+            }
+            match self.in_the_way(entry) {
+                None => {
+                    *times += 1;
+                    self.take(at, entry);
+                    answer.start.push(Start { candidate: entry.candidate, part: entry.part });
+                }
+                // It holds for all parts; it is said with the best of them.
+                Some(reason) => _ = reasons[entry.candidate].get_or_insert(reason),
+            }
+        }
+        for (candidate, reason) in reasons.into_iter().enumerate().filter(|&(at, _)| started[at] == 0) {
+            let until = asleep.get(&candidate).copied();
+            let reason = reason.or(until.map(Reason::NotYet)).or(elsewhere[candidate]);
+            answer.held.extend(reason.map(|reason| Held { candidate, reason, until }));
+        }
+        answer
+    }
+
+    /// Why a mode cannot start with any part any more.
+    fn in_the_way(&self, entry: &Entry) -> Option<Reason> {
+        let (state, table) = (self.question.state, self.question.state.table());
+        let lane = table.part_in(entry.mode).and_then(|cell| self.taken.ordered.get(&cell));
+        if let Some(&winner) = lane {
+            return Some(self.lost(entry, winner));
+        }
+        for &(cell, weight) in table.takes(entry.mode) {
+            let has = state.marking().count(cell);
+            let gone = self.taken.tokens.get(&cell);
+            let needed = gone.map_or(0, |(gone, _)| *gone) + u64::from(weight);
+            if let Some(&(_, winner)) = gone.filter(|_| needed > has) {
+                return Some(self.lost(entry, winner));
+            }
+        }
+        match entry.rank {
+            Rank::Helper(_) => return None,
+            Rank::Urgent(..) | Rank::Inside | Rank::Outside => (),
+        }
+        table.takes(entry.mode).iter().find_map(|&(cell, weight)| {
+            let &(claim, mode) = self.claims.get(&cell)?;
+            let gone = self.taken.tokens.get(&cell).map_or(0, |(gone, _)| *gone);
+            let is_short = gone + u64::from(weight) + claim > state.marking().count(cell);
+            is_short.then_some(Reason::ReservedFor { part: self.claimed_by, mode })
+        })
+    }
+
+    fn lost(&self, entry: &Entry, winner: usize) -> Reason {
+        let winner = &self.line[winner];
+        Reason::LostTo(Lost { to: winner.mode, with: winner.part, own: entry.part, by: winner.ground(entry) })
+    }
+
+    fn take(&mut self, at: usize, entry: &Entry) {
+        let table = self.question.state.table();
+        for &(cell, weight) in table.takes(entry.mode) {
+            let (gone, by) = self.taken.tokens.entry(cell).or_insert((0, at));
+            *gone += u64::from(weight);
+            *by = at;
+        }
+        self.taken.parts.extend(entry.part.map(|part| (part, at)));
+        if let Some(cell) = table.part_in(entry.mode) {
+            match table.kind(cell) {
+                CellKind::Parts(Pick::Oldest | Pick::Newest) => _ = self.taken.ordered.insert(cell, at),
+                CellKind::Tokens | CellKind::Parts(Pick::Any) => (),
+            }
+        }
+    }
+}

@@ -1,0 +1,25 @@
+//! The dispatcher: answers what the player asks, by rules, so that nobody waits for ever, and says why.
+//!
+//! # Map
+//! - [`Rule`], [`Measure`]: the rules and what they measure; [`Jobs`], [`Timetable`]: what they have to know of parts.
+//! - [`ByRules`]: the dispatcher.
+//! - [`Fairness`]: urgency, reservation and inheritance, with the argument in the head of `urgency.rs`.
+//! - [`Ways`]: remaining work and processing times, from the table.
+//! - [`words`], [`why_not`]: what was decided and why, and what a part waits for, in sentences.
+//!
+//! A dispatcher chooses among what the player has found possible, and the player looks at the answer: nothing here can
+//! make a cell do what its net forbids. What rules measure is a matter of the whole question, so a dispatcher that tries
+//! out what comes next can ask the same rules about a state that is only imagined.
+
+mod by_rules;
+mod rule;
+mod urgency;
+mod ways;
+mod why;
+pub mod words;
+
+pub use by_rules::ByRules;
+pub use rule::{Job, Jobs, Measure, Rule, Timetable, Waiting, Window};
+pub use urgency::Fairness;
+pub use ways::Ways;
+pub use why::why_not;

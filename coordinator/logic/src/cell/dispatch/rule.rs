@@ -1,0 +1,227 @@
+//! The rules, and what they measure.
+//!
+//! A rule gives each candidate and part a [`Measure`]; the smaller one comes first. Rules stand in a chain: what the
+//! first leaves equal the next decides. What all leave equal is decided by who has waited longest, then by the part's
+//! number, then by the mode's: so every decision has one answer. Measures are whole numbers, compared exactly.
+//!
+//! Of a part the net knows where it is and since when. When it is due, how much it matters, and what has been planned
+//! for it stands beside it in [`Jobs`] and [`Timetable`], which whoever keeps the production orders fills.
+
+use std::cmp::Ordering;
+use std::collections::BTreeMap;
+use std::fmt;
+use std::time::Duration;
+
+use linewright_line::Tick;
+
+use super::super::ids::{ModeId, PartId};
+use super::super::state::State;
+use super::ways::{Ways, time};
+
+/// A rule by which one candidate comes before another.
+#[derive(Clone, Copy, Debug, PartialEq, Eq, PartialOrd, Ord, Hash)]
+pub enum Rule {
+    /// First come, first served: the part that has been where it is for longest.
+    Fifo,
+    /// What takes least time, with what then follows by itself ([`Ways::run`]).
+    ShortestProcessingTime,
+    /// The part that is due first; those that never are come last.
+    EarliestDueDate,
+    /// The part with the least slack: time until it is due, less the work that remains.
+    LeastSlack,
+    /// The part with the smallest ratio of time until it is due to work that remains. Below 1 it will be late; below 0
+    /// it is.
+    CriticalRatio,
+    /// The part whose order has the highest priority.
+    Priority,
+    /// What the timetable has first. What it has for later is held; what should have begun before comes first.
+    Schedule,
+}
+
+impl Rule {
+    /// All of them.
+    pub const ALL: [Rule; 7] = [
+        Rule::Fifo,
+        Rule::ShortestProcessingTime,
+        Rule::EarliestDueDate,
+        Rule::LeastSlack,
+        Rule::CriticalRatio,
+        Rule::Priority,
+        Rule::Schedule,
+    ];
+}
+
+impl fmt::Display for Rule {
+    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
+        f.write_str(match self {
+            Rule::Fifo => "fifo",
+            Rule::ShortestProcessingTime => "shortest-processing-time",
+            Rule::EarliestDueDate => "earliest-due-date",
+            Rule::LeastSlack => "least-slack",
+            Rule::CriticalRatio => "critical-ratio",
+            Rule::Priority => "priority",
+            Rule::Schedule => "schedule",
+        })
+    }
+}
+
+/// What is known of a part beside where it is.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
+pub struct Job {
+    /// When it is to be finished; none if it does not matter.
+    pub due: Option<Tick>,
+    /// How much it matters; more comes first.
+    pub priority: i32,
+}
+
+/// What could enter.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub struct Waiting {
+    /// The next part that would.
+    pub job: Job,
+    /// Since when it could have.
+    pub since: Tick,
+}
+
+/// What is known of parts beside where they are. Parts that are not in it have no due date and priority 0.
+#[derive(Clone, Debug, Default, PartialEq, Eq)]
+pub struct Jobs {
+    /// Of the parts in the cell.
+    pub parts: BTreeMap<PartId, Job>,
+    /// Of those outside, by the mode that lets them enter. One that is not here never becomes urgent.
+    pub outside: BTreeMap<ModeId, Waiting>,
+}
+
+/// When something is to start.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub struct Window {
+    /// Not before (the earliest start time of seed 000, L2835).
+    pub from: Tick,
+    /// Not after (the latest start time).
+    pub until: Tick,
+}
+
+/// What has been planned. What is not in it is neither held nor preferred by [`Rule::Schedule`].
+#[derive(Clone, Debug, Default, PartialEq, Eq)]
+pub struct Timetable {
+    /// For a part, or the next that enters, and a mode.
+    pub windows: BTreeMap<(Option<PartId>, ModeId), Window>,
+    /// How far from its window something may start.
+    pub tolerance: Duration,
+}
+
+impl Timetable {
+    /// Until when something is held.
+    pub fn held_until(&self, now: Tick, part: Option<PartId>, mode: ModeId) -> Option<Tick> {
+        let window = self.windows.get(&(part, mode))?;
+        let from = window.from - self.tolerance;
+        (now < from).then_some(from)
+    }
+}
+
+/// What a rule says of a candidate, at the time of the decision. Of two by one rule the smaller comes first.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub struct Measure {
+    /// By which rule.
+    pub rule: Rule,
+    /// First by this: 0 before 1 before 2.
+    class: u8,
+    /// Then by this, times `1 / over`.
+    value: i64,
+    over: u64,
+}
+
+impl Measure {
+    /// Which of two by the same rule comes first.
+    pub fn compare(&self, other: &Measure) -> Ordering {
+        // 64 times 64 bits fit.
+        let [ours, theirs] = [(self, other), (other, self)].map(|(a, b)| i128::from(a.value) * i128::from(b.over));
+        self.class.cmp(&other.class).then(ours.cmp(&theirs))
+    }
+}
+
+/// What rules look at.
+#[derive(Clone, Copy)]
+pub(super) struct Facts<'a> {
+    pub(super) now: Tick,
+    pub(super) state: &'a State,
+    pub(super) ways: &'a Ways,
+    pub(super) jobs: &'a Jobs,
+    pub(super) timetable: &'a Timetable,
+}
+
+impl Facts<'_> {
+    /// Since when a part, or the next that a mode lets enter, waits.
+    pub(super) fn since(&self, part: Option<PartId>, mode: ModeId) -> Option<Tick> {
+        match part {
+            Some(part) => self.state.part(part).map(|part| part.since),
+            None => self.jobs.outside.get(&mode).map(|waiting| waiting.since),
+        }
+    }
+
+    fn job(&self, part: Option<PartId>, mode: ModeId) -> Job {
+        match part {
+            Some(part) => self.jobs.parts.get(&part).copied().unwrap_or_default(),
+            None => self.jobs.outside.get(&mode).map(|waiting| waiting.job).unwrap_or_default(),
+        }
+    }
+
+    /// The work that remains, from where the part is now and on the shortest way, whichever mode is asked about.
+    fn work(&self, mode: ModeId) -> Duration {
+        let table = self.state.table();
+        match (table.part_in(mode), table.part_out(mode)) {
+            (Some(from), _) => self.ways.remaining(from),
+            (None, Some(to)) => time(table, mode) + self.ways.remaining(to),
+            (None, None) => time(table, mode),
+        }
+    }
+
+    pub(super) fn measure(&self, rule: Rule, part: Option<PartId>, mode: ModeId) -> Measure {
+        let micros = |tick: Tick| i64::try_from(tick.as_micros()).unwrap_or(i64::MAX);
+        let span = |span: Duration| i64::try_from(span.as_micros()).unwrap_or(i64::MAX);
+        let from_now = |tick: Tick| micros(tick).saturating_sub(micros(self.now));
+        let due = self.job(part, mode).due;
+        let never = (1, 0, 1);
+        let (class, value, over) = match rule {
+            Rule::Fifo => self.since(part, mode).map_or(never, |since| (0, from_now(since), 1)),
+            Rule::ShortestProcessingTime => (0, span(self.ways.run(mode)), 1),
+            Rule::EarliestDueDate => due.map_or(never, |due| (0, from_now(due), 1)),
+            Rule::LeastSlack => due.map_or(never, |due| (0, from_now(due).saturating_sub(span(self.work(mode))), 1)),
+            Rule::CriticalRatio => {
+                // Where nothing remains to be done, a microsecond does: the ratio is very great, or very small.
+                let work = u64::try_from(self.work(mode).as_micros()).unwrap_or(u64::MAX).max(1);
+                due.map_or(never, |due| (0, from_now(due), work))
+            }
+            Rule::Priority => (0, -i64::from(self.job(part, mode).priority), 1),
+            Rule::Schedule => match self.timetable.windows.get(&(part, mode)) {
+                Some(window) if self.now > window.until + self.timetable.tolerance => (0, from_now(window.from), 1),
+                Some(window) => (1, from_now(window.from), 1),
+                None => (2, 0, 1),
+            },
+        };
+        Measure { rule, class, value, over }
+    }
+}
+
+impl fmt::Display for Measure {
+    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
+        let seconds = self.value as f64 / 1e6;
+        let when = |f: &mut fmt::Formatter<'_>, what: &str| match self.value {
+            0.. => write!(f, "{what} in {seconds} s"),
+            _ => write!(f, "{what} {} s ago", -seconds),
+        };
+        match (self.rule, self.class) {
+            (Rule::Fifo, 0) => write!(f, "has waited {} s", 0.0 - seconds),
+            (Rule::Fifo, _) => f.write_str("has not come yet"),
+            (Rule::ShortestProcessingTime, _) => write!(f, "takes {seconds} s"),
+            (Rule::EarliestDueDate, 0) => when(f, "due"),
+            (Rule::LeastSlack, 0) => write!(f, "slack {seconds} s"),
+            (Rule::CriticalRatio, 0) => write!(f, "ratio {:.2}", self.value as f64 / self.over as f64),
+            (Rule::EarliestDueDate | Rule::LeastSlack | Rule::CriticalRatio, _) => f.write_str("never due"),
+            (Rule::Priority, _) => write!(f, "priority {}", -self.value),
+            (Rule::Schedule, 0) => when(f, "late: planned"),
+            (Rule::Schedule, 1) => when(f, "planned"),
+            (Rule::Schedule, _) => f.write_str("not planned"),
+        }
+    }
+}

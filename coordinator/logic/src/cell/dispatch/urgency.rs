@@ -1,0 +1,310 @@
+//! Nobody waits for ever: what is done for the part that has waited longest, once it has waited too long.
+//!
+//! No rule but first come, first served is fair. With any other one a part can wait as long as better ones come, and even
+//! the fair one starves a part that needs two things which others take in turns. So a part that has been where it is for
+//! longer than the *patience* is **urgent**, and
+//! 1. urgent parts come before all others, the one that has waited longest first (then the smaller number);
+//! 2. **reservation**: if the first of them cannot start, and all it lacks will come back from activities in progress, then
+//!    what it needs is kept, and nobody else starts with it: capacities and parts at once, and what always comes back by
+//!    itself (robots) as soon as nothing else is lacking, so that robots work on as long as they can;
+//! 3. **inheritance**: if something it lacks does *not* come back from what is in progress (the store is full, a machine is
+//!    to be unloaded or cleaned), what would bring it back is wanted in its place, and so on: a *chain* of modes down to a
+//!    *helper* that can start, or will. The helper starts before all others (1) or has what it needs kept (2). Of the rest of
+//!    the chain, the capacities that are there are kept as well.
+//!
+//! # Why nobody waits for ever
+//! Assume that the cell can always go on (that it has no deadlock is checked beforehand), that plans end, that an activity
+//! in progress ends or fails within its limit, and that a mode needs, beside its part and robots, one capacity: the place
+//! its part goes to. Let *u* be the first urgent part. It stays the first until it moves, since whoever moves has waited for
+//! no time at all.
+//! - *u can start.* Then it does, now: it is the first of all, and modes are only asked about when they have all they need.
+//! - *u lacks what comes back.* Capacities and parts arrive within the limits of what is in progress, and stay, since they
+//!   are kept. Then only robots are lacking; each comes back within the limits of what is in progress, and stays. So after
+//!   at most twice that time u starts. Where there are several such ways, only one of a smaller number replaces the one that
+//!   is kept for, and that one stays good as long as it is kept for: this happens at most as often as there are ways.
+//! - *u lacks what does not come back.* Then there is a chain, since the cell can go on. The search takes a shortest one, by
+//!   layers: what can start, or will, is in layer 0, and a mode is in the layer above the last of what it lacks. A chain goes
+//!   down layer by layer, so it never comes back to itself. By the two cases above the helper starts within a bound. While
+//!   it is in progress, what it will give is on its way to the mode above it in the chain, which lacks nothing else that
+//!   does not come back: so it is the next helper, and u is nearer by one. As a distance is at most the number of modes, and
+//!   what is kept does not become less, u starts.
+//!
+//! So u moves within a bound B that depends on the cell alone. Only parts that have waited longer come before a part; they
+//! are finitely many, none is added, and each moves within B: it moves within patience + (1 + number of those) × B. Plans end,
+//! so every part is finished.
+//!
+//! This is an argument for cells of that kind, not a proof for every net: where a mode needs two capacities at once (the
+//! top of a stack and a place elsewhere), what is kept for the chain is meant to serve as well, but two modes of one chain
+//! may need the same one. A cell that gives its *newest* part first is not fair by itself: what lies beneath has no way
+//! before what lies upon it, and others may be put on top. Where nothing would help (a machine waits for a person), a part
+//! has no chain: it is passed over and keeps nothing from others, and the next urgent part is the first.
+
+use std::collections::{BTreeMap, BTreeSet};
+use std::time::Duration;
+
+use linewright_line::Tick;
+
+use super::super::firing::Phase;
+use super::super::ids::{CellId, ModeId, PartId};
+use super::super::question::Question;
+use super::super::state::Place;
+use super::rule::Facts;
+use super::ways::Ways;
+
+/// What is done against waiting for ever.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub struct Fairness {
+    /// Who has waited so long is urgent; none if nobody ever is.
+    pub patience: Option<Duration>,
+    /// What an urgent part needs is kept for it. Without this, parts can wait for ever.
+    pub reserves: bool,
+    /// What is in the way of an urgent part is wanted in its place. Without this, parts can wait for ever.
+    pub inherits: bool,
+}
+
+impl Fairness {
+    /// With all that it takes.
+    pub fn after(patience: Duration) -> Self {
+        Fairness { patience: Some(patience), reserves: true, inherits: true }
+    }
+
+    /// As the rules have it, whoever waits.
+    pub const OFF: Fairness = Fairness { patience: None, reserves: false, inherits: false };
+}
+
+/// Somebody who has waited too long.
+#[derive(Clone, Debug, PartialEq, Eq, PartialOrd, Ord)]
+pub(super) struct Urgent {
+    pub(super) since: Tick,
+    pub(super) part: Option<PartId>,
+    /// What it could do next, if it had what it takes.
+    pub(super) options: Vec<ModeId>,
+}
+
+/// How an urgent part gets on.
+#[derive(Clone, Debug, PartialEq, Eq)]
+pub(super) struct Pursuit {
+    /// Whose.
+    pub(super) part: Option<PartId>,
+    /// From what it will do down to the helper.
+    chain: Vec<ModeId>,
+    /// The helper can start now.
+    is_ready: bool,
+}
+
+/// What stands between a mode and its start.
+enum Status {
+    /// It can start now.
+    Ready,
+    /// All it lacks comes back by itself.
+    Pending,
+    /// These do not.
+    Lacks(Vec<CellId>),
+    /// It cannot start for a reason that nobody here can do anything about.
+    Stuck,
+}
+
+/// Who is urgent, the first first. A part that the timetable makes wait is not.
+pub(super) fn urgent(facts: &Facts<'_>, patience: Duration) -> Vec<Urgent> {
+    let table = facts.state.table();
+    let is_over = |since: Tick| since + patience <= facts.now;
+    let inside = facts.state.parts().filter(|part| is_over(part.since)).filter_map(|part| match part.place {
+        Place::On { cell, arrival: _ } => {
+            let moves = table.consumers(cell).iter().copied();
+            let mut options: Vec<_> = moves.filter(|&mode| table.part_in(mode) == Some(cell)).collect();
+            options.retain(|&mode| !table.is_immediate(mode));
+            Some(Urgent { since: part.since, part: Some(part.id), options })
+        }
+        Place::In(_) => None,
+    });
+    let waiting = facts.jobs.outside.iter().filter(|(mode, of)| mode.index() < table.mode_count() && is_over(of.since));
+    let outside = waiting.map(|(&mode, of)| Urgent { since: of.since, part: None, options: vec![mode] });
+    let mut all: Vec<Urgent> = inside.chain(outside).collect();
+    for urgent in &mut all {
+        let part = urgent.part;
+        urgent.options.retain(|&mode| facts.timetable.held_until(facts.now, part, mode).is_none());
+    }
+    all.retain(|urgent| !urgent.options.is_empty());
+    // Who is outside comes after who is inside.
+    all.sort_unstable_by_key(|urgent| (urgent.since, urgent.part.is_none(), urgent.part, urgent.options[0]));
+    all
+}
+
+/// What is done for the first of them that anything can be done for; nothing if it can start itself.
+pub(super) fn pursue(question: &Question<'_>, ways: &Ways, fairness: Fairness, all: &[Urgent]) -> Option<Pursuit> {
+    let search = Search::new(question, ways, fairness);
+    for urgent in all {
+        let is_first = |&part: &PartId| urgent.part == Some(part);
+        let starts = |&mode: &ModeId| {
+            search.is_candidate(mode)
+                && (urgent.part.is_none() || question.state.takeable(mode).any(|part| is_first(&part)))
+        };
+        if urgent.options.iter().any(starts) {
+            return None;
+        }
+        if let Some(chain) = search.chain(&urgent.options) {
+            let is_ready = chain.last().is_some_and(|&mode| search.is_candidate(mode));
+            return Some(Pursuit { part: urgent.part, chain, is_ready });
+        }
+    }
+    None
+}
+
+impl Pursuit {
+    /// What is to start before all others, if it can; and what else is kept for in any case.
+    pub(super) fn helper(&self) -> Option<ModeId> {
+        self.chain.last().copied().filter(|_| self.is_ready)
+    }
+
+    /// What is to be kept, and for which mode.
+    pub(super) fn claims(&self, question: &Question<'_>, ways: &Ways) -> BTreeMap<CellId, (u64, ModeId)> {
+        let mut claims = BTreeMap::new();
+        let (last, table) = (self.chain.len() - 1, question.state.table());
+        // Where it waits for nothing but robots, what has come of these is kept as well.
+        let is_there = |&(cell, weight): &(CellId, u32)| question.state.marking().count(cell) >= u64::from(weight);
+        let waits_for_carriers =
+            !self.is_ready && table.takes(self.chain[last]).iter().all(|of| is_there(of) || ways.comes_back(of.0));
+        let waits_at = waits_for_carriers.then_some(last);
+        for (at, &mode) in self.chain.iter().enumerate() {
+            for &(cell, weight) in table.takes(mode) {
+                if waits_at == Some(at) || ((at < last || !self.is_ready) && !ways.comes_back(cell)) {
+                    claims.entry(cell).or_insert((0, mode)).0 += u64::from(weight);
+                }
+            }
+        }
+        claims
+    }
+}
+
+/// A search from what is wanted down to what can be done.
+struct Search<'a> {
+    question: &'a Question<'a>,
+    ways: &'a Ways,
+    fairness: Fairness,
+    /// What activities in progress will give.
+    returning: BTreeMap<CellId, u64>,
+    /// Modes in progress that will end.
+    running: BTreeSet<ModeId>,
+}
+
+impl<'a> Search<'a> {
+    fn new(question: &'a Question<'a>, ways: &'a Ways, fairness: Fairness) -> Self {
+        let (mut returning, mut running) = (BTreeMap::new(), BTreeSet::new());
+        for firing in question.state.firings() {
+            match firing.phase {
+                Phase::Running => {
+                    running.insert(firing.mode);
+                    for &(cell, weight) in question.state.table().gives(firing.mode) {
+                        *returning.entry(cell).or_insert(0) += u64::from(weight);
+                    }
+                }
+                // What it holds comes back when somebody has looked.
+                Phase::Failed(_) => (),
+            }
+        }
+        Search { question, ways, fairness, returning, running }
+    }
+
+    fn is_candidate(&self, mode: ModeId) -> bool {
+        self.question.candidates.binary_search_by_key(&mode, |candidate| candidate.mode).is_ok()
+    }
+
+    fn status(&self, mode: ModeId) -> Status {
+        let state = self.question.state;
+        if state.enabling().is_enabled(mode) {
+            return if self.is_candidate(mode) {
+                Status::Ready
+            } else if state.table().is_immediate(mode) || self.running.contains(&mode) {
+                Status::Pending
+            } else {
+                Status::Stuck
+            };
+        }
+        let comes = |cell: CellId| state.marking().count(cell) + self.returning.get(&cell).copied().unwrap_or(0);
+        let lacked = state.table().takes(mode).iter().filter(|&&(cell, weight)| comes(cell) < u64::from(weight));
+        let lacked: Vec<CellId> = lacked.map(|&(cell, _)| cell).collect();
+        if lacked.is_empty() { Status::Pending } else { Status::Lacks(lacked) }
+    }
+
+    /// The shortest chain from one of these modes to one that can start, or will; of equally short ones that of the
+    /// smallest numbers.
+    fn chain(&self, options: &[ModeId]) -> Option<Vec<ModeId>> {
+        let Relevant { mut first, lacks } = self.relevant(options);
+        let mut missing: BTreeMap<ModeId, usize> = lacks.iter().map(|(&mode, cells)| (mode, cells.len())).collect();
+        let mut lackers: BTreeMap<CellId, Vec<ModeId>> = BTreeMap::new();
+        for (&mode, cells) in &lacks {
+            cells.iter().for_each(|&cell| lackers.entry(cell).or_default().push(mode));
+        }
+        // Who brings a cell back, first what can start and then what will.
+        let mut by: BTreeMap<CellId, ModeId> = BTreeMap::new();
+        first.sort_unstable_by_key(|&mode| (!self.is_candidate(mode), mode));
+        let mut layer = first;
+        while !layer.is_empty() {
+            if let Some(&option) = layer.iter().find(|mode| options.contains(mode)) {
+                return Some(self.walk(option, &lacks, &by));
+            }
+            let mut next = BTreeSet::new();
+            for &mode in &layer {
+                for &(cell, _) in self.question.state.table().gives(mode) {
+                    if by.contains_key(&cell) {
+                        continue;
+                    }
+                    for &lacker in lackers.get(&cell).into_iter().flatten() {
+                        by.insert(cell, mode);
+                        if let Some(count) = missing.get_mut(&lacker) {
+                            *count -= 1;
+                            if *count == 0 {
+                                next.insert(lacker);
+                            }
+                        }
+                    }
+                }
+            }
+            layer = next.into_iter().collect();
+        }
+        None
+    }
+
+    fn walk(
+        &self,
+        option: ModeId,
+        lacks: &BTreeMap<ModeId, Vec<CellId>>,
+        by: &BTreeMap<CellId, ModeId>,
+    ) -> Vec<ModeId> {
+        let mut chain = vec![option];
+        let mut at = option;
+        // Each is in a lower layer than the one before.
+        while let Some(&below) = lacks.get(&at).and_then(|cells| by.get(cells.first()?)) {
+            chain.push(below);
+            at = below;
+        }
+        chain
+    }
+
+    /// All that could matter: the modes wanted, those that bring back what they lack, and so on.
+    fn relevant(&self, options: &[ModeId]) -> Relevant {
+        let (mut first, mut lacks) = (Vec::new(), BTreeMap::new());
+        let mut seen: BTreeSet<ModeId> = options.iter().copied().collect();
+        let mut open: Vec<ModeId> = options.to_vec();
+        while let Some(mode) = open.pop() {
+            match self.status(mode) {
+                Status::Ready | Status::Pending => first.push(mode),
+                Status::Lacks(cells) if self.fairness.inherits => {
+                    let producers = cells.iter().flat_map(|&cell| self.ways.producers(cell));
+                    open.extend(producers.copied().filter(|&mode| seen.insert(mode)));
+                    lacks.insert(mode, cells);
+                }
+                Status::Lacks(_) | Status::Stuck => (),
+            }
+        }
+        Relevant { first, lacks }
+    }
+}
+
+/// What a search has to look at.
+struct Relevant {
+    /// What can start, or will.
+    first: Vec<ModeId>,
+    /// What cannot, and what it lacks that does not come back.
+    lacks: BTreeMap<ModeId, Vec<CellId>>,
+}

@@ -1,0 +1,105 @@
+//! What lies before a part, and where tokens come back from: worked out once from the table.
+//!
+//! A part goes from cell to cell, each mode that moves it is a step that takes its time, so what is still to be done is a
+//! shortest way. Other tokens are left out of that: it is what the plan asks for, not what waiting for a robot adds.
+
+use std::cmp::Reverse;
+use std::collections::BinaryHeap;
+use std::time::Duration;
+
+use super::super::ids::{CellId, ModeId};
+use super::super::plan::ActivityKind;
+use super::super::table::CellTable;
+
+/// Ways through a table.
+#[derive(Clone, Debug, PartialEq, Eq)]
+pub struct Ways {
+    remaining: Vec<Duration>,
+    run: Vec<Duration>,
+    producers: Vec<Vec<ModeId>>,
+    comes_back: Vec<bool>,
+}
+
+impl Ways {
+    /// Of a table.
+    pub fn new(table: &CellTable) -> Self {
+        let mut producers = vec![Vec::new(); table.cell_count()];
+        for mode in table.modes() {
+            table.gives(mode).iter().for_each(|&(cell, _)| producers[cell.index()].push(mode));
+        }
+        let gives = |mode, cell| table.gives(mode).iter().find(|(to, _)| *to == cell).map_or(0, |&(_, weight)| weight);
+        let returns = |cell: CellId| {
+            let takes = |&mode: &ModeId| table.takes(mode).iter().find(|(from, _)| *from == cell).map(|&(_, w)| w);
+            table.consumers(cell).iter().all(|mode| takes(mode).is_some_and(|weight| gives(*mode, cell) >= weight))
+        };
+        let alone = |mode: ModeId| matches!(table.takes(mode), [(cell, 1)] if table.part_in(mode) == Some(*cell));
+        let run_from = shortest(table, alone);
+        let run = table
+            .modes()
+            .map(|mode| time(table, mode) + table.part_out(mode).map_or(Duration::ZERO, |to| run_from[to.index()]));
+        Ways {
+            remaining: shortest(table, |_| true),
+            run: run.collect(),
+            producers,
+            comes_back: table.cells().map(returns).collect(),
+        }
+    }
+
+    /// How long a part on a cell needs at least until it leaves or nothing more is to be done with it, by nominal times;
+    /// zero where it never comes to an end.
+    pub fn remaining(&self, cell: CellId) -> Duration {
+        self.remaining[cell.index()]
+    }
+
+    /// How long a mode takes, and all that follows it without needing anything but the part: loading a machine and what
+    /// the machine then does. This is the processing time of a decision.
+    pub fn run(&self, mode: ModeId) -> Duration {
+        self.run[mode.index()]
+    }
+
+    /// The modes that give to a cell.
+    pub(super) fn producers(&self, cell: CellId) -> &[ModeId] {
+        &self.producers[cell.index()]
+    }
+
+    /// Whether each mode that takes from a cell gives as much back to it: a carrier, which is only ever under way.
+    pub(super) fn comes_back(&self, cell: CellId) -> bool {
+        self.comes_back[cell.index()]
+    }
+}
+
+/// How long a mode takes by itself.
+pub(super) fn time(table: &CellTable, mode: ModeId) -> Duration {
+    match table.activity(mode).kind {
+        ActivityKind::Immediate => Duration::ZERO,
+        ActivityKind::Decided { time, limit: _ } => time,
+    }
+}
+
+/// From each cell the shortest way by some modes to where none of them takes a part away, or it leaves (Dijkstra 1959,
+/// backwards).
+fn shortest(table: &CellTable, by: impl Fn(ModeId) -> bool) -> Vec<Duration> {
+    let mut into: Vec<Vec<ModeId>> = vec![Vec::new(); table.cell_count()];
+    let mut open: BinaryHeap<Reverse<(Duration, CellId)>> = BinaryHeap::new();
+    let mut has_way = vec![false; table.cell_count()];
+    for mode in table.modes().filter(|&mode| by(mode)) {
+        let Some(from) = table.part_in(mode) else { continue };
+        has_way[from.index()] = true;
+        match table.part_out(mode) {
+            Some(to) => into[to.index()].push(mode),
+            None => open.push(Reverse((time(table, mode), from))),
+        }
+    }
+    open.extend(table.cells().filter(|cell| !has_way[cell.index()]).map(|cell| Reverse((Duration::ZERO, cell))));
+    let mut found: Vec<Option<Duration>> = vec![None; table.cell_count()];
+    while let Some(Reverse((far, cell))) = open.pop() {
+        if found[cell.index()].is_some() {
+            continue;
+        }
+        found[cell.index()] = Some(far);
+        let before =
+            into[cell.index()].iter().filter_map(|&mode| Some((far + time(table, mode), table.part_in(mode)?)));
+        open.extend(before.map(Reverse));
+    }
+    found.into_iter().map(Option::unwrap_or_default).collect()
+}

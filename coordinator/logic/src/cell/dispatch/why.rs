@@ -1,0 +1,104 @@
+//! Why a part does not go on: what it could do next, and for each of these what it lacks and who has that.
+//!
+//! Who has a token is said only where the net says it: the activity in progress that will give it back, or the modes that
+//! would if they happened, with the parts that wait for them.
+
+use linewright_line::Tick;
+
+use super::super::firing::{Firing, Phase};
+use super::super::ids::{CellId, ModeId, PartId};
+use super::super::plan::{ActivityKind, CellKind};
+use super::super::state::{Place, State};
+use super::ways::Ways;
+use super::words::{Reasons, named, reason};
+
+/// At most so many are named where many would do.
+const NAMED_MAX: usize = 3;
+
+/// Why a part is where it is, in sentences; the first says where that is.
+pub fn why_not(ways: &Ways, reasons: &Reasons, state: &State, now: Tick, part: PartId) -> Vec<String> {
+    let table = state.table();
+    let Some(found) = state.part(part) else { return vec![format!("{part} is not in the cell.")] };
+    let cell = match found.place {
+        Place::In(firing) => {
+            let of = state.firing(firing).map(|firing| progress(state, firing, now));
+            return vec![format!("{part} is under way: {}.", of.unwrap_or_default())];
+        }
+        Place::On { cell, arrival: _ } => cell,
+    };
+    let waited = now.since(found.since).as_secs_f64();
+    let mut lines = vec![format!("{part} has been on `{}` for {waited} s.", table.cell_name(cell))];
+    let options: Vec<_> = table.consumers(cell).iter().copied().filter(|&m| table.part_in(m) == Some(cell)).collect();
+    if options.is_empty() {
+        lines.push("Nothing takes it on from there.".to_owned());
+    }
+    for mode in options {
+        lines.push(format!("{}: {}.", named(table, mode, None), option(ways, reasons, state, now, part, mode)));
+    }
+    lines
+}
+
+fn option(ways: &Ways, reasons: &Reasons, state: &State, now: Tick, part: PartId, mode: ModeId) -> String {
+    let table = state.table();
+    if let Some(first) = state.takeable(mode).next().filter(|_| !state.takeable(mode).any(|able| able == part)) {
+        return format!("{first} has to be taken first");
+    }
+    let lacked = table.takes(mode).iter().filter(|&&(cell, weight)| state.marking().count(cell) < u64::from(weight));
+    let lacked: Vec<String> = lacked.map(|&(cell, _)| owner(ways, state, now, cell)).collect();
+    let last = reasons.of(mode);
+    if !lacked.is_empty() {
+        let before = last.map(|(at, why)| format!("; at {at} it was held: {}", reason(table, why)));
+        return lacked.join("; ") + &before.unwrap_or_default();
+    }
+    if state.room(mode) == 0 {
+        return "it is in progress as often as it may be".to_owned();
+    }
+    match state.held().iter().find(|(held, _)| *held == mode) {
+        Some((_, why)) => reason(table, why),
+        None => {
+            "it has what it takes, and is started when the cell may start things and its stations are heard".to_owned()
+        }
+    }
+}
+
+/// Where what a cell lacks is.
+fn owner(ways: &Ways, state: &State, now: Tick, cell: CellId) -> String {
+    let table = state.table();
+    let name = table.cell_name(cell);
+    let gives = |firing: &&Firing| table.gives(firing.mode).iter().any(|(to, _)| *to == cell);
+    let held: Vec<_> =
+        state.firings().filter(gives).take(NAMED_MAX).map(|firing| progress(state, firing, now)).collect();
+    if !held.is_empty() {
+        return format!("`{name}` is with {}", held.join(", and with "));
+    }
+    let waits = ways.producers(cell).iter().filter_map(|&mode| Some((mode, resting(state, mode)?)));
+    let waits: Vec<_> =
+        waits.take(NAMED_MAX).map(|(mode, part)| format!("`{}` of {part}", table.mode_name(mode))).collect();
+    match (waits.is_empty(), ways.producers(cell).is_empty()) {
+        (false, _) => format!("`{name}` comes back by {}, which has not started", waits.join(", or ")),
+        (true, false) => format!("there is no `{name}` yet"),
+        (true, true) => format!("there is no `{name}`, and nothing gives it"),
+    }
+}
+
+/// The part that waits for a mode, if it is where that takes it from.
+fn resting(state: &State, mode: ModeId) -> Option<PartId> {
+    let cell: CellId = state.table().part_in(mode)?;
+    match state.table().kind(cell) {
+        CellKind::Tokens => None,
+        CellKind::Parts(_) => state.marking().parts(cell).next(),
+    }
+}
+
+fn progress(state: &State, firing: &Firing, now: Tick) -> String {
+    let mode: ModeId = firing.mode;
+    let what = named(state.table(), mode, firing.part);
+    match (firing.phase, state.table().activity(mode).kind) {
+        (Phase::Failed(_), _) => format!("{what}, which has failed and waits for somebody to look"),
+        (Phase::Running, ActivityKind::Immediate) => what,
+        (Phase::Running, ActivityKind::Decided { time, limit: _ }) => {
+            let left = (firing.began + time).since(now).as_secs_f64();
+            if left > 0.0 { format!("{what}, {left} s left") } else { format!("{what}, longer than it should be") }
+        }
+    }
+}

@@ -1,0 +1,109 @@
+//! Decisions in sentences, with the names of the table.
+//!
+//! What was started before what, and why, stands with what was held; so the sentence about a start is made from the
+//! reasons of those it was started before.
+
+use std::collections::BTreeMap;
+use std::fmt::Write as _;
+
+use linewright_line::Tick;
+
+use super::super::ids::{ModeId, PartId};
+use super::super::reason::{Ground, Lost, Reason};
+use super::super::record::{Fact, Record};
+use super::super::table::CellTable;
+
+/// A mode, and with which part.
+pub fn named(table: &CellTable, mode: ModeId, part: Option<PartId>) -> String {
+    let name = table.mode_name(mode);
+    part.map_or_else(|| format!("`{name}`"), |part| format!("`{name}` with {part}"))
+}
+
+fn whom(part: Option<PartId>) -> String {
+    part.map_or_else(|| "a part outside".to_owned(), |part| part.to_string())
+}
+
+/// Why the other comes first.
+fn ground(by: &Ground) -> String {
+    match by {
+        Ground::Waited => "it has waited too long".to_owned(),
+        Ground::Helps { part } => format!("it makes way for {}, which has waited too long", whom(*part)),
+        Ground::Inside => "it is in the cell already".to_owned(),
+        Ground::Rule { rule, theirs, ours } => format!("by {rule} ({theirs}; the other {ours})"),
+        Ground::Order => "it has waited longer, or has the smaller number".to_owned(),
+    }
+}
+
+/// Why something was held.
+pub fn reason(table: &CellTable, reason: &Reason) -> String {
+    match reason {
+        Reason::LostTo(Lost { to, with, own: _, by }) => {
+            format!("{} goes first: {}", named(table, *to, *with), ground(by))
+        }
+        Reason::NotYet(until) => format!("it is too early, not before {until}"),
+        Reason::ReservedFor { part, mode } => {
+            format!("what it needs is kept for {}: {} has waited too long", named(table, *mode, None), whom(*part))
+        }
+    }
+}
+
+/// A decision: a sentence for everything that was started, and for everything that was held.
+pub fn decision(table: &CellTable, started: &[(ModeId, Option<PartId>)], held: &[(ModeId, Reason)]) -> Vec<String> {
+    let mut lines = Vec::new();
+    for &(mode, part) in started {
+        let mut line = format!("{} starts", named(table, mode, part));
+        let lost = held.iter().filter_map(|(loser, reason)| match reason {
+            Reason::LostTo(lost) if (lost.to, lost.with) == (mode, part) => Some((*loser, lost)),
+            Reason::LostTo(_) | Reason::NotYet(_) | Reason::ReservedFor { .. } => None,
+        });
+        for (at, (loser, lost)) in lost.enumerate() {
+            let joint = if at == 0 { "," } else { ";" };
+            // Writing to a string does not fail.
+            let _ = write!(line, "{joint} before {}: {}", named(table, loser, lost.own), ground(&lost.by));
+        }
+        if !line.contains(", before ") {
+            line.push_str(": nothing else wanted what it takes");
+        }
+        lines.push(line + ".");
+    }
+    for (mode, why) in held {
+        let own = match why {
+            Reason::LostTo(lost) => lost.own,
+            Reason::NotYet(_) | Reason::ReservedFor { .. } => None,
+        };
+        lines.push(format!("{} is held: {}.", named(table, *mode, own), reason(table, why)));
+    }
+    lines
+}
+
+/// For each mode why it was last held, if it has not started since. It follows from the records.
+#[derive(Clone, Debug, Default, PartialEq, Eq)]
+pub struct Reasons {
+    last: BTreeMap<ModeId, (Tick, Reason)>,
+}
+
+impl Reasons {
+    /// Takes a record; the older ones first.
+    pub fn note(&mut self, record: &Record) {
+        match &record.fact {
+            Fact::Decided { question: _, started, held } => {
+                started.iter().for_each(|(mode, _)| _ = self.last.remove(mode));
+                self.last.extend(held.iter().map(|&(mode, reason)| (mode, (record.at, reason))));
+            }
+            Fact::Epoch { .. }
+            | Fact::Memory { .. }
+            | Fact::Started { .. }
+            | Fact::Acknowledged { .. }
+            | Fact::OrderEnded { .. }
+            | Fact::OrderFailed { .. }
+            | Fact::Raised { .. }
+            | Fact::Ended { .. }
+            | Fact::Fired { .. } => (),
+        }
+    }
+
+    /// When a mode was last held, and why.
+    pub fn of(&self, mode: ModeId) -> Option<(Tick, &Reason)> {
+        self.last.get(&mode).map(|(at, reason)| (*at, reason))
+    }
+}

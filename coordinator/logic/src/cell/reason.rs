@@ -1,0 +1,64 @@
+//! Why something does not start: part of every decision that is written down.
+//!
+//! A reason is data and names what it is about by number, so that it can be compared, kept for years and asked for by
+//! machines; [`super::dispatch::words`] says it to people. What was started is not given a reason of its own: that it was
+//! started before others stands with these.
+
+use linewright_line::Tick;
+
+use super::dispatch::{Measure, Rule};
+use super::ids::{ModeId, PartId};
+
+/// Why something does not start.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub enum Reason {
+    /// What it needs goes to another.
+    LostTo(Lost),
+    /// It is too early; it is not before this.
+    NotYet(Tick),
+    /// What it needs is kept for one that has waited too long.
+    ReservedFor {
+        /// The part that has; none if it waits outside.
+        part: Option<PartId>,
+        /// What is kept for: something this part will do, or that something else does which is in its way.
+        mode: ModeId,
+    },
+}
+
+/// To whom something is lost, and why.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub struct Lost {
+    /// What starts instead.
+    pub to: ModeId,
+    /// With which part; none if it takes none.
+    pub with: Option<PartId>,
+    /// The part that would have been next here.
+    pub own: Option<PartId>,
+    /// Why the other comes first.
+    pub by: Ground,
+}
+
+/// Why one comes before another.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub enum Ground {
+    /// It has waited longer than parts should, or longer than the other that has.
+    Waited,
+    /// It makes way for one that has waited longer than parts should.
+    Helps {
+        /// Which; none if it waits outside.
+        part: Option<PartId>,
+    },
+    /// It is inside, and the other is not.
+    Inside,
+    /// A rule says so, and all rules before it say that both are equal.
+    Rule {
+        /// Which.
+        rule: Rule,
+        /// What it says of the other.
+        theirs: Measure,
+        /// What it says of this one.
+        ours: Measure,
+    },
+    /// No rule says anything: it has waited longer, or as long and has the smaller number.
+    Order,
+}
