@@ -1,5 +1,5 @@
-//! How many states, steps and deadlocks the two cells have, against numbers that a program of another author computed from
-//! the same descriptions, written in another language and with no part in common with this one.
+//! How many states, steps and deadlocks the two cells have, against numbers that a small explorer in Python computed from
+//! the same descriptions before this was written, with no part in common with it.
 //!
 //! That explorer freed the slot of a store when the activity ended, had no limit on what the assembly cell's input and
 //! output hold, and put a part, where nothing is reserved, in one step; ours has a start and an end for that. The
