@@ -3,7 +3,7 @@
 mod common;
 
 use common::{ASSEMBLY, C1};
-use linewright_cell::net::{Detail, net};
+use linewright_cell::net::{Detail, Supply, net};
 use linewright_cell::parse;
 use linewright_text::Problems;
 use miette::{GraphicalReportHandler, GraphicalTheme};
@@ -14,7 +14,8 @@ fn survives(text: &str) {
     let problems = match parse("any.toml", text, None) {
         Ok(parsed) => {
             for detail in [Detail::Coordination, Detail::Expanded] {
-                if let Err(why) = net(&parsed.cell, detail, &[1, 1]) {
+                let made = net(&parsed.cell, detail, &[1, 1]).and(net(&parsed.cell, detail, Supply::Open));
+                if let Err(why) = made {
                     panic!("a sound cell has no net: {why:?}");
                 }
             }

@@ -49,7 +49,7 @@ const MAY_USE: [(&str, &[&str]); 21] = [
     ("linewright-cell", &["linewright-nets", "linewright-text", "linewright-line"]),
     ("linewright-dbc", &["linewright-line"]),
     ("linewright-station-logic", &["linewright-nets", "linewright-line"]),
-    ("linewright-coordinator-logic", &["linewright-nets", "linewright-line"]),
+    ("linewright-coordinator-logic", &["linewright-nets", "linewright-line", "linewright-cell"]),
     ("linewright-msgs", &[]),
     ("linewright-node-shell", &["linewright-msgs"]),
     ("linewright-fieldbus", &["linewright-line", "linewright-eds", "linewright-dbc"]),

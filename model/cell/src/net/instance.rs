@@ -10,7 +10,7 @@ use linewright_nets::coloured::{
 use linewright_nets::{PlaceId, TransitionId};
 
 use super::pieces::{Piece, Progress};
-use super::{OUTSIDE, RUNNING, STAGES};
+use super::{OUTSIDE, RUNNING, STAGES, Supply};
 use crate::{Action, Cell, Prototype, Resource, ResourceId, Role, StageId, Use};
 
 /// How places end that keep a stage from being moved twice at a time.
@@ -30,8 +30,8 @@ enum Places {
     Stack { level: BasicId, top: PlaceId, at: PlaceId, height: u32 },
     /// How many parts can still be carried.
     Carrier { free: PlaceId },
-    /// Parts that have not come yet, and how many may.
-    Outside { waiting: PlaceId, room: PlaceId },
+    /// Parts that have not come yet, where they are counted, and how many may.
+    Outside { waiting: Option<PlaceId>, room: PlaceId },
 }
 
 /// The domain of stages, with their names.
@@ -68,16 +68,23 @@ pub(super) fn resource(cell: &Cell, of: ResourceId, pieces: &[Piece]) -> Built {
     b.build()
 }
 
-/// The outside: a bounded stand-in for where parts come from and go to.
-pub(super) fn outside(cell: &Cell, waiting: &[u32], pieces: &[Piece]) -> Built {
+/// The outside: where parts come from and go to.
+pub(super) fn outside(cell: &Cell, supply: Supply<'_>, pieces: &[Piece]) -> Built {
     let mut b = ColouredBuilder::new(OUTSIDE);
     let s = stages(&mut b, cell);
-    let places = Places::Outside { waiting: b.place("waiting", s), room: b.place("room", Domain::Uncoloured) };
-    let Places::Outside { waiting: place, room } = places else { return b.build() };
-    for (part, &count) in cell.part_types.iter().zip(waiting) {
-        b.tokens(place, &[tone(part.new_stage())], count);
-    }
+    let waiting = match supply {
+        Supply::Open => None,
+        Supply::Closed(counts) => {
+            let place = b.place("waiting", s);
+            for (part, &count) in cell.part_types.iter().zip(counts) {
+                b.tokens(place, &[tone(part.new_stage())], count);
+            }
+            Some(place)
+        }
+    };
+    let room = b.place("room", Domain::Uncoloured);
     b.tokens(room, &[], cell.limits.wip_max);
+    let places = Places::Outside { waiting, room };
     for piece in pieces {
         port(&mut b, None, piece, &places, s);
     }
@@ -208,8 +215,12 @@ fn arcs(places: &Places, action: Action, moved: Function) -> [Vec<(PlaceId, Func
         (Places::Stack { top, at, .. }, Action::Retrieve) => {
             [vec![(*at, id()), (*top, proj([2]).of(succ(2, 1)))], vec![(*top, proj([2]))]]
         }
-        (Places::Outside { waiting, room }, Action::In) => [vec![(*waiting, id()), (*room, abs())], Vec::new()],
-        (Places::Outside { waiting, room }, Action::Out) => [Vec::new(), vec![(*waiting, moved), (*room, abs())]],
+        (Places::Outside { waiting, room }, Action::In) => {
+            [waiting.iter().map(|waiting| (*waiting, id())).chain([(*room, abs())]).collect(), Vec::new()]
+        }
+        (Places::Outside { waiting, room }, Action::Out) => {
+            [Vec::new(), waiting.iter().map(|waiting| (*waiting, moved.clone())).chain([(*room, abs())]).collect()]
+        }
         // No prototype has these, so no description can name them.
         (
             Places::Machine { .. },

@@ -37,6 +37,28 @@ pub enum Detail {
     Expanded,
 }
 
+/// Where parts come from, and where they go.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub enum Supply<'a> {
+    /// Of each part type, in their order, so many wait outside, none where nothing is said; who leaves may come again. This
+    /// is what can be explored.
+    Closed(&'a [u32]),
+    /// Parts are made as they enter and are gone when they leave. This is what is played.
+    Open,
+}
+
+impl<'a> From<&'a [u32]> for Supply<'a> {
+    fn from(waiting: &'a [u32]) -> Self {
+        Supply::Closed(waiting)
+    }
+}
+
+impl<'a, const N: usize> From<&'a [u32; N]> for Supply<'a> {
+    fn from(waiting: &'a [u32; N]) -> Self {
+        Supply::Closed(waiting)
+    }
+}
+
 /// Which part of an activity a transition is.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Hash)]
 pub enum Phase {
@@ -98,18 +120,17 @@ pub struct CellNet {
     stages: usize,
 }
 
-/// The instances of a cell. Of each part type, in their order, as many parts wait outside as `waiting` says, none where
-/// it says nothing.
+/// The instances of a cell.
 ///
 /// # Errors
 /// What the builder of nets refuses, which are sizes: all else is made to fit.
-pub fn parts(cell: &Cell, detail: Detail, waiting: &[u32]) -> Result<Parts, Vec<ColouredError>> {
+pub fn parts<'a>(cell: &Cell, detail: Detail, supply: impl Into<Supply<'a>>) -> Result<Parts, Vec<ColouredError>> {
     let pieces = pieces(cell, detail);
     let mut instances = Vec::with_capacity(cell.resources.len() + 2);
     for id in cell.resource_ids() {
         instances.push((cell.resource(id).name.clone(), instance::resource(cell, id, &pieces)?));
     }
-    instances.push((OUTSIDE.to_owned(), instance::outside(cell, waiting, &pieces)?));
+    instances.push((OUTSIDE.to_owned(), instance::outside(cell, supply.into(), &pieces)?));
     if let Some(running) = instance::running(cell, &pieces) {
         instances.push((RUNNING.to_owned(), running?));
     }
@@ -128,8 +149,8 @@ pub fn parts(cell: &Cell, detail: Detail, waiting: &[u32]) -> Result<Parts, Vec<
 ///
 /// # Errors
 /// As [`parts`].
-pub fn net(cell: &Cell, detail: Detail, waiting: &[u32]) -> Result<CellNet, Vec<ColouredError>> {
-    let Parts { instances, fusions, mut origins } = parts(cell, detail, waiting)?;
+pub fn net<'a>(cell: &Cell, detail: Detail, supply: impl Into<Supply<'a>>) -> Result<CellNet, Vec<ColouredError>> {
+    let Parts { instances, fusions, mut origins } = parts(cell, detail, supply)?;
     let nets: Vec<(&str, &ColouredNet)> = instances.iter().map(|(name, net)| (name.as_str(), net)).collect();
     let net = fuse(&cell.name, &nets, &fusions)?;
     // Fused transitions come first, in their order; what is left are the shifts of buffers.

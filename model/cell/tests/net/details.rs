@@ -2,7 +2,7 @@
 
 use std::time::Duration;
 
-use linewright_cell::net::{CellNet, Detail, Origin, Phase, net};
+use linewright_cell::net::{CellNet, Detail, Origin, Phase, Supply, net};
 use linewright_nets::coloured::{ColouredNet, Limits, explore};
 
 use crate::common::{ASSEMBLY, C1, cell, edited};
@@ -162,6 +162,25 @@ fn all_prototypes_together_get_nothing_stuck() {
             assert!(graph.states().all(|state| parts(state) == 3), "no part is lost or doubled");
         }
     }
+}
+
+/// An open cell is a closed one with endless parts outside: from everywhere each type can come as long as there is room.
+#[test]
+fn an_open_cell_makes_parts_as_they_enter() {
+    let text = edited(C1, &[("wip_max = 6", "wip_max = 2")]);
+    let made = net(&cell(&text), Detail::Coordination, Supply::Open).expect("it is small");
+    let net = made.net();
+    assert_eq!(net.place_named("outside.waiting"), None);
+    let open = explore(net, Limits::states(100_000)).expect("it is small");
+    assert_eq!((open.deadlocks().count(), open.is_reversible()), (0, Ok(())));
+    // With two of each type outside nobody waits for a part.
+    let closed = self::made(&text, Detail::Coordination, &[2, 2]).net().clone();
+    let graph = explore(&closed, Limits::states(100_000)).expect("it is small");
+    assert_eq!(graph.state_count(), open.state_count());
+    assert_eq!(graph.steps().len(), open.steps().len());
+    let mut marking = net.initial_marking();
+    play(net, &mut marking, &["enter<A.new>", "enter<A.new>"]);
+    assert!(!net.enabled(&marking).iter().any(|&mode| net.mode_name(mode).starts_with("enter")));
 }
 
 /// What takes time and has no capacity of its own happens once at a time for each stage (seed 000, proposition 15, L2385).

@@ -4,6 +4,7 @@
 mod common;
 mod counts;
 mod details;
+mod large;
 mod published;
 /// The published cell as one net, written from the source's pages; its own tests say which arcs are printed.
 #[path = "../../../nets/tests/coloured/cell.rs"]

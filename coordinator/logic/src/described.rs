@@ -1,0 +1,164 @@
+//! From a cell's description to the table that the token player plays.
+//!
+//! The only module here that knows descriptions. Each mode of the coordination net gets an activity of its own, since times
+//! and programs depend on the stage. What the net says of transitions and places is not worked out again.
+//!
+//! Positions in a store are the player's to give, and it does not give any yet: such a parameter is left out of the orders
+//! made here ([`Described::without_position`] says of which).
+
+use std::sync::Arc;
+use std::time::Duration;
+
+use linewright_cell::net::{CellNet, Detail, Origin, Phase, Supply, net};
+use linewright_cell::{Cell, Move, ParameterSource, Prototype, Role};
+use linewright_line::{Line, StationId};
+use linewright_nets::coloured::{ColouredError, Colours, UnfoldError, Unfolding, unfold};
+use thiserror::Error;
+
+use crate::cell::{Activity, ActivityKind, CellKind, CellTable, OrderTemplate, Pick, Plan, PlanError};
+
+/// At most so many places and transitions: a thousand resources need a tenth of it.
+const NODES_MAX: usize = 1_000_000;
+
+/// How patient the player is with stations.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub struct Pace {
+    /// An order that no station has acknowledged is repeated after this time.
+    pub refresh: Duration,
+    /// After a restart no limit runs out before this time.
+    pub grace: Duration,
+}
+
+/// Why a cell cannot be played.
+#[derive(Debug, Error)]
+pub enum Unplayable {
+    /// Such a cell is there to be found wrong.
+    #[error("the description says `reserve = false`: a part could be grasped with nowhere to put it")]
+    Unreserved,
+    /// Too large for a net.
+    #[error("the cell has no net: {}", .0.iter().map(ToString::to_string).collect::<Vec<_>>().join("; "))]
+    Net(Vec<ColouredError>),
+    /// Too large to be written out.
+    #[error(transparent)]
+    Unfold(#[from] UnfoldError),
+    /// A station that the line does not have.
+    #[error("the line has no station `{0}`")]
+    Station(String),
+    /// An order that would be waited for until the end of days.
+    #[error("`{0}` gives an order without a limit")]
+    Limit(String),
+    /// The table is refused.
+    #[error(transparent)]
+    Plan(#[from] PlanError),
+}
+
+/// A cell, ready to be played.
+#[derive(Clone, Debug)]
+pub struct Described {
+    /// What is played.
+    pub table: CellTable,
+    /// The net it was made of.
+    pub net: CellNet,
+    /// Its long form; modes and cells of the table are its transitions and places.
+    pub long: Unfolding,
+    /// The orders that lack the position of their part, as `activity: task`.
+    pub without_position: Vec<String>,
+}
+
+/// Makes the table of a cell. Stations are those of `line`; without one, those that the cell names, in that order.
+///
+/// # Errors
+/// What cannot be played, and why.
+pub fn described(cell: &Cell, line: Option<&Line>, supply: Supply<'_>, pace: Pace) -> Result<Described, Unplayable> {
+    if !cell.limits.reserve {
+        return Err(Unplayable::Unreserved);
+    }
+    let net = net(cell, Detail::Coordination, supply).map_err(Unplayable::Net)?;
+    let stations = cell.controllers.iter().enumerate().map(|(at, name)| match line {
+        None => Ok(StationId::at(at)),
+        Some(line) => line.station_named(name).ok_or_else(|| Unplayable::Station(name.clone())),
+    });
+    let stations: Vec<StationId> = stations.collect::<Result<_, _>>()?;
+    let long = unfold(net.net(), Colours::Reachable, NODES_MAX)?;
+    let kind = |place| {
+        let holds_parts = net.holds_parts(long.cell(net.net(), place).place);
+        if holds_parts { CellKind::Parts(Pick::Any) } else { CellKind::Tokens }
+    };
+    let mut activities = Vec::with_capacity(long.net().transition_count());
+    for t in long.net().transitions() {
+        let mode = long.mode(t);
+        activities.push(match (net.origin(mode.transition), net.move_of(cell, mode)) {
+            (Origin::Activity { phase: Phase::Whole, .. }, Some((activity, of))) => {
+                decided(cell, activity, of, &stations)?
+            }
+            // A shift in a buffer; there is nothing else where every grasp is reserved.
+            (Origin::Activity { .. } | Origin::Shift, _) => Activity {
+                name: long.net().transition_name(t).into(),
+                kind: ActivityKind::Immediate,
+                servers: 1,
+                orders: Vec::new(),
+            },
+        });
+    }
+    let plan = Plan {
+        cells: long.net().places().map(kind).collect(),
+        activity_of: (0..activities.len()).collect(),
+        activities,
+        refresh: pace.refresh,
+        grace: pace.grace,
+    };
+    let table = CellTable::compile(&long, plan)?;
+    Ok(Described { table, net, long, without_position: without_position(cell) })
+}
+
+fn decided(
+    cell: &Cell,
+    activity: &linewright_cell::Activity,
+    of: &Move,
+    stations: &[StationId],
+) -> Result<Activity, Unplayable> {
+    let order = |order: &linewright_cell::OrderTemplate| {
+        let limit = cell.limit(order, of).ok_or_else(|| Unplayable::Limit(activity.name.clone()))?;
+        let value = |source: &ParameterSource| match *source {
+            ParameterSource::Number(number) => Some(number),
+            ParameterSource::Program => of.program,
+            ParameterSource::Position(_) => None,
+        };
+        let parameters = order.parameters.iter().filter_map(|(name, of)| Some((Arc::from(name.as_str()), value(of)?)));
+        Ok(OrderTemplate {
+            station: stations[order.controller.index()],
+            task: order.task.as_str().into(),
+            parameters: parameters.collect(),
+            limit,
+        })
+    };
+    Ok(Activity {
+        name: activity.name.as_str().into(),
+        kind: ActivityKind::Decided { time: of.time.unwrap_or(Duration::ZERO), limit: None },
+        servers: servers(cell, activity),
+        orders: activity.orders.iter().map(order).collect::<Result<_, Unplayable>>()?,
+    })
+}
+
+/// One of each mode at a time (seed 000, proposition 15, L2385), unless whoever works or carries has room for more.
+fn servers(cell: &Cell, activity: &linewright_cell::Activity) -> u32 {
+    let of = activity.used(Role::Worker).or_else(|| activity.used(Role::Carrier));
+    let Some(resource) = of.and_then(|part| part.of).map(|id| cell.resource(id)) else { return 1 };
+    match resource.prototype {
+        Prototype::Machine | Prototype::Conveyor => resource.capacity,
+        // A human has one token for all he does; a store neither works nor carries.
+        Prototype::Human
+        | Prototype::Robot
+        | Prototype::RandomAccessStore
+        | Prototype::FifoBuffer
+        | Prototype::LifoBuffer => 1,
+    }
+}
+
+fn without_position(cell: &Cell) -> Vec<String> {
+    let orders = cell.activities.iter().flat_map(|activity| activity.orders.iter().map(move |order| (activity, order)));
+    let lacks = |order: &linewright_cell::OrderTemplate| {
+        order.parameters.iter().any(|(_, source)| matches!(source, ParameterSource::Position(_)))
+    };
+    orders.filter(|(_, order)| lacks(order)).map(|(of, order)| format!("{}: {}", of.name, order.task)).collect()
+}
