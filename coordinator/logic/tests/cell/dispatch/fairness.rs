@@ -3,8 +3,8 @@
 use std::cell::Cell;
 use std::time::Duration;
 
-use linewright_coordinator_logic::cell::dispatch::{ByRules, Fairness, Job, Rule};
-use linewright_coordinator_logic::cell::{Fact, Place, Reason};
+use linewright_coordinator_logic::cell::dispatch::{ByRules, Fairness, Job, Rule, Waiting, Window};
+use linewright_coordinator_logic::cell::{Fact, PartId, Place, Reason};
 use linewright_line::Tick;
 
 use super::solo::{ByName, compiled, lines, play, seconds, starts};
@@ -33,10 +33,8 @@ fn first(it: &Compiled, fairness: Fairness, name: &str) -> Option<u64> {
 
 const PATIENT: Fairness = Fairness { patience: Some(Duration::from_secs(60)), reserves: true, inherits: true };
 
-/// One machine, 2 s for each part, and there is always a better one.
-#[test]
-fn a_part_that_is_never_the_best_waits_for_ever_without_patience_and_not_with_it() {
-    let it = compiled(
+fn one_machine() -> Compiled {
+    compiled(
         &lines([
             "enter: room -> waiting.high",
             "work_high: waiting.high machine -> machine room",
@@ -45,7 +43,13 @@ fn a_part_that_is_never_the_best_waits_for_ever_without_patience_and_not_with_it
         ]),
         &[("room", 3), ("machine", 1), ("supply", 1)],
         |name| if name.starts_with("work") { seconds(2) } else { alone(500) },
-    );
+    )
+}
+
+/// One machine, 2 s for each part, and there is always a better one.
+#[test]
+fn a_part_that_is_never_the_best_waits_for_ever_without_patience_and_not_with_it() {
+    let it = one_machine();
     assert_eq!(first(&it, Fairness::OFF, "work_low"), None);
     // It has waited since 0.5 s; the machine ends what it does at 0.5 s and every 2 s after that.
     assert_eq!(first(&it, PATIENT, "work_low"), Some(60_500));
@@ -148,13 +152,94 @@ fn a_part_that_nothing_helps_keeps_nothing_from_others() {
     assert_eq!(player.state().parts().filter(|part| part.entered == Tick::ZERO).count(), 1);
 }
 
+/// A stack of two: what lies beneath needs its neighbour gone *and* the machine free, and whatever is gone is put back by
+/// others while the machine works. What is free of this is kept, too.
+#[test]
+fn what_lies_at_the_bottom_of_a_stack_gets_out() {
+    let it = compiled(
+        &lines([
+            "enter: room -> in.high",
+            "put: in.high top2 -> at2.high top3",
+            "get: at2.high top3 machine -> top2 on.high",
+            "work_high: on.high -> machine room",
+            "get_low: at1.low top2 machine -> top1 on.low",
+            "work_low: on.low -> machine",
+        ]),
+        &[("room", 3), ("top2", 1), ("machine", 1), ("at1.low", 1), ("at2.high", 0)],
+        |name| if name == "put" { alone(100) } else { seconds(1) },
+    );
+    // At 0 s nothing is in the way, so the part is only there to be kept in by one that comes before.
+    let mut by_priority = by_priority(&it, PATIENT);
+    let low = Some(PartId(1));
+    let window = Window { from: Tick::from_millis(5500), until: Tick::NEVER };
+    by_priority.inner.rules.insert(0, Rule::Schedule);
+    by_priority.inner.timetable.windows.insert((low, it.mode("get_low")), window);
+    // Then it would be the first by the timetable.
+    by_priority.inner.rules.rotate_left(1);
+    let first = |fairness| {
+        let mut dispatcher = ByName { inner: by_priority.inner.clone(), job: by_priority.job };
+        dispatcher.inner.fairness = fairness;
+        let (records, _) = play(&it, &mut dispatcher, LONG, |_, _| true);
+        starts(&it, &records, "get_low").first().map(|&(at, _)| at)
+    };
+    assert_eq!(first(Fairness::OFF), None);
+    assert_eq!(first(Fairness { reserves: false, ..PATIENT }), None);
+    assert!(first(PATIENT).is_some_and(|at| (60_000..66_000).contains(&at)), "{:?}", first(PATIENT));
+}
+
+/// Who would enter can wait too long as well, since whoever keeps the orders says it could have.
+#[test]
+fn what_waits_outside_does_not_wait_for_ever() {
+    let it = compiled(
+        &lines([
+            "enter_high: slot -> waiting.high",
+            "leave_high: waiting.high -> slot",
+            "enter_low: slot supply -> waiting.low",
+            "leave_low: waiting.low -> slot",
+        ]),
+        &[("slot", 1), ("supply", 1)],
+        |_| seconds(1),
+    );
+    let first = |fairness| {
+        let mut dispatcher = by_priority(&it, fairness);
+        for (mode, priority, since) in [("enter_high", 9, Tick::NEVER), ("enter_low", 0, Tick::ZERO)] {
+            let waiting = Waiting { job: Job { due: None, priority }, since };
+            dispatcher.inner.jobs.outside.insert(it.mode(mode), waiting);
+        }
+        let (records, _) = play(&it, &mut dispatcher, LONG, |_, _| true);
+        starts(&it, &records, "enter_low").first().map(|&(at, _)| at)
+    };
+    assert_eq!(first(Fairness::OFF), None);
+    assert_eq!(first(PATIENT), Some(60_000));
+}
+
+/// A part that is to wait by the timetable is not urgent before its window opens.
+#[test]
+fn what_is_planned_for_later_is_not_urgent() {
+    let it = one_machine();
+    let mut dispatcher = by_priority(&it, PATIENT);
+    dispatcher.inner.rules.push(Rule::Schedule);
+    let window = Window { from: Tick::from_millis(300_000), until: Tick::from_millis(400_000) };
+    dispatcher.inner.timetable.windows.insert((Some(PartId(2)), it.mode("work_low")), window);
+    let (records, _) = play(&it, &mut dispatcher, LONG, |_, _| true);
+    // Its priority would let it wait for ever; as soon as it may, it has waited too long.
+    assert_eq!(starts(&it, &records, "work_low"), [(300_500, "work_low")]);
+}
+
 /// A random cell: one or two robots, machines, a store; an endless stream of parts that matter and one or two that do not
-/// and go round. No more are inside than the store has room for, so nothing gets stuck.
+/// and go round. No more are inside than the store has room for, so nothing gets stuck. In some cells the parts that do not
+/// matter need two tools at once, of which the others need one each; in some a machine has to be cleaned before it is used
+/// again, by a robot.
 fn random(dice: &mut Dice) -> Compiled {
     let (robots, machines, lows) = (1 + dice.below(2), 2 + dice.below(2), 1 + dice.below(2));
     let slots = lows + 1 + dice.below(3);
+    let (tools, dirt) = (dice.one_in(2), dice.one_in(2));
     let mut net = Vec::new();
     let mut times = vec![("again".to_owned(), 1000)];
+    for (m, r) in (0..machines).flat_map(|m| (0..robots).map(move |r| (m, r))).filter(|_| dirt) {
+        net.push(format!("clean_{m}_{r}: dirty{m} r{r} -> r{r} m{m}"));
+        times.push((format!("clean_{m}_{r}"), 1000));
+    }
     for kind in ["low", "high", "best"] {
         let steps = 1 + dice.below(2);
         for step in 0..steps {
@@ -169,9 +254,18 @@ fn random(dice: &mut Dice) -> Compiled {
                     let (from, to) = (format!("st{step}.{kind}"), format!("st{}.{kind}", step + 1));
                     add(format!("load_{at}_{r}: {from} m{m} r{r} -> r{r} slot on{step}m{m}.{kind}"), time(dice));
                     if r == 0 {
-                        add(format!("process_{at}: on{step}m{m}.{kind} -> off{step}m{m}.{kind}"), time(dice));
+                        let tools = match (tools, kind) {
+                            (false, _) => "",
+                            (true, "low") => "t0 t1",
+                            (true, "high") => "t0",
+                            (true, _) => "t1",
+                        };
+                        let process = format!("on{step}m{m}.{kind} {tools} -> {tools} off{step}m{m}.{kind}");
+                        add(format!("process_{at}: {process}"), time(dice));
                     }
-                    add(format!("unload_{at}_{r}: off{step}m{m}.{kind} r{r} slot -> r{r} m{m} {to}"), time(dice));
+                    let left = if dirt { "dirty" } else { "m" };
+                    let unload = format!("off{step}m{m}.{kind} r{r} slot -> r{r} {left}{m} {to}");
+                    add(format!("unload_{at}_{r}: {unload}"), time(dice));
                 }
             }
         }
@@ -187,6 +281,7 @@ fn random(dice: &mut Dice) -> Compiled {
     let names: Vec<String> =
         (0..machines).map(|m| format!("m{m}")).chain((0..robots).map(|r| format!("r{r}"))).collect();
     let mut marked: Vec<(&str, u32)> = names.iter().map(|name| (name.as_str(), 1)).collect();
+    marked.extend([("t0", 1), ("t1", 1)]);
     marked.extend([("slot", (slots - lows) as u32), ("permit", (slots - lows) as u32), ("st0.low", lows as u32)]);
     compiled(&net, &marked, |name| alone(times.iter().find(|(of, _)| of == name).map_or(0, |&(_, millis)| millis)))
 }
@@ -206,17 +301,13 @@ fn longest(it: &Compiled, fairness: Fairness) -> Duration {
     most.get()
 }
 
-/// With a patience of a minute nobody waits for more than two; without, somebody waits nearly all the hour in many cells.
+/// With a patience of a minute nobody waits for more than two; without, somebody waits for more than half of the hour in many
+/// cells. What reservation and inheritance are needed for is above: cells by chance rarely are so tight.
 #[test]
 fn in_random_cells_nobody_waits_longer_than_patience_and_a_bound() {
-    let (mut starved, mut worst) = (0, Duration::ZERO);
-    for seed in 0..200 {
-        let it = random(&mut Dice::new(seed));
-        worst = worst.max(longest(&it, PATIENT));
-        if seed % 4 == 0 {
-            starved += usize::from(longest(&it, Fairness::OFF) > Duration::from_secs(1800));
-        }
-    }
+    let cell = |seed| random(&mut Dice::new(seed));
+    let worst = (0..200).map(|seed| longest(&cell(seed), PATIENT)).max().unwrap();
     assert!(worst < Duration::from_secs(120), "{worst:?}");
-    assert!(starved > 5, "{starved}");
+    let starved = (0..40).filter(|&seed| longest(&cell(seed), Fairness::OFF) > Duration::from_secs(1800)).count();
+    assert!(starved > 10, "{starved}");
 }
