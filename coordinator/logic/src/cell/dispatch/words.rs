@@ -56,12 +56,13 @@ pub fn decision(table: &CellTable, started: &[(ModeId, Option<PartId>)], held: &
             Reason::LostTo(lost) if (lost.to, lost.with) == (mode, part) => Some((*loser, lost)),
             Reason::LostTo(_) | Reason::NotYet(_) | Reason::ReservedFor { .. } => None,
         });
-        for (at, (loser, lost)) in lost.enumerate() {
-            let joint = if at == 0 { "," } else { ";" };
+        let mut joint = ",";
+        for (loser, lost) in lost {
             // Writing to a string does not fail.
             let _ = write!(line, "{joint} before {}: {}", named(table, loser, lost.own), ground(&lost.by));
+            joint = ";";
         }
-        if !line.contains(", before ") {
+        if joint == "," {
             line.push_str(": nothing else wanted what it takes");
         }
         lines.push(line + ".");
