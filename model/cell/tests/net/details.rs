@@ -183,6 +183,37 @@ fn an_open_cell_makes_parts_as_they_enter() {
     assert!(!net.enabled(&marking).iter().any(|&mode| net.mode_name(mode).starts_with("enter")));
 }
 
+/// A human has one token for all he does: while he works he carries nothing, and while he carries he does not work.
+#[test]
+fn a_human_does_one_thing_at_a_time() {
+    let text = "name = \"hands\"\n[cell]\nwip_max = 2\n\
+         [[resource]]\nname = \"S\"\nprototype = \"random-access-store\"\ncapacity = 2\n\
+         [[resource]]\nname = \"ann\"\nprototype = \"human\"\n\
+         [[resource]]\nname = \"M\"\nprototype = \"machine\"\n\
+         [[sync]]\nname = \"enter\"\nactions = [\"outside.in\", \"S.store\"]\n\
+         [[sync]]\nname = \"take\"\nactions = [\"S.retrieve\", \"ann.load\"]\n\
+         [[sync]]\nname = \"give\"\nactions = [\"ann.unload\", \"S.store\"]\n\
+         [[sync]]\nname = \"carry\"\ntime_s = 1\nactions = [\"S.retrieve\", \"ann.pick-and-place\", \"M.load\"]\n\
+         [[sync]]\nname = \"leave\"\nactions = [\"M.unload\", \"outside.out\"]\n\
+         [[part]]\nname = \"x\"\nstep = [{ name = \"a\", on = [{ resource = \"ann\", time_s = 1 }] }, \
+         { name = \"b\", on = [{ resource = \"M\", time_s = 1 }] }]\n";
+    let made = made(text, Detail::Expanded, &[2]);
+    let net = made.net();
+    let mut marking = net.initial_marking();
+    let first = ["enter<x.new>", "take<x.new>", "ann.process.start<x.new>", "ann.process.end<x.new>", "give<x.a>"];
+    play(net, &mut marking, &first);
+    play(net, &mut marking, &["enter<x.new>", "take<x.new>"]);
+    let (work, carry) = (mode(net, "ann.process.start<x.new>"), mode(net, "carry.start<x.a>"));
+    for (one, other, end) in [(work, carry, "ann.process.end<x.new>"), (carry, work, "carry.end<x.a>")] {
+        let mut marking = marking.clone();
+        assert!(net.is_enabled(&marking, one) && net.is_enabled(&marking, other));
+        net.fire(&mut marking, one).expect("it is enabled");
+        assert!(!net.is_enabled(&marking, other));
+        play(net, &mut marking, &[end]);
+        assert!(net.is_enabled(&marking, other));
+    }
+}
+
 /// What takes time and has no capacity of its own happens once at a time for each stage (seed 000, proposition 15, L2385).
 #[test]
 fn a_stage_is_moved_once_at_a_time() {
