@@ -1,4 +1,4 @@
-//! From a cell's description to the table that the token player plays.
+//! From a cell's description to the table that the token player plays, and the dispatcher it asks.
 //!
 //! The only module here that knows descriptions. Each mode of the coordination net gets an activity of its own, since times
 //! and programs depend on the stage. What the net says of transitions and places is not worked out again.
@@ -15,6 +15,7 @@ use linewright_line::{Line, StationId};
 use linewright_nets::coloured::{ColouredError, Colours, UnfoldError, Unfolding, unfold};
 use thiserror::Error;
 
+use crate::cell::dispatch::{ByRules, Rule};
 use crate::cell::{Activity, ActivityKind, CellKind, CellTable, OrderTemplate, Pick, Plan, PlanError};
 
 /// At most so many places and transitions: a thousand resources need a tenth of it.
@@ -161,4 +162,24 @@ fn without_position(cell: &Cell) -> Vec<String> {
         order.parameters.iter().any(|(_, source)| matches!(source, ParameterSource::Position(_)))
     };
     orders.filter(|(_, order)| lacks(order)).map(|(of, order)| format!("{}: {}", of.name, order.task)).collect()
+}
+
+/// The dispatcher that a description asks for, without any timetable yet. Its table is [`Described::table`].
+pub fn dispatcher(cell: &Cell, table: &CellTable) -> ByRules {
+    let rules: Vec<Rule> = cell.dispatch.rules.iter().map(|&of| rule(of)).collect();
+    let mut by_rules = ByRules::new(table, &rules, cell.dispatch.patience);
+    by_rules.timetable.tolerance = cell.dispatch.window;
+    by_rules
+}
+
+fn rule(of: linewright_cell::Rule) -> Rule {
+    match of {
+        linewright_cell::Rule::Fifo => Rule::Fifo,
+        linewright_cell::Rule::ShortestProcessingTime => Rule::ShortestProcessingTime,
+        linewright_cell::Rule::EarliestDueDate => Rule::EarliestDueDate,
+        linewright_cell::Rule::LeastSlack => Rule::LeastSlack,
+        linewright_cell::Rule::CriticalRatio => Rule::CriticalRatio,
+        linewright_cell::Rule::Priority => Rule::Priority,
+        linewright_cell::Rule::Schedule => Rule::Schedule,
+    }
 }

@@ -15,10 +15,11 @@ use std::sync::Arc;
 use std::time::Duration;
 
 use linewright_cell::net::Supply;
+use linewright_coordinator_logic::cell::dispatch::{Fairness, words};
 use linewright_coordinator_logic::cell::{
-    ActivityKind, Answer, Dispatcher, Fifo, Held, Phase, Question, Reason, Start,
+    ActivityKind, Answer, Dispatcher, Fact, Fifo, Held, Outbox, Phase, Question, Reason, Start,
 };
-use linewright_coordinator_logic::described::{Described, Pace, Unplayable, described};
+use linewright_coordinator_logic::described::{Described, Pace, Unplayable, described, dispatcher};
 use linewright_line::Tick;
 use plans::Compiled;
 use world::World;
@@ -71,6 +72,28 @@ fn the_conflict_of_figure_41_arises_in_the_described_cell() {
     world.run(&mut script, Tick::from_millis(120_000));
     assert_eq!(script.starts, [""; 0], "all of it was played");
     assert_eq!(script.asked, ["load human<2.new>", "load human<3.new>", "unload robot_2<1.done>"]);
+}
+
+/// A4, seed 000, L2924-2944, by the rules of the description: nothing is planned, so the shortest goes first. The unloading
+/// takes 3 s; loading the human 2 s, and then he works for 5 s on part 2, for 4 s on part 3 (L2029-2035).
+#[test]
+fn the_described_cell_decides_its_conflict_by_its_own_rules() {
+    let starts = ["arrive<1.new>", "arrive<2.new>", "arrive<3.new>", "load robot_2<1.new>", "robot_2.process<1.new>"];
+    let mut script = Script { starts: starts.to_vec(), asked: Vec::new() };
+    let mut world = world(made(ASSEMBLY, Supply::Closed(&[1, 1, 1])), 3, 1);
+    world.run(&mut script, Tick::from_millis(60_000));
+    let cell = linewright_cell::parse("cell.toml", ASSEMBLY, None).expect("it is sound").cell;
+    let mut by_rules = dispatcher(&cell, &world.it.table);
+    // What was scripted has taken longer than parts should wait.
+    by_rules.fairness = Fairness::OFF;
+    let mut out = Outbox::default();
+    world.coordination.step(world.now, &[], &mut by_rules, &mut out);
+    let Fact::Decided { started, held, .. } = &out.records[0].fact else { panic!("{:?}", out.records) };
+    let said = words::decision(&world.it.table, started, held);
+    assert_eq!(started.len(), 1);
+    assert!(said[0].starts_with("`unload robot_2<1.done>` with part "), "{said:?}");
+    assert!(said[1].contains("by shortest-processing-time (takes 3 s; the other takes 7 s)"), "{said:?}");
+    assert!(said[2].contains("by shortest-processing-time (takes 3 s; the other takes 6 s)"), "{said:?}");
 }
 
 /// A5, seed 000, L2736: robot 1 loads the human with a part 2 while robot 2 works on a part 1. Orders are out to two

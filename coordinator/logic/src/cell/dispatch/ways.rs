@@ -4,12 +4,12 @@
 //! shortest way. Other tokens are left out of that: it is what the plan asks for, not what waiting for a robot adds.
 
 use std::cmp::Reverse;
-use std::collections::BinaryHeap;
+use std::collections::{BTreeSet, BinaryHeap};
 use std::time::Duration;
 
 use super::super::ids::{CellId, ModeId};
 use super::super::plan::ActivityKind;
-use super::super::table::CellTable;
+use super::super::table::{CellTable, Tokens};
 
 /// Ways through a table.
 #[derive(Clone, Debug, PartialEq, Eq)]
@@ -32,11 +32,16 @@ impl Ways {
             let takes = |&mode: &ModeId| table.takes(mode).iter().find(|(from, _)| *from == cell).map(|&(_, w)| w);
             table.consumers(cell).iter().all(|mode| takes(mode).is_some_and(|weight| gives(*mode, cell) >= weight))
         };
-        let alone = |mode: ModeId| matches!(table.takes(mode), [(cell, 1)] if table.part_in(mode) == Some(*cell));
-        let run_from = shortest(table, alone);
-        let run = table
-            .modes()
-            .map(|mode| time(table, mode) + table.part_out(mode).map_or(Duration::ZERO, |to| run_from[to.index()]));
+        let taken = |mode| others(table.takes(mode), table.part_in(mode));
+        let given = |mode| others(table.gives(mode), table.part_out(mode));
+        let alone = |mode: ModeId| taken(mode).is_empty();
+        let in_place = |mode: ModeId| alone(mode) || taken(mode) == given(mode);
+        let (after, while_kept) = (shortest(table, alone), shortest(table, in_place));
+        let run = table.modes().map(|mode| {
+            let keeps = taken(mode).iter().any(|of| !given(mode).contains(of));
+            let further = if keeps { &while_kept } else { &after };
+            time(table, mode) + table.part_out(mode).map_or(Duration::ZERO, |to| further[to.index()])
+        });
         Ways {
             remaining: shortest(table, |_| true),
             run: run.collect(),
@@ -51,8 +56,10 @@ impl Ways {
         self.remaining[cell.index()]
     }
 
-    /// How long a mode takes, and all that follows it without needing anything but the part: loading a machine and what
-    /// the machine then does. This is the processing time of a decision.
+    /// How long a mode takes, and all that follows from it without a further decision about others: what needs nothing but
+    /// the part; and, if the mode keeps something that it does not give back itself, also what needs other things for its
+    /// own time only. So it is loading, which takes the machine's place, and what the machine then does, or the human with
+    /// his attention; not the unloading, which gives the place back. This is the processing time of a decision.
     pub fn run(&self, mode: ModeId) -> Duration {
         self.run[mode.index()]
     }
@@ -66,6 +73,11 @@ impl Ways {
     pub(super) fn comes_back(&self, cell: CellId) -> bool {
         self.comes_back[cell.index()]
     }
+}
+
+/// Tokens beside the part.
+fn others(tokens: &[Tokens], part: Option<CellId>) -> BTreeSet<Tokens> {
+    tokens.iter().copied().filter(|&(cell, _)| Some(cell) != part).collect()
 }
 
 /// How long a mode takes by itself.

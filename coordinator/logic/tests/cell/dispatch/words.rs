@@ -44,9 +44,10 @@ fn a_decision_says_by_which_rule_and_with_which_numbers() {
         last(&[Rule::Fifo]),
         "`work_d` with part 4 is held: `work_a` with part 1 goes first: by fifo (has waited 9 s; the other has waited 6 s)."
     );
+    // By this rule a and c enter before b, so that is part 3.
     assert_eq!(
         last(&[Rule::ShortestProcessingTime]),
-        "`work_d` with part 4 is held: `work_b` with part 2 goes first: by shortest-processing-time (takes 2 s; the other \
+        "`work_d` with part 4 is held: `work_b` with part 3 goes first: by shortest-processing-time (takes 2 s; the other \
          takes 5 s)."
     );
     assert_eq!(
