@@ -43,7 +43,7 @@ file = "probe.dbc"
 
 [[device.dbc.receive]]
 message = "ProbeState"
-timeout_ms = 200
+timeout_ms = 2000
 counter = "Alive"
 checksum = { signal = "Check", kind = "crc8" }
 inputs = [{ input = "tool_broken", signal = "Broken", equals = 1 }]

@@ -30,6 +30,8 @@ pub enum Reason {
     SelectorManual(StationId),
     /// A station is still moving.
     Moving(StationId),
+    /// A station stands, and has not acknowledged yet that it is to.
+    Unaware(StationId),
     /// A station is not at home.
     NotAtHome(StationId),
     /// A station is at home, but a round behind another.
@@ -88,6 +90,7 @@ impl Reason {
             Reason::Restarted(s) => format!("{} was restarted: give start or go through manual first", name(s)),
             Reason::SelectorManual(s) => format!("the selector of {} stands at manual", name(s)),
             Reason::Moving(s) => format!("{} is still moving", name(s)),
+            Reason::Unaware(s) => format!("{} has not acknowledged stand-by yet", name(s)),
             Reason::NotAtHome(s) => format!("{} is not at home", name(s)),
             Reason::Behind(s) => format!("{} is at home, but a cycle behind: give auto and then stop", name(s)),
         }

@@ -209,7 +209,7 @@ fn home_is_reached_only_when_every_station_has_heard_of_the_stop() {
 /// The same for stand-by: what a station was ordered in auto it may have begun since it was last heard.
 #[test]
 fn in_stand_by_a_station_stands_only_when_it_has_heard_of_it() {
-    for command in [Command::Stop, Command::Hand, Command::Manual] {
+    for command in [Command::Stop, Command::Hand] {
         let mut bench = Bench::in_mode(ControlMode::Auto);
         bench.acknowledge = false;
         bench.heard[1].devices_valid = false;
@@ -218,10 +218,28 @@ fn in_stand_by_a_station_stands_only_when_it_has_heard_of_it() {
         bench.heard[1].devices_valid = true;
         bench.say(1);
         let refusal = bench.command(command).expect("nobody has heard of stand-by");
-        assert!(refusal.contains("transfer is still moving"), "{refusal}");
+        assert!(refusal.contains("transfer has not acknowledged stand-by yet"), "{refusal}");
         bench.acknowledge = true;
         bench.beat();
         assert_eq!(bench.command(command), None);
         assert_ne!(bench.mode(), ControlMode::StandBy);
     }
+}
+
+#[test]
+fn manual_is_entered_as_soon_as_every_station_has_heard_of_stand_by() {
+    let mut bench = Bench::in_mode(ControlMode::Auto);
+    bench.acknowledge = false;
+    bench.heard[1].devices_valid = false;
+    bench.say(1);
+    assert_eq!(bench.command(Command::Manual), None);
+    assert_eq!(bench.mode(), ControlMode::StandBy);
+    // One of them had begun to move.
+    bench.heard[0] = Heard { stopped: false, mode_epoch: bench.coordinator.epoch(), ..bench.heard[0] };
+    bench.acknowledge = true;
+    bench.beat();
+    assert_eq!(bench.mode(), ControlMode::StandBy);
+    bench.heard[0].stopped = true;
+    bench.beat();
+    assert_eq!(bench.mode(), ControlMode::Manual);
 }

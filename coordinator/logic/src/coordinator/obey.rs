@@ -41,14 +41,14 @@ impl Coordinator {
                 let latest = self.latest_round();
                 reasons.extend(self.which(|h| h.at_home && h.round != latest, Reason::Behind));
                 reasons.extend(self.which(|h| !h.at_home, Reason::NotAtHome));
-                reasons.extend(self.which(|h| !self.is_at_rest(h), Reason::Moving));
+                reasons.extend(self.against_rest());
                 reasons.extend(self.which(|h| h.selector_manual, Reason::SelectorManual));
                 self.ask(command, reasons)
             }
             (M::StandBy | M::Hand, C::Auto) => self.ask(command, self.against_motion()),
             (M::StandBy, C::Hand) => {
                 let mut reasons = self.against_motion();
-                reasons.extend(self.which(|h| !self.is_at_rest(h), Reason::Moving));
+                reasons.extend(self.against_rest());
                 self.ask(command, reasons)
             }
             (M::StandBy | M::Auto | M::Hand | M::Manual, C::Reset) => Vec::new(),
@@ -91,6 +91,12 @@ impl Coordinator {
         reasons
     }
 
+    fn against_rest(&self) -> Vec<Reason> {
+        let mut reasons = self.which(|h| !h.stopped, Reason::Moving);
+        reasons.extend(self.which(|h| h.stopped && !self.is_at_rest(h), Reason::Unaware));
+        reasons
+    }
+
     fn reset(&mut self) -> Vec<Reason> {
         if self.wired(self.line.console.estop) {
             return vec![Reason::EStopPressed];
@@ -104,9 +110,10 @@ impl Coordinator {
     }
 
     fn go_manual(&mut self) -> Vec<Reason> {
-        let mut reasons = self.which(|h| !self.is_at_rest(h), Reason::Moving);
+        let mut reasons = self.which(|h| !h.stopped, Reason::Moving);
         reasons.extend(self.unheard());
         if reasons.is_empty() {
+            // Who has not acknowledged stand-by yet does so in a moment, and the mode follows then.
             self.manual_all = true;
             self.decide(None);
         }
