@@ -15,7 +15,7 @@ use linewright_line::{Line, StationId};
 use linewright_nets::coloured::{ColouredError, Colours, UnfoldError, Unfolding, unfold};
 use thiserror::Error;
 
-use crate::cell::dispatch::{ByRules, Rule};
+use crate::cell::dispatch::ByRules;
 use crate::cell::{Activity, ActivityKind, CellKind, CellTable, OrderTemplate, Pick, Plan, PlanError};
 
 /// At most so many places and transitions: a thousand resources need a tenth of it.
@@ -166,20 +166,7 @@ fn without_position(cell: &Cell) -> Vec<String> {
 
 /// The dispatcher that a description asks for, without any timetable yet. Its table is [`Described::table`].
 pub fn dispatcher(cell: &Cell, table: &CellTable) -> ByRules {
-    let rules: Vec<Rule> = cell.dispatch.rules.iter().map(|&of| rule(of)).collect();
-    let mut by_rules = ByRules::new(table, &rules, cell.dispatch.patience);
+    let mut by_rules = ByRules::new(table, &cell.dispatch.rules, cell.dispatch.patience);
     by_rules.timetable.tolerance = cell.dispatch.window;
     by_rules
-}
-
-fn rule(of: linewright_cell::Rule) -> Rule {
-    match of {
-        linewright_cell::Rule::Fifo => Rule::Fifo,
-        linewright_cell::Rule::ShortestProcessingTime => Rule::ShortestProcessingTime,
-        linewright_cell::Rule::EarliestDueDate => Rule::EarliestDueDate,
-        linewright_cell::Rule::LeastSlack => Rule::LeastSlack,
-        linewright_cell::Rule::CriticalRatio => Rule::CriticalRatio,
-        linewright_cell::Rule::Priority => Rule::Priority,
-        linewright_cell::Rule::Schedule => Rule::Schedule,
-    }
 }

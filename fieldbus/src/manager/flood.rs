@@ -15,7 +15,7 @@ use super::trouble::Why;
 
 /// Lets a few through at once, and after that one every so often.
 #[derive(Clone, Copy, Debug)]
-pub(super) struct Budget {
+pub struct Budget {
     burst: u32,
     every: Duration,
     left: u32,
@@ -23,6 +23,7 @@ pub(super) struct Budget {
 }
 
 impl Budget {
+    /// So many at once, and one every so often.
     pub const fn new(burst: u32, every: Duration) -> Self {
         Budget { burst, every, left: burst, since: Tick::ZERO }
     }

@@ -4,6 +4,7 @@
 //! without a `Result`. Fields are public because a cell is data. Times are nominal; limits are what may pass before
 //! something counts as failed. Nothing here moves.
 
+use std::fmt;
 use std::ops::Range;
 use std::time::Duration;
 
@@ -74,21 +75,22 @@ pub struct Dispatch {
 }
 
 /// A rule of the dispatcher.
-#[derive(Clone, Copy, Debug, PartialEq, Eq, Hash)]
+#[derive(Clone, Copy, Debug, PartialEq, Eq, PartialOrd, Ord, Hash)]
 pub enum Rule {
-    /// Who has waited longest.
+    /// First come, first served: the part that has been where it is for longest.
     Fifo,
-    /// What takes least time.
+    /// What takes least time, with what then follows by itself.
     ShortestProcessingTime,
-    /// What is due first.
+    /// The part that is due first; those that never are come last.
     EarliestDueDate,
-    /// What has least time to spare.
+    /// The part with the least slack: time until it is due, less the work that remains.
     LeastSlack,
-    /// Time left by work left.
+    /// The part with the smallest ratio of time until it is due to work that remains. Below 1 it will be late; below 0
+    /// it is.
     CriticalRatio,
-    /// What its order says.
+    /// The part whose order has the highest priority.
     Priority,
-    /// As planned.
+    /// What the timetable has first. What it has for later is held; what should have begun before comes first.
     Schedule,
 }
 
@@ -349,4 +351,11 @@ impl Rule {
         ("priority", Rule::Priority),
         ("schedule", Rule::Schedule),
     ];
+}
+
+impl fmt::Display for Rule {
+    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
+        let (word, _) = Rule::ALL.iter().find(|(_, rule)| rule == self).ok_or(fmt::Error)?;
+        f.write_str(word)
+    }
 }

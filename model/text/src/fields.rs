@@ -4,6 +4,7 @@
 //! are the same. It remembers which keys were asked for, so the list of known keys exists only once, as the code that
 //! reads them; [`Fields::finish`] reports the others.
 
+use std::fmt;
 use std::time::Duration;
 
 use toml_edit::{Item, TableLike, Value};
@@ -146,14 +147,8 @@ impl<'a> Fields<'a> {
     /// A number above zero: a distance, a speed, a ratio.
     pub fn positive(&mut self, report: &mut Report, key: &'static str) -> Option<At<f64>> {
         let number = self.read(report, key, "a number", number)?;
-        if (POSITIVE_MIN..=POSITIVE_MAX).contains(&number.value) {
-            return Some(number);
-        }
-        report.add(
-            Problem::error(number.at, format!("`{key}` is {}", number.value))
-                .hint("a number above zero, at least 0.000001 and at most 1000000000"),
-        );
-        None
+        let fits = (POSITIVE_MIN..=POSITIVE_MAX).contains(&number.value);
+        checked(report, key, number, fits, "a number above zero, at least 0.000001 and at most 1000000000")
     }
 
     /// A number above zero, which may not be missing.
@@ -165,11 +160,8 @@ impl<'a> Fields<'a> {
     /// Any number.
     pub fn number(&mut self, report: &mut Report, key: &'static str) -> Option<At<f64>> {
         let number = self.read(report, key, "a number", number)?;
-        if number.value.is_finite() {
-            return Some(number);
-        }
-        report.add(Problem::error(number.at, format!("`{key}` is {}", number.value)).hint("a finite number"));
-        None
+        let fits = number.value.is_finite();
+        checked(report, key, number, fits, "a finite number")
     }
 
     /// Any number, which may not be missing.
@@ -181,25 +173,15 @@ impl<'a> Fields<'a> {
     /// A number within bounds.
     pub fn within(&mut self, report: &mut Report, key: &'static str, low: f64, high: f64) -> Option<At<f64>> {
         let number = self.read(report, key, "a number", number)?;
-        if (low..=high).contains(&number.value) {
-            return Some(number);
-        }
-        report.add(
-            Problem::error(number.at, format!("`{key}` is {}", number.value)).hint(format!("between {low} and {high}")),
-        );
-        None
+        let fits = (low..=high).contains(&number.value);
+        checked(report, key, number, fits, format!("between {low} and {high}"))
     }
 
     /// A whole number within bounds.
     pub fn whole(&mut self, report: &mut Report, key: &'static str, low: i64, high: i64) -> Option<At<i64>> {
         let number = self.integer(report, key)?;
-        if (low..=high).contains(&number.value) {
-            return Some(number);
-        }
-        report.add(
-            Problem::error(number.at, format!("`{key}` is {}", number.value)).hint(format!("between {low} and {high}")),
-        );
-        None
+        let fits = (low..=high).contains(&number.value);
+        checked(report, key, number, fits, format!("between {low} and {high}"))
     }
 
     /// One of a few words; the first one where nothing is written.
@@ -420,6 +402,21 @@ impl<'a> Fields<'a> {
 /// A whole number will do where a number is wanted.
 fn number(item: &Item) -> Option<f64> {
     item.as_float().or_else(|| item.as_integer().map(|whole| whole as f64))
+}
+
+/// A number that is one of those it may be; `hint` says which.
+fn checked<T: fmt::Display>(
+    report: &mut Report,
+    key: &str,
+    number: At<T>,
+    fits: bool,
+    hint: impl Into<String>,
+) -> Option<At<T>> {
+    if fits {
+        return Some(number);
+    }
+    report.add(Problem::error(number.at, format!("`{key}` is {}", number.value)).hint(hint));
+    None
 }
 
 fn checked_coordinate(report: &mut Report, number: At<f64>, key: &str) -> Option<At<f64>> {

@@ -220,6 +220,24 @@ impl Report {
         !self.errors.is_empty()
     }
 
+    /// What was read, with the warnings, if nothing forbids using it; otherwise all problems. That nothing could be read
+    /// and no rule says why would be a mistake of the program, and is said as one.
+    pub fn close<T>(mut self, read: Option<T>, file_name: &str, text: &str) -> Result<(T, Vec<Problem>), Problems> {
+        let has_errors = self.has_errors();
+        match read {
+            Some(read) if !has_errors => Ok((read, self.into_problems(file_name, text).into_vec())),
+            _ => {
+                if !has_errors {
+                    self.add(
+                        Problem::error(0..0, "this description is incomplete in a way that no rule explains")
+                            .hint("this is a mistake of the program: please report it, with the file"),
+                    );
+                }
+                Err(self.into_problems(file_name, text))
+            }
+        }
+    }
+
     /// All of them, with the text they point into.
     pub fn into_problems(self, file_name: &str, text: &str) -> Problems {
         let is_cut = self.is_full();

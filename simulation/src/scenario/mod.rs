@@ -40,12 +40,8 @@ impl Scenario {
         let mut report = Report::default();
         let is_bounded = linewright_text::is_bounded(text, "the scenario", &mut report);
         let scenario = if is_bounded { read::scenario(line, text, &mut report) } else { None };
-        match scenario {
-            Some(scenario) if !report.has_errors() => {
-                Ok(Scenario { file_name: file_name.to_owned(), text: text.to_owned(), ..scenario })
-            }
-            _ => Err(report.into_problems(file_name, text)),
-        }
+        let (scenario, _) = report.close(scenario, file_name, text)?;
+        Ok(Scenario { file_name: file_name.to_owned(), text: text.to_owned(), ..scenario })
     }
 
     /// The place of a step that failed, from 0, with the reason.

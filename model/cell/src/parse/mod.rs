@@ -42,19 +42,8 @@ pub struct Parsed {
 pub fn parse(file_name: &str, text: &str, line: Option<&Line>) -> Result<Parsed, Problems> {
     let mut report = Report::default();
     let cell = understand(text, line, &mut report);
-    let has_errors = report.has_errors();
-    match cell {
-        Some(cell) if !has_errors => Ok(Parsed { cell, warnings: report.into_problems(file_name, text).into_vec() }),
-        _ => {
-            if !has_errors {
-                report.add(
-                    Problem::error(0..0, "this description is incomplete in a way that no rule explains")
-                        .hint("this is a mistake of the program: please report it, with the file"),
-                );
-            }
-            Err(report.into_problems(file_name, text))
-        }
-    }
+    let (cell, warnings) = report.close(cell, file_name, text)?;
+    Ok(Parsed { cell, warnings })
 }
 
 fn understand(text: &str, line: Option<&Line>, report: &mut Report) -> Option<Cell> {

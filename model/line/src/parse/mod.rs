@@ -47,19 +47,8 @@ pub struct Parsed {
 pub fn parse(file_name: &str, text: &str) -> Result<Parsed, Problems> {
     let mut report = Report::default();
     let line = understand(text, &mut report);
-    let has_errors = report.has_errors();
-    match line {
-        Some(line) if !has_errors => Ok(Parsed { line, warnings: report.into_problems(file_name, text).into_vec() }),
-        _ => {
-            if !has_errors {
-                report.add(
-                    Problem::error(0..0, "this description is incomplete in a way that no rule explains")
-                        .hint("this is a mistake of the program: please report it, with the file"),
-                );
-            }
-            Err(report.into_problems(file_name, text))
-        }
-    }
+    let (line, warnings) = report.close(line, file_name, text)?;
+    Ok(Parsed { line, warnings })
 }
 
 fn understand(text: &str, report: &mut Report) -> Option<Line> {

@@ -4,6 +4,7 @@
 //! begin and end to apply, and once a second meanwhile.
 
 use linewright_fieldbus::Driver;
+use linewright_fieldbus::manager::Budget;
 use linewright_line::{Owner, Tick};
 use linewright_msgs::{Text, cut};
 use linewright_node_shell::{Node, Publisher, TopicError, qos};
@@ -17,10 +18,7 @@ pub struct Trouble {
     publisher: Publisher<Text>,
     text: String,
     valid: Option<bool>,
-    told: Tick,
-    /// When the present second of news began, and how much was told in it.
-    second: Tick,
-    at_once: u32,
+    news: Budget,
     due: Tick,
 }
 
@@ -28,16 +26,8 @@ impl Trouble {
     /// Opens the topic.
     pub fn open(node: &mut Node, topic: &str, owner: Owner) -> Result<Self, TopicError> {
         let publisher = node.publisher(topic, qos::latched_state())?;
-        Ok(Trouble {
-            owner,
-            publisher,
-            text: String::new(),
-            valid: None,
-            told: Tick::ZERO,
-            second: Tick::ZERO,
-            at_once: 0,
-            due: Tick::ZERO,
-        })
+        let news = Budget::new(STATES_MAX, NEWS_EVERY);
+        Ok(Trouble { owner, publisher, text: String::new(), valid: None, news, due: Tick::ZERO })
     }
 
     /// Tells what there is to tell now.
@@ -48,15 +38,11 @@ impl Trouble {
         }
         // A device that comes and goes must not flood a reliable topic. What is not told now is told at the next look,
         // which is never far: the manager's heartbeat alone calls for one.
-        if self.second + EVERY <= now {
-            (self.second, self.at_once) = (now, 0);
-        }
-        if self.at_once >= STATES_MAX && now < self.told + NEWS_EVERY {
+        if !self.news.take(now) {
             return;
         }
-        self.at_once += 1;
         self.valid = Some(valid);
-        (self.told, self.due) = (now, now + EVERY);
+        self.due = now + EVERY;
         let text = in_words(driver, self.owner);
         if text != self.text || text.is_empty() {
             self.text.clone_from(&text);

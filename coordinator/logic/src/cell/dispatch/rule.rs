@@ -12,58 +12,12 @@ use std::collections::BTreeMap;
 use std::fmt;
 use std::time::Duration;
 
+pub use linewright_cell::Rule;
 use linewright_line::Tick;
 
 use super::super::ids::{ModeId, PartId};
 use super::super::state::State;
 use super::ways::{Ways, time};
-
-/// A rule by which one candidate comes before another.
-#[derive(Clone, Copy, Debug, PartialEq, Eq, PartialOrd, Ord, Hash)]
-pub enum Rule {
-    /// First come, first served: the part that has been where it is for longest.
-    Fifo,
-    /// What takes least time, with what then follows by itself ([`Ways::run`]).
-    ShortestProcessingTime,
-    /// The part that is due first; those that never are come last.
-    EarliestDueDate,
-    /// The part with the least slack: time until it is due, less the work that remains.
-    LeastSlack,
-    /// The part with the smallest ratio of time until it is due to work that remains. Below 1 it will be late; below 0
-    /// it is.
-    CriticalRatio,
-    /// The part whose order has the highest priority.
-    Priority,
-    /// What the timetable has first. What it has for later is held; what should have begun before comes first.
-    Schedule,
-}
-
-impl Rule {
-    /// All of them.
-    pub const ALL: [Rule; 7] = [
-        Rule::Fifo,
-        Rule::ShortestProcessingTime,
-        Rule::EarliestDueDate,
-        Rule::LeastSlack,
-        Rule::CriticalRatio,
-        Rule::Priority,
-        Rule::Schedule,
-    ];
-}
-
-impl fmt::Display for Rule {
-    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
-        f.write_str(match self {
-            Rule::Fifo => "fifo",
-            Rule::ShortestProcessingTime => "shortest-processing-time",
-            Rule::EarliestDueDate => "earliest-due-date",
-            Rule::LeastSlack => "least-slack",
-            Rule::CriticalRatio => "critical-ratio",
-            Rule::Priority => "priority",
-            Rule::Schedule => "schedule",
-        })
-    }
-}
 
 /// What is known of a part beside where it is.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]

@@ -153,7 +153,7 @@ impl Dispatcher for Judge {
 }
 
 fn rules(dice: &mut Dice) -> Vec<Rule> {
-    (0..dice.below(4)).map(|_| *dice.pick(&Rule::ALL)).collect()
+    (0..dice.below(4)).map(|_| dice.pick(&Rule::ALL).1).collect()
 }
 
 fn fairness(dice: &mut Dice) -> Fairness {

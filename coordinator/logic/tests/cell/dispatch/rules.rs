@@ -226,7 +226,7 @@ fn no_rule_is_faster_than_the_optimum_and_none_idles() {
     for (parts, best) in [([1, 1, 1], 17_500), ([2, 2, 1], 31_000), ([2, 2, 2], 35_000), ([3, 3, 3], 52_500)] {
         let it = assembly(parts);
         let all: u64 = parts.iter().zip([13_500, 9000, 8000]).map(|(&count, work)| u64::from(count) * work).sum();
-        for rules in Rule::ALL.map(|rule| vec![rule]).into_iter().chain([vec![]]) {
+        for rules in Rule::ALL.map(|(_, rule)| vec![rule]).into_iter().chain([vec![]]) {
             let mut by_rules = ByRules::new(&it.table, &rules, Duration::from_secs(1000));
             for part in 1..=parts.iter().sum::<u32>() {
                 let due = Some(Tick::from_millis(u64::from(part * 7919 % 50_000)));
