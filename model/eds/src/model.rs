@@ -164,11 +164,11 @@ impl Entry {
     /// The limit a value is beyond, if it is.
     pub fn limit_broken(&self, value: &Value, node: NodeId) -> Option<(&'static str, Value)> {
         let low = self.low.as_ref().map(|low| low.for_node(node));
-        if let Some(low) = low.filter(|low| value.is_less(low) == Some(true)) {
+        if let Some(low) = low.filter(|low| value.is_less(low) == Some(true) || value.is_no_number()) {
             return Some(("LowLimit", low));
         }
         let high = self.high.as_ref().map(|high| high.for_node(node));
-        high.filter(|high| high.is_less(value) == Some(true)).map(|high| ("HighLimit", high))
+        high.filter(|high| high.is_less(value) == Some(true) || value.is_no_number()).map(|high| ("HighLimit", high))
     }
 }
 

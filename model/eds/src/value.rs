@@ -68,6 +68,15 @@ impl Value {
         self.whole().and_then(|value| u64::try_from(value).ok())
     }
 
+    /// Whether it is real and no number: it has no order, and lies between no limits.
+    pub(crate) fn is_no_number(&self) -> bool {
+        match self {
+            Value::Real32(value) => value.is_nan(),
+            Value::Real64(value) => value.is_nan(),
+            Value::Boolean(_) | Value::Integer(_) | Value::Unsigned(_) | Value::Text(_) | Value::Bytes(_) => false,
+        }
+    }
+
     /// Whether it is less than `other`; `None` between values that have no order.
     pub(crate) fn is_less(&self, other: &Value) -> Option<bool> {
         match (self, other) {

@@ -126,6 +126,10 @@ fn limits_are_kept() {
         &["16:14: warning: [6000] DefaultValue: -2 is beyond LowLimit, which is -1"],
     );
     expect(
+        &var("DataType=8\nHighLimit=1.5\nParameterValue=nan\n"),
+        &["16:16: [6000] ParameterValue: NaN is beyond HighLimit, which is 1.5"],
+    );
+    expect(
         &var("DataType=5\nLowLimit=9\nHighLimit=1\nParameterValue=200\n"),
         &["16:11: warning: [6000] HighLimit: 1 is less than LowLimit, which is 9; both are ignored"],
     );
