@@ -1,6 +1,6 @@
 //! The ROS 2 interfaces of a line.
 //!
-//! Each message exists twice: as a `.msg` file under `msg/`, from which a ROS 2 workspace generates
+//! Each message exists twice: as a `.msg` file under `msg/` (those of an action in one file under `action/`), from which a ROS 2 workspace generates
 //! C++ and Python, and as the Rust struct of the same name here. The struct is written once, with the
 //! `message!` macro of `macros.rs`, which also records its fields and constants; `tests/msg_files.rs`
 //! compares that record with the parsed `.msg` file, and `tests/golden.rs` compares the bytes with
@@ -14,6 +14,7 @@ mod diagnostics;
 mod invalid;
 mod line;
 mod macros;
+mod order;
 mod services;
 mod station;
 mod std_types;
@@ -22,6 +23,7 @@ pub use describe::{Bounded, Constant, Field, RosField, RosMessage};
 pub use diagnostics::{Byte, DiagnosticArray, DiagnosticStatus, KeyValue};
 pub use invalid::{ITEMS_MAX, Invalid, TEXT_BYTES_MAX, cut, fitting};
 pub use line::{LineState, ModeOrder};
+pub use order::{OrderEnd, OrderState, RosAction, RunTask, RunTaskFeedback, RunTaskGoal, RunTaskResult};
 pub use services::{
     CORead, COReadID, COWrite, COWriteID, CoReadIdRequest, CoReadIdResponse, CoReadRequest, CoReadResponse,
     CoWriteIdRequest, CoWriteIdResponse, CoWriteRequest, CoWriteResponse, RosService, Trigger, TriggerRequest,

@@ -70,4 +70,9 @@ fn version_1() {
     holds("v1", value);
     holds("v1", samples::co_write_id());
     holds("v1", samples::trigger());
+    let (goal, result, feedback) = samples::run_task();
+    holds("v1", goal);
+    holds("v1", result);
+    holds("v1", feedback);
+    holds("v1", samples::order_state());
 }

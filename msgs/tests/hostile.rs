@@ -9,7 +9,8 @@ mod samples;
 
 use byteorder::LittleEndian;
 use linewright_msgs::{
-    Invalid, LineState, ModeOrder, ProcessImage, RosMessage, StationEvent, StationState, TEXT_BYTES_MAX, Text,
+    Invalid, LineState, ModeOrder, OrderState, ProcessImage, RosMessage, RunTaskGoal, RunTaskResult, StationEvent,
+    StationState, TEXT_BYTES_MAX, Text,
 };
 use proptest::prelude::*;
 
@@ -36,6 +37,8 @@ fn every_truncation_is_an_error() {
     all(&samples::line_state());
     all(&samples::text());
     all(&samples::flag());
+    all(&samples::run_task().0);
+    all(&samples::order_state());
 }
 
 #[test]
@@ -90,6 +93,30 @@ fn what_decodes_is_not_yet_believed() {
 }
 
 #[test]
+fn orders_are_not_yet_believed() {
+    type Spoil = fn(&mut OrderState);
+    let good = samples::order_state();
+    let cases: [(Spoil, &str); 6] = [
+        (|s| s.memory = 0, "memory"),
+        (|s| s.doing_id = 0, "doing_id"),
+        (|s| s.phase = 4, "phase is 4, known are 1 to 3"),
+        (|s| (s.doing_epoch, s.doing_id) = (0, 0), "phase is 1, known are 0 to 0"),
+        (|s| s.ended = s.refused.clone(), "ended: end is 3, known are 0 to 2"),
+        (|s| s.refused = s.ended.clone(), "refused: end is 0, known are 3 to 3"),
+    ];
+    for (spoil, expected) in cases {
+        let mut state = good.clone();
+        spoil(&mut state);
+        let error = state.validate().expect_err(expected).to_string();
+        assert!(error.contains(expected), "{error}");
+    }
+    let (goal, result, _) = samples::run_task();
+    assert!(RunTaskGoal { parameters: vec![1], ..goal.clone() }.validate().is_err());
+    assert!(RunTaskGoal { epoch: 0, ..goal }.validate().is_err());
+    assert!(RunTaskResult { code: 0, ..result }.validate().is_err(), "a refusal has a reason");
+}
+
+#[test]
 fn an_image_is_one_little_endian_number() {
     let mut image = samples::process_image();
     image.set_word(1 << 127 | 0b101);
@@ -108,6 +135,8 @@ proptest! {
         if let Some(message) = decode::<ModeOrder>(&bytes) { let _ = message.validate(); }
         if let Some(message) = decode::<LineState>(&bytes) { let _ = message.validate(); }
         if let Some(message) = decode::<Text>(&bytes) { let _ = message.validate(); }
+        if let Some(message) = decode::<RunTaskGoal>(&bytes) { let _ = message.validate(); }
+        if let Some(message) = decode::<OrderState>(&bytes) { let _ = message.validate(); }
     }
 
     #[test]

@@ -6,8 +6,8 @@
 
 use linewright_msgs::{
     Answer, Byte, CORead, COReadID, COWrite, COWriteID, Constant, DiagnosticArray, DiagnosticStatus, Flag, Header,
-    KeyValue, LineState, ModeOrder, PACKAGE, ProcessImage, RosMessage, RosService, StationEvent, StationState, Text,
-    Time, Trigger,
+    KeyValue, LineState, ModeOrder, OrderEnd, OrderState, PACKAGE, ProcessImage, RosAction, RosMessage, RosService,
+    RunTask, StationEvent, StationState, Text, Time, Trigger,
 };
 use std::collections::BTreeSet;
 use std::path::PathBuf;
@@ -63,6 +63,8 @@ fn every_msg_file_has_a_struct_that_says_the_same() {
     same::<Answer>(&mut checked);
     same::<LineState>(&mut checked);
     same::<ModeOrder>(&mut checked);
+    same::<OrderEnd>(&mut checked);
+    same::<OrderState>(&mut checked);
     same::<ProcessImage>(&mut checked);
     same::<StationEvent>(&mut checked);
     same::<StationState>(&mut checked);
@@ -75,6 +77,17 @@ fn every_msg_file_has_a_struct_that_says_the_same() {
     for file in &files {
         assert!(cmake.contains(&format!("\"msg/{file}\"")), "{file} is not listed in CMakeLists.txt");
     }
+}
+
+#[test]
+fn the_action_is_what_its_file_says() {
+    let text = include_str!("../action/RunTask.action");
+    let parts: Vec<&str> = text.split("---\n").collect();
+    let [goal, result, feedback] = parts[..] else { panic!("{} parts", parts.len()) };
+    assert_eq!(recorded::<<RunTask as RosAction>::Goal>(), parse(goal));
+    assert_eq!(recorded::<<RunTask as RosAction>::Result>(), parse(result));
+    assert_eq!(recorded::<<RunTask as RosAction>::Feedback>(), parse(feedback));
+    assert!(include_str!("../CMakeLists.txt").contains(&format!("\"action/{}.action\"", RunTask::NAME)));
 }
 
 #[test]

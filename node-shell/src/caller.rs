@@ -57,7 +57,7 @@ pub enum CallError {
 /// A message as the client library wants it.
 #[derive(Clone, Serialize, Deserialize)]
 #[serde(transparent)]
-pub(crate) struct Wire<T>(T);
+pub(crate) struct Wire<T>(pub(crate) T);
 
 impl<T: RosMessage> ros2_client::Message for Wire<T> {}
 

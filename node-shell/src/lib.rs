@@ -9,7 +9,9 @@
 //! This crate knows nothing of lines and modes. It decides nothing a controller cares about: a
 //! message arrives with its source, or it does not arrive.
 
+mod action;
 mod args;
+mod bytes;
 mod caller;
 mod environment;
 mod identity;
@@ -24,6 +26,7 @@ mod relay;
 mod service;
 mod subscription;
 
+pub use action::{Action, ActionCaller, Asked, Ended, Goal, GoalError, Outcome, Owner, serve_action};
 pub use args::{ArgsError, LogLevel, ParamValue, RosArgs};
 pub use caller::{CallError, Caller, Mapping};
 pub use environment::{EnvironmentError, Range};

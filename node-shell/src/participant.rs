@@ -8,13 +8,16 @@
 //! that it announces itself and sends on the loopback address only; its sockets still listen on all,
 //! so this is a habit, not a firewall.
 
+use crate::action::{self, Action, ActionCaller, RawAction};
 use crate::caller::{Caller, Mapping};
 use crate::names::{self, NameError};
 use crate::relay::{self, Relay};
 use crate::service::Service;
 use crate::{Publisher, Range, RosArgs, Subscription, qos};
-use linewright_msgs::{RosMessage, RosService};
-use ros2_client::{Context, MessageTypeName, Name, NodeName, NodeOptions, QosProfile, ServiceMapping, ServiceTypeName};
+use linewright_msgs::{RosAction, RosMessage, RosService};
+use ros2_client::{
+    ActionTypeName, Context, MessageTypeName, Name, NodeName, NodeOptions, QosProfile, ServiceMapping, ServiceTypeName,
+};
 use rustdds::DomainParticipantBuilder;
 use std::net::Ipv4Addr;
 use std::sync::Arc;
@@ -193,10 +196,37 @@ impl Node {
         }
     }
 
+    /// Offers an action; the name expands as a topic's does. Hand it to [`serve_action`](crate::serve_action).
+    pub fn action<A: RosAction>(&mut self, name: &str) -> Result<Action<A>, TopicError> {
+        let (dds_name, full) = self.parsed(name)?;
+        let kind = ActionTypeName::new(A::PACKAGE, A::NAME);
+        let mut server = |mapping| -> Result<RawAction<A>, TopicError> {
+            let created = self.inner.create_action_server(mapping, &dds_name, &kind, action::server_qos());
+            created.map_err(|e| TopicError::Middleware { topic: full.clone(), reason: e.to_string() })
+        };
+        let servers = [server(ServiceMapping::Enhanced)?, server(ServiceMapping::Cyclone)?];
+        Ok(Action { servers, name: full })
+    }
+
+    /// Prepares to ask for an action.
+    pub fn action_caller<A: RosAction>(&mut self, name: &str, mapping: Mapping) -> Result<ActionCaller<A>, TopicError> {
+        let (dds_name, full) = self.parsed(name)?;
+        let kind = ActionTypeName::new(A::PACKAGE, A::NAME);
+        match self.inner.create_action_client(mapping.into(), &dds_name, &kind, action::client_qos()) {
+            Ok(inner) => Ok(ActionCaller { inner, name: full }),
+            Err(e) => Err(TopicError::Middleware { topic: full, reason: e.to_string() }),
+        }
+    }
+
     fn service_name<S: RosService>(&self, name: &str) -> Result<(Name, ServiceTypeName, String), TopicError> {
+        let (name, full) = self.parsed(name)?;
+        Ok((name, ServiceTypeName::new(S::PACKAGE, S::NAME), full))
+    }
+
+    fn parsed(&self, name: &str) -> Result<(Name, String), TopicError> {
         let full = self.resolve(name)?;
         match Name::parse(&full) {
-            Ok(name) => Ok((name, ServiceTypeName::new(S::PACKAGE, S::NAME), full)),
+            Ok(name) => Ok((name, full)),
             Err(e) => Err(TopicError::Middleware { topic: full, reason: e.to_string() }),
         }
     }

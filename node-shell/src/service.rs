@@ -20,11 +20,10 @@ use std::time::Duration;
 
 use linewright_msgs::{RosMessage, RosService};
 use ros2_client::{ReadError, Server, service::RmwRequestId};
-use serde::de::{SeqAccess, Visitor};
-use serde::ser::SerializeTuple;
 use serde::{Deserialize, Deserializer, Serialize, Serializer};
 use tokio::sync::mpsc;
 
+use crate::bytes::Bytes;
 use crate::subscription::Forward;
 
 /// Bytes of Cyclone's header: half of the client's identity, and the number of the request.
@@ -33,60 +32,22 @@ const HEADER: usize = 16;
 const REQUEST_MAX: usize = 64;
 
 /// How long the first answer to a client is held (that of rmw_fastrtps).
-const HOLD: Duration = Duration::from_millis(100);
+pub(crate) const HOLD: Duration = Duration::from_millis(100);
 /// How many clients of a service are known again. One more is held once more.
-const CLIENTS: usize = 16;
+pub(crate) const CLIENTS: usize = 16;
 
 /// A request as it came.
-#[derive(Clone, Debug, Default, PartialEq, Eq)]
-pub(crate) struct RawRequest(Vec<u8>);
+pub(crate) type RawRequest = Bytes<REQUEST_MAX>;
 
-impl Serialize for RawRequest {
-    fn serialize<S: Serializer>(&self, serializer: S) -> Result<S::Ok, S::Error> {
-        let mut tuple = serializer.serialize_tuple(self.0.len())?;
-        self.0.iter().try_for_each(|byte| tuple.serialize_element(byte))?;
-        tuple.end()
-    }
-}
-
-impl<'de> Deserialize<'de> for RawRequest {
-    fn deserialize<D: Deserializer<'de>>(deserializer: D) -> Result<Self, D::Error> {
-        deserializer.deserialize_tuple(REQUEST_MAX, UntilTheEnd)
-    }
-}
-
-struct UntilTheEnd;
-
-impl<'de> Visitor<'de> for UntilTheEnd {
-    type Value = RawRequest;
-
-    fn expecting(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
-        write!(f, "at most {REQUEST_MAX} bytes")
-    }
-
-    fn visit_seq<A: SeqAccess<'de>>(self, mut seq: A) -> Result<RawRequest, A::Error> {
-        let mut bytes = Vec::new();
-        // The decoder says "no more" by an error; there is nothing else a byte could fail for.
-        while let Ok(Some(byte)) = seq.next_element() {
-            bytes.push(byte);
-        }
-        Ok(RawRequest(bytes))
-    }
-}
-
-impl ros2_client::Message for RawRequest {}
-
-impl RawRequest {
-    /// The header of Cyclone DDS if there is one, and what is asked.
-    fn read<T: RosMessage>(&self) -> Option<(Option<[u8; HEADER]>, T)> {
-        let (header, body) = match self.0.split_first_chunk::<HEADER>() {
-            Some((header, body)) if !body.is_empty() => (Some(*header), body),
-            _ => (None, &self.0[..]),
-        };
-        let (message, _) = cdr_encoding::from_bytes::<T, byteorder::LittleEndian>(body).ok()?;
-        message.validate().ok()?;
-        Some((header, message))
-    }
+/// The header of Cyclone DDS if there is one, and what is asked.
+fn read<T: RosMessage>(raw: &RawRequest) -> Option<(Option<[u8; HEADER]>, T)> {
+    let (header, body) = match raw.0.split_first_chunk::<HEADER>() {
+        Some((header, body)) if !body.is_empty() => (Some(*header), body),
+        _ => (None, &raw.0[..]),
+    };
+    let (message, _) = cdr_encoding::from_bytes::<T, byteorder::LittleEndian>(body).ok()?;
+    message.validate().ok()?;
+    Some((header, message))
 }
 
 /// An answer, with the header of its request.
@@ -178,7 +139,7 @@ where
                 () = to.closed() => return,
             };
             let asked = match received {
-                Ok((id, raw)) => raw.read::<S::Request>().map(|asked| (id, asked)),
+                Ok((id, raw)) => read::<S::Request>(&raw).map(|asked| (id, asked)),
                 Err(ReadError::Deserialization { .. } | ReadError::Malformed) => None,
                 Err(error) => {
                     tracing::error!("{name}: the middleware failed: {error}");

@@ -6,8 +6,10 @@
 //!
 //! `LINEWRIGHT_INTEROP_PYTHON` names the interpreter that has the package (default `python3`).
 
-use linewright_msgs::{Answer, CORead, CoReadRequest, CoReadResponse, StationState, Text};
-use linewright_node_shell::{Participant, RosArgs, qos, serve, stamp};
+use linewright_msgs::{
+    Answer, CORead, CoReadRequest, CoReadResponse, RunTask, RunTaskFeedback, RunTaskResult, StationState, Text,
+};
+use linewright_node_shell::{Asked, Ended, Participant, RosArgs, qos, serve, serve_action, stamp};
 use std::io::{BufRead, BufReader, Write};
 use std::process::{Command, Stdio};
 use std::time::{Duration, Instant};
@@ -59,6 +61,7 @@ fn inside_the_namespace() {
     let runtime = tokio::runtime::Builder::new_multi_thread().worker_threads(1).enable_all().build().expect("runtime");
     runtime.block_on(both_ways());
     runtime.block_on(a_service_is_called());
+    runtime.block_on(an_action_is_asked_for());
 }
 
 async fn both_ways() {
@@ -113,6 +116,51 @@ async fn a_service_is_called() {
     let said = said.await.expect("the peer's output");
     println!("Cyclone DDS called a service: {said:?}");
     assert_eq!(said, [format!("answer True True {}", 0x1234_5678)]);
+}
+
+/// As rclpy asks under rmw_cyclonedds: a goal with its result, and one that is cancelled.
+async fn an_action_is_asked_for() {
+    let participant = Participant::open(&RosArgs::default()).expect("participant");
+    let mut node = participant.node("/cell", "m1").expect("node");
+    let action = node.action::<RunTask>("~/run_task").expect("action");
+    let (to, mut from) = tokio::sync::mpsc::channel(16);
+    let (owner, _task) = serve_action(action, to, |asked| asked);
+    let script = concat!(env!("CARGO_MANIFEST_DIR"), "/tests/interop/goals.py");
+    let mut peer = Command::new(python()).args([script, "0"]).stdout(Stdio::piped()).spawn().expect("the peer starts");
+    let lines = BufReader::new(peer.stdout.take().expect("piped")).lines();
+    let said = tokio::task::spawn_blocking(move || lines.map_while(Result::ok).collect::<Vec<String>>());
+    let result = |id, end, text: &str| RunTaskResult { epoch: 1, id, end, code: 0, text: text.to_owned() };
+    while !said.is_finished() {
+        match timeout(Duration::from_millis(100), from.recv()).await {
+            Ok(Some(Asked::Goal(goal, asked))) => {
+                let names = (asked.task.as_str(), &asked.parameter_names[..], &asked.parameters[..]);
+                assert_eq!((names.1, names.2, asked.part.as_str()), (&["slot".to_owned()][..], &[-3][..], "part 7"));
+                if names.0 == "clamp" {
+                    let phase = RunTaskFeedback::PHASE_RUNNING;
+                    owner.feedback(goal, RunTaskFeedback { phase, operation: "close".into(), step: 1, steps: 1 });
+                    sleep(Duration::from_millis(200)).await;
+                    owner.end(goal, Ended::Succeeded, result(asked.id, RunTaskResult::END_DONE, "done"));
+                }
+            }
+            Ok(Some(Asked::Cancel(goal))) => {
+                owner.end(goal, Ended::Canceled, result(6, RunTaskResult::END_SECURED, "secured"));
+            }
+            Ok(None) | Err(_) => {}
+        }
+    }
+    peer.wait().expect("ended");
+    let said = said.await.expect("the peer's output");
+    println!("Cyclone DDS asked for an action: {said:?}");
+    let expected = [
+        "accepted True True",
+        "result 4 1 5 0 0 done",
+        "feedback ['close']",
+        "accepted True True",
+        "cancelled 0 [True]",
+        "result 5 1 6 2 0 secured",
+        "status [5]",
+    ];
+    assert_eq!(said, expected);
 }
 
 fn state() -> StationState {

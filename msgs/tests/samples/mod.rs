@@ -6,7 +6,8 @@
 
 use linewright_msgs::{
     Answer, Bounded, CoReadRequest, CoReadResponse, CoWriteIdRequest, DiagnosticArray, DiagnosticStatus, Flag, Header,
-    KeyValue, LineState, ModeOrder, ProcessImage, StationEvent, StationState, Text, Time, TriggerResponse,
+    KeyValue, LineState, ModeOrder, OrderEnd, OrderState, ProcessImage, RunTaskFeedback, RunTaskGoal, RunTaskResult,
+    StationEvent, StationState, Text, Time, TriggerResponse,
 };
 
 pub fn header() -> Header {
@@ -139,4 +140,44 @@ pub fn co_write_id() -> CoWriteIdRequest {
 
 pub fn trigger() -> TriggerResponse {
     TriggerResponse { success: true, message: "ordered to reset".into() }
+}
+
+pub fn run_task() -> (RunTaskGoal, RunTaskResult, RunTaskFeedback) {
+    let goal = RunTaskGoal {
+        memory: 0x1122_3344_5566_7788,
+        epoch: 3,
+        id: 41,
+        task: "load m1".into(),
+        parameter_names: vec!["slot".into(), "program".into()],
+        parameters: vec![4, -1],
+        part: "part 7".into(),
+        limit_ms: 24_000,
+    };
+    let result = RunTaskResult {
+        epoch: 3,
+        id: 41,
+        end: RunTaskResult::END_REFUSED,
+        code: RunTaskResult::REFUSED_LATE,
+        text: "no time left".into(),
+    };
+    let phase = RunTaskFeedback::PHASE_SECURING;
+    (goal, result, RunTaskFeedback { phase, operation: "approach".into(), step: 2, steps: 5 })
+}
+
+pub fn order_state() -> OrderState {
+    let end = |id, end, code| OrderEnd { epoch: 3, id, end, code };
+    OrderState {
+        header: header(),
+        boot_id: 0x0102_0304_0506_0708,
+        sequence: 9,
+        station: "robot".into(),
+        memory: 0x1122_3344_5566_7788,
+        epoch: 3,
+        doing_epoch: 3,
+        doing_id: 41,
+        phase: RunTaskFeedback::PHASE_RUNNING,
+        ended: Bounded::new(vec![end(38, RunTaskResult::END_DONE, 0), end(40, RunTaskResult::END_FAILED, 7)]).unwrap(),
+        refused: Bounded::new(vec![end(39, RunTaskResult::END_REFUSED, RunTaskResult::REFUSED_BUSY)]).unwrap(),
+        inputs: Bounded::new(vec![0b101, 0x80]).unwrap(),
+    }
 }

@@ -1,0 +1,114 @@
+//! Asking for an action, for the coordinator, for tools and for tests.
+
+use std::time::Duration;
+
+use linewright_msgs::{RosAction, RosMessage};
+use ros2_client::action::ActionClient;
+use ros2_client::action_msgs::{CancelGoalResponseEnum, GoalStatusEnum};
+use ros2_client::builtin_interfaces::Time;
+use thiserror::Error;
+
+use super::server::Goal;
+use crate::caller::Wire;
+
+/// Why a goal did not get its answer.
+#[derive(Debug, Error)]
+pub enum GoalError {
+    /// Nobody has answered.
+    #[error("{action}: no answer within {} ms", within.as_millis())]
+    NoAnswer {
+        /// The action.
+        action: String,
+        /// How long it was waited.
+        within: Duration,
+    },
+    /// The goal was rejected: it is known already, or too many are under way.
+    #[error("{action}: the goal was rejected")]
+    Rejected {
+        /// The action.
+        action: String,
+    },
+    /// The middleware has failed, or what it brought makes no sense.
+    #[error("{action}: {reason}")]
+    Middleware {
+        /// The action.
+        action: String,
+        /// Its words.
+        reason: String,
+    },
+}
+
+/// How a goal has ended, as its client sees it.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub enum Outcome {
+    /// It was reached.
+    Succeeded,
+    /// It was not; the result says why.
+    Aborted,
+    /// It was cancelled.
+    Canceled,
+    /// The server says something that is no end.
+    Unclear,
+}
+
+type RawClient<A> =
+    ActionClient<Wire<<A as RosAction>::Goal>, Wire<<A as RosAction>::Result>, Wire<<A as RosAction>::Feedback>>;
+
+/// Asks for one action.
+pub struct ActionCaller<A: RosAction> {
+    pub(crate) inner: RawClient<A>,
+    pub(crate) name: String,
+}
+
+impl<A: RosAction> ActionCaller<A> {
+    /// Says what is wanted and waits for nothing: for whoever learns in another way what became of it, and asks again.
+    pub fn send(&self, goal: A::Goal) -> Result<(), GoalError> {
+        self.inner.send_goal(Wire(goal)).map(drop).map_err(|error| self.failed(&error))
+    }
+
+    /// Says what is wanted, and waits until it is accepted. A goal sent before the server is discovered is lost: ask again.
+    pub async fn begin(&self, goal: A::Goal, within: Duration) -> Result<Goal, GoalError> {
+        let answer = self.in_time(within, self.inner.async_send_goal(Wire(goal))).await?;
+        let (id, response) = answer.map_err(|error| self.failed(&error))?;
+        if response.accepted { Ok(Goal(id)) } else { Err(GoalError::Rejected { action: self.name.clone() }) }
+    }
+
+    /// How it has ended, when it has.
+    pub async fn result(&self, goal: Goal, within: Duration) -> Result<(Outcome, A::Result), GoalError> {
+        let answer = self.in_time(within, self.inner.async_request_result(goal.0)).await?;
+        let (status, Wire(result)) = answer.map_err(|error| self.failed(&error))?;
+        result.validate().map_err(|invalid| self.failed(&invalid))?;
+        let outcome = match status {
+            GoalStatusEnum::Succeeded => Outcome::Succeeded,
+            GoalStatusEnum::Aborted => Outcome::Aborted,
+            GoalStatusEnum::Canceled => Outcome::Canceled,
+            GoalStatusEnum::Unknown
+            | GoalStatusEnum::Accepted
+            | GoalStatusEnum::Executing
+            | GoalStatusEnum::Canceling => Outcome::Unclear,
+        };
+        Ok((outcome, result))
+    }
+
+    /// Says that it is no longer wanted. Gives whether that was taken on; how it ends, its result says.
+    pub async fn cancel(&self, goal: Goal, within: Duration) -> Result<bool, GoalError> {
+        let answer = self.in_time(within, self.inner.async_cancel_goal(goal.0, Time::ZERO)).await?;
+        let response = answer.map_err(|error| self.failed(&error))?;
+        Ok(response.return_code == CancelGoalResponseEnum::None)
+    }
+
+    /// The newest word on how far it is that has come and was not taken yet.
+    pub fn feedback(&self, goal: Goal) -> Option<A::Feedback> {
+        let received = self.inner.receive_feedback(goal.0).ok().flatten();
+        received.map(|Wire(feedback)| feedback).filter(|feedback| feedback.validate().is_ok())
+    }
+
+    async fn in_time<T>(&self, within: Duration, answer: impl Future<Output = T>) -> Result<T, GoalError> {
+        let late = |_| GoalError::NoAnswer { action: self.name.clone(), within };
+        tokio::time::timeout(within, answer).await.map_err(late)
+    }
+
+    fn failed(&self, reason: &impl std::fmt::Debug) -> GoalError {
+        GoalError::Middleware { action: self.name.clone(), reason: format!("{reason:?}") }
+    }
+}

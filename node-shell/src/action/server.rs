@@ -1,0 +1,388 @@
+//! Offering an action.
+//!
+//! One task owns both servers and the goals; the owner of the action hears of goals and cancellations through a channel,
+//! and says through another how they go. Nothing here waits for anybody, and what is sent to it grows nothing without
+//! bound: goals, who waits for them, and answers that are held are all counted.
+
+use std::collections::VecDeque;
+use std::future::Future;
+use std::pin::pin;
+use std::task::{Context, Poll};
+
+use linewright_msgs::{RosAction, RosMessage};
+use ros2_client::action::{ActionServer, GetResultResponse, SendGoalResponse};
+use ros2_client::action_msgs::{CancelGoalRequest, CancelGoalResponse, GoalId, GoalInfo, GoalStatusEnum};
+use ros2_client::builtin_interfaces::Time;
+use ros2_client::{Gid, ReadError, RmwRequestId};
+use tokio::sync::mpsc;
+use tokio::time::Instant;
+
+use super::goals::{Ended, Goals};
+use crate::bytes::Bytes;
+use crate::caller::Wire;
+use crate::service::{CLIENTS, HOLD};
+use crate::subscription::Forward;
+
+/// Most bytes of a goal that are looked at.
+const GOAL_MAX: usize = 16 * 1024;
+/// Bytes that some middleware adds behind a message, so that the next one lies well.
+const PADDING_MAX: usize = 3;
+/// Answers that are held at once. A flood of new clients loses the oldest.
+const HELD_MAX: usize = 64;
+
+pub(crate) type RawAction<A> =
+    ActionServer<Bytes<GOAL_MAX>, Wire<<A as RosAction>::Result>, Wire<<A as RosAction>::Feedback>>;
+
+/// An action that is offered. Hand it to [`serve_action`].
+pub struct Action<A: RosAction> {
+    /// One for each way of asking. The first sends feedback and status.
+    pub(crate) servers: [RawAction<A>; 2],
+    pub(crate) name: String,
+}
+
+/// What a goal is known by, until it has ended.
+#[derive(Clone, Copy, Debug, PartialEq, Eq, PartialOrd, Ord)]
+pub struct Goal(pub(crate) GoalId);
+
+/// What the owner of an action hears.
+#[derive(Clone, Debug, PartialEq, Eq)]
+pub enum Asked<G> {
+    /// Somebody wants this. It is accepted already; one that is refused is [ended](Owner::end) at once.
+    Goal(Goal, G),
+    /// Somebody no longer wants it. It goes on until it is ended, by whatever it ends with.
+    Cancel(Goal),
+}
+
+/// What the owner says.
+enum Said<A: RosAction> {
+    Feedback(Goal, A::Feedback),
+    End(Goal, Ended, A::Result),
+}
+
+/// The owner's side of an action that is served.
+pub struct Owner<A: RosAction>(mpsc::UnboundedSender<Said<A>>);
+
+impl<A: RosAction> Owner<A> {
+    /// How far it is. Never waits.
+    pub fn feedback(&self, goal: Goal, feedback: A::Feedback) {
+        // Nobody serves it any more: the process is ending.
+        let _ = self.0.send(Said::Feedback(goal, feedback));
+    }
+
+    /// How it has ended; whoever asks for the result is told. Never waits. Only the first end of a goal counts.
+    pub fn end(&self, goal: Goal, ended: Ended, result: A::Result) {
+        let _ = self.0.send(Said::End(goal, ended, result));
+    }
+}
+
+/// Who asked, and through which of the two servers.
+type Asker = (usize, RmwRequestId);
+
+/// An answer, ready to be sent.
+enum Answer<A: RosAction> {
+    Goal(SendGoalResponse),
+    Cancel(CancelGoalResponse),
+    Result(GoalStatusEnum, A::Result),
+}
+
+/// What came in through one of the services.
+enum Request {
+    Goal(GoalId, Vec<u8>),
+    Cancel(CancelGoalRequest),
+    Result(GoalId),
+}
+
+/// Merges what an action is asked into `to`, as [`serve`](crate::serve) does with services. Must be called inside a tokio
+/// runtime.
+pub fn serve_action<A, U>(
+    action: Action<A>,
+    to: mpsc::Sender<U>,
+    mut map: impl FnMut(Asked<A::Goal>) -> U + Send + 'static,
+) -> (Owner<A>, Forward)
+where
+    A: RosAction,
+    U: Send + 'static,
+{
+    // Not bounded, but filled by the owner alone, who says a few words for each goal.
+    let (owner, mut said) = mpsc::unbounded_channel();
+    let mut serving = Serving {
+        action,
+        goals: Goals::new(),
+        known: VecDeque::with_capacity(CLIENTS),
+        held: VecDeque::new(),
+        rejected: 0,
+        turn: 0,
+    };
+    let forward = Forward::spawn(async move {
+        serving.publish_status();
+        loop {
+            let due = serving.held.front().map(|(at, ..)| *at);
+            let news = tokio::select! {
+                received = std::future::poll_fn(|context| serving.poll(context)) => match received {
+                    Ok((who, request)) => serving.take(who, request),
+                    Err(error) => {
+                        tracing::error!("{}: the middleware failed: {error}", serving.action.name);
+                        return;
+                    }
+                },
+                Some(said) = said.recv() => {
+                    serving.hear(said);
+                    continue;
+                }
+                () = tokio::time::sleep_until(due.unwrap_or_else(Instant::now)), if due.is_some() => {
+                    serving.release(Instant::now());
+                    continue;
+                }
+                () = to.closed() => return,
+            };
+            for asked in news {
+                if to.send(map(asked)).await.is_err() {
+                    return;
+                }
+            }
+            // As with messages: a flood of rubbish must not keep the other tasks waiting.
+            tokio::task::yield_now().await;
+        }
+    });
+    (Owner(owner), forward)
+}
+
+/// The task's belongings.
+struct Serving<A: RosAction> {
+    action: Action<A>,
+    goals: Goals<A::Result, Asker>,
+    /// Clients that have been answered before, the last one first.
+    known: VecDeque<Gid>,
+    /// First answers to a client, held until it can be expected to hear them.
+    held: VecDeque<(Instant, Asker, Answer<A>)>,
+    /// Requests that made no sense to the server that got them.
+    rejected: u64,
+    /// Which service was looked at last.
+    turn: usize,
+}
+
+impl<A: RosAction> Serving<A> {
+    /// The next request of any service of any server, or a failure of the middleware. They are looked at in turn, so that
+    /// a flood of one kind does not keep the others waiting. Between two calls nothing is lost: a request stays with the
+    /// middleware until it is taken, and every look leaves word whom to wake.
+    fn poll(&mut self, context: &mut Context<'_>) -> Poll<Result<(Asker, Request), ReadError>> {
+        for _ in 0..SERVICES * self.action.servers.len() {
+            self.turn = (self.turn + 1) % (SERVICES * self.action.servers.len());
+            let (which, service) = (self.turn / SERVICES, self.turn % SERVICES);
+            match poll_one::<A>(&mut self.action.servers[which], service, context) {
+                Poll::Ready(Ok((id, request))) => return Poll::Ready(Ok(((which, id), request))),
+                Poll::Ready(Err(ReadError::Deserialization { .. } | ReadError::Malformed)) => {
+                    self.reject();
+                    // There may be more, but others have waited.
+                    context.waker().wake_by_ref();
+                    return Poll::Pending;
+                }
+                Poll::Ready(Err(error)) => return Poll::Ready(Err(error)),
+                Poll::Pending => {}
+            }
+        }
+        Poll::Pending
+    }
+
+    /// What a request changes, and what the owner has to hear of it.
+    fn take(&mut self, who: Asker, request: Request) -> Vec<Asked<A::Goal>> {
+        match request {
+            Request::Goal(id, bytes) => {
+                let Some(goal) = read::<A::Goal>(&bytes) else {
+                    // Most likely it is meant for the other server.
+                    self.reject();
+                    return Vec::new();
+                };
+                let stamp = Time::now();
+                let accepted = self.goals.begin(id, stamp);
+                self.answer(who, Answer::Goal(SendGoalResponse { accepted, stamp }));
+                if !accepted {
+                    return Vec::new();
+                }
+                self.publish_status();
+                vec![Asked::Goal(Goal(id), goal)]
+            }
+            Request::Cancel(request) => {
+                let Some((response, new)) = goal_info(&request).and_then(|info| self.goals.cancel(&info)) else {
+                    self.reject();
+                    return Vec::new();
+                };
+                self.answer(who, Answer::Cancel(response));
+                if !new.is_empty() {
+                    self.publish_status();
+                }
+                new.into_iter().map(|id| Asked::Cancel(Goal(id))).collect()
+            }
+            Request::Result(id) => {
+                if let Some((status, result, who)) = self.goals.ask(id, who) {
+                    self.answer(who, Answer::Result(status, result));
+                }
+                Vec::new()
+            }
+        }
+    }
+
+    fn hear(&mut self, said: Said<A>) {
+        match said {
+            Said::Feedback(Goal(goal_id), feedback) => {
+                let sent = self.action.servers[0].send_feedback(goal_id, Wire(feedback));
+                if let Err(error) = sent {
+                    tracing::debug!("{}: feedback not sent: {error}", self.action.name);
+                }
+            }
+            Said::End(Goal(goal_id), ended, result) => {
+                if let Some((status, waiting)) = self.goals.end(goal_id, ended, result.clone()) {
+                    self.publish_status();
+                    for who in waiting {
+                        self.answer(who, Answer::Result(status, result.clone()));
+                    }
+                }
+            }
+        }
+    }
+
+    /// A first answer is held, as with services; those that follow it to the same client are not sent before it.
+    fn answer(&mut self, who: Asker, answer: Answer<A>) {
+        let client = who.1.writer_gid;
+        let new = !self.known.contains(&client);
+        if new {
+            self.known.truncate(CLIENTS - 1);
+            self.known.push_front(client);
+        }
+        if !new && !self.held.iter().any(|(_, (_, id), _)| id.writer_gid == client) {
+            self.send(who, answer);
+            return;
+        }
+        if self.held.len() >= HELD_MAX {
+            self.held.pop_front();
+        }
+        self.held.push_back((Instant::now() + HOLD, who, answer));
+    }
+
+    fn release(&mut self, now: Instant) {
+        while self.held.front().is_some_and(|(at, ..)| *at <= now) {
+            if let Some((_, who, answer)) = self.held.pop_front() {
+                self.send(who, answer);
+            }
+        }
+    }
+
+    fn send(&self, (which, id): Asker, answer: Answer<A>) {
+        let server = &self.action.servers[which];
+        let sent = match answer {
+            Answer::Goal(response) => server.send_goal_response(id, response),
+            Answer::Cancel(response) => server.send_cancel_response(id, response),
+            Answer::Result(status, result) => {
+                server.send_result(id, GetResultResponse { status, result: Wire(result) })
+            }
+        };
+        if let Err(error) = sent {
+            tracing::warn!("{}: answer not sent: {error}", self.action.name);
+        }
+    }
+
+    fn publish_status(&self) {
+        if let Err(error) = self.action.servers[0].send_goal_statuses(self.goals.statuses()) {
+            tracing::debug!("{}: status not sent: {error}", self.action.name);
+        }
+    }
+
+    fn reject(&mut self) {
+        self.rejected += 1;
+        if self.rejected.is_power_of_two() {
+            tracing::debug!(action = self.action.name, self.rejected, "ignored a request that does not decode");
+        }
+    }
+}
+
+/// Services of a server: goals, cancellations, results.
+const SERVICES: usize = 3;
+
+/// Looks at one service of a server. A future that is dropped while it waits leaves its waker with the reader, so that
+/// looking at the next one does not lose the wake-up of this one.
+fn poll_one<A: RosAction>(
+    server: &mut RawAction<A>,
+    service: usize,
+    context: &mut Context<'_>,
+) -> Poll<Result<(RmwRequestId, Request), ReadError>> {
+    match service {
+        0 => pin!(server.goal_server().async_receive_request())
+            .poll(context)
+            .map(|received| received.map(|(id, request)| (id, Request::Goal(request.goal_id, request.goal.0)))),
+        1 => pin!(server.cancel_server().async_receive_request())
+            .poll(context)
+            .map(|received| received.map(|(id, request)| (id, Request::Cancel(request)))),
+        _ => pin!(server.result_server().async_receive_request())
+            .poll(context)
+            .map(|received| received.map(|(id, request)| (id, Request::Result(request.goal_id)))),
+    }
+}
+
+/// The goal in these bytes, if it is all that is in them.
+fn read<G: RosMessage>(bytes: &[u8]) -> Option<G> {
+    let (goal, consumed) = cdr_encoding::from_bytes::<G, byteorder::LittleEndian>(bytes).ok()?;
+    (bytes.len() - consumed <= PADDING_MAX && goal.validate().is_ok()).then_some(goal)
+}
+
+/// What is to be cancelled. The library has the field and does not show it; its bytes do.
+fn goal_info(request: &CancelGoalRequest) -> Option<GoalInfo> {
+    let bytes = cdr_encoding::to_vec::<_, byteorder::LittleEndian>(request).ok()?;
+    cdr_encoding::from_bytes::<GoalInfo, byteorder::LittleEndian>(&bytes).ok().map(|(info, _)| info)
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use linewright_msgs::RunTaskGoal;
+
+    fn goal() -> RunTaskGoal {
+        let names = vec!["slot".to_owned()];
+        RunTaskGoal {
+            epoch: 1,
+            id: 2,
+            task: "clamp".into(),
+            parameter_names: names,
+            parameters: vec![3],
+            ..Default::default()
+        }
+    }
+
+    #[test]
+    fn a_goal_is_read_whole_or_not_at_all() {
+        let bytes = cdr_encoding::to_vec::<_, byteorder::LittleEndian>(&goal()).expect("encodes");
+        assert_eq!(read(&bytes), Some(goal()));
+        for padding in 1..=PADDING_MAX {
+            assert_eq!(read(&[&bytes[..], &vec![0; padding]].concat()), Some(goal()));
+        }
+        assert_eq!(read::<RunTaskGoal>(&[&bytes[..], &[0; PADDING_MAX + 1]].concat()), None);
+        assert_eq!(read::<RunTaskGoal>(&bytes[..bytes.len() - 1]), None);
+        // What the server for the other way of asking sees: the goal's id is taken for a header, or the other way round.
+        for id in [GoalId::new_random(), GoalId::new_random()] {
+            let id = cdr_encoding::to_vec::<_, byteorder::LittleEndian>(&id).expect("encodes");
+            assert_eq!(read::<RunTaskGoal>(&[&id[..], &bytes].concat()), None);
+        }
+        assert_eq!(read::<RunTaskGoal>(&bytes[16..]), None);
+        let nobody = RunTaskGoal { id: 0, ..goal() };
+        let bytes = cdr_encoding::to_vec::<_, byteorder::LittleEndian>(&nobody).expect("encodes");
+        assert_eq!(read::<RunTaskGoal>(&bytes), None, "it decodes, and is not valid");
+    }
+
+    proptest::proptest! {
+        #[test]
+        fn noise_is_no_goal_and_no_panic(bytes in proptest::collection::vec(proptest::prelude::any::<u8>(), 0..400)) {
+            let _ = read::<RunTaskGoal>(&bytes);
+        }
+    }
+
+    #[test]
+    fn what_is_to_be_cancelled_is_found_in_the_bytes() {
+        let (id, stamp) = (GoalId::new_random(), Time::new(7, 8));
+        let info = GoalInfo { goal_id: id, stamp };
+        let bytes = cdr_encoding::to_vec::<_, byteorder::LittleEndian>(&info).expect("encodes");
+        assert_eq!(bytes.len(), 24);
+        let (request, _) =
+            cdr_encoding::from_bytes::<CancelGoalRequest, byteorder::LittleEndian>(&bytes).expect("decodes");
+        let read = goal_info(&request).expect("it is there");
+        assert_eq!((read.goal_id, read.stamp.to_nanos()), (id, stamp.to_nanos()));
+    }
+}

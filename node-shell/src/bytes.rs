@@ -1,0 +1,49 @@
+//! A message taken as the bytes it came in.
+//!
+//! What a request means depends on who sent it (see [`crate::service`]), and the decoder of the middleware cannot be asked
+//! twice. So it is given a type that takes every byte there is, up to a number beyond which nobody of ours sends.
+
+use std::fmt;
+
+use serde::de::{SeqAccess, Visitor};
+use serde::ser::SerializeTuple;
+use serde::{Deserialize, Deserializer, Serialize, Serializer};
+
+/// At most `MAX` bytes. More than that are not looked at.
+#[derive(Clone, Debug, Default, PartialEq, Eq)]
+pub(crate) struct Bytes<const MAX: usize>(pub(crate) Vec<u8>);
+
+impl<const MAX: usize> Serialize for Bytes<MAX> {
+    fn serialize<S: Serializer>(&self, serializer: S) -> Result<S::Ok, S::Error> {
+        let mut tuple = serializer.serialize_tuple(self.0.len())?;
+        self.0.iter().try_for_each(|byte| tuple.serialize_element(byte))?;
+        tuple.end()
+    }
+}
+
+impl<'de, const MAX: usize> Deserialize<'de> for Bytes<MAX> {
+    fn deserialize<D: Deserializer<'de>>(deserializer: D) -> Result<Self, D::Error> {
+        deserializer.deserialize_tuple(MAX, UntilTheEnd::<MAX>)
+    }
+}
+
+struct UntilTheEnd<const MAX: usize>;
+
+impl<'de, const MAX: usize> Visitor<'de> for UntilTheEnd<MAX> {
+    type Value = Bytes<MAX>;
+
+    fn expecting(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
+        write!(f, "at most {MAX} bytes")
+    }
+
+    fn visit_seq<A: SeqAccess<'de>>(self, mut seq: A) -> Result<Self::Value, A::Error> {
+        let mut bytes = Vec::new();
+        // The decoder says "no more" by an error; there is nothing else a byte could fail for.
+        while let Ok(Some(byte)) = seq.next_element() {
+            bytes.push(byte);
+        }
+        Ok(Bytes(bytes))
+    }
+}
+
+impl<const MAX: usize> ros2_client::Message for Bytes<MAX> {}
