@@ -15,8 +15,11 @@ use linewright_line::{Line, StationId};
 use linewright_nets::coloured::{ColouredError, Colours, UnfoldError, Unfolding, unfold};
 use thiserror::Error;
 
+use crate::cell::ahead::LookAhead;
 use crate::cell::dispatch::ByRules;
-use crate::cell::{Activity, ActivityKind, CellKind, CellTable, OrderTemplate, Pick, Plan, PlanError};
+use crate::cell::production::{Desk, Production};
+use crate::cell::schedule::{Builtin, Foreman};
+use crate::cell::{Activity, ActivityKind, CellKind, CellTable, ModeId, OrderTemplate, Pick, Plan, PlanError};
 
 /// At most so many places and transitions: a thousand resources need a tenth of it.
 const NODES_MAX: usize = 1_000_000;
@@ -164,7 +167,28 @@ fn without_position(cell: &Cell) -> Vec<String> {
     orders.filter(|(_, order)| lacks(order)).map(|(of, order)| format!("{}: {}", of.name, order.task)).collect()
 }
 
-/// The dispatcher that a description asks for, without any timetable yet. Its table is [`Described::table`].
+/// What a cell makes: of each part type its name, and the modes that let its parts enter.
+pub fn products(cell: &Cell, made: &Described) -> Vec<(String, Vec<ModeId>)> {
+    let mut products: Vec<_> = cell.part_types.iter().map(|part| (part.name.clone(), Vec::new())).collect();
+    for t in made.long.net().transitions() {
+        if let Some((activity, of)) = made.net.move_of(cell, made.long.mode(t))
+            && activity.kind == linewright_cell::ActivityKind::Enter
+        {
+            products[cell.stages[of.from.index()].part_type.index()].1.push(ModeId(t.0));
+        }
+    }
+    products
+}
+
+/// The dispatcher that a description asks for, with production orders, looking ahead, and a schedule if that is among its
+/// rules.
+pub fn foreman(cell: &Cell, made: &Described, production: Production) -> Foreman {
+    let desk = Desk::new(dispatcher(cell, &made.table), production);
+    let look = LookAhead::new(&made.table, desk, cell.dispatch.look_ahead);
+    Foreman::new(look, Box::new(Builtin::default()))
+}
+
+/// The rules that a description asks for, without any timetable yet. Its table is [`Described::table`].
 pub fn dispatcher(cell: &Cell, table: &CellTable) -> ByRules {
     let mut by_rules = ByRules::new(table, &cell.dispatch.rules, cell.dispatch.patience);
     by_rules.timetable.tolerance = cell.dispatch.window;

@@ -32,6 +32,10 @@ number! {
     PartId(u64), "part"
 }
 number! {
+    /// A production order, from its being accepted on.
+    ProductionId(u64), "production order"
+}
+number! {
     /// An activity that was started, until it has ended.
     FiringId(u64), "firing"
 }

@@ -7,10 +7,14 @@
 //! - [`Question`], [`Answer`], [`Dispatcher`]: what is asked before anything starts; [`Fifo`] answers where
 //!   nobody who knows more does.
 //! - [`dispatch`]: the dispatcher with rules, who lets nobody wait for ever, and says why.
+//! - [`production`]: what is to be made, and which part counts to which order.
+//! - [`ahead`]: the dispatcher that tries out in thought what comes of a decision.
+//! - [`schedule`]: when everything is to start, followed and revised.
 //! - [`Coordination`]: the token player, with the argument why a crash loses nothing and repeats nothing.
 //!
 //! Nothing here knows ROS, files, or how a cell is described.
 
+pub mod ahead;
 mod apply;
 pub mod dispatch;
 mod enabling;
@@ -21,22 +25,24 @@ mod marking;
 mod orders;
 mod plan;
 mod player;
+pub mod production;
 mod question;
 mod reason;
 mod record;
+pub mod schedule;
 mod state;
 mod table;
 
 pub use enabling::Enabling;
 pub use fifo::Fifo;
 pub use firing::{Firing, Order, OrderState, Phase};
-pub use ids::{CellId, FiringId, ModeId, OrderKey, PartId};
+pub use ids::{CellId, FiringId, ModeId, OrderKey, PartId, ProductionId};
 pub use marking::Marking;
 pub use orders::{Event, Heard, Input, OrderMessage, Outbox, Outcome, Reply, Send, Sending};
 pub use plan::{Activity, ActivityKind, CellKind, OrderTemplate, Pick, Plan};
 pub use player::{Coordination, OldEpoch};
 pub use question::{Answer, BadAnswer, Candidate, Dispatcher, Group, Held, Question, Start, check};
-pub use reason::{Ground, Lost, Reason};
+pub use reason::{Gain, Ground, Lost, Outlook, Reason};
 pub use record::{Cause, Fact, Failure, Record, Refusal};
 pub use state::{Misfit, Part, Place, State};
 pub use table::{CellTable, PlanError, Tokens};

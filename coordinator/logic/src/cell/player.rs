@@ -32,7 +32,7 @@ use thiserror::Error;
 
 use super::fifo::Fifo;
 use super::firing::{Next, OrderState, Phase};
-use super::ids::{FiringId, ModeId, OrderKey, PartId};
+use super::ids::{FiringId, ModeId, OrderKey};
 use super::orders::{Event, Heard, Input, OrderMessage, Outbox, Outcome, Reply, Send, Sending};
 use super::question::{Answer, Candidate, Dispatcher, Question, Reason, check, pose};
 use super::record::{Cause, Fact, Failure, Record};
@@ -66,6 +66,12 @@ pub struct Coordination {
     ask_again: Option<Tick>,
     /// The last step was cut short.
     cut_short: bool,
+}
+
+/// Tells a dispatcher the records it has not been told.
+fn tell(dispatcher: &mut dyn Dispatcher, out: &Outbox, told: &mut usize) {
+    out.records[*told..].iter().for_each(|record| dispatcher.note(record));
+    *told = out.records.len();
 }
 
 impl Coordination {
@@ -108,6 +114,7 @@ impl Coordination {
     /// newest record is taken for that.
     pub fn step(&mut self, now: Tick, inputs: &[Input<'_>], dispatcher: &mut dyn Dispatcher, out: &mut Outbox) {
         let now = now.max(self.state.now());
+        let mut told = out.records.len();
         for input in inputs {
             match *input {
                 Input::Station(station, heard) => self.hear(now, station, heard, out),
@@ -121,11 +128,13 @@ impl Coordination {
             self.run_out(now, out);
             self.settle(now, out);
             let happened = self.immediates(now, &mut room, out);
+            tell(dispatcher, out, &mut told);
             let started = self.ask(now, &mut starts, dispatcher, out);
             if !(happened || started) || room == 0 || starts == 0 {
                 break;
             }
         }
+        tell(dispatcher, out, &mut told);
         self.cut_short = room == 0 || starts == 0;
         self.send(now, out);
     }
@@ -250,7 +259,7 @@ impl Coordination {
         let before = *room;
         while *room > 0 {
             let Some(mode) = self.state.enabling().immediate().iter().copied().min() else { break };
-            let part = self.part_for(mode);
+            let part = self.state.part_for(mode);
             self.write(now, Fact::Fired { mode, part }, out);
             *room -= 1;
             if *room == 0 {
@@ -258,16 +267,6 @@ impl Coordination {
             }
         }
         *room < before
-    }
-
-    /// The part that has been there longest, of those a mode can take; or a new one for a mode that lets one enter.
-    fn part_for(&self, mode: ModeId) -> Option<PartId> {
-        let table = &self.state.table;
-        match (table.part_in(mode), table.part_out(mode)) {
-            (Some(_), _) => self.state.takeable(mode).next(),
-            (None, Some(_)) => Some(PartId(self.state.last_part + 1)),
-            (None, None) => None,
-        }
     }
 
     /// Puts the question, and starts what is answered.
@@ -308,7 +307,7 @@ impl Coordination {
             self.write(now, Fact::Decided { question, started: started.clone(), held }, out);
         }
         for (mode, part) in started {
-            let part = part.or_else(|| self.part_for(mode));
+            let part = part.or_else(|| self.state.part_for(mode));
             let (epoch, last) = (self.state.epoch(), self.state.last_order);
             let count = self.state.table.activity(mode).orders.len() as u64;
             let orders = (1..=count).map(|k| OrderKey { epoch, id: last + k }).collect();

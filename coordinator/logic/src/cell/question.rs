@@ -16,6 +16,7 @@ use thiserror::Error;
 use super::ids::{CellId, ModeId, PartId};
 use super::plan::{CellKind, Pick};
 pub use super::reason::Reason;
+use super::record::Record;
 use super::state::State;
 
 /// What could start now.
@@ -96,6 +97,10 @@ pub struct Held {
 pub trait Dispatcher {
     /// Answers a question. It can be asked the same again.
     fn decide(&mut self, question: &Question<'_>) -> Answer;
+
+    /// Is told of every record of the cell, in their order, before it is asked again. What a dispatcher remembers of a cell
+    /// can follow from this alone; after a restart it is told the log.
+    fn note(&mut self, _record: &Record) {}
 }
 
 /// Why an answer cannot be followed.

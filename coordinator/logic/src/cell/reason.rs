@@ -4,6 +4,8 @@
 //! machines; [`super::dispatch::words`] says it to people. What was started is not given a reason of its own: that it was
 //! started before others stands with these.
 
+use std::time::Duration;
+
 use linewright_line::Tick;
 
 use super::dispatch::{Measure, Rule};
@@ -23,6 +25,36 @@ pub enum Reason {
         /// What is kept for: something this part will do, or that something else does which is in its way.
         mode: ModeId,
     },
+    /// No production order wants such a part to enter now.
+    NotOrdered,
+    /// The schedule has the part do this next.
+    PlannedOtherwise(ModeId),
+    /// It was tried out what comes of it, and something else leads further.
+    LooksWorse(Outlook),
+}
+
+/// What leads further, and by how much.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub struct Outlook {
+    /// What starts instead, and with which part; none if it is better to wait for what happens next.
+    pub instead: Option<(ModeId, Option<PartId>)>,
+    /// By how much it is better.
+    pub gain: Gain,
+}
+
+/// How much better one future is than another, by the first measure in which they differ.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub enum Gain {
+    /// Parts are less late, by so much in all, each counted as often as it matters.
+    Tardiness(Duration),
+    /// So much less work is left at the end of what was looked at.
+    Work(Duration),
+    /// All is finished earlier by so much.
+    Makespan(Duration),
+    /// Parts are finished earlier, by so much in all.
+    Flow(Duration),
+    /// It is as good.
+    Nothing,
 }
 
 /// To whom something is lost, and why.

@@ -213,6 +213,15 @@ impl State {
         with_pick.into_iter().flat_map(|(cell, pick)| self.marking.takeable(cell, pick))
     }
 
+    /// The part that has been there longest, of those a mode can take; or a new one for a mode that lets one enter.
+    pub(super) fn part_for(&self, mode: ModeId) -> Option<PartId> {
+        match (self.table.part_in(mode), self.table.part_out(mode)) {
+            (Some(_), _) => self.takeable(mode).next(),
+            (None, Some(_)) => Some(PartId(self.last_part + 1)),
+            (None, None) => None,
+        }
+    }
+
     /// How many firings of a mode could be added at once, if it had all tokens for itself.
     pub fn room(&self, mode: ModeId) -> u32 {
         let servers = self.table.activity(mode).servers.saturating_sub(self.in_progress(mode));

@@ -188,6 +188,14 @@ impl CellTable {
         })
     }
 
+    /// The same cell without stations: whatever takes time ends by the clock alone. This is what is played where nothing
+    /// happens but in thought.
+    pub fn without_orders(&self) -> Self {
+        let mut quiet = self.clone();
+        quiet.activities.iter_mut().for_each(|activity| activity.orders.clear());
+        quiet
+    }
+
     /// How many cells there are.
     pub fn cell_count(&self) -> usize {
         self.cell_names.len()

@@ -11,6 +11,7 @@
 
 use std::cmp::Ordering;
 use std::collections::BTreeMap;
+use std::sync::Arc;
 use std::time::Duration;
 
 use linewright_line::Tick;
@@ -21,7 +22,7 @@ use super::super::question::{Answer, Dispatcher, Held, Question, Start};
 use super::super::reason::{Ground, Lost, Reason};
 use super::super::state::State;
 use super::super::table::CellTable;
-use super::rule::{Facts, Jobs, Measure, Rule, Timetable};
+use super::rule::{Admission, Facts, Jobs, Measure, Rule, Timetable};
 use super::urgency::{Fairness, Urgent, pursue, urgent};
 use super::ways::Ways;
 
@@ -36,7 +37,7 @@ pub struct ByRules {
     pub jobs: Jobs,
     /// What has been planned. It counts only with [`Rule::Schedule`].
     pub timetable: Timetable,
-    ways: Ways,
+    ways: Arc<Ways>,
 }
 
 impl ByRules {
@@ -47,7 +48,7 @@ impl ByRules {
             fairness: Fairness::after(patience),
             jobs: Jobs::default(),
             timetable: Timetable::default(),
-            ways: Ways::new(table),
+            ways: Arc::new(Ways::new(table)),
         }
     }
 
@@ -56,19 +57,32 @@ impl ByRules {
         &self.ways
     }
 
+    /// All that could start and that nothing holds, in the order in which the rules would have it, whether there is enough
+    /// for all of it or not.
+    pub fn preference(&self, question: &Question<'_>) -> Vec<Start> {
+        let facts = self.facts(question.now, question.state);
+        let (line, _) = self.line(question, &facts, &[], None);
+        line.into_iter().map(|entry| Start { candidate: entry.candidate, part: entry.part }).collect()
+    }
+
     fn facts<'a>(&'a self, now: Tick, state: &'a State) -> Facts<'a> {
         let timetable = if self.rules.contains(&Rule::Schedule) { &self.timetable } else { &NO_TIMETABLE };
         Facts { now, state, ways: &self.ways, jobs: &self.jobs, timetable }
     }
 
-    /// Everybody who could start, the first first; and of each candidate that is held by the timetable, until when.
+    /// Whether anybody has waited too long: then it is decided for them, and nothing else counts.
+    pub fn is_pressed(&self, now: Tick, state: &State) -> bool {
+        self.fairness.patience.is_some_and(|patience| !urgent(&self.facts(now, state), patience).is_empty())
+    }
+
+    /// Everybody who could start, the first first; and of each candidate that is held whatever the others do, why.
     fn line(
         &self,
         question: &Question<'_>,
         facts: &Facts<'_>,
         late: &[Urgent],
         helper: Option<(ModeId, Option<PartId>)>,
-    ) -> (Vec<Entry>, BTreeMap<usize, Tick>) {
+    ) -> (Vec<Entry>, Asleep) {
         let late: BTreeMap<_, Rank> = late.iter().map(Urgent::rank).collect();
         let (mut line, mut asleep) = (Vec::new(), BTreeMap::new());
         for (candidate, of) in question.candidates.iter().enumerate() {
@@ -78,9 +92,12 @@ impl ByRules {
             let outside = (!question.takes_part(of)).then_some(None);
             for part in question.parts(of).map(Some).chain(outside) {
                 let helps = helps.take();
-                if let Some(until) = facts.timetable.held_until(facts.now, part, mode).filter(|_| helps.is_none()) {
-                    let first = asleep.entry(candidate).or_insert(until);
-                    *first = until.min(*first);
+                // Whoever makes way for another does not wait for a window. Nobody enters to make way.
+                let counts = |(reason, _): &(Reason, _)| helps.is_none() || *reason == Reason::NotOrdered;
+                if let Some(holds) = facts.holds(part, mode).filter(counts) {
+                    let first = asleep.entry(candidate).or_insert(holds);
+                    let sooner = holds.1.is_some_and(|until| first.1.is_none_or(|first| until < first));
+                    *first = if sooner { holds } else { *first };
                     continue;
                 }
                 let usual = if part.is_some() { Rank::Inside } else { Rank::Outside };
@@ -95,6 +112,9 @@ impl ByRules {
         (line, asleep)
     }
 }
+
+/// Of candidates that are held whatever the others do, why, and until when, if that is known.
+type Asleep = BTreeMap<usize, (Reason, Option<Tick>)>;
 
 /// Who stands in the line.
 struct Entry {
@@ -162,11 +182,13 @@ impl Dispatcher for ByRules {
         let reserves = pursuit.filter(|_| self.fairness.reserves);
         let claims = reserves.as_ref().map(|pursuit| pursuit.claims(question, &self.ways)).unwrap_or_default();
         let claimed_by = reserves.and_then(|pursuit| pursuit.part);
-        Taking { question, line: &line, taken: Taken::default(), claims, claimed_by }.answer(&asleep)
+        let admission = facts.jobs.admission.as_ref();
+        let mut taking = Taking { question, line: &line, taken: Taken::default(), claims, claimed_by, admission };
+        taking.answer(&asleep)
     }
 }
 
-static NO_TIMETABLE: Timetable = Timetable { windows: BTreeMap::new(), tolerance: Duration::ZERO };
+static NO_TIMETABLE: Timetable = Timetable::EMPTY;
 
 impl Urgent {
     /// Whom it is about, a part or a mode outside, and where that stands in the line.
@@ -183,6 +205,8 @@ struct Taken {
     parts: BTreeMap<PartId, usize>,
     /// Cells that give one part after the other.
     ordered: BTreeMap<CellId, usize>,
+    /// Of each product how many enter.
+    entered: BTreeMap<usize, u32>,
 }
 
 /// Going along the line.
@@ -192,10 +216,11 @@ struct Taking<'a> {
     taken: Taken,
     claims: BTreeMap<CellId, (u64, ModeId)>,
     claimed_by: Option<PartId>,
+    admission: Option<&'a Admission>,
 }
 
 impl Taking<'_> {
-    fn answer(&mut self, asleep: &BTreeMap<usize, Tick>) -> Answer {
+    fn answer(&mut self, asleep: &Asleep) -> Answer {
         let mut answer = Answer::default();
         let mut started = vec![0; self.question.candidates.len()];
         let (mut reasons, mut elsewhere) = (vec![None; started.len()], vec![None; started.len()]);
@@ -219,8 +244,9 @@ impl Taking<'_> {
             }
         }
         for (candidate, reason) in reasons.into_iter().enumerate().filter(|&(at, _)| started[at] == 0) {
-            let until = asleep.get(&candidate).copied();
-            let reason = reason.or(until.map(Reason::NotYet)).or(elsewhere[candidate]);
+            let held = asleep.get(&candidate);
+            let reason = reason.or(held.map(|&(reason, _)| reason)).or(elsewhere[candidate]);
+            let until = held.and_then(|&(_, until)| until);
             answer.held.extend(reason.map(|reason| Held { candidate, reason, until }));
         }
         answer
@@ -239,6 +265,12 @@ impl Taking<'_> {
             let needed = gone.map_or(0, |(gone, _)| *gone) + u64::from(weight);
             if let Some(&(_, winner)) = gone.filter(|_| needed > has) {
                 return Some(self.lost(entry, winner));
+            }
+        }
+        if entry.part.is_none() && table.part_out(entry.mode).is_some() {
+            let is_full = |admission: &&Admission| admission.room(entry.mode, &self.taken.entered) == 0;
+            if self.admission.is_some_and(|admission| is_full(&admission)) {
+                return Some(Reason::NotOrdered);
             }
         }
         match entry.rank {
@@ -266,6 +298,8 @@ impl Taking<'_> {
             *by = at;
         }
         self.taken.parts.extend(entry.part.map(|part| (part, at)));
+        let product = self.admission.and_then(|admission| admission.product.get(&entry.mode));
+        product.into_iter().for_each(|&product| *self.taken.entered.entry(product).or_default() += 1);
         if let Some(cell) = table.part_in(entry.mode) {
             match table.kind(cell) {
                 CellKind::Parts(Pick::Oldest | Pick::Newest) => _ = self.taken.ordered.insert(cell, at),

@@ -19,7 +19,8 @@ mod why;
 pub mod words;
 
 pub use by_rules::ByRules;
-pub use rule::{Job, Jobs, Measure, Rule, Timetable, Waiting, Window};
+pub use rule::{Admission, Job, Jobs, Measure, Rule, Timetable, Waiting, Window};
 pub use urgency::Fairness;
 pub use ways::Ways;
+pub(super) use ways::{shortest, time};
 pub use why::why_not;

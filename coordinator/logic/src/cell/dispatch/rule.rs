@@ -16,6 +16,7 @@ pub use linewright_cell::Rule;
 use linewright_line::Tick;
 
 use super::super::ids::{ModeId, PartId};
+use super::super::reason::Reason;
 use super::super::state::State;
 use super::ways::{Ways, time};
 
@@ -44,6 +45,33 @@ pub struct Jobs {
     pub parts: BTreeMap<PartId, Job>,
     /// Of those outside, by the mode that lets them enter. One that is not here never becomes urgent.
     pub outside: BTreeMap<ModeId, Waiting>,
+    /// Who may enter. None lets in what the net has room for.
+    pub admission: Option<Admission>,
+}
+
+/// Who may enter. What is not in it may not.
+#[derive(Clone, Debug, Default, PartialEq, Eq)]
+pub struct Admission {
+    /// For each mode that lets parts enter, its product, as an index.
+    pub product: BTreeMap<ModeId, usize>,
+    /// Of each product how many are wanted now.
+    pub wanted: Vec<u32>,
+    /// Of each product when more will be, if that is known.
+    pub more: Vec<Option<Tick>>,
+}
+
+impl Admission {
+    /// How many more may enter by a mode, when so many of each product already do.
+    pub(in super::super) fn room(&self, mode: ModeId, entered: &BTreeMap<usize, u32>) -> u32 {
+        let Some(&product) = self.product.get(&mode) else { return 0 };
+        let wanted = self.wanted.get(product).copied().unwrap_or(0);
+        wanted.saturating_sub(entered.get(&product).copied().unwrap_or(0))
+    }
+
+    /// When to ask again about a mode that may let nobody enter.
+    fn again(&self, mode: ModeId) -> Option<Tick> {
+        self.product.get(&mode).and_then(|&product| *self.more.get(product)?)
+    }
 }
 
 /// When something is to start.
@@ -60,16 +88,30 @@ pub struct Window {
 pub struct Timetable {
     /// For a part, or the next that enters, and a mode.
     pub windows: BTreeMap<(Option<PartId>, ModeId), Window>,
+    /// For a part what it is to do next; whatever else it could do is held.
+    pub next: BTreeMap<PartId, ModeId>,
     /// How far from its window something may start.
     pub tolerance: Duration,
 }
 
 impl Timetable {
+    /// Nothing is planned.
+    pub const EMPTY: Timetable =
+        Timetable { windows: BTreeMap::new(), next: BTreeMap::new(), tolerance: Duration::ZERO };
+
     /// Until when something is held.
     pub fn held_until(&self, now: Tick, part: Option<PartId>, mode: ModeId) -> Option<Tick> {
         let window = self.windows.get(&(part, mode))?;
         let from = window.from - self.tolerance;
         (now < from).then_some(from)
+    }
+
+    /// Why something is held, if it is, and until when, if that is known.
+    pub(super) fn holds(&self, now: Tick, part: Option<PartId>, mode: ModeId) -> Option<(Reason, Option<Tick>)> {
+        match part.and_then(|part| self.next.get(&part)) {
+            Some(&next) if next != mode => Some((Reason::PlannedOtherwise(next), None)),
+            Some(_) | None => self.held_until(now, part, mode).map(|until| (Reason::NotYet(until), Some(until))),
+        }
     }
 }
 
@@ -105,6 +147,17 @@ pub(super) struct Facts<'a> {
 }
 
 impl Facts<'_> {
+    /// Why something is held whatever the others do, and until when, if that is known.
+    pub(super) fn holds(&self, part: Option<PartId>, mode: ModeId) -> Option<(Reason, Option<Tick>)> {
+        if part.is_none() && self.state.table().part_out(mode).is_some() {
+            let admission = self.jobs.admission.as_ref();
+            if let Some(admission) = admission.filter(|admission| admission.room(mode, &BTreeMap::new()) == 0) {
+                return Some((Reason::NotOrdered, admission.again(mode)));
+            }
+        }
+        self.timetable.holds(self.now, part, mode)
+    }
+
     /// Since when a part, or the next that a mode lets enter, waits.
     pub(super) fn since(&self, part: Option<PartId>, mode: ModeId) -> Option<Tick> {
         match part {

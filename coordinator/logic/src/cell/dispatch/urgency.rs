@@ -122,7 +122,7 @@ pub(super) fn urgent(facts: &Facts<'_>, patience: Duration) -> Vec<Urgent> {
     let mut all: Vec<Urgent> = inside.chain(outside).collect();
     for urgent in &mut all {
         let part = urgent.part;
-        urgent.options.retain(|&mode| facts.timetable.held_until(facts.now, part, mode).is_none());
+        urgent.options.retain(|&mode| facts.holds(part, mode).is_none());
     }
     all.retain(|urgent| !urgent.options.is_empty());
     // Who is outside comes after who is inside.

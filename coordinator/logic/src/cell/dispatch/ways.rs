@@ -36,14 +36,16 @@ impl Ways {
         let given = |mode| others(table.gives(mode), table.part_out(mode));
         let alone = |mode: ModeId| taken(mode).is_empty();
         let in_place = |mode: ModeId| alone(mode) || taken(mode) == given(mode);
-        let (after, while_kept) = (shortest(table, alone), shortest(table, in_place));
+        let timed = |mode| time(table, mode);
+        let after = shortest(table, |mode| alone(mode).then(|| timed(mode)));
+        let while_kept = shortest(table, |mode| in_place(mode).then(|| timed(mode)));
         let run = table.modes().map(|mode| {
             let keeps = taken(mode).iter().any(|of| !given(mode).contains(of));
             let further = if keeps { &while_kept } else { &after };
             time(table, mode) + table.part_out(mode).map_or(Duration::ZERO, |to| further[to.index()])
         });
         Ways {
-            remaining: shortest(table, |_| true),
+            remaining: shortest(table, |mode| Some(timed(mode))),
             run: run.collect(),
             producers,
             comes_back: table.cells().map(returns).collect(),
@@ -81,25 +83,25 @@ fn others(tokens: &[Tokens], part: Option<CellId>) -> BTreeSet<Tokens> {
 }
 
 /// How long a mode takes by itself.
-pub(super) fn time(table: &CellTable, mode: ModeId) -> Duration {
+pub(in super::super) fn time(table: &CellTable, mode: ModeId) -> Duration {
     match table.activity(mode).kind {
         ActivityKind::Immediate => Duration::ZERO,
         ActivityKind::Decided { time, limit: _ } => time,
     }
 }
 
-/// From each cell the shortest way by some modes to where none of them takes a part away, or it leaves (Dijkstra 1959,
-/// backwards).
-fn shortest(table: &CellTable, by: impl Fn(ModeId) -> bool) -> Vec<Duration> {
-    let mut into: Vec<Vec<ModeId>> = vec![Vec::new(); table.cell_count()];
+/// From each cell the shortest way to where nothing takes a part away, or it leaves (Dijkstra 1959, backwards), by the modes
+/// that have a length.
+pub(in super::super) fn shortest(table: &CellTable, length: impl Fn(ModeId) -> Option<Duration>) -> Vec<Duration> {
+    let mut into: Vec<Vec<(ModeId, Duration)>> = vec![Vec::new(); table.cell_count()];
     let mut open: BinaryHeap<Reverse<(Duration, CellId)>> = BinaryHeap::new();
     let mut has_way = vec![false; table.cell_count()];
-    for mode in table.modes().filter(|&mode| by(mode)) {
-        let Some(from) = table.part_in(mode) else { continue };
+    for mode in table.modes() {
+        let (Some(far), Some(from)) = (length(mode), table.part_in(mode)) else { continue };
         has_way[from.index()] = true;
         match table.part_out(mode) {
-            Some(to) => into[to.index()].push(mode),
-            None => open.push(Reverse((time(table, mode), from))),
+            Some(to) => into[to.index()].push((mode, far)),
+            None => open.push(Reverse((far, from))),
         }
     }
     open.extend(table.cells().filter(|cell| !has_way[cell.index()]).map(|cell| Reverse((Duration::ZERO, cell))));
@@ -109,8 +111,8 @@ fn shortest(table: &CellTable, by: impl Fn(ModeId) -> bool) -> Vec<Duration> {
             continue;
         }
         found[cell.index()] = Some(far);
-        let before =
-            into[cell.index()].iter().filter_map(|&mode| Some((far + time(table, mode), table.part_in(mode)?)));
+        let before = into[cell.index()].iter();
+        let before = before.filter_map(|&(mode, length)| Some((far + length, table.part_in(mode)?)));
         open.extend(before.map(Reverse));
     }
     found.into_iter().map(Option::unwrap_or_default).collect()

@@ -5,11 +5,12 @@
 
 use std::collections::BTreeMap;
 use std::fmt::Write as _;
+use std::time::Duration;
 
 use linewright_line::Tick;
 
 use super::super::ids::{ModeId, PartId};
-use super::super::reason::{Ground, Lost, Reason};
+use super::super::reason::{Gain, Ground, Lost, Outlook, Reason};
 use super::super::record::{Fact, Record};
 use super::super::table::CellTable;
 
@@ -34,6 +35,18 @@ fn ground(by: &Ground) -> String {
     }
 }
 
+/// What is better about a future.
+fn leads(gain: &Gain) -> String {
+    let s = |span: &Duration| span.as_secs_f64();
+    match gain {
+        Gain::Tardiness(by) => format!("makes parts less late, by {} s", s(by)),
+        Gain::Work(by) => format!("leaves less to be done, by {} s", s(by)),
+        Gain::Makespan(by) => format!("finishes all earlier, by {} s", s(by)),
+        Gain::Flow(by) => format!("finishes parts earlier, by {} s in all", s(by)),
+        Gain::Nothing => "is as good, and was begun".to_owned(),
+    }
+}
+
 /// Why something was held.
 pub fn reason(table: &CellTable, reason: &Reason) -> String {
     match reason {
@@ -43,6 +56,12 @@ pub fn reason(table: &CellTable, reason: &Reason) -> String {
         Reason::NotYet(until) => format!("it is too early, not before {until}"),
         Reason::ReservedFor { part, mode } => {
             format!("what it needs is kept for {}: {} has waited too long", named(table, *mode, None), whom(*part))
+        }
+        Reason::NotOrdered => "no production order wants another such part now".to_owned(),
+        Reason::PlannedOtherwise(next) => format!("the schedule has {} next", named(table, *next, None)),
+        Reason::LooksWorse(Outlook { instead, gain }) => {
+            let what = instead.map_or_else(|| "waiting".to_owned(), |(mode, part)| named(table, mode, part));
+            format!("looking ahead, {what} {}", leads(gain))
         }
     }
 }
@@ -54,7 +73,12 @@ pub fn decision(table: &CellTable, started: &[(ModeId, Option<PartId>)], held: &
         let mut line = format!("{} starts", named(table, mode, part));
         let lost = held.iter().filter_map(|(loser, reason)| match reason {
             Reason::LostTo(lost) if (lost.to, lost.with) == (mode, part) => Some((*loser, lost)),
-            Reason::LostTo(_) | Reason::NotYet(_) | Reason::ReservedFor { .. } => None,
+            Reason::LostTo(_)
+            | Reason::NotYet(_)
+            | Reason::ReservedFor { .. }
+            | Reason::NotOrdered
+            | Reason::PlannedOtherwise(_)
+            | Reason::LooksWorse(_) => None,
         });
         let mut joint = ",";
         for (loser, lost) in lost {
@@ -70,7 +94,11 @@ pub fn decision(table: &CellTable, started: &[(ModeId, Option<PartId>)], held: &
     for (mode, why) in held {
         let own = match why {
             Reason::LostTo(lost) => lost.own,
-            Reason::NotYet(_) | Reason::ReservedFor { .. } => None,
+            Reason::NotYet(_)
+            | Reason::ReservedFor { .. }
+            | Reason::NotOrdered
+            | Reason::PlannedOtherwise(_)
+            | Reason::LooksWorse(_) => None,
         };
         lines.push(format!("{} is held: {}.", named(table, *mode, own), reason(table, why)));
     }

@@ -101,6 +101,9 @@ impl Judge {
                     assert!(self.inner.rules.contains(&Rule::Schedule) && until > question.now);
                     assert_eq!(held[0].until, Some(until));
                 }
+                Some(reason @ (Reason::NotOrdered | Reason::PlannedOtherwise(_) | Reason::LooksWorse(_))) => {
+                    panic!("nobody told it of anything like {reason:?}")
+                }
                 None => assert!(!could || self.may_hold(), "{candidate:?} could start once more"),
             }
         }

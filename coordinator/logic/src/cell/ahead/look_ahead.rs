@@ -1,0 +1,220 @@
+//! The dispatcher that tries out what comes of a decision before it makes it.
+//!
+//! For each group of candidates that compete, the first of them by the rules are tried, waiting for what happens next, and
+//! doing without a way where there are others: each is imagined, with the rules deciding all that follows, until the horizon; the best future counts (a rollout;
+//! Bertsekas, Tsitsiklis and Wu 1997). The best future found so far is kept and tried again at the next question, so that it
+//! is left only for a better one (their *fortified* rollout).
+//!
+//! # What holds
+//! - *Never worse than its rules*, if the horizon covers all the work and everything takes its nominal time: the first
+//!   question tries the rules themselves, what is kept is at least as good, and in a cell that goes as imagined it is
+//!   repeated to the end. With a shorter horizon, or where times differ, that is a hope.
+//! - *Nobody waits for ever.* When somebody has waited longer than parts should, it is decided by the rules alone, and these
+//!   see to it that he gets on ([`Fairness`](super::super::dispatch::Fairness)). Whoever is held here is asked about again
+//!   at the latest when that will be so.
+//! - *The timetable goes before.* Where one is in force, whoever made it has looked further than this.
+//! - *Bounded.* At most so many firings are imagined for a question; what could not be tried is not chosen.
+
+use std::collections::{BTreeMap, BTreeSet, VecDeque};
+use std::sync::Arc;
+use std::time::Duration;
+
+use linewright_line::Tick;
+
+use super::super::dispatch::Rule;
+use super::super::ids::{ModeId, PartId};
+use super::super::production::Desk;
+use super::super::question::{Answer, Dispatcher, Held, Question, Start};
+use super::super::reason::{Outlook, Reason};
+use super::super::record::{Fact, Record};
+use super::super::state::{Place, State};
+use super::super::table::CellTable;
+use super::imagined::{Ending, Imagined};
+use super::lead::{Choice, Follow, Lead, Otherwise, PlannedStart};
+use super::score::Score;
+
+/// How many firings are imagined for a question, if nothing else is said.
+pub const EFFORT: usize = 4000;
+
+/// So many candidates of a group are tried.
+const TRIED: usize = 8;
+
+/// Looks ahead.
+#[derive(Clone, Debug)]
+pub struct LookAhead {
+    /// The rules, and what is on order.
+    pub desk: Desk,
+    /// How far ahead; zero for not at all.
+    pub horizon: Duration,
+    /// How many firings are imagined for a question at most.
+    pub effort: usize,
+    quiet: Arc<CellTable>,
+    /// The rest of the best future found so far.
+    best: VecDeque<PlannedStart>,
+    worn: u64,
+}
+
+/// A future that was tried.
+struct Tried {
+    score: Score,
+    /// What starts in it at this question.
+    first: Vec<PlannedStart>,
+    /// All that starts in it.
+    all: VecDeque<PlannedStart>,
+}
+
+impl LookAhead {
+    /// Over the rules of a desk, so far ahead.
+    pub fn new(table: &CellTable, desk: Desk, horizon: Duration) -> Self {
+        let quiet = Arc::new(table.without_orders());
+        LookAhead { desk, horizon, effort: EFFORT, quiet, best: VecDeque::new(), worn: 0 }
+    }
+
+    /// The table in which things are imagined.
+    pub fn quiet(&self) -> &Arc<CellTable> {
+        &self.quiet
+    }
+
+    /// How many questions had to be decided before everything was tried.
+    pub fn worn(&self) -> u64 {
+        self.worn
+    }
+
+    /// Whether it is not to be asked what comes of it.
+    fn is_bound(&self, question: &Question<'_>) -> bool {
+        let rules = &self.desk.rules;
+        let timetable = &rules.timetable;
+        let is_planned = !timetable.windows.is_empty() || !timetable.next.is_empty();
+        let by_plan = rules.rules.contains(&Rule::Schedule) && is_planned;
+        self.horizon.is_zero() || by_plan || rules.is_pressed(question.now, question.state)
+    }
+
+    fn tries(&self, question: &Question<'_>, mut lead: impl Lead, left: &mut usize) -> Option<Tried> {
+        let mut imagined = Imagined::new(question.state, &self.quiet, question.now);
+        let ending = imagined.play(&mut lead, question.now + self.horizon, *left);
+        *left = left.saturating_sub(imagined.firings());
+        match ending {
+            Ending::Worn => return None,
+            Ending::Still | Ending::Horizon => (),
+        }
+        let table = question.state.table();
+        let before = imagined.acts().iter().take_while(|act| act.was_running).count();
+        let all: Vec<PlannedStart> = imagined.acts()[before..]
+            .iter()
+            .map(|act| {
+                let part = act.part.filter(|_| table.part_in(act.mode).is_some());
+                PlannedStart { at: act.from, mode: act.mode, part }
+            })
+            .collect();
+        let first = imagined.first().unwrap_or(before) - before;
+        let score = Score::of(&imagined, lead.desk(), ending);
+        Some(Tried { score, first: all[..first].to_vec(), all: all.into() })
+    }
+
+    /// What else could be decided than what the rules say.
+    fn choices(&self, question: &Question<'_>, usual: &Answer) -> Vec<Choice> {
+        let preference = self.desk.rules.preference(question);
+        let mut choices = Vec::new();
+        for group in question.groups {
+            let mut known = BTreeSet::new();
+            let of_group = preference.iter().filter(|start| group.candidates.contains(&start.candidate));
+            // Of parts that nobody could tell apart one is enough, the first.
+            let distinct = of_group.filter(|start| {
+                let job = start.part.map(|part| self.desk.job(part));
+                known.insert((start.candidate, job.map(|job| (job.due, job.priority))))
+            });
+            let others = distinct.filter(|start| !usual.start.contains(start)).take(TRIED);
+            let mode = |candidate: usize| question.candidates[candidate].mode;
+            choices.extend(others.map(|start| Choice::Start(mode(start.candidate), start.part)));
+            if usual.start.iter().any(|start| group.candidates.contains(&start.candidate)) {
+                let modes = group.candidates.iter().map(|&candidate| mode(candidate)).collect();
+                choices.push(Choice::Wait(modes, question.now));
+            }
+            // Whoever has several ways could wait for a better one.
+            let table = question.state.table();
+            let ways = |mode: ModeId| table.part_in(mode).map_or(0, |cell| table.consumers(cell).len());
+            let several = group.candidates.iter().map(|&candidate| mode(candidate)).filter(|&mode| ways(mode) > 1);
+            choices.extend(several.take(TRIED).map(Choice::Without));
+        }
+        choices
+    }
+
+    fn answer(&self, question: &Question<'_>, usual: &Answer, base: &Score, best: &Tried) -> Answer {
+        let index = |mode: ModeId| question.candidates.iter().position(|candidate| candidate.mode == mode);
+        let starts = best.first.iter().filter_map(|of| Some(Start { candidate: index(of.mode)?, part: of.part }));
+        let start: Vec<Start> = starts.collect();
+        let same = |a: &[Start], b: &[Start]| a.iter().all(|start| b.contains(start));
+        if same(&start, &usual.start) && same(&usual.start, &start) {
+            return usual.clone();
+        }
+        let instead = best.first.first().map(|of| (of.mode, of.part));
+        let worse = Reason::LooksWorse(Outlook { instead, gain: best.score.gain(base) });
+        let pressed = self.pressed_at(question.now, question.state);
+        let usual_hold: BTreeMap<usize, &Held> = usual.held.iter().map(|held| (held.candidate, held)).collect();
+        let idle = (0..question.candidates.len()).filter(|at| start.iter().all(|start| start.candidate != *at));
+        let held = idle.map(|candidate| match usual_hold.get(&candidate).map(|held| (held.reason, held.until)) {
+            Some((reason @ (Reason::NotYet(_) | Reason::NotOrdered | Reason::PlannedOtherwise(_)), until)) => {
+                Held { candidate, reason, until }
+            }
+            Some((Reason::LostTo(_) | Reason::ReservedFor { .. } | Reason::LooksWorse(_), _)) | None => {
+                Held { candidate, reason: worse, until: pressed }
+            }
+        });
+        Answer { held: held.collect(), start }
+    }
+
+    /// When somebody will have waited too long, if nothing moves.
+    fn pressed_at(&self, now: Tick, state: &State) -> Option<Tick> {
+        let patience = self.desk.rules.fairness.patience?;
+        let inside = state.parts().filter(|part| matches!(part.place, Place::On { .. })).map(|part| part.since);
+        let outside = self.desk.rules.jobs.outside.values().map(|waiting| waiting.since);
+        inside.chain(outside).map(|since| since + patience).filter(|&at| at > now && at != Tick::NEVER).min()
+    }
+
+    /// What was started is not to be started again.
+    fn started(&mut self, mode: ModeId, part: Option<PartId>) {
+        let part = part.filter(|_| self.quiet.part_in(mode).is_some());
+        let at = self.best.iter().position(|of| (of.mode, of.part) == (mode, part));
+        at.into_iter().for_each(|at| _ = self.best.remove(at));
+    }
+}
+
+impl Dispatcher for LookAhead {
+    fn decide(&mut self, question: &Question<'_>) -> Answer {
+        let usual = self.desk.decide(question);
+        if self.is_bound(question) {
+            self.best.clear();
+            return usual;
+        }
+        let mut left = self.effort;
+        let Some(base) = self.tries(question, self.desk.clone(), &mut left) else {
+            self.worn += 1;
+            self.best.clear();
+            return usual;
+        };
+        let base_score = base.score;
+        let mut best = base;
+        if !self.best.is_empty() {
+            let kept = self.tries(question, Follow::new(self.desk.clone(), self.best.clone()), &mut left);
+            // What was begun goes on unless something is better.
+            best = kept.filter(|kept| kept.score <= best.score).unwrap_or(best);
+        }
+        let mut is_worn = false;
+        for choice in self.choices(question, &usual) {
+            let tried = self.tries(question, Otherwise::new(self.desk.clone(), choice), &mut left);
+            is_worn |= tried.is_none();
+            best = tried.filter(|tried| tried.score < best.score).unwrap_or(best);
+        }
+        self.worn += u64::from(is_worn);
+        let answer = self.answer(question, &usual, &base_score, &best);
+        self.best = best.all;
+        answer
+    }
+
+    fn note(&mut self, record: &Record) {
+        self.desk.note(record);
+        if let Fact::Started { firing: _, mode, part, orders: _ } = &record.fact {
+            self.started(*mode, *part);
+        }
+    }
+}

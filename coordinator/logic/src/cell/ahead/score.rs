@@ -1,0 +1,131 @@
+//! What has come of an imagined future.
+//!
+//! Of two futures the one in which parts are less late is better, each counted as often as its order matters; then the one
+//! that leaves less to be done at the end of what was looked at; then the one in which all is finished first; then the one
+//! in which parts are finished earlier in all. What has not left by the end is taken to leave after the work that remains
+//! on it, as if it had the cell for itself: so two futures over the same time can be compared, and where all is finished the
+//! score is exact.
+
+use std::time::Duration;
+
+use linewright_line::Tick;
+
+use super::super::dispatch::{Job, Ways, time};
+use super::super::ids::CellId;
+use super::super::production::Desk;
+use super::super::reason::Gain;
+use super::super::state::Place;
+use super::super::table::CellTable;
+use super::imagined::{Ending, Imagined};
+
+/// What has come of a future; the smaller one is better. Only scores of futures that began at the same moment are compared.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq, PartialOrd, Ord)]
+pub struct Score {
+    /// By how many microseconds parts are late in all, each counted 1 + priority times.
+    pub tardiness: u64,
+    /// How many microseconds of work are left.
+    pub work: u64,
+    /// When all is finished, in microseconds from the beginning.
+    pub makespan: u64,
+    /// After how many microseconds parts are finished, in all.
+    pub flow: u64,
+}
+
+impl Score {
+    /// Of what was played until it ended so.
+    pub fn of(imagined: &Imagined, desk: &Desk, ending: Ending) -> Self {
+        let (mut score, state) = (Score::default(), imagined.state());
+        let (table, ways) = (state.table(), desk.rules.ways());
+        let tally = Tally { began: imagined.began(), end: imagined.now() };
+        imagined.left().iter().for_each(|(job, at)| tally.finish(&mut score, job, *at, 1));
+        for part in state.parts() {
+            let job = desk.job(part.id);
+            let (from, work) = match part.place {
+                Place::On { cell, arrival: _ } if is_last(table, cell) => (part.since, Duration::ZERO),
+                Place::On { cell, arrival: _ } => (tally.end, ways.remaining(cell)),
+                Place::In(firing) => {
+                    let Some(firing) = state.firing(firing) else { continue };
+                    // What has failed stays as it is in every future.
+                    let Some(due) = firing.due(table.activity(firing.mode)) else { continue };
+                    let end = due.max(tally.end);
+                    let after = table.part_out(firing.mode).map_or(Duration::ZERO, |cell| ways.remaining(cell));
+                    (tally.end, end.since(tally.end) + after)
+                }
+            };
+            tally.left(&mut score, &job, from, work, 1, ending);
+        }
+        for order in desk.production().into_iter().flat_map(|production| production.missing()) {
+            let work = entering(desk, table, ways, order.product);
+            tally.left(&mut score, &order.job(), tally.end, work, order.missing(), ending);
+        }
+        score
+    }
+
+    /// By how much this one is better than another.
+    pub fn gain(&self, worse: &Score) -> Gain {
+        let by = |ours: u64, theirs: u64| Duration::from_micros(theirs.saturating_sub(ours));
+        if self.tardiness != worse.tardiness {
+            Gain::Tardiness(by(self.tardiness, worse.tardiness))
+        } else if self.work != worse.work {
+            Gain::Work(by(self.work, worse.work))
+        } else if self.makespan != worse.makespan {
+            Gain::Makespan(by(self.makespan, worse.makespan))
+        } else if self.flow != worse.flow {
+            Gain::Flow(by(self.flow, worse.flow))
+        } else {
+            Gain::Nothing
+        }
+    }
+}
+
+/// Whether nothing takes a part on from there.
+pub(in super::super) fn is_last(table: &CellTable, cell: CellId) -> bool {
+    table.consumers(cell).is_empty()
+}
+
+/// The work on a part of a product that has still to enter.
+pub(in super::super) fn entering(desk: &Desk, table: &CellTable, ways: &Ways, product: usize) -> Duration {
+    let modes = desk.production().into_iter().flat_map(|production| production.entrances(product));
+    let work =
+        modes.map(|mode| time(table, mode) + table.part_out(mode).map_or(Duration::ZERO, |to| ways.remaining(to)));
+    work.min().unwrap_or_default()
+}
+
+/// How often a part's tardiness counts.
+pub(in super::super) fn weight(job: &Job) -> u64 {
+    1 + u64::try_from(job.priority).unwrap_or(0)
+}
+
+/// So much later than it could be is what never comes.
+const LONG: Duration = Duration::from_secs(1_000_000_000);
+
+struct Tally {
+    began: Tick,
+    end: Tick,
+}
+
+impl Tally {
+    fn finish(&self, score: &mut Score, job: &Job, at: Tick, count: u32) {
+        let micros = |span: Duration| u64::try_from(span.as_micros()).unwrap_or(u64::MAX);
+        let times = |value: u64| value.saturating_mul(u64::from(count));
+        let late = job.due.map_or(Duration::ZERO, |due| at.since(due));
+        score.tardiness = score.tardiness.saturating_add(times(micros(late).saturating_mul(weight(job))));
+        let after = micros(at.since(self.began));
+        score.makespan = score.makespan.max(after);
+        score.flow = score.flow.saturating_add(times(after));
+    }
+
+    fn left(&self, score: &mut Score, job: &Job, from: Tick, work: Duration, count: u32, ending: Ending) {
+        let micros = u64::try_from(work.as_micros()).unwrap_or(u64::MAX);
+        score.work = score.work.saturating_add(micros.saturating_mul(u64::from(count)));
+        match ending {
+            // The cell has come to stand still with work undone; it has no end that could be early or late.
+            Ending::Still if !work.is_zero() => {
+                let mut late = Score::default();
+                self.finish(&mut late, job, from + work + LONG, count);
+                score.tardiness = score.tardiness.saturating_add(late.tardiness);
+            }
+            Ending::Still | Ending::Horizon | Ending::Worn => self.finish(score, job, from + work, count),
+        }
+    }
+}

@@ -1,0 +1,127 @@
+//! One production order: what has become of it so far.
+//!
+//! Counts and moments, no decisions. A part counts from its entering on, and is done when it has left; lateness is that of
+//! the last one, as it is for whoever waits for the whole order.
+
+use linewright_line::Tick;
+
+use super::super::dispatch::Job;
+use super::super::ids::ProductionId;
+use super::request::Request;
+
+/// An order that was accepted.
+#[derive(Clone, Debug, PartialEq, Eq)]
+pub struct Order {
+    /// Its number.
+    pub id: ProductionId,
+    /// What was asked for.
+    pub request: Request,
+    /// Its product, as an index.
+    pub product: usize,
+    /// The orders it is after.
+    pub after: Vec<ProductionId>,
+    /// When it was accepted.
+    pub accepted: Tick,
+    /// How many parts are inside or have left, without those that are lost.
+    pub entered: u32,
+    /// How many have left.
+    pub done: u32,
+    /// How many of those that have left came too late to be wanted: it had been cancelled.
+    pub surplus: u32,
+    /// How many were lost; others have entered, or will, in their place.
+    pub lost: u32,
+    /// When its first part entered.
+    pub begun: Option<Tick>,
+    /// When it was cancelled.
+    pub cancelled: Option<Tick>,
+    /// It was withdrawn.
+    pub withdrawn: bool,
+    /// When it was over: the last part has left, or it was withdrawn.
+    pub ended: Option<Tick>,
+}
+
+/// Where an order is.
+#[derive(Clone, Debug, PartialEq, Eq)]
+pub enum Status {
+    /// Nothing of it may enter yet.
+    Waiting {
+        /// What it is after and is not over.
+        on: Vec<ProductionId>,
+        /// Until when it is not released, if that is to come.
+        until: Option<Tick>,
+    },
+    /// Its parts may enter.
+    Released,
+    /// Some have.
+    InWork {
+        /// Since when.
+        begun: Tick,
+    },
+    /// All have left.
+    Done {
+        /// When.
+        at: Tick,
+    },
+    /// Nothing more enters.
+    Cancelled {
+        /// Since when.
+        at: Tick,
+        /// How many parts are still inside.
+        inside: u32,
+    },
+    /// As if it had never been.
+    Withdrawn,
+}
+
+impl Order {
+    pub(super) fn new(id: ProductionId, request: Request, product: usize, after: Vec<ProductionId>, at: Tick) -> Self {
+        Order {
+            id,
+            request,
+            product,
+            after,
+            accepted: at,
+            entered: 0,
+            done: 0,
+            surplus: 0,
+            lost: 0,
+            begun: None,
+            cancelled: None,
+            withdrawn: false,
+            ended: None,
+        }
+    }
+
+    /// How many parts have still to enter.
+    pub fn missing(&self) -> u32 {
+        let closed = self.withdrawn || self.cancelled.is_some();
+        if closed { 0 } else { self.request.quantity.saturating_sub(self.entered) }
+    }
+
+    /// How many parts are inside.
+    pub fn inside(&self) -> u32 {
+        self.entered.saturating_sub(self.done)
+    }
+
+    /// By how many microseconds it was late when it was done, negative if it was early; none while it is not done, if it is
+    /// not due, or was cancelled.
+    pub fn lateness(&self) -> Option<i64> {
+        let (due, ended) = (self.request.due?, self.ended.filter(|_| self.cancelled.is_none() && !self.withdrawn)?);
+        let micros = |tick: Tick| i64::try_from(tick.as_micros()).unwrap_or(i64::MAX);
+        Some(micros(ended).saturating_sub(micros(due)))
+    }
+
+    /// What rules have to know of its parts. Those of a cancelled one do not matter any more.
+    pub fn job(&self) -> Job {
+        match self.cancelled {
+            Some(_) => Job::default(),
+            None => Job { due: self.request.due, priority: self.request.priority },
+        }
+    }
+
+    /// Of two orders of one product, the one whose parts enter first has the smaller of these: what matters most, then what
+    /// is due first, then what was accepted first.
+    pub(super) fn turn(&self) -> impl Ord + use<> {
+        (std::cmp::Reverse(self.request.priority), self.request.due.unwrap_or(Tick::NEVER), self.id)
+    }
+}

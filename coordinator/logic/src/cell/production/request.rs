@@ -1,0 +1,182 @@
+//! What somebody asks for, and all that can be wrong with it.
+//!
+//! Requests come in batches, so that some of a batch can be after others of it. A batch is accepted whole or not at all, and
+//! whoever has made five mistakes is told of five. Names are people's: any text of one line.
+
+use std::collections::{BTreeMap, BTreeSet};
+
+use linewright_line::{Tick, suggestion};
+use thiserror::Error;
+
+/// The longest name, in letters.
+pub const NAME_MAX: usize = 64;
+/// The most parts of one order.
+pub const QUANTITY_MAX: u32 = 1_000_000;
+/// The most orders that are not over, at once.
+pub const ORDERS_MAX: usize = 10_000;
+
+/// What somebody asks for.
+#[derive(Clone, Debug, Default, PartialEq, Eq)]
+pub struct Request {
+    /// Drawn by whoever asks. The same request twice is one order.
+    pub key: u128,
+    /// What people call it. Of orders that are not over each has a name of its own.
+    pub name: String,
+    /// What is to be made.
+    pub product: String,
+    /// How many, from 1 to [`QUANTITY_MAX`].
+    pub quantity: u32,
+    /// Nothing of it enters before this; none for at once.
+    pub release: Option<Tick>,
+    /// When all of it is to be finished; none if it does not matter.
+    pub due: Option<Tick>,
+    /// How much it matters; more comes first.
+    pub priority: i32,
+    /// The orders that have to be over before anything of it enters, by name.
+    pub after: Vec<String>,
+}
+
+/// What is wrong with a request.
+#[derive(Clone, Debug, PartialEq, Eq, Error)]
+pub enum Wrong {
+    /// Nobody could call it by that.
+    #[error("`{0}` is no name for an order: 1 to {NAME_MAX} letters, on one line")]
+    Name(String),
+    /// An order of that name is not over.
+    #[error("there is an order `{0}` already; wait until it is over, or choose another name")]
+    NameTaken(String),
+    /// Two of one batch.
+    #[error("`{0}` is asked for twice under different keys; choose another name for one of them")]
+    NameTwice(String),
+    /// Another request had this key.
+    #[error("`{name}` has the key of `{other}`, which asks for something else; draw a new key for each request")]
+    KeyTaken {
+        /// The request.
+        name: String,
+        /// The one that had the key before.
+        other: String,
+    },
+    /// Nothing of that name is made here.
+    #[error("`{name}`: nothing called `{product}` is made here{}", advice(.hint))]
+    Product {
+        /// The request.
+        name: String,
+        /// What it asks for.
+        product: String,
+        /// What could be meant.
+        hint: Option<String>,
+    },
+    /// None, or too many.
+    #[error("`{name}`: {quantity} parts; ask for 1 to {QUANTITY_MAX}")]
+    Quantity {
+        /// The request.
+        name: String,
+        /// How many it asks for.
+        quantity: u32,
+    },
+    /// It could not be in time.
+    #[error("`{name}`: due at {due}, but not released before {release}")]
+    DueBeforeRelease {
+        /// The request.
+        name: String,
+        /// When it is due.
+        due: Tick,
+        /// When it is released.
+        release: Tick,
+    },
+    /// It waits for what is not there.
+    #[error("`{name}` is after `{after}`, and there is no such order{}", advice(.hint))]
+    NoSuchOrder {
+        /// The request.
+        name: String,
+        /// What it waits for.
+        after: String,
+        /// What could be meant.
+        hint: Option<String>,
+    },
+    /// It waits for what was withdrawn.
+    #[error("`{name}` is after `{after}`, which was withdrawn and will never be over")]
+    AfterWithdrawn {
+        /// The request.
+        name: String,
+        /// What it waits for.
+        after: String,
+    },
+    /// Each waits for the next, and the last for the first.
+    #[error("none of these could ever begin, each is after the next: {}", circle(.0))]
+    Circle(Vec<String>),
+    /// More than are kept.
+    #[error("{open} orders would not be over, at most {ORDERS_MAX} can be; wait until some are")]
+    TooMany {
+        /// How many there would be.
+        open: usize,
+    },
+}
+
+fn advice(hint: &Option<String>) -> String {
+    hint.as_ref().map(|hint| format!("; {hint}")).unwrap_or_default()
+}
+
+fn circle(names: &[String]) -> String {
+    let first = names.first().cloned().into_iter();
+    names.iter().cloned().chain(first).map(|name| format!("`{name}`")).collect::<Vec<_>>().join(" after ")
+}
+
+impl Request {
+    /// What is wrong with it whatever else there is.
+    pub(super) fn wrongs<'a>(&self, products: impl Iterator<Item = &'a str> + Clone) -> Vec<Wrong> {
+        let (mut wrongs, name) = (Vec::new(), || self.name.clone());
+        let letters = self.name.chars().count();
+        if letters == 0 || letters > NAME_MAX || self.name.trim().is_empty() || self.name.chars().any(char::is_control)
+        {
+            // What is too long to be a name is not repeated whole.
+            wrongs.push(Wrong::Name(self.name.chars().take(NAME_MAX).collect()));
+        }
+        if !products.clone().any(|product| product == self.product) {
+            let hint = suggestion(&self.product, products);
+            wrongs.push(Wrong::Product { name: name(), product: self.product.clone(), hint });
+        }
+        if self.quantity == 0 || self.quantity > QUANTITY_MAX {
+            wrongs.push(Wrong::Quantity { name: name(), quantity: self.quantity });
+        }
+        if let (Some(due), Some(release)) = (self.due, self.release)
+            && due < release
+        {
+            wrongs.push(Wrong::DueBeforeRelease { name: name(), due, release });
+        }
+        wrongs
+    }
+}
+
+/// A circle among requests that are after one another, if there is one, from its smallest name; by depth-first search
+/// without recursion, since a batch may be a long chain.
+pub(super) fn find_circle(requests: &[&Request]) -> Option<Vec<String>> {
+    let after: BTreeMap<&str, &[String]> =
+        requests.iter().map(|request| (request.name.as_str(), request.after.as_slice())).collect();
+    let mut over: BTreeSet<&str> = BTreeSet::new();
+    for &root in after.keys() {
+        let (mut path, mut on_path) = (vec![(root, 0)], BTreeSet::from([root]));
+        if over.contains(root) {
+            continue;
+        }
+        while let Some((at, next)) = path.last_mut() {
+            let name = *at;
+            let Some(before) = after.get(name).and_then(|names| names.get(*next)) else {
+                over.insert(name);
+                on_path.remove(name);
+                path.pop();
+                continue;
+            };
+            *next += 1;
+            if on_path.contains(before.as_str()) {
+                let from = path.iter().position(|(name, _)| name == before).unwrap_or(0);
+                return Some(path[from..].iter().map(|(name, _)| (*name).to_owned()).collect());
+            }
+            if after.contains_key(before.as_str()) && !over.contains(before.as_str()) {
+                on_path.insert(before);
+                path.push((before, 0));
+            }
+        }
+    }
+    None
+}

@@ -1,0 +1,181 @@
+//! What no schedule can beat: bounds from the ways of parts and from what they compete for.
+//!
+//! Of every kind of token that comes back by itself (capacities, carriers) it is known how many there are, since parts that
+//! hold some give them back: marking, parts and activities in progress always add up to the same number, a P-invariant with
+//! one token cell. So the work that is left on such tokens, divided by how many there are, is time that has to pass; and so
+//! is the work that is left on any single part. A token for which no such sum exists gives no bound, which is never wrong.
+
+use std::collections::VecDeque;
+use std::time::Duration;
+
+use linewright_line::Tick;
+
+use super::super::ahead::{Imagined, entering, is_last, weight};
+use super::super::dispatch::{shortest, time};
+use super::super::firing::Phase;
+use super::super::ids::{CellId, ModeId};
+use super::super::plan::CellKind;
+use super::super::production::Desk;
+use super::super::state::Place;
+use super::super::table::{CellTable, Tokens};
+
+/// A kind of token that parts hold and give back.
+#[derive(Clone, Debug)]
+struct Shared {
+    cell: CellId,
+    /// For each cell of parts how many each part on it holds.
+    held: Vec<u64>,
+    /// For each cell of parts how much token time lies before a part on it at least.
+    ahead: Vec<Duration>,
+}
+
+/// Bounds for a table.
+#[derive(Clone, Debug)]
+pub(super) struct Bounds {
+    shared: Vec<Shared>,
+}
+
+/// What no way on from here can beat.
+#[derive(Clone, Copy, Debug, PartialEq, Eq, PartialOrd, Ord)]
+pub(super) struct Bound {
+    pub tardiness: u64,
+    pub makespan: u64,
+}
+
+fn weight_of(tokens: &[Tokens], cell: CellId) -> u64 {
+    tokens.iter().find(|(of, _)| *of == cell).map_or(0, |&(_, weight)| u64::from(weight))
+}
+
+impl Shared {
+    /// None if the sum does not exist.
+    fn new(table: &CellTable, cell: CellId) -> Option<Self> {
+        let moved = |mode: ModeId| (weight_of(table.takes(mode), cell), weight_of(table.gives(mode), cell));
+        let mut held: Vec<Option<u64>> = vec![None; table.cell_count()];
+        let mut open = VecDeque::new();
+        let settle =
+            |at: CellId, count: u64, held: &mut Vec<Option<u64>>, open: &mut VecDeque<CellId>| match held[at.index()] {
+                Some(known) => known == count,
+                None => {
+                    held[at.index()] = Some(count);
+                    open.push_back(at);
+                    true
+                }
+            };
+        for mode in table.modes() {
+            let (takes, gives) = moved(mode);
+            match (table.part_in(mode), table.part_out(mode)) {
+                (None, None) if takes != gives => return None,
+                (None, Some(to)) if !settle(to, takes.checked_sub(gives)?, &mut held, &mut open) => return None,
+                (None, _) | (Some(_), _) => (),
+            }
+        }
+        let parts = table.cells().filter(|&cell| matches!(table.kind(cell), CellKind::Parts(_)));
+        for start in parts {
+            if held[start.index()].is_none() {
+                settle(start, 0, &mut held, &mut open);
+            }
+            while let Some(from) = open.pop_front() {
+                let count = held[from.index()]?;
+                for &mode in table.consumers(from).iter().filter(|&&mode| table.part_in(mode) == Some(from)) {
+                    let (takes, gives) = moved(mode);
+                    let after = (count + takes).checked_sub(gives)?;
+                    match table.part_out(mode) {
+                        Some(to) if !settle(to, after, &mut held, &mut open) => return None,
+                        None if after != 0 => return None,
+                        Some(_) | None => (),
+                    }
+                }
+            }
+        }
+        let held: Vec<u64> = held.into_iter().map(Option::unwrap_or_default).collect();
+        let during = |mode: ModeId| -> Duration {
+            let before = table.part_in(mode).map_or(0, |from| held[from.index()]);
+            let count = before + weight_of(table.takes(mode), cell);
+            time(table, mode).saturating_mul(u32::try_from(count).unwrap_or(u32::MAX))
+        };
+        let ahead = shortest(table, |mode| Some(during(mode)));
+        Some(Shared { cell, ahead, held })
+    }
+
+    fn during(&self, table: &CellTable, mode: ModeId) -> u64 {
+        let before = table.part_in(mode).map_or(0, |from| self.held[from.index()]);
+        before + weight_of(table.takes(mode), self.cell)
+    }
+
+    /// For how long these tokens are needed at least from now on.
+    fn need(&self, imagined: &Imagined, desk: &Desk) -> Duration {
+        let (state, table) = (imagined.state(), imagined.state().table());
+        let mut has = state.marking().count(self.cell);
+        let mut need = Duration::ZERO;
+        for part in state.parts() {
+            if let Place::On { cell, arrival: _ } = part.place {
+                has += self.held[cell.index()];
+                need += self.ahead[cell.index()];
+            }
+        }
+        for firing in state.firings() {
+            match firing.phase {
+                // It keeps what it has.
+                Phase::Failed(_) => continue,
+                Phase::Running => (),
+            }
+            let during = self.during(table, firing.mode);
+            has += during;
+            let end = firing.due(table.activity(firing.mode)).unwrap_or(imagined.now());
+            need += end.since(imagined.now()).saturating_mul(u32::try_from(during).unwrap_or(u32::MAX));
+            need += table.part_out(firing.mode).map_or(Duration::ZERO, |to| self.ahead[to.index()]);
+        }
+        for order in desk.production().into_iter().flat_map(|production| production.missing()) {
+            let entrances = desk.production().into_iter().flat_map(|production| production.entrances(order.product));
+            let one = entrances.map(|mode| {
+                let after = table.part_out(mode).map_or(Duration::ZERO, |to| self.ahead[to.index()]);
+                let during = u32::try_from(self.during(table, mode)).unwrap_or(u32::MAX);
+                time(table, mode).saturating_mul(during) + after
+            });
+            need += one.min().unwrap_or_default().saturating_mul(order.missing());
+        }
+        // Where none is left nothing can be said of how long it takes.
+        u32::try_from(has).ok().filter(|&has| has > 0).map_or(Duration::ZERO, |has| need / has)
+    }
+}
+
+impl Bounds {
+    pub fn new(table: &CellTable) -> Self {
+        let tokens = table.cells().filter(|&cell| table.kind(cell) == CellKind::Tokens);
+        Bounds { shared: tokens.filter_map(|cell| Shared::new(table, cell)).collect() }
+    }
+
+    /// What no way on from here can beat, in the measures of [`super::super::ahead::Score`].
+    pub fn bound(&self, imagined: &Imagined, desk: &Desk) -> Bound {
+        let (state, table, ways) = (imagined.state(), imagined.state().table(), desk.rules.ways());
+        let micros = |span: Duration| u64::try_from(span.as_micros()).unwrap_or(u64::MAX);
+        let mut bound = Bound { tardiness: 0, makespan: 0 };
+        let (began, now) = (imagined.began(), imagined.now());
+        let mut finish = |job: super::super::dispatch::Job, at: Tick, count: u32| {
+            let late = job.due.map_or(Duration::ZERO, |due| at.since(due));
+            let late = micros(late).saturating_mul(weight(&job)).saturating_mul(u64::from(count));
+            bound.tardiness = bound.tardiness.saturating_add(late);
+            bound.makespan = bound.makespan.max(micros(at.since(began)));
+        };
+        imagined.left().iter().for_each(|&(job, at)| finish(job, at, 1));
+        for part in state.parts() {
+            let at = match part.place {
+                Place::On { cell, arrival: _ } if is_last(table, cell) => part.since,
+                Place::On { cell, arrival: _ } => now + ways.remaining(cell),
+                Place::In(firing) => {
+                    let Some(firing) = state.firing(firing) else { continue };
+                    // What has failed is as late as it is, whatever else is done.
+                    let Some(end) = firing.due(table.activity(firing.mode)) else { continue };
+                    end + table.part_out(firing.mode).map_or(Duration::ZERO, |cell| ways.remaining(cell))
+                }
+            };
+            finish(desk.job(part.id), at, 1);
+        }
+        for order in desk.production().into_iter().flat_map(|production| production.missing()) {
+            finish(order.job(), now + entering(desk, table, ways, order.product), order.missing());
+        }
+        let need = self.shared.iter().map(|shared| shared.need(imagined, desk)).max().unwrap_or_default();
+        bound.makespan = bound.makespan.max(micros((now + need).since(began)));
+        bound
+    }
+}

@@ -1,0 +1,142 @@
+//! The scheduler that is always there.
+//!
+//! It tries, in this order, what was planned before, the rules of the cell, each single rule, and looking ahead over all of
+//! it; and where the cell is small enough, all that can be decided ([`super::search`]). The best counts, of equals the one
+//! that was found first; so what was planned stays planned unless something is better. It can be stopped after any of these,
+//! and is, when so many firings have been imagined: a large order is then planned as far as that goes.
+
+use std::collections::VecDeque;
+use std::sync::Arc;
+use std::time::Duration;
+
+use linewright_line::Tick;
+
+use super::super::ahead::{Act, Ending, Follow, Imagined, Lead, LookAhead, Score};
+use super::super::dispatch::{Rule, Timetable};
+use super::super::production::Desk;
+use super::search::{Best, Search};
+use super::slots::Schedule;
+use super::{Scheduler, Situation};
+
+/// Everything is looked through only if cells and modes, times firings, are at most so many: a node of the search is a copy
+/// of the cell, and as many are kept as the cell has firings before it.
+const SMALL: usize = 100_000;
+
+/// The scheduler that is always there.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub struct Builtin {
+    /// How many firings are imagined for a schedule at most.
+    pub effort: usize,
+    /// Whether everything is looked through where the cell is small.
+    pub exact: bool,
+    /// Whether it looks ahead.
+    pub looks_ahead: bool,
+}
+
+impl Default for Builtin {
+    fn default() -> Self {
+        Builtin { effort: 100_000, exact: true, looks_ahead: true }
+    }
+}
+
+/// One plan that is being made.
+struct Making<'a> {
+    situation: &'a Situation<'a>,
+    best: Option<Best>,
+    /// How many firings may still be imagined.
+    left: usize,
+    /// How many the last future took.
+    took: usize,
+}
+
+impl Making<'_> {
+    fn tries(&mut self, mut lead: impl Lead, most: usize) {
+        let Situation { now, state, quiet, .. } = *self.situation;
+        let mut imagined = Imagined::new(state, quiet, now);
+        let ending = imagined.play(&mut lead, Tick::NEVER, most);
+        self.took = imagined.firings();
+        self.left = self.left.saturating_sub(self.took);
+        self.offer(Score::of(&imagined, lead.desk(), ending), imagined.acts(), ending);
+    }
+
+    fn offer(&mut self, score: Score, acts: &[Act], ending: Ending) {
+        match ending {
+            Ending::Worn if self.best.is_some() => return,
+            Ending::Worn | Ending::Still | Ending::Horizon => (),
+        }
+        if self.best.as_ref().is_none_or(|best| score < best.score) {
+            self.best = Some(Best { score, acts: acts.to_vec() });
+        }
+    }
+}
+
+/// A desk that no timetable tells anything.
+fn free(desk: &Desk) -> Desk {
+    let mut desk = desk.clone();
+    desk.rules.timetable = Timetable::EMPTY;
+    desk.rules.rules.retain(|rule| *rule != Rule::Schedule);
+    desk
+}
+
+impl Scheduler for Builtin {
+    fn plan(&mut self, situation: &Situation<'_>) -> Schedule {
+        let Situation { now, state, desk, quiet, previous } = *situation;
+        let desk = free(desk);
+        let mut making = Making { situation, best: None, left: self.effort, took: 0 };
+        if let Some(previous) = previous {
+            // As soon as it can be, in its order: its times do not hold any more.
+            let rest: VecDeque<_> = previous
+                .rest(state)
+                .into_iter()
+                .map(|mut start| {
+                    start.at = now;
+                    start
+                })
+                .collect();
+            making.tries(Follow::new(desk.clone(), rest), self.effort);
+        }
+        making.tries(desk.clone(), self.effort);
+        for (_, rule) in Rule::ALL.into_iter().filter(|(_, rule)| *rule != Rule::Schedule) {
+            if making.left < 2 * making.took {
+                break;
+            }
+            let mut other = desk.clone();
+            other.rules.rules = vec![rule];
+            let left = making.left;
+            making.tries(other, left);
+        }
+        if self.looks_ahead {
+            self.look(&mut making, quiet, &desk);
+        }
+        let size = (quiet.cell_count() + quiet.mode_count()).saturating_mul(making.took);
+        let mut proved = false;
+        if self.exact && size <= SMALL {
+            let search = Search::new(quiet, making.best.take(), making.left);
+            (making.best, proved) = search.run(Imagined::new(state, quiet, now), desk);
+        }
+        let (score, acts) = making.best.map(|best| (best.score, best.acts)).unwrap_or_default();
+        Schedule::new(state, now, &acts, score, proved)
+    }
+}
+
+impl Builtin {
+    /// Plays on looking ahead, as far as half of what is left allows.
+    fn look(&self, making: &mut Making<'_>, quiet: &Arc<super::super::table::CellTable>, desk: &Desk) {
+        let (budget, took) = (making.left / 2, making.took.max(1));
+        // As many questions as firings at most; for each a few futures that become shorter and shorter.
+        let each = budget / took;
+        let mut look = LookAhead::new(quiet, desk.clone(), Duration::MAX);
+        look.effort = each;
+        if each < 2 * took {
+            // Not even two whole futures: shorter ones.
+            let span = making.best.as_ref().map_or(Duration::ZERO, |best| Duration::from_micros(best.score.makespan));
+            look.horizon = span.mul_f64((each as f64 / (8.0 * took as f64)).min(1.0));
+        }
+        if each < 64 {
+            return;
+        }
+        let left = making.left;
+        making.tries(look, took.saturating_mul(2).min(left));
+        making.left = left.saturating_sub(budget);
+    }
+}

@@ -1,0 +1,219 @@
+//! All that can be decided, looked through until nothing better can exist: branch and bound, depth first.
+//!
+//! A node is a cell in thought at a moment at which something can be decided. Its branches are the single starts, and to wait
+//! for what happens next; every schedule can be moved to the left until each of its starts is at such a moment, so nothing
+//! better is between them. What cannot be wrong is done at once: to take on a part that nobody else wants, with nothing but
+//! the part. A node is left when its bound is not below the best that was found, or when the same cell was seen no later and
+//! with no more tardiness. It is looked for least tardiness and then for the shortest makespan; what is told of flow is what
+//! came with these.
+
+use std::collections::{BTreeMap, BTreeSet};
+use std::time::Duration;
+
+use linewright_line::Tick;
+
+use super::super::ahead::{Act, Ending, Imagined, Score, weight};
+use super::super::dispatch::Job;
+use super::super::firing::Phase;
+use super::super::ids::ModeId;
+use super::super::plan::{ActivityKind, CellKind, Pick};
+use super::super::production::Desk;
+use super::super::question::{Dispatcher, Question, Start};
+use super::super::table::CellTable;
+use super::bounds::{Bound, Bounds};
+
+/// At most so many cells are remembered as seen.
+const SEEN_MAX: usize = 200_000;
+
+/// The best that is known.
+#[derive(Clone, Debug)]
+pub(super) struct Best {
+    pub score: Score,
+    pub acts: Vec<Act>,
+}
+
+/// What makes two cells in thought the same, apart from the time and from what has left.
+type Key = Vec<u64>;
+
+/// A search.
+pub(super) struct Search {
+    bounds: Bounds,
+    seen: BTreeMap<Key, (Tick, u64)>,
+    best: Option<Best>,
+    stack: Vec<Node>,
+    /// How many firings may still be imagined.
+    left: usize,
+}
+
+struct Node {
+    imagined: Imagined,
+    desk: Desk,
+    /// What is still to be tried, the last first; none is to wait.
+    options: Vec<Option<(ModeId, Start)>>,
+    /// When something happens next.
+    next: Option<Tick>,
+}
+
+impl Search {
+    /// With the best that is known so far, and so many firings to imagine.
+    pub fn new(table: &CellTable, best: Option<Best>, effort: usize) -> Self {
+        Search { bounds: Bounds::new(table), seen: BTreeMap::new(), best, stack: Vec::new(), left: effort }
+    }
+
+    /// Looks through everything; the best there is, and whether nothing better can be.
+    pub fn run(mut self, root: Imagined, desk: Desk) -> (Option<Best>, bool) {
+        self.open(root, desk);
+        while let Some(node) = self.stack.last_mut() {
+            let Some(option) = node.options.pop() else {
+                self.stack.pop();
+                continue;
+            };
+            if self.left == 0 {
+                return (self.best, false);
+            }
+            // The last branch needs the node no longer.
+            let (mut imagined, mut desk) = (node.imagined.clone(), node.desk.clone());
+            let before = imagined.firings();
+            match option {
+                Some((mode, start)) => imagined.start(mode, start.part, &mut desk),
+                None => node.next.into_iter().for_each(|next| imagined.advance(next)),
+            }
+            self.left = self.left.saturating_sub((imagined.firings() - before).max(1));
+            self.open(imagined, desk);
+        }
+        (self.best, true)
+    }
+
+    /// Goes on to the next decision from here, and puts it on the stack, unless it leads nowhere.
+    fn open(&mut self, mut imagined: Imagined, mut desk: Desk) {
+        let before = imagined.firings();
+        let options = loop {
+            if !imagined.settle(&mut desk, before + self.left) {
+                self.left = 0;
+                return;
+            }
+            desk.refresh(imagined.now());
+            let options = options(&imagined, &mut desk);
+            match options.iter().find(|(mode, _)| is_free(imagined.state().table(), *mode)) {
+                Some(&(mode, start)) => imagined.start(mode, start.part, &mut desk),
+                None => break options,
+            }
+        };
+        self.left = self.left.saturating_sub(imagined.firings() - before);
+        let release = desk.production().and_then(|production| production.next_release(imagined.now()));
+        let next = imagined.next_end().into_iter().chain(release).min();
+        if options.is_empty() && next.is_none() {
+            return self.close(&imagined, &desk);
+        }
+        if self.is_beaten(self.bounds.bound(&imagined, &desk)) || self.was_seen(&imagined, &desk) {
+            return;
+        }
+        let mut tries: Vec<Option<(ModeId, Start)>> = next.map(|_| None).into_iter().collect();
+        tries.extend(options.into_iter().rev().map(Some));
+        self.stack.push(Node { imagined, desk, options: tries, next });
+    }
+
+    fn close(&mut self, imagined: &Imagined, desk: &Desk) {
+        let score = Score::of(imagined, desk, Ending::Still);
+        if self.best.as_ref().is_none_or(|best| score < best.score) {
+            self.best = Some(Best { score, acts: imagined.acts().to_vec() });
+        }
+    }
+
+    fn is_beaten(&self, bound: Bound) -> bool {
+        // What leaves work undone is beaten by anything that does not, late as it may be.
+        self.best.as_ref().is_some_and(|best| {
+            best.score.work == 0 && (best.score.tardiness, best.score.makespan) <= (bound.tardiness, bound.makespan)
+        })
+    }
+
+    fn was_seen(&mut self, imagined: &Imagined, desk: &Desk) -> bool {
+        let late = |(job, at): &(Job, Tick)| {
+            let by = job.due.map_or(Duration::ZERO, |due| at.since(due)).as_micros();
+            u64::try_from(by).unwrap_or(u64::MAX).saturating_mul(weight(job))
+        };
+        let tardiness = imagined.left().iter().map(late).fold(0, u64::saturating_add);
+        let (key, now) = (key(imagined, desk), imagined.now());
+        match self.seen.get_mut(&key) {
+            Some((at, least)) if *at <= now && *least <= tardiness => true,
+            Some(known) if now <= known.0 && tardiness <= known.1 => {
+                *known = (now, tardiness);
+                false
+            }
+            Some(_) => false,
+            None => {
+                if self.seen.len() < SEEN_MAX {
+                    self.seen.insert(key, (now, tardiness));
+                }
+                false
+            }
+        }
+    }
+}
+
+/// What could start, in the order of preference; of parts that nobody could tell apart one.
+fn options(imagined: &Imagined, desk: &mut Desk) -> Vec<(ModeId, Start)> {
+    let (candidates, groups) = imagined.candidates();
+    if candidates.is_empty() {
+        return Vec::new();
+    }
+    let (now, state) = (imagined.now(), imagined.state());
+    let question = Question { now, state, candidates: &candidates, groups: &groups };
+    let usual = desk.decide(&question).start;
+    let others = desk.rules.preference(&question);
+    let mut known = BTreeSet::new();
+    let all = usual.iter().chain(others.iter().filter(|start| !usual.contains(start)));
+    let distinct = all.filter(|start| {
+        let job = start.part.map(|part| desk.job(part));
+        known.insert((start.candidate, job.map(|job| (job.due, job.priority))))
+    });
+    distinct.map(|start| (candidates[start.candidate].mode, *start)).collect()
+}
+
+/// Whether it cannot be wrong to start something as soon as it can: it takes nothing but its part, which nothing else takes,
+/// and nobody would be the better for its coming later.
+fn is_free(table: &CellTable, mode: ModeId) -> bool {
+    let ([(cell, 1)], Some(from)) = (table.takes(mode), table.part_in(mode)) else { return false };
+    *cell == from && table.consumers(from).len() == 1
+}
+
+/// What makes two cells in thought the same.
+fn key(imagined: &Imagined, desk: &Desk) -> Key {
+    let (state, now) = (imagined.state(), imagined.now());
+    let table = state.table();
+    let job_of = |part| {
+        let job: Job = desk.job(part);
+        [job.due.map_or(u64::MAX, Tick::as_micros), u64::from_ne_bytes(i64::from(job.priority).to_ne_bytes())]
+    };
+    let mut key: Key = Vec::with_capacity(table.cell_count() + 16);
+    for cell in table.cells() {
+        match table.kind(cell) {
+            CellKind::Tokens => key.push(state.marking().count(cell)),
+            CellKind::Parts(pick) => {
+                let mut jobs: Vec<[u64; 2]> = state.marking().parts(cell).map(job_of).collect();
+                match pick {
+                    Pick::Any => jobs.sort_unstable(),
+                    Pick::Oldest | Pick::Newest => (),
+                }
+                key.push(jobs.len() as u64);
+                key.extend(jobs.into_iter().flatten());
+            }
+        }
+    }
+    let mut running: Vec<[u64; 4]> = state
+        .firings()
+        .filter(|firing| firing.phase == Phase::Running)
+        .map(|firing| {
+            let ActivityKind::Decided { time, limit: _ } = table.activity(firing.mode).kind else { return [0; 4] };
+            let left = (firing.began + time).since(now).as_micros();
+            let [due, priority] = firing.part.map_or([0; 2], job_of);
+            [u64::from(firing.mode.0), u64::try_from(left).unwrap_or(u64::MAX), due, priority]
+        })
+        .collect();
+    running.sort_unstable();
+    key.extend(running.into_iter().flatten());
+    key.push(u64::MAX);
+    let orders = desk.production().into_iter().flat_map(|production| production.orders());
+    key.extend(orders.flat_map(|order| [u64::from(order.entered), u64::from(order.done)]));
+    key
+}

@@ -1,0 +1,100 @@
+//! From a schedule to the windows that the rule `schedule` follows, and when a schedule does not hold any more.
+//!
+//! A part is held until the window of what it is to do next, and from everything else it could do. That never makes it wait
+//! for longer than parts should wait: whoever has waited so long is not held by any schedule, however often that is revised,
+//! and is then as urgent as anybody. So the argument why nobody waits for ever stands as it is (the head of `urgency.rs`).
+
+use std::time::Duration;
+
+use linewright_line::Tick;
+
+use super::super::dispatch::{Jobs, Timetable, Window};
+use super::super::ids::{FiringId, ModeId, PartId};
+use super::super::state::{Place, State};
+use super::slots::{Schedule, Slot};
+
+/// Why a schedule is made anew.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub enum Deviation {
+    /// There was none.
+    First,
+    /// Production orders have changed.
+    Orders,
+    /// An activity has failed; what it holds does not come back by itself.
+    Failed(FiringId),
+    /// What had failed goes on again, or something has been put right by hand.
+    Restored,
+    /// Something starts, or ends, later than it may.
+    Late {
+        /// What.
+        mode: ModeId,
+        /// With which part; none if it has not entered, or takes none.
+        part: Option<PartId>,
+        /// By how much, beyond its window and the tolerance.
+        by: Duration,
+    },
+    /// Something else has started than was planned.
+    Stray(ModeId, Option<PartId>),
+}
+
+impl Schedule {
+    /// What the rule `schedule` follows.
+    pub fn timetable(
+        &self,
+        state: &State,
+        jobs: &Jobs,
+        now: Tick,
+        patience: Option<Duration>,
+        tolerance: Duration,
+    ) -> Timetable {
+        let mut timetable = Timetable { tolerance, ..Timetable::EMPTY };
+        // The window is open, tolerance and all, when patience has run out.
+        let capped = |slot: &Slot, since: Tick| {
+            let Window { from, until } = slot.window();
+            let last = patience.map_or(Tick::NEVER, |patience| since + patience + tolerance);
+            Window { from: from.min(last), until: until.min(last) }
+        };
+        let is_over = |since: Tick| patience.is_some_and(|patience| since + patience <= now);
+        for (id, slot) in self.next_of_parts() {
+            let Some(part) = state.part(id).filter(|part| !is_over(part.since)) else { continue };
+            match part.place {
+                Place::On { cell, arrival: _ } if state.table().part_in(slot.mode) == Some(cell) => {
+                    timetable.next.insert(id, slot.mode);
+                    timetable.windows.insert((Some(id), slot.mode), capped(slot, part.since));
+                }
+                // It is on its way, or where nobody had thought of.
+                Place::On { .. } | Place::In(_) => (),
+            }
+        }
+        for (mode, slot) in self.next_entering() {
+            let since = jobs.outside.get(&mode).map_or(Tick::NEVER, |waiting| waiting.since);
+            if !is_over(since) {
+                timetable.windows.insert((None, mode), capped(slot, since));
+            }
+        }
+        timetable
+    }
+
+    /// Why the schedule does not hold any more, if it does not.
+    pub fn deviation(&self, now: Tick, tolerance: Duration) -> Option<Deviation> {
+        if let Some(stray) = self.strays().next() {
+            return Some(Deviation::Stray(stray.mode, self.part_of(stray)));
+        }
+        let late = self.limits(tolerance).filter(|(limit, _)| *limit < now);
+        let (limit, slot) = late.min_by_key(|&(limit, slot)| (limit, slot.mode, slot.part))?;
+        Some(Deviation::Late { mode: slot.mode, part: self.part_of(slot), by: now.since(limit) })
+    }
+
+    /// When the schedule does not hold any more, if nothing happens before.
+    pub fn holds_until(&self, tolerance: Duration) -> Option<Tick> {
+        self.limits(tolerance).map(|(limit, _)| limit).min()
+    }
+
+    /// Until when what is to start next has to start, and what is in progress has to end.
+    fn limits(&self, tolerance: Duration) -> impl Iterator<Item = (Tick, &Slot)> {
+        let starts = self.next_of_parts().map(|(_, slot)| slot).chain(self.next_entering().map(|(_, slot)| slot));
+        let starts = starts.map(move |slot| (slot.from + slot.float + tolerance, slot));
+        let ends = self.in_progress().map(move |slot| (slot.to + slot.float + tolerance, slot));
+        starts.chain(ends).filter(|(limit, _)| *limit != Tick::NEVER)
+    }
+}
