@@ -82,6 +82,7 @@ fn names() {
         ("a resource twice", &[("name = \"M2\"", "name = \"M1\"")]),
         ("a resource with a sign", &[("name = \"R\"", "name = \"R.1\"")]),
         ("a resource called outside", &[("name = \"R\"", "name = \"outside\"")]),
+        ("a resource called running", &[("name = \"R\"", "name = \"running\"")]),
         ("an empty name", &[("name = \"R\"", "name = \"\"")]),
         ("a synchronisation twice", &[("name = \"unload M1\"", "name = \"load M1\"")]),
         ("a synchronisation with a sign", &[("name = \"leave\"", "name = \"leave<now>\"")]),

@@ -9,6 +9,7 @@
 
 mod arrows;
 mod breakage;
+mod cell;
 mod random;
 mod station;
 mod text;
@@ -18,6 +19,7 @@ use std::ops::RangeInclusive;
 use linewright_line::{Bus, Console, Device, Line, Owner, Station, StationId, Timing};
 
 pub use breakage::{Breakage, break_it, breakages, without_literal};
+pub use cell::{CellShape, cell};
 pub use random::Random;
 pub use text::text;
 

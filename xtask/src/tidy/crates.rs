@@ -56,7 +56,13 @@ const MAY_USE: [(&str, &[&str]); 21] = [
     ("linewright-plant", &["linewright-line", "linewright-eds", "linewright-dbc", "linewright-fieldbus"]),
     (
         "linewright-proof",
-        &["linewright-nets", "linewright-line", "linewright-station-logic", "linewright-coordinator-logic"],
+        &[
+            "linewright-nets",
+            "linewright-line",
+            "linewright-cell",
+            "linewright-station-logic",
+            "linewright-coordinator-logic",
+        ],
     ),
     (
         "linewright-simulation",

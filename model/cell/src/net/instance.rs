@@ -10,13 +10,14 @@ use linewright_nets::coloured::{
 use linewright_nets::{PlaceId, TransitionId};
 
 use super::pieces::{Piece, Progress};
-use super::{OUTSIDE, RUNNING, STAGES, Supply};
+use super::{Meaning, OUTSIDE, RUNNING, STAGES, Spot, Supply};
 use crate::{Action, Cell, Prototype, Resource, ResourceId, Role, StageId, Use};
 
 /// How places end that keep a stage from being moved twice at a time.
-pub(super) const IDLE: &str = ".idle";
+const IDLE: &str = ".idle";
 
-type Built = Result<ColouredNet, Vec<ColouredError>>;
+/// A net, and what each of its places stands for.
+type Built = Result<(ColouredNet, Vec<Meaning>), Vec<ColouredError>>;
 
 /// The places of a resource.
 enum Places {
@@ -65,7 +66,7 @@ pub(super) fn resource(cell: &Cell, of: ResourceId, pieces: &[Piece]) -> Built {
             b.output(shift, at[i], id()).output(shift, free[i - 1], abs());
         }
     }
-    b.build()
+    Ok((b.build()?, places.meanings(Some(of))))
 }
 
 /// The outside: where parts come from and go to.
@@ -88,7 +89,7 @@ pub(super) fn outside(cell: &Cell, supply: Supply<'_>, pieces: &[Piece]) -> Buil
     for piece in pieces {
         port(&mut b, None, piece, &places, s);
     }
-    b.build()
+    Ok((b.build()?, places.meanings(None)))
 }
 
 /// What is in progress; none if nothing ever is.
@@ -98,6 +99,7 @@ pub(super) fn running(cell: &Cell, pieces: &[Piece]) -> Option<Built> {
     let s = stages(&mut b, cell);
     let mut stacks: Vec<Option<BasicId>> = vec![None; cell.resources.len()];
     let mut known: Vec<(String, PlaceId)> = Vec::new();
+    let mut meanings = Vec::new();
     for piece in pieces.iter().filter(|piece| piece.from.is_some() || piece.to.is_some()) {
         // What is held while neither action is in progress carries no level; the levels of the piece are its own.
         let mut domain_of = |progress: &Progress, b: &mut ColouredBuilder| -> Vec<BasicId> {
@@ -120,6 +122,8 @@ pub(super) fn running(cell: &Cell, pieces: &[Piece]) -> Option<Built> {
             let place = place.unwrap_or_else(|| {
                 let place = b.place(&*progress.place, own.clone());
                 known.push((progress.place.clone(), place));
+                // Between grasping and putting no action of an end is in progress.
+                meanings.push(Meaning::Busy { activity: piece.activity, is_held: progress.uses.is_empty() });
                 place
             });
             let function = if own.len() == domain.len() { id() } else { proj([1]) };
@@ -129,15 +133,24 @@ pub(super) fn running(cell: &Cell, pieces: &[Piece]) -> Option<Built> {
                 b.output(t, place, function)
             };
         }
-        serve(&mut b, piece, t, s, &mut known);
+        if serve(&mut b, piece, t, s, &mut known) {
+            meanings.push(Meaning::Idle(piece.activity));
+        }
     }
-    Some(b.build())
+    Some(b.build().map(|net| (net, meanings)))
 }
 
-/// A token for each stage that an activity can move at a time.
-fn serve(b: &mut ColouredBuilder, piece: &Piece, t: TransitionId, s: BasicId, known: &mut Vec<(String, PlaceId)>) {
-    let Some((variant, begins)) = &piece.server else { return };
+/// A token for each stage that an activity can move at a time; whether its place is a new one.
+fn serve(
+    b: &mut ColouredBuilder,
+    piece: &Piece,
+    t: TransitionId,
+    s: BasicId,
+    known: &mut Vec<(String, PlaceId)>,
+) -> bool {
+    let Some((variant, begins)) = &piece.server else { return false };
     let name = format!("{variant}{IDLE}");
+    let before = known.len();
     let place = known.iter().find(|(known, _)| *known == name).map(|(_, place)| *place).unwrap_or_else(|| {
         let place = b.place(&*name, s);
         for &stage in piece.allowed.iter().flatten() {
@@ -151,6 +164,50 @@ fn serve(b: &mut ColouredBuilder, piece: &Piece, t: TransitionId, s: BasicId, kn
     } else {
         b.output(t, place, proj([1]))
     };
+    known.len() > before
+}
+
+impl Places {
+    /// What each place stands for, in the order of the places.
+    fn meanings(&self, of: Option<ResourceId>) -> Vec<Meaning> {
+        let mut all: Vec<(PlaceId, Meaning)> = Vec::new();
+        match (self, of) {
+            (Places::Machine { capacity, loaded, ready, free }, Some(of)) => {
+                all.extend([
+                    (*capacity, Meaning::Room(of)),
+                    (*loaded, Meaning::Held(of, Spot::Loaded)),
+                    (*ready, Meaning::Held(of, Spot::Ready)),
+                ]);
+                all.extend(free.map(|free| (free, Meaning::Free(of))));
+            }
+            (Places::Store { capacity, stored }, Some(of)) => {
+                all.extend([(*capacity, Meaning::Room(of)), (*stored, Meaning::Held(of, Spot::Stored))]);
+            }
+            (Places::Row { free, at }, Some(of)) => {
+                all.extend((1..).zip(free).map(|(i, &free)| (free, Meaning::Position(of, i))));
+                all.extend((1..).zip(at).map(|(i, &at)| (at, Meaning::Held(of, Spot::Position(i)))));
+            }
+            (Places::Stack { top, at, .. }, Some(of)) => {
+                all.extend([(*top, Meaning::Top(of)), (*at, Meaning::Held(of, Spot::Stored))]);
+            }
+            (Places::Carrier { free }, Some(of)) => all.push((*free, Meaning::Free(of))),
+            (Places::Outside { waiting, room }, _) => {
+                all.extend(waiting.map(|waiting| (waiting, Meaning::Waiting)));
+                all.push((*room, Meaning::Admission));
+            }
+            // Only the outside is nobody's.
+            (
+                Places::Machine { .. }
+                | Places::Store { .. }
+                | Places::Row { .. }
+                | Places::Stack { .. }
+                | Places::Carrier { .. },
+                None,
+            ) => {}
+        }
+        all.sort_by_key(|(place, _)| place.index());
+        all.into_iter().map(|(_, meaning)| meaning).collect()
+    }
 }
 
 fn places(b: &mut ColouredBuilder, resource: &Resource, s: BasicId) -> Places {

@@ -7,18 +7,21 @@
 //!
 //! There are two levels of detail. In *coordination* an activity is one transition, which a player fires in three phases:
 //! take, run, put. In *expanded* it is a start, a place for what is in progress, and an end; that is the same by plain
-//! interleaving, and what is proved. What takes no time stays one transition in both.
+//! interleaving. What takes no time stays one transition in both. Where nothing is in progress, both have the same
+//! markings: what has started can always end, and its end takes nothing from anybody.
 //!
 //! With `reserve = false` a carrier grasps a part before there is room for it: two activities instead of one. It is there
 //! to be found wrong.
 
 mod instance;
+mod meaning;
 mod pieces;
 
 use linewright_nets::coloured::{ColouredError, ColouredNet, Fusion, Mode, fuse};
 use linewright_nets::{PlaceId, TransitionId};
 
 use crate::{Activity, ActivityId, Cell, Move, StageId};
+pub use meaning::{Meaning, Spot};
 use pieces::pieces;
 
 /// The basic domain of stages.
@@ -82,6 +85,16 @@ pub enum Phase {
     PutEnd,
 }
 
+impl Phase {
+    /// Whether the activity has ended with it.
+    pub const fn ends(self) -> bool {
+        match self {
+            Phase::Whole | Phase::End | Phase::Put | Phase::PutEnd => true,
+            Phase::Start | Phase::Grasp | Phase::GraspStart | Phase::GraspEnd | Phase::PutStart => false,
+        }
+    }
+}
+
 /// What a transition stands for.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum Origin {
@@ -107,6 +120,8 @@ pub struct Parts {
     pub fusions: Vec<Fusion>,
     /// What each fusion stands for.
     origins: Vec<Origin>,
+    /// What the places of all instances stand for, in their order.
+    meanings: Vec<Meaning>,
 }
 
 /// The net of a cell, with the way back to it.
@@ -115,8 +130,8 @@ pub struct CellNet {
     net: ColouredNet,
     /// By transition.
     origins: Vec<Origin>,
-    /// Which places hold parts.
-    holds_parts: Vec<bool>,
+    /// By place.
+    meanings: Vec<Meaning>,
     stages: usize,
 }
 
@@ -127,12 +142,17 @@ pub struct CellNet {
 pub fn parts<'a>(cell: &Cell, detail: Detail, supply: impl Into<Supply<'a>>) -> Result<Parts, Vec<ColouredError>> {
     let pieces = pieces(cell, detail);
     let mut instances = Vec::with_capacity(cell.resources.len() + 2);
+    let mut meanings = Vec::new();
+    let mut add = |name: &str, (net, mut of): (ColouredNet, Vec<Meaning>)| {
+        instances.push((name.to_owned(), net));
+        meanings.append(&mut of);
+    };
     for id in cell.resource_ids() {
-        instances.push((cell.resource(id).name.clone(), instance::resource(cell, id, &pieces)?));
+        add(&cell.resource(id).name, instance::resource(cell, id, &pieces)?);
     }
-    instances.push((OUTSIDE.to_owned(), instance::outside(cell, supply.into(), &pieces)?));
+    add(OUTSIDE, instance::outside(cell, supply.into(), &pieces)?);
     if let Some(running) = instance::running(cell, &pieces) {
-        instances.push((RUNNING.to_owned(), running?));
+        add(RUNNING, running?);
     }
     let fusion = |piece: &pieces::Piece| {
         let having = instances.iter().enumerate();
@@ -142,7 +162,7 @@ pub fn parts<'a>(cell: &Cell, detail: Detail, supply: impl Into<Supply<'a>>) -> 
     let fusions = pieces.iter().map(fusion).collect();
     let origins =
         pieces.iter().map(|piece| Origin::Activity { id: piece.activity, phase: piece.phase, shift: piece.shift });
-    Ok(Parts { instances, fusions, origins: origins.collect() })
+    Ok(Parts { instances, fusions, origins: origins.collect(), meanings })
 }
 
 /// The net of a cell.
@@ -150,17 +170,12 @@ pub fn parts<'a>(cell: &Cell, detail: Detail, supply: impl Into<Supply<'a>>) -> 
 /// # Errors
 /// As [`parts`].
 pub fn net<'a>(cell: &Cell, detail: Detail, supply: impl Into<Supply<'a>>) -> Result<CellNet, Vec<ColouredError>> {
-    let Parts { instances, fusions, mut origins } = parts(cell, detail, supply)?;
+    let Parts { instances, fusions, mut origins, meanings } = parts(cell, detail, supply)?;
     let nets: Vec<(&str, &ColouredNet)> = instances.iter().map(|(name, net)| (name.as_str(), net)).collect();
     let net = fuse(&cell.name, &nets, &fusions)?;
     // Fused transitions come first, in their order; what is left are the shifts of buffers.
     origins.resize(net.transition_count(), Origin::Shift);
-    let is_stage = |place: PlaceId| {
-        let mut domain = net.place_domain(place).iter();
-        domain.any(|basic| net.basics()[basic.index()].name() == STAGES)
-    };
-    let holds_parts = net.places().map(|p| is_stage(p) && !net.place(p).name.ends_with(instance::IDLE)).collect();
-    Ok(CellNet { net, origins, holds_parts, stages: cell.stages.len() })
+    Ok(CellNet { net, origins, meanings, stages: cell.stages.len() })
 }
 
 impl CellNet {
@@ -176,7 +191,20 @@ impl CellNet {
 
     /// Whether the tokens of a place are parts; otherwise they are capacities.
     pub fn holds_parts(&self, place: PlaceId) -> bool {
-        self.holds_parts[place.index()]
+        match self.meaning(place) {
+            Meaning::Held(..) | Meaning::Waiting | Meaning::Busy { .. } => true,
+            Meaning::Room(_)
+            | Meaning::Free(_)
+            | Meaning::Position(..)
+            | Meaning::Top(_)
+            | Meaning::Admission
+            | Meaning::Idle(_) => false,
+        }
+    }
+
+    /// What the tokens of a place are.
+    pub fn meaning(&self, place: PlaceId) -> Meaning {
+        self.meanings[place.index()]
     }
 
     /// What a mode makes of which stage; none for a shift in a buffer.

@@ -6,6 +6,7 @@
 use linewright_text::{Name, Problem, Report, Table, phrase, ros_name, tag, unique};
 
 use super::raw::RawCell;
+use crate::net::RUNNING;
 
 /// What stands between names elsewhere: `M1.load`, `load M1<A.new>`, `load M*`, `M1.process/2`.
 const SIGNS: [char; 7] = ['.', '<', '>', ',', '/', '*', ':'];
@@ -38,6 +39,7 @@ pub(super) fn names<'a>(raw: &'a RawCell, report: &mut Report) -> Names<'a> {
         if let Some(name) = &resource.name {
             label(name, "resource", report);
             reserved(name, "resource", &[OUTSIDE], "it is where parts come from and go to", report);
+            reserved(name, "resource", &[RUNNING], "it is what is in progress", report);
             unique(&mut names.resources, name, id, "resource", report);
         }
     }

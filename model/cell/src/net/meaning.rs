@@ -1,0 +1,61 @@
+//! What the places of a cell's net stand for: for whoever has to say in words what a marking is.
+//!
+//! Names of places are for people and for other tools; programs ask here. What is said here of a place is said where the
+//! place is made.
+
+use crate::{ActivityId, ResourceId};
+
+/// What the tokens of a place are.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub enum Meaning {
+    /// Parts that a resource has.
+    Held(ResourceId, Spot),
+    /// How many more parts it has room for, or has not reserved.
+    Room(ResourceId),
+    /// How many more parts it can carry; of a human, one token for all he does.
+    Free(ResourceId),
+    /// That a position of a row is free. They are counted from 1, from where parts come in.
+    Position(ResourceId, u32),
+    /// The first free level of a stack.
+    Top(ResourceId),
+    /// Parts that have not come yet.
+    Waiting,
+    /// How many more parts may come in.
+    Admission,
+    /// Parts that an activity has, while it is in progress.
+    Busy {
+        /// Which.
+        activity: ActivityId,
+        /// The carrier has grasped the part and not begun to put it.
+        is_held: bool,
+    },
+    /// That an activity is not in progress for a stage.
+    Idle(ActivityId),
+}
+
+/// Where in a resource parts are.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub enum Spot {
+    /// In a store, or a stack.
+    Stored,
+    /// In a machine, before its work.
+    Loaded,
+    /// In a machine, after it.
+    Ready,
+    /// In a row, at this position from where parts come in.
+    Position(u32),
+}
+
+impl Meaning {
+    /// Whose place it is; none for the outside and for what is in progress.
+    pub fn resource(self) -> Option<ResourceId> {
+        match self {
+            Meaning::Held(of, _)
+            | Meaning::Room(of)
+            | Meaning::Free(of)
+            | Meaning::Position(of, _)
+            | Meaning::Top(of) => Some(of),
+            Meaning::Waiting | Meaning::Admission | Meaning::Busy { .. } | Meaning::Idle(_) => None,
+        }
+    }
+}

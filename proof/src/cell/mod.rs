@@ -1,0 +1,92 @@
+//! Whether a cell is right: whatever is decided, nothing gets stuck, and every part can always be finished.
+//!
+//! Explored is the net that is played, written out as an ordinary one, by the explorer of `linewright-nets`. Every mix of
+//! part types may come, in every order, up to `wip_max` parts at a time; whatever can start may start, or not. Three
+//! arguments keep that small. Tests hold each against a player of parts that knows no net (`tests/cells`).
+//!
+//! - **Whole activities.** What has started can always end, and its end takes nothing from anybody. So an end can be
+//!   moved forward to right behind its start, and where nothing is in progress the same markings are reached without
+//!   the states between ([`Detail::Coordination`]). Nothing gets stuck in the midst of an activity that has all it
+//!   needs; a part that was grasped without a reservation is such a marking, not the midst of one.
+//! - **Groups.** Resources that share no part and no activity have only the number of parts let in in common. A part
+//!   that is inside never waits for that. So each group is explored alone, as if it had the whole number for itself.
+//! - **Parts by and by.** Leave one part out of a story, with all that is done with it: what is left is a story, since a
+//!   part only takes what others may need and gives it back. So what is sound with n parts is sound with fewer, what
+//!   gets stuck with n does so with more, and those that are stuck in the end need nobody else to get there. Numbers of
+//!   parts are tried upwards: what is wrong is found where it is smallest, the largest sound number becomes known with
+//!   it, and beyond the limits it is known how far it came. Once more parts are let in than ever fit, all larger numbers
+//!   are the same.
+//!
+//! Time stands still here, and nothing breaks; what does is for the one who plays the net.
+
+mod group;
+mod play;
+mod story;
+mod verdict;
+mod words;
+
+use linewright_cell::Cell;
+use linewright_cell::net::{CellNet, Detail, Supply, net};
+use linewright_nets::coloured::{ColouredError, Colours, UnfoldError, Unfolding, unfold};
+pub use linewright_nets::explicit::Limits;
+use thiserror::Error;
+
+pub use crate::explore::Verdict;
+pub use story::{Holding, Story, Waiting};
+pub use verdict::{Checked, Explored, Property};
+
+/// At most so many places and transitions of the ordinary net: a thousand resources need a tenth of it.
+const NODES_MAX: usize = 1_000_000;
+
+/// What is explored, and how far.
+#[derive(Clone, Debug)]
+pub struct Setting<'c> {
+    /// The cell.
+    pub cell: &'c Cell,
+    /// How much of an activity is to be seen. The answers are the same, the numbers of states are not.
+    pub detail: Detail,
+    /// Of each part type at most so many, in their order; none for any mix.
+    pub parts: Option<Vec<u32>>,
+    /// Of each search.
+    pub limits: Limits,
+}
+
+impl<'c> Setting<'c> {
+    /// Any mix of parts, in whole activities.
+    pub fn new(cell: &'c Cell) -> Self {
+        Setting { cell, detail: Detail::Coordination, parts: None, limits: Limits::default() }
+    }
+}
+
+/// Why a cell cannot be explored at all.
+#[derive(Clone, Debug, PartialEq, Eq, Error)]
+pub enum NotExplorable {
+    /// Too large for a net.
+    #[error("the cell has no net: {}", .0.iter().map(ToString::to_string).collect::<Vec<_>>().join("; "))]
+    Net(Vec<ColouredError>),
+    /// Too large to be written out.
+    #[error(transparent)]
+    Unfold(#[from] UnfoldError),
+}
+
+/// A cell's net, and the same written out.
+pub(crate) struct Nets<'c> {
+    cell: &'c Cell,
+    net: CellNet,
+    long: Unfolding,
+}
+
+/// Explores a cell as far as the limits allow, and says what follows.
+///
+/// # Errors
+/// When there is no net to explore.
+pub fn check(setting: &Setting<'_>) -> Result<Checked, NotExplorable> {
+    let cell = setting.cell;
+    let supply = setting.parts.as_deref().map_or(Supply::Open, Supply::Closed);
+    let net = net(cell, setting.detail, supply).map_err(NotExplorable::Net)?;
+    let long = unfold(net.net(), Colours::Reachable, NODES_MAX)?;
+    let nets = Nets { cell, net, long };
+    let groups = group::groups(&nets);
+    let plays = groups.iter().map(|group| play::play(group, cell.limits.wip_max, &setting.limits)).collect::<Vec<_>>();
+    Ok(verdict::judge(setting, &nets, &groups, &plays))
+}

@@ -1,0 +1,124 @@
+//! What a transition of a cell's net does, and what a marking lacks, in the words of the description.
+
+use linewright_cell::net::{Meaning, Origin, Phase};
+use linewright_cell::{Activity, ActivityKind, Cell, Move, ResourceId, Role};
+use linewright_nets::{Marking, PlaceId, TransitionId};
+
+use super::Nets;
+
+/// A step of a story: what somebody beside the cell would say of a transition.
+pub(super) fn sentence(cell: &Cell, activity: &Activity, of: &Move, phase: Phase, part: &str) -> String {
+    let name = |role: Role| {
+        let of = activity.used(role).and_then(|part| part.of);
+        of.map_or("outside", |id| cell.resource(id).name.as_str())
+    };
+    let (source, target) = (name(Role::Source), name(Role::Target));
+    let carrier = activity.used(Role::Carrier).is_some().then(|| name(Role::Carrier));
+    let what = match (phase, activity.kind, carrier) {
+        (Phase::Grasp | Phase::GraspStart | Phase::GraspEnd, _, carrier) => {
+            format!("{} grasps {part}, {}", carrier.unwrap_or("nobody"), at(source))
+        }
+        (Phase::Put | Phase::PutStart | Phase::PutEnd, _, carrier) => {
+            format!("{} puts {part} {}", carrier.unwrap_or("nobody"), into(target))
+        }
+        (Phase::Whole | Phase::Start | Phase::End, ActivityKind::Process, _) => format!("{} of {part}", step(cell, of)),
+        (Phase::Whole | Phase::Start | Phase::End, ActivityKind::Enter, None) => format!("{part} comes to {target}"),
+        (Phase::Whole | Phase::Start | Phase::End, ActivityKind::Leave, None) => format!("{part} leaves from {source}"),
+        (Phase::Whole | Phase::Start | Phase::End, ActivityKind::Transport, None) => {
+            format!("{part} goes from {source} to {target}")
+        }
+        (
+            Phase::Whole | Phase::Start | Phase::End,
+            ActivityKind::Enter | ActivityKind::Leave | ActivityKind::Transport,
+            Some(carrier),
+        ) => format!("{carrier} brings {part} from {source} to {target}"),
+    };
+    let how = match phase {
+        Phase::Whole | Phase::Grasp | Phase::Put => "",
+        Phase::Start | Phase::GraspStart | Phase::PutStart => " begins",
+        Phase::End | Phase::GraspEnd | Phase::PutEnd => " ends",
+    };
+    format!("{}{how}: {what}", activity.name)
+}
+
+/// What a transition does in one go that is the end of what the phase began; none for other phases.
+pub(super) fn begun_by(phase: Phase) -> Option<(Phase, Phase)> {
+    match phase {
+        Phase::End => Some((Phase::Start, Phase::Whole)),
+        Phase::GraspEnd => Some((Phase::GraspStart, Phase::Grasp)),
+        Phase::PutEnd => Some((Phase::PutStart, Phase::Put)),
+        Phase::Whole | Phase::Start | Phase::Grasp | Phase::Put | Phase::GraspStart | Phase::PutStart => None,
+    }
+}
+
+fn at(name: &str) -> String {
+    if name == "outside" { name.to_owned() } else { format!("at {name}") }
+}
+
+fn into(name: &str) -> String {
+    if name == "outside" { name.to_owned() } else { format!("into {name}") }
+}
+
+/// The name of the step that leads from the one stage to the other.
+fn step<'c>(cell: &'c Cell, of: &Move) -> &'c str {
+    let part = &cell.part_types[cell.stages[of.from.index()].part_type.index()];
+    part.steps.iter().find(|step| (step.from, step.to) == (of.from, of.to)).map_or("work", |step| step.name.as_str())
+}
+
+/// What has to be there for parts on a place to go on, one sentence for each way; none if something can go on at once.
+pub(super) fn needs(nets: &Nets<'_>, place: PlaceId, tokens: impl Fn(PlaceId) -> u32) -> Option<Vec<String>> {
+    let long = nets.long.net();
+    // By what can be done: of several modes, which differ in the level of a stack, the one that lacks least.
+    let mut ways: Vec<(String, Vec<String>)> = Vec::new();
+    for &(t, _) in long.consumers(place) {
+        let (activity, name) = match nets.net.origin(nets.long.mode(t).transition) {
+            Origin::Activity { id, .. } => (Some(nets.cell.activity(id)), format!("`{}`", nets.cell.activity(id).name)),
+            Origin::Shift => (None, "moving up".to_owned()),
+        };
+        let lacking = long.preset(t).iter().filter(|&&(other, weight)| other != place && tokens(other) < weight);
+        let lacking: Vec<String> =
+            lacking.filter_map(|&(other, _)| lack(nets.cell, activity, nets.meaning(other))).collect();
+        if lacking.is_empty() {
+            return None;
+        }
+        match ways.iter_mut().find(|(known, _)| *known == name) {
+            Some((_, least)) if least.len() <= lacking.len() => {}
+            Some((_, least)) => *least = lacking,
+            None => ways.push((name, lacking)),
+        }
+    }
+    Some(ways.into_iter().map(|(name, lacking)| format!("{name} needs {}", lacking.join(" and "))).collect())
+}
+
+/// What is missing, by the place that lacks it.
+fn lack(cell: &Cell, activity: Option<&Activity>, meaning: Meaning) -> Option<String> {
+    let name = |id: ResourceId| cell.resource(id).name.as_str();
+    let comes_from =
+        |id| activity.and_then(|activity| activity.used(Role::Source)).is_some_and(|part| part.of == Some(id));
+    match meaning {
+        Meaning::Room(id) => Some(format!("room in {}", name(id))),
+        Meaning::Free(id) => Some(format!("{} free", name(id))),
+        Meaning::Position(id, at) => Some(format!("position {at} of {} free", name(id))),
+        Meaning::Top(id) if comes_from(id) => Some(format!("to be on top of {}", name(id))),
+        Meaning::Top(id) => Some(format!("room in {}", name(id))),
+        Meaning::Idle(id) => Some(format!("`{}` not to be in progress", cell.activity(id).name)),
+        Meaning::Admission => Some("a part less in the cell".to_owned()),
+        Meaning::Held(..) | Meaning::Waiting | Meaning::Busy { .. } => None,
+    }
+}
+
+/// The activity, and what it makes of which stage, that a transition of the long net is a part of; none for a part that
+/// moves up in a buffer.
+pub(super) fn moved<'n>(nets: &'n Nets<'_>, t: TransitionId) -> Option<(&'n Activity, &'n Move, Phase)> {
+    let mode = nets.long.mode(t);
+    let (activity, of) = nets.net.move_of(nets.cell, mode)?;
+    match nets.net.origin(mode.transition) {
+        Origin::Activity { phase, .. } => Some((activity, of, phase)),
+        Origin::Shift => None,
+    }
+}
+
+/// The tokens of a group's own marking by places of the long net; what is elsewhere counts as empty.
+pub(super) fn tokens_of<'m>(places: &'m [PlaceId], marking: &'m Marking) -> impl Fn(PlaceId) -> u32 + 'm {
+    |place| places.binary_search(&place).map_or(0, |at| marking.tokens(PlaceId(at as u32)))
+}
