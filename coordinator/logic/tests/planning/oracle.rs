@@ -61,3 +61,61 @@ pub fn shortest(net: &Net, start: Vec<u32>, times: &[Option<u64>], done: impl Fn
     }
     None
 }
+
+/// The least tardiness, in the unit of `times`: the sum over all tokens that come to a place with a due time of how much later
+/// than that they come. By Dijkstra's algorithm again, with the time itself as part of a node.
+pub fn least_tardiness(
+    net: &Net,
+    start: Vec<u32>,
+    times: &[Option<u64>],
+    due: &[Option<u64>],
+    done: impl Fn(&[u32]) -> bool,
+) -> Option<u64> {
+    let mut best: HashMap<(u64, Node), u64> = HashMap::new();
+    let mut open = BinaryHeap::from([Reverse((0, 0, (start, Vec::new())))]);
+    while let Some(Reverse((cost, at, node))) = open.pop() {
+        if best.get(&(at, node.clone())).is_some_and(|&known| known < cost) {
+            continue;
+        }
+        let (marking, running) = &node;
+        if running.is_empty() && done(marking) {
+            return Some(cost);
+        }
+        let late = |place: usize, at: u64| due[place].map_or(0, |due| at.saturating_sub(due));
+        let mut visit = |cost: u64, at: u64, node: Node| {
+            let key = (at, node);
+            if best.get(&key).is_none_or(|&known| cost < known) {
+                best.insert(key.clone(), cost);
+                open.push(Reverse((cost, at, key.1)));
+            }
+        };
+        for t in net.transitions() {
+            let busy = running.iter().any(|&(other, _)| other == t.index());
+            // Nothing that is moved at once is due anywhere.
+            let Some(time) = times[t.index()].filter(|&time| time > 0) else { continue };
+            if busy || !net.preset(t).iter().all(|&(place, weight)| marking[place.index()] >= weight) {
+                continue;
+            }
+            let (mut marking, mut running) = node.clone();
+            net.preset(t).iter().for_each(|&(place, weight)| marking[place.index()] -= weight);
+            running.push((t.index(), time));
+            running.sort_unstable();
+            visit(cost, at, (marking, running));
+        }
+        if let Some(step) = running.iter().map(|&(_, left)| left).min() {
+            let (mut marking, mut after, mut cost) = (marking.clone(), Vec::new(), cost);
+            for &(t, left) in running {
+                if left > step {
+                    after.push((t, left - step));
+                    continue;
+                }
+                for &(place, weight) in net.postset(net.transitions().nth(t).unwrap()) {
+                    marking[place.index()] += weight;
+                    cost += u64::from(weight) * late(place.index(), at + step);
+                }
+            }
+            visit(cost, at + step, (marking, after));
+        }
+    }
+    None
+}

@@ -9,44 +9,78 @@ use linewright_cell::net::Supply;
 use linewright_coordinator_logic::cell::ahead::LookAhead;
 use linewright_coordinator_logic::cell::dispatch::ByRules;
 use linewright_coordinator_logic::cell::production::{Desk, Production};
-use linewright_coordinator_logic::cell::schedule::{Builtin, Foreman, Schedule, Scheduler, Situation};
+use linewright_coordinator_logic::cell::schedule::{Builtin, Deviation, Foreman, Schedule, Scheduler, Situation};
 use linewright_coordinator_logic::cell::{Fact, ModeId, PartId, Reason, State};
-use linewright_coordinator_logic::described::{Pace, described, foreman, products};
+use linewright_coordinator_logic::described::{Described, Pace, described, foreman, products};
 use linewright_line::Tick;
 
-use crate::oracle::shortest;
+use crate::oracle::{least_tardiness, shortest};
 use crate::shop::{ASSEMBLY, C1, Made, Shop};
 
 const LONG: Tick = Tick::from_millis(86_400_000);
 
-/// The shortest makespan in milliseconds, of so many parts of each type that are in the first store at the beginning and in
-/// the last one at the end.
-pub fn optimum(text: &str, counts: &[u32]) -> u64 {
-    let cell = linewright_cell::parse("cell.toml", text, None).unwrap_or_else(|problems| panic!("{problems:#}")).cell;
-    let pace = Pace { refresh: Duration::from_secs(1), grace: Duration::from_secs(1) };
-    let made = described(&cell, None, Supply::Closed(counts), pace).unwrap_or_else(|why| panic!("{why}"));
-    let net = made.long.net();
-    let mut marking = net.initial_marking().as_slice().to_vec();
-    let of = |t| made.net.move_of(&cell, made.long.mode(t));
-    let times: Vec<Option<u64>> = net
-        .transitions()
-        .map(|t| {
+/// A net in which so many parts of each type are in the first store, and nothing comes or goes: it, its marking, the times of
+/// its transitions in milliseconds, and the places of finished parts, type by type.
+struct Closed {
+    made: Described,
+    marking: Vec<u32>,
+    times: Vec<Option<u64>>,
+    finished: Vec<Vec<usize>>,
+    all: u32,
+}
+
+impl Closed {
+    fn new(text: &str, counts: &[u32]) -> Self {
+        let cell =
+            linewright_cell::parse("cell.toml", text, None).unwrap_or_else(|problems| panic!("{problems:#}")).cell;
+        let pace = Pace { refresh: Duration::from_secs(1), grace: Duration::from_secs(1) };
+        let made = described(&cell, None, Supply::Closed(counts), pace).unwrap_or_else(|why| panic!("{why}"));
+        let net = made.long.net();
+        let mut marking = net.initial_marking().as_slice().to_vec();
+        let of = |t| made.net.move_of(&cell, made.long.mode(t));
+        let time = |t| {
             let (activity, of) = of(t)?;
             let inside = !matches!(activity.kind, ActivityKind::Enter | ActivityKind::Leave);
             inside.then(|| of.time.map_or(0, |time| time.as_millis() as u64))
-        })
-        .collect();
-    // All come in first; that takes no time.
-    for t in net.transitions().filter(|&t| of(t).is_some_and(|(activity, _)| activity.kind == ActivityKind::Enter)) {
-        while net.preset(t).iter().all(|&(place, weight)| marking[place.index()] >= weight) {
-            net.preset(t).iter().for_each(|&(place, weight)| marking[place.index()] -= weight);
-            net.postset(t).iter().for_each(|&(place, weight)| marking[place.index()] += weight);
+        };
+        let times: Vec<Option<u64>> = net.transitions().map(time).collect();
+        // All come in first; that takes no time.
+        let enters = |&t: &_| of(t).is_some_and(|(activity, _)| activity.kind == ActivityKind::Enter);
+        for t in net.transitions().filter(enters) {
+            while net.preset(t).iter().all(|&(place, weight)| marking[place.index()] >= weight) {
+                net.preset(t).iter().for_each(|&(place, weight)| marking[place.index()] -= weight);
+                net.postset(t).iter().for_each(|&(place, weight)| marking[place.index()] += weight);
+            }
         }
+        let places = |part: &str| {
+            let name = format!(".stored-parts<{part}.done>");
+            net.places().filter(|&p| net.place_name(p).ends_with(&name)).map(|p| p.index()).collect()
+        };
+        let finished = cell.part_types.iter().map(|part| places(&part.name)).collect();
+        Closed { marking, times, finished, all: counts.iter().sum(), made }
     }
-    let finished = |name: &str| name.contains(".stored-parts<") && name.ends_with(".done>");
-    let stores: Vec<usize> = net.places().filter(|&p| finished(net.place_name(p))).map(|p| p.index()).collect();
-    let all = counts.iter().sum::<u32>();
-    shortest(net, marking, &times, |marking| stores.iter().map(|&place| marking[place]).sum::<u32>() == all).unwrap()
+
+    fn is_done(&self, marking: &[u32]) -> bool {
+        self.finished.iter().flatten().map(|&place| marking[place]).sum::<u32>() == self.all
+    }
+}
+
+/// The shortest makespan in milliseconds.
+fn optimum(text: &str, counts: &[u32]) -> u64 {
+    let closed = Closed::new(text, counts);
+    shortest(closed.made.long.net(), closed.marking.clone(), &closed.times, |marking| closed.is_done(marking)).unwrap()
+}
+
+/// The least tardiness in milliseconds, where parts of each type are due after so many.
+fn least(text: &str, counts: &[u32], due: &[u64]) -> u64 {
+    let closed = Closed::new(text, counts);
+    let net = closed.made.long.net();
+    let mut dues = vec![None; net.place_count()];
+    for (places, &due) in closed.finished.iter().zip(due) {
+        places.iter().for_each(|&place| dues[place] = Some(due));
+    }
+    let done = |marking: &[u32]| closed.is_done(marking);
+    least_tardiness(net, closed.marking.clone(), &closed.times, &dues, done).unwrap()
 }
 
 /// The assembly cell with room for nine.
@@ -98,6 +132,29 @@ fn schedules_of_the_assembly_cell_are_as_short_as_can_be() {
         assert_eq!(shop.makespan(), Tick::from_millis(expected));
         assert_eq!(foreman.revisions().len(), 1, "{:?}", foreman.revisions().collect::<Vec<_>>());
     }
+}
+
+/// Where parts are due, nothing is less late than what is planned, and the shorter makespan is not paid for with tardiness.
+#[test]
+fn schedules_are_as_little_late_as_can_be() {
+    let text = roomy();
+    let made = Made::new(&text);
+    let mut unequal = 0;
+    for (counts, due) in [
+        ([1, 1, 1], [10, 10, 10]),
+        ([1, 1, 1], [14, 9, 13]),
+        ([2, 1, 1], [20, 12, 12]),
+        ([1, 2, 2], [40, 15, 20]),
+        ([2, 2, 1], [15, 30, 12]),
+    ] {
+        let orders: Vec<_> =
+            orders(&counts).into_iter().zip(due).map(|((name, n, _), due)| (name, n, Some(due))).collect();
+        let schedule = planned(&made, &desk(&made, made.ordered(&orders)), &mut Builtin::default());
+        let expected = least(&text, &counts, &due.map(|due| due * 1000));
+        assert_eq!((schedule.score.tardiness, schedule.proved), (expected * 1000, true), "{counts:?} {due:?}");
+        unequal += usize::from(schedule.score.makespan > optimum(&text, &counts) * 1000);
+    }
+    assert!(unequal > 0, "the shortest is always the least late: this tests little");
 }
 
 /// Workcells with times by chance: what is proved to be the shortest is.
@@ -267,4 +324,30 @@ fn what_is_too_large_is_planned_in_part() {
     let schedule = planned(&made, &desk(&made, production), &mut Builtin { effort: 2000, ..Builtin::default() });
     let starts = schedule.slots().len();
     assert!((1000..=2000).contains(&starts) && !schedule.proved, "{starts}");
+}
+
+/// An order that is planned piece by piece is made all the same.
+#[test]
+fn when_all_that_was_planned_has_started_more_is_planned() {
+    let made = Made::new(C1);
+    let mut desk = desk(&made, made.ordered(&[("A", 20, None), ("B", 20, None)]));
+    desk.rules.fairness.patience = Some(Duration::from_secs(100_000));
+    let scheduler = Builtin { effort: 60, exact: false, looks_ahead: false };
+    let mut foreman = Foreman::new(LookAhead::new(&made.table, desk, Duration::ZERO), Box::new(scheduler));
+    let mut shop = Shop::new(&made.table);
+    shop.run(&mut foreman, LONG);
+    assert_eq!(shop.state().left(), 40);
+    let whys: Vec<Deviation> = foreman.revisions().map(|revision| revision.why).collect();
+    assert!(whys.len() > 3 && whys[1..].iter().all(|why| *why == Deviation::Over), "{whys:?}");
+}
+
+/// A large order enters part by part; that its last parts wait outside for hours makes nobody urgent.
+#[test]
+fn an_order_that_goes_on_is_not_urgent() {
+    let made = Made::new(C1);
+    let mut desk = desk(&made, made.ordered(&[("A", 60, None)]));
+    let mut shop = Shop::new(&made.table);
+    shop.run(&mut desk, Tick::from_millis(2_000_000));
+    assert!(shop.state().left() > 10 && shop.state().left() < 50);
+    assert!(!desk.rules.is_pressed(shop.now, shop.state()));
 }

@@ -327,6 +327,7 @@ impl Production {
         let Some(order) = self.orders.get_mut(&id) else { return false };
         order.entered += 1;
         order.begun.get_or_insert(at);
+        order.newest = Some(at);
         self.of_part.insert(part, id);
         true
     }
@@ -409,7 +410,9 @@ impl Production {
         }
         for product in (0..count).filter(|&product| admission.wanted[product] > 0) {
             let Some(order) = self.in_turn(product, now) else { continue };
-            let waiting = Waiting { job: order.job(), since: self.open_from(order).unwrap_or(now) };
+            // An order of many parts does not wait while one after the other enters.
+            let since = self.open_from(order).into_iter().chain(order.newest).max().unwrap_or(now);
+            let waiting = Waiting { job: order.job(), since };
             jobs.outside.extend(self.entrances(product).map(|mode| (mode, waiting)));
         }
         jobs.admission = Some(admission);

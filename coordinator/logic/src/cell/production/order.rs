@@ -32,6 +32,8 @@ pub struct Order {
     pub lost: u32,
     /// When its first part entered.
     pub begun: Option<Tick>,
+    /// When the last one did that has entered so far.
+    pub newest: Option<Tick>,
     /// When it was cancelled.
     pub cancelled: Option<Tick>,
     /// It was withdrawn.
@@ -86,6 +88,7 @@ impl Order {
             surplus: 0,
             lost: 0,
             begun: None,
+            newest: None,
             cancelled: None,
             withdrawn: false,
             ended: None,

@@ -93,9 +93,10 @@ impl Scheduler for Builtin {
                     start
                 })
                 .collect();
-            making.tries(Follow::new(desk.clone(), rest), self.effort);
+            making.tries(Follow::new(desk.clone(), rest), self.effort / 2);
         }
-        making.tries(desk.clone(), self.effort);
+        let left = making.left;
+        making.tries(desk.clone(), left);
         for (_, rule) in Rule::ALL.into_iter().filter(|(_, rule)| *rule != Rule::Schedule) {
             if making.left < 2 * making.took {
                 break;

@@ -12,7 +12,7 @@ use std::time::Duration;
 use linewright_line::Tick;
 
 use super::super::ahead::LookAhead;
-use super::super::dispatch::Rule;
+use super::super::dispatch::{Rule, Timetable};
 use super::super::production::{Change, Unfit};
 use super::super::question::{Answer, Dispatcher, Question};
 use super::super::reason::Reason;
@@ -100,7 +100,14 @@ impl Foreman {
     fn revise(&mut self, question: &Question<'_>) {
         let (now, state) = (question.now, question.state);
         let holds = |schedule: &Schedule| schedule.deviation(now, self.tolerance);
-        let Some(why) = self.pending.take().or_else(|| self.schedule.as_ref().and_then(holds)) else { return };
+        let mut why = self.pending.take().or_else(|| self.schedule.as_ref().and_then(holds));
+        if why.is_none() && self.schedule.as_ref().is_some_and(Schedule::is_over) {
+            // Nothing is held any more, so what starts now is what was not planned.
+            self.look.desk.rules.timetable = Timetable::EMPTY;
+            let goes_on = !self.look.desk.decide(question).start.is_empty();
+            why = goes_on.then_some(Deviation::Over);
+        }
+        let Some(why) = why else { return };
         let quiet = self.look.quiet().clone();
         let previous = self.schedule.as_ref();
         let situation = Situation { now, state, desk: &self.look.desk, quiet: &quiet, previous };

@@ -33,6 +33,8 @@ pub enum Deviation {
         /// By how much, beyond its window and the tolerance.
         by: Duration,
     },
+    /// All that was planned has started, and there is more to do.
+    Over,
     /// Something else has started than was planned.
     Stray(ModeId, Option<PartId>),
 }
