@@ -134,9 +134,9 @@ fn compare(seed: u64, cell: &Cell, parts: u32) -> [f64; 3] {
     let rules = [Rule::Fifo, Rule::ShortestProcessingTime];
     let by_rules = rules.map(|rule| play(&table, &mut desk(&[rule]), all).0);
     let best = by_rules.iter().copied().fold(f64::INFINITY, f64::min);
-    let mut look = LookAhead::new(&table, desk(&[Rule::ShortestProcessingTime]), Duration::from_secs(300));
+    let mut look = LookAhead::new(&table, desk(&[Rule::Fifo]), Duration::from_secs(300));
     let (ahead, mean, longest) = play(&table, &mut look, all);
-    let base = LookAhead::new(&table, desk(&[Rule::Schedule, Rule::ShortestProcessingTime]), Duration::ZERO);
+    let base = LookAhead::new(&table, desk(&[Rule::Schedule, Rule::Fifo]), Duration::ZERO);
     let mut foreman = Foreman::new(base, Box::new(Builtin::default()));
     let (followed, _, planning) = play(&table, &mut foreman, all);
     println!(

@@ -3,7 +3,7 @@
 
 use std::time::Duration;
 
-use linewright_coordinator_logic::cell::ahead::{Ending, Imagined, LookAhead, Score};
+use linewright_coordinator_logic::cell::ahead::{Ending, Imagined, LookAhead, Score, Thought};
 use linewright_coordinator_logic::cell::dispatch::{ByRules, Rule};
 use linewright_coordinator_logic::cell::production::Desk;
 use linewright_coordinator_logic::cell::{Answer, Dispatcher, Fact, Fifo, Question, Reason, Record};
@@ -102,8 +102,8 @@ fn a_cell_goes_as_imagined() {
         let mut thought = desk.clone();
         shop.log.iter().for_each(|record| thought.note(record));
         let mut real = thought.clone();
-        let quiet = std::sync::Arc::new(made.table.without_orders());
-        let mut imagined = Imagined::new(shop.state(), &quiet, shop.now);
+        let thought_of = Thought::new(&made.table);
+        let mut imagined = Imagined::new(shop.state(), &thought_of, shop.now);
         assert_eq!(imagined.play(&mut thought, Tick::NEVER, 100_000), Ending::Still);
         let before = shop.starts().len();
         shop.run(&mut real, LONG);
@@ -112,7 +112,7 @@ fn a_cell_goes_as_imagined() {
         let expected: Vec<_> =
             expected.iter().map(|act| (act.from.as_micros() / 1000, name(act.mode), act.part)).collect();
         assert_eq!(shop.starts()[before..], expected);
-        let score = Score::of(&imagined, &thought, Ending::Still);
+        let score = Score::of(&imagined, &thought, &thought_of, Ending::Still);
         assert_eq!((score.work, score.tardiness), (0, 0));
         assert_eq!(shop.makespan(), imagined.began() + Duration::from_micros(score.makespan));
     }

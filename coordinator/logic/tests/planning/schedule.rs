@@ -6,7 +6,7 @@ use std::time::Duration;
 
 use linewright_cell::ActivityKind;
 use linewright_cell::net::Supply;
-use linewright_coordinator_logic::cell::ahead::LookAhead;
+use linewright_coordinator_logic::cell::ahead::{LookAhead, Thought};
 use linewright_coordinator_logic::cell::dispatch::ByRules;
 use linewright_coordinator_logic::cell::production::{Desk, Production};
 use linewright_coordinator_logic::cell::schedule::{Builtin, Deviation, Foreman, Schedule, Scheduler, Situation};
@@ -17,6 +17,8 @@ use linewright_line::Tick;
 use crate::oracle::{least_tardiness, shortest};
 use crate::shop::{ASSEMBLY, C1, Made, Shop};
 
+/// It takes what it needs to be sure.
+const THOROUGH: Builtin = Builtin { effort: 200_000, exact: true, looks_ahead: true };
 const LONG: Tick = Tick::from_millis(86_400_000);
 
 /// A net in which so many parts of each type are in the first store, and nothing comes or goes: it, its marking, the times of
@@ -98,9 +100,9 @@ fn orders(counts: &[u32]) -> Vec<(&'static str, u32, Option<u64>)> {
 }
 
 fn planned(made: &Made, desk: &Desk, scheduler: &mut dyn Scheduler) -> Schedule {
-    let quiet = std::sync::Arc::new(made.table.without_orders());
+    let thought = Thought::new(&made.table);
     let state = State::new(made.table.clone());
-    scheduler.plan(&Situation { now: Tick::ZERO, state: &state, desk, quiet: &quiet, previous: None })
+    scheduler.plan(&Situation { now: Tick::ZERO, state: &state, desk, thought: &thought, previous: None })
 }
 
 fn desk(made: &Made, production: Production) -> Desk {
@@ -108,7 +110,8 @@ fn desk(made: &Made, production: Production) -> Desk {
 }
 
 fn follower(made: &Made, production: Production, patience: u64, tolerance: u64) -> Foreman {
-    let mut foreman = foreman(&made.cell, &made.made, production);
+    let look = foreman(&made.cell, &made.made, production).look;
+    let mut foreman = Foreman::new(look, Box::new(THOROUGH));
     foreman.look.desk.rules.fairness.patience = Some(Duration::from_secs(patience));
     foreman.tolerance = Duration::from_secs(tolerance);
     foreman
@@ -122,7 +125,7 @@ fn schedules_of_the_assembly_cell_are_as_short_as_can_be() {
     for (counts, expected) in [([1, 1, 1], 17_500), ([2, 2, 1], 31_000), ([2, 2, 2], 35_000), ([3, 3, 3], 52_500)] {
         assert_eq!(optimum(&text, &counts), expected, "{counts:?}");
         let production = made.ordered(&orders(&counts));
-        let schedule = planned(&made, &desk(&made, production.clone()), &mut Builtin::default());
+        let schedule = planned(&made, &desk(&made, production.clone()), &mut { THOROUGH });
         assert_eq!((schedule.score.makespan, schedule.proved), (expected * 1000, true), "{counts:?}");
         // And the cell really does it in that time.
         let mut shop = Shop::new(&made.table);
@@ -149,7 +152,7 @@ fn schedules_are_as_little_late_as_can_be() {
     ] {
         let orders: Vec<_> =
             orders(&counts).into_iter().zip(due).map(|((name, n, _), due)| (name, n, Some(due))).collect();
-        let schedule = planned(&made, &desk(&made, made.ordered(&orders)), &mut Builtin::default());
+        let schedule = planned(&made, &desk(&made, made.ordered(&orders)), &mut { THOROUGH });
         let expected = least(&text, &counts, &due.map(|due| due * 1000));
         assert_eq!((schedule.score.tardiness, schedule.proved), (expected * 1000, true), "{counts:?} {due:?}");
         unequal += usize::from(schedule.score.makespan > optimum(&text, &counts) * 1000);
@@ -184,7 +187,7 @@ fn what_is_proved_is_the_optimum_of_random_cells() {
         let counts = [[1, 1], [2, 1], [1, 2], [2, 2]][round % 4];
         let production = made.ordered(&[("A", counts[0], None), ("B", counts[1], None)]);
         let desk = desk(&made, production);
-        let schedule = planned(&made, &desk, &mut Builtin::default());
+        let schedule = planned(&made, &desk, &mut { THOROUGH });
         let least = optimum(&text, &counts) * 1000;
         assert!(schedule.score.makespan >= least, "{round}");
         if schedule.proved {

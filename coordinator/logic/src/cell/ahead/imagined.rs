@@ -6,7 +6,6 @@
 //! has: a machine that is down is one that never comes back, as far as can be seen.
 
 use std::collections::BTreeMap;
-use std::sync::Arc;
 
 use linewright_line::Tick;
 
@@ -17,7 +16,7 @@ use super::super::ids::{FiringId, ModeId, PartId};
 use super::super::question::{Answer, Candidate, Group, Question, check, pose};
 use super::super::record::{Fact, Record};
 use super::super::state::State;
-use super::super::table::CellTable;
+use super::bounds::Thought;
 use super::lead::Lead;
 
 /// An activity that was started.
@@ -60,8 +59,9 @@ pub struct Imagined {
 }
 
 impl Imagined {
-    /// The cell as it is now. `quiet` is its table without orders ([`CellTable::without_orders`]).
-    pub fn new(state: &State, quiet: &Arc<CellTable>, now: Tick) -> Self {
+    /// The cell as it is now.
+    pub fn new(state: &State, thought: &Thought, now: Tick) -> Self {
+        let quiet = thought.table();
         let mut state = state.clone();
         state.table = quiet.clone();
         state.orders.clear();

@@ -16,7 +16,6 @@
 //! - *Bounded.* At most so many firings are imagined for a question; what could not be tried is not chosen.
 
 use std::collections::{BTreeMap, BTreeSet, VecDeque};
-use std::sync::Arc;
 use std::time::Duration;
 
 use linewright_line::Tick;
@@ -29,6 +28,7 @@ use super::super::reason::{Outlook, Reason};
 use super::super::record::{Fact, Record};
 use super::super::state::{Place, State};
 use super::super::table::CellTable;
+use super::bounds::Thought;
 use super::imagined::{Ending, Imagined};
 use super::lead::{Choice, Follow, Lead, Otherwise, PlannedStart};
 use super::score::Score;
@@ -48,7 +48,7 @@ pub struct LookAhead {
     pub horizon: Duration,
     /// How many firings are imagined for a question at most.
     pub effort: usize,
-    quiet: Arc<CellTable>,
+    thought: Thought,
     /// The rest of the best future found so far.
     best: VecDeque<PlannedStart>,
     worn: u64,
@@ -66,13 +66,17 @@ struct Tried {
 impl LookAhead {
     /// Over the rules of a desk, so far ahead.
     pub fn new(table: &CellTable, desk: Desk, horizon: Duration) -> Self {
-        let quiet = Arc::new(table.without_orders());
-        LookAhead { desk, horizon, effort: EFFORT, quiet, best: VecDeque::new(), worn: 0 }
+        LookAhead::with(Thought::new(table), desk, horizon)
     }
 
-    /// The table in which things are imagined.
-    pub fn quiet(&self) -> &Arc<CellTable> {
-        &self.quiet
+    /// The same, with what things are imagined with.
+    pub fn with(thought: Thought, desk: Desk, horizon: Duration) -> Self {
+        LookAhead { desk, horizon, effort: EFFORT, thought, best: VecDeque::new(), worn: 0 }
+    }
+
+    /// What things are imagined with.
+    pub fn thought(&self) -> &Thought {
+        &self.thought
     }
 
     /// How many questions had to be decided before everything was tried.
@@ -90,7 +94,7 @@ impl LookAhead {
     }
 
     fn tries(&self, question: &Question<'_>, mut lead: impl Lead, left: &mut usize) -> Option<Tried> {
-        let mut imagined = Imagined::new(question.state, &self.quiet, question.now);
+        let mut imagined = Imagined::new(question.state, &self.thought, question.now);
         let ending = imagined.play(&mut lead, question.now + self.horizon, *left);
         *left = left.saturating_sub(imagined.firings());
         match ending {
@@ -107,7 +111,7 @@ impl LookAhead {
             })
             .collect();
         let first = imagined.first().unwrap_or(before) - before;
-        let score = Score::of(&imagined, lead.desk(), ending);
+        let score = Score::of(&imagined, lead.desk(), &self.thought, ending);
         Some(Tried { score, first: all[..first].to_vec(), all: all.into() })
     }
 
@@ -173,7 +177,7 @@ impl LookAhead {
 
     /// What was started is not to be started again.
     fn started(&mut self, mode: ModeId, part: Option<PartId>) {
-        let part = part.filter(|_| self.quiet.part_in(mode).is_some());
+        let part = part.filter(|_| self.thought.table().part_in(mode).is_some());
         let at = self.best.iter().position(|of| (of.mode, of.part) == (mode, part));
         at.into_iter().for_each(|at| _ = self.best.remove(at));
     }

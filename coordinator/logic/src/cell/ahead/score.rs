@@ -1,9 +1,10 @@
 //! What has come of an imagined future.
 //!
 //! Of two futures the one in which parts are less late is better, each counted as often as its order matters; then the one
-//! that leaves less to be done at the end of what was looked at; then the one in which all is finished first; then the one
-//! in which parts are finished earlier in all. What has not left by the end is taken to leave after the work that remains
-//! on it, as if it had the cell for itself: so two futures over the same time can be compared, and where all is finished the
+//! that leaves nothing stuck; then the one in which all is finished first; then the one that leaves less to be done at the end
+//! of what was looked at; then the one in which parts are finished earlier in all. What has not left by the end is taken to
+//! leave after the work that remains on it, as if it had the cell for itself, and all of it not before machines and carriers
+//! can have done what is left for them: so two futures over the same time can be compared, and where all is finished the
 //! score is exact.
 
 use std::time::Duration;
@@ -16,6 +17,7 @@ use super::super::production::Desk;
 use super::super::reason::Gain;
 use super::super::state::Place;
 use super::super::table::CellTable;
+use super::bounds::Thought;
 use super::imagined::{Ending, Imagined};
 
 /// What has come of a future; the smaller one is better. Only scores of futures that began at the same moment are compared.
@@ -23,17 +25,19 @@ use super::imagined::{Ending, Imagined};
 pub struct Score {
     /// By how many microseconds parts are late in all, each counted 1 + priority times.
     pub tardiness: u64,
-    /// How many microseconds of work are left.
-    pub work: u64,
+    /// How many microseconds of work nothing can be done about any more.
+    pub stuck: u64,
     /// When all is finished, in microseconds from the beginning.
     pub makespan: u64,
+    /// How many microseconds of work are left.
+    pub work: u64,
     /// After how many microseconds parts are finished, in all.
     pub flow: u64,
 }
 
 impl Score {
     /// Of what was played until it ended so.
-    pub fn of(imagined: &Imagined, desk: &Desk, ending: Ending) -> Self {
+    pub fn of(imagined: &Imagined, desk: &Desk, thought: &Thought, ending: Ending) -> Self {
         let (mut score, state) = (Score::default(), imagined.state());
         let (table, ways) = (state.table(), desk.rules.ways());
         let tally = Tally { began: imagined.began(), end: imagined.now() };
@@ -58,6 +62,10 @@ impl Score {
             let work = entering(desk, table, ways, order.product);
             tally.left(&mut score, &order.job(), tally.end, work, order.missing(), ending);
         }
+        if ending != Ending::Still {
+            let after = tally.end + thought.bounds().need(imagined, desk);
+            score.makespan = score.makespan.max(micros(after.since(tally.began)));
+        }
         score
     }
 
@@ -66,10 +74,12 @@ impl Score {
         let by = |ours: u64, theirs: u64| Duration::from_micros(theirs.saturating_sub(ours));
         if self.tardiness != worse.tardiness {
             Gain::Tardiness(by(self.tardiness, worse.tardiness))
-        } else if self.work != worse.work {
-            Gain::Work(by(self.work, worse.work))
+        } else if self.stuck != worse.stuck {
+            Gain::Work(by(self.stuck, worse.stuck))
         } else if self.makespan != worse.makespan {
             Gain::Makespan(by(self.makespan, worse.makespan))
+        } else if self.work != worse.work {
+            Gain::Work(by(self.work, worse.work))
         } else if self.flow != worse.flow {
             Gain::Flow(by(self.flow, worse.flow))
         } else {
@@ -99,6 +109,10 @@ pub(in super::super) fn weight(job: &Job) -> u64 {
 /// So much later than it could be is what never comes.
 const LONG: Duration = Duration::from_secs(1_000_000_000);
 
+fn micros(span: Duration) -> u64 {
+    u64::try_from(span.as_micros()).unwrap_or(u64::MAX)
+}
+
 struct Tally {
     began: Tick,
     end: Tick,
@@ -106,7 +120,6 @@ struct Tally {
 
 impl Tally {
     fn finish(&self, score: &mut Score, job: &Job, at: Tick, count: u32) {
-        let micros = |span: Duration| u64::try_from(span.as_micros()).unwrap_or(u64::MAX);
         let times = |value: u64| value.saturating_mul(u64::from(count));
         let late = job.due.map_or(Duration::ZERO, |due| at.since(due));
         score.tardiness = score.tardiness.saturating_add(times(micros(late).saturating_mul(weight(job))));
@@ -116,16 +129,19 @@ impl Tally {
     }
 
     fn left(&self, score: &mut Score, job: &Job, from: Tick, work: Duration, count: u32, ending: Ending) {
-        let micros = u64::try_from(work.as_micros()).unwrap_or(u64::MAX);
-        score.work = score.work.saturating_add(micros.saturating_mul(u64::from(count)));
+        let left = micros(work).saturating_mul(u64::from(count));
         match ending {
             // The cell has come to stand still with work undone; it has no end that could be early or late.
             Ending::Still if !work.is_zero() => {
+                score.stuck = score.stuck.saturating_add(left);
                 let mut late = Score::default();
                 self.finish(&mut late, job, from + work + LONG, count);
                 score.tardiness = score.tardiness.saturating_add(late.tardiness);
             }
-            Ending::Still | Ending::Horizon | Ending::Worn => self.finish(score, job, from + work, count),
+            Ending::Still | Ending::Horizon | Ending::Worn => {
+                score.work = score.work.saturating_add(left);
+                self.finish(score, job, from + work, count);
+            }
         }
     }
 }

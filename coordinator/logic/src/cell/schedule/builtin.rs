@@ -6,7 +6,6 @@
 //! and is, when so many firings have been imagined: a large order is then planned as far as that goes.
 
 use std::collections::VecDeque;
-use std::sync::Arc;
 use std::time::Duration;
 
 use linewright_line::Tick;
@@ -17,6 +16,9 @@ use super::super::production::Desk;
 use super::search::{Best, Search};
 use super::slots::Schedule;
 use super::{Scheduler, Situation};
+
+/// How many firings are imagined for a schedule, if nothing else is said. The cell waits meanwhile.
+pub const EFFORT: usize = 20_000;
 
 /// Everything is looked through only if cells and modes, times firings, are at most so many: a node of the search is a copy
 /// of the cell, and as many are kept as the cell has firings before it.
@@ -35,7 +37,7 @@ pub struct Builtin {
 
 impl Default for Builtin {
     fn default() -> Self {
-        Builtin { effort: 100_000, exact: true, looks_ahead: true }
+        Builtin { effort: EFFORT, exact: true, looks_ahead: true }
     }
 }
 
@@ -51,12 +53,13 @@ struct Making<'a> {
 
 impl Making<'_> {
     fn tries(&mut self, mut lead: impl Lead, most: usize) {
-        let Situation { now, state, quiet, .. } = *self.situation;
-        let mut imagined = Imagined::new(state, quiet, now);
+        let Situation { now, state, thought, .. } = *self.situation;
+        let mut imagined = Imagined::new(state, thought, now);
         let ending = imagined.play(&mut lead, Tick::NEVER, most);
         self.took = imagined.firings();
         self.left = self.left.saturating_sub(self.took);
-        self.offer(Score::of(&imagined, lead.desk(), ending), imagined.acts(), ending);
+        let score = Score::of(&imagined, lead.desk(), thought, ending);
+        self.offer(score, imagined.acts(), ending);
     }
 
     fn offer(&mut self, score: Score, acts: &[Act], ending: Ending) {
@@ -80,7 +83,7 @@ fn free(desk: &Desk) -> Desk {
 
 impl Scheduler for Builtin {
     fn plan(&mut self, situation: &Situation<'_>) -> Schedule {
-        let Situation { now, state, desk, quiet, previous } = *situation;
+        let Situation { now, state, desk, thought, previous } = *situation;
         let desk = free(desk);
         let mut making = Making { situation, best: None, left: self.effort, took: 0 };
         if let Some(previous) = previous {
@@ -107,13 +110,13 @@ impl Scheduler for Builtin {
             making.tries(other, left);
         }
         if self.looks_ahead {
-            self.look(&mut making, quiet, &desk);
+            self.look(&mut making, &desk);
         }
-        let size = (quiet.cell_count() + quiet.mode_count()).saturating_mul(making.took);
+        let size = (thought.table().cell_count() + thought.table().mode_count()).saturating_mul(making.took);
         let mut proved = false;
         if self.exact && size <= SMALL {
-            let search = Search::new(quiet, making.best.take(), making.left);
-            (making.best, proved) = search.run(Imagined::new(state, quiet, now), desk);
+            let search = Search::new(thought.clone(), making.best.take(), making.left);
+            (making.best, proved) = search.run(Imagined::new(state, thought, now), desk);
         }
         let (score, acts) = making.best.map(|best| (best.score, best.acts)).unwrap_or_default();
         Schedule::new(state, now, &acts, score, proved)
@@ -122,11 +125,11 @@ impl Scheduler for Builtin {
 
 impl Builtin {
     /// Plays on looking ahead, as far as half of what is left allows.
-    fn look(&self, making: &mut Making<'_>, quiet: &Arc<super::super::table::CellTable>, desk: &Desk) {
+    fn look(&self, making: &mut Making<'_>, desk: &Desk) {
         let (budget, took) = (making.left / 2, making.took.max(1));
         // As many questions as firings at most; for each a few futures that become shorter and shorter.
         let each = budget / took;
-        let mut look = LookAhead::new(quiet, desk.clone(), Duration::MAX);
+        let mut look = LookAhead::with(making.situation.thought.clone(), desk.clone(), Duration::MAX);
         look.effort = each;
         if each < 2 * took {
             // Not even two whole futures: shorter ones.

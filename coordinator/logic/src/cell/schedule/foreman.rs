@@ -108,9 +108,8 @@ impl Foreman {
             why = goes_on.then_some(Deviation::Over);
         }
         let Some(why) = why else { return };
-        let quiet = self.look.quiet().clone();
         let previous = self.schedule.as_ref();
-        let situation = Situation { now, state, desk: &self.look.desk, quiet: &quiet, previous };
+        let situation = Situation { now, state, desk: &self.look.desk, thought: self.look.thought(), previous };
         let mut new = self.scheduler.plan(&situation);
         if let Some(previous) = self.schedule.take() {
             new.keep(&previous, self.tolerance);
@@ -153,7 +152,7 @@ impl Dispatcher for Foreman {
     fn note(&mut self, record: &Record) {
         self.look.note(record);
         if let Some(schedule) = &mut self.schedule {
-            schedule.note(self.look.quiet(), record);
+            schedule.note(self.look.thought().table(), record);
         }
         if let Fact::Raised { firing, cause: _ } = &record.fact {
             self.pending = Some(Deviation::Failed(*firing));

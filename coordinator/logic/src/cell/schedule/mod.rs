@@ -11,7 +11,6 @@
 //! A schedule is made by playing the table that is run, so it never plans what the net forbids; and it is only ever advice:
 //! the dispatcher asks for it, the player looks at what the dispatcher says.
 
-mod bounds;
 mod builtin;
 mod foreman;
 mod search;
@@ -23,13 +22,11 @@ pub use foreman::{Foreman, Revision};
 pub use slots::{Bar, Schedule, Slot};
 pub use timetable::Deviation;
 
-use std::sync::Arc;
-
 use linewright_line::Tick;
 
+use super::ahead::Thought;
 use super::production::Desk;
 use super::state::State;
-use super::table::CellTable;
 
 /// What there is to be planned.
 #[derive(Clone, Copy, Debug)]
@@ -40,8 +37,8 @@ pub struct Situation<'a> {
     pub state: &'a State,
     /// Rules and production orders.
     pub desk: &'a Desk,
-    /// The table in which things are imagined ([`CellTable::without_orders`]).
-    pub quiet: &'a Arc<CellTable>,
+    /// What things are imagined with.
+    pub thought: &'a Thought,
     /// What was planned before, and what has become of it.
     pub previous: Option<&'a Schedule>,
 }

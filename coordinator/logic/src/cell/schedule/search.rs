@@ -12,7 +12,7 @@ use std::time::Duration;
 
 use linewright_line::Tick;
 
-use super::super::ahead::{Act, Ending, Imagined, Score, weight};
+use super::super::ahead::{Act, Bound, Ending, Imagined, Score, Thought, weight};
 use super::super::dispatch::Job;
 use super::super::firing::Phase;
 use super::super::ids::ModeId;
@@ -20,7 +20,6 @@ use super::super::plan::{ActivityKind, CellKind, Pick};
 use super::super::production::Desk;
 use super::super::question::{Dispatcher, Question, Start};
 use super::super::table::CellTable;
-use super::bounds::{Bound, Bounds};
 
 /// At most so many cells are remembered as seen.
 const SEEN_MAX: usize = 200_000;
@@ -37,7 +36,7 @@ type Key = Vec<u64>;
 
 /// A search.
 pub(super) struct Search {
-    bounds: Bounds,
+    thought: Thought,
     seen: BTreeMap<Key, (Tick, u64)>,
     best: Option<Best>,
     stack: Vec<Node>,
@@ -56,8 +55,8 @@ struct Node {
 
 impl Search {
     /// With the best that is known so far, and so many firings to imagine.
-    pub fn new(table: &CellTable, best: Option<Best>, effort: usize) -> Self {
-        Search { bounds: Bounds::new(table), seen: BTreeMap::new(), best, stack: Vec::new(), left: effort }
+    pub fn new(thought: Thought, best: Option<Best>, effort: usize) -> Self {
+        Search { thought, seen: BTreeMap::new(), best, stack: Vec::new(), left: effort }
     }
 
     /// Looks through everything; the best there is, and whether nothing better can be.
@@ -105,7 +104,7 @@ impl Search {
         if options.is_empty() && next.is_none() {
             return self.close(&imagined, &desk);
         }
-        if self.is_beaten(self.bounds.bound(&imagined, &desk)) || self.was_seen(&imagined, &desk) {
+        if self.is_beaten(self.thought.bounds().bound(&imagined, &desk)) || self.was_seen(&imagined, &desk) {
             return;
         }
         let mut tries: Vec<Option<(ModeId, Start)>> = next.map(|_| None).into_iter().collect();
@@ -114,16 +113,16 @@ impl Search {
     }
 
     fn close(&mut self, imagined: &Imagined, desk: &Desk) {
-        let score = Score::of(imagined, desk, Ending::Still);
+        let score = Score::of(imagined, desk, &self.thought, Ending::Still);
         if self.best.as_ref().is_none_or(|best| score < best.score) {
             self.best = Some(Best { score, acts: imagined.acts().to_vec() });
         }
     }
 
     fn is_beaten(&self, bound: Bound) -> bool {
-        // What leaves work undone is beaten by anything that does not, late as it may be.
+        // What leaves something stuck is beaten by what does not, even if that takes longer.
         self.best.as_ref().is_some_and(|best| {
-            best.score.work == 0 && (best.score.tardiness, best.score.makespan) <= (bound.tardiness, bound.makespan)
+            best.score.stuck == 0 && (best.score.tardiness, best.score.makespan) <= (bound.tardiness, bound.makespan)
         })
     }
 

@@ -8,9 +8,11 @@ use std::time::Duration;
 
 use linewright_line::Tick;
 
+use super::super::dispatch::words::named;
 use super::super::dispatch::{Jobs, Timetable, Window};
 use super::super::ids::{FiringId, ModeId, PartId};
 use super::super::state::{Place, State};
+use super::super::table::CellTable;
 use super::slots::{Schedule, Slot};
 
 /// Why a schedule is made anew.
@@ -37,6 +39,23 @@ pub enum Deviation {
     Over,
     /// Something else has started than was planned.
     Stray(ModeId, Option<PartId>),
+}
+
+impl Deviation {
+    /// In words, with the names of the table.
+    pub fn words(&self, table: &CellTable) -> String {
+        match self {
+            Deviation::First => "nothing was planned yet".to_owned(),
+            Deviation::Orders => "production orders have changed".to_owned(),
+            Deviation::Failed(firing) => format!("{firing} has failed"),
+            Deviation::Restored => "something has been put right".to_owned(),
+            Deviation::Late { mode, part, by } => {
+                format!("{} is later than it may be, by {} s", named(table, *mode, *part), by.as_secs_f64())
+            }
+            Deviation::Over => "all that was planned has started".to_owned(),
+            Deviation::Stray(mode, part) => format!("{} has started, and was not planned", named(table, *mode, *part)),
+        }
+    }
 }
 
 impl Schedule {

@@ -6,11 +6,11 @@
 //! is the work that is left on any single part. A token for which no such sum exists gives no bound, which is never wrong.
 
 use std::collections::VecDeque;
+use std::sync::Arc;
 use std::time::Duration;
 
 use linewright_line::Tick;
 
-use super::super::ahead::{Imagined, entering, is_last, weight};
 use super::super::dispatch::{shortest, time};
 use super::super::firing::Phase;
 use super::super::ids::{CellId, ModeId};
@@ -18,6 +18,11 @@ use super::super::plan::CellKind;
 use super::super::production::Desk;
 use super::super::state::Place;
 use super::super::table::{CellTable, Tokens};
+use super::imagined::Imagined;
+use super::score::{entering, is_last, weight};
+
+/// At most so many numbers of token cells and cells are kept.
+const ENTRIES_MAX: usize = 1_000_000;
 
 /// A kind of token that parts hold and give back.
 #[derive(Clone, Debug)]
@@ -31,13 +36,38 @@ struct Shared {
 
 /// Bounds for a table.
 #[derive(Clone, Debug)]
-pub(super) struct Bounds {
+pub(in super::super) struct Bounds {
     shared: Vec<Shared>,
+}
+
+/// What is needed to imagine a cell: its table without orders, and its bounds. It is worked out once.
+#[derive(Clone, Debug)]
+pub struct Thought {
+    table: Arc<CellTable>,
+    bounds: Arc<Bounds>,
+}
+
+impl Thought {
+    /// For a cell.
+    pub fn new(table: &CellTable) -> Self {
+        let table = table.without_orders();
+        Thought { bounds: Arc::new(Bounds::new(&table)), table: Arc::new(table) }
+    }
+
+    /// What is played.
+    pub fn table(&self) -> &Arc<CellTable> {
+        &self.table
+    }
+
+    /// What no future can beat, and what one that ends early is measured with.
+    pub(in super::super) fn bounds(&self) -> &Bounds {
+        &self.bounds
+    }
 }
 
 /// What no way on from here can beat.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, PartialOrd, Ord)]
-pub(super) struct Bound {
+pub(in super::super) struct Bound {
     pub tardiness: u64,
     pub makespan: u64,
 }
@@ -140,12 +170,20 @@ impl Shared {
 }
 
 impl Bounds {
+    /// Of a table. A cell too large for it has the bounds of its parts alone.
     pub fn new(table: &CellTable) -> Self {
-        let tokens = table.cells().filter(|&cell| table.kind(cell) == CellKind::Tokens);
+        let tokens: Vec<CellId> = table.cells().filter(|&cell| table.kind(cell) == CellKind::Tokens).collect();
+        let fits = tokens.len().saturating_mul(table.cell_count()) <= ENTRIES_MAX;
+        let tokens = tokens.into_iter().filter(|_| fits);
         Bounds { shared: tokens.filter_map(|cell| Shared::new(table, cell)).collect() }
     }
 
-    /// What no way on from here can beat, in the measures of [`super::super::ahead::Score`].
+    /// How much time has to pass at least until nothing is left to be done.
+    pub fn need(&self, imagined: &Imagined, desk: &Desk) -> Duration {
+        self.shared.iter().map(|shared| shared.need(imagined, desk)).max().unwrap_or_default()
+    }
+
+    /// What no way on from here can beat, in the measures of [`super::Score`].
     pub fn bound(&self, imagined: &Imagined, desk: &Desk) -> Bound {
         let (state, table, ways) = (imagined.state(), imagined.state().table(), desk.rules.ways());
         let micros = |span: Duration| u64::try_from(span.as_micros()).unwrap_or(u64::MAX);
@@ -174,7 +212,7 @@ impl Bounds {
         for order in desk.production().into_iter().flat_map(|production| production.missing()) {
             finish(order.job(), now + entering(desk, table, ways, order.product), order.missing());
         }
-        let need = self.shared.iter().map(|shared| shared.need(imagined, desk)).max().unwrap_or_default();
+        let need = self.need(imagined, desk);
         bound.makespan = bound.makespan.max(micros((now + need).since(began)));
         bound
     }
