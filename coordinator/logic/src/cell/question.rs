@@ -98,8 +98,8 @@ pub trait Dispatcher {
     /// Answers a question. It can be asked the same again.
     fn decide(&mut self, question: &Question<'_>) -> Answer;
 
-    /// Is told of every record of the cell, in their order, before it is asked again. What a dispatcher remembers of a cell
-    /// can follow from this alone; after a restart it is told the log.
+    /// Is told of every record that a step writes, in their order, before it is asked again. What a dispatcher remembers of
+    /// a cell can follow from this alone; after a restart whoever made it tells it the log.
     fn note(&mut self, _record: &Record) {}
 }
 

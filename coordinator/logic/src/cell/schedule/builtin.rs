@@ -1,7 +1,8 @@
 //! The scheduler that is always there.
 //!
 //! It tries, in this order, what was planned before, the rules of the cell, each single rule, and looking ahead over all of
-//! it; and where the cell is small enough, all that can be decided ([`super::search`]). The best counts, of equals the one
+//! it; where the cell is small enough, all that can be decided ([`super::search`]); and as long as that has not proved
+//! anything, futures by chance near the best one ([`super::sample`]). The best counts, of equals the one
 //! that was found first; so what was planned stays planned unless something is better. It can be stopped after any of these,
 //! and is, when so many firings have been imagined: a large order is then planned as far as that goes.
 
@@ -10,9 +11,10 @@ use std::time::Duration;
 
 use linewright_line::Tick;
 
-use super::super::ahead::{Act, Ending, Follow, Imagined, Lead, LookAhead, Score};
+use super::super::ahead::{Act, Ending, Follow, Imagined, Lead, LookAhead, PlannedStart, Score};
 use super::super::dispatch::{Rule, Timetable};
 use super::super::production::Desk;
+use super::sample::{Chance, Sample};
 use super::search::{Best, Search};
 use super::slots::Schedule;
 use super::{Scheduler, Situation};
@@ -33,11 +35,13 @@ pub struct Builtin {
     pub exact: bool,
     /// Whether it looks ahead.
     pub looks_ahead: bool,
+    /// Whether it tries futures by chance.
+    pub samples: bool,
 }
 
 impl Default for Builtin {
     fn default() -> Self {
-        Builtin { effort: EFFORT, exact: true, looks_ahead: true }
+        Builtin { effort: EFFORT, exact: true, looks_ahead: true, samples: true }
     }
 }
 
@@ -115,8 +119,12 @@ impl Scheduler for Builtin {
         let size = (thought.table().cell_count() + thought.table().mode_count()).saturating_mul(making.took);
         let mut proved = false;
         if self.exact && size <= SMALL {
-            let search = Search::new(thought.clone(), making.best.take(), making.left);
-            (making.best, proved) = search.run(Imagined::new(state, thought, now), desk);
+            let search = Search::new(thought.clone(), making.best.take(), making.left / 2);
+            making.left /= 2;
+            (making.best, proved) = search.run(Imagined::new(state, thought, now), desk.clone());
+        }
+        if !proved {
+            self.sample(&mut making, &desk);
         }
         let (score, acts) = making.best.map(|best| (best.score, best.acts)).unwrap_or_default();
         Schedule::new(state, now, &acts, score, proved)
@@ -124,6 +132,24 @@ impl Scheduler for Builtin {
 }
 
 impl Builtin {
+    /// Tries futures near the best one, as many as what is left allows.
+    fn sample(&self, making: &mut Making<'_>, desk: &Desk) {
+        let (table, mut chance) = (making.situation.thought.table(), Chance::new());
+        let took = making.took.max(1);
+        while self.samples && making.left >= 2 * took {
+            let acts = making.best.iter().flat_map(|best| &best.acts).filter(|act| !act.was_running);
+            let plan: Vec<PlannedStart> = acts
+                .map(|act| {
+                    let part = act.part.filter(|_| table.part_in(act.mode).is_some());
+                    PlannedStart { at: act.from, mode: act.mode, part }
+                })
+                .collect();
+            making.tries(Sample::new(desk, &plan, &mut chance), 2 * took);
+            // What is imagined for nothing counts as well.
+            making.left = making.left.saturating_sub(1);
+        }
+    }
+
     /// Plays on looking ahead, as far as half of what is left allows.
     fn look(&self, making: &mut Making<'_>, desk: &Desk) {
         let (budget, took) = (making.left / 2, making.took.max(1));

@@ -13,6 +13,7 @@
 
 mod builtin;
 mod foreman;
+mod sample;
 mod search;
 mod slots;
 mod timetable;

@@ -284,7 +284,10 @@ impl Schedule {
             let slot = &mut self.slots[at];
             slot.promised = old.promised.or(slot.promised.filter(|_| slot.began.is_none()));
             let moved = slot.from.since(old.from).max(old.from.since(slot.from));
-            if slot.began.is_none() && moved <= tolerance {
+            if slot.began.is_some() {
+                // When it started is known; when it was to is what a chart compares that with.
+                slot.from = old.from;
+            } else if moved <= tolerance {
                 (slot.from, slot.to, slot.float) = (old.from, old.to, old.float);
             }
         }
