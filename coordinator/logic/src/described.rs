@@ -19,6 +19,7 @@ use crate::cell::ahead::LookAhead;
 use crate::cell::dispatch::ByRules;
 use crate::cell::production::{Desk, Production};
 use crate::cell::schedule::{Builtin, Foreman};
+use crate::cell::tracking::{Entry, Passing, Sheet};
 use crate::cell::{Activity, ActivityKind, CellKind, CellTable, ModeId, OrderTemplate, Pick, Plan, PlanError};
 
 /// At most so many places and transitions: a thousand resources need a tenth of it.
@@ -178,6 +179,40 @@ pub fn products(cell: &Cell, made: &Described) -> Vec<(String, Vec<ModeId>)> {
         }
     }
     products
+}
+
+/// What a report has to know of a cell beside its records.
+pub fn sheet(cell: &Cell, made: &Described) -> Sheet {
+    let index = |part: linewright_cell::Use| part.of.map(|id| id.index());
+    let entry = |t| match made.net.move_of(cell, made.long.mode(t)) {
+        Some((activity, of)) => Entry {
+            activity: activity.name.as_str().into(),
+            resources: activity.uses.iter().copied().filter_map(index).collect(),
+            worker: match activity.kind {
+                linewright_cell::ActivityKind::Process => activity.used(Role::Worker).and_then(index),
+                linewright_cell::ActivityKind::Transport
+                | linewright_cell::ActivityKind::Enter
+                | linewright_cell::ActivityKind::Leave => None,
+            },
+            nominal: of.time.unwrap_or_default(),
+            passing: match activity.kind {
+                linewright_cell::ActivityKind::Enter => Passing::Enters,
+                linewright_cell::ActivityKind::Leave => Passing::Leaves,
+                linewright_cell::ActivityKind::Transport | linewright_cell::ActivityKind::Process => Passing::Inside,
+            },
+        },
+        None => Entry {
+            activity: made.long.net().transition_name(t).into(),
+            resources: Vec::new(),
+            worker: None,
+            nominal: Duration::ZERO,
+            passing: Passing::Inside,
+        },
+    };
+    Sheet {
+        resources: cell.resources.iter().map(|resource| resource.name.as_str().into()).collect(),
+        modes: made.long.net().transitions().map(entry).collect(),
+    }
 }
 
 /// The dispatcher that a description asks for, with production orders, looking ahead, and a schedule if that is among its

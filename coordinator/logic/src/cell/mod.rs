@@ -10,6 +10,7 @@
 //! - [`production`]: what is to be made, and which part counts to which order.
 //! - [`ahead`]: the dispatcher that tries out in thought what comes of a decision.
 //! - [`schedule`]: when everything is to start, followed and revised.
+//! - [`tracking`]: what has happened, for reports.
 //! - [`Coordination`]: the token player, with the argument why a crash loses nothing and repeats nothing.
 //!
 //! Nothing here knows ROS, files, or how a cell is described.
@@ -32,6 +33,7 @@ mod record;
 pub mod schedule;
 mod state;
 mod table;
+pub mod tracking;
 
 pub use enabling::Enabling;
 pub use fifo::Fifo;

@@ -7,3 +7,4 @@ mod orders;
 mod replan;
 mod schedule;
 mod shop;
+mod tracking;

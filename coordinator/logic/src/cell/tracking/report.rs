@@ -1,0 +1,164 @@
+//! What is reported of a cell, as numbers and as text.
+//!
+//! Availability, performance and quality as OEE has them (ISO 22400-2): the part of the time in which a resource was not
+//! down; how long its work should have taken beside how long it took; the part of what left that was good.
+
+use std::collections::BTreeMap;
+use std::fmt;
+use std::sync::Arc;
+use std::time::Duration;
+
+use super::spread::Spread;
+
+/// For what causes somebody was down: how often, and for how long.
+#[derive(Clone, Debug, Default, PartialEq, Eq)]
+pub struct Causes(BTreeMap<String, (u64, Duration)>);
+
+impl Causes {
+    pub(super) fn add(&mut self, cause: &str, down: Duration) {
+        if !self.0.contains_key(cause) {
+            self.0.insert(cause.to_owned(), (0, Duration::ZERO));
+        }
+        if let Some((times, total)) = self.0.get_mut(cause) {
+            *times += 1;
+            *total += down;
+        }
+    }
+
+    /// Each of them, by its words: how often, and for how long altogether.
+    pub fn iter(&self) -> impl Iterator<Item = (&str, u64, Duration)> {
+        self.0.iter().map(|(cause, (times, total))| (cause.as_str(), *times, *total))
+    }
+}
+
+/// One resource.
+#[derive(Clone, Debug, PartialEq, Eq)]
+pub struct ResourceReport {
+    /// Which.
+    pub name: Arc<str>,
+    /// How long it took part in activities, none of which had failed.
+    pub busy: Duration,
+    /// How long one of them had failed.
+    pub down: Duration,
+    /// Why.
+    pub causes: Causes,
+    /// How many parts it has worked on.
+    pub worked: u64,
+    /// How long that should have taken.
+    pub nominal: Duration,
+    /// How long it took.
+    pub actual: Duration,
+}
+
+/// A cell, from its first record on.
+#[derive(Clone, Debug, PartialEq, Eq)]
+pub struct Report {
+    /// How long it was observed.
+    pub observed: Duration,
+    /// Each resource.
+    pub resources: Vec<ResourceReport>,
+    /// Parts that are inside.
+    pub inside: usize,
+    /// Parts that have left.
+    pub left: usize,
+    /// Activities that have failed.
+    pub failures: u64,
+    /// Of the parts that have left: from entering to leaving.
+    pub lead: Spread,
+    /// Of these: how long each was worked on.
+    pub worked: Spread,
+    /// How long each was moved, entering and leaving included.
+    pub moved: Spread,
+    /// How long each waited.
+    pub waited: Spread,
+}
+
+/// A part of something, or nothing where there is nothing to be part of.
+fn share(part: Duration, whole: Duration) -> Option<f64> {
+    (!whole.is_zero()).then(|| part.as_secs_f64() / whole.as_secs_f64())
+}
+
+impl ResourceReport {
+    /// The part of the observed time in which it was busy.
+    pub fn utilisation(&self, observed: Duration) -> Option<f64> {
+        share(self.busy, observed)
+    }
+
+    /// The part of the observed time in which it was not down.
+    pub fn availability(&self, observed: Duration) -> Option<f64> {
+        share(observed.saturating_sub(self.down), observed)
+    }
+
+    /// How long its work should have taken beside how long it took; nothing if it has worked on nothing.
+    pub fn performance(&self) -> Option<f64> {
+        share(self.nominal, self.actual)
+    }
+}
+
+impl Report {
+    /// The parts that have left and were good, of all that have left or were lost on the way.
+    pub fn quality(&self, lost: u64) -> Option<f64> {
+        let all = self.left as u64 + lost;
+        (all > 0).then(|| self.left as f64 / all as f64)
+    }
+}
+
+/// A share for people.
+struct Percent(Option<f64>);
+
+impl fmt::Display for Percent {
+    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
+        match self.0 {
+            Some(share) => f.pad(&format!("{:.1} %", share * 100.0)),
+            None => f.pad("-"),
+        }
+    }
+}
+
+impl fmt::Display for Report {
+    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
+        let seconds = |time: Duration| format!("{:.1}", time.as_secs_f64());
+        let Report { observed, inside, left, failures, .. } = self;
+        writeln!(
+            f,
+            "{} s observed; {left} parts have left, {inside} are inside, {failures} activities have failed",
+            seconds(*observed)
+        )?;
+        if self.lead.count > 0 {
+            writeln!(
+                f,
+                "\n{:<12} {:>9} {:>9} {:>9} {:>9} {:>9}",
+                "a part, in s", "least", "median", "90 %", "99 %", "most"
+            )?;
+            let rows =
+                [("lead time", self.lead), ("worked on", self.worked), ("moved", self.moved), ("waited", self.waited)];
+            for (name, spread) in rows {
+                let times = [spread.least, spread.median, spread.p90, spread.p99, spread.most].map(seconds);
+                let [least, median, p90, p99, most] = &times;
+                writeln!(f, "{name:<12} {least:>9} {median:>9} {p90:>9} {p99:>9} {most:>9}")?;
+            }
+        }
+        writeln!(
+            f,
+            "\n{:<16} {:>8} {:>8} {:>12} {:>12} {:>6}",
+            "resource", "busy", "down", "available", "performance", "parts"
+        )?;
+        for resource in &self.resources {
+            let down = share(resource.down, *observed);
+            writeln!(
+                f,
+                "{:<16} {:>8} {:>8} {:>12} {:>12} {:>6}",
+                resource.name,
+                Percent(resource.utilisation(*observed)),
+                Percent(down),
+                Percent(resource.availability(*observed)),
+                Percent(resource.performance()),
+                resource.worked,
+            )?;
+            for (cause, times, down) in resource.causes.iter() {
+                writeln!(f, "{:<16} {times} times {cause}: {} s", "", seconds(down))?;
+            }
+        }
+        Ok(())
+    }
+}

@@ -1,0 +1,172 @@
+//! Reports beside hand-made sums and a slow recount.
+
+use std::collections::BTreeMap;
+use std::time::Duration;
+
+use linewright_coordinator_logic::cell::production::Desk;
+use linewright_coordinator_logic::cell::tracking::{Report, Tracking};
+use linewright_coordinator_logic::cell::{Fact, FiringId, ModeId, PartId, Record};
+use linewright_coordinator_logic::described::{dispatcher, sheet};
+use linewright_line::Tick;
+
+use crate::shop::{ASSEMBLY, C1, Made, Shop};
+
+const LONG: Tick = Tick::from_millis(3_600_000);
+
+fn played(made: &Made, orders: &[(&str, u32, Option<u64>)], spoil: impl Fn(&mut Shop)) -> Shop {
+    let mut desk = Desk::new(dispatcher(&made.cell, &made.table), made.ordered(orders));
+    let mut shop = Shop::new(&made.table);
+    spoil(&mut shop);
+    shop.run(&mut desk, LONG);
+    shop
+}
+
+fn report(made: &Made, log: &[Record], now: Tick) -> Report {
+    let mut tracking = Tracking::new(sheet(&made.cell, &made.made));
+    log.iter().for_each(|record| tracking.take(record));
+    tracking.report(now)
+}
+
+fn seconds(time: f64) -> Duration {
+    Duration::from_millis((time * 1000.0) as u64)
+}
+
+/// Seed 000, L2029-2035: a part of each type is loaded in 3, 2 and 2, worked on for 7.5, 5 and 4, unloaded in 3, 2 and 2.
+#[test]
+fn what_everybody_did_is_what_the_plan_adds_up_to() {
+    let made = Made::new(ASSEMBLY);
+    let shop = played(&made, &[("1", 1, None), ("2", 1, None), ("3", 1, None)], |_| ());
+    let report = report(&made, &shop.log, shop.makespan());
+    assert_eq!((report.left, report.inside, report.failures), (3, 0, 0));
+    assert_eq!(report.observed, shop.makespan().since(Tick::ZERO));
+    let of = |name: &str| report.resources.iter().find(|resource| &*resource.name == name).unwrap();
+    assert_eq!(
+        (of("robot_1").busy, of("robot_2").busy, of("human").busy),
+        (seconds(14.0), seconds(13.5), seconds(17.0))
+    );
+    assert_eq!((of("robot_2").worked, of("robot_2").actual), (1, seconds(7.5)));
+    assert_eq!((of("human").worked, of("human").nominal, of("human").performance()), (2, seconds(9.0), Some(1.0)));
+    assert_eq!((of("robot_1").worked, of("robot_1").performance()), (0, None));
+    assert_eq!(of("human").availability(report.observed), Some(1.0));
+    assert_eq!(
+        (report.worked.least, report.worked.median, report.worked.most),
+        (seconds(4.0), seconds(5.0), seconds(7.5))
+    );
+    assert_eq!((report.moved.least, report.moved.most), (seconds(4.0), seconds(6.0)));
+    let spent = report.worked.total + report.moved.total + report.waited.total;
+    assert_eq!(spent, report.lead.total, "a part is always one of the three");
+    assert_eq!((report.quality(0), report.quality(1)), (Some(1.0), Some(0.75)));
+}
+
+#[test]
+fn work_that_takes_longer_than_it_should_is_performance_lost() {
+    let made = Made::new(ASSEMBLY);
+    let work = made.table.modes().find(|&mode| made.table.activity(mode).name.as_ref() == "robot_2.process").unwrap();
+    let shop = played(&made, &[("1", 2, None)], |shop| _ = shop.really.insert(work, seconds(10.0)));
+    let report = report(&made, &shop.log, shop.makespan());
+    let robot = report.resources.iter().find(|resource| &*resource.name == "robot_2").unwrap();
+    assert_eq!((robot.worked, robot.nominal, robot.actual), (2, seconds(15.0), seconds(20.0)));
+    assert_eq!(robot.performance(), Some(0.75));
+}
+
+/// Millisecond by millisecond, from lists of what began and ended when.
+fn recounted(made: &Made, log: &[Record], now: Tick) -> BTreeMap<String, (u64, u64)> {
+    let sheet = sheet(&made.cell, &made.made);
+    let (mut modes, mut spans, mut downs) = (BTreeMap::<FiringId, ModeId>::new(), Vec::new(), Vec::new());
+    let mut open: BTreeMap<FiringId, (u64, Option<u64>)> = BTreeMap::new();
+    let milli = |tick: Tick| tick.as_micros() / 1000;
+    for record in log {
+        match &record.fact {
+            Fact::Started { firing, mode, .. } => {
+                modes.insert(*firing, *mode);
+                open.insert(*firing, (milli(record.at), None));
+            }
+            Fact::Raised { firing, .. } => open.get_mut(firing).unwrap().1 = Some(milli(record.at)),
+            Fact::Ended { firing } => {
+                let (began, failed) = open.remove(firing).unwrap();
+                spans.push((modes[firing], began, failed.unwrap_or(milli(record.at))));
+                downs.extend(failed.map(|failed| (modes[firing], failed, milli(record.at))));
+            }
+            _ => {}
+        }
+    }
+    for (firing, (began, failed)) in open {
+        spans.push((modes[&firing], began, failed.unwrap_or(milli(now))));
+        downs.extend(failed.map(|failed| (modes[&firing], failed, milli(now))));
+    }
+    let within = |list: &[(ModeId, u64, u64)], resource: usize, at: u64| {
+        list.iter().any(|(mode, from, to)| {
+            (*from..*to).contains(&at) && sheet.modes[mode.index()].resources.contains(&resource)
+        })
+    };
+    let count = |(resource, name): (usize, &std::sync::Arc<str>)| {
+        let down = (0..milli(now)).filter(|&at| within(&downs, resource, at)).count() as u64;
+        let busy = (0..milli(now)).filter(|&at| within(&spans, resource, at) && !within(&downs, resource, at));
+        (name.to_string(), (busy.count() as u64, down))
+    };
+    sheet.resources.iter().enumerate().map(count).collect()
+}
+
+#[test]
+fn busy_and_down_are_what_a_slow_recount_says() {
+    for text in [ASSEMBLY, C1] {
+        let made = Made::new(text);
+        let products: Vec<_> = made.cell.part_types.iter().map(|part| (part.name.as_str(), 2, None)).collect();
+        for failing in [false, true] {
+            let shop = played(&made, &products, |shop| {
+                // The second activity of a worker fails and stays so; the others go on as far as they can.
+                let works = made.table.modes().find(|&mode| made.table.activity(mode).name.ends_with(".process"));
+                if failing {
+                    shop.fails.insert(works.unwrap(), 1);
+                }
+            });
+            let now = shop.now.max(shop.makespan());
+            let now = now.min(shop.makespan() + seconds(30.0));
+            let report = report(&made, &shop.log, now);
+            let expected = recounted(&made, &shop.log, now);
+            for resource in &report.resources {
+                let said = (resource.busy.as_millis() as u64, resource.down.as_millis() as u64);
+                assert_eq!(said, expected[&*resource.name], "{}", resource.name);
+                let causes: Duration = resource.causes.iter().map(|(.., down)| down).sum();
+                assert!(causes >= resource.down, "each has its own cause");
+            }
+            assert_eq!(report.failures > 0, failing);
+            assert_eq!(report.resources.iter().any(|resource| resource.down > Duration::ZERO), failing);
+            assert!(!failing || report.to_string().contains("1 times ended with code 7"), "{report}");
+        }
+    }
+}
+
+/// A part that is inside counts to nothing yet.
+#[test]
+fn a_report_in_between_counts_what_has_left() {
+    let made = Made::new(C1);
+    let products: Vec<_> = made.cell.part_types.iter().map(|part| (part.name.as_str(), 2, None)).collect();
+    let shop = played(&made, &products, |_| ());
+    let mut seen = (0, 0);
+    for count in 0..shop.log.len() {
+        let now = shop.log[count].at;
+        let report = report(&made, &shop.log[..=count], now);
+        let named = |mode: &ModeId| made.table.activity(*mode).name.to_string();
+        let parts = |word: &str, ended: bool| {
+            let mut of = BTreeMap::<FiringId, PartId>::new();
+            let mut number = 0;
+            for record in &shop.log[..=count] {
+                match &record.fact {
+                    Fact::Started { firing, mode, part: Some(part), .. } if named(mode) == word => {
+                        of.insert(*firing, *part);
+                        number += usize::from(!ended);
+                    }
+                    Fact::Ended { firing } if of.contains_key(firing) => number += usize::from(ended),
+                    _ => {}
+                }
+            }
+            number
+        };
+        let (entered, left) = (parts("enter", false), parts("leave", true));
+        assert_eq!((report.left, report.inside), (left, entered - left), "after {:?}", shop.log[count]);
+        assert_eq!(report.waited.count, left);
+        seen = (entered, left);
+    }
+    assert_eq!(seen, (4, 4));
+}
