@@ -1,8 +1,6 @@
 //! Analogue channels, manager and simulated device together in virtual time: a pressure that follows a pump, a valve that
 //! is set, wires that break, and a manager that is gone.
 
-mod common;
-
 use std::time::Duration;
 
 use linewright_fieldbus::{Event, Frame, Manager, NodeId, Outbox};
@@ -11,7 +9,7 @@ use linewright_line::{
 };
 use linewright_plant::{PlantOptions, Rack};
 
-const OWNER: Owner = Owner::Station(common::PRESS);
+const OWNER: Owner = Owner::Station(crate::common::PRESS);
 const PRESSURE_OK: u128 = 1 << 5;
 const PRESSURE_LOW: u128 = 1 << 6;
 const SOFT: u128 = 1 << 2;
@@ -43,7 +41,7 @@ fn analogue(follows: Option<Follows>) -> Analogue {
 
 impl Bench {
     fn up(analogue: Analogue) -> Self {
-        let mut line = common::line();
+        let mut line = crate::common::line();
         line.devices[0].analogue = analogue;
         let now = Tick::from_millis(100);
         let devices: Vec<_> = line.devices.iter().filter(|device| device.bus == Bus::Line).collect();
@@ -119,7 +117,7 @@ fn pump() -> Option<Follows> {
 fn a_pressure_follows_its_pump_and_its_limits_turn_inputs_on_and_off() {
     let mut bench = Bench::up(analogue(pump()));
     assert_eq!(bench.limits(), PRESSURE_LOW);
-    bench.set(common::FORWARD);
+    bench.set(crate::common::FORWARD);
     // 6 bar · (1 − e^(−t/100 ms)) passes 1.1 bar after 20 ms and 5 bar after 179 ms.
     let mut seen = Vec::new();
     for millis in 1..=400 {
@@ -149,13 +147,14 @@ fn without_a_model_the_limits_are_what_the_mechanisms_say() {
     limits.inputs[0].inputs[1].0 = InputId(1);
     let mut line_inputs = Bench::up(limits);
     let bench = &mut line_inputs;
-    let bits = |bench: &Bench| bench.manager.inputs(bench.now, OWNER).bits & (common::FRONT | common::BACK);
-    assert_eq!(bits(bench), common::BACK);
-    bench.set(common::FORWARD);
+    let bits =
+        |bench: &Bench| bench.manager.inputs(bench.now, OWNER).bits & (crate::common::FRONT | crate::common::BACK);
+    assert_eq!(bits(bench), crate::common::BACK);
+    bench.set(crate::common::FORWARD);
     bench.run(50);
     assert_eq!(bits(bench), 0);
     bench.run(300);
-    assert_eq!(bits(bench), common::FRONT);
+    assert_eq!(bits(bench), crate::common::FRONT);
 }
 
 #[test]
@@ -203,7 +202,7 @@ fn a_device_told_to_stay_operational_lets_go_without_its_manager_and_goes_on_tel
 #[test]
 fn a_wire_that_breaks_stops_its_owner_and_is_mended_without_restarting_anything() {
     let mut bench = Bench::up(analogue(pump()));
-    bench.set(common::FORWARD);
+    bench.set(crate::common::FORWARD);
     bench.run(300);
     assert_eq!(bench.limits(), PRESSURE_OK);
     bench.send("604#23045F03FF7F0000");

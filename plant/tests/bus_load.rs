@@ -4,11 +4,9 @@
 //! every stuff bit it can have. The manager and the devices are the real ones, behind an interface that queues ten
 //! frames. Each device's inputs count up one by one, and so do its outputs, so a state that never arrived shows.
 
-mod wire;
-
 use std::time::Duration;
 
-use wire::{Foreign, Wire};
+use crate::wire::{Foreign, Wire};
 
 /// So long each load is looked at, after the devices have booted under it.
 const LONG: Duration = Duration::from_secs(60);

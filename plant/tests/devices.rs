@@ -1,10 +1,8 @@
 //! A rack of devices as the bus sees it. Frames are written as candump prints them.
 
-mod common;
-
 use std::time::Duration;
 
-use common::*;
+use crate::common::*;
 use linewright_fieldbus::{Frame, NodeId};
 use linewright_line::{Bus, Tick};
 use linewright_plant::{PlantOptions, Rack};

@@ -1,11 +1,9 @@
 //! The simulated drive's object dictionary: as its EDS says, and remapped only as CiA 301 allows.
 #![cfg(feature = "can")]
 
-mod drive_bench;
-
 use std::time::Duration;
 
-use drive_bench::described;
+use crate::drive_bench::described;
 use linewright_eds::{Eds, read};
 use linewright_fieldbus::{Frame, NodeId};
 use linewright_line::{AtRest, Tick, Timing};

@@ -2,11 +2,9 @@
 //! them: every state and every transition, on the wire.
 #![cfg(feature = "can")]
 
-mod drive_bench;
-
 use std::time::Duration;
 
-use drive_bench::described;
+use crate::drive_bench::described;
 use linewright_fieldbus::{Frame, NodeId};
 use linewright_line::{AtRest, Tick, Timing};
 use linewright_plant::{DeviceOutbox, DriveNode, Fault};

@@ -1,11 +1,9 @@
 //! The manager's side of a drive against the simulated drive: what moves, when, how far, and what the inputs say.
 #![cfg(feature = "can")]
 
-mod drive_bench;
-
 use std::time::Duration;
 
-use drive_bench::{FAULT, HOME, LOST_MAX, Pair, described};
+use crate::drive_bench::{FAULT, HOME, LOST_MAX, Pair, described};
 use linewright_fieldbus::profile::drive::State;
 use linewright_line::{AtRest, Drive as Described, DriveMode};
 use linewright_plant::Fault;

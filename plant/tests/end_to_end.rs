@@ -1,10 +1,8 @@
 //! A manager drives the plant over a virtual bus, in real time.
 
-mod common;
-
 use std::time::Duration;
 
-use common::*;
+use crate::common::*;
 use linewright_fieldbus::bus::{self, Transport};
 use linewright_fieldbus::sdo::{self, ObjectId};
 use linewright_fieldbus::{Bus, Clock, Driver, Event, InputImage, Manager, NodeId, sdo_client};

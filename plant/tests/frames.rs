@@ -1,10 +1,8 @@
 //! Any frames from the bus: no output of a device changes by them, nothing grows, nothing panics.
 
-mod any_frames;
-
 use std::cell::Cell;
 
-use any_frames::Bench;
+use crate::any_frames::Bench;
 use proptest::prelude::*;
 use proptest::test_runner::{RngAlgorithm, TestRng, TestRunner};
 

@@ -1,7 +1,5 @@
 //! The lines this project ships, moved through their cycles by hand: what the description promises, the plant does.
 
-mod common;
-
 use std::time::Duration;
 
 use linewright_line::{Line, Module, OpId, Owner, Signals, StationId, Tick};

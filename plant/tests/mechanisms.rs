@@ -1,10 +1,8 @@
 //! The mechanisms by themselves: where they stand, when their switches change, how they fail.
 
-mod common;
-
 use std::time::Duration;
 
-use common::*;
+use crate::common::*;
 use linewright_line::{InputId, OutputId, Owner, Tick};
 use linewright_plant::{Fault, Plant, PlantOptions};
 use proptest::prelude::*;

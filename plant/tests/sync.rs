@@ -1,15 +1,13 @@
 //! Process data that wait for SYNC, manager and device together: they come and act with it, and when the device hears
 //! none its outputs go off although every heartbeat still comes.
 
-mod common;
-
 use std::time::Duration;
 
 use linewright_fieldbus::{Event, Frame, Manager, NodeId, Outbox};
 use linewright_line::{Bus, Device, Owner, Tick, Timing, Transmission};
 use linewright_plant::{DeviceNode, DeviceOutbox};
 
-const OWNER: Owner = Owner::Station(common::PRESS);
+const OWNER: Owner = Owner::Station(crate::common::PRESS);
 
 struct Pair {
     now: Tick,
@@ -27,7 +25,7 @@ impl Pair {
     /// what SYNC is worth.
     fn up(watches: bool) -> Self {
         let timing = Timing { sync: Some(Duration::from_millis(10)), ..Timing::default() };
-        let mut device: Device = common::line().devices[0].clone();
+        let mut device: Device = crate::common::line().devices[0].clone();
         assert_eq!(device.bus, Bus::Line);
         device.setup.transmission = Transmission { inputs: Some(2), outputs: Some(1) };
         let node = NodeId::new(device.node_id).unwrap();
@@ -102,7 +100,7 @@ fn inputs_come_and_outputs_act_with_sync() {
         pair.run(1);
     }
     pair.run(1);
-    pair.set(common::FORWARD);
+    pair.set(crate::common::FORWARD);
     assert_eq!(pair.device.outputs(), 0);
     pair.run(8);
     assert_eq!(pair.device.outputs(), 0);
@@ -113,7 +111,7 @@ fn inputs_come_and_outputs_act_with_sync() {
 #[test]
 fn a_device_that_knows_how_often_sync_comes_lets_go_when_it_stops() {
     let mut pair = Pair::up(true);
-    pair.set(common::FORWARD);
+    pair.set(crate::common::FORWARD);
     pair.run(20);
     assert_eq!(pair.device.outputs(), 1);
     pair.deaf = true;
@@ -126,7 +124,7 @@ fn a_device_that_knows_how_often_sync_comes_lets_go_when_it_stops() {
 #[test]
 fn a_device_that_does_not_is_stopped_by_the_manager_and_comes_back_when_sync_does() {
     let mut pair = Pair::up(false);
-    pair.set(common::FORWARD);
+    pair.set(crate::common::FORWARD);
     pair.run(20);
     pair.deaf = true;
     pair.events.clear();
@@ -140,7 +138,7 @@ fn a_device_that_does_not_is_stopped_by_the_manager_and_comes_back_when_sync_doe
     assert!(trouble[0].starts_with("press1-io (node 04h): it hears no SYNC (080h)"), "{trouble:?}");
     // As long as that lasts nothing it is sent energises it.
     for _ in 0..200 {
-        pair.set(common::FORWARD);
+        pair.set(crate::common::FORWARD);
         pair.run(10);
         assert_eq!(pair.device.outputs(), 0);
         assert!(!pair.manager.inputs(pair.now, OWNER).valid || pair.device.outputs() == 0);
@@ -149,7 +147,7 @@ fn a_device_that_does_not_is_stopped_by_the_manager_and_comes_back_when_sync_doe
     pair.deaf = false;
     pair.run(6000);
     assert!(pair.manager.inputs(pair.now, OWNER).valid, "{:?}", pair.manager.trouble(pair.now, OWNER).next());
-    pair.set(common::FORWARD);
+    pair.set(crate::common::FORWARD);
     pair.run(20);
     assert_eq!(pair.device.outputs(), 1);
 }
@@ -168,7 +166,7 @@ fn frames_are_those_of_the_standard() {
 #[test]
 fn a_device_that_loses_sync_again_and_again_is_left_stopped_and_tried_now_and_then() {
     let mut pair = Pair::up(false);
-    pair.set(common::FORWARD);
+    pair.set(crate::common::FORWARD);
     pair.run(20);
     pair.deaf = true;
     (pair.events, pair.wire) = (Vec::new(), Vec::new());

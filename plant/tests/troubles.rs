@@ -1,7 +1,5 @@
 //! What a simulated device can be made to suffer on the bus, commanded as over CAN: each begins, shows, and is cleared.
 
-mod common;
-
 use std::time::Duration;
 
 use linewright_fieldbus::sdo::ObjectId;
@@ -23,7 +21,7 @@ struct Bench {
 impl Bench {
     /// Press 1 (node 4) and the console (node 10) are up.
     fn up() -> Self {
-        let line = common::line();
+        let line = crate::common::line();
         let devices = line.devices.iter().filter(|device| device.bus == Bus::Line);
         let mut bench = Bench {
             rack: Rack::new(Tick::ZERO, &line, &Bus::Line, PlantOptions::default()),
@@ -69,7 +67,7 @@ impl Bench {
     }
 
     fn trouble(&self) -> Vec<String> {
-        self.manager.trouble(self.now, Owner::Station(common::PRESS)).collect()
+        self.manager.trouble(self.now, Owner::Station(crate::common::PRESS)).collect()
     }
 
     #[track_caller]
@@ -191,13 +189,13 @@ fn a_bad_line_is_drawn_from_its_seed() {
 #[test]
 fn an_output_that_is_stuck_moves_or_does_not_whatever_it_is_sent() {
     let mut bench = Bench::up();
-    let outputs = |bench: &Bench| bench.rack.plant().outputs(Owner::Station(common::PRESS));
+    let outputs = |bench: &Bench| bench.rack.plant().outputs(Owner::Station(crate::common::PRESS));
     bench.write(0x5F03, 1, 1);
     bench.pass(1);
     assert_eq!(outputs(&bench), 1);
     bench.write(0x5F03, 1, 0);
     let mut out = Outbox::default();
-    bench.manager.set_outputs(bench.now, Owner::Station(common::PRESS), 1, &mut out);
+    bench.manager.set_outputs(bench.now, Owner::Station(crate::common::PRESS), 1, &mut out);
     for frame in &out.frames {
         bench.rack.handle(bench.now, frame, &mut Vec::new());
     }

@@ -1,13 +1,10 @@
 //! Structural verdicts against exploration, and the checker against certificates that were tampered with.
 
-mod common;
-#[path = "semiflows/ring.rs"]
-mod ring;
-#[path = "certificate/samples.rs"]
 mod samples;
 
 use std::collections::BTreeMap;
 
+use crate::ring::ring;
 use linewright_nets::certificate::{
     Answer, Bound, Certificate, Evidence, Property, Rule, StructuralVerdict, Unknown, check, decide_by_structure,
 };
@@ -16,7 +13,6 @@ use linewright_nets::{Net, NetBuilder, explore};
 use proptest::prelude::*;
 use proptest::strategy::ValueTree;
 use proptest::test_runner::TestRunner;
-use ring::ring;
 use samples::{connected_marked_graph, free_choice_net, marked_graph, samples};
 
 const ENOUGH: usize = 700;
@@ -126,8 +122,10 @@ fn marked_graphs_are_decided_completely() {
 
 #[test]
 fn state_machines_are_decided_completely() {
-    let verdicts =
-        judged([samples(common::any_state_machine(), 2000), samples(common::connected_state_machine(), 300)].concat());
+    let verdicts = judged(
+        [samples(crate::common::any_state_machine(), 2000), samples(crate::common::connected_state_machine(), 300)]
+            .concat(),
+    );
     for (net, verdict, _) in &verdicts {
         assert!(Property::ALL.into_iter().all(|property| verdict.answer(property).holds().is_some()), "{net}{verdict}");
         assert!(verdict.bounds.iter().all(|bound| matches!(bound, Bound::Exactly(_))));
@@ -176,9 +174,9 @@ fn free_choice_nets_are_decided_when_live_and_bounded() {
 
 #[test]
 fn other_nets_get_no_wrong_answer() {
-    let verdicts = judged(samples(common::any_net(), 1200));
+    let verdicts = judged(samples(crate::common::any_net(), 1200));
     expect_kinds(&verdicts, &[("claim: live no, evidence: dead", 100), ("claim: bounded yes, evidence: sums", 50)]);
-    let nets = samples(common::weighed_net(), 500).into_iter().map(|(net, _)| net).collect();
+    let nets = samples(crate::common::weighed_net(), 500).into_iter().map(|(net, _)| net).collect();
     expect_kinds(&judged(nets), &[("claim: bounded yes, evidence: sums", 400)]);
 }
 
@@ -214,14 +212,14 @@ fn tampered(text: &str, (line, word, how): (usize, usize, usize)) -> String {
 
 /// The same net with other tokens.
 fn remarked(net: &Net, tokens: &[u32]) -> Net {
-    let moves: Vec<common::Moves> = net
+    let moves: Vec<crate::common::Moves> = net
         .transitions()
         .map(|t| {
             let side = |arcs: &[(linewright_nets::PlaceId, u32)]| arcs.iter().map(|&(p, n)| (p.index(), n)).collect();
             (side(net.preset(t)), side(net.postset(t)))
         })
         .collect();
-    common::net(&tokens[..net.place_count()], &moves)
+    crate::common::net(&tokens[..net.place_count()], &moves)
 }
 
 #[test]
@@ -229,9 +227,9 @@ fn tampered_certificates_prove_nothing_false() {
     let nets = [
         samples(marked_graph(), 250),
         samples(connected_marked_graph(), 150),
-        samples(common::any_state_machine(), 250),
+        samples(crate::common::any_state_machine(), 250),
         samples(free_choice_net(), 250),
-        samples(common::any_net(), 100),
+        samples(crate::common::any_net(), 100),
     ]
     .concat();
     let mut runner = TestRunner::deterministic();

@@ -1,7 +1,5 @@
 //! The coverability graph against playing everything out, for nets that are bounded and for nets that are not.
 
-mod common;
-
 use std::collections::HashSet;
 
 use linewright_nets::coverability::{Cause, Coverability, Limits, Pump, coverability};
@@ -119,7 +117,7 @@ proptest! {
     #![proptest_config(cases(2000))]
 
     #[test]
-    fn it_agrees_with_playing_everything_out(net in common::any_net(), target in prop::collection::vec(0_u32..=6, 5)) {
+    fn it_agrees_with_playing_everything_out(net in crate::common::any_net(), target in prop::collection::vec(0_u32..=6, 5)) {
         let limits = Limits { labels: 1_000, ..Limits::default() };
         let Ok(found) = coverability(&net, &limits) else { return Ok(()) };
         let markings = some_markings(&net, 1_000);
@@ -141,7 +139,7 @@ proptest! {
     }
 
     #[test]
-    fn it_covers_what_the_slow_tree_covers(net in common::any_net()) {
+    fn it_covers_what_the_slow_tree_covers(net in crate::common::any_net()) {
         let Some(tree) = slow_tree(&net, &mut 3_000) else { return Ok(()) };
         let found = coverability(&net, &Limits::default()).unwrap();
         let most = |place: usize| {
@@ -162,7 +160,7 @@ proptest! {
     }
 
     #[test]
-    fn a_conserved_net_is_its_own_graph((net, _) in common::weighed_net()) {
+    fn a_conserved_net_is_its_own_graph((net, _) in crate::common::weighed_net()) {
         agrees_with_exploration(&net, &coverability(&net, &Limits::default()).unwrap());
     }
 }

@@ -1,8 +1,6 @@
 //! Whole rings of stations, with the numbers that the obvious exploration and other programs find.
 
-mod explicit_ring;
-
-use explicit_ring::ring;
+use crate::explicit_ring::ring;
 use linewright_nets::explicit::{Limits, Storage, decide, find_deadlock};
 use linewright_nets::explore;
 

@@ -1,16 +1,12 @@
 //! Semiflows against the vectors that a slow search finds, and on nets whose semiflows are known.
 
-mod common;
-#[path = "semiflows/ring.rs"]
-mod ring;
-
+use crate::ring::ring;
 use linewright_nets::semiflows::{
     Cause, Limits, Semiflow, place_flow_basis, place_semiflows, rank, transition_flow_basis, transition_semiflows,
 };
 use linewright_nets::{Net, NetBuilder, PlaceId, explore};
 use proptest::prelude::*;
 use proptest::test_runner::RngSeed;
-use ring::ring;
 
 /// The same nets on every run.
 fn cases(cases: u32) -> ProptestConfig {
@@ -82,14 +78,14 @@ fn light_net() -> impl Strategy<Value = Net> {
     };
     (1_usize..=5)
         .prop_flat_map(move |n| (prop::collection::vec(0_u32..=2, n), prop::collection::vec((side(n), side(n)), 0..=5)))
-        .prop_map(|(tokens, transitions)| common::net(&tokens, &transitions))
+        .prop_map(|(tokens, transitions)| crate::common::net(&tokens, &transitions))
 }
 
 proptest! {
     #![proptest_config(cases(1500))]
 
     #[test]
-    fn they_are_the_minimal_vectors_of_a_slow_search(net in prop_oneof![2 => light_net(), 1 => common::any_net()]) {
+    fn they_are_the_minimal_vectors_of_a_slow_search(net in prop_oneof![2 => light_net(), 1 => crate::common::any_net()]) {
         let limits = Limits::default();
         let places = place_semiflows(&net, &limits).unwrap();
         compare(&dense(places.all(), net.place_count(), PlaceId::index), &incidence(&net), 4);
@@ -125,7 +121,7 @@ proptest! {
     }
 
     #[test]
-    fn bounds_and_exclusions_hold_in_every_reachable_marking((net, _) in common::weighed_net()) {
+    fn bounds_and_exclusions_hold_in_every_reachable_marking((net, _) in crate::common::weighed_net()) {
         let flows = place_semiflows(&net, &Limits::default()).unwrap();
         let initial = net.initial_marking();
         prop_assert_eq!(flows.uncovered(&net).count(), 0);

@@ -1,7 +1,5 @@
 //! The linear properties and the wider classes of nets against their definitions, spelled out.
 
-mod common;
-
 use std::collections::BTreeSet;
 
 use linewright_nets::semiflows::Limits;
@@ -23,7 +21,7 @@ fn small_net() -> impl Strategy<Value = Net> {
     };
     (1_usize..=4)
         .prop_flat_map(move |n| (prop::collection::vec(0_u32..=2, n), prop::collection::vec((side(n), side(n)), 0..=4)))
-        .prop_map(|(tokens, transitions)| common::net(&tokens, &transitions))
+        .prop_map(|(tokens, transitions)| crate::common::net(&tokens, &transitions))
 }
 
 /// Every vector of `length` numbers from 1 to 4.

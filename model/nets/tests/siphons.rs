@@ -1,9 +1,6 @@
 //! Siphons and traps against all sets of places, and Commoner's theorem against exploration.
 
-mod common;
-#[path = "semiflows/ring.rs"]
-mod ring;
-
+use crate::ring::ring;
 use linewright_nets::siphons::{
     Cause, Limits, commoner, is_siphon, is_trap, largest_empty_siphon, largest_siphon_in, largest_trap_in,
     minimal_siphons, minimal_traps,
@@ -11,7 +8,6 @@ use linewright_nets::siphons::{
 use linewright_nets::{Net, NetBuilder, PlaceId, explore};
 use proptest::prelude::*;
 use proptest::test_runner::RngSeed;
-use ring::ring;
 
 /// The same nets on every run.
 fn cases(cases: u32) -> ProptestConfig {
@@ -73,7 +69,7 @@ fn sparse_net() -> impl Strategy<Value = Net> {
             let moves = prop::collection::vec((side(n), side(n)), 0..=9);
             (prop::collection::vec(0_u32..=1, n), moves)
         })
-        .prop_map(|(tokens, transitions)| common::net(&tokens, &transitions))
+        .prop_map(|(tokens, transitions)| crate::common::net(&tokens, &transitions))
 }
 
 /// Free-choice nets: each transition either shares its one input place or has its input places to itself.
@@ -86,7 +82,7 @@ fn free_choice_net() -> impl Strategy<Value = Net> {
         })
         .prop_map(|(tokens, group, gives)| {
             // Places in one group with a neighbour are synchronised; a place in a group of its own may offer a choice.
-            let mut moves: Vec<common::Moves> = Vec::new();
+            let mut moves: Vec<crate::common::Moves> = Vec::new();
             let mut gives = gives.into_iter();
             let mut place = 0;
             while place < tokens.len() {
@@ -104,7 +100,7 @@ fn free_choice_net() -> impl Strategy<Value = Net> {
                 }
                 place += taken.len();
             }
-            common::net(&tokens, &moves)
+            crate::common::net(&tokens, &moves)
         })
 }
 

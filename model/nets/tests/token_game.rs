@@ -1,7 +1,5 @@
 //! The token game on any net: what a move changes, that it can be taken back, and what no move changes.
 
-mod common;
-
 use linewright_nets::{Marking, Net, explore};
 use proptest::prelude::*;
 
@@ -22,7 +20,7 @@ fn play(net: &Net, choices: &[usize], mut check: impl FnMut(&Marking, linewright
 
 proptest! {
     #[test]
-    fn a_move_adds_its_column_of_the_incidence_matrix(net in common::any_net(), choices in choices()) {
+    fn a_move_adds_its_column_of_the_incidence_matrix(net in crate::common::any_net(), choices in choices()) {
         let c = net.incidence();
         play(&net, &choices, |before, t, after| {
             for p in net.places() {
@@ -32,7 +30,7 @@ proptest! {
     }
 
     #[test]
-    fn firing_back_undoes_firing(net in common::any_net(), choices in choices()) {
+    fn firing_back_undoes_firing(net in crate::common::any_net(), choices in choices()) {
         play(&net, &choices, |before, t, after| {
             let mut undone = after.clone();
             net.fire_back(&mut undone, t).expect("what was fired can be fired back");
@@ -41,7 +39,7 @@ proptest! {
     }
 
     #[test]
-    fn firing_undoes_firing_back(net in common::any_net()) {
+    fn firing_undoes_firing_back(net in crate::common::any_net()) {
         let start = net.initial_marking();
         for t in net.transitions() {
             let mut marking = start.clone();
@@ -53,7 +51,7 @@ proptest! {
     }
 
     #[test]
-    fn a_refused_move_changes_nothing_and_tells_the_truth(net in common::any_net()) {
+    fn a_refused_move_changes_nothing_and_tells_the_truth(net in crate::common::any_net()) {
         let start = net.initial_marking();
         for t in net.transitions() {
             let mut marking = start.clone();
@@ -70,7 +68,7 @@ proptest! {
     }
 
     #[test]
-    fn a_place_invariant_keeps_its_sum_in_every_reachable_marking((net, weights) in common::weighed_net()) {
+    fn a_place_invariant_keeps_its_sum_in_every_reachable_marking((net, weights) in crate::common::weighed_net()) {
         let signed: Vec<i64> = weights.iter().map(|&weight| weight.into()).collect();
         prop_assert_eq!(net.incidence().place_invariant(&signed), Ok(()));
         let sum = |m: &Marking| -> u32 { m.as_slice().iter().zip(&weights).map(|(n, weight)| n * weight).sum() };
@@ -81,7 +79,7 @@ proptest! {
     }
 
     #[test]
-    fn a_cycle_of_markings_is_a_transition_invariant((net, _) in common::weighed_net(), choices in choices()) {
+    fn a_cycle_of_markings_is_a_transition_invariant((net, _) in crate::common::weighed_net(), choices in choices()) {
         let mut firings = vec![0; net.transition_count()];
         play(&net, &choices, |_, t, after| {
             firings[t.index()] += 1;

@@ -1,7 +1,5 @@
 //! Structure against exploration: what is decided on the arcs must be what playing everything out finds.
 
-mod common;
-
 use linewright_nets::{Net, NetBuilder, Node, Reachability, StateId, Verdict, explore, state_machine_verdict};
 use proptest::prelude::*;
 
@@ -61,12 +59,12 @@ proptest! {
     #![proptest_config(ProptestConfig::with_cases(512))]
 
     #[test]
-    fn the_verdict_on_any_state_machine_is_what_exploration_finds(net in common::any_state_machine()) {
+    fn the_verdict_on_any_state_machine_is_what_exploration_finds(net in crate::common::any_state_machine()) {
         confirmed(&net);
     }
 
     #[test]
-    fn theorems_1_and_2_hold_as_written_for_strongly_connected_nets(net in common::connected_state_machine()) {
+    fn theorems_1_and_2_hold_as_written_for_strongly_connected_nets(net in crate::common::connected_state_machine()) {
         prop_assert_eq!(net.is_strongly_connected(), Ok(()));
         let verdict = confirmed(&net);
         let tokens = net.initial_marking().total();
@@ -76,7 +74,7 @@ proptest! {
     }
 
     #[test]
-    fn strong_connection_is_what_walking_finds(net in common::any_net()) {
+    fn strong_connection_is_what_walking_finds(net in crate::common::any_net()) {
         let places = net.places().map(Node::from);
         let nodes: Vec<Node> = places.chain(net.transitions().map(Node::from)).collect();
         let all = nodes.iter().all(|&node| reachable_from(&net, node).len() == nodes.len());
@@ -87,7 +85,7 @@ proptest! {
     }
 
     #[test]
-    fn the_classes_relate_as_they_should(net in common::any_net(), machine in common::any_state_machine()) {
+    fn the_classes_relate_as_they_should(net in crate::common::any_net(), machine in crate::common::any_state_machine()) {
         prop_assert_eq!(machine.is_free_choice(), Ok(()));
         prop_assert_eq!(machine.is_conservative(), Ok(()));
         if net.is_marked_graph().is_ok() {
@@ -102,7 +100,7 @@ proptest! {
     #![proptest_config(ProptestConfig::with_cases(128))]
 
     #[test]
-    fn an_exploration_says_what_its_definitions_say((net, _) in common::weighed_net()) {
+    fn an_exploration_says_what_its_definitions_say((net, _) in crate::common::weighed_net()) {
         let explored = explore(&net, ENOUGH).unwrap();
         let states: Vec<StateId> = (0..explored.states().len() as u32).map(StateId).collect();
         let mut reversible = true;
@@ -131,7 +129,7 @@ proptest! {
     }
 
     #[test]
-    fn every_state_is_reached_by_its_path((net, _) in common::weighed_net()) {
+    fn every_state_is_reached_by_its_path((net, _) in crate::common::weighed_net()) {
         let explored = explore(&net, ENOUGH).unwrap();
         for (i, marking) in explored.states().iter().enumerate() {
             let mut played = net.initial_marking();

@@ -85,7 +85,7 @@ impl Raw {
     fn build(&self, tokens: &[u32]) -> Net {
         let side = |places: &[usize]| places.iter().map(|&place| (place, 1)).collect();
         let moves: Vec<_> = self.moves.iter().map(|(takes, gives)| (side(takes), side(gives))).collect();
-        super::common::net(&tokens[..self.places], &moves)
+        crate::common::net(&tokens[..self.places], &moves)
     }
 }
 

@@ -11,7 +11,7 @@ use linewright_nets::coloured::{
 };
 use linewright_nets::{StateId, TransitionId};
 
-use crate::{mode, names, play};
+use super::{mode, names, play};
 
 /// What is different from the printed net.
 #[derive(Clone, Default)]

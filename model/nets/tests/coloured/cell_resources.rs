@@ -9,8 +9,8 @@ use linewright_nets::coloured::{
     ColouredBuilder, ColouredNet, Colours, Domain, Fusion, Limits, explore, fuse, id, proj, unfold,
 };
 
-use crate::cell::{Variant, cell, transitions, work_plan};
-use crate::names;
+use super::cell::{Variant, cell, transitions, work_plan};
+use super::names;
 
 /// Robot 1: free, or on one of its two ways, loading or unloading.
 fn robot() -> ColouredNet {

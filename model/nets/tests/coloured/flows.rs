@@ -7,7 +7,7 @@ use linewright_nets::coloured::{
     explore, id, proj, unfold,
 };
 
-use crate::slow::{Dice, Fun, Raw, function, tuples};
+use super::slow::{Dice, Fun, Raw, function, tuples};
 
 /// The weights of a random place-flow: for some places a function into a common domain, some of them negative.
 fn weights(dice: &mut Dice, raw: &Raw, target: &[usize]) -> Vec<(usize, Fun)> {

@@ -9,7 +9,7 @@ use linewright_nets::coloured::{
     compare, component, explore, id, proj, unfold,
 };
 
-use crate::{mode, names};
+use super::{mode, names};
 
 fn written(p2_token: [u32; 2]) -> ColouredBuilder {
     let mut b = ColouredBuilder::new("Fig. 73");

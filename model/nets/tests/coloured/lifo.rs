@@ -12,7 +12,7 @@ use linewright_nets::coloured::{
     proj, ring, succ, unfold,
 };
 
-use crate::{names, play};
+use super::{names, play};
 
 /// The storage with `n` positions for parts of `m` kinds, the first `stored` (all of kind 1) of them taken.
 ///

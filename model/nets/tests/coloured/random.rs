@@ -8,7 +8,7 @@ use linewright_nets::coloured::{
 };
 use linewright_nets::{Cause, NetBuilder, PlaceId, Reachability, StateId};
 
-use crate::slow::{Dice, Fun, Raw, Tuple, function, tuples};
+use super::slow::{Dice, Fun, Raw, Tuple, function, tuples};
 
 /// Most random nets have fewer states; those with more must be undecided in both.
 const LIMIT: usize = 300;

@@ -11,7 +11,7 @@ use linewright_nets::coloured::{
     BasicId, ColouredBuilder, ColouredNet, Domain, Guard, Limits, colour, explore, id, pred, proj, succ,
 };
 
-use crate::{mode, names, play};
+use super::{mode, names, play};
 
 /// A task on one of two machines that may end with error `j` of `errors`; e0 means none (definition 54).
 fn watched(errors: u32, j: u32, recovery: bool) -> ColouredNet {
