@@ -33,6 +33,9 @@ pub fn check(root: &Path) -> Vec<String> {
             continue;
         };
         findings.extend(of_file(&name, &text));
+        if name.ends_with("/tests/all.rs") {
+            findings.extend(left_out(&name, &text, &path));
+        }
     }
     let gone = LONG.iter().filter(|(name, _)| !root.join(name).is_file());
     findings.extend(gone.map(|(name, _)| format!("{name}: is gone; take it off the list of long files")));
@@ -75,6 +78,20 @@ fn of_file(name: &str, text: &str) -> Vec<String> {
     findings
 }
 
+/// Tests beside `all.rs` that it does not name: nobody would compile them, and nobody would miss them.
+fn left_out(name: &str, text: &str, path: &Path) -> Vec<String> {
+    let beside = path.parent().and_then(|dir| fs::read_dir(dir).ok()).into_iter().flatten().flatten();
+    let modules = beside.filter_map(|entry| {
+        let name = entry.file_name().to_string_lossy().into_owned();
+        let module = name.strip_suffix(".rs").map(str::to_owned);
+        module.or_else(|| entry.path().join("mod.rs").is_file().then_some(name)).filter(|module| module != "all")
+    });
+    let missing = modules.filter(|module| !text.lines().any(|line| line == format!("mod {module};")));
+    let mut missing: Vec<String> = missing.collect();
+    missing.sort();
+    missing.iter().map(|module| format!("{name}: `mod {module};` is missing, so its tests are never run")).collect()
+}
+
 fn length(name: &str, lines: usize) -> Option<String> {
     match LONG.iter().find(|(long, _)| *long == name) {
         None if lines > LINES_MAX => {
@@ -104,6 +121,20 @@ mod tests {
         let long = format!("//! Head.\n{}", "\n".repeat(LINES_MAX));
         assert!(of_file("a.rs", &long)[0].contains("501 lines"));
         assert_eq!(of_file("a.md", &long), Vec::<String>::new());
+    }
+
+    #[test]
+    fn tests_that_nobody_names_are_found() {
+        let dir = std::env::temp_dir().join(format!("linewright-tidy-{}", std::process::id()));
+        fs::create_dir_all(dir.join("group")).expect("a directory");
+        fs::create_dir_all(dir.join("data")).expect("a directory");
+        for file in ["all.rs", "named.rs", "other.rs", "group/mod.rs", "data/text.toml"] {
+            fs::write(dir.join(file), "").expect("a file");
+        }
+        let found = left_out("a/tests/all.rs", "//! Head.\nmod named;\n", &dir.join("all.rs"));
+        fs::remove_dir_all(&dir).expect("it was there");
+        assert_eq!(found.len(), 2, "{found:?}");
+        assert!(found[0].contains("`mod group;`") && found[1].contains("`mod other;`"), "{found:?}");
     }
 
     #[test]
