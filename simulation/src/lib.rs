@@ -13,8 +13,11 @@
 //! images and messages travel. Images reach the plant at once, messages take what [`Network`] says. There is no clock,
 //! and the same seed gives the same run to the microsecond.
 //!
+//! [`cell`] is the same for a flexible cell and its orders.
+//!
 //! It does not know files or how anything is shown. [`Sim`] plays, [`Record`] remembers, [`Script`] is what people do.
 
+pub mod cell;
 mod condition;
 mod critical;
 mod field;

@@ -1,8 +1,5 @@
 //! The two shipped cells, from their descriptions to finished parts.
 
-#[path = "cell/dice.rs"]
-#[allow(dead_code)]
-mod dice;
 #[path = "cell/plans.rs"]
 #[allow(dead_code)]
 mod plans;
@@ -87,7 +84,8 @@ fn the_described_cell_decides_its_conflict_by_its_own_rules() {
     // What was scripted has taken longer than parts should wait.
     by_rules.fairness = Fairness::OFF;
     let mut out = Outbox::default();
-    world.coordination.step(world.now, &[], &mut by_rules, &mut out);
+    let now = world.now;
+    world.coordination.step(now, &[], &mut by_rules, &mut out);
     let Fact::Decided { started, held, .. } = &out.records[0].fact else { panic!("{:?}", out.records) };
     let said = words::decision(&world.it.table, started, held);
     assert_eq!(started.len(), 1);
@@ -147,8 +145,8 @@ fn all_parts_that_enter_workcell_c1_leave_it_finished() {
         let made = made(C1, Supply::Open);
         assert_eq!(made.without_position.len(), 6, "the robot's orders have a slot that nobody gives yet");
         let mut world = world(made, 4, seed);
-        world.bad_luck = 30;
-        world.replays = true;
+        world.options.bad_luck = 30;
+        world.options.replays = true;
         let mut dispatcher = LetIn { left: [("enter<A.new>", 3), ("enter<B.new>", 2)].into() };
         world.run(&mut dispatcher, Tick::from_millis(600_000));
         assert_eq!((world.state().left(), world.state().parts().len()), (5, 0), "seed {seed}");

@@ -10,6 +10,7 @@ use super::ids::{CellId, FiringId, ModeId, OrderKey, PartId};
 use super::plan::{CellKind, OrderTemplate};
 use super::question::Reason;
 use super::record::{Cause, Fact, Failure, Record};
+use super::snapshot::NUMBER_MAX;
 use super::state::{Misfit, Part, Place, State};
 
 type Fits = Result<(), String>;
@@ -27,7 +28,7 @@ impl State {
                 self.memory.insert(*station, *memory);
                 Ok(())
             }
-            Fact::Decided { question, started: _, held } => self.decided(*question, held),
+            Fact::Decided { question, started, held } => self.decided(*question, started, held),
             Fact::Started { firing, mode, part, orders } => self.started(*firing, *mode, *part, orders, record.at),
             Fact::Acknowledged { key } => self.acknowledged(*key),
             Fact::OrderEnded { key } => self.order_ended(*key),
@@ -43,7 +44,7 @@ impl State {
     }
 
     fn begin_epoch(&mut self, epoch: u64, at: Tick) -> Fits {
-        if epoch <= self.epoch {
+        if epoch <= self.epoch || epoch >= NUMBER_MAX {
             return Err(format!("epoch {epoch} after epoch {}", self.epoch));
         }
         self.epoch = epoch;
@@ -53,9 +54,14 @@ impl State {
         Ok(())
     }
 
-    fn decided(&mut self, question: u64, held: &[(ModeId, Reason)]) -> Fits {
+    fn decided(&mut self, question: u64, started: &[(ModeId, Option<PartId>)], held: &[(ModeId, Reason)]) -> Fits {
         if question != self.questions + 1 {
             return Err(format!("question {question} after question {}", self.questions));
+        }
+        let modes = started.iter().map(|(mode, _)| *mode);
+        let modes = modes.chain(held.iter().flat_map(|(mode, reason)| reason.modes().chain([*mode])));
+        if let Some(unknown) = modes.into_iter().find(|&mode| !self.table.has_mode(mode)) {
+            return Err(format!("there is no {unknown}"));
         }
         self.questions = question;
         self.held = held.to_vec();
@@ -166,7 +172,7 @@ impl State {
 
     /// Whether a mode has its tokens, a server, and the right part; and since when that has been where it is.
     fn can_fire(&self, mode: ModeId, part: Option<PartId>) -> Result<u64, String> {
-        if mode.index() >= self.table.mode_count() {
+        if !self.table.has_mode(mode) {
             return Err(format!("there is no {mode}"));
         }
         let name = self.table.mode_name(mode);

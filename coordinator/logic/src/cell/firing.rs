@@ -11,13 +11,16 @@
 //! ```
 
 use linewright_line::{StationId, Tick};
+use serde::{Deserialize, Serialize};
 
 use super::ids::{FiringId, ModeId, OrderKey, PartId};
 use super::plan::{Activity, ActivityKind};
 use super::record::{Cause, Failure};
+use super::serial;
 
 /// An activity in progress.
-#[derive(Clone, Debug, PartialEq, Eq)]
+#[derive(Clone, Debug, PartialEq, Eq, Serialize, Deserialize)]
+#[serde(deny_unknown_fields)]
 pub struct Firing {
     /// Its number.
     pub id: FiringId,
@@ -26,17 +29,20 @@ pub struct Firing {
     /// The part it holds.
     pub part: Option<PartId>,
     /// When it started. All limits count from here.
+    #[serde(with = "serial::micros")]
     pub began: Tick,
     /// What stations were told, as the activity lists it.
     pub orders: Vec<Order>,
     /// Where it is.
     pub phase: Phase,
     /// Before this no limit runs out.
+    #[serde(with = "serial::micros")]
     pub(super) spared_until: Tick,
 }
 
 /// Where an activity in progress is.
-#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+#[derive(Clone, Copy, Debug, PartialEq, Eq, Serialize, Deserialize)]
+#[serde(rename_all = "kebab-case", deny_unknown_fields)]
 pub enum Phase {
     /// On its way to its end.
     Running,
@@ -45,20 +51,24 @@ pub enum Phase {
 }
 
 /// One order of an activity in progress.
-#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+#[derive(Clone, Copy, Debug, PartialEq, Eq, Serialize, Deserialize)]
+#[serde(deny_unknown_fields)]
 pub struct Order {
     /// What the station knows it by.
     pub key: OrderKey,
     /// To whom.
+    #[serde(with = "serial::station")]
     pub station: StationId,
     /// What has been heard of it.
     pub state: OrderState,
     /// When it should have ended.
+    #[serde(with = "serial::micros")]
     pub limit: Tick,
 }
 
 /// What has been heard of an order.
-#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+#[derive(Clone, Copy, Debug, PartialEq, Eq, Serialize, Deserialize)]
+#[serde(rename_all = "kebab-case", deny_unknown_fields)]
 pub enum OrderState {
     /// Nothing. It may have been sent or not; [`super::Coordination::sending`] knows for this life.
     Written,

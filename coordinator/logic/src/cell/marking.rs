@@ -28,6 +28,28 @@ impl Marking {
         Marking { counts: counts.collect(), parts: vec![BTreeMap::new(); table.cell_count()], arrivals: 0 }
     }
 
+    /// Nothing, after so many arrivals.
+    pub(super) fn empty(table: &CellTable, arrivals: u64) -> Self {
+        let cells = table.cell_count();
+        Marking { counts: vec![0; cells], parts: vec![BTreeMap::new(); cells], arrivals }
+    }
+
+    /// So many tokens.
+    pub(super) fn set(&mut self, cell: CellId, count: u64) {
+        self.counts[cell.index()] = count;
+    }
+
+    /// A part that came as that number; whether no other did.
+    pub(super) fn lay(&mut self, cell: CellId, arrival: u64, part: PartId) -> bool {
+        self.give(cell, 1);
+        self.parts[cell.index()].insert(arrival, part).is_none()
+    }
+
+    /// How many parts have come to a cell so far.
+    pub(super) fn arrivals(&self) -> u64 {
+        self.arrivals
+    }
+
     /// The counts of all cells, in their order.
     pub fn counts(&self) -> &[u64] {
         &self.counts

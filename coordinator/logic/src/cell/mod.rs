@@ -3,6 +3,7 @@
 //! # Map
 //! - [`CellTable`], compiled from the net's long form and a [`Plan`] that says what transitions and tokens stand for.
 //! - [`State`]: marking, parts, what is in progress; it changes by [`Record`]s alone, in [`State::apply`].
+//! - [`Snapshot`]: what a state is made of, to be written down in the place of all records that led to it.
 //! - [`Enabling`]: which modes have their tokens, after each firing by looking at what it touched.
 //! - [`Question`], [`Answer`], [`Dispatcher`]: what is asked before anything starts; [`Fifo`] answers where
 //!   nobody who knows more does.
@@ -17,6 +18,7 @@
 
 pub mod ahead;
 mod apply;
+mod digest;
 pub mod dispatch;
 mod enabling;
 mod fifo;
@@ -31,6 +33,8 @@ mod question;
 mod reason;
 mod record;
 pub mod schedule;
+mod serial;
+mod snapshot;
 mod state;
 mod table;
 pub mod tracking;
@@ -46,5 +50,6 @@ pub use player::{Coordination, OldEpoch};
 pub use question::{Answer, BadAnswer, Candidate, Dispatcher, Group, Held, Question, Start, check};
 pub use reason::{Gain, Ground, Lost, Outlook, Reason};
 pub use record::{Cause, Fact, Failure, Record, Refusal};
+pub use snapshot::Snapshot;
 pub use state::{Misfit, Part, Place, State};
 pub use table::{CellTable, PlanError, Tokens};

@@ -7,17 +7,20 @@
 use std::time::Duration;
 
 use linewright_line::Tick;
+use serde::{Deserialize, Serialize};
 
 use super::dispatch::{Measure, Rule};
 use super::ids::{ModeId, PartId};
+use super::serial;
 
 /// Why something does not start.
-#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+#[derive(Clone, Copy, Debug, PartialEq, Eq, Serialize, Deserialize)]
+#[serde(rename_all = "kebab-case", deny_unknown_fields)]
 pub enum Reason {
     /// What it needs goes to another.
     LostTo(Lost),
     /// It is too early; it is not before this.
-    NotYet(Tick),
+    NotYet(#[serde(with = "serial::micros")] Tick),
     /// What it needs is kept for one that has waited too long.
     ReservedFor {
         /// The part that has; none if it waits outside.
@@ -34,7 +37,8 @@ pub enum Reason {
 }
 
 /// What leads further, and by how much.
-#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+#[derive(Clone, Copy, Debug, PartialEq, Eq, Serialize, Deserialize)]
+#[serde(deny_unknown_fields)]
 pub struct Outlook {
     /// What starts instead, and with which part; none if it is better to wait for what happens next.
     pub instead: Option<(ModeId, Option<PartId>)>,
@@ -43,7 +47,8 @@ pub struct Outlook {
 }
 
 /// How much better one future is than another, by the first measure in which they differ.
-#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+#[derive(Clone, Copy, Debug, PartialEq, Eq, Serialize, Deserialize)]
+#[serde(rename_all = "kebab-case", deny_unknown_fields)]
 pub enum Gain {
     /// Parts are less late, by so much in all, each counted as often as it matters.
     Tardiness(Duration),
@@ -57,8 +62,22 @@ pub enum Gain {
     Nothing,
 }
 
+impl Reason {
+    /// The modes it names.
+    pub(super) fn modes(&self) -> impl Iterator<Item = ModeId> {
+        match self {
+            Reason::LostTo(lost) => Some(lost.to),
+            Reason::NotYet(_) | Reason::NotOrdered => None,
+            Reason::ReservedFor { mode, .. } | Reason::PlannedOtherwise(mode) => Some(*mode),
+            Reason::LooksWorse(outlook) => outlook.instead.map(|(mode, _)| mode),
+        }
+        .into_iter()
+    }
+}
+
 /// To whom something is lost, and why.
-#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+#[derive(Clone, Copy, Debug, PartialEq, Eq, Serialize, Deserialize)]
+#[serde(deny_unknown_fields)]
 pub struct Lost {
     /// What starts instead.
     pub to: ModeId,
@@ -71,7 +90,8 @@ pub struct Lost {
 }
 
 /// Why one comes before another.
-#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+#[derive(Clone, Copy, Debug, PartialEq, Eq, Serialize, Deserialize)]
+#[serde(rename_all = "kebab-case", deny_unknown_fields)]
 pub enum Ground {
     /// It has waited longer than parts should, or longer than the other that has.
     Waited,
@@ -85,6 +105,7 @@ pub enum Ground {
     /// A rule says so, and all rules before it say that both are equal.
     Rule {
         /// Which.
+        #[serde(with = "serial::rule")]
         rule: Rule,
         /// What it says of the other.
         theirs: Measure,

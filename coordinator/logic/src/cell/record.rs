@@ -8,21 +8,26 @@
 use std::fmt;
 
 use linewright_line::{StationId, Tick};
+use serde::{Deserialize, Serialize};
 
 use super::ids::{FiringId, ModeId, OrderKey, PartId};
 use super::question::Reason;
+use super::serial;
 
 /// What has happened, and when.
-#[derive(Clone, Debug, PartialEq, Eq)]
+#[derive(Clone, Debug, PartialEq, Eq, Serialize, Deserialize)]
+#[serde(deny_unknown_fields)]
 pub struct Record {
     /// When; never earlier than the record before.
+    #[serde(with = "serial::micros")]
     pub at: Tick,
     /// What.
     pub fact: Fact,
 }
 
 /// What has happened.
-#[derive(Clone, Debug, PartialEq, Eq)]
+#[derive(Clone, Debug, PartialEq, Eq, Serialize, Deserialize)]
+#[serde(rename_all = "kebab-case", deny_unknown_fields)]
 pub enum Fact {
     /// A life of the coordinator begins.
     Epoch {
@@ -32,6 +37,7 @@ pub enum Fact {
     /// A station is heard that remembers what it was told since a certain beginning, or another beginning than before.
     Memory {
         /// Who.
+        #[serde(with = "serial::station")]
         station: StationId,
         /// A number that it drew when its memory began.
         memory: u64,
@@ -95,7 +101,8 @@ pub enum Fact {
 }
 
 /// Why an order was not done.
-#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+#[derive(Clone, Copy, Debug, PartialEq, Eq, Serialize, Deserialize)]
+#[serde(rename_all = "kebab-case", deny_unknown_fields)]
 pub enum Failure {
     /// The station has ended it with this code (seed 001, L131-185: an activity that ends abnormally has an error code).
     Code(u16),
@@ -108,7 +115,8 @@ pub enum Failure {
 }
 
 /// Why a station does not take an order on.
-#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+#[derive(Clone, Copy, Debug, PartialEq, Eq, Serialize, Deserialize)]
+#[serde(rename_all = "kebab-case", deny_unknown_fields)]
 pub enum Refusal {
     /// It has another one.
     Busy,
@@ -152,7 +160,8 @@ impl Refusal {
 }
 
 /// Why an activity does not end by itself.
-#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+#[derive(Clone, Copy, Debug, PartialEq, Eq, Serialize, Deserialize)]
+#[serde(rename_all = "kebab-case", deny_unknown_fields)]
 pub enum Cause {
     /// One of its orders has failed.
     Order {

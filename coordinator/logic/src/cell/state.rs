@@ -9,6 +9,7 @@ use std::collections::{BTreeMap, BTreeSet};
 use std::sync::Arc;
 
 use linewright_line::{StationId, Tick};
+use serde::{Deserialize, Serialize};
 use thiserror::Error;
 
 use super::enabling::Enabling;
@@ -18,23 +19,28 @@ use super::marking::Marking;
 use super::plan::{CellKind, Pick};
 use super::question::Reason;
 use super::record::Record;
+use super::serial;
 use super::table::CellTable;
 
 /// A part in the cell.
-#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+#[derive(Clone, Copy, Debug, PartialEq, Eq, Serialize, Deserialize)]
+#[serde(deny_unknown_fields)]
 pub struct Part {
     /// Which.
     pub id: PartId,
     /// When it entered.
+    #[serde(with = "serial::micros")]
     pub entered: Tick,
     /// Since when it has been where it is.
+    #[serde(with = "serial::micros")]
     pub since: Tick,
     /// Where it is.
     pub place: Place,
 }
 
 /// Where a part is.
-#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+#[derive(Clone, Copy, Debug, PartialEq, Eq, Serialize, Deserialize)]
+#[serde(rename_all = "kebab-case", deny_unknown_fields)]
 pub enum Place {
     /// On a cell.
     On {

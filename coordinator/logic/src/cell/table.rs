@@ -217,6 +217,11 @@ impl CellTable {
         (0..self.mode_count() as u32).map(ModeId)
     }
 
+    /// Whether there is such a mode.
+    pub fn has_mode(&self, mode: ModeId) -> bool {
+        mode.index() < self.mode_count()
+    }
+
     /// What a cell is called in the net.
     pub fn cell_name(&self, cell: CellId) -> &str {
         &self.cell_names[cell.index()]

@@ -13,7 +13,7 @@ use linewright_nets::coloured::{Clause, ColouredBuilder, Guard, colour, id, proj
 use crate::dice::Dice;
 use crate::plans::{Compiled, PARTS, TOKENS, ordered};
 use crate::workcell::{self, Workcell};
-use crate::world::World;
+use crate::world::{World, options};
 
 /// The cell of seed 000 in activities: loading is t1 to t3, unloading is t5 to t7.
 pub fn merged(waiting: [u32; 3]) -> Compiled {
@@ -55,12 +55,12 @@ type Production = (Vec<u64>, BTreeMap<(usize, String, Option<PartId>), usize>);
 fn production(world: &World) -> Production {
     let mut done = BTreeMap::new();
     for (index, station) in world.stations.iter().enumerate() {
-        let mut keys: Vec<_> = station.done.iter().map(|(key, ..)| *key).collect();
+        let mut keys: Vec<_> = station.done.iter().map(|done| done.key).collect();
         keys.sort_unstable();
         keys.dedup();
         assert_eq!(keys.len(), station.done.len(), "station {index} has done a key twice");
         let acts = station.done.iter();
-        acts.for_each(|(_, task, part)| *done.entry((index, task.clone(), *part)).or_default() += 1);
+        acts.for_each(|act| *done.entry((index, act.task.to_string(), act.part)).or_default() += 1);
     }
     (world.state().marking().counts().to_vec(), done)
 }
@@ -68,14 +68,13 @@ fn production(world: &World) -> Production {
 const LONG: Tick = Tick::from_millis(3_600_000);
 
 /// Runs to the end, and then again with the coordinator killed at each of its steps; how many steps that were.
-fn killed_everywhere(make: impl Fn() -> World) -> usize {
-    let mut calm = make();
+fn killed_everywhere(make: impl Fn(Vec<usize>) -> World) -> usize {
+    let mut calm = make(Vec::new());
     calm.run(&mut Fifo, LONG);
     let expected = production(&calm);
     assert_eq!(calm.lives, 1);
     for at in 0..calm.steps {
-        let mut world = make();
-        world.crash_at = vec![at];
+        let mut world = make(vec![at]);
         world.run(&mut Fifo, LONG);
         assert_eq!(world.lives, 2, "killed at {at}");
         assert_eq!(world.state().firings().len(), 0, "killed at {at}: {:?}", world.state().firings().next());
@@ -86,11 +85,11 @@ fn killed_everywhere(make: impl Fn() -> World) -> usize {
 
 #[test]
 fn the_printed_cell_survives_a_crash_at_every_step() {
-    let make = || World::new(merged([2, 2, 1]), 3, 4);
+    let make = |crash_at| World::with(merged([2, 2, 1]), 3, options(4, 0, crash_at));
     let steps = killed_everywhere(make);
     // 15 activities that start and end; 25 orders that are sent, taken on and done.
     assert!(steps >= 15 * 2 + 25 * 3, "{steps}");
-    let mut world = make();
+    let mut world = make(Vec::new());
     world.run(&mut Fifo, LONG);
     let state = world.state();
     assert_eq!([1, 2, 3].map(|kind| state.marking().count(world.it.cell(&format!("output<p{kind}>")))), [2, 2, 1]);
@@ -101,8 +100,8 @@ fn the_printed_cell_survives_a_crash_at_every_step() {
 fn it_survives_them_with_messages_lost_and_doubled() {
     let mut doubled = 0;
     for seed in 0..3 {
-        killed_everywhere(|| World { bad_luck: 4, ..World::new(merged([1, 1, 1]), 3, seed) });
-        let mut world = World { bad_luck: 4, ..World::new(merged([2, 2, 2]), 3, seed) };
+        killed_everywhere(|crash_at| World::with(merged([1, 1, 1]), 3, options(seed, 4, crash_at)));
+        let mut world = World::with(merged([2, 2, 2]), 3, options(seed, 4, Vec::new()));
         world.run(&mut Fifo, LONG);
         doubled += world.stations.iter().map(|station| station.doubled).sum::<usize>();
     }
@@ -113,17 +112,17 @@ fn it_survives_them_with_messages_lost_and_doubled() {
 fn it_survives_being_killed_again_and_again() {
     let mut dice = Dice::new(33);
     for seed in 0..40 {
-        let make = || World { bad_luck: 5, ..World::new(merged([2, 2, 1]), 3, seed) };
-        let mut calm = make();
+        let make = |crash_at| World::with(merged([2, 2, 1]), 3, options(seed, 5, crash_at));
+        let mut calm = make(Vec::new());
         calm.run(&mut Fifo, LONG);
-        let mut world = make();
         let mut at = 0;
-        world.crash_at = (0..10)
+        let crash_at = (0..10)
             .map(|_| {
                 at += 1 + dice.below(30);
                 at
             })
             .collect();
+        let mut world = make(crash_at);
         world.run(&mut Fifo, LONG);
         assert!(world.lives > 4, "{}", world.lives);
         assert_eq!(production(&world), production(&calm), "{seed}");
@@ -149,10 +148,10 @@ fn bench(parts: u32, hands: u32) -> Compiled {
 #[test]
 fn orders_reach_a_station_in_their_order_whatever_the_network_does() {
     for seed in 0..30 {
-        let mut world = World { bad_luck: 5, crash_at: vec![20, 45], ..World::new(bench(8, 3), 1, seed) };
+        let mut world = World::with(bench(8, 3), 1, options(seed, 5, vec![20, 45]));
         world.run(&mut Fifo, LONG);
         let station = &world.stations[0];
-        assert!(station.done.is_sorted_by_key(|(key, ..)| key.id));
+        assert!(station.done.is_sorted_by_key(|done| done.key.id));
         assert_eq!((station.done.len(), world.state().firings().len()), (8, 0), "{:?}", world.state().firings().next());
         // While it is busy with one, it will not have another, and is asked again.
         assert!(station.refused.contains(&Refusal::Busy) && !station.refused.contains(&Refusal::Old));
@@ -163,20 +162,18 @@ fn orders_reach_a_station_in_their_order_whatever_the_network_does() {
 #[test]
 fn workcells_survive_a_crash_at_every_step() {
     for seed in 0..6 {
-        let make = || {
+        let make = |crash_at| {
             let cell = Workcell::random(&mut Dice::new(seed));
             let stations = cell.stations();
-            World {
-                bad_luck: if seed % 2 == 0 { 0 } else { 6 },
-                ..World::new(workcell::compiled(&cell), stations, seed)
-            }
+            let bad_luck = if seed % 2 == 0 { 0 } else { 6 };
+            World::with(workcell::compiled(&cell), stations, options(seed, bad_luck, crash_at))
         };
-        let mut calm = make();
+        let mut calm = make(Vec::new());
         calm.run(&mut Fifo, LONG);
         assert!(calm.state().left() > 0, "nothing was produced");
         let expected = workcell::production(&calm);
         for at in 0..calm.steps {
-            let mut world = World { crash_at: vec![at], ..make() };
+            let mut world = make(vec![at]);
             world.run(&mut Fifo, LONG);
             assert_eq!(world.lives, 2, "seed {seed}, killed at {at}");
             assert_eq!(workcell::production(&world), expected, "seed {seed}, killed at {at}");

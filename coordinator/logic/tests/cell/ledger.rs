@@ -11,7 +11,7 @@ use crate::dice::Dice;
 use crate::plans::Compiled;
 use crate::printed::{Variant, compiled, kind};
 use crate::workcell::{self, Workcell};
-use crate::world::World;
+use crate::world::{World, options};
 
 /// Where the ledger thinks a part is.
 #[derive(Clone, Debug, PartialEq)]
@@ -142,7 +142,7 @@ fn audited(world: &mut World, is_part: &dyn Fn(&str) -> bool) -> (usize, usize) 
 fn no_part_of_the_printed_cell_is_lost_or_doubled() {
     for (seed, waiting) in (0..).zip([[1, 1, 1], [3, 0, 2], [0, 4, 4]]) {
         let it = compiled(&Variant { waiting, ..Variant::default() });
-        let mut world = World { bad_luck: 8, crash_at: vec![40, 90], ..World::new(it, 3, seed) };
+        let mut world = World::with(it, 3, options(seed, 8, vec![40, 90]));
         let made = audited(&mut world, &|name| kind(name) != CellKind::Tokens);
         assert_eq!(made, (waiting.iter().sum::<u32>() as usize, 0));
     }
@@ -153,8 +153,8 @@ fn no_part_of_a_workcell_is_lost_or_doubled() {
     for seed in 0..12 {
         let cell = Workcell::random(&mut Dice::new(seed));
         let (stations, parts) = (cell.stations(), cell.parts() as usize);
-        let mut world =
-            World { bad_luck: 8, crash_at: vec![30, 31, 100], ..World::new(workcell::compiled(&cell), stations, seed) };
+        let options = options(seed, 8, vec![30, 31, 100]);
+        let mut world = World::with(workcell::compiled(&cell), stations, options);
         let is_part = |name: &str| ["stored", "loaded", "ready"].iter().any(|place| name.starts_with(place));
         assert_eq!(audited(&mut world, &is_part), (parts, parts), "all parts have come, and all have left");
     }
@@ -166,8 +166,7 @@ fn no_part_is_lost_where_stations_fail() {
     let mut kept = 0;
     for seed in 0..20 {
         let cell = Workcell::random(&mut Dice::new(seed));
-        let mut world = World::new(workcell::compiled(&cell), cell.stations(), seed);
-        world.crash_at = vec![50];
+        let mut world = World::with(workcell::compiled(&cell), cell.stations(), options(seed, 0, vec![50]));
         world.stations.iter_mut().for_each(|station| station.failing = 8);
         let is_part = |name: &str| ["stored", "loaded", "ready"].iter().any(|place| name.starts_with(place));
         let (made, left) = audited(&mut world, &is_part);

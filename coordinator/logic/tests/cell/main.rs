@@ -11,5 +11,6 @@ mod picks;
 mod plans;
 mod printed;
 mod records;
+mod snapshot;
 mod workcell;
 mod world;

@@ -4,27 +4,29 @@ use linewright_coordinator_logic::cell::{
     Cause, Coordination, Fact, Failure, Fifo, FiringId, ModeId, OrderKey, Outbox, PartId, Record, State,
 };
 use linewright_line::Tick;
+use linewright_simulation::cell::CellOptions;
 
 use crate::crash::merged;
 use crate::dice::Dice;
 use crate::printed::{Variant, compiled};
 use crate::workcell::{self, Workcell};
-use crate::world::World;
+use crate::world::{World, options};
 
 const LONG: Tick = Tick::from_millis(3_600_000);
 
 /// After every step the records replayed are the state, through crashes and lost messages.
 #[test]
 fn replaying_the_records_gives_the_state_at_every_step() {
-    let printed = |seed| World::new(compiled(&Variant { waiting: [2, 2, 2], ..Variant::default() }), 3, seed);
+    let options = |seed| CellOptions { replays: true, ..options(seed, 7, vec![25, 60]) };
+    let variant = Variant { waiting: [2, 2, 2], ..Variant::default() };
+    let printed = |seed| World::with(compiled(&variant), 3, options(seed));
     let random = |seed| {
         let cell = Workcell::random(&mut Dice::new(seed));
         let stations = cell.stations();
-        World::new(workcell::compiled(&cell), stations, seed)
+        World::with(workcell::compiled(&cell), stations, options(seed))
     };
     for seed in 0..4 {
-        for world in [printed(seed), random(seed + 100)] {
-            let mut world = World { replays: true, bad_luck: 7, crash_at: vec![25, 60], ..world };
+        for mut world in [printed(seed), random(seed + 100)] {
             world.run(&mut Fifo, LONG);
             assert!(world.lives > 1 && world.log.len() > 50, "{} {}", world.lives, world.log.len());
         }

@@ -112,9 +112,9 @@ pub fn production(world: &World) -> (Vec<u64>, u64, Vec<Vec<String>>) {
     let mut acts: BTreeMap<PartId, BTreeMap<OrderKey, String>> = BTreeMap::new();
     let mut keys = BTreeSet::new();
     for station in &world.stations {
-        for (key, task, part) in &station.done {
-            assert!(keys.insert(*key), "{key} was done twice");
-            acts.entry(part.unwrap()).or_default().insert(*key, task.clone());
+        for done in &station.done {
+            assert!(keys.insert(done.key), "{} was done twice", done.key);
+            acts.entry(done.part.unwrap()).or_default().insert(done.key, done.task.to_string());
         }
     }
     assert_eq!(world.state().firings().len(), 0);

@@ -31,8 +31,8 @@ enum Places {
     Stack { level: BasicId, top: PlaceId, at: PlaceId, height: u32 },
     /// How many parts can still be carried.
     Carrier { free: PlaceId },
-    /// Parts that have not come yet, where they are counted, and how many may.
-    Outside { waiting: Option<PlaceId>, room: PlaceId },
+    /// Parts that have not come yet, where they are counted; where they go when they leave; how many may come.
+    Outside { waiting: Option<PlaceId>, back: Option<PlaceId>, room: PlaceId },
 }
 
 /// The domain of stages, with their names.
@@ -73,19 +73,21 @@ pub(super) fn resource(cell: &Cell, of: ResourceId, pieces: &[Piece]) -> Built {
 pub(super) fn outside(cell: &Cell, supply: Supply<'_>, pieces: &[Piece]) -> Built {
     let mut b = ColouredBuilder::new(OUTSIDE);
     let s = stages(&mut b, cell);
-    let waiting = match supply {
-        Supply::Open => None,
-        Supply::Closed(counts) => {
-            let place = b.place("waiting", s);
-            for (part, &count) in cell.part_types.iter().zip(counts) {
-                b.tokens(place, &[tone(part.new_stage())], count);
-            }
-            Some(place)
+    let mut waiting = |counts: &[u32]| {
+        let place = b.place("waiting", s);
+        for (part, &count) in cell.part_types.iter().zip(counts) {
+            b.tokens(place, &[tone(part.new_stage())], count);
         }
+        Some(place)
+    };
+    let (waiting, returns) = match supply {
+        Supply::Open => (None, false),
+        Supply::Closed(counts) => (waiting(counts), true),
+        Supply::Batch(counts) => (waiting(counts), false),
     };
     let room = b.place("room", Domain::Uncoloured);
     b.tokens(room, &[], cell.limits.wip_max);
-    let places = Places::Outside { waiting, room };
+    let places = Places::Outside { waiting, back: waiting.filter(|_| returns), room };
     for piece in pieces {
         port(&mut b, None, piece, &places, s);
     }
@@ -191,7 +193,7 @@ impl Places {
                 all.extend([(*top, Meaning::Top(of)), (*at, Meaning::Held(of, Spot::Stored))]);
             }
             (Places::Carrier { free }, Some(of)) => all.push((*free, Meaning::Free(of))),
-            (Places::Outside { waiting, room }, _) => {
+            (Places::Outside { waiting, room, .. }, _) => {
                 all.extend(waiting.map(|waiting| (waiting, Meaning::Waiting)));
                 all.push((*room, Meaning::Admission));
             }
@@ -272,11 +274,11 @@ fn arcs(places: &Places, action: Action, moved: Function) -> [Vec<(PlaceId, Func
         (Places::Stack { top, at, .. }, Action::Retrieve) => {
             [vec![(*at, id()), (*top, proj([2]).of(succ(2, 1)))], vec![(*top, proj([2]))]]
         }
-        (Places::Outside { waiting, room }, Action::In) => {
+        (Places::Outside { waiting, room, .. }, Action::In) => {
             [waiting.iter().map(|waiting| (*waiting, id())).chain([(*room, abs())]).collect(), Vec::new()]
         }
-        (Places::Outside { waiting, room }, Action::Out) => {
-            [Vec::new(), waiting.iter().map(|waiting| (*waiting, moved.clone())).chain([(*room, abs())]).collect()]
+        (Places::Outside { back, room, .. }, Action::Out) => {
+            [Vec::new(), back.iter().map(|back| (*back, moved.clone())).chain([(*room, abs())]).collect()]
         }
         // No prototype has these, so no description can name them.
         (

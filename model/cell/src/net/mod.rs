@@ -46,6 +46,9 @@ pub enum Supply<'a> {
     /// Of each part type, in their order, so many wait outside, none where nothing is said; who leaves may come again. This
     /// is what can be explored.
     Closed(&'a [u32]),
+    /// Of each part type so many may still enter, none where nothing is said; who leaves is gone. They are counted, and are
+    /// parts only once they have entered. This is a production that comes to its end.
+    Batch(&'a [u32]),
     /// Parts are made as they enter and are gone when they leave. This is what is played.
     Open,
 }
@@ -132,6 +135,8 @@ pub struct CellNet {
     origins: Vec<Origin>,
     /// By place.
     meanings: Vec<Meaning>,
+    /// What waits outside is counted, and is no part yet.
+    counts_waiting: bool,
     stages: usize,
 }
 
@@ -170,12 +175,17 @@ pub fn parts<'a>(cell: &Cell, detail: Detail, supply: impl Into<Supply<'a>>) -> 
 /// # Errors
 /// As [`parts`].
 pub fn net<'a>(cell: &Cell, detail: Detail, supply: impl Into<Supply<'a>>) -> Result<CellNet, Vec<ColouredError>> {
+    let supply = supply.into();
     let Parts { instances, fusions, mut origins, meanings } = parts(cell, detail, supply)?;
     let nets: Vec<(&str, &ColouredNet)> = instances.iter().map(|(name, net)| (name.as_str(), net)).collect();
     let net = fuse(&cell.name, &nets, &fusions)?;
     // Fused transitions come first, in their order; what is left are the shifts of buffers.
     origins.resize(net.transition_count(), Origin::Shift);
-    Ok(CellNet { net, origins, meanings, stages: cell.stages.len() })
+    let counts_waiting = match supply {
+        Supply::Batch(_) => true,
+        Supply::Closed(_) | Supply::Open => false,
+    };
+    Ok(CellNet { net, origins, meanings, counts_waiting, stages: cell.stages.len() })
 }
 
 impl CellNet {
@@ -192,7 +202,8 @@ impl CellNet {
     /// Whether the tokens of a place are parts; otherwise they are capacities.
     pub fn holds_parts(&self, place: PlaceId) -> bool {
         match self.meaning(place) {
-            Meaning::Held(..) | Meaning::Waiting | Meaning::Busy { .. } => true,
+            Meaning::Waiting => !self.counts_waiting,
+            Meaning::Held(..) | Meaning::Busy { .. } => true,
             Meaning::Room(_)
             | Meaning::Free(_)
             | Meaning::Position(..)

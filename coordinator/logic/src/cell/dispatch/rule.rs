@@ -14,9 +14,11 @@ use std::time::Duration;
 
 pub use linewright_cell::Rule;
 use linewright_line::Tick;
+use serde::{Deserialize, Serialize};
 
 use super::super::ids::{ModeId, PartId};
 use super::super::reason::Reason;
+use super::super::serial;
 use super::super::state::State;
 use super::ways::{Ways, time};
 
@@ -116,9 +118,11 @@ impl Timetable {
 }
 
 /// What a rule says of a candidate, at the time of the decision. Of two by one rule the smaller comes first.
-#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+#[derive(Clone, Copy, Debug, PartialEq, Eq, Serialize, Deserialize)]
+#[serde(deny_unknown_fields)]
 pub struct Measure {
     /// By which rule.
+    #[serde(with = "serial::rule")]
     pub rule: Rule,
     /// First by this: 0 before 1 before 2.
     class: u8,
@@ -225,7 +229,7 @@ impl fmt::Display for Measure {
             (Rule::LeastSlack, 0) => write!(f, "slack {seconds} s"),
             (Rule::CriticalRatio, 0) => write!(f, "ratio {:.2}", self.value as f64 / self.over as f64),
             (Rule::EarliestDueDate | Rule::LeastSlack | Rule::CriticalRatio, _) => f.write_str("never due"),
-            (Rule::Priority, _) => write!(f, "priority {}", -self.value),
+            (Rule::Priority, _) => write!(f, "priority {}", self.value.saturating_neg()),
             (Rule::Schedule, 0) => when(f, "late: planned"),
             (Rule::Schedule, 1) => when(f, "planned"),
             (Rule::Schedule, _) => f.write_str("not planned"),

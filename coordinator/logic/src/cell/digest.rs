@@ -1,0 +1,78 @@
+//! A number for what the records of a cell mean.
+//!
+//! Records name modes, cells and stations by number, so they are about one table and no other. What they mean depends on
+//! the net, on the names of its modes and cells, and on who is told what; it does not depend on times and limits, which
+//! may be changed between two lives of a coordinator: what is in progress then has the new ones.
+
+use super::plan::{ActivityKind, CellKind, Pick};
+use super::table::CellTable;
+
+impl CellTable {
+    /// Equal for tables whose records mean the same; otherwise different, but for one case in 2⁶⁴.
+    pub fn digest(&self) -> u64 {
+        let mut sum = Fnv(0xCBF2_9CE4_8422_2325);
+        sum.number(self.cell_count() as u64);
+        for cell in self.cells() {
+            sum.text(self.cell_name(cell));
+            sum.number(match self.kind(cell) {
+                CellKind::Tokens => 0,
+                CellKind::Parts(Pick::Any) => 1,
+                CellKind::Parts(Pick::Oldest) => 2,
+                CellKind::Parts(Pick::Newest) => 3,
+            });
+            sum.number(self.initial()[cell.index()]);
+        }
+        sum.number(self.mode_count() as u64);
+        for mode in self.modes() {
+            sum.text(self.mode_name(mode));
+            let mut takes = self.takes(mode).to_vec();
+            takes.sort_unstable();
+            for arcs in [&takes[..], self.gives(mode)] {
+                sum.number(arcs.len() as u64);
+                for &(cell, weight) in arcs {
+                    sum.number(u64::from(cell.0));
+                    sum.number(u64::from(weight));
+                }
+            }
+            let activity = self.activity(mode);
+            sum.text(&activity.name);
+            sum.number(match activity.kind {
+                ActivityKind::Immediate => 0,
+                ActivityKind::Decided { time: _, limit: _ } => 1,
+            });
+            sum.number(u64::from(activity.servers));
+            sum.number(activity.orders.len() as u64);
+            for order in &activity.orders {
+                sum.number(u64::from(order.station.0));
+                sum.text(&order.task);
+                sum.number(order.parameters.len() as u64);
+                for (name, value) in &order.parameters {
+                    sum.text(name);
+                    sum.number(u64::from(value.cast_unsigned()));
+                }
+            }
+        }
+        sum.0
+    }
+}
+
+/// FNV-1a, which is short, and the same everywhere and for ever.
+struct Fnv(u64);
+
+impl Fnv {
+    fn bytes(&mut self, bytes: &[u8]) {
+        for &byte in bytes {
+            self.0 = (self.0 ^ u64::from(byte)).wrapping_mul(0x0100_0000_01B3);
+        }
+    }
+
+    fn number(&mut self, number: u64) {
+        self.bytes(&number.to_le_bytes());
+    }
+
+    /// With its length, so that two texts never look like two others.
+    fn text(&mut self, text: &str) {
+        self.number(text.len() as u64);
+        self.bytes(text.as_bytes());
+    }
+}

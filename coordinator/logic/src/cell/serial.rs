@@ -1,0 +1,49 @@
+//! How times, stations and rules stand in what is written down: as microseconds, numbers, and the words of descriptions.
+//!
+//! Records and snapshots say with `serde` what they consist of, and nothing of the text or the bytes; the rest of their
+//! types derives it. These three come from crates that know nothing of being written down.
+
+/// A time, in microseconds.
+pub(super) mod micros {
+    use linewright_line::Tick;
+    use serde::{Deserialize, Deserializer, Serializer};
+
+    pub fn serialize<S: Serializer>(tick: &Tick, to: S) -> Result<S::Ok, S::Error> {
+        to.serialize_u64(tick.as_micros())
+    }
+
+    pub fn deserialize<'de, D: Deserializer<'de>>(from: D) -> Result<Tick, D::Error> {
+        u64::deserialize(from).map(Tick::from_micros)
+    }
+}
+
+/// A station, by its number in the table.
+pub(super) mod station {
+    use linewright_line::StationId;
+    use serde::{Deserialize, Deserializer, Serializer};
+
+    pub fn serialize<S: Serializer>(station: &StationId, to: S) -> Result<S::Ok, S::Error> {
+        to.serialize_u16(station.0)
+    }
+
+    pub fn deserialize<'de, D: Deserializer<'de>>(from: D) -> Result<StationId, D::Error> {
+        u16::deserialize(from).map(StationId)
+    }
+}
+
+/// A rule, by its word.
+pub(super) mod rule {
+    use linewright_cell::Rule;
+    use serde::de::Error;
+    use serde::{Deserialize, Deserializer, Serializer};
+
+    pub fn serialize<S: Serializer>(rule: &Rule, to: S) -> Result<S::Ok, S::Error> {
+        to.collect_str(rule)
+    }
+
+    pub fn deserialize<'de, D: Deserializer<'de>>(from: D) -> Result<Rule, D::Error> {
+        let word = String::deserialize(from)?;
+        let known = Rule::ALL.iter().find(|(known, _)| *known == word);
+        known.map(|&(_, rule)| rule).ok_or_else(|| D::Error::custom(format!("there is no rule `{word}`")))
+    }
+}

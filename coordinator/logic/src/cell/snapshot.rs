@@ -1,0 +1,201 @@
+//! A state without what can be worked out from it, to be written down in the place of the records that led to it.
+//!
+//! What is in it is the state's own affair; whoever keeps it turns it into bytes and back. On the way in everything is
+//! checked against the table and against itself: a snapshot that fits is a state that records can go on from, and one that
+//! does not is refused before anything is made of it. That a token is missing altogether only its checksum can tell.
+
+use std::collections::{BTreeMap, BTreeSet};
+use std::sync::Arc;
+
+use linewright_line::{StationId, Tick};
+use serde::{Deserialize, Serialize};
+
+use super::enabling::Enabling;
+use super::firing::{Firing, Next, OrderState, Phase};
+use super::ids::{CellId, FiringId, ModeId};
+use super::marking::Marking;
+use super::plan::CellKind;
+use super::question::Reason;
+use super::serial;
+use super::state::{Misfit, Part, Place, State};
+use super::table::CellTable;
+
+/// Counters stay below this, so that counting on from what somebody has made up never fails.
+pub(super) const NUMBER_MAX: u64 = 1 << 62;
+
+/// A state to be written down.
+#[derive(Clone, Debug, PartialEq, Eq, Serialize, Deserialize)]
+#[serde(deny_unknown_fields)]
+pub struct Snapshot {
+    sequence: u64,
+    #[serde(with = "serial::micros")]
+    now: Tick,
+    epoch: u64,
+    questions: u64,
+    last_order: u64,
+    last_firing: u64,
+    last_part: u64,
+    left: u64,
+    arrivals: u64,
+    /// The cells of plain tokens that have any.
+    tokens: Vec<(CellId, u64)>,
+    parts: Vec<Part>,
+    firings: Vec<Firing>,
+    memory: Vec<Memory>,
+    held: Vec<(ModeId, Reason)>,
+}
+
+#[derive(Clone, Copy, Debug, PartialEq, Eq, Serialize, Deserialize)]
+#[serde(deny_unknown_fields)]
+struct Memory {
+    #[serde(with = "serial::station")]
+    station: StationId,
+    memory: u64,
+}
+
+impl State {
+    /// What this state is made of.
+    pub fn snapshot(&self) -> Snapshot {
+        let is_tokens = |cell: &CellId| self.table.kind(*cell) == CellKind::Tokens && self.marking.count(*cell) > 0;
+        Snapshot {
+            sequence: self.sequence,
+            now: self.now,
+            epoch: self.epoch,
+            questions: self.questions,
+            last_order: self.last_order,
+            last_firing: self.last_firing,
+            last_part: self.last_part,
+            left: self.left,
+            arrivals: self.marking.arrivals(),
+            tokens: self.table.cells().filter(is_tokens).map(|cell| (cell, self.marking.count(cell))).collect(),
+            parts: self.parts.values().copied().collect(),
+            firings: self.firings.values().cloned().collect(),
+            memory: self.memory.iter().map(|(&station, &memory)| Memory { station, memory }).collect(),
+            held: self.held.clone(),
+        }
+    }
+
+    /// The state that was taken a snapshot of.
+    ///
+    /// # Errors
+    /// Why it is no state of this table.
+    pub fn restore(table: Arc<CellTable>, of: Snapshot) -> Result<Self, Misfit> {
+        let sequence = of.sequence;
+        restored(table, of).map_err(|why| Misfit { sequence, why })
+    }
+}
+
+fn restored(table: Arc<CellTable>, of: Snapshot) -> Result<State, String> {
+    let counters =
+        [of.sequence, of.epoch, of.questions, of.last_order, of.last_firing, of.last_part, of.left, of.arrivals];
+    if counters.iter().any(|&counter| counter >= NUMBER_MAX) {
+        return Err("it counts further than anybody can".to_owned());
+    }
+    let marking = marking(&table, &of)?;
+    let (mut parts, mut firings) = (BTreeMap::new(), BTreeMap::new());
+    for part in of.parts {
+        if part.id.0 > of.last_part || parts.insert(part.id, part).is_some() {
+            return Err(format!("{} is in it twice, or has not come yet", part.id));
+        }
+    }
+    let mut in_progress = vec![0; table.mode_count()];
+    let (mut orders, mut unheard) = (BTreeMap::new(), BTreeMap::<_, BTreeSet<_>>::new());
+    let (mut due, mut settled) = (BTreeSet::new(), BTreeSet::new());
+    for firing in of.firings {
+        let id = firing.id;
+        can_be(&table, &firing)?;
+        if id.0 > of.last_firing || firings.contains_key(&id) {
+            return Err(format!("{id} is in it twice, or has not started yet"));
+        }
+        let is_held = |part| parts.get(&part).is_some_and(|part: &Part| part.place == Place::In(id));
+        if firing.part.is_some_and(|part| !is_held(part)) {
+            return Err(format!("{id} does not hold its part"));
+        }
+        for (position, order) in firing.orders.iter().enumerate() {
+            let is_new = order.key.id <= of.last_order && order.key.epoch <= of.epoch;
+            if !is_new || orders.insert(order.key, (id, position)).is_some() {
+                return Err(format!("{} is in it twice, or has not been given yet", order.key));
+            }
+            if firing.phase == Phase::Running && order.state == OrderState::Written {
+                unheard.entry(order.station).or_default().insert(order.key);
+            }
+        }
+        in_progress[firing.mode.index()] += 1;
+        due.extend(firing.due(table.activity(firing.mode)).map(|due| (due, id)));
+        settled.extend((firing.next() != Next::Wait).then_some(id));
+        firings.insert(id, firing);
+    }
+    for part in parts.values() {
+        let holds = |id: FiringId| firings.get(&id).is_some_and(|firing| firing.part == Some(part.id));
+        match part.place {
+            Place::In(firing) if !holds(firing) => {
+                return Err(format!("{} is with {firing}, which has it not", part.id));
+            }
+            Place::In(_) | Place::On { .. } => (),
+        }
+    }
+    if !of.held.iter().all(|(mode, reason)| table.has_mode(*mode) && reason.modes().all(|mode| table.has_mode(mode))) {
+        return Err("it holds back what there is not".to_owned());
+    }
+    Ok(State {
+        enabling: Enabling::new(&table, marking.counts()),
+        marking,
+        parts,
+        firings,
+        in_progress,
+        orders,
+        unheard,
+        due,
+        settled,
+        memory: of.memory.iter().map(|of| (of.station, of.memory)).collect(),
+        held: of.held,
+        epoch: of.epoch,
+        questions: of.questions,
+        last_order: of.last_order,
+        last_firing: of.last_firing,
+        last_part: of.last_part,
+        left: of.left,
+        sequence: of.sequence,
+        now: of.now,
+        table,
+    })
+}
+
+/// Tokens and parts where the snapshot has them.
+fn marking(table: &CellTable, of: &Snapshot) -> Result<Marking, String> {
+    let mut marking = Marking::empty(table, of.arrivals);
+    let mut before = None;
+    for &(cell, count) in &of.tokens {
+        let is_tokens = cell.index() < table.cell_count() && table.kind(cell) == CellKind::Tokens;
+        if !is_tokens || before.is_some_and(|before| cell <= before) {
+            return Err(format!("{cell} is no place of tokens, or is in it twice"));
+        }
+        before = Some(cell);
+        marking.set(cell, count);
+    }
+    for part in &of.parts {
+        let Place::On { cell, arrival } = part.place else { continue };
+        let is_parts = cell.index() < table.cell_count() && table.kind(cell) != CellKind::Tokens;
+        if !is_parts || arrival > of.arrivals || !marking.lay(cell, arrival, part.id) {
+            return Err(format!("{} cannot be on {cell}, where it came as number {arrival}", part.id));
+        }
+    }
+    Ok(marking)
+}
+
+/// Whether the table has such an activity, with such orders.
+fn can_be(table: &CellTable, firing: &Firing) -> Result<(), String> {
+    let id = firing.id;
+    if !table.has_mode(firing.mode) || table.is_immediate(firing.mode) {
+        return Err(format!("{id} is of {}, which cannot be in progress", firing.mode));
+    }
+    let moves_part = table.part_in(firing.mode).or(table.part_out(firing.mode)).is_some();
+    if moves_part != firing.part.is_some() {
+        return Err(format!("{id} has {:?} as its part", firing.part));
+    }
+    let told = table.activity(firing.mode).orders.iter().map(|order| order.station);
+    if !told.eq(firing.orders.iter().map(|order| order.station)) {
+        return Err(format!("the orders of {id} are not those of its activity"));
+    }
+    Ok(())
+}

@@ -1,0 +1,20 @@
+//! A flexible cell in virtual time: the real token player and dispatcher against stations that are pretended.
+//!
+//! ```text
+//!   Dispatcher ◀──▶ Coordination ──▶ records ──▶ Store, from which the next life begins
+//!                     │      ▲
+//!              orders ▼      │ replies, whole states        messages take time, get lost, come twice
+//!                    Station … Station                      their ledgers know what has really been done
+//! ```
+//!
+//! [`CellSim`] plays it, from a seed; [`Station`] stands for a station that works on order, and knows nothing of its axes and
+//! sensors; [`Store`] is where records go. The coordinator can be killed at each of its steps, of which every record and
+//! every message is one. What stations do, and what happens to them, whoever plays says between two calls.
+
+mod sim;
+mod station;
+mod store;
+
+pub use sim::{CellOptions, CellSim, Pace};
+pub use station::{Done, Station};
+pub use store::{InMemory, Store};

@@ -1,0 +1,323 @@
+//! The token player with pretended stations, in virtual time.
+
+use std::collections::BTreeMap;
+use std::sync::Arc;
+use std::time::Duration;
+
+use linewright_coordinator_logic::cell::{
+    ActivityKind, CellTable, Coordination, Dispatcher, Event, Heard, Input, OrderKey, OrderMessage, Outbox, Phase,
+    Record, Reply, Send, State,
+};
+use linewright_line::{StationId, Tick};
+
+use super::station::Station;
+use super::store::{InMemory, Store};
+use crate::rng::Rng;
+
+/// A cell in which nothing has happened for so long, and nothing is going to, has come to its end.
+const QUIET: Duration = Duration::from_secs(3);
+
+/// How long stations take for an order.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub enum Pace {
+    /// As long as its activity should take, or up to this part of it longer or shorter.
+    Nominal {
+        /// Between 0 and 1.
+        spread: f64,
+    },
+    /// Anything between these.
+    Between(Duration, Duration),
+}
+
+/// What a simulation of a cell is played with.
+#[derive(Clone, Debug, PartialEq)]
+pub struct CellOptions {
+    /// What everything random follows from.
+    pub seed: u64,
+    /// How long stations take.
+    pub pace: Pace,
+    /// What a message takes at least and at most.
+    pub delay: (Duration, Duration),
+    /// One message in so many is lost, as many are doubled, and some take far longer; none with 0.
+    pub bad_luck: u64,
+    /// How often stations say how they are.
+    pub period: Duration,
+    /// The coordinator is killed at these of its steps: each record and each message is one.
+    pub crash_at: Vec<usize>,
+    /// Whether after each step all records are replayed, which must give the state. It takes its time.
+    pub replays: bool,
+}
+
+impl Default for CellOptions {
+    /// Times as they should be, messages that take no time and get there.
+    fn default() -> Self {
+        CellOptions {
+            seed: 1,
+            pace: Pace::Nominal { spread: 0.0 },
+            delay: (Duration::ZERO, Duration::ZERO),
+            bad_luck: 0,
+            period: Duration::from_secs(60),
+            crash_at: Vec::new(),
+            replays: false,
+        }
+    }
+}
+
+/// A message on its way.
+enum Flying {
+    /// To a station, for which it will be so much work.
+    Order(OrderMessage, Duration),
+    Reply(usize, OrderKey, Reply),
+    /// With a number that rises.
+    State(usize, u64, Heard),
+}
+
+/// What the coordinator gets of that.
+enum Arrived {
+    Reply(StationId, OrderKey, Reply),
+    State(StationId, Heard),
+}
+
+/// A cell in virtual time.
+pub struct CellSim {
+    /// What is played.
+    pub table: Arc<CellTable>,
+    /// How. It may be changed while it goes on.
+    pub options: CellOptions,
+    /// The coordinator, in its present life.
+    pub coordination: Coordination,
+    /// All its stations, by number.
+    pub stations: Vec<Station>,
+    /// What has been written, in all lives.
+    pub log: Vec<Record>,
+    /// What people were told, and when.
+    pub events: Vec<(Tick, Event)>,
+    /// The time.
+    pub now: Tick,
+    /// Whether anything may start.
+    pub starts: bool,
+    /// How many steps the coordinator has taken, in all lives.
+    pub steps: usize,
+    /// How many lives it has had.
+    pub lives: usize,
+    store: Box<dyn Store>,
+    rng: Rng,
+    flying: BTreeMap<(Tick, u64), Flying>,
+    sent: u64,
+    /// The newest state of each station that this life has heard.
+    newest: Vec<u64>,
+    publish: Tick,
+}
+
+impl CellSim {
+    /// A cell in which nothing has happened, with so many stations; records are kept in memory.
+    pub fn new(table: Arc<CellTable>, stations: usize, options: CellOptions) -> Self {
+        Self::with_store(table, stations, options, Box::new(InMemory::default()))
+    }
+
+    /// The same with another store, in which there is nothing.
+    pub fn with_store(table: Arc<CellTable>, stations: usize, options: CellOptions, store: Box<dyn Store>) -> Self {
+        let (coordination, out) = life(State::new(table.clone()), Tick::ZERO);
+        let mut new = CellSim {
+            table,
+            coordination,
+            stations: vec![Station::default(); stations],
+            log: Vec::new(),
+            events: Vec::new(),
+            now: Tick::ZERO,
+            starts: true,
+            steps: 0,
+            lives: 1,
+            store,
+            rng: Rng::new(options.seed),
+            flying: BTreeMap::new(),
+            sent: 0,
+            newest: vec![0; stations],
+            publish: Tick::ZERO,
+            options,
+        };
+        new.perform(out);
+        new
+    }
+
+    /// What the coordinator knows.
+    pub fn state(&self) -> &State {
+        self.coordination.state()
+    }
+
+    /// Goes on until nothing happens any more, at most until a time. A cell whose failed activities wait for somebody, and
+    /// whose others are over, has come to its end.
+    pub fn run(&mut self, dispatcher: &mut dyn Dispatcher, until: Tick) {
+        while !self.is_over() {
+            let ends = self.stations.iter().filter_map(Station::ends);
+            let arrives = self.flying.keys().next().map(|&(at, _)| at);
+            let deadline = self.coordination.next_deadline();
+            let next = ends.chain(arrives).chain(deadline).fold(self.publish, Tick::min);
+            self.now = self.now.max(next);
+            if self.now > until {
+                return;
+            }
+            self.stations_go_on();
+            let arrived = self.arrived();
+            self.coordinate(dispatcher, &arrived);
+        }
+    }
+
+    fn is_over(&self) -> bool {
+        let is_idle = self.state().firings().all(|firing| firing.phase != Phase::Running);
+        let is_quiet = self.now.since(self.state().now()) > QUIET;
+        // Before a station was heard for the first time, everything waits for it.
+        is_idle && is_quiet && self.coordination.next_deadline().is_none() && self.publish > Tick::ZERO
+    }
+
+    /// One step of the coordinator.
+    fn coordinate(&mut self, dispatcher: &mut dyn Dispatcher, arrived: &[Arrived]) {
+        let mut inputs = vec![Input::Starts(self.starts)];
+        inputs.extend(arrived.iter().map(|arrived| match arrived {
+            Arrived::Reply(station, key, reply) => Input::Reply(*station, *key, *reply),
+            Arrived::State(station, heard) => Input::Station(*station, heard),
+        }));
+        let mut out = Outbox::default();
+        self.coordination.step(self.now, &inputs, dispatcher, &mut out);
+        self.perform(out);
+        if self.options.replays {
+            let replayed = State::replay(self.table.clone(), &self.log);
+            assert_eq!(replayed.as_ref(), Ok(self.state()), "at {}", self.now);
+        }
+    }
+
+    fn stations_go_on(&mut self) {
+        for index in 0..self.stations.len() {
+            if let Some((key, reply)) = self.stations[index].tick(self.now, &mut self.rng) {
+                self.from_station(index, || Flying::Reply(index, key, reply));
+            }
+        }
+        if self.publish <= self.now {
+            self.publish = self.now + self.options.period;
+            for index in 0..self.stations.len() {
+                let (heard, number) = (self.stations[index].heard().clone(), self.sent + 1);
+                self.from_station(index, || Flying::State(index, number, heard.clone()));
+            }
+        }
+    }
+
+    fn from_station(&mut self, index: usize, what: impl Fn() -> Flying) {
+        if !self.stations[index].is_away {
+            self.fly(what);
+        }
+    }
+
+    /// Sends something on its way, perhaps twice, perhaps not at all.
+    fn fly(&mut self, what: impl Fn() -> Flying) {
+        let one_in = |rng: &mut Rng, cases: u64| cases > 0 && rng.below(cases) == 0;
+        let luck = self.options.bad_luck;
+        let times = match luck {
+            0 => 1,
+            _ if one_in(&mut self.rng, luck) => 0,
+            _ if one_in(&mut self.rng, luck) => 2,
+            _ => 1,
+        };
+        let (least, most) = self.options.delay;
+        for _ in 0..times {
+            self.sent += 1;
+            let is_long = luck > 0 && one_in(&mut self.rng, 20);
+            let delay = if is_long { most * 20 } else { between(&mut self.rng, least, most) };
+            self.flying.insert((self.now + delay, self.sent), what());
+        }
+    }
+
+    /// Delivers what is there by now; what of it the coordinator gets.
+    fn arrived(&mut self) -> Vec<Arrived> {
+        let mut arrived = Vec::new();
+        while let Some(entry) = self.flying.first_entry().filter(|entry| entry.key().0 <= self.now) {
+            match entry.remove() {
+                Flying::Order(order, takes) => {
+                    let index = order.station.index();
+                    let reply = self.stations.get_mut(index).and_then(|station| station.told(self.now, &order, takes));
+                    if let Some(reply) = reply {
+                        self.fly(|| Flying::Reply(index, order.key, reply));
+                    }
+                }
+                Flying::Reply(index, key, reply) => arrived.push(Arrived::Reply(StationId::at(index), key, reply)),
+                // The newest state counts, whatever comes after it.
+                Flying::State(index, number, heard) if number > self.newest[index] => {
+                    self.newest[index] = number;
+                    arrived.push(Arrived::State(StationId::at(index), heard));
+                }
+                Flying::State(..) => (),
+            }
+        }
+        arrived
+    }
+
+    /// Writes down, then sends, then tells, unless the coordinator is killed in between.
+    fn perform(&mut self, out: Outbox) {
+        for record in out.records {
+            if self.dies() {
+                return self.restart();
+            }
+            self.store.append(&record);
+            self.log.push(record);
+        }
+        if !out.sends.is_empty() {
+            self.store.sync();
+        }
+        for Send::Order(order) in out.sends {
+            if self.dies() {
+                return self.restart();
+            }
+            let takes = self.takes(&order);
+            self.fly(|| Flying::Order(order.clone(), takes));
+        }
+        self.events.extend(out.events.into_iter().map(|event| (self.now, event)));
+        self.store.settled(self.coordination.state());
+    }
+
+    /// How long a station will take for an order.
+    fn takes(&mut self, order: &OrderMessage) -> Duration {
+        match self.options.pace {
+            Pace::Between(least, most) => between(&mut self.rng, least, most),
+            Pace::Nominal { spread } => {
+                let mode = self.state().order(order.key).map(|(firing, _)| firing.mode);
+                let nominal = match mode.map(|mode| self.table.activity(mode).kind) {
+                    Some(ActivityKind::Decided { time, limit: _ }) => time,
+                    Some(ActivityKind::Immediate) | None => Duration::ZERO,
+                };
+                let spread = nominal.mul_f64(spread.clamp(0.0, 1.0));
+                if spread.is_zero() { nominal } else { between(&mut self.rng, nominal - spread, nominal + spread) }
+            }
+        }
+    }
+
+    fn dies(&mut self) -> bool {
+        let dies = self.options.crash_at.contains(&self.steps);
+        self.steps += 1;
+        dies
+    }
+
+    /// Another life, from what has been written down.
+    fn restart(&mut self) {
+        let state = self.store.restart(&self.table, &mut self.rng);
+        let kept = usize::try_from(state.sequence()).unwrap_or(usize::MAX);
+        assert!(kept <= self.log.len(), "nothing can be found that was not written");
+        self.log.truncate(kept);
+        let (coordination, out) = life(state, self.now);
+        self.coordination = coordination;
+        self.newest.fill(0);
+        self.lives += 1;
+        self.perform(out);
+    }
+}
+
+/// A life of the coordinator after what is known.
+fn life(state: State, now: Tick) -> (Coordination, Outbox) {
+    let (mut out, epoch) = (Outbox::default(), state.epoch() + 1);
+    let coordination = Coordination::begin(state, now, epoch, &mut out).expect("it is the next epoch");
+    (coordination, out)
+}
+
+fn between(rng: &mut Rng, least: Duration, most: Duration) -> Duration {
+    let micros = |span: Duration| u64::try_from(span.as_micros()).unwrap_or(u64::MAX / 2);
+    let (least, most) = (micros(least), micros(most));
+    if least < most { Duration::from_micros(rng.within(least, most)) } else { Duration::from_micros(least) }
+}

@@ -1,0 +1,123 @@
+//! A station that works on order, pretended: it does one order at a time, remembers what it has had over its own restarts,
+//! and does no key twice.
+//!
+//! It answers as the token player expects of every station. What it has really done stands in [`Station::done`], which the
+//! player cannot see: whoever made it do something twice would be found there.
+
+use std::sync::Arc;
+use std::time::Duration;
+
+use linewright_coordinator_logic::cell::{Heard, OrderKey, OrderMessage, Outcome, PartId, Refusal, Reply};
+use linewright_line::Tick;
+
+use crate::rng::Rng;
+
+/// How many results it remembers.
+const RESULTS_MAX: usize = 16;
+/// The code of those orders that fail by chance.
+const CODE: u16 = 7;
+
+/// Something that a station has begun to do.
+#[derive(Clone, Debug, PartialEq, Eq)]
+pub struct Done {
+    /// By which order.
+    pub key: OrderKey,
+    /// What.
+    pub task: Arc<str>,
+    /// With what.
+    pub parameters: Vec<(Arc<str>, i32)>,
+    /// With which part.
+    pub part: Option<PartId>,
+    /// When.
+    pub began: Tick,
+}
+
+/// A pretended station.
+#[derive(Clone, Debug, Default)]
+pub struct Station {
+    heard: Heard,
+    doing: Option<(OrderKey, Tick)>,
+    last: u64,
+    /// All it has really done, each time it did it.
+    pub done: Vec<Done>,
+    /// How often it was told something that it had been told before.
+    pub doubled: usize,
+    /// What it would not do.
+    pub refused: Vec<Refusal>,
+    /// One order in so many ends with a code; none with 0.
+    pub failing: u64,
+    /// The code with which the order ends that it is doing, or the next.
+    pub fails_with: Option<u16>,
+    /// Nothing reaches it, and nothing is heard of it. What it does goes on.
+    pub is_away: bool,
+    /// What it is doing does not end.
+    pub is_stuck: bool,
+}
+
+impl Station {
+    /// What it says of itself.
+    pub fn heard(&self) -> &Heard {
+        &self.heard
+    }
+
+    /// When it will have done what it is doing.
+    pub fn ends(&self) -> Option<Tick> {
+        self.doing.filter(|_| !self.is_stuck).map(|(_, until)| until)
+    }
+
+    /// It remembers nothing of what it was told, and is doing nothing.
+    pub fn forget(&mut self) {
+        self.heard = Heard { memory: self.heard.memory + 1, ..Heard::default() };
+        (self.doing, self.last) = (None, 0);
+    }
+
+    /// What it answers to an order, which takes so long; none if it does not hear it.
+    pub(super) fn told(&mut self, now: Tick, order: &OrderMessage, takes: Duration) -> Option<Reply> {
+        if self.is_away {
+            return None;
+        }
+        let key = order.key;
+        if self.doing.is_some_and(|(doing, _)| doing == key) {
+            self.doubled += 1;
+            return Some(Reply::Running);
+        }
+        if let Some(&(_, outcome)) = self.heard.results.iter().find(|(had, _)| *had == key) {
+            self.doubled += 1;
+            return Some(Reply::Ended(outcome));
+        }
+        let refusal = if order.memory != self.heard.memory {
+            Refusal::OtherMemory
+        } else if key.epoch < self.heard.epoch {
+            Refusal::OldEpoch
+        } else if key.id <= self.last {
+            Refusal::Old
+        } else if self.doing.is_some() {
+            Refusal::Busy
+        } else if order.limit.is_zero() {
+            Refusal::Late
+        } else {
+            (self.heard.epoch, self.last, self.heard.slot) = (key.epoch, key.id, Some(key));
+            self.doing = Some((key, now + takes));
+            let (task, parameters) = (order.task.clone(), order.parameters.clone());
+            self.done.push(Done { key, task, parameters, part: order.part, began: now });
+            return Some(Reply::Running);
+        };
+        self.refused.push(refusal);
+        Some(Reply::Refused(refusal))
+    }
+
+    /// Ends what it is doing when the time has come.
+    pub(super) fn tick(&mut self, now: Tick, rng: &mut Rng) -> Option<(OrderKey, Reply)> {
+        self.ends().filter(|&until| until <= now)?;
+        let (key, _) = self.doing.take()?;
+        self.heard.slot = None;
+        let by_chance = self.failing > 0 && rng.below(self.failing) == 0;
+        let code = self.fails_with.take().or(by_chance.then_some(CODE));
+        let outcome = code.map_or(Outcome::Done, Outcome::Failed);
+        self.heard.results.push((key, outcome));
+        if self.heard.results.len() > RESULTS_MAX {
+            self.heard.results.remove(0);
+        }
+        Some((key, Reply::Ended(outcome)))
+    }
+}

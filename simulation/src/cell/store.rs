@@ -1,0 +1,43 @@
+//! Where the records of a cell go, and where the next life of its coordinator finds them.
+
+use std::sync::Arc;
+
+use linewright_coordinator_logic::cell::{CellTable, Record, State};
+
+use crate::rng::Rng;
+
+/// Keeps records over the coordinator's lives.
+pub trait Store {
+    /// Writes a record behind the others.
+    fn append(&mut self, record: &Record);
+
+    /// What was written will be there whatever happens. It is called before anything is sent.
+    fn sync(&mut self);
+
+    /// The coordinator was killed. What is there now is what the next life begins from: at least all that was there at the
+    /// last [`Store::sync`], and otherwise perhaps less than was written.
+    fn restart(&mut self, table: &Arc<CellTable>, rng: &mut Rng) -> State;
+
+    /// A step is over, and this is what the records say. A store that keeps a snapshot may take one.
+    fn settled(&mut self, state: &State) {
+        let _ = state;
+    }
+}
+
+/// Keeps everything.
+#[derive(Clone, Debug, Default)]
+pub struct InMemory {
+    records: Vec<Record>,
+}
+
+impl Store for InMemory {
+    fn append(&mut self, record: &Record) {
+        self.records.push(record.clone());
+    }
+
+    fn sync(&mut self) {}
+
+    fn restart(&mut self, table: &Arc<CellTable>, _: &mut Rng) -> State {
+        State::replay(table.clone(), &self.records).expect("what a player has written fits")
+    }
+}
