@@ -16,6 +16,7 @@ mod caller;
 mod environment;
 mod identity;
 mod journal;
+pub mod log;
 mod logging;
 pub mod names;
 mod newest;

@@ -3,8 +3,10 @@
 //! It carries the line's CAN bus: the console's devices, and those of every station that has no bus of its own. For
 //! these it is the gateway: input images go to the stations by message, output images come back, with age and
 //! validity. What may be energised is decided in [`linewright_coordinator_logic::Gateway`], which mode the line is in
-//! in [`linewright_coordinator_logic::Coordinator`]; this crate performs it.
+//! in [`linewright_coordinator_logic::Coordinator`]; this crate performs it. Of a flexible cell
+//! [`cell`] keeps on disk what happens.
 
+pub mod cell;
 mod node;
 mod topics;
 

@@ -189,19 +189,19 @@ impl CellSim {
     fn stations_go_on(&mut self) {
         for index in 0..self.stations.len() {
             if let Some((key, reply)) = self.stations[index].tick(self.now, &mut self.rng) {
-                self.from_station(index, || Flying::Reply(index, key, reply));
+                self.say(index, || Flying::Reply(index, key, reply));
             }
         }
         if self.publish <= self.now {
             self.publish = self.now + self.options.period;
             for index in 0..self.stations.len() {
                 let (heard, number) = (self.stations[index].heard().clone(), self.sent + 1);
-                self.from_station(index, || Flying::State(index, number, heard.clone()));
+                self.say(index, || Flying::State(index, number, heard.clone()));
             }
         }
     }
 
-    fn from_station(&mut self, index: usize, what: impl Fn() -> Flying) {
+    fn say(&mut self, index: usize, what: impl Fn() -> Flying) {
         if !self.stations[index].is_away {
             self.fly(what);
         }

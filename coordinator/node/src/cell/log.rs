@@ -1,0 +1,174 @@
+//! The records of a cell in a log on disk.
+//!
+//! Each record is a line of JSON, so that a person can read what happened (`strings`); what it means is only known with the
+//! table it was written for, so the log begins with the cell's name and the table's digest, and is refused for another.
+//! After some thousand records a snapshot of the state takes their place. What comes back from the disk is believed only as
+//! far as it fits: every record is applied to the state in turn.
+//!
+//! # When it is on the disk
+//! [`CellLog::write`] takes what a step of the player left. Records are written at once, which a killed process survives;
+//! if the step sends anything, they and all before them are on the disk before that returns, which a power cut survives.
+//! What nobody was sent anything about may be lost by one: it is then heard, or decided, again.
+
+use std::path::{Path, PathBuf};
+use std::sync::Arc;
+
+use linewright_coordinator_logic::cell::{CellTable, Outbox, Record, Snapshot, State};
+use linewright_node_shell::log::{Entry, Log, LogError};
+use serde::{Deserialize, Serialize};
+use thiserror::Error;
+
+/// The form in which records are written. Another one gets another number.
+const FORMAT: u32 = 1;
+/// After so many records a log begins anew, with a snapshot. A record has some hundred bytes.
+pub const RECORDS_MAX: u64 = 10_000;
+
+/// Why the log of a cell cannot be used.
+#[derive(Debug, Error)]
+pub enum CellLogError {
+    /// The log cannot, or says what does not fit.
+    #[error(transparent)]
+    Log(#[from] LogError),
+    /// It is about something else.
+    #[error("log {path} is about {is}, not about {expected}; once the cell is empty, remove the log to start afresh")]
+    Other {
+        /// The log.
+        path: PathBuf,
+        /// What it is about.
+        is: String,
+        /// What it should be about.
+        expected: String,
+    },
+    /// What is to be written has no text. No state is so.
+    #[error("cannot write down what happened: {0}")]
+    Text(#[from] serde_json::Error),
+}
+
+/// What a log is about.
+#[derive(Clone, Debug, PartialEq, Eq, Serialize, Deserialize)]
+#[serde(deny_unknown_fields)]
+struct Identity {
+    format: u32,
+    cell: String,
+    table: String,
+}
+
+impl Identity {
+    /// What is different in a log that has this one; none if nothing is.
+    fn difference(&self, expected: &Identity) -> Option<(String, String)> {
+        let of = |format: u32| format!("records in form {format}");
+        if self.format != expected.format {
+            return Some((of(self.format), of(expected.format)));
+        }
+        let of = |cell: &str| format!("cell `{cell}`");
+        if self.cell != expected.cell {
+            return Some((of(&self.cell), of(&expected.cell)));
+        }
+        let other = || format!("another description of cell `{}` ({})", self.cell, self.table);
+        (self.table != expected.table).then(|| (other(), format!("this one ({})", expected.table)))
+    }
+}
+
+/// The log of a cell, open for writing.
+#[derive(Debug)]
+pub struct CellLog {
+    log: Log,
+    /// Since the last snapshot.
+    records: u64,
+}
+
+/// A log, and what was in it.
+#[derive(Debug)]
+pub struct Found {
+    /// To go on with.
+    pub log: CellLog,
+    /// What it says.
+    pub state: State,
+    /// How many bytes at its end were torn, and cut off.
+    pub cut: u64,
+}
+
+impl CellLog {
+    /// Opens the log of a cell, or begins one.
+    ///
+    /// # Errors
+    /// When there is a log and it cannot be used, or is about another cell or another description of it.
+    pub fn open(path: &Path, cell: &str, table: &Arc<CellTable>) -> Result<Found, CellLogError> {
+        let expected = Identity { format: FORMAT, cell: cell.to_owned(), table: format!("{:016x}", table.digest()) };
+        let (mut state, mut records) = (State::new(table.clone()), 0);
+        let mut difference = None;
+        let opened = Log::open(path, &serde_json::to_vec(&expected)?, |entry| match entry {
+            Entry::Identity(bytes) => {
+                let is: Identity = serde_json::from_slice(bytes).map_err(|_| "it is no log of a cell".to_owned())?;
+                difference = is.difference(&expected);
+                difference.as_ref().map_or(Ok(()), |(is, _)| Err(is.clone()))
+            }
+            Entry::Snapshot(bytes) => {
+                let snapshot: Snapshot = serde_json::from_slice(bytes).map_err(|error| error.to_string())?;
+                state = State::restore(table.clone(), snapshot).map_err(|misfit| misfit.to_string())?;
+                Ok(())
+            }
+            Entry::Record(bytes) => {
+                let record: Record = serde_json::from_slice(bytes).map_err(|error| error.to_string())?;
+                records += 1;
+                state.apply(&record).map_err(|misfit| misfit.to_string())
+            }
+        });
+        match (opened, difference) {
+            (Ok((log, cut)), _) => Ok(Found { log: CellLog { log, records }, state, cut }),
+            (Err(_), Some((is, expected))) => Err(CellLogError::Other { path: path.to_owned(), is, expected }),
+            (Err(error), None) => Err(error.into()),
+        }
+    }
+
+    /// Writes down what a step has left, before anything of it is sent or told.
+    ///
+    /// # Errors
+    /// When it cannot be written. Nothing of it may then be sent.
+    pub fn write(&mut self, out: &Outbox) -> Result<(), CellLogError> {
+        self.append(&out.records)?;
+        if !out.sends.is_empty() {
+            self.log.sync()?;
+        }
+        Ok(())
+    }
+
+    /// Writes down records that nothing is sent for yet.
+    ///
+    /// # Errors
+    /// When they cannot be written.
+    pub fn append(&mut self, records: &[Record]) -> Result<(), CellLogError> {
+        let lines = records.iter().map(serde_json::to_vec).collect::<Result<Vec<_>, _>>()?;
+        self.log.append(lines.iter().map(Vec::as_slice))?;
+        self.records += records.len() as u64;
+        Ok(())
+    }
+
+    /// Returns when all that was written is on the disk.
+    ///
+    /// # Errors
+    /// When the disk refuses; the log cannot be used any more.
+    pub fn sync(&mut self) -> Result<(), CellLogError> {
+        Ok(self.log.sync()?)
+    }
+
+    /// Whether there are so many records that a snapshot should take their place.
+    pub fn is_long(&self) -> bool {
+        self.records >= RECORDS_MAX
+    }
+
+    /// Puts a snapshot in the place of all records. The state is what they say.
+    ///
+    /// # Errors
+    /// When it cannot be written.
+    pub fn begin_anew(&mut self, state: &State) -> Result<(), CellLogError> {
+        self.log.begin_anew(&serde_json::to_vec(&state.snapshot())?)?;
+        self.records = 0;
+        Ok(())
+    }
+
+    /// The file that is being written, and how long it is.
+    pub fn file(&self) -> (PathBuf, u64) {
+        (self.log.name(), self.log.bytes())
+    }
+}

@@ -1,0 +1,180 @@
+//! Both shipped cells are killed at every record and every message, and go on from the bytes of their logs.
+//!
+//! *The same production* means: as many parts have left, each has had exactly the work of its plan, in its order, and no
+//! station has done an order twice; by the stations' own ledgers, which the coordinator never sees. Not at the same times:
+//! while nobody coordinates, what runs goes on.
+
+use std::path::{Path, PathBuf};
+use std::sync::Arc;
+use std::time::Duration;
+
+use linewright_coordinator_logic::cell::{CellTable, Record, State};
+use linewright_coordinator_logic::described::dispatcher;
+use linewright_coordinator_node::cell::CellLog;
+use linewright_line::Tick;
+use linewright_simulation::Rng;
+use linewright_simulation::cell::{CellOptions, CellSim, Pace, Store};
+
+use crate::shipped::{Shipped, directory, production, shipped};
+
+const LONG: Tick = Tick::from_millis(24 * 3_600_000);
+
+/// How a coordinator comes to its end.
+#[derive(Clone, Copy, Debug, PartialEq)]
+enum Death {
+    /// Its process is killed: what was written is there.
+    Killed,
+    /// The power goes: what was synced is there, and of what was written behind that any number of bytes.
+    PowerCut,
+}
+
+/// A log on disk.
+struct OnDisk {
+    path: PathBuf,
+    /// None while nobody has it open.
+    log: Option<CellLog>,
+    death: Death,
+    /// As much of the file is there whatever happens.
+    synced: (PathBuf, u64),
+    /// A snapshot takes the place of so many records.
+    snapshot_after: u64,
+    since: u64,
+}
+
+impl OnDisk {
+    fn new(dir: &Path, table: &Arc<CellTable>, death: Death, snapshot_after: u64) -> Self {
+        let path = dir.join("cell.log");
+        let log = CellLog::open(&path, "cell", table).expect("opens").log;
+        OnDisk { path, synced: log.file(), log: Some(log), death, snapshot_after, since: 0 }
+    }
+
+    fn log(&mut self) -> &mut CellLog {
+        self.log.as_mut().expect("it is open")
+    }
+}
+
+impl Store for OnDisk {
+    fn append(&mut self, record: &Record) {
+        self.log().append(std::slice::from_ref(record)).expect("appends");
+        self.since += 1;
+    }
+
+    fn sync(&mut self) {
+        // A file that nobody cuts off has what was written.
+        if self.death == Death::PowerCut {
+            self.log().sync().expect("syncs");
+            self.synced = self.log().file();
+        }
+    }
+
+    fn restart(&mut self, table: &Arc<CellTable>, rng: &mut Rng) -> State {
+        let (file, written) = self.log().file();
+        self.log = None;
+        let (name, synced) = &self.synced;
+        if self.death == Death::PowerCut && *name == file {
+            let kept = rng.within(*synced, written);
+            std::fs::File::options().write(true).open(&file).and_then(|file| file.set_len(kept)).expect("is cut off");
+        }
+        let found = CellLog::open(&self.path, "cell", table).expect("opens");
+        self.synced = found.log.file();
+        self.log = Some(found.log);
+        found.state
+    }
+
+    fn settled(&mut self, state: &State) {
+        if self.since >= self.snapshot_after {
+            self.log().begin_anew(state).expect("begins anew");
+            self.synced = self.log().file();
+            self.since = 0;
+        }
+    }
+}
+
+fn options(seed: u64, bad_luck: u64, crash_at: Vec<usize>) -> CellOptions {
+    let millis = Duration::from_millis;
+    CellOptions {
+        seed,
+        bad_luck,
+        crash_at,
+        pace: Pace::Nominal { spread: 0.2 },
+        delay: (millis(1), millis(20)),
+        period: millis(100),
+        replays: false,
+    }
+}
+
+/// Plays a production to its end.
+fn play(of: &Shipped, death: Death, options: CellOptions, snapshot_after: u64) -> CellSim {
+    let dir = directory();
+    let store = OnDisk::new(dir.path(), &of.table, death, snapshot_after);
+    let mut sim = CellSim::with_store(of.table.clone(), of.stations, options, Box::new(store));
+    sim.run(&mut dispatcher(&of.cell, &of.table), LONG);
+    assert_eq!((&sim.events[..], sim.state().firings().next()), (&[][..], None));
+    assert_eq!((sim.state().left(), sim.state().parts().len()), (u64::from(of.parts), 0));
+    sim
+}
+
+/// Kills the coordinator of a production at each of its steps; how many there are.
+fn killed_at_every_step(of: &Shipped, told_apart: bool, bad_luck: u64, death: Death, snapshot_after: u64) -> usize {
+    let calm = play(of, death, options(3, bad_luck, Vec::new()), snapshot_after);
+    let expected = production(&calm, told_apart);
+    assert_eq!((calm.lives, expected.len()), (1, of.parts as usize));
+    for at in 0..calm.steps {
+        let sim = play(of, death, options(3, bad_luck, vec![at]), snapshot_after);
+        assert_eq!(sim.lives, 2, "at {at}");
+        assert_eq!(production(&sim, told_apart), expected, "at {at}");
+    }
+    calm.steps
+}
+
+#[test]
+fn the_assembly_cell_produces_the_same_whichever_step_it_is_killed_at() {
+    let of = shipped("assembly-cell", &[2, 2, 1]);
+    for (death, bad_luck, snapshot_after) in
+        [(Death::Killed, 0, 1_000_000), (Death::PowerCut, 0, 11), (Death::PowerCut, 8, 1_000_000)]
+    {
+        let steps = killed_at_every_step(&of, true, bad_luck, death, snapshot_after);
+        // Five activities with each part start and end; 5 orders with a part 1, 3 with any other, are sent, taken on and done.
+        assert!(steps >= 5 * 5 * 2 + (2 * 5 + 3 * 3) * 3, "{steps}");
+    }
+}
+
+#[test]
+fn workcell_c1_produces_the_same_whichever_step_it_is_killed_at() {
+    let of = shipped("workcell-c1", &[3, 3]);
+    for (death, bad_luck, snapshot_after) in [(Death::Killed, 0, 13), (Death::PowerCut, 8, 1_000_000)] {
+        let steps = killed_at_every_step(&of, false, bad_luck, death, snapshot_after);
+        assert!(steps >= 6 * 8 * 2 + 6 * 10 * 3, "{steps}");
+    }
+    // What the plans say: A is turned and ground, B ground and drilled, each in its order.
+    let sim = play(&of, Death::Killed, options(5, 0, Vec::new()), 100);
+    let work = |programs: [u8; 2]| programs.map(|program| format!("machine program {program}"));
+    let done = production(&sim, false);
+    for (part, programs) in done.iter().zip([[1, 2], [1, 2], [1, 2], [3, 4], [3, 4], [3, 4]]) {
+        let machined: Vec<&String> = part.iter().filter(|act| act.starts_with("machine")).collect();
+        assert!(machined.iter().copied().eq(&work(programs)), "{part:?}");
+        assert_eq!(part.len(), 2 * 5, "each is loaded and clamped, machined, unloaded and released: {part:?}");
+    }
+}
+
+/// Killed ten times, at any steps, with lost and doubled messages.
+#[test]
+fn both_cells_survive_being_killed_again_and_again() {
+    let mut rng = Rng::new(8);
+    for (name, parts, told_apart) in [("assembly-cell", &[2, 2, 1][..], true), ("workcell-c1", &[3, 3], false)] {
+        let of = shipped(name, parts);
+        let expected = production(&play(&of, Death::Killed, options(0, 0, Vec::new()), 1_000_000), told_apart);
+        for seed in 0..20 {
+            let death = if seed % 2 == 0 { Death::Killed } else { Death::PowerCut };
+            let mut at = 0;
+            let crash_at = (0..10).map(|_| {
+                at += 1 + rng.below(40) as usize;
+                at
+            });
+            let options = options(seed, 6, crash_at.collect());
+            let sim = play(&of, death, options, 20);
+            assert!(sim.lives > 4, "{}", sim.lives);
+            assert_eq!(production(&sim, told_apart), expected, "{name}, seed {seed}");
+        }
+    }
+}
