@@ -217,6 +217,12 @@ impl Record {
                 self.is_disturbed |= mode != ControlMode::Auto;
             }
             Happening::Asked(_) | Happening::NotAgreed { .. } | Happening::Refused | Happening::Devices(_) => {}
+            // Nobody gives orders in a simulated line.
+            Happening::Ordered(_)
+            | Happening::OrderRefused(_)
+            | Happening::OrderDone(_)
+            | Happening::OrderFailed(..)
+            | Happening::Securing(_) => {}
         }
     }
 

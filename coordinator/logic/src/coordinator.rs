@@ -96,6 +96,19 @@ struct Station {
     known_until: Tick,
     /// Came up anew while the line was in auto or hand, and nobody has looked at it since.
     restarted: bool,
+    /// Works on order: it has no rounds, and is at home at any rest.
+    on_order: bool,
+}
+
+impl Station {
+    fn of(described: &linewright_line::Station) -> Self {
+        Station { on_order: described.works_on_order(), ..Station::default() }
+    }
+
+    /// Whether it is not in the latest round, or at the end of it.
+    fn is_behind(&self, latest_round: i32) -> bool {
+        !self.on_order && self.heard.round != latest_round
+    }
 }
 
 /// The coordinator.
@@ -127,7 +140,7 @@ impl Coordinator {
     /// have used (0 if none). It comes up at the home place of the decision, in which nothing moves.
     pub fn new(line: Line, last_epoch: u64) -> Self {
         Coordinator {
-            stations: vec![Station::default(); line.stations.len()],
+            stations: line.stations.iter().map(Station::of).collect(),
             line,
             now: Tick::ZERO,
             mode: ControlMode::Home,
@@ -186,7 +199,11 @@ impl Coordinator {
     /// The latest round that any station has begun. It may still rise after the stop was given, until every station
     /// has heard it; then all follow.
     fn latest_round(&self) -> i32 {
-        self.stations.iter().map(|s| s.heard.round).max().unwrap_or(0)
+        self.stations.iter().filter(|s| !s.on_order).map(|s| s.heard.round).max().unwrap_or(0)
+    }
+
+    fn all_in(&self, round: i32) -> bool {
+        !self.stations.iter().any(|station| station.is_behind(round))
     }
 
     fn wired_buttons(&self) -> u32 {
@@ -281,7 +298,7 @@ impl Coordinator {
             estop: self.estop,
             trouble: !self.troubles().is_empty(),
             stopping: self.stopping,
-            all_home: self.all(|h| self.is_at_rest(h) && h.at_home && h.round == self.latest_round()),
+            all_home: self.all(|h| self.is_at_rest(h) && h.at_home) && self.all_in(self.latest_round()),
             all_stopped: self.all(|h| self.is_at_rest(h)),
             any_manual: self.manual_all || self.any_selector(),
         }

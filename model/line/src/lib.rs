@@ -10,6 +10,7 @@ mod frames;
 mod line;
 pub mod net;
 mod parse;
+mod task;
 mod time;
 mod transfer_line;
 mod whereabouts;
@@ -23,6 +24,9 @@ pub use frames::{
 };
 pub use line::*;
 pub use parse::{Parsed, Problem, Problems, parse, suggestion};
+pub use task::{
+    CODE_MAX, PARAMETER_BITS_MAX, PARAMETERS_MAX, Parameter, RESTS_MAX, Rest, RestId, TASKS_MAX, Task, TaskId,
+};
 pub use time::Tick;
 pub use transfer_line::TransferLine;
 pub use whereabouts::duration_text;

@@ -10,7 +10,7 @@ use std::time::Duration;
 
 use linewright_text::index_id;
 
-use crate::{Device, Owner};
+use crate::{Device, Owner, Rest, Task};
 
 index_id! {
     /// A station, by its place in [`Line::stations`].
@@ -92,20 +92,24 @@ pub struct Line {
     pub timing: Timing,
 }
 
-/// One station: an ordered cycle of operations.
+/// One station: an ordered cycle of operations, or tasks that are done on order.
 #[derive(Clone, Debug, PartialEq)]
 pub struct Station {
     /// The ROS node name: lower-case letters, digits and `_`, starting with a letter.
     pub name: String,
     /// What a person calls it.
     pub title: String,
-    /// The operations in the order the chart lists them. The first starts a new cycle.
+    /// The operations in the order the chart lists them. The first starts a new cycle; those of a task stand together.
     pub operations: Vec<Operation>,
-    /// The operation that brings the station to its home position.
+    /// The operation that brings the station to its home position: of a station on order, its first rest.
     pub home: OpId,
     /// The steps of the cycle, in chart order: one operation each, or several that run side by side (seed 002,
     /// Appendix). Neither the first step nor the one of the home operation has more than one.
     pub steps: Vec<Vec<OpId>>,
+    /// Where a station on order may stand between its tasks, home first. Empty in a station that goes round a cycle.
+    pub rests: Vec<Rest>,
+    /// What it does on order. Empty in a station that goes round a cycle.
+    pub tasks: Vec<Task>,
     /// The mechanisms, for the simulated plant and for drawing.
     pub axes: Vec<Axis>,
     /// Names of the digital inputs: bit `i` of the input image is `inputs[i]`.
@@ -162,6 +166,10 @@ pub struct Operation {
     pub motion: Motion,
     /// Signals of the normal motion.
     pub normal: Signals,
+    /// Inputs that must be on before the normal motion starts; of stations on order.
+    pub waits: Vec<InputId>,
+    /// The code of an order whose time runs out while it waits for them, from 1; 0 where the description gives none.
+    pub waits_code: u16,
     /// Hand-mode type and its operator commands (seed 002 Figure 21, Table 3).
     pub hand: Hand,
 }
@@ -299,7 +307,8 @@ impl Hand {
         }
     }
 
-    /// `h_c`, the button that starts what follows, where it is not `h_a`.
+    /// `h_c`, the button that starts what follows, where it is not `h_a`. At the end of a task several may follow: it
+    /// is that of the first one listed.
     pub fn next(&self) -> Option<ButtonId> {
         match *self {
             Hand::Sequence { .. } | Hand::ReversedStart { .. } | Hand::ReversedMiddle { .. } => None,
@@ -455,13 +464,13 @@ impl Station {
     /// [`Station::initial_round`]. Counts are signed because an operator may undo the home operation of a station
     /// that has never run a cycle.
     pub fn home_count(&self, op: OpId, n: i32) -> i32 {
-        if op <= self.home { n } else { n - 1 }
+        if op <= self.home || self.works_on_order() { n } else { n - 1 }
     }
 
-    /// The round a station that has never moved stands at the end of: 0 if the home operation is the last one
+    /// The round a station that has never moved stands at the end of: 0 on order, and if the home operation is the last one
     /// listed, else 1 (so that the operations listed up to it count cycle 1 and everything else counts 0).
     pub fn initial_round(&self) -> i32 {
-        i32::from(self.home.index() + 1 < self.operations.len())
+        i32::from(!self.works_on_order() && self.home.index() + 1 < self.operations.len())
     }
 }
 

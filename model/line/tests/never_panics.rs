@@ -6,6 +6,7 @@ use proptest::prelude::*;
 
 const SHIPPED: &str = include_str!("../../../launch-config/lines/transfer-line/line.toml");
 const CELL: &str = include_str!("descriptions/cell.toml");
+const ON_ORDER: &str = include_str!("descriptions/on_order.toml");
 
 /// Parses, and checks what must hold of any outcome.
 fn survives(text: &str) {
@@ -62,6 +63,8 @@ fn slip() -> impl Strategy<Value = String> {
             "[[station]]\n",
             "[[station.operation]]\n",
             "with = \"decel\"\n",
+            "[[station.task]]\n",
+            "task = \"clamp\"\n",
         ])
         .prop_map(String::from),
     ]
@@ -91,8 +94,8 @@ proptest! {
     }
 
     #[test]
-    fn a_file_with_slips(slips in prop::collection::vec((0.0..1.0, 0usize..12, slip()), 1..4), of_cell in any::<bool>()) {
-        let mut text = if of_cell { CELL } else { SHIPPED }.to_owned();
+    fn a_file_with_slips(slips in prop::collection::vec((0.0..1.0, 0usize..12, slip()), 1..4), of in 0usize..3) {
+        let mut text = [CELL, ON_ORDER, SHIPPED][of].to_owned();
         for (at, removed, inserted) in slips {
             let start = cut(&text, at);
             let end = ((start + removed).min(text.len())..=text.len()).find(|&at| text.is_char_boundary(at)).unwrap_or(text.len());
@@ -110,8 +113,8 @@ proptest! {
     }
 
     #[test]
-    fn a_file_with_a_value_swapped(key in 0usize..400, value in 0usize..400) {
-        let mut lines: Vec<String> = CELL.lines().map(str::to_owned).collect();
+    fn a_file_with_a_value_swapped(key in 0usize..400, value in 0usize..400, of in 0usize..2) {
+        let mut lines: Vec<String> = [CELL, ON_ORDER][of].lines().map(str::to_owned).collect();
         let (key, value) = (key % lines.len(), value % lines.len());
         let taken = lines[value].split_once(" = ").map(|(_, v)| v.to_owned());
         if let (Some((name, _)), Some(taken)) = (lines[key].clone().split_once(" = "), taken) {

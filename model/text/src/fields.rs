@@ -7,7 +7,7 @@
 use std::fmt;
 use std::time::Duration;
 
-use toml_edit::{Item, TableLike, Value};
+use toml_edit::{Array, Item, TableLike, Value};
 
 use crate::place::{At, Name, Where};
 use crate::{Problem, Report, suggestion};
@@ -263,23 +263,7 @@ impl<'a> Fields<'a> {
     /// A list of texts, at most `max` long.
     pub fn texts(&mut self, report: &mut Report, key: &'static str, max: usize) -> Option<At<Vec<Name>>> {
         let array = self.read(report, key, "a list of texts", Item::as_array)?;
-        if array.value.len() > max {
-            report.add(
-                Problem::error(array.at, format!("`{key}` has {} entries", array.value.len()))
-                    .hint(format!("at most {max}")),
-            );
-            return None;
-        }
-        let mut texts = Vec::with_capacity(array.value.len());
-        for value in array.value {
-            let at = value.span().unwrap_or_else(|| array.at.clone());
-            match value.as_str() {
-                Some(text) if text.len() <= TEXT_MAX => texts.push(At::new(text.to_owned(), at)),
-                Some(_) => report.add(Problem::error(at, format!("an entry of `{key}` has over {TEXT_MAX} bytes"))),
-                None => report.add(wrong_value(at, &format!("an entry of `{key}`"), "text in quotes", value)),
-            }
-        }
-        Some(At::new(texts, array.at))
+        list(report, key, array, max)
     }
 
     /// A list of texts, which may not be missing.
@@ -359,6 +343,28 @@ impl<'a> Fields<'a> {
         entries
     }
 
+    /// Every key of this table with a list of texts, each at most `longest` long: names are the user's own.
+    pub fn lists(self, report: &mut Report, max: usize, longest: usize) -> Vec<(Name, At<Vec<Name>>)> {
+        if self.table.len() > max {
+            let problem = Problem::error(self.at.clone(), format!("{} has {} entries", self.what, self.table.len()));
+            report.add(problem.hint(format!("at most {max}")));
+            return Vec::new();
+        }
+        let mut entries = Vec::new();
+        for (key, item) in self.table.iter() {
+            let key_at = self.table.key(key).and_then(|k| k.span()).unwrap_or_else(|| self.at.clone());
+            let at = item.span().unwrap_or_else(|| key_at.clone());
+            match item.as_array() {
+                Some(array) => {
+                    let list = list(report, key, At::new(array, at), longest);
+                    entries.extend(list.map(|list| (At::new(key.to_owned(), key_at), list)));
+                }
+                None => report.add(wrong_type(at, key, "a list of texts", item)),
+            }
+        }
+        entries
+    }
+
     /// Every key of this table with a coordinate: names are the user's own.
     pub fn coordinates(self, report: &mut Report, max: usize) -> Vec<(Name, f64)> {
         if self.table.len() > max {
@@ -426,6 +432,27 @@ fn checked_coordinate(report: &mut Report, number: At<f64>, key: &str) -> Option
     let problem = Problem::error(number.at, format!("`{key}` is {}", number.value));
     report.add(problem.label("not a usable coordinate").hint("between -1000000 and 1000000 mm"));
     None
+}
+
+/// The texts of an array, at most `max` of them.
+fn list(report: &mut Report, key: &str, array: At<&Array>, max: usize) -> Option<At<Vec<Name>>> {
+    if array.value.len() > max {
+        report.add(
+            Problem::error(array.at, format!("`{key}` has {} entries", array.value.len()))
+                .hint(format!("at most {max}")),
+        );
+        return None;
+    }
+    let mut texts = Vec::with_capacity(array.value.len());
+    for value in array.value {
+        let at = value.span().unwrap_or_else(|| array.at.clone());
+        match value.as_str() {
+            Some(text) if text.len() <= TEXT_MAX => texts.push(At::new(text.to_owned(), at)),
+            Some(_) => report.add(Problem::error(at, format!("an entry of `{key}` has over {TEXT_MAX} bytes"))),
+            None => report.add(wrong_value(at, &format!("an entry of `{key}`"), "text in quotes", value)),
+        }
+    }
+    Some(At::new(texts, array.at))
 }
 
 fn wrong_type(at: Where, key: &str, expected: &str, found: &Item) -> Problem {

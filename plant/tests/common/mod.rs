@@ -48,6 +48,8 @@ fn operation(name: &str, from: f64, to: f64) -> Operation {
         watchdog: Duration::from_secs(1),
         motion: Motion { axis: RAM, from, to },
         normal: signals(forward),
+        waits: Vec::new(),
+        waits_code: 0,
         hand: Hand::Sequence { forward: ButtonId(0) },
     }
 }
@@ -59,6 +61,8 @@ fn station(name: &str, bus: Bus) -> Station {
         operations: vec![operation("advance", 0.0, 80.0), operation("return", 80.0, 0.0)],
         home: OpId(1),
         steps: vec![vec![OpId(0)], vec![OpId(1)]],
+        rests: Vec::new(),
+        tasks: Vec::new(),
         axes: vec![Axis { name: "ram".to_owned(), home: 0.0 }],
         inputs: ["front", "back", "failed", "selector"].map(str::to_owned).to_vec(),
         outputs: ["forward", "return"].map(str::to_owned).to_vec(),

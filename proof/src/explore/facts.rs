@@ -4,6 +4,7 @@
 use linewright_line::net::{Block, ControlMode, Place};
 use linewright_line::{Line, Module, OpId, Signals, Span, StationId};
 
+use super::orders;
 use super::setting::{Grants, Setting};
 use super::station::{Act, Key, Situation, Situations};
 use super::word::{Word, Words};
@@ -91,6 +92,7 @@ fn acts(setting: &Setting, station: usize, situation: &Situation) -> Vec<Act> {
     if situation.controller.request().is_some() {
         acts.push(Act::Step);
     }
+    orders::acts(&setting.line, StationId::at(station), situation, &mut acts);
     acts
 }
 
@@ -162,14 +164,21 @@ fn wrong(line: &Line, id: StationId, situation: &Situation) -> Option<String> {
             return Some(format!("{}: done {done}, started {started}", station.operations[op.index()].name));
         }
     }
-    if let Some(what) = counts_of_no_cycle(&report.done, &station.steps) {
-        return Some(what);
+    // On order each task is a round of its own.
+    let rounds: Vec<&[Vec<OpId>]> = match station.tasks.as_slice() {
+        [] => vec![&station.steps],
+        tasks => tasks.iter().map(|task| &station.steps[task.steps.clone()]).collect(),
+    };
+    for round in rounds {
+        if let Some(what) = counts_of_no_cycle(&report.done, round) {
+            return Some(what);
+        }
     }
     let driving = marking.iter().filter(|place| place.is_operating());
     let driving = driving.fold(0, |bits, place| bits | actuator(line, id, place.op, place.block));
     let lamps = marking.iter().filter_map(|place| signals(line, id, place.op, place.block).lamp);
     let lamps = lamps.fold(0, |bits, lamp| bits | 1 << lamp.0);
-    let extra = situation.outputs & !driving & !lamps;
+    let extra = situation.outputs & !driving & !lamps & !orders::parameters(line, id, situation);
     (extra != 0).then(|| format!("outputs {extra:#b} are on with nothing to drive them"))
 }
 

@@ -17,6 +17,7 @@ mod home;
 mod judge;
 #[cfg(test)]
 mod lumped;
+mod orders;
 mod search;
 mod setting;
 mod state;

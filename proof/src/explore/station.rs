@@ -6,17 +6,19 @@
 //! then played with numbers: what costs a microsecond here costs a look into a table there.
 
 use linewright_line::net::{Block, ControlMode};
-use linewright_line::{OpId, StationId, Tick};
+use linewright_line::{OpId, StationId, TaskId, Tick};
 use linewright_station_logic::{
-    CompileError, Controller, Event, Input, ModeOrder, NO_DELAY, Outbox, PanelCommand, Report, Restore, Writer,
+    CompileError, Controller, Event, Input, ModeOrder, NO_DELAY, Outbox, PanelCommand, Report, Restore, TaskCommand,
+    Writer,
 };
 use rustc_hash::FxHashMap;
 
 use super::facts::{Facts, actuator, bits_of};
+use super::orders::{LIMIT, order, sensors_of};
 use super::setting::Setting;
 use super::word::{Numbers, Word, Words, report};
 
-/// The one moment at which everything happens.
+/// The moment at which everything happens; the time of an order runs out a moment later, and nothing else does.
 const NOW: Tick = Tick::from_millis(1);
 
 /// At most this many incoming links: one bit each.
@@ -44,6 +46,14 @@ pub(crate) enum Act {
     Fail(OpId, Block),
     /// A step without anything new, where one may matter: a request is open.
     Step,
+    /// It is ordered to do a task.
+    Order(TaskId),
+    /// It is told to leave its order, or the last one, and to go back.
+    Secure,
+    /// The time of its order runs out.
+    Expire,
+    /// All inputs that its operations wait for come on, or go off.
+    Sensors(bool),
 }
 
 /// What a situation becomes.
@@ -79,6 +89,11 @@ pub(crate) struct Situation {
     pub mode: ControlMode,
     pub outputs: u128,
     epoch: u64,
+    now: Tick,
+    /// What of the image the station waits for is on, whatever moves.
+    sensors: u128,
+    /// The last order it was given.
+    order: u64,
     /// For each incoming link, whether the request held is still open at its writer.
     pub open: u64,
 }
@@ -238,7 +253,9 @@ impl Situations {
         let before = &self.all[from as usize].controller;
         let open = |controller: &Controller| controller.request().map(|request| request.number);
         let closed = setting.rules.fresh_numbers && open(before).is_some() && open(before) != open(&next.controller);
-        let cycles = next.controller.cycle() - before.cycle();
+        // On order nobody compares cycles, which count orders and grow for ever.
+        let on_order = setting.line.stations[self.station].works_on_order();
+        let cycles = if on_order { 0 } else { next.controller.cycle() - before.cycle() };
         for &transition in next.controller.fired() {
             self.fired[usize::from(transition)] = true;
         }
@@ -259,7 +276,18 @@ impl Situation {
         let line = &setting.line;
         let controller = Controller::new(line, station, 1, Restore::Fresh)?.with_rules(setting.rules);
         let mode = ControlMode::StandBy;
-        let mut situation = Situation { controller, key: None, button: None, mode, outputs: 0, epoch: 0, open: 0 };
+        let mut situation = Situation {
+            controller,
+            key: None,
+            button: None,
+            mode,
+            outputs: 0,
+            epoch: 0,
+            now: NOW,
+            sensors: 0,
+            order: 0,
+            open: 0,
+        };
         let home = line.station(station).home;
         let at_home = 1u128 << line.operation((station, home)).normal.complete.0;
         situation.image(at_home, true, &mut Vec::new());
@@ -270,13 +298,14 @@ impl Situation {
 
     fn step(&mut self, events: &mut Vec<Event>) {
         let mut out = Outbox::default();
-        self.controller.step(NOW, &mut out);
+        self.controller.step(self.now, &mut out);
         self.outputs = out.outputs;
         events.append(&mut out.events);
     }
 
     pub fn image(&mut self, bits: u128, valid: bool, events: &mut Vec<Event>) {
-        self.controller.handle(NOW, Input::Inputs { bits, valid, until: Tick::NEVER, under: NO_DELAY });
+        let bits = bits | self.sensors;
+        self.controller.handle(self.now, Input::Inputs { bits, valid, until: Tick::NEVER, under: NO_DELAY });
         self.step(events);
     }
 
@@ -292,7 +321,7 @@ impl Situation {
             buttons: self.button.map_or(0, |button| 1 << button),
             lease: setting.line.timing.lease,
         };
-        self.controller.handle(NOW, Input::Order(order));
+        self.controller.handle(self.now, Input::Order(order));
         self.step(events);
     }
 
@@ -313,7 +342,7 @@ impl Situation {
                 let advance = PanelCommand::Advance(key == Some(Key::Advance));
                 let retract = PanelCommand::Retract(key == Some(Key::Return));
                 for command in [advance, retract] {
-                    self.controller.handle(NOW, Input::Panel(command));
+                    self.controller.handle(self.now, Input::Panel(command));
                 }
                 self.step(events);
             }
@@ -323,6 +352,25 @@ impl Situation {
                 None => self.image(0, false, events),
             },
             Act::Step => self.step(events),
+            Act::Order(task) => {
+                self.order += 1;
+                let order = order(&setting.line, station, task, self.order);
+                self.controller.handle(self.now, Input::Task(TaskCommand::Run(&order)));
+                self.step(events);
+            }
+            Act::Secure => {
+                let key = super::orders::key(self.order);
+                self.controller.handle(self.now, Input::Task(TaskCommand::Secure(key)));
+                self.step(events);
+            }
+            Act::Expire => {
+                self.now = self.now + LIMIT;
+                self.step(events);
+            }
+            Act::Sensors(on) => {
+                self.sensors = if on { sensors_of(&setting.line, station) } else { 0 };
+                self.image(0, true, events);
+            }
         }
     }
 
@@ -351,7 +399,7 @@ impl Situation {
         let ops = setting.line.station(writer).operations.len();
         let me = (self.controller.station(), self.controller.writer().boot_id);
         let report: Report = report(&content, base, &described.counts, ops, me, &numbers);
-        self.controller.handle(NOW, Input::View(writer, &report));
+        self.controller.handle(self.now, Input::View(writer, &report));
         self.open &= !(1 << nth);
         if content.request.is_some_and(|(_, open)| open) {
             self.open |= 1 << nth;
@@ -395,6 +443,7 @@ impl Situation {
             Some(Key::Return) => 2,
         };
         out.extend([key, self.button.map_or(-1, i64::from), self.mode as i64, self.open as i64]);
+        out.push(i64::from(self.sensors != 0));
         let writers = |station: StationId| {
             let nth = incoming.iter().position(|&link| setting.links[link].writer == station.index());
             let open = !setting.rules.fresh_numbers || nth.is_some_and(|nth| self.open & (1 << nth) != 0);
@@ -402,6 +451,11 @@ impl Situation {
             Writer { boot_id: 1, open: held.filter(|_| open).map(|request| request.number) }
         };
         self.controller.situation(self.controller.cycle(), writers, out);
+    }
+
+    /// Whether the inputs that it waits for are on.
+    pub fn has_sensors(&self) -> bool {
+        self.sensors != 0
     }
 
     /// Whether a motion of this place is driven; one that is not stays where it is.

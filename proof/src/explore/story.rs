@@ -89,6 +89,11 @@ fn act(setting: &Setting, station: StationId, act: Act) -> String {
         Act::Arrive(op, block) => format!("{} arrives", motion(op, block)),
         Act::Fail(op, block) => format!("{} fails", motion(op, block)),
         Act::Step => "looks again".to_owned(),
+        Act::Order(task) => format!("is ordered to do {}", setting.line.station(station).task(task).name),
+        Act::Secure => "is told to go back".to_owned(),
+        Act::Expire => "has no time left for its order".to_owned(),
+        Act::Sensors(true) => "sees what its operations wait for".to_owned(),
+        Act::Sensors(false) => "does not see what its operations wait for".to_owned(),
     }
 }
 

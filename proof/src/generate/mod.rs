@@ -10,6 +10,7 @@
 mod arrows;
 mod breakage;
 mod cell;
+mod on_order;
 mod random;
 mod station;
 mod text;
@@ -20,6 +21,7 @@ use linewright_line::{Bus, Console, Device, Line, Owner, Station, StationId, Tim
 
 pub use breakage::{Breakage, break_it, breakages, without_literal};
 pub use cell::{CellShape, cell};
+pub use on_order::on_order;
 pub use random::Random;
 pub use text::text;
 

@@ -114,7 +114,7 @@ impl Plan {
 }
 
 /// A button by its name, known to the whole line: the same step of the cycle has the same button at every station.
-fn button(buttons: &mut Vec<String>, name: String) -> ButtonId {
+pub(super) fn button(buttons: &mut Vec<String>, name: String) -> ButtonId {
     let known = buttons.iter().position(|known| *known == name);
     ButtonId::at(known.unwrap_or_else(|| {
         buttons.push(name);
@@ -191,6 +191,8 @@ fn build(plan: &Plan, listed: usize, hands: &[Hand], number: usize, shape: &Shap
         operations: Vec::new(),
         home: OpId(0),
         steps: Vec::new(),
+        rests: Vec::new(),
+        tasks: Vec::new(),
         axes: (0..plan.axes).map(|axis| Axis { name: format!("axis_{axis}"), home: 0.0 }).collect(),
         inputs: ["manual", "advance", "return"].map(|key| format!("P_{key}")).to_vec(),
         outputs: Vec::new(),
@@ -234,7 +236,7 @@ fn main_positions(plan: &Plan) -> Vec<(f64, f64)> {
     positions
 }
 
-fn operation(
+pub(super) fn operation(
     station: &mut Station,
     place: usize,
     motion: Motion,
@@ -266,5 +268,6 @@ fn operation(
             Module::Reversible { recovery: signals("_back"), recovery_duration: duration, recovery_watchdog: watchdog }
         }
     };
-    Operation { name: format!("op {place}"), module, duration, watchdog, motion, normal, hand }
+    let (waits, waits_code) = (Vec::new(), 0);
+    Operation { name: format!("op {place}"), module, duration, watchdog, motion, normal, waits, waits_code, hand }
 }

@@ -8,7 +8,7 @@ use std::time::Duration;
 
 use linewright_line::{
     Arrow, AtRest, Bus, ButtonId, Device, Drive, DriveMode, Identity, InputId, Line, Module, OpId, Operation, OutputId,
-    Owner, Setting, Setup, Signals, Span, Station, StationId,
+    Owner, Parameter, Rest, RestId, Setting, Setup, Signals, Span, Station, StationId, Task,
 };
 
 /// The description of a line, as [`linewright_line::parse`] reads it.
@@ -100,7 +100,11 @@ fn write_console(out: &mut String, line: &Line) -> fmt::Result {
 fn write_station(out: &mut String, line: &Line, station: &Station) -> fmt::Result {
     let op = |id: OpId| quoted(&station.operations[id.index()].name);
     writeln!(out, "\n[[station]]\nname = {}\ntitle = {}", quoted(&station.name), quoted(&station.title))?;
-    writeln!(out, "home = {}", op(station.home))?;
+    if station.works_on_order() {
+        write_tasks(out, station)?;
+    } else {
+        writeln!(out, "home = {}", op(station.home))?;
+    }
     if let Bus::Own(interface) = &station.bus {
         writeln!(out, "bus = {}", quoted(interface))?;
     }
@@ -119,10 +123,42 @@ fn write_station(out: &mut String, line: &Line, station: &Station) -> fmt::Resul
     station.op_ids().try_for_each(|id| write_operation(out, line, station, id))
 }
 
+fn write_tasks(out: &mut String, station: &Station) -> fmt::Result {
+    let rest = |rest: &Rest| {
+        let moved = station.axes.iter().zip(&rest.at).filter(|(axis, at)| axis.home != **at);
+        let at: Vec<String> = moved.map(|(axis, at)| format!("{} = {at:?}", quoted(&axis.name))).collect();
+        let at = if at.is_empty() { String::new() } else { format!(", at = {{ {} }}", at.join(", ")) };
+        format!("{{ name = {}{at} }}", quoted(&rest.name))
+    };
+    writeln!(out, "rest = {}", list(station.rests.iter().map(rest)))?;
+    let name = |id: RestId| quoted(&station.rests[id.index()].name);
+    let task = |task: &Task| {
+        let bits = |parameter: &Parameter| {
+            let bits = list(parameter.bits.iter().map(|bit| quoted(&station.outputs[bit.index()])));
+            format!("{} = {bits}", quoted(&parameter.name))
+        };
+        let parameters = task.parameters.iter().map(bits).collect::<Vec<_>>().join(", ");
+        let (from, to, limit) = (name(task.from), name(task.to), seconds(task.limit));
+        let key = quoted(&task.name);
+        format!("{{ name = {key}, from = {from}, to = {to}, limit_s = {limit}, parameters = {{ {parameters} }} }}")
+    };
+    writeln!(out, "task = {}", list(station.tasks.iter().map(task)))
+}
+
 fn write_operation(out: &mut String, line: &Line, station: &Station, id: OpId) -> fmt::Result {
     let operation: &Operation = &station.operations[id.index()];
     let op = |id: OpId| quoted(&station.operations[id.index()].name);
     writeln!(out, "\n[[station.operation]]\nname = {}", op(id))?;
+    if let Some(task) = station.task_of(id) {
+        writeln!(out, "task = {}", quoted(&station.task(task).name))?;
+    }
+    if !operation.waits.is_empty() {
+        let waits = operation.waits.iter().map(|id| quoted(&station.inputs[id.index()]));
+        writeln!(out, "waits = {}", list(waits))?;
+    }
+    if operation.waits_code != 0 {
+        writeln!(out, "waits_code = {}", operation.waits_code)?;
+    }
     let step = &station.steps[station.step_of(id)];
     if step[0] != id {
         writeln!(out, "with = {}", op(step[0]))?;
@@ -148,7 +184,9 @@ fn write_operation(out: &mut String, line: &Line, station: &Station, id: OpId) -
         id.map_or_else(String::new, |id| format!(", {key} = {}", quoted(&line.buttons[id.index()])))
     };
     let hand = &operation.hand;
-    let buttons = [("forward", Some(hand.forward())), ("back", hand.back()), ("next", hand.next())];
+    // Where a task ends, what follows is whichever is begun.
+    let next = hand.next().filter(|_| station.rest_after(id).is_none());
+    let buttons = [("forward", Some(hand.forward())), ("back", hand.back()), ("next", next)];
     let buttons: String = buttons.iter().map(|&(key, id)| button(key, id)).collect();
     writeln!(out, "hand = {{ type = {}{buttons} }}", hand.number())
 }

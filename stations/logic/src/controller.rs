@@ -12,10 +12,12 @@ use std::sync::Arc;
 use std::time::Duration;
 
 use crate::event::{Cause, Event, Happening};
+use crate::order::{OrderKey, Reply, TaskCommand};
 use crate::panel::{Commands, ModeOrder, PanelCommand};
 use crate::program::{CompileError, Program, bit};
 use crate::report::{Report, Restore};
 use crate::rules::Rules;
+use crate::slot::Orders;
 use crate::step::PASSES_MAX;
 use crate::views::Views;
 use crate::withdraw::Pending;
@@ -42,6 +44,8 @@ pub enum Input<'a> {
     View(StationId, &'a Report),
     /// The station's panel, by message.
     Panel(PanelCommand),
+    /// An order for a task, or about one; for a station that works on order.
+    Task(TaskCommand<'a>),
 }
 
 /// An image that is never older than the outputs: from a bus of the station's own, or from a test.
@@ -58,6 +62,8 @@ pub struct Outbox {
     pub changed: bool,
     /// What happened, in order. The caller drains it.
     pub events: Vec<Event>,
+    /// What is answered to orders, in order. The caller drains it; whatever of it gets lost, the report says as well.
+    pub replies: Vec<(OrderKey, Reply)>,
 }
 
 /// Who keeps a motion going.
@@ -127,6 +133,8 @@ pub struct Controller {
     pub(crate) levels_before: u128,
     pub(crate) mode_before: ControlMode,
     pub(crate) pending: Option<Pending>,
+    /// Of a station that works on order.
+    pub(crate) orders: Option<Box<Orders>>,
     pub(crate) next_request: u64,
     /// The last refusal, for the operator: who, its operation in the way, our operations that stay.
     pub(crate) refusal: Option<(StationId, OpId, u64)>,
@@ -197,6 +205,7 @@ impl Controller {
             levels_before: 0,
             mode_before: ControlMode::StandBy,
             pending: None,
+            orders: program.on_order.as_ref().map(|_| Box::new(Orders::new(boot_id))),
             next_request: 1,
             refusal: None,
             unconfirmed: restore == Restore::Fresh,
@@ -309,6 +318,7 @@ impl Controller {
                 self.changed |= before != answer(&self.views);
                 taken
             }
+            Input::Task(command) => self.command(command),
             Input::Panel(command) => {
                 let before = self.commands.selector_manual();
                 self.commands.panel(now, command, self.stale);
@@ -384,9 +394,9 @@ impl Controller {
         self.levels_before = self.levels;
     }
 
-    /// How often the station has come home since the line first stood at home together.
+    /// How often the station has come home since the line first stood at home together; on order nobody counts that.
     pub(crate) fn home_round(&self) -> i32 {
-        self.done[self.program.home.index()] - self.initial_round
+        if self.program.on_order.is_some() { 0 } else { self.done[self.program.home.index()] - self.initial_round }
     }
 
     pub(crate) fn stop_bit(&self) -> u128 {
@@ -403,12 +413,20 @@ impl Controller {
         self.levels & bit::MASTER_STOP != 0
     }
 
+    pub(crate) fn master_stop_is_given(&self) -> bool {
+        self.commands.is_stopping()
+    }
+
     pub(crate) fn panel_is_live(&self) -> bool {
         self.commands.panel_is_live()
     }
 
-    /// At home: the home operation is complete, or everything after it has been undone — the same position.
+    /// At home: the home operation is complete, or everything after it has been undone — the same position. On order: at
+    /// any rest.
     pub fn is_at_home(&self) -> bool {
+        if self.program.on_order.is_some() {
+            return self.rest().is_some();
+        }
         let after = (usize::from(self.program.step_of[self.program.home.index()]) + 1) % self.program.causes.len();
         self.path.is_none()
             && self.marking().all(|place| {

@@ -11,14 +11,17 @@ impl Controller {
     /// Why an actuator may be energised: its place is operating, which is left on any fault; the devices vouch for
     /// the image that place was judged by; the mode is not the emergency stop, in which no place is operating; and a
     /// motion that a person holds is driven only while the button is down. Everything else is off, so a controller
-    /// that has nothing to say says "off".
+    /// that has nothing to say says "off". The numbers that come with an order drive nothing: they are on while it is done.
     pub(crate) fn drive(&mut self) {
         let mut outputs = 0;
         self.watched = self.panel_inputs;
         let mut deadline = self.commands.deadline(self.now).min(self.views.deadline(self.now));
         if self.devices_valid {
             deadline = deadline.min(self.inputs_until);
+            outputs |= self.parameter_outputs();
         }
+        deadline = deadline.min(self.order_limit());
+        self.watched |= self.program.on_order.as_ref().map_or(0, |tasks| tasks.watched);
         let mode = self.commands.mode();
         let number = self.output_number + 1;
         let mut begun = false;
@@ -84,6 +87,7 @@ impl Controller {
         report.selector_manual = self.commands.selector_manual();
         report.devices_valid = self.devices_valid;
         report.request = self.pending.map(|p| p.request);
+        self.report_orders(&mut report.order);
         report.answers.clear();
         report.answers.extend(self.views.peers.iter().filter_map(|v| v.answer));
     }

@@ -1,7 +1,9 @@
 //! What happened in a step, as values: the node logs and publishes them, a test compares them.
 
 use linewright_line::net::{Block, ControlMode};
-use linewright_line::{OpId, StationId};
+use linewright_line::{OpId, StationId, TaskId};
+
+use crate::order::{Failure, Refusal};
 
 /// Why a motion stopped before its end.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Hash)]
@@ -59,7 +61,7 @@ pub enum Happening {
     Stopped(OpId, Block, Cause),
     /// The counts of these operations (a bit each) were taken back.
     Withdrawn(u64),
-    /// The station is home after a recovery path: at the end of the previous cycle.
+    /// The station is home after a recovery path: at the end of the previous cycle; on order, where the task began.
     HomeAgain,
     /// Agreement to take counts back was asked for, under this number.
     Asked(u64),
@@ -76,6 +78,16 @@ pub enum Happening {
     Mode(ControlMode),
     /// The station's devices came back (true) or were lost (false).
     Devices(bool),
+    /// It has taken on an order for a task.
+    Ordered(TaskId),
+    /// It has not, and will not.
+    OrderRefused(Refusal),
+    /// It has done the task it was ordered to do.
+    OrderDone(TaskId),
+    /// It has not.
+    OrderFailed(TaskId, Failure),
+    /// It goes back to where the task began, as far as it can by itself.
+    Securing(TaskId),
 }
 
 /// A happening and the cycle it belongs to.

@@ -8,6 +8,7 @@ use linewright_line::{Line, OpId, StationId, Tick};
 
 use crate::controller::Controller;
 use crate::event::{Cause as StopCause, Event, Happening};
+use crate::order_words::task_name;
 use crate::program::Cause;
 
 /// What a station waits for whose devices cannot be trusted. Which device and why, their manager knows.
@@ -107,6 +108,9 @@ impl Controller {
         }
         if let Some(other) = self.marking().find(|other| other.is_operating()) {
             reasons.push(format!("{} beside it", self.op_name(line, other.op)));
+            return;
+        }
+        if self.explain_order(line, place, reasons) {
             return;
         }
         match self.mode() {
@@ -243,6 +247,7 @@ impl Event {
             }
             Happening::Withdrawn(0) => "takes nothing back".to_owned(),
             Happening::Withdrawn(ops) => format!("takes back {}", op_names(line, station, ops)),
+            Happening::HomeAgain if line.station(station).works_on_order() => "is back where the task began".to_owned(),
             Happening::HomeAgain => "is home; the cycle will be done again".to_owned(),
             Happening::Asked(number) => format!("asks to go back (request {number})"),
             Happening::NotAgreed { by, in_the_way } => {
@@ -256,6 +261,13 @@ impl Event {
             Happening::Mode(mode) => format!("obeys {mode}"),
             Happening::Devices(true) => "has its devices".to_owned(),
             Happening::Devices(false) => "has lost its devices".to_owned(),
+            Happening::Ordered(task) => format!("is to do {}", task_name(line, station, task)),
+            Happening::OrderRefused(refusal) => format!("refuses an order: {}", refusal.text()),
+            Happening::OrderDone(task) => format!("has done the task {}", task_name(line, station, task)),
+            Happening::OrderFailed(task, failure) => {
+                format!("has not done the task {}: {}", task_name(line, station, task), failure.text())
+            }
+            Happening::Securing(task) => format!("goes back from the task {}", task_name(line, station, task)),
         }
     }
 }

@@ -13,6 +13,10 @@
 //!
 //! Undoing the first operation listed thus leads back into the cycle before, and doing it again into the same cycle
 //! as the first time: reset and undo agree across the cycle boundary.
+//!
+//! A station on order has no cycle that others could build on. There `cycle` counts the tasks that were begun, `done` how
+//! often an operation was done and not taken back, and `started` is one more while it is under way. A recovery path takes
+//! back what the task has done before, and the end of the path is that of the task not done.
 
 use std::sync::Arc;
 use std::time::Duration;
@@ -47,12 +51,19 @@ impl Controller {
             }
             Kind::Restart(op) => {
                 self.begin_cycle_with(op);
-                self.started[op.index()] = self.cycle;
+                self.started[op.index()] = self.count_of_start(op);
                 self.go(op, Place::operating(op), false);
             }
             Kind::Next { to, .. } => {
                 self.cycle = self.cycle_of_start(to as u8);
-                self.spread(transition, |controller, op| controller.started[op.index()] = controller.cycle);
+                self.order_begins(to as u8);
+                self.spread(transition, |controller, op| {
+                    controller.started[op.index()] = controller.count_of_start(op);
+                });
+            }
+            Kind::GiveUp(_) => {
+                // The same position by another name, and nothing is counted by it.
+                self.tokens[0].place = self.program.actions[transition as usize].to[0];
             }
             Kind::Back { .. } => {
                 self.withdraw_first(self.taken_back(kind));
@@ -120,9 +131,22 @@ impl Controller {
     }
 
     fn begin_cycle_with(&mut self, op: OpId) {
-        if op == self.program.first {
+        if self.program.on_order.is_none() && op == self.program.first {
             self.cycle += 1;
         }
+    }
+
+    /// What an operation that starts now counts when it is done.
+    fn count_of_start(&self, op: OpId) -> i32 {
+        if self.program.on_order.is_some() { self.done[op.index()] + 1 } else { self.cycle }
+    }
+
+    /// On order: what has been done of a task when one of its operations is stopped.
+    pub(crate) fn done_in_task_before(&self, failed: OpId) -> u64 {
+        self.program.on_order.as_ref().map_or(0, |tasks| {
+            let first = tasks.task(tasks.task_of[failed.index()]).first;
+            (first.0..failed.0).fold(0, |bits, op| bits | 1 << op)
+        })
     }
 
     fn arrive(&mut self, index: usize, place: Place) {
@@ -142,6 +166,7 @@ impl Controller {
                 self.done[op.index()] = self.started[op.index()];
                 self.refresh_stop();
                 self.note(Happening::Completed(op, Block::Normal));
+                self.order_completes(op);
             }
         }
     }
@@ -149,6 +174,11 @@ impl Controller {
     /// Home by a recovery path: this is the end of the previous round, and the cycle will be done again.
     fn home_again(&mut self, failed: OpId) {
         self.refresh_path();
+        if self.program.on_order.is_some() {
+            self.started.copy_from_slice(&self.done);
+            self.note(Happening::HomeAgain);
+            return;
+        }
         let home = self.program.home.index();
         if self.rules.redo_round {
             if !self.rules.withdraw_first {
@@ -175,7 +205,7 @@ impl Controller {
         }
         if self.path.is_none() {
             self.started[op.index()] = self.done[op.index()];
-            if op == self.program.first {
+            if self.program.on_order.is_none() && op == self.program.first {
                 self.cycle -= 1;
             }
         }
@@ -184,7 +214,8 @@ impl Controller {
 
     /// What the path skips counts as started until the station is home, so that nobody takes back what it waits for.
     fn claim_way_home(&mut self, failed: OpId) {
-        if !self.rules.home_waits || !self.rules.redo_round {
+        // Nobody builds on a station on order.
+        if !self.rules.home_waits || !self.rules.redo_round || self.program.on_order.is_some() {
             return;
         }
         let program = Arc::clone(&self.program);
@@ -217,6 +248,7 @@ impl Controller {
         self.arrive(index, place);
         self.causes_of_stop[place.op.index()] = cause;
         self.note(Happening::Stopped(place.op, place.block, cause));
+        self.order_stops(cause);
     }
 
     fn cause_of_stop(&self, index: usize) -> Cause {

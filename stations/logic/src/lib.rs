@@ -6,20 +6,24 @@
 //!
 //! The net comes from [`linewright_line::net`]; here it is compiled to tables (`program`) and played.
 //! What the paper does not have — counted internal variables, and taking a count back only when every station that
-//! could build on it has agreed — is in `views` and `withdraw`.
+//! could build on it has agreed — is in `views` and `withdraw`. A station that works on order has `slot` besides.
 
 mod controller;
 mod drive;
 mod event;
 mod explain;
 mod fire;
+mod order;
+mod order_words;
 mod panel;
 mod program;
 mod report;
 mod restore;
 mod rules;
 mod situation;
+mod slot;
 mod step;
+mod tasks;
 mod views;
 mod withdraw;
 mod words;
@@ -27,6 +31,10 @@ mod words;
 pub use controller::{Controller, Input, NO_DELAY, Outbox};
 pub use event::{Cause, Event, Happening};
 pub use explain::DEVICES_INVALID;
+pub use order::{
+    Failure, OrderKey, OrderMemory, OrderReport, Outcome, RESULTS_MAX, Refusal, Reply, SlotReport, TaskCommand,
+    TaskOrder,
+};
 pub use panel::{ModeOrder, PanelCommand};
 pub use program::{CompileError, Program};
 pub use report::{Answer, Report, Request, Restore, Snapshot};

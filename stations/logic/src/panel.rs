@@ -154,8 +154,13 @@ impl Commands {
         self.mode
     }
 
+    /// Whether master stop has been given, whatever the round.
+    pub(crate) fn is_stopping(&self) -> bool {
+        self.order.is_some_and(|order| order.master_stop.is_some())
+    }
+
     /// Whether a lease is running, and the mode it grants.
-    fn granted(&self, now: Tick) -> ControlMode {
+    pub(crate) fn granted(&self, now: Tick) -> ControlMode {
         match self.order {
             Some(order) if now < self.order_until => {
                 if order.mode.enables_motion() && !order.enabled {

@@ -9,7 +9,9 @@ use std::fmt;
 use std::time::Duration;
 
 use linewright_line::net::{Block, ControlMode, Kind, Literal, Place, StationNet, Term, Var};
-use linewright_line::{ButtonId, Line, Module, OpId, Signals, StationId};
+use linewright_line::{ButtonId, Line, Module, OpId, Signals, StationId, TaskId};
+
+use crate::tasks::OnOrder;
 
 /// The bits of the word of condition variables.
 pub(crate) mod bit {
@@ -23,6 +25,8 @@ pub(crate) mod bit {
     pub const RETRACT: u128 = 1 << 5;
     pub const ANY_PATH: u128 = 1 << 7;
     pub const MASTER_STOP: u128 = 1 << 8;
+    /// A station on order is to go back to the rest it came from.
+    pub const SECURE: u128 = 1 << 9;
     /// One bit for each recovery path.
     pub const PATH_0: u32 = 16;
     pub const PATHS_MAX: usize = 16;
@@ -30,6 +34,9 @@ pub(crate) mod bit {
     /// One bit for each hand-mode button held.
     pub const HELD_0: u32 = 32;
     pub const HELD: u128 = 0xFFFF_FFFF << HELD_0;
+    /// One bit for each task: the station is to do it.
+    pub const TASK_0: u32 = 96;
+    pub const ORDERS: u128 = SECURE | 0xFFFF << TASK_0;
     /// The rising edges of ADVANCE and RETRACT stand one bit above their levels, those of HELD 32 bits above.
     pub const PANEL: u128 = ADVANCE | RETRACT;
 
@@ -171,6 +178,8 @@ pub struct Program {
     place_of: Vec<[u16; 7]>,
     /// The hand-mode buttons that mean anything to this station.
     pub(crate) buttons: u128,
+    /// What only a station on order has.
+    pub(crate) on_order: Option<OnOrder>,
 }
 
 impl Program {
@@ -233,6 +242,7 @@ impl Program {
             }),
             peers,
             paths,
+            on_order: OnOrder::of(described),
         })
     }
 
@@ -376,6 +386,8 @@ fn compile_term(term: &Term, transition: usize, kind: Kind, join: bool, paths: &
             Var::OnPath(op) => path_bit(paths, op),
             Var::OnAnyPath => bit::ANY_PATH,
             Var::MasterStop => bit::MASTER_STOP,
+            Var::Ordered(task) => task_bit(task),
+            Var::Secure => bit::SECURE,
             Var::Causal(step) => {
                 row.causal = if on { Causal::Holds(step as u8) } else { Causal::Fails(step as u8) };
                 continue;
@@ -396,6 +408,10 @@ fn compile_term(term: &Term, transition: usize, kind: Kind, join: bool, paths: &
     row
 }
 
+pub(crate) fn task_bit(task: TaskId) -> u128 {
+    1 << (bit::TASK_0 + u32::from(task.0))
+}
+
 pub(crate) fn path_bit(paths: &[OpId], op: OpId) -> u128 {
     1 << (bit::PATH_0 + path_index(paths, op) as u32)
 }
@@ -406,6 +422,10 @@ pub(crate) fn path_index(paths: &[OpId], op: OpId) -> usize {
 
 fn way_home(line: &Line, station: StationId, failed: OpId) -> Vec<(u8, i32)> {
     let described = line.station(station);
+    if described.works_on_order() {
+        // It has no arrows, and nobody builds on what it skips.
+        return Vec::new();
+    }
     let (count, home, failed) = (described.steps.len(), described.step_of(described.home), described.step_of(failed));
     let length = (home + count - failed) % count;
     (1..=length).map(|n| (((failed + n) % count) as u8, i32::from(failed + n >= count))).collect()

@@ -6,6 +6,7 @@ use linewright_line::net::{ControlMode, Place};
 use linewright_line::{OpId, StationId};
 
 use crate::event::Cause;
+use crate::order::{OrderMemory, OrderReport};
 
 /// A station's state for others to read.
 #[derive(Clone, Debug, Default, PartialEq, Eq)]
@@ -26,10 +27,10 @@ pub struct Report {
     pub places: Vec<u8>,
     /// On its way home from a fault in an irreversible operation.
     pub recovering_home: bool,
-    /// At its home place.
+    /// At its home place; on order at any rest.
     pub at_home: bool,
     /// The round it is in, or at the end of which it stands at home: how often it has come home since the line first
-    /// stood at home together, plus one while it is away.
+    /// stood at home together, plus one while it is away. On order it means nothing.
     pub round: i32,
     /// Nothing moves.
     pub stopped: bool,
@@ -43,6 +44,8 @@ pub struct Report {
     pub request: Option<Request>,
     /// Its answers to the requests of others.
     pub answers: Vec<Answer>,
+    /// Its orders, if it works on order.
+    pub order: Option<OrderReport>,
 }
 
 /// A request to take back the counts of some operations.
@@ -82,6 +85,8 @@ pub struct Snapshot {
     pub path: Option<OpId>,
     /// The next number for a request.
     pub next_request: u64,
+    /// What it was told, if it works on order.
+    pub order: Option<OrderMemory>,
 }
 
 /// How a controller comes up.

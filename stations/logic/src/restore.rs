@@ -9,6 +9,7 @@ use crate::controller::Controller;
 use crate::event::Cause;
 use crate::program::CompileError;
 use crate::report::{Restore, Snapshot};
+use crate::slot::Orders;
 
 /// Counts a machine never reaches in its life; above it arithmetic could overflow.
 const COUNT_MAX: i32 = i32::MAX / 2;
@@ -29,6 +30,9 @@ impl Controller {
         self.started = snapshot.started;
         self.path = snapshot.path;
         self.next_request = snapshot.next_request;
+        if let (Some(orders), Some(kept)) = (&mut self.orders, snapshot.order) {
+            **orders = Orders::restored(kept);
+        }
         Ok(())
     }
 
@@ -79,6 +83,7 @@ impl Controller {
             started: self.started.clone(),
             path: self.path,
             next_request: self.next_request,
+            order: self.orders.as_ref().map(|orders| orders.memory()),
         }
     }
 

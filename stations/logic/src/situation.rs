@@ -78,8 +78,16 @@ impl Controller {
             out.extend([i64::from(token.place), run, i64::from(flags[0]), i64::from(flags[1]), i64::from(flags[2])]);
         }
         let relative = |count: i32| i64::from(count) - i64::from(origin);
-        out.extend([-1, relative(self.cycle), self.path.map_or(-1, |op| i64::from(op.0))]);
-        out.extend(self.done.iter().chain(&self.started).map(|&count| relative(count)));
+        let cycle = self.orders.as_ref().map_or_else(|| relative(self.cycle), |_| 0);
+        out.extend([-1, cycle, self.path.map_or(-1, |op| i64::from(op.0))]);
+        match &self.orders {
+            None => out.extend(self.done.iter().chain(&self.started).map(|&count| relative(count))),
+            // Nobody builds on its counts, and each goes its own way for ever.
+            Some(orders) => {
+                out.extend(self.done.iter().zip(&self.started).map(|(&done, &started)| i64::from(started - done)));
+                orders.situation(out);
+            }
+        }
         let word = |bits: u128| [(bits >> 64) as i64, bits as i64];
         for bits in [self.levels, self.levels_before, self.inputs] {
             out.extend(word(bits));

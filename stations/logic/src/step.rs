@@ -42,6 +42,9 @@ impl Controller {
         if !self.events.is_empty() {
             out.events.append(&mut self.events);
         }
+        if let Some(orders) = self.orders.as_mut().filter(|orders| !orders.replies.is_empty()) {
+            out.replies.append(&mut orders.replies);
+        }
     }
 
     fn look(&mut self) {
@@ -60,6 +63,7 @@ impl Controller {
             self.changed = true;
             self.refusal = None;
         }
+        self.follow_securing();
         if fired || self.dirty {
             self.drive();
         }
@@ -77,7 +81,8 @@ impl Controller {
         }
         let levels = self.commands.refresh(self.now);
         let path = self.path.map_or(0, |op| bit::ANY_PATH | crate::program::path_bit(&self.program.paths, op));
-        let levels = levels | path | self.stop_bit();
+        self.watch_order();
+        let levels = levels | path | self.stop_bit() | self.order_bits();
         self.dirty |= levels != self.levels;
         self.levels = levels;
         let mode = self.commands.mode();
@@ -92,6 +97,7 @@ impl Controller {
 
     fn enter_mode(&mut self, mode: ControlMode) {
         self.note(Happening::Mode(mode));
+        self.order_in_mode(mode);
         self.changed = true;
         for token in &mut self.tokens[..self.token_count] {
             // Auto takes over what a hand-mode button has started, for the operator has asked for it; hand mode takes
@@ -234,7 +240,7 @@ impl Controller {
 
     fn causes_hold(&self, step: u8, mode: ControlMode) -> bool {
         let causes = &self.program.causes[step as usize];
-        self.views.all_hold(causes, mode, self.cycle_of_start(step), self.now)
+        self.missing(step) == 0 && self.views.all_hold(causes, mode, self.cycle_of_start(step), self.now)
     }
 
     /// What a recovery path skips is waited for as if it were done, each step in the cycle it would be done in.
@@ -249,9 +255,15 @@ impl Controller {
         self.views.all_known(&self.program.causes[step as usize], mode, self.now)
     }
 
-    /// The cycle in which a step would start: the first one listed starts a new one.
+    /// The inputs that a step waits for and that are off.
+    pub(crate) fn missing(&self, step: u8) -> u128 {
+        self.program.on_order.as_ref().map_or(0, |tasks| tasks.waits[usize::from(step)].0 & !self.inputs)
+    }
+
+    /// The cycle in which a step would start: the first one listed starts a new one, on order the first one of a task.
     pub(crate) fn cycle_of_start(&self, step: u8) -> i32 {
-        self.cycle + i32::from(step == 0)
+        let begins = self.program.on_order.as_ref().map_or(step == 0, |tasks| tasks.begins_with(step));
+        self.cycle + i32::from(begins)
     }
 
     fn neighbours_settled(&self, mask: u64) -> bool {
@@ -319,6 +331,7 @@ impl Controller {
                 ops.fold(0, |bits, (op, _)| bits | 1 << op)
             }
             Kind::EnterPath(_) if !self.rules.redo_round => 0,
+            Kind::EnterPath(failed) if self.program.on_order.is_some() => self.done_in_task_before(failed),
             Kind::EnterPath(_) => {
                 let round = self.done[self.program.home.index()];
                 let counted = |&(op, &done): &(usize, &i32)| done > self.home_counts[op] + round;
@@ -331,6 +344,7 @@ impl Controller {
             | Kind::Restart(_)
             | Kind::Again(_)
             | Kind::Next { .. }
+            | Kind::GiveUp(_)
             | Kind::FollowPath { .. } => 0,
         }
     }

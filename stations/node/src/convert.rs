@@ -152,6 +152,8 @@ pub fn report_from_message(line: &Line, message: &StationState) -> Result<(Stati
         incomplete,
         request: (message.request_number != 0).then_some(Request { number: message.request_number, ops }),
         answers,
+        // What a station says of its orders is not in this message.
+        order: None,
     };
     Ok((station, report))
 }

@@ -469,5 +469,9 @@ fn kind_of(event: &Event) -> (u8, Option<OpId>) {
         Happening::NotAgreed { .. } | Happening::Refused => (StationEvent::KIND_REFUSED, None),
         Happening::Mode(_) => (StationEvent::KIND_MODE, None),
         Happening::Devices(_) => (StationEvent::KIND_DEVICES, None),
+        Happening::Ordered(_) | Happening::Securing(_) => (StationEvent::KIND_STARTED, None),
+        Happening::OrderDone(_) => (StationEvent::KIND_COMPLETED, None),
+        Happening::OrderFailed(..) => (StationEvent::KIND_STOPPED, None),
+        Happening::OrderRefused(_) => (StationEvent::KIND_REFUSED, None),
     }
 }

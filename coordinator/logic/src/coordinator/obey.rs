@@ -38,8 +38,10 @@ impl Coordinator {
             }
             (M::StandBy, C::Stop) => {
                 let mut reasons = self.unheard();
+                let stations = self.line.station_ids().zip(&self.stations).filter(|(_, s)| self.is_known(s));
                 let latest = self.latest_round();
-                reasons.extend(self.which(|h| h.at_home && h.round != latest, Reason::Behind));
+                let behind = stations.filter(|(_, s)| s.heard.at_home && s.is_behind(latest));
+                reasons.extend(behind.map(|(id, _)| Reason::Behind(id)));
                 reasons.extend(self.which(|h| !h.at_home, Reason::NotAtHome));
                 reasons.extend(self.against_rest());
                 reasons.extend(self.which(|h| h.selector_manual, Reason::SelectorManual));

@@ -30,7 +30,10 @@ impl Bench {
     }
 
     pub fn with_last_epoch(last_epoch: u64) -> Self {
-        let line = line();
+        Bench::of(line(), last_epoch)
+    }
+
+    pub fn of(line: Line, last_epoch: u64) -> Self {
         let heard = Heard { boot_id: 7, at_home: true, stopped: true, devices_valid: true, ..Heard::default() };
         let mut bench = Bench {
             coordinator: Coordinator::new(line.clone(), last_epoch),

@@ -11,7 +11,7 @@
 //! therefore never completes a motion that started at the far end: its watchdog finds it.
 
 use crate::net::module::Block;
-use crate::{ButtonId, OpId};
+use crate::{ButtonId, OpId, TaskId};
 
 /// The control mode of the line (seed 002 §5.4, the six places of Figure 18).
 #[derive(Clone, Copy, Debug, PartialEq, Eq, PartialOrd, Ord, Hash)]
@@ -86,7 +86,8 @@ pub enum Var {
     Held(ButtonId),
     /// h↑.
     Pressed(ButtonId),
-    /// The causal arrows into every operation of this step hold, in the mode that asks.
+    /// What this step waits for holds: the causal arrows into every operation of it, in the mode that asks; at a station
+    /// on order the inputs that its operation waits for are on.
     Causal(usize),
     /// The causal arrows hold into every operation after this irreversible one, up to and including home: what its
     /// recovery path skips must be as free as if it were done.
@@ -101,6 +102,10 @@ pub enum Var {
     NeighbourSettled(OpId),
     /// Master stop has been given.
     MasterStop,
+    /// The station is to do this task: it has an order for it.
+    Ordered(TaskId),
+    /// The station is to go back to the rest it came from, as far as it can by itself. It then has no task to do.
+    Secure,
 }
 
 /// A variable or its negation.
@@ -129,7 +134,8 @@ impl Literal {
     /// Whether the two can never hold together.
     ///
     /// Beside a variable and its own negation: an edge implies its level, the panel's two commands exclude each other
-    /// (held together they count as neither), and a station is on one recovery path at most.
+    /// (held together they count as neither), a station is on one recovery path at most, and it is to do one task at most
+    /// or to go back.
     pub fn excludes(self, other: Literal) -> bool {
         self.implies(other.negated()) || other.implies(self.negated())
     }
@@ -152,6 +158,8 @@ impl Literal {
             | (Var::Retract | Var::RetractPressed, Var::Advance | Var::AdvancePressed, false) => true,
             (Var::OnPath(_), Var::OnAnyPath, true) => true,
             (Var::OnPath(a), Var::OnPath(b), false) => a != b,
+            (Var::Ordered(a), Var::Ordered(b), false) => a != b,
+            (Var::Ordered(_), Var::Secure, false) | (Var::Secure, Var::Ordered(_), false) => true,
             _ => false,
         }
     }

@@ -18,7 +18,7 @@
 
 use crate::net::condition::{ControlMode, Literal, Term, Var, off, on};
 use crate::net::module::{Block, Place, is_reversible};
-use crate::{Module, OpId, Station};
+use crate::{Module, OpId, Station, TaskId};
 
 /// What a transition does to the operation it belongs to.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Hash)]
@@ -51,9 +51,13 @@ pub enum Kind {
         /// Index of the step to be undone.
         to: usize,
     },
+    /// The first operation of a task has been undone, so the station is at the rest where the task begins: on to the place
+    /// that stands for that rest. At stations on order only.
+    GiveUp(TaskId),
     /// t5 of an I-module: onto its recovery path. Withdraws every count of the round.
     EnterPath(OpId),
-    /// From one operation of a recovery path to the next; the last one leads to the home operation's normal motion.
+    /// From one operation of a recovery path to the next; the last one leads to the home operation's normal motion, at a
+    /// station on order to that of the task's last operation.
     FollowPath {
         /// The operation whose recovery motion has ended.
         from: OpId,
@@ -85,8 +89,8 @@ impl Transition {
 /// The modes in which running motions finish by themselves.
 const UNATTENDED: [ControlMode; 3] = [ControlMode::Home, ControlMode::StandBy, ControlMode::Auto];
 
-struct Builder<'a> {
-    station: &'a Station,
+pub(super) struct Builder<'a> {
+    pub station: &'a Station,
     out: Vec<Transition>,
 }
 
@@ -102,8 +106,13 @@ pub(super) fn transitions_of(station: &Station) -> Vec<Transition> {
     }
     // Step 2: the normal cycle. Step 3: the reverse sequences.
     for step in 0..station.steps.len() {
-        builder.next(step);
-        builder.back(step);
+        if station.works_on_order() {
+            builder.next_on_order(step);
+            builder.back_on_order(step);
+        } else {
+            builder.next(step);
+            builder.back(step);
+        }
     }
     // Step 4: the recovery paths of the irreversible operations.
     for op in station.op_ids() {
@@ -113,7 +122,7 @@ pub(super) fn transitions_of(station: &Station) -> Vec<Transition> {
 }
 
 impl Builder<'_> {
-    fn add(&mut self, kind: Kind, from: Vec<Place>, to: Vec<Place>) -> &mut Transition {
+    pub(super) fn add(&mut self, kind: Kind, from: Vec<Place>, to: Vec<Place>) -> &mut Transition {
         self.out.push(Transition { kind, from, to, conditions: Default::default() });
         self.out.last_mut().expect("just pushed")
     }
@@ -177,6 +186,9 @@ impl Builder<'_> {
         let step = self.station.step_of(op);
         let next = self.following(step);
         let settled = self.neighbours(op);
+        let back_by_itself = self.secured(op);
+        let back_by_hand = self.reversed_at_rest(op).unwrap_or_else(|| hand.reverse(next));
+        let on_order = self.station.works_on_order();
         let held_at_home = self.unless_stopped(self.preceding(step));
         let (p1, p2, p3) = (Place::operating(op), Place::incomplete(op), Place::completed(op));
         let (p4, p5, p6) = (Place::undoing(op), Place::undo_incomplete(op), Place::undone(op));
@@ -184,7 +196,8 @@ impl Builder<'_> {
         let arrived = Var::Arrived(op, Block::Recovery);
 
         let t4 = self.add(Kind::Undo(op), vec![p3], vec![p4]);
-        t4.when(ControlMode::Hand, hand.reverse(next).map(|term| and(term, &settled)));
+        t4.when(ControlMode::Auto, back_by_itself);
+        t4.when(ControlMode::Hand, back_by_hand.map(|term| and(term, &settled)));
         t4.when(ControlMode::Manual, [and(vec![on(Var::RetractPressed)], &settled)]);
 
         let t5 = self.add(Kind::Retract(op), vec![p2], vec![p4]);
@@ -208,7 +221,8 @@ impl Builder<'_> {
         let may_start = [on(Var::Causal(step)), off(Var::OnAnyPath)];
         let mut by_itself = may_start.to_vec();
         by_itself.extend(held_at_home);
-        t9.when(ControlMode::Auto, [by_itself]);
+        // On order nothing is begun again by itself: the order has failed.
+        t9.when(ControlMode::Auto, (!on_order).then_some(by_itself));
         t9.when(ControlMode::Hand, hand.restart().map(|term| and(and(term, &may_start), &settled)));
         t9.when(ControlMode::Manual, [and(and(vec![on(Var::AdvancePressed)], &may_start), &settled)]);
 
@@ -255,7 +269,7 @@ impl Builder<'_> {
         let free = [on(Var::RetractPressed), off(Var::OnAnyPath), on(Var::WayHome(failed))];
         enter.when(ControlMode::Manual, [free.to_vec()]);
 
-        let home = self.station.home;
+        let home = self.station.path_end(failed);
         let hops = recovery_path.windows(2).map(|pair| (pair[0], pair[1], Place::undoing(pair[1])));
         let last = recovery_path.last().map(|&last| (last, home, Place::operating(home)));
         for (from, to, place) in hops.chain(last) {
@@ -271,7 +285,7 @@ impl Builder<'_> {
 }
 
 impl Transition {
-    fn when(&mut self, mode: ControlMode, terms: impl IntoIterator<Item = Term>) {
+    pub(super) fn when(&mut self, mode: ControlMode, terms: impl IntoIterator<Item = Term>) {
         self.conditions[mode as usize].extend(terms);
     }
 

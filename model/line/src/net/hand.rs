@@ -50,6 +50,17 @@ impl Hand {
         Some(vec![on(Var::Pressed(back)), not_forward])
     }
 
+    /// `h_b`, where pressing it reverses the operation once it is complete (t4 with h_b↑).
+    pub(super) fn reverses_from_its_end(&self) -> Option<ButtonId> {
+        match *self {
+            Hand::ReversedEnd { back, .. } | Hand::Single { back, .. } => Some(back),
+            Hand::Sequence { .. }
+            | Hand::SequenceEnd { .. }
+            | Hand::ReversedStart { .. }
+            | Hand::ReversedMiddle { .. } => None,
+        }
+    }
+
     /// t9: start again an operation that has been undone.
     pub(super) fn restart(&self) -> Option<Term> {
         match *self {

@@ -9,6 +9,7 @@ mod connect;
 mod exclusive;
 mod hand;
 mod module;
+mod order;
 mod station;
 
 pub use condition::{ControlMode, Literal, Term, Var};

@@ -104,6 +104,7 @@ fn transition_name(station: &Station, kind: Kind) -> String {
         Kind::Again(id) => format!("turn forward {}", op(id)),
         Kind::Next { from, to } => format!("{} -> {}", step(from), step(to)),
         Kind::Back { from, to } => format!("back from {} to {}", step(from), step(to)),
+        Kind::GiveUp(task) => format!("give up {}", station.task(task).name),
         Kind::EnterPath(id) => format!("recover {} by going home", op(id)),
         Kind::FollowPath { from, to } => format!("on the way home, {} then {}", op(from), op(to)),
     }

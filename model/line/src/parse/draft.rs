@@ -8,8 +8,8 @@ use std::ops::Range;
 use linewright_text::{At, Where};
 
 use super::names::Names;
-use super::raw::{Kind, RawLine, RawOperation, RawStation};
-use crate::{Axis, AxisId, Bus, Hand, InputId, Motion, OpId, OutputId, Owner, StationId};
+use super::raw::{Kind, RawLine, RawOperation, RawStation, RawTask};
+use crate::{Axis, AxisId, Bus, Hand, InputId, Motion, OpId, OutputId, Owner, RestId, StationId, TaskId};
 
 pub(super) struct Draft<'a> {
     pub raw: &'a RawLine,
@@ -29,6 +29,9 @@ pub(super) struct DraftStation<'a> {
     pub home: Option<At<OpId>>,
     pub steps: Vec<Vec<OpId>>,
     pub axes: Vec<Axis>,
+    /// Where each axis stands, rest by rest.
+    pub rests: Vec<Vec<f64>>,
+    pub tasks: Vec<DraftTask<'a>>,
     pub bus: Bus,
     pub wiring: Wiring,
     /// Manual, advance, return.
@@ -44,6 +47,24 @@ pub(super) struct DraftOperation<'a> {
     pub recovery: Option<DraftSignals>,
     pub hand: Option<At<Hand>>,
     pub path: Vec<At<OpId>>,
+    pub task: Option<At<TaskId>>,
+    pub waits: Vec<At<InputId>>,
+}
+
+pub(super) struct DraftTask<'a> {
+    pub raw: &'a RawTask,
+    /// Its name for messages; `?` where it has none.
+    pub name: &'a str,
+    pub from: Option<At<RestId>>,
+    pub to: Option<At<RestId>>,
+    /// Its operations, as far as they stand together.
+    pub ops: Range<usize>,
+    pub parameters: Vec<DraftParameter<'a>>,
+}
+
+pub(super) struct DraftParameter<'a> {
+    pub name: &'a str,
+    pub bits: Vec<Option<At<OutputId>>>,
 }
 
 #[derive(Clone, Default)]
@@ -156,6 +177,13 @@ impl DraftOperation<'_> {
     }
 }
 
+impl DraftTask<'_> {
+    /// Where it is named, or else its header.
+    pub fn place(&self) -> Where {
+        self.raw.name.as_ref().map_or_else(|| self.raw.at.clone(), |name| name.at.clone())
+    }
+}
+
 impl DraftStation<'_> {
     pub fn operation(&self, op: OpId) -> &DraftOperation<'_> {
         &self.operations[op.index()]
@@ -168,6 +196,11 @@ impl DraftStation<'_> {
     /// Where it is named, or else its header.
     pub fn place(&self) -> Where {
         self.raw.name.as_ref().map_or_else(|| self.raw.at.clone(), |name| name.at.clone())
+    }
+
+    /// Whether it works on order, and not round a cycle.
+    pub fn works_on_order(&self) -> bool {
+        !self.tasks.is_empty()
     }
 
     /// The step an operation belongs to.

@@ -9,7 +9,7 @@ use super::draft::{Draft, DraftConsole, DraftOperation, DraftSignals, DraftStati
 use super::raw::{Kind, RawTiming};
 use super::rules::node_id;
 use super::setup;
-use super::{analogue, drive, frames};
+use super::{analogue, drive, frames, task};
 use crate::{Arrow, Conflict, Console, Device, InputId, Line, Module, Operation, Panel, Signals, Station, Timing};
 
 /// The line a draft describes; `None` if a part is missing.
@@ -58,6 +58,8 @@ fn station(draft: &DraftStation<'_>) -> Option<Station> {
         home: draft.home.as_ref()?.value,
         steps: draft.steps.clone(),
         axes: draft.axes.clone(),
+        rests: task::finish_rests(draft)?,
+        tasks: draft.tasks.iter().map(task::finish).collect::<Option<_>>()?,
         inputs: texts(&draft.wiring.inputs),
         outputs: texts(&draft.wiring.outputs),
         panel: Panel { manual, advance, retract },
@@ -88,6 +90,8 @@ fn operation(draft: &DraftOperation<'_>) -> Option<Operation> {
         watchdog,
         motion: draft.motion.as_ref()?.value,
         normal: signals(&draft.normal)?,
+        waits: draft.waits.iter().map(|input| input.value).collect(),
+        waits_code: raw.waits_code.as_ref().map_or(Some(0), |code| u16::try_from(code.value).ok())?,
         hand: draft.hand.as_ref()?.value,
     })
 }

@@ -20,8 +20,9 @@ pub(super) fn purpose(number: u8) -> &'static str {
     }
 }
 
-/// Reads one entry.
-pub(super) fn hand(raw: &RawHand, buttons: &Table<'_>, report: &mut Report) -> Option<At<Hand>> {
+/// Reads one entry. Where a task ends, what follows is whichever is begun: the entry has no `next`, and [`super::task`]
+/// puts one in.
+pub(super) fn hand(raw: &RawHand, buttons: &Table<'_>, ends_task: bool, report: &mut Report) -> Option<At<Hand>> {
     let mut press = |name: &Option<Name>| {
         let name = name.as_ref()?;
         buttons.find(name, "button", report).map(ButtonId::at)
@@ -36,10 +37,18 @@ pub(super) fn hand(raw: &RawHand, buttons: &Table<'_>, report: &mut Report) -> O
         return None;
     };
     wanted(raw, kind, "back", &raw.back, kind >= 3, report);
-    wanted(raw, kind, "next", &raw.next, matches!(kind, 2 | 5 | 6), report);
+    match &raw.next {
+        Some(name) if ends_task => report.add(
+            Problem::error(name.at.clone(), "`next` where a task ends")
+                .hint("leave it out: what follows is whichever task is begun, by its own `forward`"),
+        ),
+        None if ends_task => {}
+        next => wanted(raw, kind, "next", next, matches!(kind, 2 | 5 | 6), report),
+    }
     not_its_own_reverse(raw, kind, report);
 
     let forward = forward?;
+    let next = if ends_task { Some(forward) } else { next };
     let hand = match kind {
         1 => Hand::Sequence { forward },
         2 => Hand::SequenceEnd { forward, next: next? },

@@ -23,6 +23,7 @@ mod read;
 mod resolve;
 mod rules;
 mod setup;
+mod task;
 mod wiring;
 
 pub use linewright_text::{Problem, Problems, suggestion};

@@ -15,6 +15,8 @@ const RESERVED_STATIONS: [&str; 1] = ["coordinator"];
 pub(super) struct StationNames<'a> {
     pub operations: Table<'a>,
     pub axes: Table<'a>,
+    pub rests: Table<'a>,
+    pub tasks: Table<'a>,
 }
 
 /// The names of the whole line, but for its signals, which belong to devices.
@@ -57,6 +59,19 @@ fn inside<'a>(station: &'a RawStation, report: &mut Report) -> StationNames<'a> 
     for (id, (name, _)) in station.axes.iter().enumerate() {
         tag(name, "axis", report);
         unique(&mut names.axes, name, id, "axis", report);
+    }
+    for (id, rest) in station.rests.iter().enumerate() {
+        if let Some(name) = &rest.name {
+            phrase(name, "rest", report);
+            unique(&mut names.rests, name, id, "rest of this station", report);
+        }
+    }
+    for (id, task) in station.tasks.iter().enumerate() {
+        if let Some(name) = &task.name {
+            phrase(name, "task", report);
+            unique(&mut names.tasks, name, id, "task of this station", report);
+        }
+        task.parameters.iter().for_each(|(name, _)| tag(name, "parameter", report));
     }
     names
 }

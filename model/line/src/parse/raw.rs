@@ -42,8 +42,27 @@ pub(super) struct RawStation {
     pub home: Option<Name>,
     pub bus: Option<Name>,
     pub axes: Vec<(Name, f64)>,
+    pub rests: Vec<RawRest>,
+    pub tasks: Vec<RawTask>,
     pub panel: Option<RawPanel>,
     pub operations: Vec<RawOperation>,
+}
+
+#[derive(Debug)]
+pub(super) struct RawRest {
+    pub at: Where,
+    pub name: Option<Name>,
+    pub positions: Vec<(Name, f64)>,
+}
+
+#[derive(Debug)]
+pub(super) struct RawTask {
+    pub at: Where,
+    pub name: Option<Name>,
+    pub from: Option<Name>,
+    pub to: Option<Name>,
+    pub limit: Option<At<Duration>>,
+    pub parameters: Vec<(Name, At<Vec<Name>>)>,
 }
 
 #[derive(Debug, Default)]
@@ -73,6 +92,9 @@ pub(super) struct RawOperation {
     pub hand: Option<RawHand>,
     pub recovery_path: Option<At<Vec<Name>>>,
     pub with: Option<Name>,
+    pub task: Option<Name>,
+    pub waits: Option<At<Vec<Name>>>,
+    pub waits_code: Option<At<i64>>,
 }
 
 #[derive(Debug)]

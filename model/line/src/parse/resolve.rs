@@ -8,8 +8,8 @@ use linewright_text::{At, Name, Problem, Report, nearest, suggestion};
 use super::draft::{Draft, DraftArrow, DraftConflict, DraftConsole, DraftOperation, DraftSignals, DraftStation, End};
 use super::names::Names;
 use super::raw::{RawArrow, RawConflict, RawEnd, RawLine, RawMoves, RawOperation, RawSpan, RawStation};
-use super::{hand, rules, wiring};
-use crate::{Axis, Bus, InputId, Motion, OpId, OutputId, StationId};
+use super::{hand, rules, task, wiring};
+use crate::{Axis, Bus, InputId, Motion, OpId, OutputId, StationId, TaskId};
 use wiring::{Owned, Wires};
 
 /// Resolves everything that can be.
@@ -43,7 +43,13 @@ fn station<'a>(
     let inside = &names.inside[id.index()];
     let name = raw.name.as_ref().map_or("?", |n| n.value.as_str());
     let mut scope = Scope { name, wires: &wires, owned };
-    let operations = raw.operations.iter().map(|op| operation(op, id, names, &mut scope, report)).collect();
+    let ends_task = |nth: usize| task::ends(raw, nth);
+    let operations = raw.operations.iter().enumerate();
+    let mut operations: Vec<_> =
+        operations.map(|(nth, op)| operation(op, id, names, &mut scope, ends_task(nth), report)).collect();
+    let rests = task::rests(raw, inside, report);
+    let tasks = task::tasks(raw, inside, &operations, &mut scope, report);
+    task::lead_on(&mut operations, &tasks);
     let panel = match &raw.panel {
         None => [None, None, None],
         Some(panel) => [&panel.manual, &panel.advance, &panel.retract].map(|name| scope.input(name.as_ref(), report)),
@@ -52,6 +58,7 @@ fn station<'a>(
         let op = inside.operations.find(home, "operation", report)?;
         Some(At::new(OpId::at(op), home.at.clone()))
     });
+    let home = if tasks.is_empty() { home } else { task::home(&tasks) };
     DraftStation {
         raw,
         name,
@@ -59,6 +66,8 @@ fn station<'a>(
         home,
         steps: rules::steps::steps(raw, inside, report),
         axes: raw.axes.iter().map(|(name, home)| Axis { name: name.value.clone(), home: *home }).collect(),
+        rests,
+        tasks,
         bus,
         wiring: wires.wiring,
         panel,
@@ -70,6 +79,7 @@ fn operation<'a>(
     station: StationId,
     names: &Names<'a>,
     scope: &mut Scope<'a, '_>,
+    ends_task: bool,
     report: &mut Report,
 ) -> DraftOperation<'a> {
     let inside = &names.inside[station.index()];
@@ -85,8 +95,18 @@ fn operation<'a>(
         motion: raw.moves.as_ref().and_then(|moves| motion(moves, inside, report)),
         normal: raw.normal.as_ref().map(|s| scope.signals(s, report)).unwrap_or_default(),
         recovery: raw.recovery.as_ref().map(|r| scope.signals(&r.signals, report)),
-        hand: raw.hand.as_ref().and_then(|raw| hand::hand(raw, &names.buttons, report)),
+        hand: raw.hand.as_ref().and_then(|raw| hand::hand(raw, &names.buttons, ends_task, report)),
         path,
+        task: raw.task.as_ref().and_then(|name| {
+            let task = inside.tasks.find(name, "task", report)?;
+            Some(At::new(TaskId::at(task), name.at.clone()))
+        }),
+        waits: raw
+            .waits
+            .iter()
+            .flat_map(|waits| &waits.value)
+            .filter_map(|name| scope.input(Some(name), report))
+            .collect(),
     }
 }
 
@@ -97,7 +117,7 @@ fn motion(raw: &RawMoves, inside: &super::names::StationNames<'_>, report: &mut 
 }
 
 /// What a signal name may refer to inside one station.
-struct Scope<'a, 's> {
+pub(super) struct Scope<'a, 's> {
     name: &'a str,
     wires: &'s Wires<'a>,
     owned: &'s Owned<'a>,
@@ -127,7 +147,7 @@ impl Scope<'_, '_> {
         }
     }
 
-    fn output(&mut self, name: Option<&Name>, report: &mut Report) -> Option<At<OutputId>> {
+    pub fn output(&mut self, name: Option<&Name>, report: &mut Report) -> Option<At<OutputId>> {
         let name = name?;
         let found = self.wires.outputs.get(&name.value);
         match found {

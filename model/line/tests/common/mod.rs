@@ -79,6 +79,8 @@ pub fn station(name: &str, home: usize, ops: &[Op], first_button: u16, share: bo
                 watchdog: Duration::from_millis(1000),
                 motion: Motion { axis: AxisId(op_id.0), from: 0.0, to: 1.0 },
                 normal: signals(false),
+                waits: Vec::new(),
+                waits_code: 0,
                 hand: hands[n],
             }
         })
@@ -105,6 +107,8 @@ pub fn station(name: &str, home: usize, ops: &[Op], first_button: u16, share: bo
         bus: Bus::Line,
         operations,
         steps,
+        rests: Vec::new(),
+        tasks: Vec::new(),
     }
 }
 

@@ -42,6 +42,8 @@ fn literal_words(literal: Literal, hand: Hand) -> String {
         Var::OnPath(_) | Var::OnAnyPath => "path".to_owned(),
         Var::NeighbourSettled(_) => "settled".to_owned(),
         Var::MasterStop => "stop".to_owned(),
+        Var::Ordered(_) => "ordered".to_owned(),
+        Var::Secure => "secure".to_owned(),
     };
     if literal.on { word } else { format!("¬{word}") }
 }

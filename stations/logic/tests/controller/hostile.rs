@@ -39,7 +39,7 @@ enum Act {
     Image(u128, bool, u64),
     Order(u8, bool, u32, Option<i32>, u64),
     Panel(PanelCommand),
-    View(u16, Report),
+    View(u16, Box<Report>),
 }
 
 fn act() -> impl Strategy<Value = Act> {
@@ -73,7 +73,7 @@ fn act() -> impl Strategy<Value = Act> {
             1 => PanelCommand::Retract(on),
             _ => PanelCommand::Selector(on),
         })),
-        3 => (0u16..3, report).prop_map(|(s, r)| Act::View(s, r)),
+        3 => (0u16..3, report).prop_map(|(s, r)| Act::View(s, Box::new(r))),
     ]
 }
 

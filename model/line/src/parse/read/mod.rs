@@ -8,6 +8,7 @@ mod frames;
 mod line;
 mod setup;
 mod station;
+mod task;
 
 use linewright_text::{Fields, Report};
 

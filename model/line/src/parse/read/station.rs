@@ -4,20 +4,27 @@ use linewright_text::{At, Fields, Problem, Report};
 
 use super::AXES_MAX;
 use super::line::each;
-use crate::OPERATIONS_MAX;
+use super::task;
 use crate::parse::raw::{Kind, RawHand, RawMoves, RawOperation, RawPanel, RawRecovery, RawSignals, RawStation};
+use crate::{CODE_MAX, OPERATIONS_MAX, RESTS_MAX, TASKS_MAX};
+
+/// At most this many inputs that one operation waits for.
+const WAITS_MAX: usize = 16;
 
 pub(super) fn station(mut f: Fields<'_>, report: &mut Report) -> RawStation {
+    let on_order = f.has("task");
     let raw = RawStation {
         at: f.at.clone(),
         name: f.required_text(report, "name"),
         title: f.text(report, "title"),
-        home: f.required_text(report, "home"),
+        home: if on_order { f.text(report, "home") } else { f.required_text(report, "home") },
         bus: f.text(report, "bus"),
         axes: f
             .required_table(report, "axes", "`axes`")
             .map(|axes| axes.coordinates(report, AXES_MAX))
             .unwrap_or_default(),
+        rests: each(f.tables(report, "rest", "a rest", RESTS_MAX), report, task::rest),
+        tasks: each(f.tables(report, "task", "a task", TASKS_MAX), report, task::task),
         panel: f.table(report, "panel", "`panel`").map(|f| panel(f, report)),
         operations: each(f.tables(report, "operation", "an operation", OPERATIONS_MAX), report, operation),
     };
@@ -52,6 +59,9 @@ fn operation(mut f: Fields<'_>, report: &mut Report) -> RawOperation {
         hand: f.required_table(report, "hand", "`hand`").map(|f| hand(f, report)),
         recovery_path: f.texts(report, "recovery_path", OPERATIONS_MAX),
         with: f.text(report, "with"),
+        task: f.text(report, "task"),
+        waits: f.texts(report, "waits", WAITS_MAX),
+        waits_code: f.whole(report, "waits_code", 1, i64::from(CODE_MAX)),
     };
     f.finish(report);
     raw

@@ -6,16 +6,21 @@
 use linewright_text::{At, Problem, Report};
 
 use crate::Hand;
-use crate::parse::draft::{DraftOperation, DraftStation};
+use crate::parse::draft::{DraftOperation, DraftStation, DraftTask};
 use crate::parse::hand::purpose;
 use crate::parse::raw::Kind;
 
-/// Each step's hand entry with the operation that stands for the step, and the following step's, going round.
+/// Each step's hand entry with the operation that stands for the step, and the following step's, going round; at a
+/// station on order as far as the task goes.
 fn neighbours<'s>(
     station: &'s DraftStation<'s>,
 ) -> impl Iterator<Item = (&'s DraftOperation<'s>, &'s At<Hand>, &'s DraftOperation<'s>, &'s At<Hand>)> {
     let count = station.steps.len();
-    (0..count).filter_map(move |index| {
+    let task = |index: usize| station.operation(*station.steps[index].first()?).task.as_ref().map(|task| task.value);
+    // Sequences stay within a task; in a cycle they go round.
+    let follows =
+        move |index: &usize| !station.works_on_order() || (index + 1 < count && task(*index) == task(index + 1));
+    (0..count).filter(follows).filter_map(move |index| {
         let this = station.operation(*station.steps[index].first()?);
         let next = station.operation(*station.steps[(index + 1) % count].first()?);
         Some((this, this.hand.as_ref()?, next, next.hand.as_ref()?))
@@ -140,6 +145,71 @@ pub(super) fn next_is_the_following_forward(station: &DraftStation<'_>, report: 
                 Problem::error(at.clone(), format!("`next` of `{}` does not start `{}`", this.name, next.name))
                     .also(forward.map_or(&next_hand.at, |f| &f.at), "its `forward`")
                     .hint(format!("write next = \"{wanted}\": it is the button that runs what follows")),
+            );
+        }
+    }
+}
+
+/// A button runs one task at most: what follows is somebody's choice.
+pub(super) fn sequences_stay_in_their_task(station: &DraftStation<'_>, report: &mut Report) {
+    for task in station.tasks.iter().filter(|task| !task.ops.is_empty()) {
+        let (first, last) = (&station.operations[task.ops.start], &station.operations[task.ops.end - 1]);
+        let mut wrong = |operation: &DraftOperation<'_>, what: &str, wanted: &str| {
+            let Some(hand) = &operation.hand else { return };
+            let number = hand.value.number();
+            let message = format!("`{}` {what} task `{}`, but has hand type {number}", operation.name, task.name);
+            report.add(Problem::error(hand.at.clone(), message).hint(format!("it takes {wanted} there")));
+        };
+        let number = |operation: &DraftOperation<'_>| operation.hand.as_ref().map(|hand| hand.value.number());
+        if matches!(number(first), Some(4 | 5)) {
+            wrong(first, "begins", "1, 2, 3 or 6");
+        }
+        if matches!(number(last), Some(1 | 3 | 4)) {
+            wrong(last, "ends", "2, 5 or 6");
+        }
+    }
+}
+
+/// Where several tasks begin, each has a button of its own, and none takes back what has just ended there. Within a task
+/// too, what takes an operation back does not lead on: there are no arrows that could say which is meant.
+pub(super) fn buttons_tell_tasks_apart(station: &DraftStation<'_>, report: &mut Report) {
+    let whole = || station.tasks.iter().filter(|task| !task.ops.is_empty());
+    for (nth, task) in whole().enumerate() {
+        let first = &station.operations[task.ops.start];
+        let (Some(hand), Some(from)) = (&first.hand, &task.from) else { continue };
+        let forward = hand.value.forward();
+        let at = first.raw.hand.as_ref().and_then(|hand| hand.forward.as_ref()).map_or(&hand.at, |name| &name.at);
+        let begins = |other: &&DraftTask<'_>| other.from.as_ref().is_some_and(|rest| rest.value == from.value);
+        let same = whole().take(nth).filter(begins).find(|other| {
+            station.operations[other.ops.start].hand.as_ref().is_some_and(|hand| hand.value.forward() == forward)
+        });
+        if let Some(other) = same {
+            let message = format!("tasks `{}` and `{}` begin at one rest by one button", other.name, task.name);
+            report.add(
+                Problem::error(at.clone(), message)
+                    .also(&other.place(), "the other one")
+                    .hint("give each task that begins at a rest a `forward` of its own"),
+            );
+        }
+        let ended = whole().filter(|other| other.to.as_ref().is_some_and(|rest| rest.value == from.value));
+        let back = ended
+            .map(|other| &station.operations[other.ops.end - 1])
+            .find(|last| last.hand.as_ref().is_some_and(|hand| hand.value.back() == Some(forward)));
+        if let Some(last) = back {
+            let message = format!("one button begins task `{}` and takes back `{}`", task.name, last.name);
+            report.add(
+                Problem::error(at.clone(), message)
+                    .also(&last.place(), "which ends there")
+                    .hint("give `back` a button of its own, or the operation hand type 2, which has none"),
+            );
+        }
+    }
+    for (this, hand, next, _) in neighbours(station).filter(|_| station.works_on_order()) {
+        if hand.value.next().is_some() && hand.value.next() == hand.value.back() {
+            let message = format!("one button takes `{}` back and leads on to `{}`", this.name, next.name);
+            report.add(
+                Problem::error(hand.at.clone(), message)
+                    .hint("give `back` a button of its own, or the operation hand type 2, which has none"),
             );
         }
     }

@@ -20,6 +20,7 @@ mod signals;
 mod stations;
 pub(super) mod steps;
 mod sync;
+mod tasks;
 mod timing;
 
 pub(super) use devices::node_id;
@@ -50,9 +51,17 @@ pub(super) fn check(draft: &Draft<'_>, report: &mut Report) {
             operations::watchdog_outlasts_duration(operation, report);
             operations::module_has_its_recovery(operation, report);
         }
-        steps::groups_are_allowed(station, report);
-        steps::groups_move_different_axes(station, report);
-        motion::motions_chain(station, report);
+        if station.works_on_order() {
+            tasks::check(station, report);
+            hand::sequences_stay_in_their_task(station, report);
+            hand::buttons_tell_tasks_apart(station, report);
+        } else {
+            tasks::nothing_of_tasks(station, report);
+            steps::groups_are_allowed(station, report);
+            steps::groups_move_different_axes(station, report);
+            motion::motions_chain(station, report);
+            hand::sequences_end(station, report);
+        }
         motion::axes_are_moved(station, report);
         recovery::paths_are_reversible_and_earlier(station, report);
         recovery::paths_lead_home(station, report);
@@ -60,7 +69,6 @@ pub(super) fn check(draft: &Draft<'_>, report: &mut Report) {
         hand::groups_share_one_entry(station, report);
         hand::sequences_continue(station, report);
         hand::sequences_begin(station, report);
-        hand::sequences_end(station, report);
         hand::next_is_the_following_forward(station, report);
         signals::inputs_mean_one_thing(station, report);
         signals::outputs_mean_one_thing(station, report);
@@ -68,6 +76,7 @@ pub(super) fn check(draft: &Draft<'_>, report: &mut Report) {
     console::console_exists(draft, report);
     console::buttons_are_used(draft, report);
     console::signals_mean_one_thing(draft, report);
+    tasks::stations_on_order_are_not_joined(draft, report);
     arrows::arrows_join_stations(draft, report);
     arrows::arrows_are_unique(draft, report);
     arrows::arrows_hold_at_home(draft, report);

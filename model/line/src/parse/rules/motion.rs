@@ -10,11 +10,11 @@ use super::operations::same_place;
 use crate::AxisId;
 use crate::parse::draft::DraftStation;
 
-/// An axis on its way round the cycle.
-struct Position {
-    at: f64,
+/// An axis on its way round the cycle, or through a task.
+pub(super) struct Position {
+    pub at: f64,
     /// The operation that left it there, with the place of its motion.
-    left_by: Option<(String, Range<usize>)>,
+    pub left_by: Option<(String, Range<usize>)>,
 }
 
 pub(super) fn motions_chain(station: &DraftStation<'_>, report: &mut Report) {
@@ -31,7 +31,7 @@ pub(super) fn motions_chain(station: &DraftStation<'_>, report: &mut Report) {
         if !same_place(position.at, motion.value.from) {
             let axis = &station.axes[motion.value.axis.index()].name;
             let from = operation.raw.moves.as_ref().and_then(|m| m.from.as_ref()).map_or(&motion.at, |f| &f.at);
-            report.add(gap(operation.name, motion.value.from, from, axis, position));
+            report.add(gap(operation.name, motion.value.from, from, axis, position, "at home"));
         }
         *position = Position { at: motion.value.to, left_by: Some((operation.name.to_owned(), motion.at.clone())) };
     }
@@ -50,10 +50,11 @@ pub(super) fn motions_chain(station: &DraftStation<'_>, report: &mut Report) {
     }
 }
 
-fn gap(name: &str, from: f64, at: &Range<usize>, axis: &str, position: &Position) -> Problem {
+/// A motion that starts where its axis is not; `before` says when, if nothing has moved it yet.
+pub(super) fn gap(name: &str, from: f64, at: &Range<usize>, axis: &str, position: &Position, before: &str) -> Problem {
     let problem = |message| Problem::error(at.clone(), message).hint("a motion starts where the one before it ended");
     match &position.left_by {
-        None => problem(format!("`{name}` starts at {from}, but at home `{axis}` stands at {}", position.at)),
+        None => problem(format!("`{name}` starts at {from}, but {before} `{axis}` stands at {}", position.at)),
         Some((before, place)) => {
             problem(format!("`{name}` starts at {from}, but `{before}` leaves `{axis}` at {}", position.at))
                 .also(place, "left here")

@@ -7,6 +7,7 @@
 use linewright_text::{Problem, Report};
 
 use super::operations::same_place;
+use super::tasks::earlier_in_task;
 use crate::OpId;
 use crate::parse::draft::{DraftOperation, DraftStation};
 use crate::parse::raw::Kind;
@@ -25,7 +26,7 @@ pub(super) fn paths_are_reversible_and_earlier(station: &DraftStation<'_>, repor
         for step in &operation.path {
             let other = station.operation(step.value);
             let problem = |message: String| Problem::error(step.at.clone(), message);
-            let is_home = station.home.as_ref().is_some_and(|home| home.value == step.value);
+            let is_home = end_of_path(station, op) == Some(step.value);
             if step.value == op {
                 report.add(
                     problem(format!("the recovery path of `{}` names the operation itself", operation.name))
@@ -33,8 +34,12 @@ pub(super) fn paths_are_reversible_and_earlier(station: &DraftStation<'_>, repor
                 );
             } else if is_home {
                 report.add(
-                    problem(format!("the recovery path of `{}` names the home operation", operation.name))
-                        .hint("leave it out: it always follows at the end of the path"),
+                    problem(format!(
+                        "the recovery path of `{}` names {}",
+                        operation.name,
+                        if station.works_on_order() { "the last operation of its task" } else { "the home operation" }
+                    ))
+                    .hint("leave it out: it always follows at the end of the path"),
                 );
             } else if other.kind() == Some(Kind::Irreversible) {
                 report.add(
@@ -48,6 +53,14 @@ pub(super) fn paths_are_reversible_and_earlier(station: &DraftStation<'_>, repor
                     problem(format!("`{}` runs side by side with others", other.name))
                         .hint("a recovery path moves one operation at a time; take a group back in manual instead"),
                 );
+            } else if station.works_on_order() {
+                if !earlier_in_task(station, op).is_some_and(|earlier| earlier.contains(&step.value.index())) {
+                    report.add(
+                        problem(format!("`{}` does not come before `{}` in its task", other.name, operation.name))
+                            .label("not done when the fault happens")
+                            .hint("a recovery path takes back what the same task has done before"),
+                    );
+                }
             } else if let (Some(this), Some(that)) =
                 (station.steps_since_home(op), station.steps_since_home(step.value))
                 && that >= this
@@ -63,8 +76,35 @@ pub(super) fn paths_are_reversible_and_earlier(station: &DraftStation<'_>, repor
     }
 }
 
+/// The operation at the end of a recovery path: that at the end of the task, or the home operation.
+fn end_of_path(station: &DraftStation<'_>, op: OpId) -> Option<OpId> {
+    if !station.works_on_order() {
+        return station.home.as_ref().map(|home| home.value);
+    }
+    let task = &station.tasks[station.operation(op).task.as_ref()?.value.index()];
+    task.ops.contains(&op.index()).then(|| OpId::at(task.ops.end - 1))
+}
+
+/// Where the axes stand when a recovery path has been gone.
+fn positions_at_end(station: &DraftStation<'_>, op: OpId) -> Option<Vec<f64>> {
+    if !station.works_on_order() {
+        return Some(station.axes.iter().map(|axis| axis.home).collect());
+    }
+    let task = &station.tasks[station.operation(op).task.as_ref()?.value.index()];
+    station.rests.get(task.to.as_ref()?.value.index()).cloned()
+}
+
+/// What has been done since the station left home, or began the task, and the operation itself.
+fn done_before(station: &DraftStation<'_>, op: OpId) -> Vec<OpId> {
+    if station.works_on_order() {
+        let earlier = earlier_in_task(station, op).map_or(0..0, |earlier| earlier.start..earlier.end + 1);
+        return earlier.map(OpId::at).collect();
+    }
+    let until = station.steps_since_home(op);
+    station.op_ids().map(OpId::at).filter(|&other| station.steps_since_home(other) <= until).collect()
+}
+
 pub(super) fn paths_lead_home(station: &DraftStation<'_>, report: &mut Report) {
-    let Some(home) = &station.home else { return };
     if station.operations.iter().any(|op| op.motion.is_none()) {
         return;
     }
@@ -74,9 +114,9 @@ pub(super) fn paths_lead_home(station: &DraftStation<'_>, report: &mut Report) {
         if path.value.is_empty() || operation.path.len() != path.value.len() {
             continue;
         }
-        let until = station.steps_since_home(op);
-        let since_home = station.op_ids().map(OpId::at).filter(|&other| station.steps_since_home(other) <= until);
-        let moved: Vec<usize> = since_home
+        let (Some(home), Some(positions)) = (end_of_path(station, op), positions_at_end(station, op)) else { continue };
+        let moved: Vec<usize> = done_before(station, op)
+            .into_iter()
             .filter_map(|other| station.operation(other).motion.as_ref())
             .map(|motion| motion.value.axis.index())
             .collect();
@@ -87,13 +127,15 @@ pub(super) fn paths_lead_home(station: &DraftStation<'_>, report: &mut Report) {
                 continue;
             }
             let taken_back = operation.path.iter().map(|step| station.operation(step.value)).rfind(|o| is_on_axis(o));
-            let home_operation = Some(station.operation(home.value)).filter(|o| is_on_axis(o));
+            let home_operation = Some(station.operation(home)).filter(|o| is_on_axis(o));
             let end = match (home_operation, taken_back) {
                 (Some(last), _) => last.motion.as_ref().map(|m| m.value.to),
                 (None, Some(last)) => last.motion.as_ref().map(|m| m.value.from),
                 (None, None) => None,
             };
-            if end.is_some_and(|end| same_place(end, axis.home)) {
+            let wanted = positions[index];
+            let at_its_end = if station.works_on_order() { "where the task ends" } else { "at home" };
+            if end.is_some_and(|end| same_place(end, wanted)) {
                 continue;
             }
             let where_it_is = end.map_or("where the fault found it".to_owned(), |end| format!("at {end}"));
@@ -103,7 +145,7 @@ pub(super) fn paths_lead_home(station: &DraftStation<'_>, report: &mut Report) {
                     format!("the recovery path of `{}` leaves `{}` {where_it_is}", operation.name, axis.name),
                 )
                 .label("does not lead home")
-                .hint(format!("at home `{}` stands at {}: add the operation to take back", axis.name, axis.home)),
+                .hint(format!("{at_its_end} `{}` stands at {wanted}: add the operation to take back", axis.name)),
             );
         }
     }

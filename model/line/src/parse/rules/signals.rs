@@ -23,6 +23,8 @@ pub(super) enum Meaning {
     /// Moves this axis to here.
     Drive(String, f64),
     Lamp,
+    /// A bit of a task's parameter, by its name.
+    Number(String, usize),
     /// A lamp of the console, by its key.
     ModeLamp(&'static str),
 }
@@ -33,6 +35,7 @@ impl Meaning {
             (Meaning::Switch(a, x), Meaning::Switch(b, y)) | (Meaning::Drive(a, x), Meaning::Drive(b, y)) => {
                 a == b && same_place(*x, *y)
             }
+            (Meaning::Number(a, x), Meaning::Number(b, y)) => a == b && x == y,
             (Meaning::Fault, Meaning::Fault) | (Meaning::Lamp, Meaning::Lamp) => true,
             _ => false,
         }
@@ -47,6 +50,7 @@ impl fmt::Display for Meaning {
             Meaning::Control(key) => write!(f, "the operator's `{key}`"),
             Meaning::Drive(axis, to) => write!(f, "drive `{axis}` to {to}"),
             Meaning::Lamp => f.write_str("a fault lamp"),
+            Meaning::Number(parameter, bit) => write!(f, "bit {bit} of parameter `{parameter}`"),
             Meaning::ModeLamp(key) => write!(f, "the lamp for `{key}`"),
         }
     }
@@ -68,7 +72,7 @@ impl<'d> Uses<'d> {
         self.by_bit.entry(bit).or_default().push((meaning, at.clone()));
     }
 
-    /// Notes that the bit is used, though not what for: the text does not say.
+    /// Notes that the bit is used, though not what for: the text does not say, or anything will do.
     fn note_unclear(&mut self, bit: usize) {
         self.by_bit.entry(bit).or_default();
     }
@@ -116,6 +120,10 @@ pub(super) fn inputs_mean_one_thing(station: &DraftStation<'_>, report: &mut Rep
             }
         }
     }
+    // What an operation waits for may be any input, one with another meaning too.
+    station.operations.iter().flat_map(|operation| &operation.waits).for_each(|input| {
+        uses.note_unclear(input.value.index());
+    });
     for (input, key) in station.panel.iter().zip(["manual", "advance", "return"]) {
         if let Some(input) = input {
             uses.note(input.value.index(), Meaning::Control(key.to_owned()), &input.at);
@@ -138,6 +146,13 @@ pub(super) fn outputs_mean_one_thing(station: &DraftStation<'_>, report: &mut Re
             }
             if let Some(lamp) = &signals.lamp {
                 uses.note(lamp.value.index(), Meaning::Lamp, &lamp.at);
+            }
+        }
+    }
+    for parameter in station.tasks.iter().flat_map(|task| &task.parameters) {
+        for (nth, bit) in parameter.bits.iter().enumerate() {
+            if let Some(bit) = bit {
+                uses.note(bit.value.index(), Meaning::Number(parameter.name.to_owned(), nth), &bit.at);
             }
         }
     }

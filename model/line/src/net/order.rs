@@ -1,0 +1,104 @@
+//! The transitions of a station that works on order, where they differ from those of one that goes round a cycle.
+//!
+//! Its tasks are stretches of the list, and a rest is the place p3 of the last operation of any task that ends there:
+//! one physical position, so the net has no place that operations do not have. From a rest t11 leads to the first step of
+//! each task that begins there. Four rules make the rest:
+//!
+//! 1. In auto t11 waits for the order: for its own task's alone.
+//! 2. A station that is to go back ([`Var::Secure`]) takes back what is complete, operation by operation, by t4 and t12,
+//!    as far as everything is reversible. On a task's last operation it does not: that is a rest, and the task is done.
+//! 3. When the first operation of a task has been undone, the station is where the task began. The token goes on to the
+//!    place that stands for that rest ([`Kind::GiveUp`]), so that any task can begin there, and the net stays strongly
+//!    connected.
+//! 4. What a fault has stopped, t2, t5, t7, t10 and recovery paths are for, waits for a person, as everywhere.
+//!
+//! t12 is there between any two reversible operations of a task, and the panel's return leads over it: going back needs
+//! it, and in manual there is no reason to go back less far. In hand mode it is what the hand type says.
+
+use crate::net::condition::{ControlMode, Literal, Term, Var, off, on};
+use crate::net::connect::{Builder, Kind};
+use crate::net::module::{Place, is_reversible};
+use crate::{ButtonId, OpId, RestId};
+
+impl Builder<'_> {
+    /// t4 in auto: what the station takes back by itself when it is to go back.
+    pub(super) fn secured(&self, op: OpId) -> Option<Term> {
+        let station = self.station;
+        let within = station.works_on_order() && station.rest_after(op).is_none();
+        within.then(|| vec![on(Var::Secure)])
+    }
+
+    /// t4 in hand mode where a task ends: by the operation's own button, unless one is pressed that leads on. Forward
+    /// wins, as everywhere. None where no task ends; `Some(None)` where the hand type begins no reverse motion.
+    pub(super) fn reversed_at_rest(&self, op: OpId) -> Option<Option<Term>> {
+        let rest = self.station.rest_after(op)?;
+        let back = self.station.operations[op.index()].hand.reverses_from_its_end();
+        Some(back.map(|back| {
+            let forward = self.forwards(rest).map(|button| off(Var::Pressed(button)));
+            std::iter::once(on(Var::Pressed(back))).chain(forward).collect()
+        }))
+    }
+
+    /// The buttons that begin the tasks of a rest.
+    fn forwards(&self, rest: RestId) -> impl Iterator<Item = ButtonId> + '_ {
+        let station = self.station;
+        station.tasks_from(rest).map(|task| station.operations[station.first_of(task).index()].hand.forward())
+    }
+
+    /// t11: within a task to its next step, at its end to the first step of each task that begins there.
+    pub(super) fn next_on_order(&mut self, step: usize) {
+        let station = self.station;
+        let op = station.steps[step][0];
+        let Some(task) = station.task_of(op) else { return };
+        let Some(rest) = station.rest_after(op) else {
+            let hand = station.operations[op.index()].hand;
+            let by_hand = hand.lead_on(step + 1);
+            return self.lead(step, step + 1, on(Var::Ordered(task)), by_hand, true);
+        };
+        let mut earlier: Vec<Literal> = Vec::new();
+        for (nth, task) in station.tasks_from(rest).enumerate() {
+            let (to, first) = (station.task(task).steps.start, station.first_of(task));
+            let forward = station.operations[first.index()].hand.forward();
+            let mut by_hand = vec![on(Var::Pressed(forward)), on(Var::Causal(to))];
+            by_hand.extend(&earlier);
+            earlier.push(off(Var::Pressed(forward)));
+            // The panel has one button for advance: it begins the first task listed.
+            self.lead(step, to, on(Var::Ordered(task)), by_hand, nth == 0);
+        }
+    }
+
+    fn lead(&mut self, step: usize, to: usize, ordered: Literal, by_hand: Term, by_panel: bool) {
+        let [from, first] = [step, to].map(|step| self.station.steps[step][0]);
+        let places = (vec![Place::completed(from)], vec![Place::operating(first)]);
+        let t11 = self.add(Kind::Next { from: step, to }, places.0, places.1);
+        t11.when(ControlMode::Auto, [vec![ordered, on(Var::Causal(to))]]);
+        t11.when(ControlMode::Hand, [by_hand]);
+        t11.when(ControlMode::Manual, by_panel.then(|| vec![on(Var::AdvancePressed), on(Var::Causal(to))]));
+    }
+
+    /// t12 within a task, and what follows when its first operation has been undone.
+    pub(super) fn back_on_order(&mut self, step: usize) {
+        let station = self.station;
+        let op = station.steps[step][0];
+        let Some(task) = station.task_of(op).filter(|_| is_reversible(station, op)) else { return };
+        let by_panel = vec![on(Var::RetractPressed), off(Var::OnAnyPath)];
+        if let Some(rest) = station.rest_before(op) {
+            let Some(arrival) = station.arrival_at(rest) else { return };
+            let places = (vec![Place::undone(op)], vec![Place::completed(arrival)]);
+            let give_up = self.add(Kind::GiveUp(task), places.0, places.1);
+            give_up.when(ControlMode::Auto, [vec![off(Var::OnAnyPath)]]);
+            give_up.when(ControlMode::Manual, [by_panel]);
+            return;
+        }
+        let previous = station.steps[step - 1][0];
+        if !is_reversible(station, previous) {
+            return;
+        }
+        let by_hand = station.operations[op.index()].hand.reverse_on();
+        let places = (vec![Place::undone(op)], vec![Place::undoing(previous)]);
+        let t12 = self.add(Kind::Back { from: step, to: step - 1 }, places.0, places.1);
+        t12.when(ControlMode::Auto, [vec![on(Var::Secure), off(Var::OnAnyPath)]]);
+        t12.when(ControlMode::Hand, by_hand.map(|back| vec![on(Var::Held(back)), off(Var::OnAnyPath)]));
+        t12.when(ControlMode::Manual, [by_panel]);
+    }
+}

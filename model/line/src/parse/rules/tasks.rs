@@ -1,0 +1,289 @@
+//! Stations on order: do the tasks, their operations and the rests between them fit together?
+//!
+//! The rests are towns and the tasks are roads between them. Each road must lead where it says, and from every town there
+//! must be a way to every other: a station that is somewhere else than home must be able to come home by tasks alone.
+
+use std::time::Duration;
+
+use linewright_text::{Problem, Report};
+
+use super::motion::{Position, gap};
+use super::operations::same_place;
+use crate::parse::draft::{Draft, DraftStation, DraftTask};
+use crate::parse::raw::Kind;
+use crate::{OpId, RestId, TaskId};
+
+/// Applies the rules for a station on order.
+pub(super) fn check(station: &DraftStation<'_>, report: &mut Report) {
+    tasks_take_the_place_of_home(station, report);
+    operations_belong_to_tasks(station, report);
+    operations_run_one_by_one(station, report);
+    home_is_where_the_axes_say(station, report);
+    rests_are_joined(station, report);
+    irreversible_operations_come_back(station, report);
+    for task in &station.tasks {
+        task_has_operations(task, report);
+        motions_lead_from_rest_to_rest(station, task, report);
+        limit_outlasts_the_motions(station, task, report);
+        parameters_have_outputs(task, report);
+    }
+    for operation in &station.operations {
+        if let (Some(code), None) = (&operation.raw.waits_code, &operation.raw.waits) {
+            report.add(
+                Problem::error(code.at.clone(), format!("`{}` waits for nothing", operation.name)).hint(
+                    "`waits_code` is for when the time runs out while an operation waits: say for what in `waits`",
+                ),
+            );
+        }
+    }
+}
+
+/// What only a station on order has, in one that is none.
+pub(super) fn nothing_of_tasks(station: &DraftStation<'_>, report: &mut Report) {
+    let hint = "only a station that works on order has it: one with `[[station.task]]`";
+    if let Some(rest) = station.raw.rests.first() {
+        report.add(Problem::error(rest.at.clone(), "a rest of a station without tasks").hint(hint));
+    }
+    for operation in &station.operations {
+        let raw = operation.raw;
+        let keys = [
+            ("task", raw.task.as_ref().map(|name| &name.at)),
+            ("waits", raw.waits.as_ref().map(|waits| &waits.at)),
+            ("waits_code", raw.waits_code.as_ref().map(|code| &code.at)),
+        ];
+        for (key, at) in keys {
+            if let Some(at) = at {
+                report.add(Problem::error(at.clone(), format!("`{key}` in a station without tasks")).hint(hint));
+            }
+        }
+    }
+}
+
+/// No arrows and no conflicts: a station on order waits for its orders, and who gives them keeps stations apart.
+pub(super) fn stations_on_order_are_not_joined(draft: &Draft<'_>, report: &mut Report) {
+    let on_order = |station: crate::StationId| draft.stations[station.index()].works_on_order();
+    for arrow in &draft.arrows {
+        let ends = [&arrow.from, &arrow.to].into_iter().flatten();
+        if let Some(end) = ends.into_iter().find(|end| on_order(end.value.0)) {
+            report.add(
+                Problem::error(end.at.clone(), "an arrow of a station on order")
+                    .hint("it does a task when it is ordered to: what must come before, the coordinator sees to"),
+            );
+        }
+    }
+    for span in draft.conflicts.iter().flat_map(|conflict| [&conflict.a, &conflict.b]).flatten() {
+        if on_order(span.value.station) {
+            report.add(
+                Problem::error(span.at.clone(), "a conflict with a station on order")
+                    .hint("which tasks may run at a time follows from the cell's description"),
+            );
+        }
+    }
+}
+
+fn tasks_take_the_place_of_home(station: &DraftStation<'_>, report: &mut Report) {
+    if let Some(home) = &station.raw.home {
+        report.add(
+            Problem::error(home.at.clone(), format!("station `{}` has tasks, and so no `home`", station.name))
+                .hint("its home is the first rest listed"),
+        );
+    }
+}
+
+fn home_is_where_the_axes_say(station: &DraftStation<'_>, report: &mut Report) {
+    let (Some(home), Some(at)) = (station.raw.rests.first(), station.rests.first()) else { return };
+    for (axis, _) in station.axes.iter().zip(at).filter(|(axis, at)| !same_place(axis.home, **at)) {
+        let written = home.positions.iter().find(|(name, _)| name.value == axis.name);
+        let place = written.map_or_else(|| home.at.clone(), |(name, _)| name.at.clone());
+        report.add(
+            Problem::error(place, format!("at home `{}` stands at {}, as `axes` says", axis.name, axis.home))
+                .hint("the first rest listed is home: leave `at` out there, or change `axes`"),
+        );
+    }
+}
+
+fn operations_belong_to_tasks(station: &DraftStation<'_>, report: &mut Report) {
+    for (nth, operation) in station.operations.iter().enumerate() {
+        if operation.raw.task.is_none() {
+            report.add(
+                Problem::error(operation.place(), format!("`{}` belongs to no task", operation.name))
+                    .hint("say `task = \"…\"`: this station does nothing but tasks"),
+            );
+        }
+        let Some(of) = &operation.task else { continue };
+        let task = &station.tasks[of.value.index()];
+        if !task.ops.contains(&nth) {
+            report.add(
+                Problem::error(of.at.clone(), format!("`{}` stands apart from the rest of its task", operation.name))
+                    .also(&task.place(), "this task")
+                    .hint("operations of a task stand together, in the order they are done"),
+            );
+        }
+    }
+}
+
+fn operations_run_one_by_one(station: &DraftStation<'_>, report: &mut Report) {
+    for with in station.operations.iter().filter_map(|operation| operation.raw.with.as_ref()) {
+        report.add(
+            Problem::error(with.at.clone(), "operations side by side in a station on order")
+                .hint("the operations of a task run one by one; divide the station, or leave `with` out"),
+        );
+    }
+}
+
+fn task_has_operations(task: &DraftTask<'_>, report: &mut Report) {
+    if task.ops.is_empty() {
+        report.add(
+            Problem::error(task.place(), format!("task `{}` has no operation", task.name))
+                .hint("an operation says which task it belongs to: `task = \"…\"`"),
+        );
+    }
+}
+
+/// Every rest can be reached from the first one, and left for it.
+fn rests_are_joined(station: &DraftStation<'_>, report: &mut Report) {
+    let ends = |task: &DraftTask<'_>| Some((task.from.as_ref()?.value, task.to.as_ref()?.value));
+    let Some(roads) = station.tasks.iter().map(ends).collect::<Option<Vec<_>>>() else { return };
+    let back: Vec<(RestId, RestId)> = roads.iter().map(|&(from, to)| (to, from)).collect();
+    let (reached, leaving) = (from_home(&roads), from_home(&back));
+    let ends_somewhere = roads.iter().any(|&(_, to)| to == RestId(0));
+    for (id, rest) in station.raw.rests.iter().enumerate().map(|(nth, rest)| (RestId::at(nth), rest)) {
+        let Some(name) = &rest.name else { continue };
+        if id == RestId(0) && !ends_somewhere {
+            report.add(
+                Problem::error(name.at.clone(), format!("no task ends at `{}`", name.value))
+                    .hint("it is the station's home, being the first rest listed: some task must lead there"),
+            );
+        } else if !reached.contains(&id) {
+            report.add(
+                Problem::error(name.at.clone(), format!("no tasks lead from home to `{}`", name.value))
+                    .hint("home is the first rest listed; add a task, or remove the rest"),
+            );
+        } else if !leaving.contains(&id) {
+            report.add(
+                Problem::error(name.at.clone(), format!("no tasks lead from `{}` back home", name.value))
+                    .hint("home is the first rest listed; a station must be able to come home by tasks"),
+            );
+        }
+    }
+}
+
+/// The rests that roads lead to from the first one, itself among them.
+fn from_home(roads: &[(RestId, RestId)]) -> Vec<RestId> {
+    let mut reached = vec![RestId(0)];
+    let mut next = 0;
+    while let Some(&here) = reached.get(next) {
+        next += 1;
+        for &(_, to) in roads.iter().filter(|(from, _)| *from == here) {
+            if !reached.contains(&to) {
+                reached.push(to);
+            }
+        }
+    }
+    reached
+}
+
+/// A recovery path leads to where the task ends. Where that is another rest than where it began, the part would count as
+/// worked on though it was not.
+fn irreversible_operations_come_back(station: &DraftStation<'_>, report: &mut Report) {
+    for operation in station.operations.iter().filter(|operation| operation.kind() == Some(Kind::Irreversible)) {
+        let Some(task) = operation.task.as_ref().map(|task: &linewright_text::At<TaskId>| task.value) else { continue };
+        let task = &station.tasks[task.index()];
+        if let (Some(from), Some(to)) = (&task.from, &task.to)
+            && from.value != to.value
+        {
+            report.add(
+                Problem::error(
+                    operation.place(),
+                    format!("irreversible operation `{}` in a task that ends elsewhere than it begins", operation.name),
+                )
+                .also(&from.at, "begins here")
+                .also(&to.at, "ends here")
+                .hint("give it a task of its own that comes back to the rest where it began"),
+            );
+        }
+    }
+}
+
+fn motions_lead_from_rest_to_rest(station: &DraftStation<'_>, task: &DraftTask<'_>, report: &mut Report) {
+    let (Some(from), Some(to)) = (&task.from, &task.to) else { return };
+    let operations = &station.operations[task.ops.clone()];
+    // One unknown motion leaves every later position of an unknown axis in doubt.
+    if operations.iter().any(|operation| operation.motion.is_none()) || operations.is_empty() {
+        return;
+    }
+    let [begins, ends] = [from, to].map(|rest| &station.rests[rest.value.index()]);
+    let mut axes: Vec<Position> = begins.iter().map(|&at| Position { at, left_by: None }).collect();
+    for operation in operations {
+        let Some(motion) = &operation.motion else { continue };
+        let position = &mut axes[motion.value.axis.index()];
+        if !same_place(position.at, motion.value.from) {
+            let axis = &station.axes[motion.value.axis.index()].name;
+            let at = operation.raw.moves.as_ref().and_then(|m| m.from.as_ref()).map_or(&motion.at, |from| &from.at);
+            report.add(gap(operation.name, motion.value.from, at, axis, position, "where the task begins"));
+        }
+        *position = Position { at: motion.value.to, left_by: Some((operation.name.to_owned(), motion.at.clone())) };
+    }
+    for ((position, wanted), axis) in axes.iter().zip(ends).zip(&station.axes) {
+        if same_place(position.at, *wanted) {
+            continue;
+        }
+        let name = &station.raw.rests[to.value.index()].name;
+        let rest = name.as_ref().map_or("?", |name| name.value.as_str());
+        let message = format!(
+            "task `{}` leaves `{}` at {}, but in `{rest}` it stands at {wanted}",
+            task.name, axis.name, position.at
+        );
+        let problem =
+            Problem::error(to.at.clone(), message).hint("a task leads from one rest to another, on every axis");
+        report.add(match &position.left_by {
+            Some((_, at)) => problem.also(at, "left here"),
+            None => problem.also(&from.at, "it stands like this from the beginning"),
+        });
+    }
+}
+
+fn limit_outlasts_the_motions(station: &DraftStation<'_>, task: &DraftTask<'_>, report: &mut Report) {
+    let Some(limit) = &task.raw.limit else { return };
+    let durations = station.operations[task.ops.clone()].iter().map(|op| op.raw.duration.as_ref().map(|d| d.value));
+    let Some(takes) = durations.sum::<Option<Duration>>() else { return };
+    if limit.value <= takes {
+        let message = format!(
+            "the limit of task `{}` is {} s, but its motions take {} s",
+            task.name,
+            limit.value.as_secs_f64(),
+            takes.as_secs_f64()
+        );
+        report.add(
+            Problem::error(limit.at.clone(), message)
+                .label("too short")
+                .hint("a task also waits for others, and may have to stop and go on: twice as long is usual"),
+        );
+    }
+}
+
+fn parameters_have_outputs(task: &DraftTask<'_>, report: &mut Report) {
+    for (name, bits) in &task.raw.parameters {
+        if bits.value.is_empty() {
+            report.add(
+                Problem::error(bits.at.clone(), format!("parameter `{}` has no outputs", name.value))
+                    .hint("name the outputs that carry it, the lowest bit first"),
+            );
+        }
+        for (nth, bit) in bits.value.iter().enumerate() {
+            if let Some(earlier) = bits.value[..nth].iter().find(|earlier| earlier.value == bit.value) {
+                report.add(
+                    Problem::error(bit.at.clone(), format!("`{}` is two bits of one parameter", bit.value))
+                        .also(&earlier.at, "the other one"),
+                );
+            }
+        }
+    }
+}
+
+/// The operations a recovery path from `op` may name: those of its task before it.
+pub(super) fn earlier_in_task(station: &DraftStation<'_>, op: OpId) -> Option<std::ops::Range<usize>> {
+    let task = station.operation(op).task.as_ref()?.value;
+    let ops = &station.tasks[task.index()].ops;
+    ops.contains(&op.index()).then(|| ops.start..op.index())
+}

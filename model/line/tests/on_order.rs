@@ -1,0 +1,276 @@
+//! Stations on order: what the base description says, and every rule broken once.
+//!
+//! `«` in a replacement marks where the problem must point; the mark is taken out before parsing.
+
+use linewright_line::{Line, OpId, Problem, RestId, StationId, TaskId, parse};
+
+const BASE: &str = include_str!("descriptions/on_order.toml");
+
+fn base() -> Line {
+    let parsed = parse("on_order.toml", BASE).unwrap_or_else(|problems| panic!("{problems:#}"));
+    assert_eq!(parsed.warnings, []);
+    parsed.line
+}
+
+#[test]
+fn the_base_is_sound_and_says_what_it_says() {
+    let line = base();
+    let m1 = line.station(StationId(0));
+    let named = |rest: RestId| m1.rests[rest.index()].name.as_str();
+    let tasks: Vec<_> =
+        m1.tasks.iter().map(|t| (t.name.as_str(), t.steps.clone(), named(t.from), named(t.to))).collect();
+    assert_eq!(
+        tasks,
+        [
+            ("clamp", 0..1, "open", "clamped"),
+            ("machine", 1..4, "clamped", "clamped"),
+            ("release", 4..5, "clamped", "open"),
+        ]
+    );
+    assert_eq!(m1.rests.iter().map(|rest| rest.at.clone()).collect::<Vec<_>>(), [[0.0, 0.0], [60.0, 0.0]]);
+    assert_eq!(m1.home, OpId(4), "the last operation of the first task that ends at the first rest");
+    assert_eq!(m1.arrival_at(RestId(1)), Some(OpId(0)));
+    assert_eq!(m1.tasks_from(RestId(1)).collect::<Vec<_>>(), [TaskId(1), TaskId(2)]);
+    assert_eq!((m1.rest_after(OpId(3)), m1.rest_after(OpId(2))), (Some(RestId(1)), None));
+    assert_eq!((m1.rest_before(OpId(1)), m1.rest_before(OpId(2))), (Some(RestId(1)), None));
+    assert_eq!(m1.path_end(OpId(2)), OpId(3));
+    let close = &m1.operations[0];
+    assert_eq!((m1.inputs[close.waits[0].index()].as_str(), close.waits_code), ("part_present", 12));
+    assert_eq!(m1.operations[1].waits_code, 0);
+    let run = line.buttons.iter().position(|name| name == "PB_run");
+    assert_eq!(close.hand.next().map(|button| button.index()), run, "what is begun first where the task ends");
+}
+
+#[test]
+fn a_parameter_stands_on_its_outputs_the_lowest_bit_first() {
+    let line = base();
+    let m1 = line.station(StationId(0));
+    let program = &m1.task(TaskId(1)).parameters[0];
+    let bit = |name: &str| 1u128 << m1.outputs.iter().position(|output| output == name).expect("it is there");
+    assert_eq!(program.most(), 7);
+    assert_eq!(program.image(0), Some(0));
+    assert_eq!(program.image(5), Some(bit("prog_1") | bit("prog_4")));
+    assert_eq!(program.image(6), Some(bit("prog_2") | bit("prog_4")));
+    assert_eq!((program.image(8), program.image(-1)), (None, None));
+}
+
+/// What to replace by what, first occurrence each; the beginning of the message; some words of the hint.
+type Case<'a> = (&'a [(&'a str, &'a str)], &'a str, &'a str);
+
+fn edited(edits: &[(&str, &str)]) -> (Vec<Problem>, (usize, usize)) {
+    let mut text = BASE.to_owned();
+    for (old, new) in edits {
+        assert!(text.contains(old), "the base has no {old:?}");
+        text = text.replacen(old, new, 1);
+    }
+    let mark = text.find('«').expect("a case marks a place");
+    let before = &text[..mark];
+    let place = (before.matches('\n').count() + 1, before.chars().rev().take_while(|&c| c != '\n').count() + 1);
+    let text = text.replace('«', "");
+    let problems = match parse("on_order.toml", &text) {
+        Ok(parsed) => parsed.warnings,
+        Err(problems) => problems.into_vec(),
+    };
+    (problems, place)
+}
+
+#[track_caller]
+fn errors(cases: &[Case<'_>]) {
+    let mut failures = Vec::new();
+    for (edits, message, hint) in cases {
+        let (problems, mark) = edited(edits);
+        let is_it = |p: &&Problem| p.message.starts_with(message) && (p.line, p.column) == mark && !p.is_warning;
+        if !problems.iter().filter(is_it).any(|p| p.hint.as_deref().unwrap_or_default().contains(hint)) {
+            let list = problems.iter().map(|p| format!("  {}:{}: {} ({:?})", p.line, p.column, p.message, p.hint));
+            let list: Vec<String> = list.collect();
+            failures.push(format!("{edits:?}\n wanted {mark:?} {message} ({hint})\n{}", list.join("\n")));
+        }
+    }
+    assert!(failures.is_empty(), "{}", failures.join("\n\n"));
+}
+
+#[test]
+fn tasks_and_rests() {
+    errors(&[
+        (
+            &[("name = \"m1\"\n", "name = \"m1\"\nhome = «\"clamp open\"\n")],
+            "station `m1` has tasks, and so no `home`",
+            "first rest",
+        ),
+        (&[("to = \"clamped\"", "to = «\"clampd\"")], "unknown rest `clampd`", "did you mean `clamped`?"),
+        (&[("at = { clamp = 60 }", "at = { «clmp = 60 }")], "unknown axis `clmp`", "`clamp`"),
+        (&[("{ name = \"clamped\"", "{ name = «\"open\"")], "a second rest of this station named `open`", ""),
+        (&[("name = \"machine\"", "name = «\"clamp\"")], "a second task of this station named `clamp`", ""),
+        (
+            &[("{ name = \"open\" }", "{ name = \"open\", at = { «clamp = 5 } }")],
+            "at home `clamp` stands at 0",
+            "first rest",
+        ),
+        (
+            &[(
+                "limit_s = 26\n",
+                "limit_s = 26\n\n[[station.task]]\nname = «\"nothing\"\nfrom = \"open\"\nto = \"open\"\nlimit_s = 9\n",
+            )],
+            "task `nothing` has no operation",
+            "`task = ",
+        ),
+        (
+            &[("at = { clamp = 60 } }]", "at = { clamp = 60 } }, { name = «\"half\", at = { clamp = 30 } }]")],
+            "no tasks lead from home to `half`",
+            "add a task",
+        ),
+        (
+            &[("name = \"clamped\"", "name = «\"clamped\""), ("to = \"open\"", "to = \"clamped\"")],
+            "no tasks lead from `clamped` back home",
+            "",
+        ),
+        (
+            &[("name = \"open\"", "name = «\"open\""), ("to = \"open\"", "to = \"clamped\"")],
+            "no task ends at `open`",
+            "some task",
+        ),
+        (&[("limit_s = 120", "limit_s = «3")], "the limit of task `machine` is 3 s, but its motions take 3 s", "twice"),
+        (
+            &[("from = \"open\"\nto = \"clamped\"", "from = \"open\"\nto = «\"open\"")],
+            "task `clamp` leaves `clamp` at 60, but in `open`",
+            "",
+        ),
+        (
+            &[("axis = \"slide\", from = 0, to = 80", "axis = \"slide\", from = «10, to = 80")],
+            "`slide in` starts at 10, but where the task begins",
+            "",
+        ),
+        (&[("[\"prog_1\", \"prog_2\", \"prog_4\"]", "«[]")], "parameter `program` has no outputs", "lowest bit first"),
+        (&[("\"prog_1\", \"prog_2\"", "\"prog_1\", «\"prog_1\"")], "`prog_1` is two bits of one parameter", ""),
+        (&[("\"prog_1\", \"prog_2\"", "«\"Y_close\", \"prog_2\"")], "`Y_close` means two things", "one thing"),
+        (
+            &[("\"prog_1\", \"prog_2\"", "«\"progg\", \"prog_2\"")],
+            "no device of station `m1` has an output `progg`",
+            "",
+        ),
+        (
+            &[("{ program = [\"prog_1\", \"prog_2\", \"prog_4\"] }", "{ program = «3 }")],
+            "`program` must be a list of texts",
+            "",
+        ),
+    ]);
+}
+
+#[test]
+fn operations_of_tasks() {
+    errors(&[
+        (&[("task = \"machine\"\nname = \"mill\"", "name = «\"mill\"")], "`mill` belongs to no task", "`task = "),
+        (
+            &[("task = \"machine\"\nname = \"mill\"", "task = «\"machin\"\nname = \"mill\"")],
+            "unknown task `machin`",
+            "`machine`",
+        ),
+        (
+            &[
+                ("task = \"machine\"\nname = \"mill\"", "task = \"clamp\"\nname = \"mill\""),
+                ("task = \"machine\"\nname = \"slide out\"", "task = «\"machine\"\nname = \"slide out\""),
+            ],
+            "`slide out` stands apart from the rest of its task",
+            "stand together",
+        ),
+        (
+            &[("name = \"mill\"", "name = \"mill\"\nwith = «\"slide in\"")],
+            "operations side by side in a station on order",
+            "one by one",
+        ),
+        (
+            &[
+                ("to = \"clamped\"\nlimit_s = 120", "to = \"open\"\nlimit_s = 120"),
+                ("name = \"mill\"", "name = «\"mill\""),
+            ],
+            "irreversible operation `mill` in a task that ends elsewhere",
+            "of its own",
+        ),
+        (&[("[\"slide in\"]", "[«\"clamp close\"]")], "`clamp close` does not come before `mill` in its task", ""),
+        (
+            &[("[\"slide in\"]", "[«\"slide out\"]")],
+            "the recovery path of `mill` names the last operation of its task",
+            "leave it out",
+        ),
+        (&[("waits = [\"part_present\"]", "waits = [«\"part\"]")], "no device of station `m1` has an input `part`", ""),
+        (
+            &[("waits = [\"part_present\"]\nwaits_code = 12", "waits_code = «12")],
+            "`clamp close` waits for nothing",
+            "`waits`",
+        ),
+        (&[("waits_code = 12", "waits_code = «1000")], "`waits_code` is 1000", "between 1 and 999"),
+    ]);
+}
+
+#[test]
+fn hand_mode() {
+    errors(&[
+        (
+            &[("forward = \"PB_open\"", "forward = \"PB_open\", next = «\"PB_close\"")],
+            "`next` where a task ends",
+            "leave it out",
+        ),
+        (
+            &[
+                ("type = 2, forward = \"PB_run\"", "type = 1, forward = \"PB_run\""),
+                ("slide out\"", "slide out\""),
+                (
+                    "hand = { type = 1, forward = \"PB_run\" }\n\n[[station.operation]]\ntask = \"release\"",
+                    "hand = «{ type = 1, forward = \"PB_run\" }\n\n[[station.operation]]\ntask = \"release\"",
+                ),
+            ],
+            "`slide out` ends task `machine`, but has hand type 1",
+            "2, 5 or 6",
+        ),
+        (
+            &[
+                ("type = 3, forward = \"PB_load\"", "type = 4, forward = \"PB_load\""),
+                ("hand = { type = 4, forward = \"PB_load\"", "hand = «{ type = 4, forward = \"PB_load\""),
+            ],
+            "`to the store` begins task `load m1`, but has hand type 4",
+            "1, 2, 3 or 6",
+        ),
+        (
+            &[("forward = \"PB_open\"", "forward = «\"PB_run\"")],
+            "tasks `machine` and `release` begin at one rest by one button",
+            "of its own",
+        ),
+        (
+            &[("back = \"PB_back\"", "back = \"PB_open\""), ("forward = \"PB_open\"", "forward = «\"PB_open\"")],
+            "one button begins task `release` and takes back `clamp close`",
+            "type 2",
+        ),
+    ]);
+}
+
+#[test]
+fn nothing_of_it_in_a_station_that_goes_round_and_no_arrows_to_one_on_order() {
+    let cyclic = include_str!("descriptions/cell.toml");
+    for (old, new, message) in [
+        ("name = \"push\"", "name = \"push\"\ntask = \"x\"", "`task` in a station without tasks"),
+        ("name = \"push\"", "name = \"push\"\nwaits = [\"X_0\"]", "`waits` in a station without tasks"),
+        (
+            "home = \"pull back\"",
+            "home = \"pull back\"\nrest = [{ name = \"home\" }]",
+            "a rest of a station without tasks",
+        ),
+    ] {
+        let problems = parse("cell.toml", &cyclic.replacen(old, new, 1)).expect_err(message).into_vec();
+        assert!(problems.iter().any(|p| p.message == message), "{message}: {problems:?}");
+    }
+    errors(&[
+        (
+            &[("[console]", "[[arrow]]\nfrom = \"«m1: mill\"\nto = \"robot: grasp\"\n\n[console]")],
+            "an arrow of a station on order",
+            "ordered",
+        ),
+        (
+            &[(
+                "[console]",
+                "[[conflict]]\nwhy = \"x\"\na = «{ station = \"m1\", from = \"mill\", until = \"mill\" }\nb = { station = \"robot\", from = \"grasp\", until = \"grasp\" }\n\n[console]",
+            )],
+            "a conflict with a station on order",
+            "cell's description",
+        ),
+    ]);
+}

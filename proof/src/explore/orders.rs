@@ -1,0 +1,71 @@
+//! What may happen to a station on order besides what happens to every station: orders, their end from outside, and the
+//! inputs its operations wait for.
+//!
+//! Orders have a number each, which grows for ever; what a station does with one does not depend on it. Time stands still
+//! but for the time of an order: each has the shortest there is, and only [`Act::Expire`] lets it pass.
+
+use std::time::Duration;
+
+use linewright_line::net::ControlMode;
+use linewright_line::{Line, StationId};
+use linewright_station_logic::{OrderKey, Outcome, TaskOrder};
+
+use super::station::{Act, Situation};
+
+/// The time of every order.
+pub(super) const LIMIT: Duration = Duration::from_micros(1);
+
+/// The key of an order.
+pub(super) fn key(id: u64) -> OrderKey {
+    OrderKey { epoch: 1, id }
+}
+
+/// An order for a task, with every bit of its parameters on.
+pub(super) fn order(line: &Line, station: StationId, task: linewright_line::TaskId, id: u64) -> TaskOrder {
+    let task = line.station(station).task(task);
+    TaskOrder {
+        key: key(id),
+        // Its first life is its first memory.
+        memory: 1,
+        task: task.name.clone(),
+        parameters: task.parameters.iter().map(|parameter| (parameter.name.clone(), parameter.most())).collect(),
+        limit: LIMIT,
+    }
+}
+
+/// The inputs that a station's operations wait for.
+pub(super) fn sensors_of(line: &Line, station: StationId) -> u128 {
+    let waits = line.station(station).operations.iter().flat_map(|operation| &operation.waits);
+    waits.fold(0, |bits, input| bits | input.bit())
+}
+
+/// The outputs that carry the parameters of the order it has.
+pub(super) fn parameters(line: &Line, station: StationId, situation: &Situation) -> u128 {
+    let Some(slot) = situation.controller.report().order.and_then(|order| order.slot) else { return 0 };
+    let bits = line.station(station).task(slot.task).parameters.iter().flat_map(|parameter| &parameter.bits);
+    bits.fold(0, |bits, output| bits | output.bit())
+}
+
+/// What may happen next.
+pub(super) fn acts(line: &Line, station: StationId, situation: &Situation, acts: &mut Vec<Act>) {
+    let Some(report) = situation.controller.report().order else { return };
+    match (report.slot, report.rest) {
+        (Some(slot), _) => {
+            acts.push(Act::Secure);
+            if !slot.is_securing {
+                acts.push(Act::Expire);
+            }
+        }
+        (None, Some(rest)) if situation.mode == ControlMode::Auto => {
+            acts.extend(line.station(station).tasks_from(rest).map(Act::Order));
+        }
+        (None, Some(_)) => {}
+        (None, None) => {
+            let failed = report.results.last().is_some_and(|(_, outcome)| matches!(outcome, Outcome::Failed(_)));
+            acts.extend(failed.then_some(Act::Secure));
+        }
+    }
+    if sensors_of(line, station) != 0 {
+        acts.push(Act::Sensors(!situation.has_sensors()));
+    }
+}

@@ -1,0 +1,164 @@
+//! A random station on order: rests in a ring of tasks, more tasks between any of them, and operations that lead from one
+//! rest to the next along one axis.
+//!
+//! Each rest is a position of that axis, so whatever a task does in between, its last operation leads to its rest, and so
+//! does every recovery path. Irreversible operations are in tasks that come back, after something that can be taken back.
+
+use std::time::Duration;
+
+use linewright_line::{
+    Axis, AxisId, Console, Hand, InputId, Line, Motion, OpId, OutputId, Panel, Parameter, Rest, RestId, Station, Task,
+    Timing,
+};
+
+use super::station::{button, operation};
+use super::{Random, Shape, bus, devices};
+
+/// Rests of one station.
+const RESTS: std::ops::RangeInclusive<usize> = 1..=3;
+/// Tasks beside those that lead round all rests.
+const MORE_TASKS: std::ops::RangeInclusive<usize> = 0..=2;
+/// Operations of a task.
+const OPERATIONS: std::ops::RangeInclusive<usize> = 1..=3;
+/// How far rests lie apart.
+const APART: f64 = 100.0;
+
+/// A line of so many stations on order; the same for the same seed. Of the shape count the chances.
+pub fn on_order(shape: &Shape, stations: usize, seed: u64) -> Line {
+    let mut random = Random::new(seed);
+    let mut buttons = Vec::new();
+    let stations: Vec<Station> =
+        (0..stations).map(|number| station(shape, number, &mut buttons, &mut random)).collect();
+    let devices = stations.iter().enumerate().flat_map(|(number, station)| devices(number, station)).collect();
+    Line {
+        name: "generated".to_owned(),
+        title: format!("Generated stations on order {seed}"),
+        stations,
+        arrows: Vec::new(),
+        conflicts: Vec::new(),
+        devices,
+        console: Console { buttons: vec![None; buttons.len()], ..Console::default() },
+        buttons,
+        timing: Timing::default(),
+    }
+}
+
+fn station(shape: &Shape, number: usize, buttons: &mut Vec<String>, random: &mut Random) -> Station {
+    let rests = random.within(&RESTS);
+    let mut ways: Vec<(usize, usize)> = (0..rests).map(|rest| (rest, (rest + 1) % rests)).collect();
+    for _ in 0..random.within(&MORE_TASKS) {
+        ways.push((random.below(rests), random.below(rests)));
+    }
+    let mut station = Station {
+        name: format!("s{number}"),
+        title: format!("Station {number}"),
+        operations: Vec::new(),
+        home: OpId(0),
+        steps: Vec::new(),
+        rests: (0..rests).map(|n| Rest { name: format!("rest {n}"), at: vec![position(n)] }).collect(),
+        tasks: Vec::new(),
+        axes: vec![Axis { name: "axis_0".to_owned(), home: 0.0 }],
+        inputs: ["manual", "advance", "return"].map(|key| format!("P_{key}")).to_vec(),
+        outputs: Vec::new(),
+        panel: Panel { manual: Some(InputId(0)), advance: Some(InputId(1)), retract: Some(InputId(2)) },
+        bus: bus(number),
+    };
+    for (nth, &(from, to)) in ways.iter().enumerate() {
+        task(&mut station, nth, (from, to), shape, buttons, random);
+    }
+    for nth in 0..station.tasks.len() {
+        let task = &station.tasks[nth];
+        let last = station.steps[task.steps.end - 1][0];
+        let next = station.tasks_from(task.to).next().map(|next| station.first_of(next));
+        let forward = next.map(|op| station.operations[op.index()].hand.forward());
+        let hand = &mut station.operations[last.index()].hand;
+        *hand = match (*hand, forward) {
+            (Hand::SequenceEnd { forward, next: _ }, Some(next)) => Hand::SequenceEnd { forward, next },
+            (Hand::ReversedEnd { forward, back, next: _ }, Some(next)) => Hand::ReversedEnd { forward, back, next },
+            (Hand::Single { forward, back, next: _ }, Some(next)) => Hand::Single { forward, back, next },
+            (hand, _) => hand,
+        };
+    }
+    station.home = station.arrival_at(RestId(0)).unwrap_or(OpId(0));
+    station
+}
+
+fn position(rest: usize) -> f64 {
+    rest as f64 * APART
+}
+
+fn task(
+    station: &mut Station,
+    nth: usize,
+    (from, to): (usize, usize),
+    shape: &Shape,
+    buttons: &mut Vec<String>,
+    random: &mut Random,
+) {
+    let count = random.within(&OPERATIONS).max(if from == to { 2 } else { 1 });
+    let first = station.operations.len();
+    let mut irreversible = false;
+    let mut at = position(from);
+    for n in 0..count {
+        let last = n + 1 == count;
+        // Points of its own between the rests, another one each time.
+        let end = if last { position(to) } else { position(from) + 1.0 + (nth * *OPERATIONS.end() + n) as f64 };
+        let earlier: Vec<OpId> = (first..first + n).map(OpId::at).filter(|&op| is_reversible(station, op)).collect();
+        let path = from == to && n > 0 && !last && random.chance(shape.irreversible);
+        let path = path.then(|| earlier.into_iter().rev().collect::<Vec<_>>());
+        irreversible |= path.is_some();
+        let motion = Motion { axis: AxisId(0), from: at, to: end };
+        let hand = Hand::Sequence { forward: button(buttons, format!("F_{nth}")) };
+        let mut op = operation(station, first + n, motion, path, hand, shape, random);
+        if random.chance(30) {
+            station.inputs.push(format!("W_{}", first + n));
+            op.waits = vec![InputId::at(station.inputs.len() - 1)];
+            op.waits_code = if random.chance(50) { 1 + (first + n) as u16 } else { 0 };
+        }
+        station.operations.push(op);
+        station.steps.push(vec![OpId::at(first + n)]);
+        at = end;
+    }
+    let reversed = !irreversible && random.chance(50);
+    for n in 0..count {
+        let hand = hand(n, count, nth, reversed, buttons);
+        station.operations[first + n].hand = hand;
+    }
+    let parameters = if random.chance(40) { vec![parameter(station, nth, random)] } else { Vec::new() };
+    station.tasks.push(Task {
+        name: format!("task {nth}"),
+        steps: first..first + count,
+        from: RestId::at(from),
+        to: RestId::at(to),
+        limit: Duration::from_secs(10),
+        parameters,
+    });
+}
+
+fn is_reversible(station: &Station, op: OpId) -> bool {
+    matches!(station.operations[op.index()].module, linewright_line::Module::Reversible { .. })
+}
+
+/// One button runs the task, another may take it back; what follows is put in afterwards.
+fn hand(n: usize, count: usize, task: usize, reversed: bool, buttons: &mut Vec<String>) -> Hand {
+    let forward = button(buttons, format!("F_{task}"));
+    let (next, last) = (forward, n + 1 == count);
+    if !reversed {
+        return if last { Hand::SequenceEnd { forward, next } } else { Hand::Sequence { forward } };
+    }
+    let back = button(buttons, format!("B_{task}"));
+    match (n, last) {
+        (0, true) => Hand::Single { forward, back, next },
+        (0, false) => Hand::ReversedStart { forward, back },
+        (_, false) => Hand::ReversedMiddle { forward, back },
+        (_, true) => Hand::ReversedEnd { forward, back, next },
+    }
+}
+
+fn parameter(station: &mut Station, task: usize, random: &mut Random) -> Parameter {
+    let bits = (0..random.within(&(1..=3))).map(|bit| {
+        station.outputs.push(format!("N_{task}_{bit}"));
+        OutputId::at(station.outputs.len() - 1)
+    });
+    Parameter { name: format!("number_{task}"), bits: bits.collect() }
+}

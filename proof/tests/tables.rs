@@ -1,0 +1,39 @@
+//! The tables of stations that go round a cycle are, to the byte, what they were before stations could work on order.
+//!
+//! `tables.txt` was written by the compiler of that time, of the shipped line and of fifty that nobody has thought of. A
+//! change of it is a change of every controller there is: it needs a reason that has nothing to do with orders.
+
+use linewright_line::{Line, TransferLine, parse};
+use linewright_proof::generate::{self, Shape};
+use linewright_station_logic::Program;
+
+const BEFORE: &str = include_str!("tables.txt");
+
+/// FNV-1a, 64 bits.
+fn hash(text: &str) -> u64 {
+    text.bytes().fold(0xcbf2_9ce4_8422_2325, |hash, byte| (hash ^ u64::from(byte)).wrapping_mul(0x100_0000_01b3))
+}
+
+/// A line of text for each station: of which line, its name, how many bytes its tables take in words, and their hash.
+fn tables(of: &str, line: &Line, out: &mut Vec<String>) {
+    for id in line.station_ids() {
+        let program = Program::compile(line, id).expect("a sound station compiles");
+        // What only stations on order have is at the end, and not there.
+        let words = format!("{program:?}").replace(", on_order: None", "");
+        out.push(format!("{of} {} {} {:016x}", line.station(id).name, words.len(), hash(&words)));
+    }
+}
+
+#[test]
+fn they_are_what_they_were() {
+    let shipped = TransferLine::default().text();
+    let mut now = Vec::new();
+    tables("shipped", &parse("line.toml", &shipped).expect("the shipped line is sound").line, &mut now);
+    for seed in 0..50 {
+        let shape = if seed < 40 { Shape::default() } else { Shape::row(8) };
+        tables(&format!("generated-{seed}"), &generate::line(&shape, seed), &mut now);
+    }
+    let first = now.iter().zip(BEFORE.lines()).find(|(now, before)| now != before);
+    let same = now.iter().map(String::as_str).eq(BEFORE.lines());
+    assert!(same, "the first that differs: {first:?}; the whole of it now:\n{}\n", now.join("\n"));
+}

@@ -1,0 +1,454 @@
+//! A station's orders: what it makes of what it is told.
+//!
+//! ```text
+//!            taken on                       its last operation is complete
+//!   no order ────────▶ running ────────────────────────────────────────────▶ done
+//!                       │   │ a fault, another mode, a restart
+//!                       │   └──────────────────────────────────────────────▶ failed: stands where it is
+//!                       │ its time is over: failed at once ┐
+//!                       │ told to secure                   ├─▶ securing ───▶ back where the task began, or as far as it
+//!                       └──────────────────────────────────┘                 goes by itself (failed, if that was open)
+//! ```
+//!
+//! What it refuses for good it remembers: a copy of the message that comes late, when the reason has gone, is refused all
+//! the same. What it refuses for now it forgets. All that it remembers is in its snapshot, which is kept before anything is
+//! driven or told. A station that comes up has ended whatever it was doing: its outputs went off, and a person should look.
+//! One that comes up without its memory draws a new number for it, and orders say which memory they are meant for.
+
+use linewright_line::net::{ControlMode, Kind, Place};
+use linewright_line::{OpId, RestId, TaskId, Tick};
+
+use crate::controller::Controller;
+use crate::event::{Cause, Happening};
+use crate::order::{
+    Failure, OrderKey, OrderMemory, OrderReport, Outcome, RESULTS_MAX, Refusal, Reply, SlotReport, TaskCommand,
+    TaskOrder,
+};
+use crate::program::{bit, task_bit};
+
+/// The orders of a station on order.
+#[derive(Clone, Debug, Default)]
+pub(crate) struct Orders {
+    memory: u64,
+    epoch: u64,
+    last: u64,
+    slot: Option<Slot>,
+    results: Vec<(OrderKey, Reply)>,
+    /// What has been answered since the last step.
+    pub replies: Vec<(OrderKey, Reply)>,
+}
+
+#[derive(Clone, Copy, Debug)]
+struct Slot {
+    key: OrderKey,
+    task: TaskId,
+    /// The outputs that carry its parameters.
+    image: u128,
+    limit: Tick,
+    /// Its first operation has started.
+    begun: bool,
+    phase: Phase,
+}
+
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+enum Phase {
+    Running,
+    /// On its way back.
+    Securing {
+        /// How the order has ended has been said.
+        told: bool,
+    },
+}
+
+impl Orders {
+    /// Of a station that has never been told anything.
+    pub fn new(memory: u64) -> Self {
+        Orders { memory, ..Orders::default() }
+    }
+
+    fn remember(&mut self, key: OrderKey, reply: Reply) {
+        if self.results.len() == RESULTS_MAX {
+            self.results.remove(0);
+        }
+        self.results.push((key, reply));
+    }
+
+    fn known(&self, key: OrderKey) -> Option<Reply> {
+        let slot = self.slot.filter(|slot| slot.key == key).map(|_| Reply::Running);
+        slot.or_else(|| self.results.iter().find(|(known, _)| *known == key).map(|(_, reply)| *reply))
+    }
+
+    /// The station has nothing to do with a key that is not newer than this.
+    fn too_old(&self, key: OrderKey) -> Option<Refusal> {
+        if key.epoch < self.epoch { Some(Refusal::OldEpoch) } else { (key.id <= self.last).then_some(Refusal::Old) }
+    }
+
+    /// The last order has failed: the station may be told to go back from it.
+    fn last_has_failed(&self) -> Option<OrderKey> {
+        self.results.last().and_then(|(key, reply)| match reply {
+            Reply::Ended(Outcome::Failed(_)) => Some(*key),
+            Reply::Ended(Outcome::Done) | Reply::Running | Reply::Refused(_) => None,
+        })
+    }
+
+    /// What decides what the station will do, as numbers (see [`Controller::situation`]).
+    pub fn situation(&self, out: &mut Vec<i64>) {
+        out.push(i64::from(self.last_has_failed().is_some()));
+        match self.slot {
+            None => out.push(-1),
+            Some(slot) => {
+                let phase = match slot.phase {
+                    Phase::Running => 0,
+                    Phase::Securing { told: false } => 1,
+                    Phase::Securing { told: true } => 2,
+                };
+                out.extend([i64::from(slot.task.0), i64::from(slot.begun), phase]);
+                out.extend([(slot.image >> 64) as i64, slot.image as i64]);
+            }
+        }
+    }
+
+    /// What to keep.
+    pub fn memory(&self) -> OrderMemory {
+        let open = self.slot.filter(|slot| slot.phase != Phase::Securing { told: true });
+        OrderMemory {
+            memory: self.memory,
+            epoch: self.epoch,
+            last: self.last,
+            slot: open.map(|slot| slot.key),
+            results: self.results.clone(),
+        }
+    }
+
+    /// What a station that comes up makes of what it kept.
+    pub fn restored(kept: OrderMemory) -> Self {
+        let mut orders = Orders {
+            memory: kept.memory,
+            epoch: kept.epoch,
+            last: kept.last,
+            results: kept.results,
+            ..Orders::default()
+        };
+        let surplus = orders.results.len().saturating_sub(RESULTS_MAX);
+        orders.results.drain(..surplus);
+        if let Some(key) = kept.slot {
+            orders.remember(key, Reply::Ended(Outcome::Failed(Failure::Restarted)));
+        }
+        orders
+    }
+}
+
+impl Controller {
+    /// Takes a command. Gives false at a station that does not work on order.
+    pub(crate) fn command(&mut self, command: TaskCommand<'_>) -> bool {
+        let Some(orders) = &self.orders else { return false };
+        let (key, known) = match command {
+            TaskCommand::Run(order) => (order.key, orders.known(order.key)),
+            TaskCommand::Secure(key) => (key, None),
+        };
+        let reply = match (known, command) {
+            (Some(reply), _) => reply,
+            (None, TaskCommand::Run(order)) => self.run(order),
+            (None, TaskCommand::Secure(key)) => self.secure(key),
+        };
+        if let Some(orders) = &mut self.orders {
+            orders.replies.push((key, reply));
+        }
+        self.settled = false;
+        true
+    }
+
+    fn run(&mut self, order: &TaskOrder) -> Reply {
+        let now = self.now;
+        let may_start = self.commands.granted(now) == ControlMode::Auto && !self.commands.is_stopping();
+        let Some(orders) = &mut self.orders else { return Reply::Refused(Refusal::Unknown) };
+        if order.memory != orders.memory {
+            return Reply::Refused(Refusal::OtherMemory);
+        }
+        if let Some(refusal) = orders.too_old(order.key) {
+            return Reply::Refused(refusal);
+        }
+        self.changed |= orders.epoch != order.key.epoch;
+        orders.epoch = order.key.epoch;
+        if orders.slot.is_some() {
+            return Reply::Refused(Refusal::Busy);
+        }
+        if !may_start {
+            return Reply::Refused(Refusal::Mode);
+        }
+        let begun = self.begin(order);
+        let Some(orders) = &mut self.orders else { return Reply::Refused(Refusal::Unknown) };
+        orders.last = order.key.id;
+        self.changed = true;
+        match begun {
+            Ok(slot) => {
+                orders.slot = Some(slot);
+                self.dirty = true;
+                self.note(Happening::Ordered(slot.task));
+                Reply::Running
+            }
+            Err(refusal) => {
+                orders.remember(order.key, Reply::Refused(refusal));
+                self.note(Happening::OrderRefused(refusal));
+                Reply::Refused(refusal)
+            }
+        }
+    }
+
+    /// The order as it would be done; why it will not be.
+    fn begin(&self, order: &TaskOrder) -> Result<Slot, Refusal> {
+        let tasks = self.program.on_order.as_ref().ok_or(Refusal::Unknown)?;
+        if order.limit.is_zero() {
+            return Err(Refusal::Late);
+        }
+        let index = tasks.tasks.iter().position(|task| task.name == order.task).ok_or(Refusal::Unknown)?;
+        let task = &tasks.tasks[index];
+        if order.parameters.len() != task.parameters.len() {
+            return Err(Refusal::Unknown);
+        }
+        let mut image = 0;
+        for parameter in &task.parameters {
+            // A number that is missing is not guessed.
+            let given = order.parameters.iter().find(|(name, _)| *name == parameter.name);
+            image |= given.and_then(|(_, value)| parameter.image(*value)).ok_or(Refusal::Unknown)?;
+        }
+        if !self.devices_valid {
+            return Err(Refusal::Devices);
+        }
+        if self.marking().any(Place::is_incomplete) {
+            return Err(Refusal::Incomplete);
+        }
+        if self.rest() != Some(task.from) {
+            return Err(Refusal::NotThere);
+        }
+        let limit = self.now + order.limit.min(task.limit);
+        Ok(Slot { key: order.key, task: TaskId::at(index), image, limit, begun: false, phase: Phase::Running })
+    }
+
+    fn secure(&mut self, key: OrderKey) -> Reply {
+        // Where people move the station, nothing is told to move by itself later.
+        let by_itself = match self.commands.granted(self.now) {
+            ControlMode::Home | ControlMode::StandBy | ControlMode::Auto => true,
+            ControlMode::Hand | ControlMode::Manual | ControlMode::EStop => false,
+        };
+        let place = self.marking().next().filter(|_| by_itself && self.rest().is_none());
+        let leads_back = place.filter(|&place| place.is_operating() || self.goes_back_from(place));
+        let task = leads_back.and_then(|place| self.task_of(place.op));
+        let Some(orders) = &mut self.orders else { return Reply::Refused(Refusal::Unknown) };
+        if let Some(slot) = orders.slot.as_mut().filter(|slot| slot.key == key) {
+            if slot.phase == Phase::Running {
+                slot.phase = Phase::Securing { told: false };
+                let task = slot.task;
+                if slot.begun {
+                    self.changed = true;
+                    self.note(Happening::Securing(task));
+                } else {
+                    self.conclude(Outcome::Failed(Failure::Cancelled));
+                }
+            }
+        } else if orders.last_has_failed() == Some(key) && orders.slot.is_none() {
+            // It may stand where a person has left it since.
+            if let Some(task) = task {
+                let phase = Phase::Securing { told: true };
+                orders.slot = Some(Slot { key, task, image: 0, limit: Tick::NEVER, begun: true, phase });
+                self.changed = true;
+                self.note(Happening::Securing(task));
+            }
+        } else if orders.known(key).is_none() {
+            if let Some(refusal) = orders.too_old(key) {
+                return Reply::Refused(refusal);
+            }
+            // Not heard of yet, and not to be done when it is.
+            (orders.epoch, orders.last) = (key.epoch, key.id);
+            orders.remember(key, Reply::Ended(Outcome::Failed(Failure::Cancelled)));
+            self.changed = true;
+        }
+        self.orders.as_ref().and_then(|orders| orders.known(key)).unwrap_or(Reply::Running)
+    }
+
+    fn task_of(&self, op: OpId) -> Option<TaskId> {
+        self.program.on_order.as_ref().map(|tasks| tasks.task_of[op.index()])
+    }
+
+    /// The rest a station on order stands at.
+    pub(crate) fn rest(&self) -> Option<RestId> {
+        let tasks = self.program.on_order.as_ref().filter(|_| self.path.is_none())?;
+        let place = self.marking().next()?;
+        let task = tasks.task(tasks.task_of[place.op.index()]);
+        if place == Place::completed(task.last) {
+            Some(task.to)
+        } else {
+            (place == Place::undone(task.first)).then_some(task.from)
+        }
+    }
+
+    /// What the orders make true of the word of condition variables. Nothing goes back without devices.
+    pub(crate) fn order_bits(&self) -> u128 {
+        match self.slot() {
+            Some(Slot { phase: Phase::Running, task, .. }) => task_bit(task),
+            Some(Slot { phase: Phase::Securing { .. }, .. }) if self.devices_valid => bit::SECURE,
+            Some(Slot { phase: Phase::Securing { .. }, .. }) | None => 0,
+        }
+    }
+
+    fn refresh_orders(&mut self) {
+        let bits = self.order_bits();
+        self.levels = self.levels & !bit::ORDERS | bits;
+        self.levels_before = self.levels_before & !bit::ORDERS | bits;
+    }
+
+    fn slot(&self) -> Option<Slot> {
+        self.orders.as_ref().and_then(|orders| orders.slot)
+    }
+
+    /// The outputs that carry the parameters of the task that is done.
+    pub(crate) fn parameter_outputs(&self) -> u128 {
+        self.slot().map_or(0, |slot| slot.image)
+    }
+
+    /// When the time of the order is over.
+    pub(crate) fn order_limit(&self) -> Tick {
+        self.slot().filter(|slot| slot.phase == Phase::Running).map_or(Tick::NEVER, |slot| slot.limit)
+    }
+
+    /// A task's first operation starts.
+    pub(crate) fn order_begins(&mut self, step: u8) {
+        let Some(tasks) = &self.program.on_order else { return };
+        let Some(slot) = self.orders.as_mut().and_then(|orders| orders.slot.as_mut()) else { return };
+        slot.begun |= tasks.task(slot.task).first_step == step;
+    }
+
+    /// An operation is complete. The last one of the task is its end, on the way back too: the task is done.
+    pub(crate) fn order_completes(&mut self, op: OpId) {
+        let Some(slot) = self.slot().filter(|slot| slot.begun) else { return };
+        if self.program.on_order.as_ref().is_some_and(|tasks| tasks.task(slot.task).last == op) {
+            self.conclude(Outcome::Done);
+        }
+    }
+
+    /// An operation was stopped: nothing goes on by itself.
+    pub(crate) fn order_stops(&mut self, cause: Cause) {
+        if let Some(slot) = self.slot() {
+            let restoring = slot.phase != Phase::Running;
+            let failure = match cause {
+                Cause::EStop | Cause::Released => Failure::Interrupted,
+                Cause::Restart => Failure::Restarted,
+                Cause::Signal
+                | Cause::Watchdog
+                | Cause::SwitchStuck
+                | Cause::Devices
+                | Cause::NotAtHome
+                | Cause::Ambiguous => Failure::Fault,
+            };
+            self.conclude(Outcome::Failed(if restoring { Failure::Held } else { failure }));
+        }
+    }
+
+    /// The mode has changed: where people move the station, an order is over.
+    pub(crate) fn order_in_mode(&mut self, mode: ControlMode) {
+        match mode {
+            ControlMode::Home | ControlMode::StandBy | ControlMode::Auto => {}
+            ControlMode::Hand | ControlMode::Manual | ControlMode::EStop => {
+                if self.slot().is_some() {
+                    self.conclude(Outcome::Failed(Failure::Interrupted));
+                }
+            }
+        }
+    }
+
+    /// Looks whether the time of the order is over.
+    pub(crate) fn watch_order(&mut self) {
+        if self.now < self.order_limit() {
+            return;
+        }
+        let failure = self.waited_for().map_or(Failure::TimedOut, Failure::Waiting);
+        let Some(slot) = self.slot() else { return };
+        if !slot.begun {
+            return self.conclude(Outcome::Failed(failure));
+        }
+        if let Some(orders) = &mut self.orders {
+            orders.remember(slot.key, Reply::Ended(Outcome::Failed(failure)));
+            orders.slot = Some(Slot { phase: Phase::Securing { told: true }, ..slot });
+        }
+        self.changed = true;
+        self.note(Happening::OrderFailed(slot.task, failure));
+        self.note(Happening::Securing(slot.task));
+    }
+
+    /// The step that the order would go on with, where the station stands between two.
+    pub(crate) fn next_step(&self) -> Option<u8> {
+        let (tasks, slot) = (self.program.on_order.as_ref()?, self.slot()?);
+        if !slot.begun {
+            return Some(tasks.task(slot.task).first_step);
+        }
+        let place = self.marking().next()?;
+        (place == Place::completed(place.op)).then(|| self.program.step_of[place.op.index()] + 1)
+    }
+
+    /// The code of the inputs that the order waits for.
+    fn waited_for(&self) -> Option<u16> {
+        let step = self.next_step().filter(|&step| self.missing(step) != 0)?;
+        let (_, code) = *self.program.on_order.as_ref()?.waits.get(usize::from(step))?;
+        (code != 0).then_some(code)
+    }
+
+    /// Looks whether a station that goes back has come as far as it can.
+    pub(crate) fn follow_securing(&mut self) {
+        let Some(Slot { phase: Phase::Securing { .. }, .. }) = self.slot() else { return };
+        let Some(place) = self.marking().next() else { return };
+        if place.is_operating() || (self.rest().is_none() && self.goes_back_from(place)) {
+            return;
+        }
+        // At the first operation's beginning the token goes on to the rest; that is no way.
+        let failure = if self.rest().is_some() { Failure::Cancelled } else { Failure::Held };
+        self.conclude(Outcome::Failed(failure));
+    }
+
+    /// Whether something leads back from a place in auto.
+    fn goes_back_from(&self, place: Place) -> bool {
+        let (start, end) =
+            self.program.places[usize::from(self.program.index_of(place))].rows[ControlMode::Auto as usize];
+        self.program.rows[usize::from(start)..usize::from(end)].iter().any(|row| {
+            let kind = self.program.actions[usize::from(row.transition)].kind;
+            row.need & bit::SECURE != 0 || matches!(kind, Kind::GiveUp(_))
+        })
+    }
+
+    /// The order is over, by this unless it was before.
+    fn conclude(&mut self, outcome: Outcome) {
+        let Some(orders) = &mut self.orders else { return };
+        let Some(slot) = orders.slot.take() else { return };
+        if slot.phase != (Phase::Securing { told: true }) {
+            orders.remember(slot.key, Reply::Ended(outcome));
+            self.note(match outcome {
+                Outcome::Done => Happening::OrderDone(slot.task),
+                Outcome::Failed(failure) => Happening::OrderFailed(slot.task, failure),
+            });
+        }
+        self.changed = true;
+        self.dirty = true;
+        self.refresh_orders();
+    }
+
+    /// What it says of its orders, over what is in `report`.
+    pub(crate) fn report_orders(&self, report: &mut Option<OrderReport>) {
+        let Some(orders) = &self.orders else {
+            *report = None;
+            return;
+        };
+        let report = report.get_or_insert_with(OrderReport::default);
+        report.memory = orders.memory;
+        report.epoch = orders.epoch;
+        report.slot = orders.slot.map(|slot| SlotReport {
+            key: slot.key,
+            task: slot.task,
+            is_securing: slot.phase != Phase::Running,
+        });
+        report.results.clear();
+        report.results.extend(orders.results.iter().filter_map(|(key, reply)| match reply {
+            Reply::Ended(outcome) => Some((*key, *outcome)),
+            Reply::Running | Reply::Refused(_) => None,
+        }));
+        report.rest = self.rest();
+    }
+}

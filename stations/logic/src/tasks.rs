@@ -1,0 +1,74 @@
+//! A station's tasks, compiled: what only a station on order has besides the tables of every station.
+
+use std::time::Duration;
+
+use linewright_line::{OpId, Parameter, RestId, Station, TaskId};
+
+/// The tasks of a station on order.
+#[derive(Clone, Debug)]
+pub(crate) struct OnOrder {
+    pub tasks: Vec<TaskTable>,
+    /// For each operation, its task.
+    pub task_of: Vec<TaskId>,
+    /// For each step, the inputs that must be on before it starts, and the code for when they are not in time.
+    pub waits: Vec<(u128, u16)>,
+    /// All of those inputs.
+    pub watched: u128,
+}
+
+/// One task.
+#[derive(Clone, Debug)]
+pub(crate) struct TaskTable {
+    pub name: String,
+    pub first_step: u8,
+    pub first: OpId,
+    pub last: OpId,
+    pub from: RestId,
+    pub to: RestId,
+    pub limit: Duration,
+    pub parameters: Vec<Parameter>,
+}
+
+impl OnOrder {
+    /// Of a station on order; none for one that goes round a cycle.
+    pub fn of(station: &Station) -> Option<Self> {
+        if !station.works_on_order() {
+            return None;
+        }
+        let task = |id: TaskId| {
+            let task = station.task(id);
+            TaskTable {
+                name: task.name.clone(),
+                first_step: task.steps.start as u8,
+                first: station.first_of(id),
+                last: station.last_of(id),
+                from: task.from,
+                to: task.to,
+                limit: task.limit,
+                parameters: task.parameters.clone(),
+            }
+        };
+        let waits = |step: &Vec<OpId>| {
+            let operation = &station.operations[step[0].index()];
+            (operation.waits.iter().fold(0, |bits, input| bits | input.bit()), operation.waits_code)
+        };
+        let waits: Vec<(u128, u16)> = station.steps.iter().map(waits).collect();
+        Some(OnOrder {
+            tasks: station.task_ids().map(task).collect(),
+            // A checked description has a task for every operation.
+            task_of: station.op_ids().map(|op| station.task_of(op).unwrap_or(TaskId(0))).collect(),
+            watched: waits.iter().fold(0, |all, (bits, _)| all | bits),
+            waits,
+        })
+    }
+
+    /// The task with this id.
+    pub fn task(&self, id: TaskId) -> &TaskTable {
+        &self.tasks[id.index()]
+    }
+
+    /// Whether a step is the first one of a task.
+    pub fn begins_with(&self, step: u8) -> bool {
+        self.tasks.iter().any(|task| task.first_step == step)
+    }
+}

@@ -1,0 +1,193 @@
+//! Leaving an order: back to where the task began, as far as it goes by itself.
+
+use std::time::Duration;
+
+use linewright_line::net::ControlMode;
+use linewright_line::{StationId, Tick};
+use linewright_station_logic::{
+    Controller, Failure, Input, ModeOrder, NO_DELAY, Outbox, Outcome, Refusal, Reply, Restore, TaskCommand, TaskOrder,
+};
+
+use crate::bench::{Bench, key, order};
+
+fn ended(failure: Failure) -> Reply {
+    Reply::Ended(Outcome::Failed(failure))
+}
+
+#[test]
+fn told_to_go_back_it_ends_the_motion_and_takes_the_task_back() {
+    let mut m1 = Bench::new();
+    m1.done(&order(1, "clamp"));
+    m1.events();
+    m1.run(&order(2, "machine"));
+    assert_eq!(m1.secure(key(1, 2)), Reply::Running);
+    assert_eq!(m1.on(), ["Y_in", "prog_1", "prog_4"], "the motion under way ends");
+    m1.arrive();
+    assert_eq!(m1.on(), ["Y_out", "prog_1", "prog_4"], "and is taken back");
+    assert_eq!(m1.run(&order(3, "release")), Reply::Refused(Refusal::Busy));
+    m1.arrive();
+    assert_eq!((m1.on(), m1.rest().as_deref(), m1.slot()), (vec![], Some("clamped"), None));
+    assert_eq!(m1.secure(key(1, 2)), ended(Failure::Cancelled));
+    assert_eq!(m1.run(&order(2, "machine")), ended(Failure::Cancelled), "a copy of the order that comes late");
+    assert_eq!(m1.controller.report().done[1], 0);
+    m1.done(&order(3, "release"));
+}
+
+#[test]
+fn what_cannot_be_taken_back_it_stays_with() {
+    let mut m1 = Bench::new();
+    m1.done(&order(1, "clamp"));
+    m1.run(&order(2, "machine"));
+    m1.arrive();
+    assert_eq!(m1.secure(key(1, 2)), Reply::Running);
+    m1.arrive();
+    assert_eq!((m1.doing().as_str(), m1.on()), ("mill (done)", vec![]));
+    assert_eq!(m1.result(key(1, 2)), Some(Outcome::Failed(Failure::Held)));
+    assert_eq!(m1.blocked_by(), ["somebody to lead it to a rest: no order goes on from here"]);
+    assert_eq!(m1.run(&order(3, "machine")), Reply::Refused(Refusal::NotThere));
+}
+
+#[test]
+fn told_in_the_last_motion_it_has_done_the_task_all_the_same() {
+    let mut m1 = Bench::new();
+    m1.run(&order(1, "clamp"));
+    m1.secure(key(1, 1));
+    m1.arrive();
+    assert_eq!((m1.result(key(1, 1)), m1.rest().as_deref()), (Some(Outcome::Done), Some("clamped")));
+    assert_eq!(m1.secure(key(1, 1)), Reply::Ended(Outcome::Done));
+    assert_eq!(m1.outputs, 0, "what is done is not taken back");
+}
+
+#[test]
+fn told_before_it_has_begun_it_does_not_begin() {
+    let mut m1 = Bench::new();
+    m1.set("part_present", false);
+    m1.run(&order(1, "clamp"));
+    assert_eq!(m1.secure(key(1, 1)), ended(Failure::Cancelled));
+    m1.set("part_present", true);
+    assert_eq!(m1.outputs, 0);
+}
+
+#[test]
+fn told_before_the_order_itself_it_does_not_take_it_on_when_it_comes() {
+    let mut m1 = Bench::new();
+    assert_eq!(m1.secure(key(1, 1)), ended(Failure::Cancelled));
+    assert_eq!(m1.run(&order(1, "clamp")), ended(Failure::Cancelled));
+    assert_eq!(m1.outputs, 0);
+    m1.done(&order(2, "clamp"));
+    assert_eq!(m1.secure(key(1, 1)), ended(Failure::Cancelled));
+    let mut next = order(3, "release");
+    next.key.epoch = 2;
+    m1.run(&next);
+    assert_eq!(m1.secure(key(1, 4)), Reply::Refused(Refusal::OldEpoch));
+}
+
+#[test]
+fn when_its_time_is_over_it_says_so_at_once_and_goes_back() {
+    let mut m1 = Bench::new();
+    m1.done(&order(1, "clamp"));
+    let short = TaskOrder { limit: Duration::from_millis(500), ..order(2, "machine") };
+    m1.run(&short);
+    m1.wait(Duration::from_millis(500));
+    assert_eq!(m1.result(key(1, 2)), Some(Outcome::Failed(Failure::TimedOut)));
+    assert!(m1.orders().slot.is_some_and(|slot| slot.is_securing));
+    m1.arrive();
+    m1.arrive();
+    assert_eq!((m1.rest().as_deref(), m1.slot()), (Some("clamped"), None));
+    assert_eq!(m1.orders().results.last(), Some(&(key(1, 2), Outcome::Failed(Failure::TimedOut))), "and says it once");
+}
+
+#[test]
+fn it_goes_back_in_auto_alone_and_not_without_its_devices() {
+    let mut m1 = Bench::new();
+    m1.done(&order(1, "clamp"));
+    m1.run(&order(2, "machine"));
+    m1.mode(ControlMode::StandBy);
+    m1.arrive();
+    m1.secure(key(1, 2));
+    assert_eq!(m1.doing(), "slide in (done)");
+    m1.devices(false);
+    m1.mode(ControlMode::Auto);
+    assert_eq!(m1.doing(), "slide in (done)");
+    m1.devices(true);
+    assert_eq!(m1.on(), ["Y_out", "prog_1", "prog_4"]);
+}
+
+#[test]
+fn a_fault_on_the_way_back_ends_it() {
+    let mut m1 = Bench::new();
+    m1.done(&order(1, "clamp"));
+    m1.run(&order(2, "machine"));
+    m1.secure(key(1, 2));
+    m1.arrive();
+    m1.wait(Duration::from_secs(3));
+    assert_eq!(m1.doing(), "undoing slide in (stopped)");
+    assert_eq!((m1.result(key(1, 2)), m1.slot()), (Some(Outcome::Failed(Failure::Held)), None));
+    assert_eq!(m1.secure(key(1, 2)), ended(Failure::Held), "what a fault has stopped waits for a person");
+    assert_eq!(m1.outputs, 0);
+}
+
+/// The robot of the same description: a task of five operations, all of which can be taken back.
+#[test]
+fn a_long_task_is_taken_back_operation_by_operation_to_where_any_task_can_begin() {
+    let text = include_str!("../../../../model/line/tests/descriptions/on_order.toml");
+    let line = linewright_line::parse("on_order.toml", text).expect("sound").line;
+    let (station, now) = (StationId(1), Tick::from_millis(1));
+    let mut robot = Controller::new(&line, station, 1, Restore::Fresh).expect("compiles");
+    let described = line.station(station);
+    let input = |name: &str| 1u128 << described.inputs.iter().position(|input| input == name).expect("it is there");
+    let mut out = Outbox::default();
+    let image = |robot: &mut Controller, bits: u128, out: &mut Outbox| {
+        robot.handle(now, Input::Inputs { bits, valid: true, until: Tick::NEVER, under: NO_DELAY });
+        robot.step(now, out);
+    };
+    image(&mut robot, input("A_0") | input("G_0"), &mut out);
+    robot.handle(
+        now,
+        Input::Order(ModeOrder {
+            boot_id: 1,
+            epoch: 1,
+            mode: ControlMode::Auto,
+            enabled: true,
+            master_stop: None,
+            manual_all: false,
+            buttons: 0,
+            lease: Duration::from_secs(3600),
+        }),
+    );
+    let load = |id| TaskOrder {
+        key: key(1, id),
+        memory: 1,
+        task: "load m1".to_owned(),
+        parameters: vec![("slot".to_owned(), 3)],
+        limit: Duration::from_secs(60),
+    };
+    robot.handle(now, Input::Task(TaskCommand::Run(&load(1))));
+    robot.step(now, &mut out);
+    // To the store, grasp, carry to m1. The machine never says that it has clamped.
+    for switches in [["A_50", "G_0"], ["A_50", "G_1"], ["A_100", "G_1"]] {
+        image(&mut robot, 0, &mut out);
+        image(&mut robot, input(switches[0]) | input(switches[1]), &mut out);
+    }
+    assert_eq!(robot.operation_text(&line), "carry to m1 (done)");
+    assert_eq!(robot.blocked_by(&line, now), ["m1_closed (robot io, node 03h, 6000h:01 bit 5), for let go"]);
+    robot.handle(now, Input::Task(TaskCommand::Secure(key(1, 1))));
+    robot.step(now, &mut out);
+    for (doing, switches) in [
+        ("undoing carry to m1", ["A_50", "G_1"]),
+        ("undoing grasp", ["A_50", "G_0"]),
+        ("undoing to the store", ["A_0", "G_0"]),
+    ] {
+        assert_eq!(robot.operation_text(&line), doing);
+        image(&mut robot, 0, &mut out);
+        image(&mut robot, input(switches[0]) | input(switches[1]), &mut out);
+    }
+    assert_eq!(robot.operation_text(&line), "home from m1 (done)", "the place that stands for home");
+    let report = robot.report();
+    let orders = report.order.expect("it works on order");
+    assert_eq!(orders.results, [(key(1, 1), Outcome::Failed(Failure::Cancelled))]);
+    assert_eq!((report.done, report.started, report.cycle), (vec![0; 10], vec![0; 10], 1));
+    robot.handle(now, Input::Task(TaskCommand::Run(&load(2))));
+    robot.step(now, &mut out);
+    assert_eq!(robot.operation_text(&line), "to the store");
+}

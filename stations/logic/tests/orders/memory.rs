@@ -1,0 +1,87 @@
+//! What a station still knows after its controller was killed.
+
+use linewright_line::net::ControlMode;
+use linewright_station_logic::{Controller, Failure, Outcome, Refusal, Reply, Restore};
+
+use crate::bench::{Bench, MEMORY, key, order};
+
+#[test]
+fn killed_in_a_motion_it_has_ended_the_order_and_says_so() {
+    let mut m1 = Bench::new();
+    m1.run(&order(1, "clamp"));
+    let mut again = m1.killed(8);
+    assert_eq!((again.doing().as_str(), again.outputs), ("clamp close (stopped)", 0));
+    again.mode(ControlMode::Auto);
+    assert_eq!(again.orders().memory, MEMORY, "another life, the same memory");
+    assert_eq!(again.run(&order(1, "clamp")), Reply::Ended(Outcome::Failed(Failure::Restarted)));
+    assert_eq!(again.run(&order(2, "clamp")), Reply::Refused(Refusal::Incomplete));
+}
+
+#[test]
+fn killed_before_it_has_begun_it_does_not_begin() {
+    let mut m1 = Bench::new();
+    m1.set("part_present", false);
+    m1.run(&order(1, "clamp"));
+    let mut again = m1.killed(8);
+    again.mode(ControlMode::Auto);
+    again.set("part_present", true);
+    assert_eq!(again.outputs, 0);
+    assert_eq!(again.run(&order(1, "clamp")), Reply::Ended(Outcome::Failed(Failure::Restarted)));
+    again.done(&order(2, "clamp"));
+}
+
+#[test]
+fn killed_after_its_last_motion_it_keeps_what_it_has_said() {
+    let mut m1 = Bench::new();
+    m1.done(&order(1, "clamp"));
+    m1.run(&order(2, "machine"));
+    m1.wait(std::time::Duration::from_millis(2_500));
+    m1.arrive();
+    m1.arrive();
+    m1.secure(key(1, 2));
+    m1.arrive();
+    let kept = m1.orders().results;
+    assert_eq!(kept.last(), Some(&(key(1, 2), Outcome::Done)), "the last motion was under way");
+    assert_eq!(m1.killed(8).orders().results, kept);
+}
+
+#[test]
+fn what_it_has_had_and_what_it_has_refused_it_still_knows() {
+    let mut m1 = Bench::new();
+    let release = order(1, "release");
+    assert_eq!(m1.run(&release), Reply::Refused(Refusal::NotThere));
+    m1.done(&order(2, "clamp"));
+    let mut again = m1.killed(8);
+    again.mode(ControlMode::Auto);
+    assert_eq!(again.run(&release), Reply::Refused(Refusal::NotThere));
+    assert_eq!(again.run(&order(2, "clamp")), Reply::Ended(Outcome::Done));
+    assert_eq!(again.rest().as_deref(), Some("clamped"));
+    again.done(&order(3, "release"));
+    assert_eq!(again.killed(9).controller.snapshot(), again.controller.snapshot());
+}
+
+#[test]
+fn without_its_memory_it_takes_no_order_that_was_meant_for_it() {
+    let m1 = Bench::new();
+    let mut fresh = Bench::of(Restore::Fresh, 8);
+    fresh.mode(ControlMode::Auto);
+    fresh.set("part_present", true);
+    assert_eq!((m1.orders().memory, fresh.orders().memory), (7, 8));
+    assert_eq!(fresh.run(&order(1, "clamp")), Reply::Refused(Refusal::OtherMemory));
+    let meant = linewright_station_logic::TaskOrder { memory: 8, ..order(1, "clamp") };
+    assert_eq!(fresh.run(&meant), Reply::Running);
+}
+
+#[test]
+fn a_snapshot_of_any_length_is_taken_and_no_longer_than_it_may_be_afterwards() {
+    let m1 = Bench::new();
+    let mut snapshot = m1.controller.snapshot();
+    let orders = snapshot.order.as_mut().expect("it works on order");
+    orders.results = (1..100).map(|id| (key(1, id), Reply::Ended(Outcome::Done))).collect();
+    orders.slot = Some(key(1, 100));
+    orders.last = 100;
+    let again = Controller::new(&m1.line, m1.station, 8, Restore::From(snapshot)).expect("it fits");
+    let kept = again.snapshot().order.expect("it works on order");
+    assert_eq!((kept.results.len(), kept.slot), (16, None));
+    assert_eq!(kept.results.last(), Some(&(key(1, 100), Reply::Ended(Outcome::Failed(Failure::Restarted)))));
+}

@@ -1,0 +1,160 @@
+//! People and faults: what becomes of an order when somebody else moves the station, and how it gets back to a rest.
+
+use linewright_line::OpId;
+use linewright_line::net::ControlMode;
+use linewright_line::net::Place;
+use linewright_station_logic::PanelCommand::{Advance, Retract};
+use linewright_station_logic::{Failure, Outcome, Reply};
+
+use crate::bench::{Bench, key, order};
+
+#[test]
+fn a_fault_ends_the_order_with_its_code_and_leaves_the_station_where_it_is() {
+    let mut m1 = Bench::new();
+    m1.run(&order(1, "clamp"));
+    m1.wait(std::time::Duration::from_secs(3));
+    assert_eq!(m1.doing(), "clamp close (stopped)");
+    assert_eq!(m1.result(key(1, 1)), Some(Outcome::Failed(Failure::Fault)));
+    assert_eq!(Failure::Fault.code(), 1001);
+    assert_eq!(m1.secure(key(1, 1)), Reply::Ended(Outcome::Failed(Failure::Fault)));
+    assert_eq!(m1.outputs, 0, "it waits for a person, as every station does");
+}
+
+#[test]
+fn in_every_mode_in_which_people_move_it_an_order_is_over() {
+    for mode in [ControlMode::Hand, ControlMode::Manual, ControlMode::EStop] {
+        let mut m1 = Bench::new();
+        m1.done(&order(1, "clamp"));
+        m1.run(&order(2, "machine"));
+        m1.mode(mode);
+        assert_eq!(m1.result(key(1, 2)), Some(Outcome::Failed(Failure::Interrupted)), "{mode}");
+        assert!(m1.on().iter().all(|output| !output.starts_with("prog")), "{mode}");
+        m1.mode(ControlMode::Auto);
+        assert_eq!(m1.slot(), None);
+    }
+}
+
+#[test]
+fn led_to_the_end_by_hand_the_order_has_failed_all_the_same() {
+    let mut m1 = Bench::new();
+    m1.run(&order(1, "clamp"));
+    m1.mode(ControlMode::Manual);
+    m1.through(Advance(true));
+    assert_eq!(m1.rest().as_deref(), Some("clamped"));
+    m1.mode(ControlMode::Auto);
+    assert_eq!(m1.run(&order(1, "clamp")), Reply::Ended(Outcome::Failed(Failure::Interrupted)));
+    m1.done(&order(2, "machine"));
+}
+
+#[test]
+fn taken_back_at_the_panel_it_stands_where_the_task_began_and_any_task_can_begin() {
+    let mut m1 = Bench::new();
+    m1.done(&order(1, "clamp"));
+    m1.run(&order(2, "machine"));
+    m1.mode(ControlMode::Manual);
+    m1.hold(&[Retract(true)]);
+    m1.hold(&[]);
+    assert_eq!(
+        (m1.doing().as_str(), m1.rest().as_deref()),
+        ("slide in (undone)", Some("clamped")),
+        "it had hardly moved"
+    );
+    m1.mode(ControlMode::Auto);
+    assert_eq!(m1.doing(), "clamp close (done)", "the place that stands for the rest");
+    m1.done(&order(3, "release"));
+}
+
+#[test]
+fn where_it_was_left_between_two_operations_it_can_be_told_to_go_back() {
+    let mut m1 = Bench::new();
+    m1.done(&order(1, "clamp"));
+    m1.run(&order(2, "machine"));
+    m1.mode(ControlMode::Manual);
+    m1.through(Advance(true));
+    assert_eq!(m1.doing(), "slide in (done)");
+    assert_eq!(m1.secure(key(1, 2)), Reply::Ended(Outcome::Failed(Failure::Interrupted)), "not while people move it");
+    m1.mode(ControlMode::Auto);
+    assert_eq!((m1.outputs, m1.rest()), (0, None));
+    assert_eq!(m1.secure(key(1, 2)), Reply::Running);
+    assert_eq!(m1.on(), ["Y_out"]);
+    m1.arrive();
+    assert_eq!((m1.rest().as_deref(), m1.slot()), (Some("clamped"), None));
+    assert_eq!(m1.result(key(1, 2)), Some(Outcome::Failed(Failure::Interrupted)));
+}
+
+#[test]
+fn a_fault_of_an_irreversible_operation_is_left_along_its_path_to_the_rest_of_its_task() {
+    let mut m1 = Bench::new();
+    m1.done(&order(1, "clamp"));
+    m1.run(&order(2, "machine"));
+    m1.arrive();
+    m1.set("F_mill", true);
+    m1.set("F_mill", false);
+    m1.mode(ControlMode::Manual);
+    m1.events();
+    m1.through(Retract(true));
+    assert_eq!(m1.doing(), "slide in (undone)");
+    // The last operation of the task follows, and finds its axis there already.
+    m1.hold(&[Retract(true)]);
+    m1.hold(&[]);
+    assert_eq!((m1.marking(), m1.rest().as_deref()), (Place::completed(OpId(3)), Some("clamped")));
+    let report = m1.controller.report();
+    assert_eq!((report.done, report.started), (vec![1, 0, 0, 0, 0], vec![1, 0, 0, 0, 0]), "nothing of the task counts");
+    assert_eq!(m1.events().last().map(String::as_str), Some("is back where the task began"));
+    m1.mode(ControlMode::Auto);
+    m1.done(&order(3, "machine"));
+}
+
+#[test]
+fn in_hand_mode_each_task_has_its_button() {
+    let mut m1 = Bench::new();
+    m1.mode(ControlMode::Hand);
+    assert_eq!(m1.blocked_by(), ["a button: PB_close for clamp"]);
+    m1.press("PB_close");
+    m1.arrive();
+    m1.release();
+    assert_eq!(m1.rest().as_deref(), Some("clamped"));
+    assert_eq!(m1.blocked_by(), ["a button: PB_run for machine, PB_open for release"]);
+    m1.press("PB_run");
+    for doing in ["slide in", "mill", "slide out"] {
+        assert_eq!(m1.doing(), doing);
+        m1.arrive();
+    }
+    assert_eq!((m1.rest().as_deref(), m1.outputs), (Some("clamped"), 0), "held on it begins nothing");
+    m1.release();
+    m1.press("PB_back");
+    assert_eq!(m1.doing(), "slide out (done)", "a sequence that is never reversed");
+    m1.release();
+    m1.press("PB_open");
+    assert_eq!(m1.on(), ["Y_open"]);
+}
+
+#[test]
+fn in_hand_mode_nothing_starts_before_what_it_waits_for_is_there() {
+    let mut m1 = Bench::new();
+    m1.set("part_present", false);
+    m1.mode(ControlMode::Hand);
+    m1.press("PB_close");
+    assert_eq!(m1.outputs, 0);
+    m1.release();
+    m1.set("part_present", true);
+    m1.press("PB_close");
+    assert_eq!(m1.on(), ["Y_close"]);
+}
+
+#[test]
+fn the_panel_begins_the_first_task_listed_and_takes_back_through_a_rest() {
+    let mut m1 = Bench::new();
+    m1.done(&order(1, "clamp"));
+    m1.mode(ControlMode::Manual);
+    m1.through(Advance(true));
+    assert_eq!(m1.doing(), "slide in (done)");
+    m1.through(Retract(true));
+    assert_eq!(m1.doing(), "slide in (undone)");
+    m1.hold(&[Retract(true)]);
+    assert_eq!((m1.doing().as_str(), m1.outputs), ("clamp close (done)", 0), "a rest is a stop");
+    m1.hold(&[]);
+    m1.through(Retract(true));
+    assert_eq!(m1.rest().as_deref(), Some("open"));
+    assert_eq!(m1.controller.report().done[0], 0);
+}
