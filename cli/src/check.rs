@@ -1,26 +1,29 @@
 //! `linewright check`: whether a line is right, before anything moves.
 //!
 //! The text is checked by the parser, with every problem at once; the nets and arrows that follow from it by their
-//! structure; and the composed line by exploring what its controllers can do together. The decisions are in
-//! `linewright-proof`; this file reads, prints and picks the exit code.
+//! structure; and the composed line by exploring what its controllers can do together. A flexible cell is checked by
+//! exploring its net, beside the line or without one. The decisions are in `linewright-proof`; this file reads, prints
+//! and picks the exit code.
 
+mod cell;
 mod explored;
 mod report;
 mod show;
 
-use std::path::PathBuf;
+use std::path::{Path, PathBuf};
 use std::process::ExitCode;
 
-use linewright_line::Problems;
-use miette::IntoDiagnostic;
+use linewright_line::{Line, Problems};
+use miette::{IntoDiagnostic, miette};
 
 use crate::load;
 use report::Report;
 
-/// Check a description: text, structure, and everything its controllers can do together.
+/// Check a description: text, structure, everything its controllers can do together; and of a cell, whether parts get
+/// stuck.
 #[derive(Debug, clap::Args)]
 pub struct Args {
-    /// The line's directory, or its description file.
+    /// The directory of a line or a cell, or its description file.
     line: PathBuf,
     /// Print one JSON object instead of tables, problems of the text included.
     #[arg(long)]
@@ -31,39 +34,65 @@ pub struct Args {
 
 /// `linewright check`
 pub fn run(args: &Args) -> miette::Result<ExitCode> {
-    let read = load::parsed(&args.line).and_then(|mut parsed| {
-        // Devices' own files say nothing about the controllers, but a line with a wrong one is not right.
-        load::with_device_files(&mut parsed.line, &args.line, args.json)?;
-        Ok(parsed)
-    });
-    let report = match read {
-        Ok(parsed) => {
-            let report = report::judge(&parsed, &args.options).into_diagnostic()?;
-            if !args.json {
-                draw_warnings(args, parsed.warnings)?;
-            }
-            report
-        }
-        Err(error) if args.json => match error.downcast_ref::<Problems>() {
-            Some(problems) => Report::of_problems(problems),
-            None => Report::unreadable(format!("{error:#}")),
-        },
-        Err(error) => return Err(error),
+    let files = load::files_of(&args.line);
+    let nothing_of = |asked: Option<&'static str>, what: &str| {
+        asked.map_or(Ok(()), |asked| Err(miette!("`{asked}` is about {what}, and {} has none", args.line.display())))
     };
+    let (mut report, line) = match &files.line {
+        Some(file) => of_line(args, file, files.cell.is_some())?,
+        None => {
+            nothing_of(args.options.of_stations(), "the stations of a line")?;
+            (Report::of_no_line(), None)
+        }
+    };
+    match &files.cell {
+        Some(file) => report.add(cell::judge(file, line.as_ref(), &args.options, args.json)?),
+        None => nothing_of(args.options.of_cells(), "a cell")?,
+    }
     if args.json {
         crate::out::say!("{}", serde_json::to_string_pretty(&report).into_diagnostic()?);
     } else {
-        crate::out::say!("{}", show::text(&report).trim_end());
+        crate::out::say!("{}", show::text(&report).trim_end().trim_start_matches('\n'));
     }
     Ok(if report.ok { ExitCode::SUCCESS } else { ExitCode::FAILURE })
 }
 
-fn draw_warnings(args: &Args, warnings: Vec<linewright_line::Problem>) -> miette::Result<()> {
+/// What is to be said of the line, and the line itself if there is one. With a cell beside it, a line that could not be
+/// understood is no reason not to look at that.
+fn of_line(args: &Args, file: &Path, with_cell: bool) -> miette::Result<(Report, Option<Line>)> {
+    let read = load::parsed(file).and_then(|mut parsed| {
+        // Devices' own files say nothing about the controllers, but a line with a wrong one is not right.
+        load::with_device_files(&mut parsed.line, file, args.json)?;
+        Ok(parsed)
+    });
+    match read {
+        Ok(parsed) => {
+            let report = report::judge(&parsed, &args.options).into_diagnostic()?;
+            if !args.json {
+                draw_warnings(file, parsed.warnings)?;
+            }
+            Ok((report, Some(parsed.line)))
+        }
+        Err(error) if args.json || with_cell => {
+            if !args.json {
+                eprintln!("{error:?}");
+            }
+            let report = match error.downcast_ref::<Problems>() {
+                Some(problems) => Report::of_problems(problems),
+                None => Report::unreadable(format!("{error:#}")),
+            };
+            Ok((report, None))
+        }
+        Err(error) => Err(error),
+    }
+}
+
+/// Draws what is suspicious about the description `file`.
+fn draw_warnings(file: &Path, warnings: Vec<linewright_line::Problem>) -> miette::Result<()> {
     if warnings.is_empty() {
         return Ok(());
     }
-    let file = load::file_of(&args.line);
-    let text = std::fs::read_to_string(&file).into_diagnostic()?;
+    let text = std::fs::read_to_string(file).into_diagnostic()?;
     eprintln!("{:?}", miette::Report::new(Problems::new(&file.display().to_string(), &text, warnings)));
     Ok(())
 }

@@ -15,6 +15,41 @@ pub fn file_of(path: &Path) -> PathBuf {
     if path.is_dir() { path.join("line.toml") } else { path.to_owned() }
 }
 
+/// The descriptions that a path means.
+pub struct Files {
+    /// Of a line.
+    pub line: Option<PathBuf>,
+    /// Of a flexible cell.
+    pub cell: Option<PathBuf>,
+}
+
+/// The name of a cell's description, beside the line's or alone.
+const CELL: &str = "cell.toml";
+
+/// The descriptions that a path means: those in the directory; with a `cell.toml` the line beside it, if there is one; with
+/// any other file, a line's, that alone.
+pub fn files_of(path: &Path) -> Files {
+    let dir = if path.is_dir() {
+        path
+    } else if path.file_name().is_some_and(|name| name == CELL) {
+        path.parent().unwrap_or(Path::new(""))
+    } else {
+        return Files { line: Some(path.to_owned()), cell: None };
+    };
+    let named = |name: &str| Some(dir.join(name)).filter(|file| file.is_file());
+    match named(CELL) {
+        // Whatever is missing is said of the line's description, which is the usual one.
+        None => Files { line: Some(if path.is_dir() { file_of(path) } else { path.to_owned() }), cell: None },
+        cell => Files { line: named("line.toml"), cell },
+    }
+}
+
+/// Reads and parses the description of a cell, whose stations are those of `line`.
+pub fn cell(file: &Path, line: Option<&Line>) -> miette::Result<linewright_cell::Parsed> {
+    let text = description(file)?;
+    linewright_cell::parse(&file.display().to_string(), &text, line).map_err(miette::Report::new)
+}
+
 /// Reads and checks a description; warnings go to standard error unless `quiet`.
 pub fn line(path: &Path, quiet: bool) -> miette::Result<Line> {
     let parsed = parsed(path)?;
@@ -83,6 +118,26 @@ mod tests {
     fn of_a_file_without_an_end_no_more_is_read_than_it_may_have() {
         let why = bytes(Path::new("/dev/zero"), 1000, "a description").expect_err("it is longer");
         assert!(why.to_string().starts_with("/dev/zero is larger than 1000 bytes"), "{why}");
+    }
+
+    #[test]
+    fn a_directory_means_what_is_in_it() {
+        let dir = tempfile::tempdir().expect("a directory");
+        let found = |path: &Path| {
+            let Files { line, cell } = files_of(path);
+            let name =
+                |file: Option<PathBuf>| file.map(|file| file.strip_prefix(dir.path()).expect("in it").to_owned());
+            (name(line), name(cell))
+        };
+        let (line, cell) = (Some(PathBuf::from("line.toml")), Some(PathBuf::from("cell.toml")));
+        assert_eq!(found(dir.path()), (line.clone(), None));
+        std::fs::write(dir.path().join("cell.toml"), "").expect("written");
+        assert_eq!(found(dir.path()), (None, cell.clone()));
+        assert_eq!(found(&dir.path().join("cell.toml")), (None, cell.clone()));
+        std::fs::write(dir.path().join("line.toml"), "").expect("written");
+        assert_eq!(found(dir.path()), (line.clone(), cell.clone()));
+        assert_eq!(found(&dir.path().join("cell.toml")), (line.clone(), cell));
+        assert_eq!(found(&dir.path().join("line.toml")), (line, None));
     }
 
     #[test]

@@ -42,9 +42,10 @@ struct Cli {
 enum Command {
     /// Write the description of a new line.
     New(new::Args),
-    /// Check a description: text, structure, and everything its controllers can do together.
+    /// Check a description: text, structure, everything its controllers can do together; and of a cell, whether parts get
+    /// stuck.
     Check(check::Args),
-    /// Write the nets of a line: one of each station, and the mode decision's.
+    /// Write the nets of a line: one of each station, and the mode decision's; and those of a flexible cell.
     Nets(nets::Args),
     /// Analyse a place/transition net: bounded, live, reversible, deadlocks, invariants.
     Analyse(analyse::Args),

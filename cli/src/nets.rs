@@ -1,23 +1,30 @@
 //! `linewright nets`: the nets that follow from a description, for other tools.
 //!
 //! One file per station and one for the mode decision. They are the bare nets: a controller fires a transition only if
-//! its condition holds as well, and conditions have no place in PNML.
+//! its condition holds as well, and conditions have no place in PNML. Of a flexible cell two: the net that is played, and
+//! the same with starts and ends apart; both written out, with a place for each stage that parts can be in.
 
 use std::path::{Path, PathBuf};
 use std::process::ExitCode;
 
 use clap::ValueEnum;
+use linewright_cell::net::{Detail, Supply};
 use linewright_coordinator_logic::decision;
+use linewright_line::Line;
 use linewright_line::net::StationNet;
+use linewright_nets::coloured::{Colours, unfold};
 use linewright_nets::{Net, dot};
-use miette::{IntoDiagnostic, WrapErr};
+use miette::{IntoDiagnostic, WrapErr, miette};
 
 use crate::load;
 
-/// Write the nets of a line: one of each station, and the mode decision's.
+/// At most so many places and transitions of a cell's net.
+const NODES_MAX: usize = 1_000_000;
+
+/// Write the nets of a line: one of each station, and the mode decision's; and of a flexible cell.
 #[derive(Debug, clap::Args)]
 pub struct Args {
-    /// The line's directory, or its description file.
+    /// The directory of a line or a cell, or its description file.
     line: PathBuf,
     /// Where to write them; made if it is not there. Files of the same names are written over.
     #[arg(long, value_name = "DIR")]
@@ -46,15 +53,34 @@ impl Format {
 
 /// `linewright nets`
 pub fn run(args: &Args) -> miette::Result<ExitCode> {
-    let line = load::line(&args.line, false)?;
+    let files = load::files_of(&args.line);
+    let line = files.line.as_ref().map(|file| load::line(file, false)).transpose()?;
+    let cell = files.cell.as_ref().map(|file| load::cell(file, line.as_ref())).transpose()?;
     let dir = &args.out;
     std::fs::create_dir_all(dir).into_diagnostic().wrap_err_with(|| format!("cannot make {}", dir.display()))?;
-    for id in line.station_ids() {
-        write(args, &line.station(id).name, StationNet::of(&line, id).net())?;
-    }
-    // A station's name has no dash in it, so this is none of theirs.
-    write(args, "mode-decision", &decision::net())?;
+    line.iter().try_for_each(|line| of_line(args, line))?;
+    cell.iter().try_for_each(|parsed| of_cell(args, &parsed.cell))?;
     Ok(ExitCode::SUCCESS)
+}
+
+fn of_line(args: &Args, line: &Line) -> miette::Result<()> {
+    for id in line.station_ids() {
+        write(args, &line.station(id).name, StationNet::of(line, id).net())?;
+    }
+    // A station's name has no dash in it, so this is none of theirs, nor are the cell's.
+    write(args, "mode-decision", &decision::net())
+}
+
+fn of_cell(args: &Args, cell: &linewright_cell::Cell) -> miette::Result<()> {
+    for (name, detail) in [("cell-coordination", Detail::Coordination), ("cell-expanded", Detail::Expanded)] {
+        let net = linewright_cell::net::net(cell, detail, Supply::Open).map_err(|errors| {
+            let errors: Vec<String> = errors.iter().map(ToString::to_string).collect();
+            miette!("the cell has no net: {}", errors.join("; "))
+        })?;
+        let long = unfold(net.net(), Colours::Reachable, NODES_MAX).into_diagnostic()?;
+        write(args, name, long.net())?;
+    }
+    Ok(())
 }
 
 fn write(args: &Args, name: &str, net: &Net) -> miette::Result<()> {

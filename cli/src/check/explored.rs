@@ -12,7 +12,7 @@ use serde::Serialize;
 #[command(next_help_heading = "Exploration")]
 pub struct Options {
     /// Structure only: explore nothing.
-    #[arg(long, conflicts_with_all = ["modes", "views", "no_faults", "any_grants", "flags", "without", "whole", "states", "memory"])]
+    #[arg(long, conflicts_with_all = ["modes", "views", "no_faults", "any_grants", "flags", "without", "whole", "states", "memory", "parts", "expanded"])]
     structure: bool,
     /// A mode that may be granted; repeat it for several. All of them if none is named.
     #[arg(long = "mode", value_enum)]
@@ -41,6 +41,19 @@ pub struct Options {
     /// Give up at about this much memory, in MiB.
     #[arg(long, default_value_t = 3072)]
     memory: usize,
+    /// Of a cell: let in only so many parts of each type, as in `A=2,B=1`; others not at all.
+    #[arg(long, value_name = "TYPE=N", value_delimiter = ',', value_parser = part)]
+    pub parts: Vec<(String, u32)>,
+    /// Of a cell: count the states in which activities are in progress, too. The answers are the same.
+    #[arg(long)]
+    pub expanded: bool,
+}
+
+/// A part type and how many.
+fn part(text: &str) -> Result<(String, u32), String> {
+    let (name, count) = text.rsplit_once('=').ok_or_else(|| format!("'{text}' is not as in A=2"))?;
+    let count = count.trim().parse().map_err(|_| format!("'{count}' is not a number of parts"))?;
+    Ok((name.trim().to_owned(), count))
 }
 
 #[derive(Clone, Copy, Debug, PartialEq, Eq, ValueEnum)]
@@ -123,6 +136,33 @@ impl Options {
     /// Whether anything is to be explored at all.
     pub fn asks_to_explore(&self) -> bool {
         !self.structure
+    }
+
+    /// What was asked for that only a line's stations have.
+    pub fn of_stations(&self) -> Option<&'static str> {
+        let asked = [
+            (!self.modes.is_empty(), "--mode"),
+            (self.views != Views::Stale, "--views"),
+            (self.no_faults, "--no-faults"),
+            (self.any_grants, "--any-grants"),
+            (self.flags, "--flags"),
+            (!self.without.is_empty(), "--without"),
+            (self.whole, "--whole"),
+        ];
+        asked.into_iter().find_map(|(is_asked, name)| is_asked.then_some(name))
+    }
+
+    /// What was asked for that only a cell has.
+    pub fn of_cells(&self) -> Option<&'static str> {
+        let asked = [(!self.parts.is_empty(), "--parts"), (self.expanded, "--expanded")];
+        asked.into_iter().find_map(|(is_asked, name)| is_asked.then_some(name))
+    }
+
+    /// How far a cell is explored.
+    pub fn cell_limits(&self) -> linewright_proof::cell::Limits {
+        let threads = std::thread::available_parallelism().map_or(1, std::num::NonZero::get);
+        let Limits { states, bytes } = self.limits();
+        linewright_proof::cell::Limits { states: states as u64, bytes, threads }
     }
 
     /// Explores as asked. The first thing that fails ends it: what is wrong once need not be found twice.

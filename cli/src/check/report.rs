@@ -5,6 +5,7 @@ use linewright_proof::explore::{NotExplorable, Setting};
 use linewright_proof::structure::{Check, StationReport, judge_line, judge_stations};
 use serde::Serialize;
 
+use super::cell::{self, CellReport};
 use super::explored::{Exploration, Options};
 
 /// What no exploration settles, in words; printed with every result so that nobody takes it for more than it is.
@@ -24,7 +25,7 @@ const IN_PARTS: &str = "whether home can be reached from every state of the whol
 /// Everything that was found.
 #[derive(Debug, Serialize)]
 pub struct Report {
-    /// The line's name; none if the description could not be understood.
+    /// The line's name; none if there is none, or its description could not be understood.
     pub line: Option<String>,
     /// Nothing speaks against running it.
     pub ok: bool,
@@ -34,6 +35,9 @@ pub struct Report {
     pub line_checks: Vec<Check>,
     /// What was found by exploring the composed line.
     pub explorations: Vec<Exploration>,
+    /// What was found of the flexible cell, if the description has one.
+    #[serde(skip_serializing_if = "Option::is_none")]
+    pub cell: Option<CellReport>,
     /// What the checks do not say.
     pub not_decided: Vec<&'static str>,
     /// What is suspicious about the text.
@@ -84,6 +88,20 @@ impl Report {
         Report { problems: vec![place], ..Report::nothing() }
     }
 
+    /// There is no line, which is nothing wrong.
+    pub fn of_no_line() -> Self {
+        Report { ok: true, ..Report::nothing() }
+    }
+
+    /// Adds what was found of the cell.
+    pub fn add(&mut self, cell: CellReport) {
+        self.ok &= cell.ok;
+        if cell.name.is_some() {
+            self.not_decided.push(if cell.sound_parts.is_some() { cell::BREAKDOWN } else { cell::NOT_EXPLORED });
+        }
+        self.cell = Some(cell);
+    }
+
     fn nothing() -> Self {
         Report {
             line: None,
@@ -91,6 +109,7 @@ impl Report {
             stations: Vec::new(),
             line_checks: Vec::new(),
             explorations: Vec::new(),
+            cell: None,
             not_decided: Vec::new(),
             warnings: Vec::new(),
             problems: Vec::new(),
@@ -124,6 +143,7 @@ pub fn judge(parsed: &Parsed, options: &Options) -> Result<Report, NotExplorable
         stations,
         line_checks,
         explorations,
+        cell: None,
         not_decided,
         warnings: warnings.iter().map(Place::from).collect(),
         problems: Vec::new(),

@@ -1,9 +1,10 @@
-//! The result for people: a table with a row for each station, a list for the line, and what is not decided.
+//! The result for people: a table with a row for each station, a list for the line, the cell's, and what is not decided.
 
 use std::fmt::Write;
 
 use linewright_proof::structure::{Check, StationReport};
 
+use super::cell;
 use super::explored::{Counterexample, Exploration, Found};
 use super::report::Report;
 
@@ -30,6 +31,20 @@ pub fn text(report: &Report) -> String {
 }
 
 fn write(report: &Report, out: &mut String) -> std::fmt::Result {
+    if report.line.is_some() {
+        of_line(report, out)?;
+    }
+    if let Some(cell) = &report.cell {
+        cell::write(cell, out)?;
+    }
+    writeln!(out, "\nnot decided here:")?;
+    for open in &report.not_decided {
+        writeln!(out, "- {open}")?;
+    }
+    summary(report, out)
+}
+
+fn of_line(report: &Report, out: &mut String) -> std::fmt::Result {
     stations(&report.stations, out)?;
     for station in &report.stations {
         for check in station.checks.iter().filter(|check| !check.ok) {
@@ -40,17 +55,25 @@ fn write(report: &Report, out: &mut String) -> std::fmt::Result {
     for Check { name, ok, reason } in &report.line_checks {
         writeln!(out, "{} {name}: {reason}", mark(*ok))?;
     }
-    report.explorations.iter().try_for_each(|exploration| explored(exploration, out))?;
-    writeln!(out, "\nnot decided here:")?;
-    for open in &report.not_decided {
-        writeln!(out, "- {open}")?;
-    }
+    report.explorations.iter().try_for_each(|exploration| explored(exploration, out))
+}
+
+/// How many checks hold.
+fn summary(report: &Report, out: &mut String) -> std::fmt::Result {
     let checks = || report.stations.iter().flat_map(|station| &station.checks).chain(&report.line_checks);
-    let properties = || report.explorations.iter().flat_map(|exploration| &exploration.properties);
-    let all = checks().count() + properties().count();
-    let failed = checks().filter(|check| !check.ok).count() + properties().filter(|p| p.verdict == "fails").count();
-    let open = properties().filter(|property| property.verdict == "undecided").count();
-    let name = report.line.as_deref().unwrap_or("the line");
+    let of_stations = report.explorations.iter().flat_map(|exploration| &exploration.properties).map(|p| p.verdict);
+    let of_cell = report.cell.iter().flat_map(|cell| &cell.properties).map(|property| property.verdict);
+    let verdicts: Vec<&str> = of_stations.chain(of_cell).collect();
+    let with = |verdict: &str| verdicts.iter().filter(|known| **known == verdict).count();
+    let problems = report.problems.len() + report.cell.as_ref().map_or(0, |cell| cell.problems.len());
+    let all = checks().count() + verdicts.len();
+    let failed = checks().filter(|check| !check.ok).count() + with("fails");
+    let open = with("undecided");
+    let cell = report.cell.as_ref().and_then(|cell| cell.name.as_deref());
+    let name = report.line.as_deref().or(cell).unwrap_or("the description");
+    if problems > 0 {
+        return writeln!(out, "\n✗ {name}: {problems} problems of the text");
+    }
     match (failed, open) {
         (0, 0) => writeln!(out, "\n✓ {name}: {all} checks hold"),
         (0, open) => writeln!(out, "\n? {name}: {open} of {all} checks are undecided"),
@@ -68,13 +91,7 @@ fn explored(exploration: &Exploration, out: &mut String) -> std::fmt::Result {
         _ => writeln!(out, "\n{scope}\n  {states} states ({kept} kept), {arcs} arcs, {mebibytes} MiB")?,
     }
     for Found { name, verdict, reason, counterexample } in &exploration.properties {
-        let mark = match *verdict {
-            "holds" => "✓",
-            "fails" => "✗",
-            "remark" => "!",
-            _ => "?",
-        };
-        writeln!(out, "{mark} {name}: {reason}")?;
+        writeln!(out, "{} {name}: {reason}", sign(verdict))?;
         if let Some(counterexample) = counterexample {
             story(counterexample, out)?;
         }
@@ -107,6 +124,16 @@ fn stations(stations: &[StationReport], out: &mut String) -> std::fmt::Result {
         writeln!(out)?;
     }
     Ok(())
+}
+
+/// What stands before a property.
+pub fn sign(verdict: &str) -> &'static str {
+    match verdict {
+        "holds" => "✓",
+        "fails" => "✗",
+        "remark" => "!",
+        _ => "?",
+    }
 }
 
 const fn mark(ok: bool) -> &'static str {

@@ -1,7 +1,7 @@
 //! What the searches of all groups say about the cell.
 
 use linewright_cell::{Cell, StageId};
-use linewright_nets::explicit::Undecided;
+use linewright_nets::explicit::{Cause, Undecided};
 use rustc_hash::FxHashSet;
 
 use super::group::Group;
@@ -142,7 +142,7 @@ impl<'p> Summary<'p> {
             return self.failed(STUCK, play, Some(story));
         }
         let open = self.all.iter().find_map(|(_, play)| match &play.end {
-            End::Wrong(why) => Some(format!("not looked for to the end: {why}")),
+            End::Wrong(why) => Some(format!("not looked for to the end: {}", limit_in_words(why))),
             End::Endless(_) => Some(format!("not met with up to {}", with_parts(play.size.parts))),
             End::Sound | End::Stuck(_) | End::Limit(_) => None,
         });
@@ -211,9 +211,18 @@ fn with_parts(parts: u32) -> String {
 
 fn undecided((sound, why): (u32, &Undecided)) -> String {
     match sound {
-        0 => why.to_string(),
-        sound => format!("it holds with up to {}; with more it is {why}", with_parts(sound)),
+        0 => limit_in_words(why),
+        sound => format!("it holds with up to {}; with more it is {}", with_parts(sound), limit_in_words(why)),
     }
+}
+
+/// What stopped a search. A cell's net is always bounded; there is no need to wonder about that.
+fn limit_in_words(why: &Undecided) -> String {
+    let what = match &why.cause {
+        Cause::States { limit } => format!("there are more than the {limit} allowed"),
+        Cause::Bytes { .. } | Cause::Overflow(_) => why.cause.to_string(),
+    };
+    format!("undecided after {} states: {what}", why.states)
 }
 
 /// Whether each activity happens for each stage that it is described for. What one part alone can have done to it, it can
@@ -226,7 +235,7 @@ fn happens(
     limit: Option<(u32, &Undecided)>,
 ) -> Property {
     if let Some((0, why)) = limit {
-        return property(HAPPENS, Verdict::Undecided, why.to_string());
+        return property(HAPPENS, Verdict::Undecided, limit_in_words(why));
     }
     let mut seen: FxHashSet<(&str, StageId, StageId)> = FxHashSet::default();
     for (group, play) in groups.iter().zip(plays) {

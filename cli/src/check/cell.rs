@@ -1,0 +1,295 @@
+//! The check of a flexible cell: what was found as data, and in words.
+
+use std::fmt::Write;
+use std::path::Path;
+
+use linewright_cell::Cell;
+use linewright_cell::net::Detail;
+use linewright_line::{Line, Problems};
+use linewright_proof::cell::{Checked, Explored, Holding, Property, Setting, Story, Verdict, Waiting, check};
+use miette::miette;
+use serde::Serialize;
+
+use super::explored::Options;
+use super::report::Place;
+use crate::load;
+
+/// What no exploration of a cell settles.
+pub const BREAKDOWN: &str = "whether a cell goes on when something in it fails, and whether parts are finished in time: \
+     nothing breaks in an exploration, and time stands still";
+/// What is left open without one.
+pub const NOT_EXPLORED: &str = "whether parts of the cell get stuck: explore for that, without --structure";
+/// More groups than this are not listed one by one.
+const GROUPS_SHOWN: usize = 12;
+/// Nor are more resources of one.
+const RESOURCES_SHOWN: usize = 12;
+
+/// Everything that was found of a cell.
+#[derive(Debug, Serialize)]
+pub struct CellReport {
+    /// Its name; none if the description could not be understood.
+    pub name: Option<String>,
+    /// Nothing speaks against running it.
+    pub ok: bool,
+    /// With so many parts at once nothing is wrong; none if nothing was explored.
+    pub sound_parts: Option<u32>,
+    /// What was explored: resources that have nothing to do with each other, each for itself.
+    pub groups: Vec<Group>,
+    /// One by one.
+    pub properties: Vec<Found>,
+    /// What is suspicious about the text.
+    pub warnings: Vec<Place>,
+    /// What is wrong with the text.
+    pub problems: Vec<Place>,
+}
+
+/// One exploration.
+#[derive(Debug, Serialize)]
+pub struct Group {
+    /// The resources.
+    pub resources: Vec<String>,
+    /// With so many parts at once; the figures are those of this search.
+    pub parts: u32,
+    /// States seen.
+    pub states: u64,
+    /// Steps from state to state.
+    pub arcs: u64,
+    /// Memory it took, about.
+    pub bytes: usize,
+    /// With so many parts at once nothing is wrong here.
+    pub sound_parts: u32,
+    /// Everything was seen, or something wrong.
+    pub exhausted: bool,
+}
+
+/// One property.
+#[derive(Debug, Serialize)]
+pub struct Found {
+    /// What was asked.
+    pub name: &'static str,
+    /// `holds`, `fails`, `undecided` or `remark`.
+    pub verdict: &'static str,
+    /// Why.
+    pub reason: String,
+    /// What can be done about it.
+    #[serde(skip_serializing_if = "Option::is_none")]
+    pub help: Option<String>,
+    /// How it comes to be, where it fails.
+    #[serde(skip_serializing_if = "Option::is_none")]
+    pub counterexample: Option<Counterexample>,
+}
+
+/// A story as data.
+#[derive(Debug, Serialize)]
+pub struct Counterexample {
+    /// What happened, in order.
+    pub steps: Vec<String>,
+    /// What is wrong at the end.
+    pub end: String,
+    /// What each resource has then.
+    pub resources: Vec<Resource>,
+}
+
+/// A resource at the end of a story.
+#[derive(Debug, Serialize)]
+pub struct Resource {
+    /// Which.
+    pub name: String,
+    /// How many parts it can hold or carry.
+    pub capacity: u32,
+    /// Those that it has.
+    pub parts: Vec<Part>,
+}
+
+/// A part at the end of a story.
+#[derive(Debug, Serialize)]
+pub struct Part {
+    /// Which.
+    pub part: String,
+    /// How far it is.
+    pub stage: String,
+    /// Where in the resource, if there is more to say.
+    #[serde(skip_serializing_if = "Option::is_none")]
+    pub at: Option<String>,
+    /// What each way on needs; nothing if it can go on.
+    pub needs: Vec<String>,
+}
+
+impl CellReport {
+    fn nothing() -> Self {
+        CellReport {
+            name: None,
+            ok: false,
+            sound_parts: None,
+            groups: Vec::new(),
+            properties: Vec::new(),
+            warnings: Vec::new(),
+            problems: Vec::new(),
+        }
+    }
+
+    fn add(&mut self, found: Checked) {
+        self.ok = found.holds();
+        self.sound_parts = Some(found.sound);
+        self.groups = found.groups.into_iter().map(Group::from).collect();
+        self.properties = found.properties.into_iter().map(Found::from).collect();
+    }
+}
+
+/// Checks the cell of a description. Its problems are drawn on standard error for people.
+///
+/// # Errors
+/// When the options ask for what the cell does not have.
+pub fn judge(file: &Path, line: Option<&Line>, options: &Options, quiet: bool) -> miette::Result<CellReport> {
+    let parsed = match load::cell(file, line) {
+        Ok(parsed) => parsed,
+        Err(error) => {
+            if !quiet {
+                eprintln!("{error:?}");
+            }
+            return Ok(of_error(&error));
+        }
+    };
+    if !quiet {
+        super::draw_warnings(file, parsed.warnings.clone())?;
+    }
+    let mut report = CellReport {
+        name: Some(parsed.cell.name.clone()),
+        ok: true,
+        warnings: parsed.warnings.iter().map(Place::from).collect(),
+        ..CellReport::nothing()
+    };
+    if options.asks_to_explore() {
+        match check(&setting(&parsed.cell, options)?) {
+            Ok(found) => report.add(found),
+            Err(why) => (report.ok, report.problems) = (false, vec![placeless(why.to_string())]),
+        }
+    }
+    Ok(report)
+}
+
+/// What is wrong nowhere in particular.
+fn placeless(message: String) -> Place {
+    Place { line: None, column: None, message, help: None }
+}
+
+fn of_error(error: &miette::Report) -> CellReport {
+    let Some(problems) = error.downcast_ref::<Problems>() else {
+        return CellReport { problems: vec![placeless(format!("{error:#}"))], ..CellReport::nothing() };
+    };
+    let (warnings, errors): (Vec<_>, Vec<_>) = problems.iter().partition(|problem| problem.is_warning);
+    CellReport {
+        warnings: warnings.into_iter().map(Place::from).collect(),
+        problems: errors.into_iter().map(Place::from).collect(),
+        ..CellReport::nothing()
+    }
+}
+
+fn setting<'c>(cell: &'c Cell, options: &Options) -> miette::Result<Setting<'c>> {
+    let mut setting = Setting::new(cell);
+    setting.limits = options.cell_limits();
+    if options.expanded {
+        setting.detail = Detail::Expanded;
+    }
+    if !options.parts.is_empty() {
+        let mut counts = vec![0; cell.part_types.len()];
+        for (name, count) in &options.parts {
+            let id = cell.part_type_named(name).ok_or_else(|| {
+                let known: Vec<&str> = cell.part_types.iter().map(|part| part.name.as_str()).collect();
+                miette!("no part type '{name}'; the cell has {}", known.join(", "))
+            })?;
+            counts[id.index()] = *count;
+        }
+        setting.parts = Some(counts);
+    }
+    Ok(setting)
+}
+
+impl From<Explored> for Group {
+    fn from(Explored { resources, parts, states, arcs, bytes, sound, exhausted }: Explored) -> Self {
+        Group { resources, parts, states, arcs, bytes, sound_parts: sound, exhausted }
+    }
+}
+
+impl From<Property> for Found {
+    fn from(Property { name, verdict, reason, help, counterexample }: Property) -> Self {
+        let verdict = match verdict {
+            Verdict::Holds => "holds",
+            Verdict::Fails => "fails",
+            Verdict::Undecided => "undecided",
+            Verdict::Remark => "remark",
+        };
+        Found { name, verdict, reason, help, counterexample: counterexample.map(Counterexample::from) }
+    }
+}
+
+impl From<Story> for Counterexample {
+    fn from(Story { steps, end, resources }: Story) -> Self {
+        Counterexample { steps, end, resources: resources.into_iter().map(Resource::from).collect() }
+    }
+}
+
+impl From<Holding> for Resource {
+    fn from(Holding { name, capacity, parts }: Holding) -> Self {
+        Resource { name, capacity, parts: parts.into_iter().map(Part::from).collect() }
+    }
+}
+
+impl From<Waiting> for Part {
+    fn from(Waiting { part, stage, at, needs }: Waiting) -> Self {
+        Part { part, stage, at, needs }
+    }
+}
+
+/// The result in words.
+pub fn write(report: &CellReport, out: &mut String) -> std::fmt::Result {
+    writeln!(out)?;
+    for group in report.groups.iter().take(GROUPS_SHOWN) {
+        let Group { resources, parts, states, arcs, bytes, .. } = group;
+        let mebibytes = bytes.div_ceil(1 << 20);
+        let shown = resources.iter().take(RESOURCES_SHOWN).map(String::as_str).collect::<Vec<_>>().join(", ");
+        let more = match resources.len().saturating_sub(RESOURCES_SHOWN) {
+            0 => String::new(),
+            more => format!(" and {more} more"),
+        };
+        writeln!(out, "{shown}{more}: with up to {parts} parts at once")?;
+        writeln!(out, "  {states} states, {arcs} arcs, {mebibytes} MiB")?;
+    }
+    if let Some(more @ 1..) = report.groups.len().checked_sub(GROUPS_SHOWN) {
+        writeln!(out, "and {more} groups of resources more")?;
+    }
+    for problem in report.problems.iter().filter(|problem| problem.line.is_none()) {
+        writeln!(out, "✗ {}", problem.message)?;
+    }
+    for Found { name, verdict, reason, help, counterexample } in &report.properties {
+        writeln!(out, "{} {name}: {reason}", super::show::sign(verdict))?;
+        if let Some(counterexample) = counterexample {
+            story(counterexample, out)?;
+        }
+        if let Some(help) = help {
+            writeln!(out, "  help: {help}")?;
+        }
+    }
+    Ok(())
+}
+
+fn story(story: &Counterexample, out: &mut String) -> std::fmt::Result {
+    writeln!(out)?;
+    for (nth, step) in story.steps.iter().enumerate() {
+        writeln!(out, "{:6}. {step}", nth + 1)?;
+    }
+    writeln!(out, "        and so: {}\n", story.end)?;
+    for Resource { name, capacity, parts } in &story.resources {
+        if parts.is_empty() {
+            writeln!(out, "    {name} has nothing")?;
+            continue;
+        }
+        writeln!(out, "    {name} has {} of {capacity}:", parts.len())?;
+        for Part { part, stage, at, needs } in parts {
+            let at = at.as_ref().map(|at| format!(", {at}")).unwrap_or_default();
+            let needs = if needs.is_empty() { "can go on".to_owned() } else { needs.join(", or ") };
+            writeln!(out, "      {part} ({stage}){at}: {needs}")?;
+        }
+    }
+    writeln!(out)
+}

@@ -1,0 +1,217 @@
+//! `linewright check` and `linewright nets` of flexible cells, as a user meets them.
+
+#[path = "support/command.rs"]
+mod command;
+
+use std::path::Path;
+
+use command::{Scratch, json, linewright, shipped, text};
+use serde_json::Value;
+
+fn cell_text(name: &str) -> String {
+    let path = Path::new(env!("CARGO_MANIFEST_DIR")).join("../launch-config/lines").join(name).join("cell.toml");
+    std::fs::read_to_string(path).expect("the shipped cell is there")
+}
+
+/// A directory with the shipped cell, changed.
+fn changed(scratch: &Scratch, name: &str, edits: &[(&str, &str)]) -> String {
+    let mut text = cell_text(name);
+    for (from, to) in edits {
+        assert!(text.contains(from), "nothing to replace: {from}");
+        text = text.replacen(from, to, 1);
+    }
+    scratch.file("cell.toml", &text);
+    scratch.path("")
+}
+
+fn checked(dir: &str, options: &[&str]) -> (Option<i32>, Value) {
+    let output = linewright(&[&["check", dir, "--json"], options].concat());
+    (output.status.code(), json(&output))
+}
+
+fn verdicts(found: &Value) -> Vec<&str> {
+    let properties = found["cell"]["properties"].as_array().expect("a list");
+    properties.iter().map(|property| property["verdict"].as_str().expect("a word")).collect()
+}
+
+#[test]
+fn the_shipped_cells_pass() {
+    for name in ["workcell-c1", "assembly-cell"] {
+        let dir = shipped().join("..").join(name);
+        let (code, found) = checked(dir.to_str().unwrap(), &[]);
+        assert_eq!((code, &found["ok"], &found["line"]), (Some(0), &true.into(), &Value::Null), "{found}");
+        assert_eq!(verdicts(&found), ["holds"; 3], "{found}");
+        let groups = found["cell"]["groups"].as_array().unwrap();
+        assert_eq!((groups.len(), &groups[0]["exhausted"]), (1, &true.into()));
+        assert!(groups[0]["states"].as_u64() > Some(1000), "{found}");
+
+        let plain = linewright(&["check", dir.join("cell.toml").to_str().unwrap()]);
+        assert!(plain.status.success() && plain.stderr.is_empty(), "{plain:?}");
+        let out = text(&plain.stdout);
+        assert!(out.contains("✓ no part gets stuck: in all") && out.contains("3 checks hold"), "{out}");
+        assert!(out.contains("not decided here:") && !out.contains("station"), "{out}");
+    }
+}
+
+#[test]
+fn without_the_reservation_either_cell_has_a_story() {
+    for name in ["workcell-c1", "assembly-cell"] {
+        let scratch = Scratch::new();
+        let dir = changed(&scratch, name, &[("reserve = true", "reserve = false")]);
+        let (code, found) = checked(&dir, &[]);
+        assert_eq!((code, verdicts(&found)), (Some(1), vec!["fails", "fails", "holds"]), "{found}");
+        let stuck = &found["cell"]["properties"][0];
+        assert!(stuck["help"].as_str().unwrap().contains("`reserve = true`"), "{stuck}");
+        let story = &stuck["counterexample"];
+        assert!(story["steps"].as_array().unwrap().len() > 3, "{story}");
+        // The robot has a part and nowhere to put it; the machine has one and nobody to take it away.
+        let needs: Vec<&str> = story["resources"]
+            .as_array()
+            .unwrap()
+            .iter()
+            .flat_map(|resource| resource["parts"].as_array().unwrap())
+            .flat_map(|part| part["needs"].as_array().unwrap())
+            .filter_map(Value::as_str)
+            .collect();
+        assert!(needs.iter().any(|needs| needs.contains("needs room in")), "{needs:?}");
+        assert!(needs.iter().any(|needs| needs.contains(" free")), "{needs:?}");
+
+        let plain = linewright(&["check", &dir]);
+        let out = text(&plain.stdout);
+        assert_eq!(plain.status.code(), Some(1));
+        assert!(out.contains("and so: nothing of this moves any more") && out.contains("  help: "), "{out}");
+    }
+}
+
+#[test]
+fn too_large_a_wip_max_is_found_with_the_largest_that_is_not() {
+    let scratch = Scratch::new();
+    let edits = [("capacity = 6", "capacity = 4"), ("wip_max = 6", "wip_max = 9")];
+    let dir = changed(&scratch, "workcell-c1", &edits);
+    let (code, found) = checked(&dir, &[]);
+    assert_eq!((code, &found["cell"]["sound_parts"]), (Some(1), &4.into()), "{found}");
+    let stuck = &found["cell"]["properties"][0];
+    assert!(stuck["help"].as_str().unwrap().starts_with("`wip_max = 4` in `[cell]`"), "{stuck}");
+    assert!(found["cell"]["warnings"].to_string().contains("9 parts at once, and stores for 4"), "{found}");
+
+    let dir = changed(&scratch, "workcell-c1", &[edits[0], ("wip_max = 6", "wip_max = 4")]);
+    assert_eq!(checked(&dir, &[]).0, Some(0));
+    let dir = changed(&scratch, "workcell-c1", &[edits[0], ("wip_max = 6", "wip_max = 5")]);
+    assert_eq!(checked(&dir, &[]).0, Some(1));
+}
+
+#[test]
+fn a_limit_leaves_it_undecided_and_says_how_far_it_came() {
+    let dir = shipped().join("../workcell-c1");
+    let dir = dir.to_str().unwrap();
+    let (code, found) = checked(dir, &["--states", "500"]);
+    assert_eq!((code, verdicts(&found)), (Some(1), vec!["undecided", "undecided", "holds"]), "{found}");
+    let group = &found["cell"]["groups"][0];
+    assert_eq!(group["exhausted"], false);
+    let sound = found["cell"]["sound_parts"].as_u64().expect("a number");
+    assert!((1..6).contains(&sound), "{found}");
+    let reason = found["cell"]["properties"][0]["reason"].as_str().expect("a reason");
+    assert!(reason.contains(&format!("with up to {sound} part")) && reason.contains("undecided after"), "{reason}");
+    let plain = linewright(&["check", dir, "--states", "3"]);
+    assert!(text(&plain.stdout).contains("? workcell_c1: "), "{plain:?}");
+}
+
+#[test]
+fn some_parts_only_and_activities_in_progress_can_be_asked_for() {
+    let dir = shipped().join("../assembly-cell");
+    let (code, found) = checked(dir.to_str().unwrap(), &["--parts", "1=2,2=2,3=1", "--expanded"]);
+    // An explorer written in Python before counted 1,773 states and 6,516 steps.
+    let group = &found["cell"]["groups"][0];
+    assert_eq!(
+        (code, group["states"].as_u64(), group["arcs"].as_u64()),
+        (Some(0), Some(1_773), Some(6_516)),
+        "{found}"
+    );
+    let output = linewright(&["check", dir.to_str().unwrap(), "--parts", "4=1"]);
+    assert_eq!(output.status.code(), Some(1));
+    assert!(text(&output.stderr).contains("no part type '4'; the cell has 1, 2, 3"), "{output:?}");
+    let output = linewright(&["check", dir.to_str().unwrap(), "--parts", "1"]);
+    assert_eq!(output.status.code(), Some(2), "{output:?}");
+}
+
+#[test]
+fn all_problems_of_a_cell_are_reported_with_their_places() {
+    let scratch = Scratch::new();
+    let edits = [("prototype = \"robot\"", "prototype = \"robt\""), ("capacity = 6", "capacity = 0")];
+    let dir = changed(&scratch, "workcell-c1", &edits);
+    let (code, found) = checked(&dir, &[]);
+    assert_eq!((code, &found["ok"], &found["cell"]["name"]), (Some(1), &false.into(), &Value::Null));
+    let problems = found["cell"]["problems"].as_array().unwrap();
+    assert!(problems.len() >= 2, "{problems:?}");
+    assert!(problems.iter().all(|p| p["line"].as_u64() > Some(1) && p["column"].as_u64() > Some(0)), "{problems:?}");
+    let plain = linewright(&["check", &dir]);
+    assert_eq!(plain.status.code(), Some(1));
+    assert!(text(&plain.stderr).contains("robt") && text(&plain.stdout).contains("problems of the text"), "{plain:?}");
+}
+
+/// A line of two stations would do; the shipped one is at hand.
+#[test]
+fn a_cell_beside_a_line_is_checked_with_it() {
+    let scratch = Scratch::new();
+    scratch.changed("watchdog_s = 1.0", "watchdog_s = 1.0");
+    let cell = cell_text("assembly-cell").replace("name = \"assembly_cell\"", "name = \"transfer_line\"");
+    let without: Vec<&str> = cell.lines().filter(|line| !line.starts_with("station =")).collect();
+    let without = without.join("\n");
+    let orders = without.lines().filter(|line| !line.starts_with("orders =") && !line.starts_with("[[action]]"));
+    let text_without: String =
+        orders.filter(|line| !line.starts_with("of =")).map(|line| format!("{line}\n")).collect();
+    scratch.file("cell.toml", &text_without);
+    let dir = scratch.path("");
+    let (code, found) = checked(&dir, &["--structure"]);
+    assert_eq!((code, &found["line"]), (Some(0), &"transfer_line".into()), "{found}");
+    assert_eq!((&found["cell"]["name"], verdicts(&found)), (&"transfer_line".into(), vec![]), "{found}");
+    assert_eq!(found["cell"]["sound_parts"], Value::Null);
+
+    // A station that the line does not have, and a line that is wrong: both are told.
+    scratch.file(
+        "cell.toml",
+        &text_without.replacen("prototype = \"robot\"", "prototype = \"robot\"\nstation = \"r\"", 1),
+    );
+    scratch.changed("watchdog_s = 1.0", "watchdogs = 1.0");
+    let (code, found) = checked(&dir, &["--structure"]);
+    assert_eq!((code, &found["ok"]), (Some(1), &false.into()));
+    assert!(found["problems"].to_string().contains("watchdogs"), "{found}");
+    scratch.changed("watchdog_s = 1.0", "watchdog_s = 1.0");
+    let (code, found) = checked(&dir, &["--structure"]);
+    assert_eq!((code, &found["problems"]), (Some(1), &Value::Array(vec![])), "{found}");
+    assert!(found["cell"]["problems"].to_string().contains("the line has no station `r`"), "{found}");
+}
+
+#[test]
+fn what_is_not_there_cannot_be_asked_about() {
+    let cell = shipped().join("../workcell-c1");
+    let output = linewright(&["check", cell.to_str().unwrap(), "--flags"]);
+    assert_eq!(output.status.code(), Some(1));
+    assert!(text(&output.stderr).contains("`--flags` is about the stations of a line"), "{output:?}");
+    let output = linewright(&["check", shipped().to_str().unwrap(), "--structure", "--expanded"]);
+    assert_eq!(output.status.code(), Some(2), "{output:?}");
+    let output = linewright(&["check", cell.to_str().unwrap(), "--structure"]);
+    assert!(output.status.success() && text(&output.stdout).contains("without --structure"), "{output:?}");
+}
+
+/// What is written is what was checked: as many states, and no deadlock.
+#[test]
+fn the_nets_of_a_cell_are_written_and_are_those_that_were_checked() {
+    let scratch = Scratch::new();
+    let dir = shipped().join("../assembly-cell");
+    let dir = dir.to_str().unwrap();
+    let out = scratch.path("out");
+    let output = linewright(&["nets", dir, "--out", &out]);
+    assert!(output.status.success(), "{output:?}");
+    for (name, options) in [("cell-coordination", &[][..]), ("cell-expanded", &["--expanded"])] {
+        let analysed = linewright(&["analyse", &format!("{out}/{name}.pnml"), "--json"]);
+        assert!(analysed.status.success(), "{analysed:?}");
+        let analysed = json(&analysed);
+        let (_, found) = checked(dir, options);
+        let group = &found["cell"]["groups"][0];
+        assert_eq!((&analysed["states"], &analysed["arcs"]), (&group["states"], &group["arcs"]), "{name}");
+        assert_eq!((&analysed["reversible"], &analysed["deadlock_free"]), (&true.into(), &true.into()), "{name}");
+    }
+    let output = linewright(&["nets", dir, "--out", &out, "--format", "dot"]);
+    assert!(output.status.success() && scratch.read("out/cell-expanded.dot").starts_with("digraph"), "{output:?}");
+}
