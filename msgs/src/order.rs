@@ -105,7 +105,7 @@ message! {
         id: u64,
         /// How it has ended.
         end: u8,
-        /// Failed: the code of the description. Refused: why. Else 0.
+        /// Failed: up to 999 the code of the description, above that why. Refused: why. Else 0.
         code: u16,
         /// The same for people.
         text: String,
@@ -121,8 +121,6 @@ message! {
         const PHASE_RUNNING: u8 = 1;
         /// On its way to where nothing is left half-way.
         const PHASE_SECURING: u8 = 2;
-        /// Stopped half-way: it does not get there without a person.
-        const PHASE_HELD: u8 = 3;
     }
     fields {
         /// What it is doing of it.
@@ -135,7 +133,7 @@ message! {
         steps: u16,
     }
     ros name "RunTask_Feedback", meaning |m| {
-        within("phase", m.phase, RunTaskFeedback::PHASE_RUNNING, RunTaskFeedback::PHASE_HELD)
+        within("phase", m.phase, RunTaskFeedback::PHASE_RUNNING, RunTaskFeedback::PHASE_SECURING)
     }
 }
 
@@ -181,6 +179,8 @@ message! {
         doing_id: u64,
         /// What it is doing of it ([`RunTaskFeedback`]); 0 if it is doing none.
         phase: u8,
+        /// The rest it stands at; empty while it moves and between rests.
+        rest: String,
         /// How the last orders that it took on have ended, the oldest first.
         ended: Bounded<OrderEnd, 16>,
         /// The last orders that it did not take on, and why not, the oldest first.
@@ -197,7 +197,7 @@ message! {
             (epoch, id) => {
                 present("doing_epoch", epoch != 0)?;
                 present("doing_id", id != 0)?;
-                within("phase", m.phase, RunTaskFeedback::PHASE_RUNNING, RunTaskFeedback::PHASE_HELD)?;
+                within("phase", m.phase, RunTaskFeedback::PHASE_RUNNING, RunTaskFeedback::PHASE_SECURING)?;
             }
         }
         for end in m.ended.as_slice() {

@@ -99,7 +99,7 @@ fn orders_are_not_yet_believed() {
     let cases: [(Spoil, &str); 6] = [
         (|s| s.memory = 0, "memory"),
         (|s| s.doing_id = 0, "doing_id"),
-        (|s| s.phase = 4, "phase is 4, known are 1 to 3"),
+        (|s| s.phase = 3, "phase is 3, known are 1 to 2"),
         (|s| (s.doing_epoch, s.doing_id) = (0, 0), "phase is 1, known are 0 to 0"),
         (|s| s.ended = s.refused.clone(), "ended: end is 3, known are 0 to 2"),
         (|s| s.refused = s.ended.clone(), "refused: end is 0, known are 3 to 3"),

@@ -176,6 +176,7 @@ pub fn order_state() -> OrderState {
         doing_epoch: 3,
         doing_id: 41,
         phase: RunTaskFeedback::PHASE_RUNNING,
+        rest: "home".into(),
         ended: Bounded::new(vec![end(38, RunTaskResult::END_DONE, 0), end(40, RunTaskResult::END_FAILED, 7)]).unwrap(),
         refused: Bounded::new(vec![end(39, RunTaskResult::END_REFUSED, RunTaskResult::REFUSED_BUSY)]).unwrap(),
         inputs: Bounded::new(vec![0b101, 0x80]).unwrap(),
