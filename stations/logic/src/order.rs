@@ -121,6 +121,8 @@ pub struct OrderReport {
     pub slot: Option<SlotReport>,
     /// How the orders before have ended, those it still knows, the newest last.
     pub results: Vec<(OrderKey, Outcome)>,
+    /// The orders it has refused for good, those it still knows, the newest last.
+    pub refused: Vec<(OrderKey, Refusal)>,
     /// The rest it stands at; none while it moves and between rests.
     pub rest: Option<RestId>,
 }

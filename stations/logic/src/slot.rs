@@ -449,6 +449,11 @@ impl Controller {
             Reply::Ended(outcome) => Some((*key, *outcome)),
             Reply::Running | Reply::Refused(_) => None,
         }));
+        report.refused.clear();
+        report.refused.extend(orders.results.iter().filter_map(|(key, reply)| match reply {
+            Reply::Refused(refusal) => Some((*key, *refusal)),
+            Reply::Running | Reply::Ended(_) => None,
+        }));
         report.rest = self.rest();
     }
 }

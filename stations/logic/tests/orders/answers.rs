@@ -68,6 +68,7 @@ fn what_is_refused_for_good_stays_refused_when_the_reason_has_gone() {
     m1.devices(true);
     assert_eq!(refused(&mut m1, &machine), Refusal::Devices);
     assert_eq!(m1.orders().results, [(key(1, 2), Outcome::Done)], "a refusal is no result");
+    assert_eq!(m1.orders().refused, [(key(1, 1), Refusal::NotThere), (key(1, 3), Refusal::Devices)]);
 }
 
 #[test]
