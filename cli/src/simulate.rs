@@ -1,9 +1,11 @@
-//! `linewright simulate`: the bar chart that the line's own controllers produce, in virtual time.
+//! `linewright simulate`: the bar chart that the line's own controllers produce, in virtual time; and of a flexible cell
+//! ([`cell`]) when each part is done.
 //!
 //! The real station controllers and the real mode controller run against the simulated plant; [`linewright_simulation`]
 //! plays them, and this command reads the files, shows what came out and decides the exit code: 0 if the cycles are
 //! done, the scenario went as it expected and no conflict happened; 1 otherwise, with the reason.
 
+mod cell;
 mod chart;
 mod json;
 mod report;
@@ -31,8 +33,14 @@ const CYCLES_MAX: usize = 10_000_000;
 /// Options of `simulate`.
 #[derive(Debug, clap::Args)]
 pub struct Args {
-    /// The line's directory, or its description.
+    /// The line's directory, or its description; or a cell's.
     line: PathBuf,
+    /// Of a cell: how many parts of which types to make, as A=3,B=2 [default: one of each].
+    #[arg(long, value_name = "TYPE=N", value_delimiter = ',', value_parser = cell::parts)]
+    parts: Vec<(String, u32)>,
+    /// Of a cell: print everything that is decided, and why.
+    #[arg(long)]
+    why: bool,
     /// How many cycles of the whole line to run [default: what the scenario says, or 3].
     #[arg(long, value_parser = clap::value_parser!(u64).range(1..=CYCLES_MAX as u64))]
     cycles: Option<u64>,
@@ -48,7 +56,8 @@ pub struct Args {
     /// What it may take longer, drawn for each message, in milliseconds [default: what the scenario says, or 0].
     #[arg(long, value_name = "MS", value_parser = millis)]
     jitter: Option<Duration>,
-    /// How much longer or shorter than described a motion may take, in percent [default: what the scenario says, or 0].
+    /// How much longer or shorter than described a motion, or a station's task, may take, in percent [default: what the
+    /// scenario says, or 0].
     #[arg(long, value_name = "PERCENT", value_parser = percent)]
     variation: Option<f64>,
     /// Print one JSON object instead of text.
@@ -78,6 +87,13 @@ fn percent(text: &str) -> Result<f64, String> {
 
 /// Runs the command.
 pub fn run(args: &Args) -> miette::Result<ExitCode> {
+    let asked = args.why || !args.parts.is_empty();
+    if let Some(file) = cell::file_of(&args.line, asked) {
+        return cell::run(args, &file);
+    }
+    if asked {
+        return Err(miette!("--parts and --why are for cells; {} has no cell.toml", args.line.display()));
+    }
     let line = load::line(&args.line, args.json)?;
     let scenario = match &args.scenario {
         Some(path) => Some(read_scenario(path, &line)?),

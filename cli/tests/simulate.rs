@@ -122,3 +122,79 @@ fn long_names_get_room_in_the_picture() {
     let (short, long) = (width("forward"), width(&"decelerate ".repeat(6)[..64]));
     assert!(long >= short + 100.0, "{short}, {long}");
 }
+
+fn cell(name: &str, args: &[&str]) -> Output {
+    let dir = shipped().with_file_name(name);
+    linewright(&[&["simulate", dir.to_str().unwrap()], args].concat())
+}
+
+/// Seed 000, L2029-2035: a part 1 is loaded for 3, worked on for 7.5 and unloaded for 3 time units, and nobody else is there.
+#[test]
+fn a_part_of_a_cell_takes_as_long_as_its_activities() {
+    let output = cell("assembly-cell", &["--parts", "1=1", "--why"]);
+    assert!(output.status.success(), "{output:?}");
+    let shown = text(&output.stdout);
+    assert!(shown.contains("1 of 1 parts done in 13.500 s"), "{shown}");
+    let part = shown.lines().find(|line| line.starts_with("part 1 (1)")).expect("its row");
+    assert_eq!(part.split_whitespace().collect::<Vec<_>>()[3..], ["0.000", "s", "13.500", "s", "13.500", "s"]);
+    // 7.5 of 13.5 s, and twice 3 of them.
+    for (resource, busy) in [("robot_2", "55.6 %"), ("robot_1", "44.4 %"), ("human", "0.0 %")] {
+        assert!(shown.lines().any(|line| line.starts_with(resource) && line.contains(busy)), "{resource}: {shown}");
+    }
+    assert!(shown.contains("3.000 s  `robot_2.process<1.new>` with part 1 starts: nothing else wanted"), "{shown}");
+}
+
+#[test]
+fn the_json_of_a_cell_has_every_part_and_activity_and_follows_from_the_seed() {
+    let args = |seed| ["--json", "--why", "--parts", "A=3,B=2", "--variation", "10", "--seed", seed];
+    let output = cell("workcell-c1", &args("7"));
+    assert!(output.status.success(), "{output:?}");
+    let found = json(&output);
+    assert_eq!((&found["ok"], &found["cell"]), (&true.into(), &"workcell_c1".into()));
+    let parts = found["parts"].as_array().expect("parts");
+    let of = |name: &str| parts.iter().filter(|part| part["type"] == name && part["done_s"].is_number()).count();
+    assert_eq!((parts.len(), of("A"), of("B")), (5, 3, 2));
+    // Each part is loaded, worked on and unloaded twice.
+    let activities = found["activities"].as_array().expect("activities");
+    assert_eq!(activities.len(), 5 * 2 * 3);
+    let ends = activities.iter().filter_map(|one| one["end_s"].as_f64());
+    assert_eq!(ends.fold(0.0, f64::max), found["makespan_s"].as_f64().expect("a time"));
+    assert!(found["decisions"].as_array().is_some_and(|all| !all.is_empty()));
+    assert_eq!(output.stdout, cell("workcell-c1", &args("7")).stdout);
+    assert_ne!(output.stdout, cell("workcell-c1", &args("8")).stdout);
+}
+
+/// Four slots, and more parts than that let in: sooner or later the store is full, and a machine holds what has to go there.
+#[test]
+fn a_cell_that_gets_stuck_says_what_its_parts_wait_for() {
+    let scratch = Scratch::new();
+    let shipped = shipped().with_file_name("workcell-c1").join("cell.toml");
+    let text_of = std::fs::read_to_string(shipped).unwrap();
+    let tight = text_of
+        .replace("capacity = 6", "capacity = 4")
+        .replace("rules = [\"schedule\", \"earliest-due-date\", \"fifo\"]", "rules = [\"fifo\"]");
+    std::fs::write(scratch.path("cell.toml"), tight).unwrap();
+    let path = scratch.path("cell.toml");
+    let stuck = (1..30).map(|seed| {
+        linewright(&["simulate", &path, "--parts", "A=8,B=8", "--variation", "60", "--seed", &seed.to_string()])
+    });
+    let stuck: Vec<Output> = stuck.filter(|output| !output.status.success()).collect();
+    let [first, ..] = &stuck[..] else { panic!("it never got stuck") };
+    let said = text(&first.stderr);
+    assert!(said.contains("parts were finished; nothing happens any more after"), "{said}");
+    assert!(!said.contains("3600"), "the end is when the last thing happened: {said}");
+    assert!(said.contains("has been on `") && said.contains("`ST.available-capacity`"), "{said}");
+}
+
+#[test]
+fn what_is_not_for_a_cell_or_not_for_a_line_is_refused() {
+    let refused = |output: Output| {
+        assert!(!output.status.success(), "{output:?}");
+        text(&output.stderr).to_owned()
+    };
+    assert!(refused(cell("workcell-c1", &["--cycles", "3"])).contains("--cycles is for lines"));
+    assert!(refused(cell("workcell-c1", &["--parts", "C=3"])).contains("no part type 'C'; the cell has A, B"));
+    assert!(refused(cell("workcell-c1", &["--parts", "A=0"])).contains("no parts to make"));
+    assert!(refused(cell("workcell-c1", &["--parts", "A"])).contains("write TYPE=NUMBER"));
+    assert!(refused(simulate(&["--parts", "A=3"])).contains("--parts and --why are for cells"));
+}

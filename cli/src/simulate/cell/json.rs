@@ -1,0 +1,101 @@
+//! The one object that `--json` prints of a cell.
+
+use linewright_cell::Cell;
+use linewright_coordinator_logic::cell::Fact;
+use linewright_coordinator_logic::cell::dispatch::words;
+use linewright_coordinator_logic::described::Described;
+use linewright_line::Tick;
+use linewright_simulation::cell::CellSim;
+use serde::Serialize;
+
+use super::made::Made;
+
+/// Everything that came out. Times are seconds.
+#[derive(Serialize)]
+pub struct Object {
+    cell: String,
+    ok: bool,
+    #[serde(skip_serializing_if = "Option::is_none")]
+    error: Option<String>,
+    makespan_s: f64,
+    parts: Vec<Part>,
+    resources: Vec<Resource>,
+    /// Those that take time, in the order in which they started.
+    activities: Vec<Activity>,
+    #[serde(skip_serializing_if = "Option::is_none")]
+    decisions: Option<Vec<Decision>>,
+}
+
+#[derive(Serialize)]
+struct Part {
+    part: u64,
+    #[serde(rename = "type")]
+    of: String,
+    entered_s: f64,
+    done_s: Option<f64>,
+}
+
+#[derive(Serialize)]
+struct Resource {
+    name: String,
+    prototype: &'static str,
+    capacity: u32,
+    busy: f64,
+    taken_mean: f64,
+    taken_most: u32,
+}
+
+#[derive(Serialize)]
+struct Activity {
+    activity: String,
+    part: Option<u64>,
+    start_s: f64,
+    end_s: Option<f64>,
+}
+
+#[derive(Serialize)]
+struct Decision {
+    at_s: f64,
+    why: Vec<String>,
+}
+
+impl Object {
+    /// Of a run that has ended; with all decisions if `why`.
+    pub fn new(cell: &Cell, played: &Described, sim: &CellSim, made: &Made, error: Option<&str>, why: bool) -> Self {
+        let seconds = |tick: Tick| tick.as_micros() as f64 / 1e6;
+        let parts = made.parts.iter().map(|part| Part {
+            part: part.id.0,
+            of: cell.part_types[part.of.index()].name.clone(),
+            entered_s: seconds(part.entered),
+            done_s: part.done.map(seconds),
+        });
+        let resources = cell.resource_ids().map(|id| Resource {
+            name: cell.resource(id).name.clone(),
+            prototype: cell.resource(id).prototype.name(),
+            capacity: cell.resource(id).capacity,
+            busy: made.busy(cell, id),
+            taken_mean: made.taken(id),
+            taken_most: made.uses[id.index()].most,
+        });
+        let activities = made.activities.iter().map(|done| Activity {
+            activity: played.table.mode_name(done.mode).to_owned(),
+            part: done.part.map(|part| part.0),
+            start_s: seconds(done.began),
+            end_s: done.ended.map(seconds),
+        });
+        let decisions = sim.log.iter().filter_map(|record| {
+            let Fact::Decided { started, held, .. } = &record.fact else { return None };
+            Some(Decision { at_s: seconds(record.at), why: words::decision(&sim.table, started, held) })
+        });
+        Object {
+            cell: cell.name.clone(),
+            ok: error.is_none(),
+            error: error.map(str::to_owned),
+            makespan_s: seconds(made.end),
+            parts: parts.collect(),
+            resources: resources.collect(),
+            activities: activities.collect(),
+            decisions: why.then(|| decisions.collect()),
+        }
+    }
+}

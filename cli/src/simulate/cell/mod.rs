@@ -1,0 +1,162 @@
+//! `linewright simulate` for a flexible cell: so many parts, made by the cell's own token player and dispatcher, with
+//! stations that take as long as the description says.
+//!
+//! [`linewright_simulation::cell`] plays; this reads the description, shows what came out and decides the exit code: 0 if
+//! all parts were finished and have left, 1 otherwise, with what each of the others waits for.
+
+mod json;
+mod made;
+mod show;
+
+use std::path::{Path, PathBuf};
+use std::process::ExitCode;
+use std::sync::Arc;
+use std::time::Duration;
+
+use linewright_cell::Cell;
+use linewright_cell::net::Supply;
+use linewright_coordinator_logic::cell::dispatch::why_not;
+use linewright_coordinator_logic::cell::dispatch::words::Reasons;
+use linewright_coordinator_logic::cell::{Phase, State};
+use linewright_coordinator_logic::described::{Described, Pace, described, dispatcher};
+use linewright_line::{Line, Tick};
+use linewright_simulation::cell::{CellOptions, CellSim};
+use miette::{IntoDiagnostic, miette};
+
+use super::Args;
+use crate::load;
+use crate::out::say;
+use made::Made;
+
+/// More parts are no more informative.
+const PARTS_MAX: u32 = 100_000;
+/// Of so many parts at most it is said why they have not been finished.
+const STUCK_MAX: usize = 10;
+/// Nothing is lost here, so nothing is repeated, and nobody is killed.
+const PACE: Pace = Pace { refresh: Duration::from_secs(10), grace: Duration::from_secs(10) };
+/// Stations are heard once and do not change.
+const PERIOD: Duration = Duration::from_secs(3600);
+
+/// The description of a cell that a path means: itself, or the `cell.toml` of a directory without a `line.toml`. With one,
+/// the directory is a line's, unless somebody asks for parts.
+pub fn file_of(path: &Path, asked: bool) -> Option<PathBuf> {
+    let inside = path.join("cell.toml");
+    if path.is_dir() {
+        return (inside.exists() && (asked || !path.join("line.toml").exists())).then_some(inside);
+    }
+    (path.file_name()? == "cell.toml").then(|| path.to_owned())
+}
+
+/// So many parts of a type, as `A=3`.
+pub fn parts(text: &str) -> Result<(String, u32), String> {
+    let (name, count) = text.split_once('=').ok_or_else(|| "write TYPE=NUMBER, e.g. A=3".to_owned())?;
+    let count: u32 = count.parse().map_err(|_| format!("`{count}` is not a number of parts"))?;
+    if count <= PARTS_MAX { Ok((name.to_owned(), count)) } else { Err(format!("at most {PARTS_MAX} parts")) }
+}
+
+/// Runs the command for the cell in `file`.
+pub fn run(args: &Args, file: &Path) -> miette::Result<ExitCode> {
+    let of_lines = [
+        ("--cycles", args.cycles.is_some()),
+        ("--scenario", args.scenario.is_some()),
+        ("--svg", args.svg.is_some()),
+        ("--trace", args.trace.is_some()),
+    ];
+    if let Some((option, _)) = of_lines.iter().find(|(_, given)| *given) {
+        return Err(miette!("{option} is for lines; {} describes a cell", file.display()));
+    }
+    let line = beside(file, args.json)?;
+    let parsed = load::cell(file, line.as_ref())?;
+    if !args.json {
+        for warning in &parsed.warnings {
+            eprintln!("{}:{}:{}: warning: {}", file.display(), warning.line, warning.column, warning.message);
+        }
+    }
+    let cell = parsed.cell;
+    let batch = batch(&cell, &args.parts)?;
+    let played = described(&cell, line.as_ref(), Supply::Batch(&batch), PACE).map_err(|error| miette!("{error}"))?;
+    let delay = args.delay.unwrap_or_default();
+    let options = CellOptions {
+        seed: args.seed,
+        pace: linewright_simulation::cell::Pace::Nominal { spread: args.variation.unwrap_or(0.0) },
+        delay: (delay, delay + args.jitter.unwrap_or_default()),
+        period: PERIOD,
+        ..CellOptions::default()
+    };
+    let stations = line.as_ref().map_or(cell.controllers.len(), |line| line.stations.len());
+    let table = Arc::new(played.table.clone());
+    let mut by_rules = dispatcher(&cell, &table);
+    let mut sim = CellSim::new(table, stations, options);
+    sim.run(&mut by_rules, Tick::NEVER);
+    let made = Made::new(&cell, &played, &sim.log);
+    let asked: u32 = batch.iter().sum();
+    let error = error(&sim, &played, asked, made.end);
+    if args.json {
+        let object = json::Object::new(&cell, &played, &sim, &made, error.as_deref(), args.why);
+        say!("{}", serde_json::to_string_pretty(&object).into_diagnostic()?);
+    } else {
+        if args.why {
+            say!("{}", show::decisions(&sim));
+        }
+        say!("{}", show::text(&cell, &made, asked).trim_end());
+        if let Some(error) = &error {
+            eprintln!("linewright: {error}");
+        }
+    }
+    Ok(if error.is_none() { ExitCode::SUCCESS } else { ExitCode::FAILURE })
+}
+
+/// The line beside a cell, if it has one.
+fn beside(file: &Path, quiet: bool) -> miette::Result<Option<Line>> {
+    let line = file.with_file_name("line.toml");
+    if line.exists() { load::line(&line, quiet).map(Some) } else { Ok(None) }
+}
+
+/// How many parts of each type, in the order of the description.
+fn batch(cell: &Cell, asked: &[(String, u32)]) -> miette::Result<Vec<u32>> {
+    if asked.is_empty() {
+        return Ok(vec![1; cell.part_types.len()]);
+    }
+    let mut batch = vec![0_u32; cell.part_types.len()];
+    for (name, count) in asked {
+        let Some(of) = cell.part_type_named(name) else {
+            let known: Vec<&str> = cell.part_types.iter().map(|of| of.name.as_str()).collect();
+            return Err(miette!("no part type '{name}'; the cell has {}", known.join(", ")));
+        };
+        batch[of.index()] += count;
+    }
+    match batch.iter().fold(0, |sum: u32, &count| sum.saturating_add(count)) {
+        0 => Err(miette!("no parts to make")),
+        1..=PARTS_MAX => Ok(batch),
+        more => Err(miette!("{more} parts are more than {PARTS_MAX}")),
+    }
+}
+
+/// Why not all parts were finished until the last thing happened; none if they were.
+fn error(sim: &CellSim, played: &Described, asked: u32, end: Tick) -> Option<String> {
+    let state: &State = sim.state();
+    let left = u32::try_from(state.left()).unwrap_or(u32::MAX);
+    if left >= asked {
+        return None;
+    }
+    let mut lines = vec![format!(
+        "only {left} of {asked} parts were finished; nothing happens any more after {:.3} s",
+        end.as_micros() as f64 / 1e6
+    )];
+    let failed = state.firings().filter_map(|firing| match firing.phase {
+        Phase::Failed(cause) => Some((firing, cause)),
+        Phase::Running => None,
+    });
+    for (firing, cause) in failed.take(STUCK_MAX) {
+        let what = linewright_coordinator_logic::cell::dispatch::words::named(state.table(), firing.mode, firing.part);
+        lines.push(format!("  {what} has failed: {}", show::cause(&cause)));
+    }
+    let mut reasons = Reasons::default();
+    sim.log.iter().for_each(|record| reasons.note(record));
+    let ways = linewright_coordinator_logic::cell::dispatch::Ways::new(&played.table);
+    for part in state.parts().take(STUCK_MAX) {
+        let why = why_not(&ways, &reasons, state, end, part.id);
+        lines.extend(why.into_iter().map(|line| format!("  {line}")));
+    }
+    Some(lines.join("\n"))
+}

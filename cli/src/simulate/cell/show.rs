@@ -1,0 +1,68 @@
+//! What came out of a simulation of a cell, as text.
+
+use std::fmt::Write;
+
+use linewright_cell::Cell;
+use linewright_coordinator_logic::cell::dispatch::words;
+use linewright_coordinator_logic::cell::{Cause, Fact};
+use linewright_simulation::cell::CellSim;
+
+use super::made::Made;
+
+/// So many parts are listed; of more the JSON has all.
+const LISTED_MAX: usize = 40;
+
+/// Everything that was decided, and why, a line each.
+pub fn decisions(sim: &CellSim) -> String {
+    let mut text = String::new();
+    for record in &sim.log {
+        let Fact::Decided { started, held, .. } = &record.fact else { continue };
+        for line in words::decision(&sim.table, started, held) {
+            // Writing to a string does not fail.
+            let _ = writeln!(text, "{:>10.3} s  {line}", record.at.as_micros() as f64 / 1e6);
+        }
+    }
+    text
+}
+
+/// Why an activity has failed.
+pub fn cause(cause: &Cause) -> String {
+    match cause {
+        Cause::Order { key, failure } => format!("{key} was {failure}"),
+        Cause::TimedOut => "it was not done in time".to_owned(),
+    }
+}
+
+/// Parts and resources.
+pub fn text(cell: &Cell, made: &Made, asked: u32) -> String {
+    let seconds = |tick: linewright_line::Tick| tick.as_micros() as f64 / 1e6;
+    let done = made.parts.iter().filter(|part| part.done.is_some()).count();
+    let mut text = format!("{}\n{done} of {asked} parts done in {:.3} s\n", cell.title, seconds(made.end));
+    let _ = writeln!(text, "\n{:<24} {:>12} {:>12} {:>12}", "part", "entered", "done", "in the cell");
+    for part in made.parts.iter().take(LISTED_MAX) {
+        let name = format!("{} ({})", part.id, cell.part_types[part.of.index()].name);
+        let ended = part.done.map_or(["-".to_owned(), "-".to_owned()], |done| {
+            [format!("{:.3} s", seconds(done)), format!("{:.3} s", done.since(part.entered).as_secs_f64())]
+        });
+        let entered = format!("{:.3} s", seconds(part.entered));
+        let _ = writeln!(text, "{name:<24} {entered:>12} {:>12} {:>12}", ended[0], ended[1]);
+    }
+    if made.parts.len() > LISTED_MAX {
+        let _ = writeln!(text, "and {} more; --json has all of them", made.parts.len() - LISTED_MAX);
+    }
+    let _ = writeln!(text, "\n{:<24} {:>12} {:>12} {:>12}", "resource", "busy", "taken", "at most");
+    for id in cell.resource_ids() {
+        let resource = cell.resource(id);
+        // A store does nothing by itself, and a robot has nothing to be taken.
+        let busy =
+            if resource.prototype.stores() { "-".to_owned() } else { format!("{:.1} %", made.busy(cell, id) * 100.0) };
+        let most = made.uses[id.index()].most;
+        let [taken, most] = if most > 0 {
+            [format!("{:.2}", made.taken(id)), format!("{most} of {}", resource.capacity)]
+        } else {
+            ["-".to_owned(), "-".to_owned()]
+        };
+        let _ = writeln!(text, "{:<24} {busy:>12} {taken:>12} {most:>12}", resource.name);
+    }
+    text
+}
