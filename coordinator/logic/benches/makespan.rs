@@ -17,7 +17,7 @@ use linewright_coordinator_logic::cell::schedule::{Builtin, Foreman};
 use linewright_coordinator_logic::cell::{
     Answer, CellTable, Coordination, Dispatcher, Fact, Input, Outbox, Question, Record, State,
 };
-use linewright_coordinator_logic::described::{Pace, described, products};
+use linewright_coordinator_logic::described::{Pace, described};
 use linewright_line::Tick;
 
 /// Nobody is urgent in what is compared here.
@@ -118,7 +118,8 @@ fn ordered(production: &mut Production, parts: u32) {
             ..Request::default()
         };
         for change in production.submit(&[request]).expect("it is sound") {
-            production.apply(Tick::ZERO, &change).expect("it fits");
+            let record = Record { at: Tick::ZERO, fact: Fact::Production { change } };
+            production.note(&record).expect("it fits");
         }
     }
 }
@@ -127,7 +128,7 @@ fn compare(seed: u64, cell: &Cell, parts: u32) -> [f64; 3] {
     let pace = Pace { refresh: Duration::from_secs(1), grace: Duration::from_secs(1) };
     let made = described(cell, None, Supply::Open, pace).expect("it can be played");
     let table = Arc::new(made.table.clone());
-    let mut production = Production::new(&table, &products(cell, &made));
+    let mut production = Production::new(&table);
     ordered(&mut production, parts);
     let desk = |rules: &[Rule]| Desk::new(ByRules::new(&table, rules, PATIENCE), production.clone());
     let all = u64::from(parts / TYPES as u32 * TYPES as u32);

@@ -2,25 +2,26 @@
 //!
 //! The only module here that knows descriptions. Each mode of the coordination net gets an activity of its own, since times
 //! and programs depend on the stage. What the net says of transitions and places is not worked out again.
-//!
-//! Positions in a store are the player's to give, and it does not give any yet: such a parameter is left out of the orders
-//! made here ([`Described::without_position`] says of which).
 
 use std::sync::Arc;
 use std::time::Duration;
 
-use linewright_cell::net::{CellNet, Detail, Origin, Phase, Supply, net};
-use linewright_cell::{Cell, Move, ParameterSource, Prototype, Role};
+use linewright_cell::net::{CellNet, Detail, Meaning, Origin, Phase, Spot, Supply, net};
+use linewright_cell::{Cell, Move, ParameterSource, Prototype, ResourceId, Role};
 use linewright_line::{Line, StationId};
+use linewright_nets::PlaceId;
 use linewright_nets::coloured::{ColouredError, Colours, UnfoldError, Unfolding, unfold};
 use thiserror::Error;
 
 use crate::cell::ahead::LookAhead;
 use crate::cell::dispatch::ByRules;
-use crate::cell::production::{Desk, Production};
+use crate::cell::production::Desk;
 use crate::cell::schedule::{Builtin, Foreman};
 use crate::cell::tracking::{Entry, Passing, Sheet};
-use crate::cell::{Activity, ActivityKind, CellKind, CellTable, ModeId, OrderTemplate, Pick, Plan, PlanError};
+use crate::cell::{
+    Activity, ActivityKind, CellId, CellKind, CellTable, ModeId, OrderTemplate, Pick, Plan, PlanError, Product, State,
+    Store, Value,
+};
 
 /// At most so many places and transitions: a thousand resources need a tenth of it.
 const NODES_MAX: usize = 1_000_000;
@@ -52,6 +53,16 @@ pub enum Unplayable {
     /// An order that would be waited for until the end of days.
     #[error("`{0}` gives an order without a limit")]
     Limit(String),
+    /// What cannot be known is not sent.
+    #[error(
+        "`{activity}`: no value for the parameter `{parameter}`: no program in the plan, or no such store in the activity"
+    )]
+    Parameter {
+        /// What gives the order.
+        activity: String,
+        /// Its parameter.
+        parameter: String,
+    },
     /// The table is refused.
     #[error(transparent)]
     Plan(#[from] PlanError),
@@ -66,8 +77,6 @@ pub struct Described {
     pub net: CellNet,
     /// Its long form; modes and cells of the table are its transitions and places.
     pub long: Unfolding,
-    /// The orders that lack the position of their part, as `activity: task`.
-    pub without_position: Vec<String>,
 }
 
 /// Makes the table of a cell. Stations are those of `line`; without one, those that the cell names, in that order.
@@ -106,6 +115,12 @@ pub fn described(cell: &Cell, line: Option<&Line>, supply: Supply<'_>, pace: Pac
         });
     }
     let plan = Plan {
+        products: match supply {
+            Supply::Open | Supply::Batch(_) => products(cell, &net, &long),
+            // All that will ever come waits outside already; nobody orders it.
+            Supply::Closed(_) => Vec::new(),
+        },
+        stores: stores(cell, &net, &long),
         cells: long.net().places().map(kind).collect(),
         activity_of: (0..activities.len()).collect(),
         activities,
@@ -113,7 +128,7 @@ pub fn described(cell: &Cell, line: Option<&Line>, supply: Supply<'_>, pace: Pac
         grace: pace.grace,
     };
     let table = CellTable::compile(&long, plan)?;
-    Ok(Described { table, net, long, without_position: without_position(cell) })
+    Ok(Described { table, net, long })
 }
 
 fn decided(
@@ -125,15 +140,18 @@ fn decided(
     let order = |order: &linewright_cell::OrderTemplate| {
         let limit = cell.limit(order, of).ok_or_else(|| Unplayable::Limit(activity.name.clone()))?;
         let value = |source: &ParameterSource| match *source {
-            ParameterSource::Number(number) => Some(number),
-            ParameterSource::Program => of.program,
-            ParameterSource::Position(_) => None,
+            ParameterSource::Number(number) => Some(Value::Number(number)),
+            ParameterSource::Program => of.program.map(Value::Number),
+            ParameterSource::Position(store) => position(activity, store),
         };
-        let parameters = order.parameters.iter().filter_map(|(name, of)| Some((Arc::from(name.as_str()), value(of)?)));
+        let parameters = order.parameters.iter().map(|(name, of)| match value(of) {
+            Some(value) => Ok((Arc::from(name.as_str()), value)),
+            None => Err(Unplayable::Parameter { activity: activity.name.clone(), parameter: name.clone() }),
+        });
         Ok(OrderTemplate {
             station: stations[order.controller.index()],
             task: order.task.as_str().into(),
-            parameters: parameters.collect(),
+            parameters: parameters.collect::<Result<_, _>>()?,
             limit,
         })
     };
@@ -160,25 +178,40 @@ fn servers(cell: &Cell, activity: &linewright_cell::Activity) -> u32 {
     }
 }
 
-fn without_position(cell: &Cell) -> Vec<String> {
-    let orders = cell.activities.iter().flat_map(|activity| activity.orders.iter().map(move |order| (activity, order)));
-    let lacks = |order: &linewright_cell::OrderTemplate| {
-        order.parameters.iter().any(|(_, source)| matches!(source, ParameterSource::Position(_)))
-    };
-    orders.filter(|(_, order)| lacks(order)).map(|(of, order)| format!("{}: {}", of.name, order.task)).collect()
+/// Which position in a store is meant: that of the part before or after.
+fn position(activity: &linewright_cell::Activity, store: ResourceId) -> Option<Value> {
+    let is_in = |role| activity.used(role).is_some_and(|part| part.of == Some(store));
+    match (is_in(Role::Source), is_in(Role::Target)) {
+        (true, _) => Some(Value::Source),
+        (false, true) => Some(Value::Target),
+        (false, false) => None,
+    }
 }
 
 /// What a cell makes: of each part type its name, and the modes that let its parts enter.
-pub fn products(cell: &Cell, made: &Described) -> Vec<(String, Vec<ModeId>)> {
-    let mut products: Vec<_> = cell.part_types.iter().map(|part| (part.name.clone(), Vec::new())).collect();
-    for t in made.long.net().transitions() {
-        if let Some((activity, of)) = made.net.move_of(cell, made.long.mode(t))
+fn products(cell: &Cell, net: &CellNet, long: &Unfolding) -> Vec<Product> {
+    let product = |part: &linewright_cell::PartType| Product { name: part.name.as_str().into(), enters: Vec::new() };
+    let mut products: Vec<Product> = cell.part_types.iter().map(product).collect();
+    for t in long.net().transitions() {
+        if let Some((activity, of)) = net.move_of(cell, long.mode(t))
             && activity.kind == linewright_cell::ActivityKind::Enter
         {
-            products[cell.stages[of.from.index()].part_type.index()].1.push(ModeId(t.0));
+            products[cell.stages[of.from.index()].part_type.index()].enters.push(ModeId(t.0));
         }
     }
     products
+}
+
+/// The stores of a cell in which parts have positions.
+fn stores(cell: &Cell, net: &CellNet, long: &Unfolding) -> Vec<Store> {
+    let is_random = |&id: &ResourceId| cell.resource(id).prototype == Prototype::RandomAccessStore;
+    let store = |id: ResourceId| {
+        let is_here =
+            |&place: &PlaceId| net.meaning(long.cell(net.net(), place).place) == Meaning::Held(id, Spot::Stored);
+        let cells = long.net().places().filter(is_here).map(|place| CellId(place.0)).collect();
+        Store { name: cell.resource(id).name.as_str().into(), cells }
+    };
+    cell.resource_ids().filter(is_random).map(store).collect()
 }
 
 /// What a report has to know of a cell beside its records.
@@ -216,9 +249,9 @@ pub fn sheet(cell: &Cell, made: &Described) -> Sheet {
 }
 
 /// The dispatcher that a description asks for, with production orders, looking ahead, and a schedule if that is among its
-/// rules.
-pub fn foreman(cell: &Cell, made: &Described, production: Production) -> Foreman {
-    let desk = Desk::new(dispatcher(cell, &made.table), production);
+/// rules. It begins with what is known of the cell, and is told all records from then on.
+pub fn foreman(cell: &Cell, made: &Described, state: &State) -> Foreman {
+    let desk = Desk::new(dispatcher(cell, &made.table), state.production().clone());
     let look = LookAhead::new(&made.table, desk, cell.dispatch.look_ahead);
     Foreman::new(look, Box::new(Builtin::default()))
 }

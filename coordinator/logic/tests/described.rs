@@ -14,7 +14,7 @@ use std::time::Duration;
 use linewright_cell::net::Supply;
 use linewright_coordinator_logic::cell::dispatch::{Fairness, words};
 use linewright_coordinator_logic::cell::{
-    ActivityKind, Answer, Dispatcher, Fact, Fifo, Held, Outbox, Phase, Question, Reason, Start,
+    ActivityKind, Answer, Dispatcher, Fact, Fifo, Held, Outbox, Phase, Question, Reason, Start, Value,
 };
 use linewright_coordinator_logic::described::{Described, Pace, Unplayable, described, dispatcher};
 use linewright_line::Tick;
@@ -143,7 +143,6 @@ impl Dispatcher for LetIn {
 fn all_parts_that_enter_workcell_c1_leave_it_finished() {
     for seed in 0..5 {
         let made = made(C1, Supply::Open);
-        assert_eq!(made.without_position.len(), 6, "the robot's orders have a slot that nobody gives yet");
         let mut world = world(made, 4, seed);
         world.options.bad_luck = 30;
         world.options.replays = true;
@@ -160,6 +159,37 @@ fn all_parts_that_enter_workcell_c1_leave_it_finished() {
     }
 }
 
+/// The robot is told the slot: that of the part in the store, or a free one. No slot has two parts, and a part is fetched
+/// from where it was put.
+#[test]
+fn each_part_has_a_slot_of_its_own_in_the_store() {
+    for seed in 0..5 {
+        let mut world = world(made(C1, Supply::Open), 4, seed);
+        world.options.bad_luck = 30;
+        world.options.replays = true;
+        let mut dispatcher = LetIn { left: [("enter<A.new>", 4), ("enter<B.new>", 3)].into() };
+        world.run(&mut dispatcher, Tick::from_millis(900_000));
+        assert_eq!(world.state().left(), 7, "seed {seed}");
+        let told = |done: &linewright_simulation::cell::Done| match &done.parameters[..] {
+            [(name, slot)] if &**name == "slot" => (done.task.starts_with("unload"), done.part.unwrap(), *slot),
+            other => panic!("{other:?}"),
+        };
+        let robot: Vec<_> = world.stations[3].done.iter().map(told).collect();
+        assert_eq!(robot.len(), 7 * 4);
+        let mut last = BTreeMap::new();
+        for &(stores, part, slot) in &robot {
+            assert!((1..=6).contains(&slot), "{slot}");
+            let put = last.insert(part, slot);
+            // Nobody tells the robot where a part was put that came in by hand.
+            assert!(stores || put.is_none_or(|put| put == slot), "{part} was put into {put:?} and fetched from {slot}");
+        }
+        let mut used: Vec<i32> = robot.iter().map(|&(.., slot)| slot).collect();
+        used.sort_unstable();
+        used.dedup();
+        assert!(used.len() > 2, "several are in it at once");
+    }
+}
+
 /// The times and limits of a mode are those of its stage.
 #[test]
 fn modes_have_the_times_of_their_stages() {
@@ -172,8 +202,8 @@ fn modes_have_the_times_of_their_stages() {
     let work = of("M2.process<A.new>");
     assert_eq!(work.kind, ActivityKind::Decided { time: second(55), limit: None });
     assert_eq!((work.orders.len(), work.orders[0].limit), (1, second(110)));
-    assert_eq!(work.orders[0].parameters, [("program".into(), 1)]);
-    assert_eq!(of("M2.process<B.grind>").orders[0].parameters, [("program".into(), 4)]);
+    assert_eq!(work.orders[0].parameters, [("program".into(), Value::Number(1))]);
+    assert_eq!(of("M2.process<B.grind>").orders[0].parameters, [("program".into(), Value::Number(4))]);
     let load = of("load M3<B.new>");
     assert_eq!(load.orders.iter().map(|order| order.limit).collect::<Vec<_>>(), [second(24), second(26)]);
     assert_eq!(of("enter<A.new>").kind, ActivityKind::Decided { time: Duration::ZERO, limit: None });

@@ -95,7 +95,8 @@ impl Made {
                 | Fact::Acknowledged { .. }
                 | Fact::OrderEnded { .. }
                 | Fact::OrderFailed { .. }
-                | Fact::Raised { .. } => (),
+                | Fact::Raised { .. }
+                | Fact::Production { .. } => (),
             }
         }
         made.uses.iter_mut().for_each(|of| of.take(end, 0));

@@ -36,8 +36,11 @@ impl State {
             Fact::Raised { firing, cause } => self.raised(*firing, *cause),
             Fact::Ended { firing } => self.ended(*firing, record.at),
             Fact::Fired { mode, part } => self.fired(*mode, *part, record.at),
+            // Production orders look at all records themselves, and refuse none but their own.
+            Fact::Production { change: _ } => Ok(()),
         };
-        result.map_err(|why| Misfit { sequence, why })?;
+        let noted = |()| self.production.note(record).map_err(|unfit| unfit.to_string());
+        result.and_then(noted).map_err(|why| Misfit { sequence, why })?;
         self.sequence = sequence;
         self.now = record.at;
         Ok(())
@@ -83,7 +86,10 @@ impl State {
             return Err(format!("the keys of its orders are not the next {} of this epoch", templates.len()));
         }
         self.take(mode, part, arrival);
-        part.into_iter().for_each(|part| self.place(part, Place::In(id), at));
+        if let Some(part) = part {
+            self.place(part, Place::In(id), at);
+            self.reserve(mode, part);
+        }
         let order = |(&key, template): (&OrderKey, &OrderTemplate)| Order {
             key,
             station: template.station,
@@ -166,6 +172,11 @@ impl State {
             return Err(format!("`{}` takes time", self.table.mode_name(mode)));
         }
         self.take(mode, part, arrival);
+        if let Some(part) = part {
+            // It is nowhere in between, and where that is does not matter.
+            self.parts.entry(part).or_insert(Part::new(part, at));
+            self.reserve(mode, part);
+        }
         self.give(mode, part, at);
         Ok(())
     }
@@ -234,8 +245,10 @@ impl State {
             Some(cell) => {
                 let arrival = self.marking.put(cell, part);
                 self.place(part, Place::On { cell, arrival }, at);
+                self.arrive(mode, part);
             }
             None => {
+                self.leave_position(mode, part);
                 self.parts.remove(&part);
                 self.left += 1;
             }
@@ -243,7 +256,7 @@ impl State {
     }
 
     fn place(&mut self, id: PartId, place: Place, at: Tick) {
-        let part = self.parts.entry(id).or_insert(Part { id, entered: at, since: at, place });
+        let part = self.parts.entry(id).or_insert(Part::new(id, at));
         (part.place, part.since) = (place, at);
     }
 

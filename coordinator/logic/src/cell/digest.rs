@@ -4,7 +4,7 @@
 //! the net, on the names of its modes and cells, and on who is told what; it does not depend on times and limits, which
 //! may be changed between two lives of a coordinator: what is in progress then has the new ones.
 
-use super::plan::{ActivityKind, CellKind, Pick};
+use super::plan::{ActivityKind, CellKind, Pick, Value};
 use super::table::CellTable;
 
 impl CellTable {
@@ -48,9 +48,24 @@ impl CellTable {
                 sum.number(order.parameters.len() as u64);
                 for (name, value) in &order.parameters {
                     sum.text(name);
-                    sum.number(u64::from(value.cast_unsigned()));
+                    sum.number(match *value {
+                        Value::Number(number) => u64::from(number.cast_unsigned()),
+                        Value::Source => 1 << 32,
+                        Value::Target => 2 << 32,
+                    });
                 }
             }
+        }
+        sum.number(self.products().len() as u64);
+        for product in self.products() {
+            sum.text(&product.name);
+            sum.number(product.enters.len() as u64);
+            product.enters.iter().for_each(|mode| sum.number(u64::from(mode.0)));
+        }
+        sum.number(self.stores().len() as u64);
+        for store in self.stores() {
+            sum.number(store.cells.len() as u64);
+            store.cells.iter().for_each(|cell| sum.number(u64::from(cell.0)));
         }
         sum.0
     }

@@ -28,6 +28,7 @@ mod marking;
 mod orders;
 mod plan;
 mod player;
+mod positions;
 pub mod production;
 mod question;
 mod reason;
@@ -44,8 +45,10 @@ pub use fifo::Fifo;
 pub use firing::{Firing, Order, OrderState, Phase};
 pub use ids::{CellId, FiringId, ModeId, OrderKey, PartId, ProductionId};
 pub use marking::Marking;
-pub use orders::{Event, Heard, Input, OrderMessage, Outbox, Outcome, Reply, Send, Sending};
-pub use plan::{Activity, ActivityKind, CellKind, OrderTemplate, Pick, Plan};
+pub use orders::{
+    Denied, Event, Heard, Input, OrderMessage, Outbox, Outcome, ProductionCommand, Reply, Send, Sending, Ticket,
+};
+pub use plan::{Activity, ActivityKind, CellKind, OrderTemplate, Pick, Plan, Product, Store, Value};
 pub use player::{Coordination, OldEpoch};
 pub use question::{Answer, BadAnswer, Candidate, Dispatcher, Group, Held, Question, Start, check};
 pub use reason::{Gain, Ground, Lost, Outlook, Reason};

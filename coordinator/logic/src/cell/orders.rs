@@ -8,8 +8,10 @@ use std::sync::Arc;
 use std::time::Duration;
 
 use linewright_line::{StationId, Tick};
+use thiserror::Error;
 
-use super::ids::{ModeId, OrderKey, PartId};
+use super::ids::{ModeId, OrderKey, PartId, ProductionId};
+use super::production::{Refused, Request, Wrong};
 use super::question::BadAnswer;
 use super::record::{Record, Refusal};
 
@@ -22,6 +24,36 @@ pub enum Input<'a> {
     Reply(StationId, OrderKey, Reply),
     /// Whether activities may start: the line is in auto, and enabled. They may not until this says so.
     Starts(bool),
+    /// Somebody asks for something to be made, or not to be made, and waits for a reply.
+    Production(Ticket, ProductionCommand<'a>),
+}
+
+/// What a reply to somebody is known by; the caller's affair.
+pub type Ticket = u64;
+
+/// What people say about production orders.
+#[derive(Clone, Copy, Debug)]
+pub enum ProductionCommand<'a> {
+    /// Make orders of these requests, all of them or none. Asking again for what is on order changes nothing.
+    Submit(&'a [Request]),
+    /// Nothing more of the order of that name is to enter.
+    Cancel(&'a str),
+    /// The order of that name, of which nothing has entered, is to be as if it had never been.
+    Withdraw(&'a str),
+}
+
+/// Why something was not changed.
+#[derive(Clone, Debug, PartialEq, Eq, Error)]
+pub enum Denied {
+    /// All that is wrong with the requests.
+    #[error("{}", .0.iter().map(ToString::to_string).collect::<Vec<_>>().join("\n"))]
+    Request(Vec<Wrong>),
+    /// The order cannot be changed so.
+    #[error(transparent)]
+    Order(Refused),
+    /// Another life of the coordinator has begun, and knows better.
+    #[error("this coordinator is not the newest any more; ask that one")]
+    Superseded,
 }
 
 /// What a station says of itself, again and again.
@@ -64,6 +96,8 @@ pub struct Outbox {
     pub records: Vec<Record>,
     /// To be sent. Each may be lost or doubled.
     pub sends: Vec<Send>,
+    /// To be told to those who have asked, when the records are on disk: the orders that were made or changed.
+    pub replies: Vec<(Ticket, Result<Vec<ProductionId>, Denied>)>,
     /// To be told to people.
     pub events: Vec<Event>,
 }

@@ -8,6 +8,8 @@ use std::time::Duration;
 
 use linewright_line::StationId;
 
+use super::ids::{CellId, ModeId};
+
 /// Everything the player needs beside the net.
 #[derive(Clone, Debug, PartialEq, Eq)]
 pub struct Plan {
@@ -17,10 +19,33 @@ pub struct Plan {
     pub activities: Vec<Activity>,
     /// For each transition of the unfolded net, in its order, the position of its activity in `activities`.
     pub activity_of: Vec<usize>,
+    /// What is made. Where nothing is said to be, there are no production orders.
+    pub products: Vec<Product>,
+    /// Whose parts have positions.
+    pub stores: Vec<Store>,
     /// An order that no station has acknowledged is repeated after this time.
     pub refresh: Duration,
     /// After a restart no limit runs out before this time: what has ended meanwhile is to be heard first.
     pub grace: Duration,
+}
+
+/// Something that is made on order.
+#[derive(Clone, Debug, PartialEq, Eq)]
+pub struct Product {
+    /// What orders call it.
+    pub name: Arc<str>,
+    /// The modes by which its parts enter.
+    pub enters: Vec<ModeId>,
+}
+
+/// A place with positions, numbered from 1, each for one part: a random-access store (seed 001, L72-77). Which position a
+/// part has matters to whoever reaches for it, and enables nothing.
+#[derive(Clone, Debug, PartialEq, Eq)]
+pub struct Store {
+    /// What people call it.
+    pub name: Arc<str>,
+    /// Its parts are on these cells. How many there can be the net knows.
+    pub cells: Vec<CellId>,
 }
 
 /// What the tokens of a cell are.
@@ -78,8 +103,19 @@ pub struct OrderTemplate {
     /// Which of its tasks.
     pub task: Arc<str>,
     /// The task's parameters.
-    pub parameters: Vec<(Arc<str>, i32)>,
+    pub parameters: Vec<(Arc<str>, Value)>,
     /// How long that may take from the start of the activity: one limit for each operation and resource (seed 001,
     /// Fig. 6, L137-177).
     pub limit: Duration,
+}
+
+/// What a parameter is.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub enum Value {
+    /// Always this.
+    Number(i32),
+    /// The position that the part has in the store it comes from.
+    Source,
+    /// The position that it will have in the store it goes to.
+    Target,
 }

@@ -32,8 +32,12 @@ use thiserror::Error;
 
 use super::fifo::Fifo;
 use super::firing::{Next, OrderState, Phase};
-use super::ids::{FiringId, ModeId, OrderKey};
-use super::orders::{Event, Heard, Input, OrderMessage, Outbox, Outcome, Reply, Send, Sending};
+use super::ids::{FiringId, ModeId, OrderKey, ProductionId};
+use super::orders::{
+    Denied, Event, Heard, Input, OrderMessage, Outbox, Outcome, ProductionCommand, Reply, Send, Sending,
+};
+use super::plan::Value;
+use super::production::Change;
 use super::question::{Answer, Candidate, Dispatcher, Question, Reason, check, pose};
 use super::record::{Cause, Fact, Failure, Record};
 use super::state::State;
@@ -120,6 +124,10 @@ impl Coordination {
                 Input::Station(station, heard) => self.hear(now, station, heard, out),
                 Input::Reply(station, key, reply) => self.reply(now, station, key, reply, out),
                 Input::Starts(may) => self.starts = may,
+                Input::Production(ticket, command) => {
+                    let reply = self.change(now, command, out);
+                    out.replies.push((ticket, reply));
+                }
             }
         }
         let (mut room, mut starts) = (FIRINGS_MAX, FIRINGS_MAX);
@@ -213,6 +221,34 @@ impl Coordination {
         };
         self.sent.remove(&key);
         self.write(now, fact, out);
+    }
+
+    /// Changes what is on order.
+    fn change(
+        &mut self,
+        now: Tick,
+        command: ProductionCommand<'_>,
+        out: &mut Outbox,
+    ) -> Result<Vec<ProductionId>, Denied> {
+        if self.superseded {
+            return Err(Denied::Superseded);
+        }
+        let production = self.state.production();
+        let changes = match command {
+            ProductionCommand::Submit(requests) => production.submit(requests).map_err(Denied::Request)?,
+            ProductionCommand::Cancel(name) => vec![production.cancel(name).map_err(Denied::Order)?],
+            ProductionCommand::Withdraw(name) => vec![production.withdraw(name).map_err(Denied::Order)?],
+        };
+        let changed = changes.iter().filter_map(Change::order).collect();
+        changes.into_iter().for_each(|change| self.write(now, Fact::Production { change }, out));
+        Ok(match command {
+            // Those that were on order already are an answer as well.
+            ProductionCommand::Submit(requests) => {
+                let production = self.state.production();
+                requests.iter().filter_map(|request| production.by_key(request.key)).map(|order| order.id).collect()
+            }
+            ProductionCommand::Cancel(_) | ProductionCommand::Withdraw(_) => changed,
+        })
     }
 
     /// Lets time run out: of orders, of activities, and of those that nobody but the clock ends.
@@ -340,12 +376,21 @@ impl Coordination {
         let &(_, position) = self.state.orders.get(&key)?;
         let (firing, order) = self.state.order(key)?;
         let template = self.state.table.activity(firing.mode).orders.get(position)?;
+        let part = firing.part.and_then(|part| self.state.part(part));
+        let value = |value: &Value| match *value {
+            Value::Number(number) => Some(number),
+            Value::Source => i32::try_from(part?.position?).ok(),
+            Value::Target => i32::try_from(part?.target?).ok(),
+        };
+        // The table has values that can be known alone. Should one not be, then nothing is sent rather than a wrong place,
+        // and the order runs out of time.
+        let parameters = template.parameters.iter().map(|(name, of)| Some((name.clone(), value(of)?)));
         Some(OrderMessage {
             key,
             station: order.station,
             memory: *self.state.memory.get(&order.station)?,
             task: template.task.clone(),
-            parameters: template.parameters.clone(),
+            parameters: parameters.collect::<Option<_>>()?,
             part: firing.part,
             limit: order.limit.max(firing.spared_until).since(now),
         })

@@ -11,6 +11,7 @@ use linewright_line::{StationId, Tick};
 use serde::{Deserialize, Serialize};
 
 use super::ids::{FiringId, ModeId, OrderKey, PartId};
+use super::production::Change;
 use super::question::Reason;
 use super::serial;
 
@@ -97,6 +98,11 @@ pub enum Fact {
         mode: ModeId,
         /// With which part; a new one if the mode lets parts enter.
         part: Option<PartId>,
+    },
+    /// Somebody has changed what is on order.
+    Production {
+        /// What.
+        change: Change,
     },
 }
 

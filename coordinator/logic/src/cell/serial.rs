@@ -1,7 +1,7 @@
 //! How times, stations and rules stand in what is written down: as microseconds, numbers, and the words of descriptions.
 //!
 //! Records and snapshots say with `serde` what they consist of, and nothing of the text or the bytes; the rest of their
-//! types derives it. These three come from crates that know nothing of being written down.
+//! types derives it. What is here comes from crates that know nothing of being written down.
 
 /// A time, in microseconds.
 pub(super) mod micros {
@@ -14,6 +14,35 @@ pub(super) mod micros {
 
     pub fn deserialize<'de, D: Deserializer<'de>>(from: D) -> Result<Tick, D::Error> {
         u64::deserialize(from).map(Tick::from_micros)
+    }
+}
+
+/// A time that need not be.
+pub(super) mod maybe {
+    use linewright_line::Tick;
+    use serde::{Deserialize, Deserializer, Serialize, Serializer};
+
+    pub fn serialize<S: Serializer>(tick: &Option<Tick>, to: S) -> Result<S::Ok, S::Error> {
+        tick.map(Tick::as_micros).serialize(to)
+    }
+
+    pub fn deserialize<'de, D: Deserializer<'de>>(from: D) -> Result<Option<Tick>, D::Error> {
+        Ok(Option::<u64>::deserialize(from)?.map(Tick::from_micros))
+    }
+}
+
+/// A key that somebody has drawn, in hexadecimal digits.
+pub(super) mod key {
+    use serde::de::Error;
+    use serde::{Deserialize, Deserializer, Serializer};
+
+    pub fn serialize<S: Serializer>(key: &u128, to: S) -> Result<S::Ok, S::Error> {
+        to.collect_str(&format_args!("{key:032x}"))
+    }
+
+    pub fn deserialize<'de, D: Deserializer<'de>>(from: D) -> Result<u128, D::Error> {
+        let text = String::deserialize(from)?;
+        u128::from_str_radix(&text, 16).map_err(|_| D::Error::custom(format!("`{text}` is no key")))
     }
 }
 

@@ -12,9 +12,11 @@ use serde::{Deserialize, Serialize};
 
 use super::enabling::Enabling;
 use super::firing::{Firing, Next, OrderState, Phase};
-use super::ids::{CellId, FiringId, ModeId};
+use super::ids::{CellId, FiringId, ModeId, PartId};
 use super::marking::Marking;
 use super::plan::CellKind;
+use super::positions::Positions;
+use super::production::{Kept, Production};
 use super::question::Reason;
 use super::serial;
 use super::state::{Misfit, Part, Place, State};
@@ -22,6 +24,9 @@ use super::table::CellTable;
 
 /// Counters stay below this, so that counting on from what somebody has made up never fails.
 pub(super) const NUMBER_MAX: u64 = 1 << 62;
+
+/// No store has so many positions.
+const POSITION_MAX: u32 = 1_000_000;
 
 /// A state to be written down.
 #[derive(Clone, Debug, PartialEq, Eq, Serialize, Deserialize)]
@@ -43,6 +48,7 @@ pub struct Snapshot {
     firings: Vec<Firing>,
     memory: Vec<Memory>,
     held: Vec<(ModeId, Reason)>,
+    production: Kept,
 }
 
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Serialize, Deserialize)]
@@ -72,6 +78,7 @@ impl State {
             firings: self.firings.values().cloned().collect(),
             memory: self.memory.iter().map(|(&station, &memory)| Memory { station, memory }).collect(),
             held: self.held.clone(),
+            production: self.production.kept(),
         }
     }
 
@@ -92,6 +99,7 @@ fn restored(table: Arc<CellTable>, of: Snapshot) -> Result<State, String> {
         return Err("it counts further than anybody can".to_owned());
     }
     let marking = marking(&table, &of)?;
+    let production = Production::restored(&table, of.production)?;
     let (mut parts, mut firings) = (BTreeMap::new(), BTreeMap::new());
     for part in of.parts {
         if part.id.0 > of.last_part || parts.insert(part.id, part).is_some() {
@@ -137,7 +145,10 @@ fn restored(table: Arc<CellTable>, of: Snapshot) -> Result<State, String> {
     if !of.held.iter().all(|(mode, reason)| table.has_mode(*mode) && reason.modes().all(|mode| table.has_mode(mode))) {
         return Err("it holds back what there is not".to_owned());
     }
+    let positions = positions(&table, &parts, &firings)?;
     Ok(State {
+        production,
+        positions,
         enabling: Enabling::new(&table, marking.counts()),
         marking,
         parts,
@@ -159,6 +170,38 @@ fn restored(table: Arc<CellTable>, of: Snapshot) -> Result<State, String> {
         now: of.now,
         table,
     })
+}
+
+/// The positions that parts have in stores: each has one where it should, and no two have the same.
+fn positions(
+    table: &CellTable,
+    parts: &BTreeMap<PartId, Part>,
+    firings: &BTreeMap<FiringId, Firing>,
+) -> Result<Vec<Positions>, String> {
+    let mut positions = vec![Positions::default(); table.stores().len()];
+    for part in parts.values() {
+        let (from, to) = match part.place {
+            Place::On { cell, arrival: _ } => (Some(cell), None),
+            Place::In(firing) => match firings.get(&firing) {
+                Some(firing) => (table.part_in(firing.mode), table.part_out(firing.mode)),
+                None => (None, None),
+            },
+        };
+        for (cell, position) in [(from, part.position), (to, part.target)] {
+            let fits = match (cell.and_then(|cell| table.store_of(cell)), position) {
+                (None, None) => true,
+                (Some(store), Some(position)) => position <= POSITION_MAX && positions[store].take(position),
+                (None, Some(_)) | (Some(_), None) => false,
+            };
+            if !fits {
+                return Err(format!(
+                    "{} has no position of its own where it should, or one where there are none",
+                    part.id
+                ));
+            }
+        }
+    }
+    Ok(positions)
 }
 
 /// Tokens and parts where the snapshot has them.

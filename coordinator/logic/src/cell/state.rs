@@ -17,6 +17,8 @@ use super::firing::Firing;
 use super::ids::{CellId, FiringId, ModeId, OrderKey, PartId};
 use super::marking::Marking;
 use super::plan::{CellKind, Pick};
+use super::positions::Positions;
+use super::production::Production;
 use super::question::Reason;
 use super::record::Record;
 use super::serial;
@@ -36,6 +38,20 @@ pub struct Part {
     pub since: Tick,
     /// Where it is.
     pub place: Place,
+    /// Its position in the store that it is in, or comes from, from 1; none where there are no positions.
+    #[serde(default, skip_serializing_if = "Option::is_none")]
+    pub position: Option<u32>,
+    /// The position that it will have in the store that it goes to.
+    #[serde(default, skip_serializing_if = "Option::is_none")]
+    pub target: Option<u32>,
+}
+
+impl Part {
+    /// One that enters, before it is anywhere.
+    pub(super) fn new(id: PartId, at: Tick) -> Self {
+        let nowhere = Place::In(FiringId(0));
+        Part { id, entered: at, since: at, place: nowhere, position: None, target: None }
+    }
 }
 
 /// Where a part is.
@@ -81,6 +97,10 @@ pub struct State {
     /// Firings whose end or failure has not been written yet.
     pub(super) settled: BTreeSet<FiringId>,
     pub(super) memory: BTreeMap<StationId, u64>,
+    /// What is on order.
+    pub(super) production: Production,
+    /// Of each store.
+    pub(super) positions: Vec<Positions>,
     pub(super) held: Vec<(ModeId, Reason)>,
     pub(super) epoch: u64,
     pub(super) questions: u64,
@@ -97,14 +117,17 @@ impl State {
     pub fn new(table: Arc<CellTable>) -> Self {
         let mut marking = Marking::new(&table);
         let (mut parts, mut last_part) = (BTreeMap::new(), 0);
+        let mut positions = vec![Positions::default(); table.stores().len()];
         for cell in table.cells().filter(|&cell| matches!(table.kind(cell), CellKind::Parts(_))) {
             for _ in 0..table.initial()[cell.index()] {
                 last_part += 1;
                 let id = PartId(last_part);
                 marking.give(cell, 1);
                 let arrival = marking.put(cell, id);
+                let position = table.store_of(cell).map(|store| positions[store].take_lowest());
                 let place = Place::On { cell, arrival };
-                parts.insert(id, Part { id, entered: Tick::ZERO, since: Tick::ZERO, place });
+                let part = Part { id, entered: Tick::ZERO, since: Tick::ZERO, place, position, target: None };
+                parts.insert(id, part);
             }
         }
         State {
@@ -118,6 +141,8 @@ impl State {
             due: BTreeSet::new(),
             settled: BTreeSet::new(),
             memory: BTreeMap::new(),
+            production: Production::new(&table),
+            positions,
             held: Vec::new(),
             epoch: 0,
             questions: 0,
@@ -168,6 +193,11 @@ impl State {
     /// A part, if it is in the cell.
     pub fn part(&self, part: PartId) -> Option<&Part> {
         self.parts.get(&part)
+    }
+
+    /// What is on order, and what has become of it.
+    pub fn production(&self) -> &Production {
+        &self.production
     }
 
     /// How many parts have left.

@@ -16,7 +16,7 @@ use linewright_nets::{Net, PlaceId, TransitionId};
 use thiserror::Error;
 
 use super::ids::{CellId, ModeId};
-use super::plan::{Activity, ActivityKind, CellKind, Plan};
+use super::plan::{Activity, ActivityKind, CellKind, Plan, Product, Store, Value};
 
 /// Why a plan does not fit its net.
 #[derive(Clone, Debug, PartialEq, Eq, Error)]
@@ -72,6 +72,30 @@ pub enum PlanError {
     /// It would happen for ever.
     #[error("`{mode}` is immediate and takes nothing, so it would never stop happening")]
     ImmediateSource {
+        /// The mode.
+        mode: String,
+    },
+    /// A product whose parts do not enter by that mode.
+    #[error("parts of `{product}` are said to enter by mode {mode}, which lets no part enter")]
+    NoEntrance {
+        /// The product.
+        product: String,
+        /// The mode, as a number.
+        mode: u32,
+    },
+    /// A store of what there is not, or of what another store has.
+    #[error("store `{store}` has cell {cell}, which holds no parts or belongs to another store")]
+    Store {
+        /// The store.
+        store: String,
+        /// The cell, as a number.
+        cell: u32,
+    },
+    /// Nobody could say which number to send.
+    #[error("task `{task}` of `{mode}` wants to know the position in a store, where the part is in none")]
+    NoPosition {
+        /// The task.
+        task: String,
         /// The mode.
         mode: String,
     },
@@ -140,6 +164,10 @@ pub struct CellTable {
     consumers: Rows<ModeId>,
     /// Whose each of the input arcs is.
     arc_modes: Vec<ModeId>,
+    products: Vec<Product>,
+    stores: Vec<Store>,
+    /// The store of each cell, if it belongs to one.
+    store_of: Vec<Option<usize>>,
     refresh: Duration,
     grace: Duration,
 }
@@ -172,7 +200,8 @@ impl CellTable {
         if has > PARTS_MAX {
             return Err(PlanError::TooManyParts { has, most: PARTS_MAX });
         }
-        Ok(CellTable {
+        let store_of = store_of(&plan)?;
+        let table = CellTable {
             cell_names: net.places().map(|p| net.place_name(p).into()).collect(),
             mode_names: net.transitions().map(|t| net.transition_name(t).into()).collect(),
             initial: start.as_slice().iter().map(|&count| u64::from(count)).collect(),
@@ -183,9 +212,42 @@ impl CellTable {
             arc_modes: net.transitions().flat_map(mine).collect(),
             kinds: plan.cells,
             activities: plan.activities,
+            products: plan.products,
+            stores: plan.stores,
+            store_of,
             refresh: plan.refresh,
             grace: plan.grace,
-        })
+        };
+        table.check_entrances()?;
+        table.check_positions()?;
+        Ok(table)
+    }
+
+    fn check_entrances(&self) -> Result<(), PlanError> {
+        let enters =
+            |mode: ModeId| self.has_mode(mode) && self.part_in(mode).is_none() && self.part_out(mode).is_some();
+        let all = self.products.iter().flat_map(|product| product.enters.iter().map(move |&mode| (product, mode)));
+        match all.into_iter().find(|&(_, mode)| !enters(mode)) {
+            Some((product, mode)) => Err(PlanError::NoEntrance { product: product.name.to_string(), mode: mode.0 }),
+            None => Ok(()),
+        }
+    }
+
+    fn check_positions(&self) -> Result<(), PlanError> {
+        for mode in self.modes() {
+            for order in &self.activity(mode).orders {
+                let is_known = |value: &Value| match value {
+                    Value::Number(_) => true,
+                    Value::Source => self.part_in(mode).and_then(|cell| self.store_of(cell)).is_some(),
+                    Value::Target => self.part_out(mode).and_then(|cell| self.store_of(cell)).is_some(),
+                };
+                if !order.parameters.iter().all(|(_, value)| is_known(value)) {
+                    let (task, mode) = (order.task.to_string(), self.mode_name(mode).to_owned());
+                    return Err(PlanError::NoPosition { task, mode });
+                }
+            }
+        }
+        Ok(())
     }
 
     /// The same cell without stations: whatever takes time ends by the clock alone. This is what is played where nothing
@@ -278,6 +340,21 @@ impl CellTable {
         self.modes[mode.index()].part_out
     }
 
+    /// What is made on order.
+    pub fn products(&self) -> &[Product] {
+        &self.products
+    }
+
+    /// Whose parts have positions.
+    pub fn stores(&self) -> &[Store] {
+        &self.stores
+    }
+
+    /// The store to which a cell belongs, as its place in [`CellTable::stores`].
+    pub fn store_of(&self, cell: CellId) -> Option<usize> {
+        self.store_of[cell.index()]
+    }
+
     /// After what time an order is repeated.
     pub fn refresh(&self) -> Duration {
         self.refresh
@@ -302,6 +379,19 @@ impl CellTable {
     pub(super) fn arc(&self, arc: usize) -> (ModeId, Tokens) {
         (self.arc_modes[arc], self.inputs.items[arc])
     }
+}
+
+fn store_of(plan: &Plan) -> Result<Vec<Option<usize>>, PlanError> {
+    let mut store_of = vec![None; plan.cells.len()];
+    for (at, store) in plan.stores.iter().enumerate() {
+        for &cell in &store.cells {
+            let holds_parts = plan.cells.get(cell.index()).is_some_and(|kind| matches!(kind, CellKind::Parts(_)));
+            if !holds_parts || store_of[cell.index()].replace(at).is_some() {
+                return Err(PlanError::Store { store: store.name.to_string(), cell: cell.0 });
+            }
+        }
+    }
+    Ok(store_of)
 }
 
 fn check_activity(activity: &Activity) -> Result<(), PlanError> {

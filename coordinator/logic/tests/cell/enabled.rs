@@ -236,6 +236,8 @@ fn a_mode_watches_what_is_its_own_rather_than_what_is_everybodys() {
         activity_of: vec![0; long.net().transition_count()],
         refresh: Duration::ZERO,
         grace: Duration::ZERO,
+        products: Vec::new(),
+        stores: Vec::new(),
     };
     let table = Arc::new(CellTable::compile(&long, plan).unwrap());
     let named = |name: &str| table.modes().find(|&mode| table.mode_name(mode) == name).unwrap();
@@ -260,6 +262,8 @@ fn a_plan_that_does_not_fit_its_net_says_why() {
         activity_of,
         refresh: Duration::ZERO,
         grace: Duration::ZERO,
+        products: Vec::new(),
+        stores: Vec::new(),
     };
     let why = |plan| CellTable::compile(&it.long, plan).unwrap_err().to_string();
     let all = |kind| vec![kind; cells];

@@ -99,7 +99,8 @@ impl<'a> Ledger<'a> {
             | Fact::Acknowledged { .. }
             | Fact::OrderEnded { .. }
             | Fact::OrderFailed { .. }
-            | Fact::Raised { .. } => (),
+            | Fact::Raised { .. }
+            | Fact::Production { .. } => (),
         }
     }
 }

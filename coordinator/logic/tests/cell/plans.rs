@@ -4,7 +4,7 @@ use std::sync::Arc;
 use std::time::Duration;
 
 use linewright_coordinator_logic::cell::{
-    Activity, ActivityKind, CellId, CellKind, CellTable, ModeId, OrderTemplate, Pick, Plan,
+    Activity, ActivityKind, CellId, CellKind, CellTable, ModeId, OrderTemplate, Pick, Plan, Value,
 };
 use linewright_line::StationId;
 use linewright_nets::coloured::{ColouredNet, Colours, Unfolding, unfold};
@@ -28,6 +28,8 @@ impl Compiled {
             activities,
             refresh: Duration::from_millis(200),
             grace: Duration::from_secs(1),
+            products: Vec::new(),
+            stores: Vec::new(),
         };
         let table = Arc::new(CellTable::compile(&long, plan).unwrap());
         Compiled { net, long, table }
@@ -65,7 +67,7 @@ pub fn ordered(task: &str, stations: &[u16], limit_ms: u64) -> Activity {
     let order = |&station: &u16| OrderTemplate {
         station: StationId(station),
         task: task.into(),
-        parameters: vec![("program".into(), i32::from(station))],
+        parameters: vec![("program".into(), Value::Number(i32::from(station)))],
         limit: Duration::from_millis(limit_ms),
     };
     let orders = stations.iter().map(order).collect();

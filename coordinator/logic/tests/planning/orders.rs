@@ -2,13 +2,14 @@
 
 use std::time::Duration;
 
+use linewright_coordinator_logic::cell::ProductionCommand::{Cancel, Submit, Withdraw};
 use linewright_coordinator_logic::cell::dispatch::{ByRules, Rule};
 use linewright_coordinator_logic::cell::production::{Change, Desk, Production, Refused, Request, Status, Wrong};
-use linewright_coordinator_logic::cell::{Dispatcher, Fact, PartId, ProductionId, Reason, Record};
-use linewright_coordinator_logic::described::{dispatcher, products};
+use linewright_coordinator_logic::cell::{Denied, Dispatcher, Fact, PartId, ProductionId, Reason, Record, State};
+use linewright_coordinator_logic::described::dispatcher;
 use linewright_line::Tick;
 
-use crate::shop::{C1, Made, Shop, request};
+use crate::shop::{C1, Made, Shop, changed, request};
 
 fn at(seconds: u64) -> Tick {
     Tick::from_millis(seconds * 1000)
@@ -16,7 +17,7 @@ fn at(seconds: u64) -> Tick {
 
 fn book() -> (Made, Production) {
     let made = Made::new(C1);
-    let production = Production::new(&made.table, &products(&made.cell, &made.made));
+    let production = Production::new(&made.table);
     (made, production)
 }
 
@@ -28,12 +29,13 @@ fn named(key: u128, name: &str, after: &[&str]) -> Request {
 /// Submits and applies.
 fn accept(production: &mut Production, now: Tick, requests: &[Request]) -> usize {
     let changes = production.submit(requests).unwrap_or_else(|wrongs| panic!("{wrongs:?}"));
-    changes.iter().for_each(|change| production.apply(now, change).unwrap());
-    changes.len()
+    let count = changes.len();
+    changes.into_iter().for_each(|change| assert!(production.note(&changed(now, change)).unwrap()));
+    count
 }
 
 fn apply(production: &mut Production, now: Tick, change: Result<Change, Refused>) {
-    production.apply(now, &change.unwrap()).unwrap();
+    assert!(production.note(&changed(now, change.unwrap())).unwrap());
 }
 
 #[test]
@@ -148,43 +150,74 @@ fn parts_enter_as_they_are_ordered_and_count_to_their_orders() {
     // All of it follows from the log.
     let (_, mut again) = book();
     accept(&mut again, at(0), &requests);
-    shop.log.iter().for_each(|record| _ = again.note(record));
+    shop.log.iter().for_each(|record| _ = again.note(record).unwrap());
     assert_eq!(&again, desk.production().unwrap());
 }
 
 /// Of a cancelled order nothing more enters; what is inside is finished as surplus. A withdrawn one leaves no trace.
 #[test]
 fn cancelled_and_withdrawn_orders() {
-    let (made, mut production) = book();
-    accept(
-        &mut production,
-        at(0),
-        &[request(1, &("A", 6, None)), request(2, &("B", 1, None)), named(3, "c", &["order 2"])],
-    );
-    assert_eq!(production.withdraw("order 2"), Err(Refused::Needed { name: "order 2".to_owned(), by: "c".to_owned() }));
-    for name in ["c", "order 2"] {
-        let change = production.withdraw(name);
-        apply(&mut production, at(0), change);
-    }
-    assert!(matches!(production.withdraw("c"), Err(Refused::Unknown { .. })));
-    let mut desk = Desk::new(ByRules::new(&made.table, &[Rule::Fifo], Duration::from_secs(600)), production);
+    let made = Made::new(C1);
     let mut shop = Shop::new(&made.table);
+    let rules = ByRules::new(&made.table, &[Rule::Fifo], Duration::from_secs(600));
+    let mut desk = Desk::new(rules, shop.state().production().clone());
+    let requests = [request(1, &("A", 6, None)), request(2, &("B", 1, None)), named(3, "c", &["order 2"])];
+    let ids = [1, 2, 3].map(ProductionId).to_vec();
+    for _ in 0..2 {
+        assert_eq!(shop.command(Submit(&requests), &mut desk), Ok(ids.clone()), "asked twice, it is the same order");
+    }
+    let needed = Refused::Needed { name: "order 2".to_owned(), by: "c".to_owned() };
+    assert_eq!(shop.command(Withdraw("order 2"), &mut desk), Err(Denied::Order(needed)));
+    assert_eq!(shop.command(Withdraw("c"), &mut desk), Ok(vec![ProductionId(3)]));
+    assert_eq!(shop.command(Withdraw("order 2"), &mut desk), Ok(vec![ProductionId(2)]));
+    assert!(matches!(shop.command(Withdraw("c"), &mut desk), Err(Denied::Order(Refused::Unknown { .. }))));
+    assert_eq!(shop.log.len(), 1 + 3 + 2, "what is refused changes nothing");
     shop.run(&mut desk, at(100));
     let inside = u32::try_from(shop.state().parts().len()).unwrap();
-    let begun = desk.production().unwrap().withdraw("order 1").unwrap_err();
+    let begun = shop.command(Withdraw("order 1"), &mut desk).unwrap_err();
     assert_eq!(begun.to_string(), "`order 1` has begun: 6 of its parts have entered; cancel it instead");
-    let change = desk.production().unwrap().cancel("order 1").unwrap();
-    desk.apply(at(100), &change).unwrap();
-    let state = |desk: &Desk, now| {
-        let production = desk.production().unwrap();
-        production.status(production.order(ProductionId(1)).unwrap(), now)
+    assert_eq!(shop.command(Cancel("order 1"), &mut desk), Ok(vec![ProductionId(1)]));
+    let status = |shop: &Shop| {
+        let production = shop.state().production();
+        production.status(production.order(ProductionId(1)).unwrap(), shop.now)
     };
-    assert_eq!(state(&desk, at(100)), Status::Cancelled { at: at(100), inside });
+    assert_eq!(status(&shop), Status::Cancelled { at: at(100), inside });
     shop.run(&mut desk, at(3000));
-    let order = desk.production().unwrap().order(ProductionId(1)).unwrap();
+    let order = shop.state().production().order(ProductionId(1)).unwrap();
     assert_eq!((order.done, order.surplus, order.inside(), order.lateness()), (6, inside, 0, None));
     assert!(order.ended.is_some() && shop.state().parts().len() == 0);
-    assert_eq!(desk.production().unwrap().cancel("order 1"), Err(Refused::Over("order 1".to_owned())));
+    let over = Refused::Over("order 1".to_owned());
+    assert_eq!(shop.command(Cancel("order 1"), &mut desk), Err(Denied::Order(over)));
+    assert_eq!(desk.production(), Some(shop.state().production()), "both were told the same");
+    // What was on order is in the log, and in a snapshot, with all that has become of it.
+    assert!(State::replay(made.table.clone(), &shop.log).as_ref() == Ok(shop.state()));
+    let text = serde_json::to_string(&shop.state().snapshot()).unwrap();
+    let again = State::restore(made.table.clone(), serde_json::from_str(&text).unwrap()).unwrap();
+    assert_eq!(again.snapshot(), shop.state().snapshot());
+}
+
+/// After a restart in the middle, from the log or from a snapshot, what is on order is made to its end, once.
+#[test]
+fn what_is_on_order_outlives_its_coordinator() {
+    let made = Made::new(C1);
+    let dispatcher = |state: &State| {
+        Desk::new(ByRules::new(&made.table, &[Rule::Fifo], Duration::from_secs(600)), state.production().clone())
+    };
+    for (until, from_snapshot) in [(0, false), (0, true), (70, false), (70, true), (300, false), (300, true)] {
+        let mut shop = Shop::new(&made.table);
+        let mut desk = dispatcher(shop.state());
+        shop.command(Submit(&[request(1, &("A", 3, None)), request(2, &("B", 2, None))]), &mut desk).unwrap();
+        shop.run(&mut desk, at(until));
+        let state = match from_snapshot {
+            true => State::restore(made.table.clone(), shop.state().snapshot()).unwrap(),
+            false => State::replay(made.table.clone(), &shop.log).unwrap(),
+        };
+        let mut desk = dispatcher(&state);
+        shop.restart(state);
+        shop.run(&mut desk, at(10_000));
+        assert_eq!((shop.state().left(), shop.state().parts().len()), (5, 0), "{until} s, snapshot: {from_snapshot}");
+        assert!(shop.state().production().orders().all(|order| order.ended.is_some() && order.surplus == 0));
+    }
 }
 
 /// For a part that is lost another one enters.
@@ -202,16 +235,17 @@ fn a_lost_part_is_replaced() {
             orders: Vec::new(),
         },
     };
-    assert!(production.note(&entering(1, 1)));
+    assert!(production.note(&entering(1, 1)).unwrap());
     let missing = |production: &Production| production.missing().count();
     assert_eq!(missing(&production), 0);
-    production.apply(at(2), &Change::Lost(PartId(1))).unwrap();
+    let lost = changed(at(2), Change::Lost(PartId(1)));
+    production.note(&lost).unwrap();
     assert_eq!((missing(&production), production.named("order 1").unwrap().lost), (1, 1));
-    production.apply(at(2), &Change::Lost(PartId(1))).unwrap_err();
-    assert!(production.note(&entering(2, 2)));
+    production.note(&lost).unwrap_err();
+    assert!(production.note(&entering(2, 2)).unwrap());
     assert_eq!(production.order_of(PartId(2)).unwrap().id, ProductionId(1));
     // One that nobody ordered counts to nothing.
-    assert!(!production.note(&entering(3, 3)));
+    assert!(!production.note(&entering(3, 3)).unwrap());
 }
 
 /// A change that does not follow from what was written before is refused, and nothing changes.
@@ -228,8 +262,9 @@ fn changes_of_other_orders_do_not_fit() {
         Change::Withdrawn(ProductionId(1)),
         Change::Lost(PartId(1)),
     ] {
-        production.apply(at(0), &change).unwrap_err();
-        assert_eq!(production, before, "{change:?}");
+        let record = changed(at(0), change);
+        production.note(&record).unwrap_err();
+        assert_eq!(production, before, "{record:?}");
     }
 }
 

@@ -5,7 +5,7 @@ use std::time::Duration;
 
 use linewright_coordinator_logic::cell::production::Request;
 use linewright_coordinator_logic::cell::schedule::{Deviation, Foreman};
-use linewright_coordinator_logic::cell::{Fact, PartId, Phase};
+use linewright_coordinator_logic::cell::{Fact, PartId, Phase, ProductionCommand};
 use linewright_coordinator_logic::described::foreman;
 use linewright_line::Tick;
 
@@ -14,7 +14,7 @@ use crate::shop::{C1, Made, Shop, request};
 const LONG: Tick = Tick::from_millis(86_400_000);
 
 fn follower(made: &Made, orders: &[(&str, u32, Option<u64>)]) -> Foreman {
-    let mut foreman = foreman(&made.cell, &made.made, made.ordered(orders));
+    let mut foreman = foreman(&made.cell, &made.made, &made.with(orders));
     foreman.look.desk.rules.fairness.patience = Some(Duration::from_secs(100_000));
     foreman
 }
@@ -92,13 +92,11 @@ fn when_something_is_late_what_follows_is_planned_anew() {
 fn orders_that_come_and_go_change_the_schedule() {
     let made = Made::new(C1);
     let mut foreman = follower(&made, &[("A", 2, None)]);
-    let mut shop = Shop::new(&made.table);
+    let mut shop = Shop::begin(made.with(&[("A", 2, None)]));
     shop.run(&mut foreman, Tick::from_millis(20_000));
     let before = foreman.schedule().unwrap().clone();
     let urgent = Request { priority: 3, due: Some(Tick::from_millis(150_000)), ..request(9, &("B", 1, None)) };
-    for change in foreman.look.desk.production().unwrap().submit(&[urgent]).unwrap() {
-        foreman.apply(shop.now, &change).unwrap();
-    }
+    shop.command(ProductionCommand::Submit(&[urgent]), &mut foreman).unwrap();
     shop.run(&mut foreman, Tick::from_millis(21_000));
     assert_eq!(whys(&foreman), [Deviation::First, Deviation::Orders]);
     let after = foreman.schedule().unwrap();
@@ -111,9 +109,9 @@ fn orders_that_come_and_go_change_the_schedule() {
     let promised = before.slots().iter().find(|slot| slot.mode == running.mode && slot.began == running.began).unwrap();
     assert_eq!(running.promised, promised.promised);
     assert!(running.promised.is_some());
-    let cancel = foreman.look.desk.production().unwrap().cancel("order 9").unwrap();
-    foreman.apply(shop.now, &cancel).unwrap();
+    shop.command(ProductionCommand::Cancel("order 9"), &mut foreman).unwrap();
     shop.run(&mut foreman, LONG);
+    assert_eq!(foreman.look.desk.production(), Some(shop.state().production()), "both were told the same");
     assert_eq!(whys(&foreman)[2], Deviation::Orders);
     assert!(shop.state().left() <= 3 && shop.state().parts().len() == 0);
 }

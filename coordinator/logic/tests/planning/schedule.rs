@@ -11,7 +11,7 @@ use linewright_coordinator_logic::cell::dispatch::ByRules;
 use linewright_coordinator_logic::cell::production::{Desk, Production};
 use linewright_coordinator_logic::cell::schedule::{Builtin, Deviation, Foreman, Schedule, Scheduler, Situation};
 use linewright_coordinator_logic::cell::{Fact, ModeId, PartId, Reason, State};
-use linewright_coordinator_logic::described::{Described, Pace, described, foreman, products};
+use linewright_coordinator_logic::described::{Described, Pace, described};
 use linewright_line::Tick;
 
 use crate::oracle::{least_tardiness, shortest};
@@ -110,7 +110,7 @@ fn desk(made: &Made, production: Production) -> Desk {
 }
 
 fn follower(made: &Made, production: Production, patience: u64, tolerance: u64) -> Foreman {
-    let look = foreman(&made.cell, &made.made, production).look;
+    let look = LookAhead::new(&made.table, desk(made, production), made.cell.dispatch.look_ahead);
     let mut foreman = Foreman::new(look, Box::new(THOROUGH));
     foreman.look.desk.rules.fairness.patience = Some(Duration::from_secs(patience));
     foreman.tolerance = Duration::from_secs(tolerance);
@@ -317,10 +317,7 @@ fn the_same_cell_has_the_same_schedule() {
 #[test]
 fn what_is_too_large_is_planned_in_part() {
     let made = Made::new(C1);
-    let production = Production::new(&made.table, &products(&made.cell, &made.made));
-    let mut production = production;
-    let request = crate::shop::request(1, &("A", 1_000_000, None));
-    production.submit(&[request]).unwrap().iter().for_each(|change| production.apply(Tick::ZERO, change).unwrap());
+    let production = made.ordered(&[("A", 1_000_000, None)]);
     let schedule = planned(&made, &desk(&made, production), &mut Builtin { effort: 2000, ..Builtin::default() });
     let starts = schedule.slots().len();
     assert!((1000..=2000).contains(&starts) && !schedule.proved, "{starts}");

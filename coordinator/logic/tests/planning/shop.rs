@@ -8,12 +8,12 @@ use std::time::Duration;
 
 use linewright_cell::Cell;
 use linewright_cell::net::Supply;
-use linewright_coordinator_logic::cell::production::{Production, Request};
+use linewright_coordinator_logic::cell::production::{Change, Production, Request};
 use linewright_coordinator_logic::cell::{
-    CellTable, Coordination, Dispatcher, Fact, Heard, Input, ModeId, OrderKey, Outbox, Outcome, PartId, Record, Reply,
-    Send, State,
+    CellTable, Coordination, Denied, Dispatcher, Fact, Heard, Input, ModeId, OrderKey, Outbox, Outcome, PartId,
+    ProductionCommand, ProductionId, Record, Reply, Send, State,
 };
-use linewright_coordinator_logic::described::{Described, Pace, described, products};
+use linewright_coordinator_logic::described::{Described, Pace, described};
 use linewright_line::{StationId, Tick};
 
 pub const C1: &str = include_str!("../../../../launch-config/lines/workcell-c1/cell.toml");
@@ -41,15 +41,25 @@ impl Made {
         self.table.modes().find(named).unwrap_or_else(|| panic!("no mode {name}"))
     }
 
-    /// Orders of so many parts of each product, in this order, due after so many seconds.
-    pub fn ordered(&self, orders: &[(&str, u32, Option<u64>)]) -> Production {
-        let mut production = Production::new(&self.table, &products(&self.cell, &self.made));
+    /// The cell with orders of so many parts of each product, in this order, due after so many seconds.
+    pub fn with(&self, orders: &[(&str, u32, Option<u64>)]) -> State {
+        let mut state = State::new(self.table.clone());
         let requests: Vec<Request> = (1..).zip(orders).map(|(key, of)| request(key, of)).collect();
-        for change in production.submit(&requests).unwrap() {
-            production.apply(Tick::ZERO, &change).unwrap();
+        for change in state.production().submit(&requests).unwrap() {
+            state.apply(&changed(Tick::ZERO, change)).unwrap();
         }
-        production
+        state
     }
+
+    /// Those orders alone.
+    pub fn ordered(&self, orders: &[(&str, u32, Option<u64>)]) -> Production {
+        self.with(orders).production().clone()
+    }
+}
+
+/// What is written down of a change.
+pub fn changed(at: Tick, change: Change) -> Record {
+    Record { at, fact: Fact::Production { change } }
 }
 
 pub fn request(key: u128, &(product, quantity, due): &(&str, u32, Option<u64>)) -> Request {
@@ -78,10 +88,15 @@ pub struct Shop {
 
 impl Shop {
     pub fn new(table: &Arc<CellTable>) -> Self {
-        let mut out = Outbox::default();
-        let player = Coordination::begin(State::new(table.clone()), Tick::ZERO, 1, &mut out).unwrap();
+        Shop::begin(State::new(table.clone()))
+    }
+
+    /// One in which something has happened already.
+    pub fn begin(state: State) -> Self {
+        let (mut out, table) = (Outbox::default(), state.table().clone());
+        let player = Coordination::begin(state, Tick::ZERO, 1, &mut out).unwrap();
         Shop {
-            table: table.clone(),
+            table,
             player,
             log: out.records,
             now: Tick::ZERO,
@@ -93,6 +108,26 @@ impl Shop {
 
     pub fn state(&self) -> &State {
         self.player.state()
+    }
+
+    /// Another life of the coordinator, from what it knows. Stations go on.
+    pub fn restart(&mut self, state: State) {
+        let (mut out, epoch) = (Outbox::default(), state.epoch() + 1);
+        self.player = Coordination::begin(state, self.now, epoch, &mut out).unwrap();
+        self.log.extend(out.records);
+    }
+
+    /// Somebody changes what is on order.
+    pub fn command(
+        &mut self,
+        command: ProductionCommand<'_>,
+        dispatcher: &mut dyn Dispatcher,
+    ) -> Result<Vec<ProductionId>, Denied> {
+        let mut out = Outbox::default();
+        self.player.step(self.now, &[Input::Starts(false), Input::Production(3, command)], dispatcher, &mut out);
+        self.log.extend(out.records);
+        assert_eq!((out.replies.len(), out.replies[0].0, out.sends.len()), (1, 3, 0));
+        out.replies.remove(0).1
     }
 
     fn stations(&self) -> impl Iterator<Item = StationId> {

@@ -139,7 +139,8 @@ impl Imagined {
             | Fact::Acknowledged { .. }
             | Fact::OrderEnded { .. }
             | Fact::OrderFailed { .. }
-            | Fact::Raised { .. } => None,
+            | Fact::Raised { .. }
+            | Fact::Production { .. } => None,
         };
         let leaving = moved.and_then(|(mode, part)| part.filter(|_| self.state.table.part_out(mode).is_none()));
         self.left.extend(leaving.map(|part| (lead.desk().job(part), self.now)));

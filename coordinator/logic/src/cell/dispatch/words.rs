@@ -126,6 +126,7 @@ impl Reasons {
             | Fact::OrderEnded { .. }
             | Fact::OrderFailed { .. }
             | Fact::Raised { .. }
+            | Fact::Production { .. }
             | Fact::Ended { .. }
             | Fact::Fired { .. } => (),
         }

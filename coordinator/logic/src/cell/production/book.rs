@@ -5,8 +5,10 @@
 //! imagined parts enter as well.
 
 use std::collections::{BTreeMap, BTreeSet};
+use std::sync::Arc;
 
 use linewright_line::{Tick, suggestion};
+use serde::{Deserialize, Serialize};
 use thiserror::Error;
 
 use super::super::dispatch::{Admission, Jobs, Waiting};
@@ -20,7 +22,8 @@ use super::request::{ORDERS_MAX, Request, Wrong, find_circle};
 const KEPT: usize = 1000;
 
 /// What people change. To be written down before anybody is told.
-#[derive(Clone, Debug, PartialEq, Eq)]
+#[derive(Clone, Debug, PartialEq, Eq, Serialize, Deserialize)]
+#[serde(rename_all = "kebab-case", deny_unknown_fields)]
 pub enum Change {
     /// A request is an order now.
     Accepted {
@@ -35,6 +38,16 @@ pub enum Change {
     Withdrawn(ProductionId),
     /// A part is no more, or is of no use: another one has to enter.
     Lost(PartId),
+}
+
+impl Change {
+    /// The order that it changes; none if a part does.
+    pub fn order(&self) -> Option<ProductionId> {
+        match *self {
+            Change::Accepted { id, request: _ } | Change::Cancelled(id) | Change::Withdrawn(id) => Some(id),
+            Change::Lost(_) => None,
+        }
+    }
 }
 
 /// Why an order is not cancelled or withdrawn.
@@ -77,24 +90,25 @@ pub struct Unfit(pub String);
 /// The production orders of a cell.
 #[derive(Clone, Debug, Default, PartialEq, Eq)]
 pub struct Production {
-    products: Vec<String>,
+    pub(super) products: Vec<Arc<str>>,
     /// The modes by which parts of each product enter.
     enters: BTreeMap<ModeId, usize>,
     leaves: BTreeSet<ModeId>,
-    orders: BTreeMap<ProductionId, Order>,
-    of_part: BTreeMap<PartId, ProductionId>,
+    pub(super) orders: BTreeMap<ProductionId, Order>,
+    pub(super) of_part: BTreeMap<PartId, ProductionId>,
     /// Activities in progress that take a part out.
-    leaving: BTreeMap<FiringId, PartId>,
-    last: u64,
+    pub(super) leaving: BTreeMap<FiringId, PartId>,
+    pub(super) last: u64,
 }
 
 impl Production {
-    /// Of a cell that makes these products; of each its name and the modes that let its parts enter.
-    pub fn new(table: &CellTable, products: &[(String, Vec<ModeId>)]) -> Self {
-        let modes = products.iter().enumerate().flat_map(|(at, (_, modes))| modes.iter().map(move |&mode| (mode, at)));
+    /// Of a cell that makes the products of its table, before anything is on order.
+    pub fn new(table: &CellTable) -> Self {
+        let products = table.products();
+        let modes = products.iter().enumerate().flat_map(|(at, of)| of.enters.iter().map(move |&mode| (mode, at)));
         let is_leave = |&mode: &ModeId| table.part_in(mode).is_some() && table.part_out(mode).is_none();
         Production {
-            products: products.iter().map(|(name, _)| name.clone()).collect(),
+            products: products.iter().map(|product| product.name.clone()).collect(),
             enters: modes.collect(),
             leaves: table.modes().filter(is_leave).collect(),
             ..Production::default()
@@ -114,6 +128,11 @@ impl Production {
     /// The newest order of that name that was not withdrawn.
     pub fn named(&self, name: &str) -> Option<&Order> {
         self.orders.values().rev().find(|order| order.request.name == name && !order.withdrawn)
+    }
+
+    /// The order that was made of the request with that key.
+    pub fn by_key(&self, key: u128) -> Option<&Order> {
+        self.orders.values().find(|order| order.request.key == key)
     }
 
     /// Which order a part counts to; none if it has left, or nobody had ordered it.
@@ -144,7 +163,7 @@ impl Production {
         let batch: BTreeSet<&str> = new.iter().map(|request| request.name.as_str()).collect();
         let mut seen = BTreeSet::new();
         for request in &new {
-            wrongs.extend(request.wrongs(self.products.iter().map(String::as_str)));
+            wrongs.extend(request.wrongs(self.products.iter().map(AsRef::as_ref)));
             let name = || request.name.clone();
             if old.get(request.name.as_str()).is_some_and(|order| order.ended.is_none()) {
                 wrongs.push(Wrong::NameTaken(name()));
@@ -215,11 +234,8 @@ impl Production {
         self.orders.values().find(|order| order.ended.is_none() && order.after.contains(&id))
     }
 
-    /// Does what a change says.
-    ///
-    /// # Errors
-    /// A change of other orders, or one that was done already. Nothing has changed then.
-    pub fn apply(&mut self, at: Tick, change: &Change) -> Result<(), Unfit> {
+    /// Does what a change says, or nothing of it.
+    fn apply(&mut self, at: Tick, change: &Change) -> Result<(), Unfit> {
         match change {
             Change::Accepted { id, request } => self.accept(at, *id, request),
             Change::Cancelled(id) => {
@@ -259,7 +275,7 @@ impl Production {
         if id.0 != self.last + 1 {
             return Err(Unfit(format!("{id} after production order {}", self.last)));
         }
-        let product = self.products.iter().position(|product| *product == request.product);
+        let product = self.products.iter().position(|product| **product == *request.product);
         let product = product.ok_or_else(|| Unfit(format!("`{}` is not made here", request.product)))?;
         let before = |name: &String| {
             self.named(name).map(|order| order.id).ok_or_else(|| Unfit(format!("there is no order `{name}`")))
@@ -293,8 +309,15 @@ impl Production {
 
     /// Takes a record of the cell, and says whether it changes anything. It takes time for what it touches, and for finding
     /// who is in turn when a part enters.
-    pub fn note(&mut self, record: &Record) -> bool {
-        match &record.fact {
+    ///
+    /// # Errors
+    /// A change that does not fit; nothing has changed then.
+    pub fn note(&mut self, record: &Record) -> Result<bool, Unfit> {
+        Ok(match &record.fact {
+            Fact::Production { change } => {
+                self.apply(record.at, change)?;
+                true
+            }
             Fact::Started { firing, mode, part: Some(part), orders: _ } => {
                 if self.leaves.contains(mode) {
                     self.leaving.insert(*firing, *part);
@@ -318,7 +341,7 @@ impl Production {
             | Fact::OrderEnded { .. }
             | Fact::OrderFailed { .. }
             | Fact::Raised { .. } => false,
-        }
+        })
     }
 
     fn enter(&mut self, mode: ModeId, part: PartId, at: Tick) -> bool {

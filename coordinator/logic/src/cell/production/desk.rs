@@ -11,7 +11,7 @@ use super::super::dispatch::{ByRules, Job};
 use super::super::ids::{ModeId, PartId};
 use super::super::question::{Answer, Dispatcher, Question};
 use super::super::record::Record;
-use super::book::{Change, Production, Unfit};
+use super::book::Production;
 use super::order::Order;
 
 /// Rules, and what is on order.
@@ -25,7 +25,8 @@ pub struct Desk {
 }
 
 impl Desk {
-    /// With production orders. What has happened to them before is in `production` already.
+    /// With production orders: those of the cell's state ([`super::super::State::production`]), whose records it is told from
+    /// now on.
     pub fn new(rules: ByRules, production: Production) -> Self {
         Desk { rules, production: Some(production), fresh_until: None }
     }
@@ -38,17 +39,6 @@ impl Desk {
     /// The production orders, if there are any.
     pub fn production(&self) -> Option<&Production> {
         self.production.as_ref()
-    }
-
-    /// Does what a change of production orders says, once it is written down.
-    ///
-    /// # Errors
-    /// As [`Production::apply`]; where there are no production orders, always.
-    pub fn apply(&mut self, at: Tick, change: &Change) -> Result<(), Unfit> {
-        let production = self.production.as_mut().ok_or_else(|| Unfit("there are no production orders".to_owned()))?;
-        production.apply(at, change)?;
-        self.fresh_until = None;
-        Ok(())
     }
 
     /// What is known of a part.
@@ -84,7 +74,8 @@ impl Dispatcher for Desk {
 
     fn note(&mut self, record: &Record) {
         let Some(production) = &mut self.production else { return };
-        if production.note(record) {
+        // What has passed the cell's own production orders fits these, which have been told the same.
+        if production.note(record).unwrap_or(true) {
             self.fresh_until = None;
         }
     }

@@ -3,9 +3,9 @@
 //! # Map
 //! - [`Request`]: what somebody asks for; [`Wrong`]: what is wrong with it, all of it at once.
 //! - [`Order`], [`Status`]: an order that was accepted, and where it is.
-//! - [`Production`]: all of them. It changes by [`Change`]s, which people cause, and by the records of the cell, which say
-//!   what has entered and what has left. Both are folded in the order in which they were written, so a restart has them
-//!   all again.
+//! - [`Production`]: all of them, a fold over the records of the cell: those that say what people have changed
+//!   ([`Change`]), and those that say what has entered and what has left. It is part of the cell's state. A dispatcher has
+//!   one of its own, since it also has to try out in thought what comes next.
 //! - [`Desk`]: the dispatcher with rules, who lets in what is on order and knows when each part is due.
 //!
 //! ```text
@@ -20,10 +20,12 @@
 
 mod book;
 mod desk;
+mod kept;
 mod order;
 mod request;
 
 pub use book::{Change, Production, Refused, Unfit};
 pub use desk::Desk;
+pub(super) use kept::Kept;
 pub use order::{Order, Status};
 pub use request::{NAME_MAX, ORDERS_MAX, QUANTITY_MAX, Request, Wrong};

@@ -4,13 +4,16 @@
 //! the last one, as it is for whoever waits for the whole order.
 
 use linewright_line::Tick;
+use serde::{Deserialize, Serialize};
 
 use super::super::dispatch::Job;
 use super::super::ids::ProductionId;
+use super::super::serial;
 use super::request::Request;
 
 /// An order that was accepted.
-#[derive(Clone, Debug, PartialEq, Eq)]
+#[derive(Clone, Debug, PartialEq, Eq, Serialize, Deserialize)]
+#[serde(deny_unknown_fields)]
 pub struct Order {
     /// Its number.
     pub id: ProductionId,
@@ -21,6 +24,7 @@ pub struct Order {
     /// The orders it is after.
     pub after: Vec<ProductionId>,
     /// When it was accepted.
+    #[serde(with = "serial::micros")]
     pub accepted: Tick,
     /// How many parts are inside or have left, without those that are lost.
     pub entered: u32,
@@ -31,14 +35,18 @@ pub struct Order {
     /// How many were lost; others have entered, or will, in their place.
     pub lost: u32,
     /// When its first part entered.
+    #[serde(default, with = "serial::maybe", skip_serializing_if = "Option::is_none")]
     pub begun: Option<Tick>,
     /// When the last one did that has entered so far.
+    #[serde(default, with = "serial::maybe", skip_serializing_if = "Option::is_none")]
     pub newest: Option<Tick>,
     /// When it was cancelled.
+    #[serde(default, with = "serial::maybe", skip_serializing_if = "Option::is_none")]
     pub cancelled: Option<Tick>,
     /// It was withdrawn.
     pub withdrawn: bool,
     /// When it was over: the last part has left, or it was withdrawn.
+    #[serde(default, with = "serial::maybe", skip_serializing_if = "Option::is_none")]
     pub ended: Option<Tick>,
 }
 

@@ -6,7 +6,10 @@
 use std::collections::{BTreeMap, BTreeSet};
 
 use linewright_line::{Tick, suggestion};
+use serde::{Deserialize, Serialize};
 use thiserror::Error;
+
+use super::super::serial;
 
 /// The longest name, in letters.
 pub const NAME_MAX: usize = 64;
@@ -16,9 +19,11 @@ pub const QUANTITY_MAX: u32 = 1_000_000;
 pub const ORDERS_MAX: usize = 10_000;
 
 /// What somebody asks for.
-#[derive(Clone, Debug, Default, PartialEq, Eq)]
+#[derive(Clone, Debug, Default, PartialEq, Eq, Serialize, Deserialize)]
+#[serde(deny_unknown_fields)]
 pub struct Request {
     /// Drawn by whoever asks. The same request twice is one order.
+    #[serde(with = "serial::key")]
     pub key: u128,
     /// What people call it. Of orders that are not over each has a name of its own.
     pub name: String,
@@ -27,8 +32,10 @@ pub struct Request {
     /// How many, from 1 to [`QUANTITY_MAX`].
     pub quantity: u32,
     /// Nothing of it enters before this; none for at once.
+    #[serde(default, with = "serial::maybe", skip_serializing_if = "Option::is_none")]
     pub release: Option<Tick>,
     /// When all of it is to be finished; none if it does not matter.
+    #[serde(default, with = "serial::maybe", skip_serializing_if = "Option::is_none")]
     pub due: Option<Tick>,
     /// How much it matters; more comes first.
     pub priority: i32,

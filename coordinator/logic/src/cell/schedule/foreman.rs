@@ -13,7 +13,6 @@ use linewright_line::Tick;
 
 use super::super::ahead::LookAhead;
 use super::super::dispatch::{Rule, Timetable};
-use super::super::production::{Change, Unfit};
 use super::super::question::{Answer, Dispatcher, Question};
 use super::super::reason::Reason;
 use super::super::record::{Fact, Record};
@@ -71,16 +70,6 @@ impl Foreman {
     /// When and why schedules were made, the newest last.
     pub fn revisions(&self) -> impl ExactSizeIterator<Item = &Revision> {
         self.revisions.iter()
-    }
-
-    /// Does what a change of production orders says, once it is written down; before the next question it is planned anew.
-    ///
-    /// # Errors
-    /// As [`super::super::production::Production::apply`].
-    pub fn apply(&mut self, at: Tick, change: &Change) -> Result<(), Unfit> {
-        self.look.desk.apply(at, change)?;
-        self.pending = Some(Deviation::Orders);
-        Ok(())
     }
 
     /// Something has been put right that no record says: it is planned anew before the next question.
@@ -154,8 +143,18 @@ impl Dispatcher for Foreman {
         if let Some(schedule) = &mut self.schedule {
             schedule.note(self.look.thought().table(), record);
         }
-        if let Fact::Raised { firing, cause: _ } = &record.fact {
-            self.pending = Some(Deviation::Failed(*firing));
+        match &record.fact {
+            Fact::Raised { firing, cause: _ } => self.pending = Some(Deviation::Failed(*firing)),
+            Fact::Production { change: _ } => self.pending = Some(Deviation::Orders),
+            Fact::Epoch { .. }
+            | Fact::Memory { .. }
+            | Fact::Decided { .. }
+            | Fact::Started { .. }
+            | Fact::Acknowledged { .. }
+            | Fact::OrderEnded { .. }
+            | Fact::OrderFailed { .. }
+            | Fact::Ended { .. }
+            | Fact::Fired { .. } => (),
         }
     }
 }

@@ -200,7 +200,8 @@ impl Schedule {
             | Fact::Decided { .. }
             | Fact::Acknowledged { .. }
             | Fact::OrderEnded { .. }
-            | Fact::OrderFailed { .. } => (),
+            | Fact::OrderFailed { .. }
+            | Fact::Production { .. } => (),
         }
     }
 

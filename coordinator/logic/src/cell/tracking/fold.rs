@@ -101,7 +101,8 @@ impl Tracking {
             | Fact::Decided { .. }
             | Fact::Acknowledged { .. }
             | Fact::OrderEnded { .. }
-            | Fact::OrderFailed { .. } => {}
+            | Fact::OrderFailed { .. }
+            | Fact::Production { .. } => {}
         }
     }
 

@@ -1,0 +1,98 @@
+//! Which positions of a store are taken.
+//!
+//! The net knows how many parts a store holds; which position is whose, it does not, since it enables nothing. A part gets
+//! the lowest free position of the store it goes to when it sets out, so that the robot can be told, and has the one it
+//! comes from until it has arrived: the net returns the room of where it was at the same moment. So there are never more
+//! positions in use than the store has.
+
+use std::collections::BTreeSet;
+
+use super::ids::{CellId, ModeId, PartId};
+use super::state::State;
+
+/// Positions of a store, from 1. Equal sets are equal values.
+#[derive(Clone, Debug, Default, PartialEq, Eq)]
+pub(super) struct Positions {
+    /// No position above is taken.
+    most: u32,
+    /// Those below that are not.
+    free: BTreeSet<u32>,
+}
+
+impl Positions {
+    /// The lowest that is free is not any more.
+    pub fn take_lowest(&mut self) -> u32 {
+        self.free.pop_first().unwrap_or_else(|| {
+            self.most += 1;
+            self.most
+        })
+    }
+
+    /// That one is not free any more; false if it was not before, or there is no such position.
+    pub fn take(&mut self, position: u32) -> bool {
+        if position > self.most {
+            self.free.extend(self.most + 1..position);
+            self.most = position;
+            return true;
+        }
+        self.free.remove(&position)
+    }
+
+    /// It is free again.
+    pub fn give(&mut self, position: u32) {
+        self.free.insert(position);
+        while self.most > 0 && self.free.remove(&self.most) {
+            self.most -= 1;
+        }
+    }
+}
+
+impl State {
+    fn store(&mut self, cell: Option<CellId>) -> Option<&mut Positions> {
+        let store = self.table.store_of(cell?)?;
+        self.positions.get_mut(store)
+    }
+
+    /// A part sets out: it gets a position where it goes.
+    pub(super) fn reserve(&mut self, mode: ModeId, part: PartId) {
+        let to = self.table.part_out(mode);
+        let target = self.store(to).map(Positions::take_lowest);
+        self.parts.entry(part).and_modify(|part| part.target = target);
+    }
+
+    /// A part has arrived: where it was there is room again.
+    pub(super) fn arrive(&mut self, mode: ModeId, part: PartId) {
+        self.leave_position(mode, part);
+        self.parts.entry(part).and_modify(|part| part.position = part.target.take());
+    }
+
+    /// Gives back the position a part comes from.
+    pub(super) fn leave_position(&mut self, mode: ModeId, part: PartId) {
+        let Some(position) = self.parts.get_mut(&part).and_then(|part| part.position.take()) else { return };
+        let from = self.table.part_in(mode);
+        if let Some(store) = self.store(from) {
+            store.give(position);
+        }
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn the_lowest_free_position_is_taken_and_equal_sets_are_equal() {
+        let mut all = Positions::default();
+        assert_eq!([all.take_lowest(), all.take_lowest(), all.take_lowest()], [1, 2, 3]);
+        all.give(1);
+        assert_eq!((all.take_lowest(), all.take_lowest()), (1, 4));
+        [2, 4, 3].into_iter().for_each(|position| all.give(position));
+        let mut one = Positions::default();
+        assert!(one.take(1) && !one.take(1));
+        assert_eq!(all, one);
+        let mut other = Positions::default();
+        assert!(other.take(3) && other.take(1));
+        assert_eq!(other.take_lowest(), 2);
+        assert!(!other.take(0));
+    }
+}
