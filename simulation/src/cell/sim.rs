@@ -4,9 +4,10 @@ use std::collections::BTreeMap;
 use std::sync::Arc;
 use std::time::Duration;
 
+use linewright_coordinator_logic::cell::production::Request;
 use linewright_coordinator_logic::cell::{
-    ActivityKind, CellTable, Coordination, Dispatcher, Event, Heard, Input, OrderKey, OrderMessage, Outbox, Phase,
-    Record, Reply, Send, State,
+    ActivityKind, CellTable, Coordination, Denied, Dispatcher, Event, Heard, Input, OrderKey, OrderMessage, Outbox,
+    Phase, ProductionCommand, ProductionId, Record, Reply, Send, State, Ticket,
 };
 use linewright_line::{StationId, Tick};
 
@@ -100,6 +101,10 @@ pub struct CellSim {
     pub steps: usize,
     /// How many lives it has had.
     pub lives: usize,
+    /// What people want to be made, who ask until they get a reply.
+    pub asked: Vec<Vec<Request>>,
+    /// What they were told.
+    pub told: Vec<Result<Vec<ProductionId>, Denied>>,
     store: Box<dyn Store>,
     rng: Rng,
     flying: BTreeMap<(Tick, u64), Flying>,
@@ -128,6 +133,8 @@ impl CellSim {
             starts: true,
             steps: 0,
             lives: 1,
+            asked: Vec::new(),
+            told: Vec::new(),
             store,
             rng: Rng::new(options.seed),
             flying: BTreeMap::new(),
@@ -146,28 +153,47 @@ impl CellSim {
     }
 
     /// Goes on until nothing happens any more, at most until a time. A cell whose failed activities wait for somebody, and
-    /// whose others are over, has come to its end.
+    /// whose others are over, has come to its end. The dispatcher outlives the coordinator, so it should know nothing that
+    /// the state does not say.
     pub fn run(&mut self, dispatcher: &mut dyn Dispatcher, until: Tick) {
-        while !self.is_over() {
-            let ends = self.stations.iter().filter_map(Station::ends);
-            let arrives = self.flying.keys().next().map(|&(at, _)| at);
-            let deadline = self.coordination.next_deadline();
-            let next = ends.chain(arrives).chain(deadline).fold(self.publish, Tick::min);
-            self.now = self.now.max(next);
-            if self.now > until {
-                return;
+        while self.goes_on(dispatcher, until) {}
+    }
+
+    /// The same with a dispatcher of its own for each life, made from what that knows of the cell.
+    pub fn run_by(&mut self, made: &dyn Fn(&State) -> Box<dyn Dispatcher>, until: Tick) {
+        let mut dispatcher = made(self.state());
+        let mut life = self.lives;
+        while self.goes_on(&mut *dispatcher, until) {
+            if self.lives != life {
+                (dispatcher, life) = (made(self.state()), self.lives);
             }
-            self.stations_go_on();
-            let arrived = self.arrived();
-            self.coordinate(dispatcher, &arrived);
         }
+    }
+
+    fn goes_on(&mut self, dispatcher: &mut dyn Dispatcher, until: Tick) -> bool {
+        let ends = self.stations.iter().filter_map(Station::ends);
+        let arrives = self.flying.keys().next().map(|&(at, _)| at);
+        let deadline = self.coordination.next_deadline();
+        let next = ends.chain(arrives).chain(deadline).fold(self.publish, Tick::min);
+        if self.is_over() || next > until {
+            return false;
+        }
+        self.now = self.now.max(next);
+        self.stations_go_on();
+        let arrived = self.arrived();
+        self.coordinate(dispatcher, &arrived);
+        true
     }
 
     fn is_over(&self) -> bool {
         let is_idle = self.state().firings().all(|firing| firing.phase != Phase::Running);
         let is_quiet = self.now.since(self.state().now()) > QUIET;
         // Before a station was heard for the first time, everything waits for it.
-        is_idle && is_quiet && self.coordination.next_deadline().is_none() && self.publish > Tick::ZERO
+        is_idle
+            && is_quiet
+            && self.asked.is_empty()
+            && self.coordination.next_deadline().is_none()
+            && self.publish > Tick::ZERO
     }
 
     /// One step of the coordinator.
@@ -177,9 +203,14 @@ impl CellSim {
             Arrived::Reply(station, key, reply) => Input::Reply(*station, *key, *reply),
             Arrived::State(station, heard) => Input::Station(*station, heard),
         }));
+        let asked = std::mem::take(&mut self.asked);
+        let asks = |(ticket, requests): (Ticket, _)| Input::Production(ticket, ProductionCommand::Submit(requests));
+        inputs.extend((0..).zip(asked.iter().map(Vec::as_slice)).map(asks));
         let mut out = Outbox::default();
         self.coordination.step(self.now, &inputs, dispatcher, &mut out);
-        self.perform(out);
+        if !self.perform(out) {
+            self.asked = asked;
+        }
         if self.options.replays {
             let replayed = State::replay(self.table.clone(), &self.log);
             assert_eq!(replayed.as_ref(), Ok(self.state()), "at {}", self.now);
@@ -250,8 +281,8 @@ impl CellSim {
         arrived
     }
 
-    /// Writes down, then sends, then tells, unless the coordinator is killed in between.
-    fn perform(&mut self, out: Outbox) {
+    /// Writes down, then sends, then tells, unless the coordinator is killed in between; false if it was.
+    fn perform(&mut self, out: Outbox) -> bool {
         for record in out.records {
             if self.dies() {
                 return self.restart();
@@ -269,8 +300,16 @@ impl CellSim {
             let takes = self.takes(&order);
             self.fly(|| Flying::Order(order.clone(), takes));
         }
+        if !out.replies.is_empty() {
+            self.store.sync();
+            if self.dies() {
+                return self.restart();
+            }
+        }
+        self.told.extend(out.replies.into_iter().map(|(_, reply)| reply));
         self.events.extend(out.events.into_iter().map(|event| (self.now, event)));
         self.store.settled(self.coordination.state());
+        true
     }
 
     /// How long a station will take for an order.
@@ -296,7 +335,7 @@ impl CellSim {
     }
 
     /// Another life, from what has been written down.
-    fn restart(&mut self) {
+    fn restart(&mut self) -> bool {
         let state = self.store.restart(&self.table, &mut self.rng);
         let kept = usize::try_from(state.sequence()).unwrap_or(usize::MAX);
         assert!(kept <= self.log.len(), "nothing can be found that was not written");
@@ -306,6 +345,7 @@ impl CellSim {
         self.newest.fill(0);
         self.lives += 1;
         self.perform(out);
+        false
     }
 }
 

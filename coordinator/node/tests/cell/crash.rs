@@ -8,14 +8,15 @@ use std::path::{Path, PathBuf};
 use std::sync::Arc;
 use std::time::Duration;
 
-use linewright_coordinator_logic::cell::{CellTable, Record, State};
-use linewright_coordinator_logic::described::dispatcher;
+use linewright_coordinator_logic::cell::production::{Desk, Request};
+use linewright_coordinator_logic::cell::{Cause, CellTable, Dispatcher, Failure, Phase, ProductionId, Record, State};
+use linewright_coordinator_logic::described::{self, dispatcher, foreman};
 use linewright_coordinator_node::cell::CellLog;
 use linewright_line::Tick;
 use linewright_simulation::Rng;
 use linewright_simulation::cell::{CellOptions, CellSim, Pace, Store};
 
-use crate::shipped::{Shipped, directory, production, shipped};
+use crate::shipped::{self, Shipped, directory, production, shipped};
 
 const LONG: Tick = Tick::from_millis(24 * 3_600_000);
 
@@ -177,4 +178,84 @@ fn both_cells_survive_being_killed_again_and_again() {
             assert_eq!(production(&sim, told_apart), expected, "{name}, seed {seed}");
         }
     }
+}
+
+fn ordered(orders: &[(&str, u32)]) -> Vec<Request> {
+    let request = |(key, &(product, quantity)): (u128, &(&str, u32))| Request {
+        key,
+        name: format!("order {key}"),
+        product: product.to_owned(),
+        quantity,
+        ..Request::default()
+    };
+    (1..).zip(orders).map(request).collect()
+}
+
+/// What is on order is made to its end, each part once, whichever step the coordinator is killed at: whoever ordered it asks
+/// until there is a reply, and the dispatcher knows of it what the log says.
+#[test]
+fn what_is_on_order_is_made_once_whichever_step_the_coordinator_is_killed_at() {
+    let of = shipped::on_order("assembly-cell", 5);
+    let requests = ordered(&[("1", 2), ("2", 1), ("3", 1), ("2", 1)]);
+    let ids: Vec<_> = (1..=4).map(ProductionId).collect();
+    let made = |crash_at: Vec<usize>, planned: bool, snapshot_after: u64| {
+        let dir = directory();
+        let store = OnDisk::new(dir.path(), &of.table, Death::PowerCut, snapshot_after);
+        let mut sim = CellSim::with_store(of.table.clone(), of.stations, options(3, 9, crash_at), Box::new(store));
+        sim.asked = vec![requests.clone()];
+        let by_rules = |state: &State| -> Box<dyn Dispatcher> {
+            Box::new(Desk::new(dispatcher(&of.cell, &of.table), state.production().clone()))
+        };
+        let by_plan = |state: &State| -> Box<dyn Dispatcher> { Box::new(foreman(&of.cell, &of.made, state)) };
+        sim.run_by(if planned { &by_plan } else { &by_rules }, LONG);
+        assert_eq!(sim.told, [Ok(ids.clone())], "it is told once, even if it was asked twice");
+        assert_eq!((sim.state().left(), sim.state().parts().len(), sim.state().firings().len()), (5, 0, 0));
+        let orders = sim.state().production().orders();
+        assert_eq!(orders.filter(|order| order.ended.is_some() && order.surplus + order.lost == 0).count(), 4);
+        sim
+    };
+    let calm = made(Vec::new(), false, 1_000_000);
+    let expected = production(&calm, true);
+    for at in 0..calm.steps {
+        let sim = made(vec![at], false, if at % 2 == 0 { 7 } else { 1_000_000 });
+        assert_eq!((sim.lives, production(&sim, true)), (2, expected.clone()), "killed at {at}");
+    }
+    let sim = made((0..calm.steps).step_by(20).collect(), true, 30);
+    assert_eq!(production(&sim, true), expected);
+    assert!(sim.lives > 4, "{}", sim.lives);
+}
+
+/// Where messages are slow and are seldom repeated, an order can reach its station so late that its limit runs out. Then its
+/// activity has failed and says so, even if the station does end it; nothing else ever stays unfinished.
+#[test]
+fn where_messages_are_slow_only_limits_leave_something_unfinished() {
+    let mut rng = Rng::new(8);
+    let pace = described::Pace { refresh: Duration::from_millis(500), ..shipped::PACE };
+    let mut late = 0;
+    for (name, parts) in [("assembly-cell", &[2, 2, 1][..]), ("workcell-c1", &[3, 3])] {
+        let of = shipped::paced(name, parts, pace);
+        for seed in 0..60 {
+            let mut at = 0;
+            let crash_at = (0..10).map(|_| {
+                at += 1 + rng.below(40) as usize;
+                at
+            });
+            let slow = (Duration::from_millis(1), Duration::from_millis(50));
+            let options = CellOptions { delay: slow, ..options(seed, 6, crash_at.collect()) };
+            let dir = directory();
+            let store = OnDisk::new(dir.path(), &of.table, Death::Killed, 20);
+            let mut sim = CellSim::with_store(of.table.clone(), of.stations, options, Box::new(store));
+            sim.run(&mut dispatcher(&of.cell, &of.table), LONG);
+            production(&sim, true);
+            for firing in sim.state().firings() {
+                let ran_out = |cause| matches!(cause, Cause::Order { failure: Failure::TimedOut, .. });
+                assert!(
+                    matches!(firing.phase, Phase::Failed(cause) if ran_out(cause)),
+                    "{name}, seed {seed}: {firing:?}"
+                );
+                late += 1;
+            }
+        }
+    }
+    assert!(late > 0, "it happens");
 }

@@ -8,15 +8,16 @@ use std::time::Duration;
 use linewright_cell::Cell;
 use linewright_cell::net::Supply;
 use linewright_coordinator_logic::cell::{CellTable, OrderKey, PartId};
-use linewright_coordinator_logic::described::{Pace, described};
+use linewright_coordinator_logic::described::{Described, Pace, described};
 use linewright_simulation::cell::CellSim;
 use tempfile::TempDir;
 
-const PACE: Pace = Pace { refresh: Duration::from_millis(200), grace: Duration::from_secs(1) };
+pub const PACE: Pace = Pace { refresh: Duration::from_millis(200), grace: Duration::from_secs(1) };
 
 /// A cell and a production of it.
 pub struct Shipped {
     pub cell: Cell,
+    pub made: Described,
     pub table: Arc<CellTable>,
     pub stations: usize,
     /// How many parts there are in all.
@@ -28,11 +29,24 @@ fn file(name: &str) -> PathBuf {
 }
 
 pub fn shipped(name: &str, parts: &[u32]) -> Shipped {
+    paced(name, parts, PACE)
+}
+
+pub fn paced(name: &str, parts: &[u32], pace: Pace) -> Shipped {
+    supplied(name, Supply::Batch(parts), parts.iter().sum(), pace)
+}
+
+/// So many parts in all, if they are ordered.
+pub fn on_order(name: &str, parts: u32) -> Shipped {
+    supplied(name, Supply::Open, parts, PACE)
+}
+
+fn supplied(name: &str, supply: Supply<'_>, parts: u32, pace: Pace) -> Shipped {
     let text = std::fs::read_to_string(file(name)).expect("it is there");
     let cell = linewright_cell::parse("cell.toml", &text, None).expect("it is sound").cell;
-    let table = described(&cell, None, Supply::Batch(parts), PACE).expect("it can be played").table;
-    let (stations, parts) = (cell.controllers.len(), parts.iter().sum());
-    Shipped { cell, table: Arc::new(table), stations, parts }
+    let made = described(&cell, None, supply, pace).expect("it can be played");
+    let (stations, table) = (cell.controllers.len(), Arc::new(made.table.clone()));
+    Shipped { cell, made, table, stations, parts }
 }
 
 /// A directory in memory where there is one: thousands of logs are written, and a disk takes milliseconds to sync each time.
@@ -50,7 +64,9 @@ pub fn production(sim: &CellSim, told_apart: bool) -> Vec<Vec<String>> {
         for done in &station.done {
             let part = done.part.expect("every order is about a part");
             assert_eq!(keys.insert(done.key, part), None, "{} was done twice", done.key);
-            let with: Vec<String> = done.parameters.iter().map(|(name, value)| format!(" {name} {value}")).collect();
+            // Which slot is free depends on when.
+            let same = done.parameters.iter().filter(|(name, _)| &**name != "slot");
+            let with: Vec<String> = same.map(|(name, value)| format!(" {name} {value}")).collect();
             let (task, with) = (&done.task, with.concat());
             // `load m1` and `load m2` are the same but for the machine.
             let first = task.split(' ').next().unwrap_or_default();

@@ -319,7 +319,7 @@ impl Production {
                 true
             }
             Fact::Started { firing, mode, part: Some(part), orders: _ } => {
-                if self.leaves.contains(mode) {
+                if self.leaves.contains(mode) && self.of_part.contains_key(part) {
                     self.leaving.insert(*firing, *part);
                 }
                 self.enter(*mode, *part, record.at)
