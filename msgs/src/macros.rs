@@ -66,4 +66,20 @@ macro_rules! message {
     };
 }
 
-pub(crate) use message;
+/// Defines a service of two messages.
+macro_rules! service {
+    ($(#[$doc:meta])* $package:literal / $name:ident = $request:ident -> $response:ident) => {
+        $(#[$doc])*
+        #[derive(Debug, Clone, Copy)]
+        pub struct $name;
+
+        impl $crate::RosService for $name {
+            const PACKAGE: &'static str = $package;
+            const NAME: &'static str = stringify!($name);
+            type Request = $request;
+            type Response = $response;
+        }
+    };
+}
+
+pub(crate) use {message, service};

@@ -185,7 +185,7 @@ message! {
         ended: Bounded<OrderEnd, 16>,
         /// The last orders that it did not take on, and why not, the oldest first.
         refused: Bounded<OrderEnd, 16>,
-        /// Its inputs, the first of the description in bit 0 of byte 0.
+        /// Its inputs, the first of the description in bit 0 of byte 0; empty while they are not known.
         inputs: Bounded<u8, 16>,
     }
     ros name "OrderState", meaning |m| {
@@ -209,6 +209,22 @@ message! {
             within("refused: end", end.end, RunTaskResult::END_REFUSED, RunTaskResult::END_REFUSED)?;
         }
         Ok(())
+    }
+}
+
+message! {
+    /// To a station that works on order: leave this order be, and go back to the rest where its task began, as far as that
+    /// goes by itself.
+    "linewright_msgs" / SecureOrder
+    fields {
+        /// The order's epoch.
+        epoch: u64,
+        /// Its number.
+        id: u64,
+    }
+    ros name "SecureOrder", meaning |m| {
+        present("epoch", m.epoch != 0)?;
+        present("id", m.id != 0)
     }
 }
 

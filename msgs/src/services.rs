@@ -4,7 +4,7 @@
 //! their text.
 
 use crate::describe::RosMessage;
-use crate::macros::message;
+use crate::macros::{message, service};
 
 /// A service: what is asked, and what is answered.
 pub trait RosService: Send + Sync + 'static {
@@ -16,21 +16,6 @@ pub trait RosService: Send + Sync + 'static {
     type Request: RosMessage + Clone;
     /// What is answered.
     type Response: RosMessage;
-}
-
-macro_rules! service {
-    ($(#[$doc:meta])* $package:literal / $name:ident = $request:ident -> $response:ident) => {
-        $(#[$doc])*
-        #[derive(Debug, Clone, Copy)]
-        pub struct $name;
-
-        impl RosService for $name {
-            const PACKAGE: &'static str = $package;
-            const NAME: &'static str = stringify!($name);
-            type Request = $request;
-            type Response = $response;
-        }
-    };
 }
 
 service! {

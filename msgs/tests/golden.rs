@@ -75,4 +75,7 @@ fn version_1() {
     holds("v1", result);
     holds("v1", feedback);
     holds("v1", samples::order_state());
+    holds("v1", samples::secure_order());
+    holds("v1", samples::production_request());
+    holds("v1", samples::cell_state());
 }

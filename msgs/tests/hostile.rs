@@ -39,6 +39,8 @@ fn every_truncation_is_an_error() {
     all(&samples::flag());
     all(&samples::run_task().0);
     all(&samples::order_state());
+    all(&samples::production_request());
+    all(&samples::cell_state());
 }
 
 #[test]

@@ -5,9 +5,10 @@
 //! published, stands at the end.
 
 use linewright_msgs::{
-    Answer, Byte, CORead, COReadID, COWrite, COWriteID, Constant, DiagnosticArray, DiagnosticStatus, Flag, Header,
-    KeyValue, LineState, ModeOrder, OrderEnd, OrderState, PACKAGE, ProcessImage, RosAction, RosMessage, RosService,
-    RunTask, StationEvent, StationState, Text, Time, Trigger,
+    ActivityState, AlarmState, Answer, AnswerAlarm, Byte, CORead, COReadID, COWrite, COWriteID, CellState, ChangeOrder,
+    Constant, DiagnosticArray, DiagnosticStatus, Flag, Header, KeyValue, LineState, ModeOrder, OrderEnd, OrderState,
+    PACKAGE, PartState, ProcessImage, ProductionRequest, ProductionState, RosAction, RosMessage, RosService, RunTask,
+    SecureOrder, StationEvent, StationState, SubmitOrders, Text, Time, Trigger, WhyNot,
 };
 use std::collections::BTreeSet;
 use std::path::PathBuf;
@@ -60,12 +61,19 @@ fn same<T: RosMessage>(checked: &mut BTreeSet<String>) {
 #[test]
 fn every_msg_file_has_a_struct_that_says_the_same() {
     let mut checked = BTreeSet::new();
+    same::<ActivityState>(&mut checked);
+    same::<AlarmState>(&mut checked);
     same::<Answer>(&mut checked);
+    same::<CellState>(&mut checked);
     same::<LineState>(&mut checked);
     same::<ModeOrder>(&mut checked);
     same::<OrderEnd>(&mut checked);
     same::<OrderState>(&mut checked);
+    same::<SecureOrder>(&mut checked);
+    same::<PartState>(&mut checked);
     same::<ProcessImage>(&mut checked);
+    same::<ProductionRequest>(&mut checked);
+    same::<ProductionState>(&mut checked);
     same::<StationEvent>(&mut checked);
     same::<StationState>(&mut checked);
     let files: BTreeSet<String> = std::fs::read_dir(directory())
@@ -136,6 +144,22 @@ fn service<S: RosService>(name: &str, published: &str) {
     assert_eq!(format!("{}/{}", S::PACKAGE, S::NAME), name);
     assert_eq!(S::Request::NAME, format!("{}_Request", S::NAME));
     assert_eq!(S::Response::NAME, format!("{}_Response", S::NAME));
+}
+
+#[test]
+fn our_services_are_what_their_files_say() {
+    let files = [
+        ("AnswerAlarm", include_str!("../srv/AnswerAlarm.srv"), service::<AnswerAlarm> as fn(&str, &str)),
+        ("ChangeOrder", include_str!("../srv/ChangeOrder.srv"), service::<ChangeOrder>),
+        ("SubmitOrders", include_str!("../srv/SubmitOrders.srv"), service::<SubmitOrders>),
+        ("WhyNot", include_str!("../srv/WhyNot.srv"), service::<WhyNot>),
+    ];
+    let there = std::fs::read_dir(directory().join("../srv")).expect("srv directory").count();
+    assert_eq!(there, files.len());
+    for (name, text, same) in files {
+        same(&format!("{PACKAGE}/{name}"), text);
+        assert!(include_str!("../CMakeLists.txt").contains(&format!("\"srv/{name}.srv\"")), "{name}");
+    }
 }
 
 #[test]

@@ -5,8 +5,9 @@
 //! One message of each kind with every field set, so that a swapped or dropped field shows.
 
 use linewright_msgs::{
-    Answer, Bounded, CoReadRequest, CoReadResponse, CoWriteIdRequest, DiagnosticArray, DiagnosticStatus, Flag, Header,
-    KeyValue, LineState, ModeOrder, OrderEnd, OrderState, ProcessImage, RunTaskFeedback, RunTaskGoal, RunTaskResult,
+    ActivityState, AlarmState, Answer, Bounded, CellState, CoReadRequest, CoReadResponse, CoWriteIdRequest,
+    DiagnosticArray, DiagnosticStatus, Flag, Header, KeyValue, LineState, ModeOrder, OrderEnd, OrderState, PartState,
+    ProcessImage, ProductionRequest, ProductionState, RunTaskFeedback, RunTaskGoal, RunTaskResult, SecureOrder,
     StationEvent, StationState, Text, Time, TriggerResponse,
 };
 
@@ -180,5 +181,65 @@ pub fn order_state() -> OrderState {
         ended: Bounded::new(vec![end(38, RunTaskResult::END_DONE, 0), end(40, RunTaskResult::END_FAILED, 7)]).unwrap(),
         refused: Bounded::new(vec![end(39, RunTaskResult::END_REFUSED, RunTaskResult::REFUSED_BUSY)]).unwrap(),
         inputs: Bounded::new(vec![0b101, 0x80]).unwrap(),
+    }
+}
+
+pub fn secure_order() -> SecureOrder {
+    SecureOrder { epoch: 3, id: 41 }
+}
+
+pub fn production_request() -> ProductionRequest {
+    ProductionRequest {
+        key: Bounded::new((1..=16).collect()).unwrap(),
+        name: "rush".into(),
+        product: "A".into(),
+        quantity: 12,
+        release: Time { sec: 1_700_000_000, nanosec: 0 },
+        due: Time { sec: 1_700_003_600, nanosec: 500_000_000 },
+        priority: -3,
+        after: vec!["first".into()],
+    }
+}
+
+pub fn cell_state() -> CellState {
+    let at = || Time { sec: 1_700_000_001, nanosec: 2 };
+    let part = PartState { id: 7, stage: "A.turn".into(), place: "ST, position 3".into(), since: at(), order: 2 };
+    let activity = ActivityState {
+        id: 31,
+        name: "load M1".into(),
+        part: 7,
+        began: at(),
+        running: false,
+        text: "waits for alarm 4".into(),
+    };
+    let order = ProductionState {
+        id: 2,
+        name: "rush".into(),
+        product: "A".into(),
+        quantity: 12,
+        entered: 5,
+        done: 3,
+        lost: 1,
+        status: ProductionState::STATUS_IN_WORK,
+        text: "in work".into(),
+        due: at(),
+        ended: Time::default(),
+    };
+    let alarm = AlarmState { id: 4, raised: at(), text: "put it back".into(), answers: vec!["in-store".into()] };
+    CellState {
+        header: header(),
+        boot_id: 0x0102_0304_0506_0708,
+        sequence: 9,
+        cell: "workcell_c1".into(),
+        epoch: 3,
+        starting: true,
+        parts_inside: 1,
+        parts_left: 3,
+        orders_open: 1,
+        parts: Bounded::new(vec![part]).unwrap(),
+        activities: Bounded::new(vec![activity]).unwrap(),
+        orders: Bounded::new(vec![order]).unwrap(),
+        alarms: Bounded::new(vec![alarm]).unwrap(),
+        down: Bounded::new(vec!["M2".into()]).unwrap(),
     }
 }

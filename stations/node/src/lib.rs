@@ -9,6 +9,7 @@ pub mod devices;
 mod foreign;
 mod journal;
 mod node;
+mod orders;
 mod topics;
 mod words;
 

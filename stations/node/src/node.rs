@@ -12,6 +12,7 @@ use linewright_node_shell::{
 };
 use linewright_station_logic::{
     CompileError, Controller, Event, Happening, Input, ModeOrder as Order, NO_DELAY, Outbox, PanelCommand, Restore,
+    TaskCommand,
 };
 use thiserror::Error;
 use tokio::sync::{mpsc, watch};
@@ -152,6 +153,8 @@ struct Shell {
     states: Vec<NewestBySequence>,
     /// Changes when the devices are lost: of the input image the controller last saw, told with the outputs.
     lives: u64,
+    /// The input image the controller last saw.
+    inputs: u128,
     refresh_due: Tick,
     message: StationState,
     ignored: u64,
@@ -187,7 +190,7 @@ impl Shell {
             }
         };
         let mut node = participant.node(&format!("/{}", line.name), &name)?;
-        let (says, from, tasks) = open(&mut node, &line, station, controller.peers())?;
+        let (says, from, tasks) = open(&mut node, &line, station, boot_id, controller.peers())?;
         let own = line.devices_of(Owner::Station(station));
         let devices = driver.as_ref().map(|_| Devices::open(&mut node, &line, own)).transpose()?;
         let owner = Owner::Station(station);
@@ -218,6 +221,7 @@ impl Shell {
             images: NewestBySequence::new(),
             states,
             lives: 0,
+            inputs: 0,
             refresh_due: Tick::ZERO,
             message: StationState::default(),
             ignored: 0,
@@ -288,6 +292,12 @@ impl Shell {
                 "auto" => self.handle(Input::Panel(PanelCommand::Selector(false))),
                 other => self.ignore(format!("selector '{}': expected auto or manual", quoted(other))),
             },
+            Arrived::Goal(asked) => {
+                if let Some(told) = self.says.orders.as_mut().and_then(|orders| orders.asked(asked)) {
+                    self.handle(Input::Task(told.command()));
+                }
+            }
+            Arrived::Secure(key) => self.handle(Input::Task(TaskCommand::Secure(key))),
             Arrived::Advance(held) => self.handle(Input::Panel(PanelCommand::Advance(held))),
             Arrived::Retract(held) => self.handle(Input::Panel(PanelCommand::Retract(held))),
         }
@@ -337,6 +347,7 @@ impl Shell {
             // What this step has changed is performed after the one that follows.
             self.unperformed |= self.outbox.changed;
         }
+        self.inputs = bits;
         self.handle(Input::Inputs { bits, valid, until, under });
     }
 
@@ -363,6 +374,9 @@ impl Shell {
         self.drive(outputs, due || self.driven != Some((self.outbox.number, self.lives)));
         if changed || due {
             self.tell_state(now);
+        }
+        if let Some(orders) = &mut self.says.orders {
+            orders.tell(&self.line, &self.controller, self.outbox.replies.drain(..), self.inputs, changed || due);
         }
         if due {
             self.refresh_due = now + self.line.timing.refresh;

@@ -1,9 +1,12 @@
 //! What a station says and hears over ROS 2.
 
 use linewright_line::{Bus, Line, StationId};
-use linewright_msgs::{Flag, ModeOrder, ProcessImage, StationEvent, StationState, Text};
-use linewright_node_shell::{Forward, Node, Publisher, TopicError, forward, qos};
+use linewright_msgs::{Flag, ModeOrder, ProcessImage, RunTaskGoal, StationEvent, StationState, Text};
+use linewright_node_shell::{Asked, Forward, Node, Publisher, TopicError, forward, qos};
+use linewright_station_logic::OrderKey;
 use tokio::sync::mpsc;
+
+use crate::orders::Orders;
 
 /// Something a subscription brought.
 #[derive(Debug)]
@@ -22,6 +25,10 @@ pub enum Arrived {
     Advance(bool),
     /// The panel's return.
     Retract(bool),
+    /// Somebody orders a task, or no longer wants it.
+    Goal(Asked<RunTaskGoal>),
+    /// An order is to be left be.
+    Secure(OrderKey),
 }
 
 /// The publishers of a station.
@@ -30,6 +37,8 @@ pub struct Says {
     pub event: Publisher<StationEvent>,
     /// Only behind the gateway.
     pub outputs: Option<Publisher<ProcessImage>>,
+    /// Only where it works on order.
+    pub orders: Option<Orders>,
 }
 
 /// Enough for a burst of every station's state while the node is busy; what does not fit waits in the middleware.
@@ -40,13 +49,15 @@ pub fn open(
     node: &mut Node,
     line: &Line,
     station: StationId,
+    boot_id: u64,
     peers: &[StationId],
 ) -> Result<(Says, mpsc::Receiver<Arrived>, Vec<Forward>), TopicError> {
     let gateway = line.station(station).bus == Bus::Line;
-    let says = Says {
+    let mut says = Says {
         state: node.publisher("~/state", qos::latched_state())?,
         event: node.publisher("~/event", qos::event())?,
         outputs: if gateway { Some(node.publisher("~/outputs", qos::image())?) } else { None },
+        orders: None,
     };
     let (to, from) = mpsc::channel(QUEUE);
     let mut tasks = vec![
@@ -66,6 +77,9 @@ pub fn open(
         tasks.push(forward(node.subscription(&topic, qos::latched_state())?, to.clone(), |m, _| {
             Some(Arrived::State(Box::new(m)))
         }));
+    }
+    if line.station(station).works_on_order() {
+        says.orders = Some(Orders::open(node, &line.station(station).name, boot_id, &to, &mut tasks)?);
     }
     if gateway {
         tasks.push(forward(node.subscription("~/inputs", qos::image())?, to.clone(), |m, _| Some(Arrived::Inputs(m))));

@@ -1,0 +1,293 @@
+//! What people and programs say to the coordinator of a flexible cell, and what it says of it.
+//!
+//! Production orders are asked for, changed and explained by services. Everything that is known of the cell goes out as one
+//! whole state, again and again, so that nothing depends on a single message. Lists are cut off rather than sent in parts:
+//! a cell with more than a hundred parts is looked at in its database.
+
+use crate::describe::{Bounded, RosMessage};
+use crate::invalid::{present, within};
+use crate::macros::{message, service};
+use crate::{Header, Time};
+
+/// The most entries of each list of a [`CellState`].
+pub const LISTED_MAX: usize = 100;
+
+message! {
+    /// Something that is to be made in a cell.
+    "linewright_msgs" / ProductionRequest
+    fields {
+        /// Drawn at random by whoever asks: 16 bytes, not all 0. The same request twice is one order.
+        key: Bounded<u8, 16>,
+        /// What people call it.
+        name: String,
+        /// One of the part types of the cell.
+        product: String,
+        /// How many.
+        quantity: u32,
+        /// Nothing of it enters before this; 0: at once.
+        release: Time,
+        /// When all of it is to be finished; 0: it does not matter.
+        due: Time,
+        /// More comes first.
+        priority: i32,
+        /// Orders that have to be over before anything of it enters, by name.
+        after: Vec<String>,
+    }
+    ros name "ProductionRequest", meaning |m| {
+        present("key", m.key.as_slice().len() == 16 && m.key.as_slice().iter().any(|&byte| byte != 0))
+    }
+}
+
+message! {
+    /// A production order, and what has become of it.
+    "linewright_msgs" / ProductionState
+    constants {
+        /// Nothing of it may enter yet.
+        const STATUS_WAITING: u8 = 1;
+        /// Its parts may enter.
+        const STATUS_RELEASED: u8 = 2;
+        /// Some have.
+        const STATUS_IN_WORK: u8 = 3;
+        /// All of it has left.
+        const STATUS_DONE: u8 = 4;
+        /// Nothing more of it enters.
+        const STATUS_CANCELLED: u8 = 5;
+        /// As if it had never been.
+        const STATUS_WITHDRAWN: u8 = 6;
+    }
+    fields {
+        /// Its number.
+        id: u64,
+        /// What people call it.
+        name: String,
+        /// What is made.
+        product: String,
+        /// How many.
+        quantity: u32,
+        /// How many are inside or have left.
+        entered: u32,
+        /// How many have left.
+        done: u32,
+        /// How many were lost, and are replaced.
+        lost: u32,
+        /// Where it is.
+        status: u8,
+        /// The same for people.
+        text: String,
+        /// When it is due; 0: never.
+        due: Time,
+        /// When it was over; 0: not yet.
+        ended: Time,
+    }
+    ros name "ProductionState", meaning |m| {
+        within("status", m.status, ProductionState::STATUS_WAITING, ProductionState::STATUS_WITHDRAWN)
+    }
+}
+
+message! {
+    /// A part in a cell.
+    "linewright_msgs" / PartState
+    fields {
+        /// Its number.
+        id: u64,
+        /// How far it is.
+        stage: String,
+        /// Where it is, for people.
+        place: String,
+        /// Since when.
+        since: Time,
+        /// The production order it counts to; 0: none.
+        order: u64,
+    }
+    ros name "PartState", meaning |_| Ok(())
+}
+
+message! {
+    /// An activity in progress in a cell.
+    "linewright_msgs" / ActivityState
+    fields {
+        /// Its number.
+        id: u64,
+        /// What it is.
+        name: String,
+        /// Its part; 0: none.
+        part: u64,
+        /// When it started.
+        began: Time,
+        /// It goes on; else somebody has to see to it.
+        running: bool,
+        /// What it waits for, for people.
+        text: String,
+    }
+    ros name "ActivityState", meaning |_| Ok(())
+}
+
+message! {
+    /// Something that a person has to see to.
+    "linewright_msgs" / AlarmState
+    fields {
+        /// Its number.
+        id: u64,
+        /// Since when.
+        raised: Time,
+        /// What has happened, and what to do.
+        text: String,
+        /// What can be answered, when it is done.
+        answers: Vec<String>,
+    }
+    ros name "AlarmState", meaning |_| Ok(())
+}
+
+message! {
+    /// All of a flexible cell: latched, sent on change and at a fixed rate.
+    "linewright_msgs" / CellState
+    fields {
+        /// Stamp of the sender.
+        header: Header,
+        /// New with every start of the process; never 0.
+        boot_id: u64,
+        /// Of the message within that life.
+        sequence: u64,
+        /// Its name.
+        cell: String,
+        /// The coordinator's life, from 1, rising over its restarts.
+        epoch: u64,
+        /// Activities may start.
+        starting: bool,
+        /// How many parts are in it.
+        parts_inside: u32,
+        /// How many have left.
+        parts_left: u64,
+        /// How many production orders are not over.
+        orders_open: u32,
+        /// Those of longest standing first.
+        parts: Bounded<PartState, 100>,
+        /// What is in progress.
+        activities: Bounded<ActivityState, 100>,
+        /// Those that are not over first, then those that were over last.
+        orders: Bounded<ProductionState, 100>,
+        /// What somebody has to see to.
+        alarms: Bounded<AlarmState, 100>,
+        /// Resources that are out of use.
+        down: Bounded<String, 100>,
+    }
+    ros name "CellState", meaning |m| {
+        present("boot_id", m.boot_id != 0)?;
+        present("cell", !m.cell.is_empty())?;
+        m.orders.as_slice().iter().try_for_each(RosMessage::validate)
+    }
+}
+
+service! {
+    /// Makes orders of requests, all of them or none.
+    "linewright_msgs" / SubmitOrders = SubmitOrdersRequest -> SubmitOrdersResponse
+}
+
+message! {
+    /// What is asked for.
+    "linewright_msgs" / SubmitOrdersRequest
+    fields {
+        /// All of it.
+        requests: Vec<ProductionRequest>,
+    }
+    ros name "SubmitOrders_Request", meaning |m| m.requests.iter().try_for_each(RosMessage::validate)
+}
+
+message! {
+    /// Whether it is on order now.
+    "linewright_msgs" / SubmitOrdersResponse
+    fields {
+        /// It is.
+        accepted: bool,
+        /// The orders' numbers, in the order of the requests.
+        ids: Vec<u64>,
+        /// All that is wrong with any of them.
+        problems: Vec<String>,
+    }
+    ros name "SubmitOrders_Response", meaning |_| Ok(())
+}
+
+service! {
+    /// Cancels or withdraws a production order, whichever the service is called.
+    "linewright_msgs" / ChangeOrder = ChangeOrderRequest -> ChangeOrderResponse
+}
+
+message! {
+    /// Which.
+    "linewright_msgs" / ChangeOrderRequest
+    fields {
+        /// What people call it.
+        name: String,
+    }
+    ros name "ChangeOrder_Request", meaning |_| Ok(())
+}
+
+message! {
+    /// Whether it was done.
+    "linewright_msgs" / ChangeOrderResponse
+    fields {
+        /// It was.
+        done: bool,
+        /// Why not.
+        reason: String,
+    }
+    ros name "ChangeOrder_Response", meaning |_| Ok(())
+}
+
+service! {
+    /// Why a part, a production order or an activity does not go on.
+    "linewright_msgs" / WhyNot = WhyNotRequest -> WhyNotResponse
+}
+
+message! {
+    /// About what.
+    "linewright_msgs" / WhyNotRequest
+    fields {
+        /// `part 7`, or a name.
+        about: String,
+    }
+    ros name "WhyNot_Request", meaning |_| Ok(())
+}
+
+message! {
+    /// Why.
+    "linewright_msgs" / WhyNotResponse
+    fields {
+        /// There is such a thing.
+        known: bool,
+        /// One reason each.
+        lines: Vec<String>,
+    }
+    ros name "WhyNot_Response", meaning |_| Ok(())
+}
+
+service! {
+    /// What an alarm asked for has been done.
+    "linewright_msgs" / AnswerAlarm = AnswerAlarmRequest -> AnswerAlarmResponse
+}
+
+message! {
+    /// What is true now.
+    "linewright_msgs" / AnswerAlarmRequest
+    fields {
+        /// The alarm's number.
+        alarm: u64,
+        /// One of its answers.
+        word: String,
+        /// Who says so.
+        by: String,
+    }
+    ros name "AnswerAlarm_Request", meaning |_| Ok(())
+}
+
+message! {
+    /// Whether it is believed.
+    "linewright_msgs" / AnswerAlarmResponse
+    fields {
+        /// It is.
+        accepted: bool,
+        /// Why not.
+        reason: String,
+    }
+    ros name "AnswerAlarm_Response", meaning |_| Ok(())
+}

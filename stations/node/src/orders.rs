@@ -1,0 +1,257 @@
+//! What a station on order hears and says of its orders over ROS 2.
+//!
+//! Orders come as goals of the action `~/run_task`; one order may come by any number of goals, and each of them ends as the
+//! order does. Who no longer wants it cancels a goal, or says so on `~/secure`. All that is known of orders goes out on
+//! `~/order`, whole each time: whoever gives orders reads the ends there, and need not wait for any single answer. Nothing is
+//! decided here; what becomes of an order is the controller's affair.
+
+use std::time::Duration;
+
+use linewright_line::{Line, Station};
+use linewright_msgs::{
+    Bounded, OrderEnd, OrderState, RunTask, RunTaskFeedback, RunTaskGoal, RunTaskResult, SecureOrder, fitting,
+};
+use linewright_node_shell::{
+    Asked, Ended, Forward, Goal, Node, Owner, Publisher, TopicError, forward, qos, serve_action, stamp,
+};
+use linewright_station_logic::{
+    Controller, Failure, OrderKey, OrderReport, Outcome, Refusal, Reply, Report, SlotReport, TaskCommand, TaskOrder,
+};
+use tokio::sync::mpsc;
+
+use crate::topics::Arrived;
+
+/// A command to the controller, as it came.
+#[derive(Clone, Debug, PartialEq, Eq)]
+pub enum Told {
+    /// A task.
+    Run(TaskOrder),
+    /// To leave an order be.
+    Secure(OrderKey),
+}
+
+impl Told {
+    /// As the controller takes it.
+    pub fn command(&self) -> TaskCommand<'_> {
+        match self {
+            Told::Run(order) => TaskCommand::Run(order),
+            Told::Secure(key) => TaskCommand::Secure(*key),
+        }
+    }
+}
+
+struct Live {
+    goal: Goal,
+    key: OrderKey,
+    is_cancelled: bool,
+}
+
+/// A station's orders, as ROS 2 sees them.
+pub struct Orders {
+    owner: Owner<RunTask>,
+    state: Publisher<OrderState>,
+    goals: Vec<Live>,
+    /// How far the order was that was last told of.
+    told: Option<(OrderKey, RunTaskFeedback)>,
+    report: Report,
+    message: OrderState,
+}
+
+impl Orders {
+    /// Opens the action and the topics of a station on order.
+    pub fn open(
+        node: &mut Node,
+        station: &str,
+        boot_id: u64,
+        to: &mpsc::Sender<Arrived>,
+        tasks: &mut Vec<Forward>,
+    ) -> Result<Self, TopicError> {
+        let state = node.publisher("~/order", qos::latched_state())?;
+        let (owner, serving) = serve_action(node.action::<RunTask>("~/run_task")?, to.clone(), Arrived::Goal);
+        tasks.push(serving);
+        tasks.push(forward(node.subscription("~/secure", qos::command())?, to.clone(), |message: SecureOrder, _| {
+            Some(Arrived::Secure(OrderKey { epoch: message.epoch, id: message.id }))
+        }));
+        let message = OrderState { boot_id, station: station.to_owned(), ..OrderState::default() };
+        Ok(Orders { owner, state, goals: Vec::new(), told: None, report: Report::default(), message })
+    }
+
+    /// What the controller is told when somebody asks.
+    pub fn asked(&mut self, asked: Asked<RunTaskGoal>) -> Option<Told> {
+        match asked {
+            Asked::Goal(goal, wanted) => {
+                let order = order(wanted);
+                self.goals.push(Live { goal, key: order.key, is_cancelled: false });
+                Some(Told::Run(order))
+            }
+            Asked::Cancel(goal) => {
+                let live = self.goals.iter_mut().find(|live| live.goal == goal)?;
+                live.is_cancelled = true;
+                Some(Told::Secure(live.key))
+            }
+        }
+    }
+
+    /// Says what has become of orders, once it is remembered. The whole state goes out when it is `due`.
+    pub fn tell(
+        &mut self,
+        line: &Line,
+        controller: &Controller,
+        replies: impl Iterator<Item = (OrderKey, Reply)>,
+        inputs: u128,
+        due: bool,
+    ) {
+        for (key, reply) in replies {
+            match reply {
+                Reply::Running => (),
+                Reply::Ended(outcome) => self.end(key, outcome),
+                Reply::Refused(refusal) => self.refuse(key, refusal),
+            }
+        }
+        let mut report = std::mem::take(&mut self.report);
+        controller.report_into(&mut report);
+        if let Some(orders) = &report.order {
+            self.follow(line, controller, orders);
+            if due {
+                let inputs = report.devices_valid.then_some(inputs);
+                self.tell_state(line.station(controller.station()), orders, inputs);
+            }
+        }
+        self.report = report;
+    }
+
+    /// Goals end as the report says, and hear how far their order is.
+    fn follow(&mut self, line: &Line, controller: &Controller, orders: &OrderReport) {
+        if !self.goals.is_empty() {
+            orders.results.iter().for_each(|&(key, outcome)| self.end(key, outcome));
+            orders.refused.iter().for_each(|&(key, refusal)| self.refuse(key, refusal));
+            if let Some(slot) = &orders.slot {
+                self.feed_back(line, controller, slot);
+            }
+        }
+    }
+
+    fn tell_state(&mut self, station: &Station, orders: &OrderReport, inputs: Option<u128>) {
+        let message = &mut self.message;
+        message.header = stamp();
+        message.sequence += 1;
+        (message.memory, message.epoch) = (orders.memory, orders.epoch);
+        (message.doing_epoch, message.doing_id) = orders.slot.map_or((0, 0), |slot| (slot.key.epoch, slot.key.id));
+        message.phase = orders.slot.map_or(0, phase);
+        message.rest = orders.rest.map(|rest| station.rests[rest.index()].name.clone()).unwrap_or_default();
+        let ended = orders.results.iter().map(|&(key, outcome)| {
+            let (end, code) = end_of(outcome);
+            OrderEnd { epoch: key.epoch, id: key.id, end, code }
+        });
+        // A station remembers no more than the message has room for.
+        message.ended = Bounded::new(ended.collect()).unwrap_or_default();
+        let refused = orders.refused.iter().map(|&(key, refusal)| {
+            let code = code_of(refusal);
+            OrderEnd { epoch: key.epoch, id: key.id, end: RunTaskResult::END_REFUSED, code }
+        });
+        message.refused = Bounded::new(refused.collect()).unwrap_or_default();
+        let bytes = station.inputs.len().div_ceil(8);
+        let inputs = inputs.map(|word| word.to_le_bytes()[..bytes].to_vec()).unwrap_or_default();
+        message.inputs = Bounded::new(inputs).unwrap_or_default();
+        self.state.send(message.clone());
+    }
+
+    fn end(&mut self, key: OrderKey, outcome: Outcome) {
+        let (end, code) = end_of(outcome);
+        let text = match outcome {
+            Outcome::Done => String::new(),
+            Outcome::Failed(failure) => failure.text(),
+        };
+        self.conclude(key, RunTaskResult { epoch: key.epoch, id: key.id, end, code, text });
+    }
+
+    fn refuse(&mut self, key: OrderKey, refusal: Refusal) {
+        let (end, code) = (RunTaskResult::END_REFUSED, code_of(refusal));
+        let text = refusal.text().to_owned();
+        self.conclude(key, RunTaskResult { epoch: key.epoch, id: key.id, end, code, text });
+    }
+
+    /// All goals of an order end as it has.
+    fn conclude(&mut self, key: OrderKey, result: RunTaskResult) {
+        let owner = &self.owner;
+        self.goals.retain(|live| {
+            if live.key != key {
+                return true;
+            }
+            let ended = match result.end {
+                RunTaskResult::END_DONE => Ended::Succeeded,
+                RunTaskResult::END_SECURED if live.is_cancelled => Ended::Canceled,
+                _ => Ended::Aborted,
+            };
+            owner.end(live.goal, ended, result.clone());
+            false
+        });
+    }
+
+    fn feed_back(&mut self, line: &Line, controller: &Controller, slot: &SlotReport) {
+        let feedback = feedback(line, controller, slot);
+        let new = (slot.key, feedback);
+        if self.told.as_ref() == Some(&new) {
+            return;
+        }
+        for live in self.goals.iter().filter(|live| live.key == slot.key) {
+            self.owner.feedback(live.goal, new.1.clone());
+        }
+        self.told = Some(new);
+    }
+}
+
+fn order(wanted: RunTaskGoal) -> TaskOrder {
+    TaskOrder {
+        key: OrderKey { epoch: wanted.epoch, id: wanted.id },
+        memory: wanted.memory,
+        task: wanted.task,
+        parameters: wanted.parameter_names.into_iter().zip(wanted.parameters).collect(),
+        limit: Duration::from_millis(wanted.limit_ms.into()),
+    }
+}
+
+const fn phase(slot: SlotReport) -> u8 {
+    if slot.is_securing { RunTaskFeedback::PHASE_SECURING } else { RunTaskFeedback::PHASE_RUNNING }
+}
+
+fn feedback(line: &Line, controller: &Controller, slot: &SlotReport) -> RunTaskFeedback {
+    let (id, station) = (controller.station(), line.station(controller.station()));
+    let (first, last) = (station.first_of(slot.task), station.last_of(slot.task));
+    let (from, to) = (station.step_of(first), station.step_of(last));
+    // Before its first operation has started, the station stands behind the last one of another task.
+    let at = controller.marking().next().map(|place| place.op);
+    let op = at.filter(|&op| station.task_of(op) == Some(slot.task)).unwrap_or(first);
+    let number = |step: usize| u16::try_from(step + 1).unwrap_or(u16::MAX);
+    RunTaskFeedback {
+        phase: phase(*slot),
+        operation: fitting(line.operation((id, op)).name.clone()),
+        step: number(station.step_of(op).saturating_sub(from)),
+        steps: number(to - from),
+    }
+}
+
+/// How an order has ended, as messages say it.
+pub const fn end_of(outcome: Outcome) -> (u8, u16) {
+    match outcome {
+        Outcome::Done => (RunTaskResult::END_DONE, 0),
+        Outcome::Failed(Failure::Cancelled) => (RunTaskResult::END_SECURED, Failure::Cancelled.code()),
+        Outcome::Failed(failure) => (RunTaskResult::END_FAILED, failure.code()),
+    }
+}
+
+/// Why an order was not taken on, as messages say it.
+pub const fn code_of(refusal: Refusal) -> u16 {
+    match refusal {
+        Refusal::Busy => RunTaskResult::REFUSED_BUSY,
+        Refusal::Mode => RunTaskResult::REFUSED_MODE,
+        Refusal::OtherMemory => RunTaskResult::REFUSED_OTHER_MEMORY,
+        Refusal::OldEpoch => RunTaskResult::REFUSED_OLD_EPOCH,
+        Refusal::Old => RunTaskResult::REFUSED_OLD,
+        Refusal::Late => RunTaskResult::REFUSED_LATE,
+        Refusal::NotThere => RunTaskResult::REFUSED_NOT_THERE,
+        Refusal::Devices => RunTaskResult::REFUSED_DEVICES,
+        Refusal::Unknown => RunTaskResult::REFUSED_UNKNOWN,
+        Refusal::Incomplete => RunTaskResult::REFUSED_INCOMPLETE,
+    }
+}
