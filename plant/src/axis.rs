@@ -44,6 +44,12 @@ impl AxisState {
         if gone >= whole.abs() * (1.0 - 1e-9) { target } else { self.from + gone.copysign(whole) }
     }
 
+    /// Whether it stands within `reach` of `at`, or is about to come to stand there.
+    pub(crate) fn stands_at(&self, now: Tick, at: f64, reach: f64) -> bool {
+        let near = |position: f64| (position - at).abs() <= reach;
+        near(self.position(now)) && self.travel.is_none_or(|travel| near(travel.target))
+    }
+
     /// Changes what it does, from where it is at `now`.
     pub(crate) fn change(&mut self, now: Tick, travel: Option<Travel>) {
         *self = AxisState { since: now, from: self.position(now), travel };

@@ -30,6 +30,10 @@ pub enum Fault {
     Break,
     /// 4: it moves the wrong way, at a quarter of its speed, as far as where it came from.
     SlipBack,
+    /// 5: it moves, but the hand that it closes takes nothing.
+    Miss,
+    /// 6: it moves, but the hand that it has closed holds nothing fast: a part that lies nowhere else falls.
+    Drop,
 }
 
 /// What is written to a simulated device: index and subindex, and a number. The order matters.
@@ -46,6 +50,8 @@ impl Fault {
             Fault::Slip => 2,
             Fault::Break => 3,
             Fault::SlipBack => 4,
+            Fault::Miss => 5,
+            Fault::Drop => 6,
         }
     }
 }
@@ -60,6 +66,8 @@ impl Fault {
             2 => Ok(Some(Fault::Slip)),
             3 => Ok(Some(Fault::Break)),
             4 => Ok(Some(Fault::SlipBack)),
+            5 => Ok(Some(Fault::Miss)),
+            6 => Ok(Some(Fault::Drop)),
             _ => Err(Abort::VALUE),
         }
     }

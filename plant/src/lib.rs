@@ -1,6 +1,6 @@
 //! The simulated plant: a line's mechanisms, and the CAN devices they hang on.
 //!
-//! - [`Plant`]: the mechanisms of a line in pure, event-driven time: outputs in, limit switches out;
+//! - [`Plant`]: the mechanisms of a line in pure, event-driven time: outputs in, limit switches out; and where parts are;
 //! - [`DeviceNode`]: one generic CANopen I/O device, pure: frames in, frames out;
 //! - [`DriveNode`]: one CANopen drive, pure as well; it moves its axis itself;
 //! - [`PlainNode`]: one device that speaks no CANopen, but the frames of a DBC file, pure;
@@ -19,6 +19,7 @@ mod axis;
 mod device;
 mod fault;
 mod mechanism;
+mod parts;
 mod plant;
 #[cfg(feature = "can")]
 mod rack;
@@ -30,6 +31,7 @@ mod wire;
 #[cfg(feature = "can")]
 pub use device::{DeviceNode, DeviceOutbox, DriveNode, Order, PlainNode};
 pub use fault::{CLEAR, DeviceFault, FAULT_INDEX, Fault, HOLD_INDEX, Orders, PRESS_INDEX, STUCK_INDEX, TROUBLE_INDEX};
+pub use parts::{Mishap, PartNo, Refused, Spot, Whereabouts};
 pub use plant::{Plant, PlantOptions};
 #[cfg(feature = "can")]
 pub use rack::Rack;

@@ -14,6 +14,8 @@ use crate::fault::Fault;
 ///
 /// Narrow enough that a motion's time is its time, wide enough that rounding never leaves a switch off.
 const REACH: f64 = 0.001;
+/// Coordinates nearer than this are one place.
+const SAME_PLACE: f64 = 1e-6;
 /// Fraction of its speed at which a slipping motion moves.
 const SLIP: f64 = 0.25;
 
@@ -115,6 +117,18 @@ impl Mechanism {
         self.state.position(now)
     }
 
+    /// Whether it stands at `at`, as precisely as a switch there sees it. What only passes does not stand.
+    pub(crate) fn stands_at(&self, now: Tick, at: f64) -> bool {
+        let switches = self.switches.iter().filter(|switch| same_place(switch.at, at));
+        let reach = switches.map(|switch| switch.reach).reduce(f64::min);
+        self.state.stands_at(now, at, reach.unwrap_or(SAME_PLACE))
+    }
+
+    /// Whether what drives it to `at` suffers this.
+    pub(crate) fn suffers_at(&self, at: f64, fault: Fault) -> bool {
+        self.drives.iter().any(|drive| same_place(drive.target, at) && drive.fault == Some(fault))
+    }
+
     /// Puts its axis where something else has moved it to, a drive.
     #[cfg(feature = "can")]
     pub(crate) fn place(&mut self, now: Tick, at: f64) {
@@ -161,11 +175,8 @@ impl Mechanism {
     /// factor, from the number of motions begun before.
     pub(crate) fn drive(&mut self, now: Tick, image: u128, random: impl Fn(u64) -> f64) -> Change {
         let on = |drive: &&Drive| image & drive.output.bit() != 0 && drive.target != drive.from;
-        let (mut forward, mut back) = (false, false);
-        for drive in self.drives.iter().filter(on) {
-            *(if drive.target > drive.from { &mut forward } else { &mut back }) = true;
-        }
-        let opposed = forward && back;
+        let ways = || self.drives.iter().filter(on).map(|drive| self.pull(drive, self.position(now)));
+        let opposed = ways().any(|way| way > 0.0) && ways().any(|way| way < 0.0);
         let change = Change { alarm: opposed && !self.opposed };
         self.opposed = opposed;
         let jammed = self.drives.iter().filter(on).any(|d| matches!(d.fault, Some(Fault::Stick | Fault::Break)));
@@ -188,6 +199,15 @@ impl Mechanism {
         self.state.change(now, travel);
         self.plan_changes();
         change
+    }
+
+    /// Which way a drive pulls, as a number above or below zero. One that brings the axis to its target from both sides
+    /// pulls towards it; any other pulls on in its own direction.
+    fn pull(&self, drive: &Drive, here: f64) -> f64 {
+        let way = drive.target - drive.from;
+        let twin = |other: &Drive| other.output == drive.output && same_place(other.target, drive.target);
+        let is_both = self.drives.iter().any(|other| twin(other) && (other.target - other.from) * way < 0.0);
+        if is_both { drive.target - here } else { way }
     }
 
     /// Which of the drives that are on moves the axis: the nearest target ahead. One output may serve several
@@ -226,9 +246,15 @@ impl Drive {
         match fault {
             Some(Fault::Slip) => Travel { target: self.target, speed: speed * SLIP },
             Some(Fault::SlipBack) => Travel { target: self.from, speed: speed * SLIP },
-            Some(Fault::Stick | Fault::Break) | None => Travel { target: self.target, speed },
+            Some(Fault::Stick | Fault::Break | Fault::Miss | Fault::Drop) | None => {
+                Travel { target: self.target, speed }
+            }
         }
     }
+}
+
+fn same_place(a: f64, b: f64) -> bool {
+    (a - b).abs() < SAME_PLACE
 }
 
 impl Switch {

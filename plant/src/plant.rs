@@ -4,10 +4,11 @@
 //! same for a microsecond and for an hour, and [`Plant::next_change`] says exactly when to look again. The same seed
 //! gives the same plant.
 
-use linewright_line::{AxisId, InputId, Line, OpId, OutputId, Owner, StationId, Tick};
+use linewright_line::{AxisId, HolderId, InputId, Line, OpId, OutputId, Owner, Stand, StationId, Tick};
 
 use crate::fault::Fault;
 use crate::mechanism::{Mechanism, Stroke};
+use crate::parts::{Mechanisms, Mishap, PartNo, Parts, Refused, Spot, Whereabouts};
 
 /// How a plant deviates from its description.
 #[derive(Clone, Copy, Debug, Default, PartialEq)]
@@ -32,15 +33,38 @@ pub struct Plant {
     /// By station, at its end the console: inputs held, and those of them held on.
     forced: Vec<(u128, u128)>,
     alarms: u64,
+    /// None in a line that does not say where parts can be.
+    parts: Option<Parts>,
+}
+
+/// What parts see of a plant.
+struct Axes<'p> {
+    now: Tick,
+    stations: &'p [Vec<Mechanism>],
+    outputs: &'p [u128],
+}
+
+impl Mechanisms for Axes<'_> {
+    fn stands(&self, stand: &Stand) -> bool {
+        self.stations[stand.station.index()][stand.axis.index()].stands_at(self.now, stand.at)
+    }
+
+    fn suffers(&self, stand: &Stand, fault: Fault) -> bool {
+        self.stations[stand.station.index()][stand.axis.index()].suffers_at(stand.at, fault)
+    }
+
+    fn outputs(&self, station: StationId) -> u128 {
+        self.outputs[station.index()]
+    }
 }
 
 impl Plant {
-    /// The mechanisms of `line`, every axis at home, every output off.
+    /// The mechanisms of `line`, every axis at home, every output off, and no part in it.
     pub fn new(line: &Line, options: PlantOptions) -> Self {
         let axes = |station: &linewright_line::Station| {
             (0..station.axes.len()).map(|axis| Mechanism::new(station, axis)).collect()
         };
-        Plant {
+        let mut plant = Plant {
             options,
             now: Tick::ZERO,
             stations: line.stations.iter().map(axes).collect(),
@@ -49,6 +73,23 @@ impl Plant {
             lamps: 0,
             forced: vec![(0, 0); line.stations.len() + 1],
             alarms: 0,
+            parts: None,
+        };
+        if !line.handling.is_empty() {
+            plant.parts = Some(Parts::new(&line.handling, line.stations.len(), &plant.axes()));
+        }
+        plant
+    }
+
+    fn axes(&self) -> Axes<'_> {
+        Axes { now: self.now, stations: &self.stations, outputs: &self.outputs }
+    }
+
+    /// Lets parts follow the mechanisms.
+    fn settle(&mut self) {
+        let axes = Axes { now: self.now, stations: &self.stations, outputs: &self.outputs };
+        if let Some(parts) = &mut self.parts {
+            parts.settle(self.now, &axes);
         }
     }
 
@@ -59,6 +100,17 @@ impl Plant {
 
     /// Lets time pass until `now`. A moment already passed changes nothing.
     pub fn advance(&mut self, now: Tick) {
+        if self.parts.is_some() {
+            // Parts follow from every moment at which something comes or leaves, not from the last one alone.
+            while let Some(at) = self.next_change().filter(|at| *at <= now) {
+                self.advance_axes(at);
+                self.settle();
+            }
+        }
+        self.advance_axes(now);
+    }
+
+    fn advance_axes(&mut self, now: Tick) {
         // Where one drive ends another may take over, if one output serves two operations: such moments are settled
         // one by one, at their own time, so that it does not matter when somebody looks.
         while let Some((at, station)) = self.next_arrival().filter(|(at, _)| *at <= now) {
@@ -83,6 +135,7 @@ impl Plant {
         }
         if let Owner::Station(id) = owner {
             self.redrive_station(id.index());
+            self.settle();
         }
     }
 
@@ -100,7 +153,11 @@ impl Plant {
             Owner::Station(id) => self.stations.get(id.index()).map(Vec::as_slice).unwrap_or_default(),
             Owner::Console => &[],
         };
-        let image = pressed.iter().fold(0, |image, mechanism| image | mechanism.inputs(self.now));
+        let seen = match (owner, &self.parts) {
+            (Owner::Station(id), Some(parts)) => parts.seen(id),
+            (Owner::Station(_), None) | (Owner::Console, _) => 0,
+        };
+        let image = pressed.iter().fold(seen, |image, mechanism| image | mechanism.inputs(self.now));
         let (held, on) = self.forced[self.place_of(owner)];
         image & !held | on
     }
@@ -118,8 +175,12 @@ impl Plant {
         self.stations.iter().flatten().filter_map(|mechanism| mechanism.next_change(self.now)).min()
     }
 
-    /// The same of one station alone, for whoever plays stations one by one.
+    /// The same of one station alone, for whoever plays stations one by one. Where parts are handled, a station's inputs
+    /// change with other stations' mechanisms too.
     pub fn next_change_of(&self, station: StationId) -> Option<Tick> {
+        if self.parts.is_some() {
+            return self.next_change();
+        }
         let mechanisms = self.stations.get(station.index())?;
         mechanisms.iter().filter_map(|mechanism| mechanism.next_change(self.now)).min()
     }
@@ -134,6 +195,7 @@ impl Plant {
     pub fn place(&mut self, now: Tick, station: StationId, axis: AxisId, at: f64) {
         self.advance(now);
         self.stations[station.index()][axis.index()].place(self.now, at);
+        self.settle();
     }
 
     /// How often drives both ways of one axis have come on at once. No controller should ever do that; the axis then
@@ -185,6 +247,47 @@ impl Plant {
             drive.fault = fault;
         }
         self.redrive_station(station.index());
+        self.settle();
+    }
+
+    /// A person puts a part somewhere, at `now`: a new one, or one that has fallen down.
+    ///
+    /// # Errors
+    /// Why it cannot be put there.
+    pub fn put(&mut self, now: Tick, part: PartNo, spot: Spot) -> Result<(), Refused> {
+        self.advance(now);
+        let axes = Axes { now: self.now, stations: &self.stations, outputs: &self.outputs };
+        self.parts.as_mut().map_or(Err(Refused::NoSuchSpot), |parts| parts.put(part, spot, &axes))
+    }
+
+    /// A person takes a part away at `now`, out of the plant; gives where it was.
+    ///
+    /// # Errors
+    /// Why it cannot be taken.
+    pub fn take(&mut self, now: Tick, part: PartNo) -> Result<Whereabouts, Refused> {
+        self.advance(now);
+        let axes = Axes { now: self.now, stations: &self.stations, outputs: &self.outputs };
+        self.parts.as_mut().map_or(Err(Refused::Unknown), |parts| parts.take(part, &axes))
+    }
+
+    /// All parts, with where they are.
+    pub fn parts(&self) -> impl Iterator<Item = (PartNo, Whereabouts)> + '_ {
+        self.parts.iter().flat_map(Parts::all)
+    }
+
+    /// The part that is there.
+    pub fn part_at(&self, spot: Spot) -> Option<PartNo> {
+        self.parts.as_ref()?.at(spot)
+    }
+
+    /// The part that a hand has.
+    pub fn part_in(&self, hand: HolderId) -> Option<PartNo> {
+        self.parts.as_ref()?.in_hand(hand)
+    }
+
+    /// What should not have happened to parts, as far as it is kept, and how often such a thing has happened.
+    pub fn mishaps(&self) -> (&[(Tick, Mishap)], u64) {
+        self.parts.as_ref().map_or((&[], 0), Parts::mishaps)
     }
 
     fn next_arrival(&self) -> Option<(Tick, usize)> {

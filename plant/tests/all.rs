@@ -17,6 +17,7 @@ mod frames;
 mod lines;
 mod mechanisms;
 mod objects;
+mod parts;
 mod plain;
 mod sync;
 mod troubles;

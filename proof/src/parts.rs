@@ -16,7 +16,7 @@
 //! run away from each other in a part may be held back.
 
 use linewright_line::net::{ControlMode, StationNet, Var};
-use linewright_line::{Arrow, Conflict, Console, Line, Span, StationId};
+use linewright_line::{Arrow, Conflict, Console, Handling, Line, Span, StationId};
 
 /// Some stations of a line, as a line of their own.
 #[derive(Clone, Debug)]
@@ -113,6 +113,7 @@ fn part_of(line: &Line, stations: &[StationId]) -> Line {
         buttons: line.buttons.clone(),
         console: Console::default(),
         timing: line.timing,
+        handling: Handling::default(),
     }
 }
 

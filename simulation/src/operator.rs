@@ -240,5 +240,7 @@ fn fault_text(fault: Fault) -> &'static str {
         Fault::Slip => "slows down",
         Fault::Break => "breaks",
         Fault::SlipBack => "slips back",
+        Fault::Miss => "misses parts",
+        Fault::Drop => "drops parts",
     }
 }

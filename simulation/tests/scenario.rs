@@ -125,7 +125,7 @@ motion = "recovery"
         [
             "1:10: `cycles` must be a whole number",
             "4:9: `for_s` without `press` (a step waits with `after_s`)",
-            "7:10: `motion` of nothing (it says which motions of `jam`, `slow`, `break`, `slip_back` or `repair` are meant)",
+            "7:10: `motion` of nothing (it says which motions of `jam`, `slow`, `break`, `slip_back`, `miss`, `drop` or `repair` are meant)",
             "10:10: `feed main slide` is irreversible: no motion undoes it (what its recovery path does are motions of the \
              operations it names)",
             "11:1: an empty step (a step waits, does one thing, or expects)",

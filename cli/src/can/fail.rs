@@ -24,6 +24,10 @@ enum Wrong {
     Break,
     /// It moves the wrong way.
     SlipBack,
+    /// It moves, but the hand that it closes takes nothing.
+    Miss,
+    /// It moves, but the hand that it has closed holds nothing fast.
+    Drop,
     /// The device falls silent.
     Silent,
     /// The device boots.
@@ -55,6 +59,8 @@ impl Wrong {
             Wrong::Slip => Some(Some(Fault::Slip)),
             Wrong::Break => Some(Some(Fault::Break)),
             Wrong::SlipBack => Some(Some(Fault::SlipBack)),
+            Wrong::Miss => Some(Some(Fault::Miss)),
+            Wrong::Drop => Some(Some(Fault::Drop)),
             _ => None,
         }
     }
@@ -82,7 +88,7 @@ impl Wrong {
                 let faults = FrameFaults { lost_to: 50, lost_from: 50, doubled: 50, ..FrameFaults::default() };
                 return Some(faults.orders());
             }
-            Wrong::Stick | Wrong::Slip | Wrong::Break | Wrong::SlipBack => return None,
+            Wrong::Stick | Wrong::Slip | Wrong::Break | Wrong::SlipBack | Wrong::Miss | Wrong::Drop => return None,
         };
         Some(faults.into_iter().flat_map(DeviceFault::orders).collect())
     }

@@ -7,6 +7,7 @@ mod analogue;
 mod device;
 mod drive;
 mod frames;
+mod handling;
 mod line;
 pub mod net;
 mod parse;
@@ -22,6 +23,7 @@ pub use frames::{
     Checksum, Coding, Field, FrameBinding, FrameId, Frames, HeardFrame, Named, Page, Receive, Send, SignalInput,
     SignalOutput, ToldFrame, Unsound, When,
 };
+pub use handling::{Grip, Handling, Holder, HolderId, Reach, Sensor, Sign, Stand};
 pub use line::*;
 pub use parse::{Parsed, Problem, Problems, parse, suggestion};
 pub use task::{

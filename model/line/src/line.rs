@@ -10,7 +10,7 @@ use std::time::Duration;
 
 use linewright_text::index_id;
 
-use crate::{Device, Owner, Rest, Task};
+use crate::{Device, Handling, Owner, Rest, Task};
 
 index_id! {
     /// A station, by its place in [`Line::stations`].
@@ -90,6 +90,8 @@ pub struct Line {
     pub console: Console,
     /// How long things may take.
     pub timing: Timing,
+    /// Where parts can be, for the simulated plant.
+    pub handling: Handling,
 }
 
 /// One station: an ordered cycle of operations, or tasks that are done on order.

@@ -2,7 +2,7 @@
 //!
 //! `«` in a replacement marks where the problem must point; the mark is taken out before parsing.
 
-use linewright_line::{Line, OpId, Problem, RestId, StationId, TaskId, parse};
+use linewright_line::{AxisId, Grip, Line, OpId, Problem, RestId, Sign, Stand, StationId, TaskId, parse};
 
 const BASE: &str = include_str!("descriptions/on_order.toml");
 
@@ -273,4 +273,101 @@ fn nothing_of_it_in_a_station_that_goes_round_and_no_arrows_to_one_on_order() {
             "cell's description",
         ),
     ]);
+}
+
+#[test]
+fn what_can_have_parts_and_who_reaches_it() {
+    let line = base();
+    let handling = &line.handling;
+    let names: Vec<&str> = handling.holders.iter().map(|holder| holder.name.as_str()).collect();
+    assert_eq!(names, ["m1.clamp", "robot.hand", "ST"], "those of stations first");
+    let [clamp, hand, store] = ["m1.clamp", "robot.hand", "ST"].map(|name| handling.holder_named(name).expect("there"));
+    assert_eq!(handling.holder(store).places, 6);
+    let stand = |station: u16, axis: u16, at: f64| Stand { station: StationId(station), axis: AxisId(axis), at };
+    assert_eq!(handling.holder(clamp).grip, Grip::Clamp(stand(0, 0, 60.0)));
+    assert_eq!(handling.holder(hand).grip, Grip::Hand(stand(1, 1, 1.0)));
+    let to_store = &handling.reaches[0];
+    assert_eq!((to_store.hand, to_store.to, &to_store.when[..]), (hand, store, &[stand(1, 0, 50.0)][..]));
+    let robot = line.station(StationId(1));
+    let bits: Vec<&str> = to_store.position.iter().map(|bit| robot.outputs[bit.index()].as_str()).collect();
+    assert_eq!(bits, ["slot_1", "slot_2", "slot_4"]);
+    let seen: Vec<_> = handling.sensors.iter().map(|sensor| (sensor.station.0, &sensor.when[..])).collect();
+    assert_eq!(seen, [(0, &[Sign::Part(clamp)][..]), (1, &[Sign::Stands(stand(0, 0, 60.0))][..])]);
+}
+
+#[test]
+fn holders_reaches_and_sensors() {
+    errors(&[
+        (&[("name = \"ST\"", "name = «\"S.T\"")], "`S.T` cannot name this holder", "full stop"),
+        (&[("name = \"ST\"", "name = \"ST\"\n\n[[holder]]\nname = «\"ST\"")], "a second holder named `ST`", ""),
+        (&[("places = 6", "places = «0")], "`places` is 0", "between 1 and 10000"),
+        (&[("axis = \"grip\", at", "axis = «\"gripp\", at")], "unknown axis `gripp`", "did you mean `grip`?"),
+        (&[("axis = \"grip\", at = 1", "axis = \"grip\", at = «2")], "`grip` never stands at 2", "end at 0, 1"),
+        (&[("when = { arm = 50 }", "when = { «arm = 51 }")], "`arm` never stands at 51", "0, 50, 100"),
+        (
+            &[("name = \"hand\"", "name = «\"hand\""), ("closes = { axis = \"grip\", at = 1 }\n", "")],
+            "nothing closes the hand `robot.hand`",
+            "closes",
+        ),
+        (&[("kind = \"hand\"", "kind = «\"hnad\"")], "unknown kind `hnad`", "did you mean `hand`?"),
+        (&[("hand = \"hand\"", "hand = «\"hnd\"")], "unknown holder `hnd` of this station", "did you mean `hand`?"),
+        (
+            &[("kind = \"hand\"\n", ""), ("hand = \"hand\"", "hand = «\"hand\"")],
+            "`robot.hand` is no hand",
+            "kind = \"hand\"",
+        ),
+        (&[("to = \"ST\"", "to = «\"SP\"")], "unknown holder `SP`", "did you mean `ST`?"),
+        (&[("to = \"m1.clamp\"", "to = «\"robot.hand\"")], "`robot.hand` is a hand", "puts down in one"),
+        (
+            &[("position = [\"slot_1\", \"slot_2\", \"slot_4\"]\n", ""), ("to = \"ST\"", "to = «\"ST\"")],
+            "`ST` has 6",
+            "",
+        ),
+        (&[("position = [\"slot_1\", \"slot_2\", \"slot_4\"]", "position = «[\"slot_1\"]")], "1 outputs cannot", ""),
+        (
+            &[
+                ("position = [\"slot_1\"", "position = [\"slot_2\""),
+                ("\"slot_2\", \"slot_4\"]\n\n", "«\"slot_2\", \"slot_4\"]\n\n"),
+            ],
+            "`slot_2` is two bits",
+            "",
+        ),
+        (&[("position = [\"slot_1\"", "position = [«\"slot_8\"")], "no device of station `robot` has an output", ""),
+        (&[("places = 6\n", ""), ("position = [", "position = «[")], "`ST` has one position", "leave `position` out"),
+        (
+            &[
+                ("when = { arm = 100 }", "when = { grip = 0 }"),
+                ("[[station.reach]]\nhand = \"hand\"\nto = \"m1", "«[[station.reach]]\nhand = \"hand\"\nto = \"m1"),
+            ],
+            "the hand would reach two nests at once",
+            "stand elsewhere",
+        ),
+        (&[("station = \"m1\"\ninput", "station = «\"m3\"\ninput")], "unknown station `m3`", "did you mean `m1`?"),
+        (
+            &[("input = \"part_present\"", "input = «\"part_presnt\"")],
+            "no device of station `m1` has an input",
+            "did you",
+        ),
+        (&[("input = \"part_present\"", "input = «\"C_60\"")], "`C_60` means two things", "one thing"),
+        (&[("input = \"part_present\"", "input = «\"S0\"")], "`S0` means two things", "one thing"),
+        (&[("when = [{ part = \"m1.clamp\" }]", "when = []"), ("[[sensor]]", "«[[sensor]]")], "a sensor that sees", ""),
+        (&[("{ part = \"m1.clamp\" }", "«{ part = \"m1.clamp\", at = 3 }")], "this says nothing", "robot.hand"),
+        (&[("{ part = \"m1.clamp\" }", "{ part = «\"m1.clmp\" }")], "unknown holder `m1.clmp`", "did you mean"),
+        (&[("axis = \"m1.clamp\"", "axis = «\"clamp\"")], "`clamp` names no axis", "station.axis"),
+        (&[("axis = \"m1.clamp\"", "axis = «\"m9.clamp\"")], "unknown station `m9`", ""),
+        (
+            &[("axis = \"m1.clamp\"", "axis = «\"m1.clmp\"")],
+            "unknown axis of this station `clmp`",
+            "did you mean `clamp`?",
+        ),
+        (&[("axis = \"m1.clamp\", at = 60", "axis = \"m1.clamp\", at = «61")], "`clamp` never stands at 61", "0, 60"),
+    ]);
+}
+
+#[test]
+fn a_hand_that_reaches_nothing_is_worth_a_warning() {
+    let text = BASE.replacen("kind = \"hand\"\n", "kind = \"hand\"\ncloses = { axis = \"grip\", at = 1 }\n\n[[station.holder]]\nname = \"other\"\nkind = \"hand\"\n", 1);
+    let warnings = parse("on_order.toml", &text).unwrap_or_else(|problems| panic!("{problems:#}")).warnings;
+    let said: Vec<&str> = warnings.iter().map(|problem| problem.message.as_str()).collect();
+    assert_eq!(said, ["`robot.other` reaches nothing"]);
 }

@@ -7,7 +7,9 @@ use std::thread;
 use std::time::{Duration, Instant};
 
 use linewright_fieldbus::{Bus, Clock, Driver, Event, Manager};
-use linewright_line::{Bus as BusName, Console, Device, Identity, InputId, Line, OutputId, Owner, Setup, Timing};
+use linewright_line::{
+    Bus as BusName, Console, Device, Handling, Identity, InputId, Line, OutputId, Owner, Setup, Timing,
+};
 use linewright_plant::{Options, PlantOptions, run_plant};
 
 use super::{Place, block_on, of, python};
@@ -114,5 +116,6 @@ fn line() -> Line {
             heartbeat_timeout: Duration::from_secs(2),
             ..Timing::default()
         },
+        handling: Handling::default(),
     }
 }

@@ -182,7 +182,7 @@ mod tests {
         let faults = FrameFaults { lost_to: 1, lost_from: 20, doubled: 300, seed: 4000 };
         let out = obey(&mut new(), faults.orders());
         assert!(matches!(out.orders.last(), Some(Order::Disturb(ordered)) if *ordered == faults));
-        for fault in [Fault::Stick, Fault::Slip, Fault::Break, Fault::SlipBack] {
+        for fault in [Fault::Stick, Fault::Slip, Fault::Break, Fault::SlipBack, Fault::Miss, Fault::Drop] {
             assert_eq!(Fault::from_code(fault.code()), Ok(Some(fault)));
         }
     }

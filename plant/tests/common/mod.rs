@@ -8,8 +8,8 @@
 use std::time::Duration;
 
 use linewright_line::{
-    Axis, AxisId, Bus, ButtonId, Console, Device, Hand, InputId, Line, Module, Motion, OpId, Operation, OutputId,
-    Owner, Panel, Signals, Station, StationId, Timing,
+    Axis, AxisId, Bus, ButtonId, Console, Device, Hand, Handling, InputId, Line, Module, Motion, OpId, Operation,
+    OutputId, Owner, Panel, Signals, Station, StationId, Timing,
 };
 
 pub const PRESS: StationId = StationId(0);
@@ -108,5 +108,6 @@ pub fn line() -> Line {
             ..Console::default()
         },
         timing: Timing::default(),
+        handling: Handling::default(),
     }
 }

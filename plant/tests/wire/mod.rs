@@ -12,7 +12,7 @@ use std::time::Duration;
 
 use linewright_fieldbus::manager::Outbox;
 use linewright_fieldbus::{Event, Frame, Manager, Message};
-use linewright_line::{Bus, Console, Device, InputId, Line, OutputId, Owner, Setup, Tick, Timing};
+use linewright_line::{Bus, Console, Device, Handling, InputId, Line, OutputId, Owner, Setup, Tick, Timing};
 use linewright_plant::{PlantOptions, Rack};
 
 pub use latency::Report;
@@ -373,5 +373,6 @@ fn line() -> Line {
         buttons: Vec::new(),
         console: Console::default(),
         timing: Timing::default(),
+        handling: Handling::default(),
     }
 }

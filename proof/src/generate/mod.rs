@@ -17,7 +17,7 @@ mod text;
 
 use std::ops::RangeInclusive;
 
-use linewright_line::{Bus, Console, Device, Line, Owner, Station, StationId, Timing};
+use linewright_line::{Bus, Console, Device, Handling, Line, Owner, Station, StationId, Timing};
 
 pub use breakage::{Breakage, break_it, breakages, without_literal};
 pub use cell::{CellShape, cell};
@@ -107,6 +107,7 @@ pub fn line(shape: &Shape, seed: u64) -> Line {
         console: Console { buttons: vec![None; buttons.len()], ..Console::default() },
         buttons,
         timing: Timing::default(),
+        handling: Handling::default(),
     };
     arrows::draw(&mut line, shape, &mut random);
     line

@@ -7,8 +7,8 @@
 use std::time::Duration;
 
 use linewright_line::{
-    Axis, AxisId, Console, Hand, InputId, Line, Motion, OpId, OutputId, Panel, Parameter, Rest, RestId, Station, Task,
-    Timing,
+    Axis, AxisId, Console, Hand, Handling, InputId, Line, Motion, OpId, OutputId, Panel, Parameter, Rest, RestId,
+    Station, Task, Timing,
 };
 
 use super::station::{button, operation};
@@ -40,6 +40,7 @@ pub fn on_order(shape: &Shape, stations: usize, seed: u64) -> Line {
         console: Console { buttons: vec![None; buttons.len()], ..Console::default() },
         buttons,
         timing: Timing::default(),
+        handling: Handling::default(),
     }
 }
 

@@ -143,6 +143,8 @@ impl Deeds {
             ("slow", Some(Fault::Slip)),
             ("break", Some(Fault::Break)),
             ("slip_back", Some(Fault::SlipBack)),
+            ("miss", Some(Fault::Miss)),
+            ("drop", Some(Fault::Drop)),
             ("repair", None),
         ];
         for (key, fault) in faults {
@@ -161,7 +163,8 @@ impl Deeds {
             self.add(at, op.zip(way).map(|(op, way)| Deed::Act(Action::Fail(op, way, fault))));
         }
         if let Some(at) = motion_at.filter(|_| !fails) {
-            let hint = "it says which motions of `jam`, `slow`, `break`, `slip_back` or `repair` are meant";
+            let hint =
+                "it says which motions of `jam`, `slow`, `break`, `slip_back`, `miss`, `drop` or `repair` are meant";
             report.add(Problem::error(at, "`motion` of nothing").hint(hint));
         }
         for (key, value) in [("input_on", Some(true)), ("input_off", Some(false)), ("input_free", None)] {

@@ -8,8 +8,10 @@ use std::ops::Range;
 use linewright_text::{At, Where};
 
 use super::names::Names;
-use super::raw::{Kind, RawLine, RawOperation, RawStation, RawTask};
-use crate::{Axis, AxisId, Bus, Hand, InputId, Motion, OpId, OutputId, Owner, RestId, StationId, TaskId};
+use super::raw::{Kind, RawHolder, RawLine, RawOperation, RawReach, RawStation, RawTask};
+use crate::{
+    Axis, AxisId, Bus, Hand, HolderId, InputId, Motion, OpId, OutputId, Owner, RestId, Stand, StationId, TaskId,
+};
 
 pub(super) struct Draft<'a> {
     pub raw: &'a RawLine,
@@ -19,6 +21,7 @@ pub(super) struct Draft<'a> {
     pub conflicts: Vec<DraftConflict>,
     pub devices: Vec<DraftDevice>,
     pub console: DraftConsole,
+    pub handling: DraftHandling<'a>,
 }
 
 pub(super) struct DraftStation<'a> {
@@ -32,6 +35,8 @@ pub(super) struct DraftStation<'a> {
     /// Where each axis stands, rest by rest.
     pub rests: Vec<Vec<f64>>,
     pub tasks: Vec<DraftTask<'a>>,
+    /// Inputs that see parts.
+    pub sensed: Vec<At<InputId>>,
     pub bus: Bus,
     pub wiring: Wiring,
     /// Manual, advance, return.
@@ -146,6 +151,47 @@ pub(super) struct DraftConsole {
     pub buttons: Vec<Option<InputId>>,
     /// Auto, hand, manual, fault.
     pub lamps: [Option<At<OutputId>>; 4],
+}
+
+pub(super) type DraftStand = At<Stand>;
+
+pub(super) struct DraftHandling<'a> {
+    pub holders: Vec<DraftHolder<'a>>,
+    pub reaches: Vec<DraftReach<'a>>,
+    pub sensors: Vec<DraftSensor>,
+}
+
+pub(super) struct DraftHolder<'a> {
+    pub raw: &'a RawHolder,
+    /// With its station's before it.
+    pub name: String,
+    pub closes: Option<DraftStand>,
+}
+
+pub(super) struct DraftReach<'a> {
+    pub raw: &'a RawReach,
+    pub hand: Option<HolderId>,
+    pub to: Option<At<HolderId>>,
+    pub when: Vec<Option<DraftStand>>,
+    pub position: Vec<Option<At<OutputId>>>,
+}
+
+pub(super) struct DraftSensor {
+    pub at: Where,
+    pub input: Option<(StationId, At<InputId>)>,
+    pub when: Vec<Option<DraftSign>>,
+}
+
+pub(super) enum DraftSign {
+    Part(HolderId),
+    Stands(DraftStand),
+}
+
+impl DraftHolder<'_> {
+    /// Where it is named, or else its header.
+    pub fn place(&self) -> Where {
+        self.raw.name.as_ref().map_or_else(|| self.raw.at.clone(), |name| name.at.clone())
+    }
 }
 
 impl Draft<'_> {

@@ -9,7 +9,7 @@ use super::draft::{Draft, DraftConsole, DraftOperation, DraftSignals, DraftStati
 use super::raw::{Kind, RawTiming};
 use super::rules::node_id;
 use super::setup;
-use super::{analogue, drive, frames, task};
+use super::{analogue, drive, frames, handling, task};
 use crate::{Arrow, Conflict, Console, Device, InputId, Line, Module, Operation, Panel, Signals, Station, Timing};
 
 /// The line a draft describes; `None` if a part is missing.
@@ -41,6 +41,7 @@ pub(super) fn finish(draft: &Draft<'_>) -> Option<Line> {
         buttons: raw.buttons.iter().map(|button| button.value.clone()).collect(),
         console: console(&draft.console),
         timing: timing(&raw.timing),
+        handling: handling::finish(&draft.handling)?,
     })
 }
 

@@ -17,6 +17,7 @@ mod drive;
 mod finish;
 mod frames;
 mod hand;
+mod handling;
 mod names;
 mod raw;
 mod read;

@@ -20,6 +20,8 @@ pub(super) struct RawLine {
     pub arrows: Vec<RawArrow>,
     pub conflicts: Vec<RawConflict>,
     pub devices: Vec<RawDevice>,
+    pub holders: Vec<RawHolder>,
+    pub sensors: Vec<RawSensor>,
     pub console: Option<RawConsole>,
 }
 
@@ -44,6 +46,8 @@ pub(super) struct RawStation {
     pub axes: Vec<(Name, f64)>,
     pub rests: Vec<RawRest>,
     pub tasks: Vec<RawTask>,
+    pub holders: Vec<RawHolder>,
+    pub reaches: Vec<RawReach>,
     pub panel: Option<RawPanel>,
     pub operations: Vec<RawOperation>,
 }
@@ -63,6 +67,47 @@ pub(super) struct RawTask {
     pub to: Option<Name>,
     pub limit: Option<At<Duration>>,
     pub parameters: Vec<(Name, At<Vec<Name>>)>,
+}
+
+#[derive(Debug)]
+pub(super) struct RawHolder {
+    pub at: Where,
+    pub name: Option<Name>,
+    pub places: Option<At<i64>>,
+    pub is_hand: bool,
+    pub closes: Option<RawStand>,
+}
+
+#[derive(Debug)]
+pub(super) struct RawStand {
+    pub axis: Option<Name>,
+    pub position: Option<At<f64>>,
+}
+
+#[derive(Debug)]
+pub(super) struct RawReach {
+    pub at: Where,
+    pub hand: Option<Name>,
+    pub to: Option<Name>,
+    pub when: Vec<(Name, f64)>,
+    pub position: Option<At<Vec<Name>>>,
+}
+
+#[derive(Debug)]
+pub(super) struct RawSensor {
+    pub at: Where,
+    pub station: Option<Name>,
+    pub input: Option<Name>,
+    pub when: Vec<RawSign>,
+}
+
+/// A part, or an axis and where it stands.
+#[derive(Debug)]
+pub(super) struct RawSign {
+    pub at: Where,
+    pub part: Option<Name>,
+    pub axis: Option<Name>,
+    pub position: Option<At<f64>>,
 }
 
 #[derive(Debug, Default)]

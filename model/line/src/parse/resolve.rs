@@ -8,7 +8,7 @@ use linewright_text::{At, Name, Problem, Report, nearest, suggestion};
 use super::draft::{Draft, DraftArrow, DraftConflict, DraftConsole, DraftOperation, DraftSignals, DraftStation, End};
 use super::names::Names;
 use super::raw::{RawArrow, RawConflict, RawEnd, RawLine, RawMoves, RawOperation, RawSpan, RawStation};
-use super::{hand, rules, task, wiring};
+use super::{hand, handling, rules, task, wiring};
 use crate::{Axis, Bus, InputId, Motion, OpId, OutputId, StationId, TaskId};
 use wiring::{Owned, Wires};
 
@@ -21,10 +21,11 @@ pub(super) fn resolve<'a>(raw: &'a RawLine, names: Names<'a>, report: &mut Repor
         let wires = std::mem::take(&mut owned.stations[id]);
         stations.push(self::station(StationId::at(id), station, &names, &owned, wires, buses[id].clone(), report));
     }
+    let handling = handling::resolve(raw, &names, &mut stations, report);
     let arrows = raw.arrows.iter().map(|a| arrow(a, &names, report)).collect();
     let conflicts = raw.conflicts.iter().map(|c| conflict(c, &names, report)).collect();
     let console = console(raw, owned.console, report);
-    Draft { raw, names, stations, arrows, conflicts, devices, console }
+    Draft { raw, names, stations, arrows, conflicts, devices, console, handling }
 }
 
 fn bus(station: &RawStation) -> Bus {
@@ -68,6 +69,7 @@ fn station<'a>(
         axes: raw.axes.iter().map(|(name, home)| Axis { name: name.value.clone(), home: *home }).collect(),
         rests,
         tasks,
+        sensed: Vec::new(),
         bus,
         wiring: wires.wiring,
         panel,

@@ -7,8 +7,8 @@
 use std::time::Duration;
 
 use linewright_line::{
-    Arrow, Axis, AxisId, Bus, ButtonId, Console, Hand, InputId, Line, Module, Motion, OpId, Operation, OutputId, Panel,
-    Signals, Station, StationId, Timing,
+    Arrow, Axis, AxisId, Bus, ButtonId, Console, Hand, Handling, InputId, Line, Module, Motion, OpId, Operation,
+    OutputId, Panel, Signals, Station, StationId, Timing,
 };
 
 /// One operation to be built.
@@ -153,6 +153,7 @@ pub fn line(stations: Vec<Station>, arrows: Vec<Arrow>) -> Line {
         buttons: (0..32).map(|n| format!("B{n}")).collect(),
         console: Console::default(),
         timing: Timing::default(),
+        handling: Handling::default(),
     }
 }
 

@@ -343,7 +343,7 @@ impl Device for DriveNode {
                 Ok(())
             }
             (FAULT_INDEX, 1) => match Fault::from_code(number(data)?)? {
-                Some(Fault::Slip | Fault::SlipBack) => Err(Abort::VALUE),
+                Some(Fault::Slip | Fault::SlipBack | Fault::Miss | Fault::Drop) => Err(Abort::VALUE),
                 fault => {
                     self.fail(now, fault, out);
                     Ok(())

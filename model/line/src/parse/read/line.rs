@@ -3,8 +3,8 @@
 use linewright_text::{At, Fields, Name, Problem, Report, Where, suggestion};
 
 use super::{
-    ARROWS_MAX, CONFLICTS_MAX, DEVICE_BITS, DEVICES_MAX, SETTINGS_MAX, STATIONS_MAX, analogue, drive, frames, setup,
-    station,
+    ARROWS_MAX, CONFLICTS_MAX, DEVICE_BITS, DEVICES_MAX, HOLDERS_MAX, SENSORS_MAX, SETTINGS_MAX, STATIONS_MAX,
+    analogue, drive, frames, handling, setup, station,
 };
 use crate::BUTTONS_MAX;
 use crate::parse::raw::{RawArrow, RawConflict, RawConsole, RawDevice, RawEnd, RawLine, RawSpan, RawTiming};
@@ -22,6 +22,8 @@ pub(super) fn line(mut top: Fields<'_>, report: &mut Report) -> RawLine {
         arrows: each(top.tables(report, "arrow", "an arrow", ARROWS_MAX), report, arrow),
         conflicts: each(top.tables(report, "conflict", "a conflict", CONFLICTS_MAX), report, conflict),
         devices: each(top.tables(report, "device", "a device", DEVICES_MAX), report, device),
+        holders: each(top.tables(report, "holder", "a holder", HOLDERS_MAX), report, handling::store),
+        sensors: each(top.tables(report, "sensor", "a sensor", SENSORS_MAX), report, handling::sensor),
         console: top.table(report, "console", "`[console]`").map(|f| console(f, report)),
     };
     top.finish(report);

@@ -5,6 +5,7 @@
 mod analogue;
 mod drive;
 mod frames;
+mod handling;
 mod line;
 mod setup;
 mod station;
@@ -34,6 +35,16 @@ const TARGETS_MAX: usize = 64;
 const LIMITS_MAX: usize = 64;
 /// At most this many messages of one device each way, and of signals in each that anything follows from.
 const SIGNALS_MAX: usize = 64;
+
+/// At most this many places for parts that belong to no station, and in each station.
+const HOLDERS_MAX: usize = 1000;
+/// At most this many nests that the hands of one station reach.
+const REACHES_MAX: usize = 256;
+/// At most this many positions in one store.
+const PLACES_MAX: i64 = 10_000;
+/// At most this many inputs that see parts, and conditions for one.
+const SENSORS_MAX: usize = 4000;
+const SIGNS_MAX: usize = 16;
 
 /// Reads `text`; `None` when it is not TOML at all.
 pub(super) fn read(text: &str, report: &mut Report) -> Option<RawLine> {

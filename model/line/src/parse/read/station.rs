@@ -2,9 +2,8 @@
 
 use linewright_text::{At, Fields, Problem, Report};
 
-use super::AXES_MAX;
 use super::line::each;
-use super::task;
+use super::{AXES_MAX, HOLDERS_MAX, REACHES_MAX, handling, task};
 use crate::parse::raw::{Kind, RawHand, RawMoves, RawOperation, RawPanel, RawRecovery, RawSignals, RawStation};
 use crate::{CODE_MAX, OPERATIONS_MAX, RESTS_MAX, TASKS_MAX};
 
@@ -25,6 +24,8 @@ pub(super) fn station(mut f: Fields<'_>, report: &mut Report) -> RawStation {
             .unwrap_or_default(),
         rests: each(f.tables(report, "rest", "a rest", RESTS_MAX), report, task::rest),
         tasks: each(f.tables(report, "task", "a task", TASKS_MAX), report, task::task),
+        holders: each(f.tables(report, "holder", "a holder", HOLDERS_MAX), report, handling::holder),
+        reaches: each(f.tables(report, "reach", "a reach", REACHES_MAX), report, handling::reach),
         panel: f.table(report, "panel", "`panel`").map(|f| panel(f, report)),
         operations: each(f.tables(report, "operation", "an operation", OPERATIONS_MAX), report, operation),
     };

@@ -12,6 +12,7 @@ mod devices;
 mod drives;
 mod frames;
 mod hand;
+mod handling;
 mod motion;
 mod operations;
 mod recovery;
@@ -73,6 +74,7 @@ pub(super) fn check(draft: &Draft<'_>, report: &mut Report) {
         signals::inputs_mean_one_thing(station, report);
         signals::outputs_mean_one_thing(station, report);
     }
+    handling::check(draft, report);
     console::console_exists(draft, report);
     console::buttons_are_used(draft, report);
     console::signals_mean_one_thing(draft, report);

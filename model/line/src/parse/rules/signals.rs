@@ -25,6 +25,8 @@ pub(super) enum Meaning {
     Lamp,
     /// A bit of a task's parameter, by its name.
     Number(String, usize),
+    /// It sees parts.
+    Part,
     /// A lamp of the console, by its key.
     ModeLamp(&'static str),
 }
@@ -51,6 +53,7 @@ impl fmt::Display for Meaning {
             Meaning::Drive(axis, to) => write!(f, "drive `{axis}` to {to}"),
             Meaning::Lamp => f.write_str("a fault lamp"),
             Meaning::Number(parameter, bit) => write!(f, "bit {bit} of parameter `{parameter}`"),
+            Meaning::Part => f.write_str("a sensor sees parts"),
             Meaning::ModeLamp(key) => write!(f, "the lamp for `{key}`"),
         }
     }
@@ -128,6 +131,9 @@ pub(super) fn inputs_mean_one_thing(station: &DraftStation<'_>, report: &mut Rep
         if let Some(input) = input {
             uses.note(input.value.index(), Meaning::Control(key.to_owned()), &input.at);
         }
+    }
+    for input in &station.sensed {
+        uses.note(input.value.index(), Meaning::Part, &input.at);
     }
     uses.report(report);
 }

@@ -1,0 +1,147 @@
+//! Where parts can be: do hands close, can they come to what they reach, and can a number say every position?
+
+use linewright_text::{Problem, Report};
+
+use super::operations::same_place;
+use crate::Stand;
+use crate::parse::draft::{Draft, DraftHolder, DraftReach, DraftSign, DraftStand};
+
+/// Applies the rules.
+pub(super) fn check(draft: &Draft<'_>, report: &mut Report) {
+    let handling = &draft.handling;
+    for (id, holder) in handling.holders.iter().enumerate() {
+        hands_close(holder, report);
+        let reaches = handling.reaches.iter().any(|reach| reach.hand.is_some_and(|hand| hand.index() == id));
+        if holder.raw.is_hand && !reaches && handling.reaches.iter().all(|reach| reach.hand.is_some()) {
+            report.add(
+                Problem::warning(holder.place(), format!("`{}` reaches nothing", holder.name))
+                    .hint("say from where it takes parts, with `[[station.reach]]`"),
+            );
+        }
+    }
+    for reach in &handling.reaches {
+        hands_reach_nests(draft, reach, report);
+        positions_can_be_told(draft, reach, report);
+    }
+    let of_sensors = handling.sensors.iter().flat_map(|sensor| &sensor.when).flatten().filter_map(|sign| match sign {
+        DraftSign::Stands(stand) => Some(stand),
+        DraftSign::Part(_) => None,
+    });
+    let of_reaches = handling.reaches.iter().flat_map(|reach| &reach.when).flatten();
+    let of_holders = handling.holders.iter().filter_map(|holder| holder.closes.as_ref());
+    for stand in of_holders.chain(of_reaches).chain(of_sensors) {
+        axes_come_there(draft, stand, report);
+    }
+    one_nest_at_a_time(&handling.reaches, report);
+    for sensor in handling.sensors.iter().filter(|sensor| sensor.when.is_empty()) {
+        report.add(
+            Problem::error(sensor.at.clone(), "a sensor that sees nothing")
+                .hint("say what it sees: `when = [{ part = \"…\" }]`"),
+        );
+    }
+}
+
+fn hands_close(holder: &DraftHolder<'_>, report: &mut Report) {
+    if holder.raw.is_hand && holder.raw.closes.is_none() {
+        report.add(
+            Problem::error(holder.place(), format!("nothing closes the hand `{}`", holder.name))
+                .hint("say where it is closed: `closes = { axis = \"…\", at = … }`"),
+        );
+    }
+}
+
+fn hands_reach_nests(draft: &Draft<'_>, reach: &DraftReach<'_>, report: &mut Report) {
+    let holders = &draft.handling.holders;
+    if let (Some(hand), Some(name)) = (reach.hand, &reach.raw.hand)
+        && !holders[hand.index()].raw.is_hand
+    {
+        report.add(
+            Problem::error(name.at.clone(), format!("`{}` is no hand", holders[hand.index()].name))
+                .hint("what reaches others is a hand: `kind = \"hand\"`"),
+        );
+    }
+    if let Some(to) = &reach.to
+        && holders[to.value.index()].raw.is_hand
+    {
+        report.add(
+            Problem::error(to.at.clone(), format!("`{}` is a hand", holders[to.value.index()].name))
+                .hint("a hand takes from a nest, and puts down in one"),
+        );
+    }
+}
+
+fn positions_can_be_told(draft: &Draft<'_>, reach: &DraftReach<'_>, report: &mut Report) {
+    let Some(to) = &reach.to else { return };
+    let nest = &draft.handling.holders[to.value.index()];
+    let places = nest.raw.places.as_ref().map_or(1, |places| places.value);
+    let bits = reach.position.len();
+    match &reach.raw.position {
+        None if places > 1 => report.add(
+            Problem::error(to.at.clone(), format!("`{}` has {places} positions", nest.name))
+                .hint("say which outputs tell at which one: `position = [\"…\", \"…\"]`, the lowest bit first"),
+        ),
+        Some(position) if places == 1 => report.add(
+            Problem::error(position.at.clone(), format!("`{}` has one position", nest.name))
+                .hint("leave `position` out, or give it `places`"),
+        ),
+        Some(position) if (1i64 << bits) <= places => report.add(
+            Problem::error(position.at.clone(), format!("{bits} outputs cannot tell {places} positions apart"))
+                .also(&to.at, "these")
+                .hint("positions are numbered from 1"),
+        ),
+        Some(position) => {
+            for (nth, bit) in position.value.iter().enumerate() {
+                if let Some(earlier) = position.value[..nth].iter().find(|earlier| earlier.value == bit.value) {
+                    report.add(
+                        Problem::error(bit.at.clone(), format!("`{}` is two bits of one number", bit.value))
+                            .also(&earlier.at, "the other one"),
+                    );
+                }
+            }
+        }
+        None => {}
+    }
+}
+
+/// An axis that stands nowhere but at the ends of its motions must end one there.
+fn axes_come_there(draft: &Draft<'_>, stand: &DraftStand, report: &mut Report) {
+    let Stand { station, axis, at } = stand.value;
+    let station = &draft.stations[station.index()];
+    if station.operations.iter().any(|operation| operation.motion.is_none()) {
+        return;
+    }
+    let motions = station.operations.iter().flat_map(|operation| &operation.motion);
+    let mine = motions.filter(|motion| motion.value.axis == axis);
+    let home = station.axes[axis.index()].home;
+    let mut ends: Vec<f64> = mine.flat_map(|motion| [motion.value.from, motion.value.to]).chain([home]).collect();
+    if ends.iter().any(|end| same_place(*end, at)) {
+        return;
+    }
+    ends.sort_by(f64::total_cmp);
+    ends.dedup_by(|a, b| same_place(*a, *b));
+    let ends: Vec<String> = ends.iter().map(f64::to_string).collect();
+    report.add(
+        Problem::error(stand.at.clone(), format!("`{}` never stands at {at}", station.axes[axis.index()].name))
+            .hint(format!("its motions end at {}", ends.join(", "))),
+    );
+}
+
+/// Two reaches of a hand exclude each other by an axis that cannot stand at two places.
+fn one_nest_at_a_time(reaches: &[DraftReach<'_>], report: &mut Report) {
+    for (nth, reach) in reaches.iter().enumerate() {
+        let differ =
+            |a: &DraftStand, b: &DraftStand| a.value.axis == b.value.axis && !same_place(a.value.at, b.value.at);
+        let excluded = |other: &DraftReach<'_>| {
+            reach.when.iter().flatten().any(|a| other.when.iter().flatten().any(|b| differ(a, b)))
+        };
+        let whole = |reach: &DraftReach<'_>| reach.when.iter().all(Option::is_some);
+        let mut earlier = reaches[..nth].iter().filter(|other| other.hand == reach.hand && reach.hand.is_some());
+        if let Some(other) = earlier.find(|other| whole(other) && whole(reach) && !excluded(other)) {
+            report.add(
+                Problem::error(reach.raw.at.clone(), "the hand would reach two nests at once")
+                    .also(&other.raw.at, "this one, too")
+                    .hint("let an axis stand elsewhere in the one than in the other"),
+            );
+        }
+    }
+}

@@ -1,0 +1,331 @@
+//! Parts: where each one is, and how mechanisms move them.
+//!
+//! A part lies at a position of a nest, or is in a hand, or both: a hand that holds it over an open clamp. Or it has fallen
+//! down. Nothing else can happen to it: whatever outputs do, no part is lost and none is made. What happens follows from
+//! where axes stand before and after a moment:
+//!
+//! ```text
+//!   a hand opens         what it held stays in the nest it reaches, if that is free; else it falls
+//!   a hand moves away    with what it holds; a closed clamp keeps its part
+//!   a hand comes         what it holds is in the nest as well, if that is free and open
+//!   a hand closes        it has what lies where it reaches; or nothing, and nobody is told
+//! ```
+//!
+//! At which position of a store a hand is, the outputs say that carry the number, at the moment its axes come to stand
+//! there. Parts are the truth about a cell, for whoever looks at the plant from outside; controllers see sensors.
+
+use std::collections::BTreeMap;
+
+use linewright_line::{Grip, Handling, HolderId, Sign, Stand, StationId, Tick};
+
+use crate::fault::Fault;
+
+/// So many mishaps are kept; later ones are only counted.
+const MISHAPS_MAX: usize = 10_000;
+
+/// A part, by the number that whoever put it in has given it.
+#[derive(Clone, Copy, Debug, PartialEq, Eq, PartialOrd, Ord, Hash)]
+pub struct PartNo(pub u64);
+
+/// A position in a nest.
+#[derive(Clone, Copy, Debug, PartialEq, Eq, PartialOrd, Ord, Hash)]
+pub struct Spot {
+    /// The nest.
+    pub nest: HolderId,
+    /// From 1.
+    pub position: u16,
+}
+
+/// Where a part is. Neither here nor there: it has fallen down.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
+pub struct Whereabouts {
+    /// The nest it lies in, or is held in.
+    pub spot: Option<Spot>,
+    /// The hand that has it.
+    pub hand: Option<HolderId>,
+}
+
+/// What should not have happened to a part.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub enum Mishap {
+    /// A hand has let go of it where nothing was to take it, or could not hold it.
+    Fell {
+        /// The part.
+        part: PartNo,
+        /// Out of which hand.
+        hand: HolderId,
+    },
+    /// A hand has left with it while a clamp held it, and has lost it to the clamp.
+    Torn {
+        /// The part.
+        part: PartNo,
+        /// The hand.
+        hand: HolderId,
+    },
+    /// It was brought to where it cannot be: a place that has another part, or a closed clamp.
+    Blocked {
+        /// The part.
+        part: PartNo,
+        /// By which hand.
+        hand: HolderId,
+        /// Where.
+        spot: Spot,
+    },
+}
+
+/// Why a part is not put there or taken away by hand.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub enum Refused {
+    /// There is no such position.
+    NoSuchSpot,
+    /// Another part is there.
+    Occupied,
+    /// The clamp is closed, or a hand has the part.
+    Held,
+    /// The part is in the plant already.
+    Known,
+    /// There is no such part.
+    Unknown,
+}
+
+/// What parts see of the mechanisms.
+pub(crate) trait Mechanisms {
+    /// Whether an axis stands there.
+    fn stands(&self, stand: &Stand) -> bool;
+    /// Whether what drives it there suffers this.
+    fn suffers(&self, stand: &Stand, fault: Fault) -> bool;
+    /// The outputs of a station.
+    fn outputs(&self, station: StationId) -> u128;
+}
+
+/// The parts of a plant.
+#[derive(Clone, Debug)]
+pub(crate) struct Parts {
+    handling: Handling,
+    parts: BTreeMap<PartNo, Whereabouts>,
+    /// By holder: whether it is closed.
+    closed: Vec<bool>,
+    /// By reach: the spot, while the axes stand so and the number is that of a position.
+    reached: Vec<Option<Spot>>,
+    /// By station: inputs that see something.
+    seen: Vec<u128>,
+    mishaps: Vec<(Tick, Mishap)>,
+    mishap_count: u64,
+}
+
+impl Parts {
+    /// None of them; with the mechanisms as they stand.
+    pub(crate) fn new(handling: &Handling, stations: usize, mechanisms: &impl Mechanisms) -> Self {
+        let mut parts = Parts {
+            closed: vec![false; handling.holders.len()],
+            reached: vec![None; handling.reaches.len()],
+            handling: handling.clone(),
+            parts: BTreeMap::new(),
+            seen: vec![0; stations],
+            mishaps: Vec::new(),
+            mishap_count: 0,
+        };
+        parts.settle(Tick::ZERO, mechanisms);
+        parts
+    }
+
+    pub(crate) fn all(&self) -> impl Iterator<Item = (PartNo, Whereabouts)> + '_ {
+        self.parts.iter().map(|(part, at)| (*part, *at))
+    }
+
+    pub(crate) fn at(&self, spot: Spot) -> Option<PartNo> {
+        self.all().find(|(_, at)| at.spot == Some(spot)).map(|(part, _)| part)
+    }
+
+    pub(crate) fn in_hand(&self, hand: HolderId) -> Option<PartNo> {
+        self.all().find(|(_, at)| at.hand == Some(hand)).map(|(part, _)| part)
+    }
+
+    pub(crate) fn mishaps(&self) -> (&[(Tick, Mishap)], u64) {
+        (&self.mishaps, self.mishap_count)
+    }
+
+    /// The inputs of a station that see something.
+    pub(crate) fn seen(&self, station: StationId) -> u128 {
+        self.seen.get(station.index()).copied().unwrap_or(0)
+    }
+
+    /// A person puts a part somewhere: a new one, or one that has fallen down.
+    pub(crate) fn put(&mut self, part: PartNo, spot: Spot, mechanisms: &impl Mechanisms) -> Result<(), Refused> {
+        let holders = self.handling.holders.get(spot.nest.index()).filter(|holder| !holder.is_hand());
+        if holders.is_none_or(|nest| !(1..=nest.places).contains(&spot.position)) {
+            return Err(Refused::NoSuchSpot);
+        }
+        if self.parts.get(&part).is_some_and(|at| *at != Whereabouts::default()) {
+            return Err(Refused::Known);
+        }
+        if self.at(spot).is_some() {
+            return Err(Refused::Occupied);
+        }
+        if self.closed[spot.nest.index()] {
+            return Err(Refused::Held);
+        }
+        self.parts.insert(part, Whereabouts { spot: Some(spot), hand: None });
+        self.look(mechanisms);
+        Ok(())
+    }
+
+    /// A person takes a part away, out of the plant.
+    pub(crate) fn take(&mut self, part: PartNo, mechanisms: &impl Mechanisms) -> Result<Whereabouts, Refused> {
+        let at = *self.parts.get(&part).ok_or(Refused::Unknown)?;
+        if at.hand.is_some() || at.spot.is_some_and(|spot| self.closed[spot.nest.index()]) {
+            return Err(Refused::Held);
+        }
+        self.parts.remove(&part);
+        self.look(mechanisms);
+        Ok(at)
+    }
+
+    /// Does what follows from how the mechanisms stand now.
+    pub(crate) fn settle(&mut self, now: Tick, mechanisms: &impl Mechanisms) {
+        let was = std::mem::take(&mut self.closed);
+        self.closed = self.handling.holders.iter().map(|holder| closed(holder.grip, mechanisms)).collect();
+        let hands: Vec<(HolderId, Stand)> = self.hands().collect();
+        for &(hand, _) in &hands {
+            if was[hand.index()] && !self.closed[hand.index()] {
+                self.open(now, hand);
+            }
+        }
+        self.move_hands(now, mechanisms);
+        for &(hand, stand) in &hands {
+            let closes = !was[hand.index()] && self.closed[hand.index()];
+            if closes && !mechanisms.suffers(&stand, Fault::Miss) {
+                self.grasp(hand);
+            }
+            if mechanisms.suffers(&stand, Fault::Drop) {
+                self.drop_from(now, hand);
+            }
+        }
+        self.look(mechanisms);
+    }
+
+    fn hands(&self) -> impl Iterator<Item = (HolderId, Stand)> + '_ {
+        self.handling.holders.iter().enumerate().filter_map(|(id, holder)| match holder.grip {
+            Grip::Hand(stand) => Some((HolderId::at(id), stand)),
+            Grip::Loose | Grip::Clamp(_) => None,
+        })
+    }
+
+    /// The spot that a hand can take from, and put down at.
+    fn reached_by(&self, hand: HolderId) -> Option<Spot> {
+        let of_hand = self.handling.reaches.iter().zip(&self.reached).filter(|(reach, _)| reach.hand == hand);
+        of_hand.filter_map(|(_, reached)| *reached).next()
+    }
+
+    /// A hand opens: the part stays where it is held by something else, or can lie.
+    fn open(&mut self, now: Tick, hand: HolderId) {
+        let Some(part) = self.in_hand(hand) else { return };
+        let free = |spot: &Spot| self.at(*spot).is_none() && !self.closed[spot.nest.index()];
+        let spot = self.parts[&part].spot.or_else(|| self.reached_by(hand).filter(free));
+        self.parts.insert(part, Whereabouts { spot, hand: None });
+        if spot.is_none() {
+            self.note(now, Mishap::Fell { part, hand });
+        }
+    }
+
+    /// Axes have left nests, or come to some.
+    fn move_hands(&mut self, now: Tick, mechanisms: &impl Mechanisms) {
+        let before: Vec<Option<Spot>> = self.hands().map(|(hand, _)| self.reached_by(hand)).collect();
+        for (reach, reached) in self.handling.reaches.iter().zip(&mut self.reached) {
+            let stands = reach.when.iter().all(|stand| mechanisms.stands(stand));
+            let (hand, nest) = (&self.handling.holders[reach.hand.index()], &self.handling.holders[reach.to.index()]);
+            // What was said on arrival counts until the axes leave.
+            *reached = reached.filter(|_| stands).or_else(|| {
+                let Grip::Hand(stand) = hand.grip else { return None };
+                let position = number(&reach.position, mechanisms.outputs(stand.station));
+                let is_one = stands && (1..=nest.places).contains(&position);
+                is_one.then_some(Spot { nest: reach.to, position })
+            });
+        }
+        let hands: Vec<HolderId> = self.hands().map(|(hand, _)| hand).collect();
+        for (hand, before) in hands.into_iter().zip(before) {
+            let after = self.reached_by(hand);
+            if before != after {
+                self.leave(now, hand);
+                self.come(now, hand, after);
+            }
+        }
+    }
+
+    fn leave(&mut self, now: Tick, hand: HolderId) {
+        let Some(part) = self.in_hand(hand) else { return };
+        let is_clamped = self.parts[&part].spot.is_some_and(|spot| self.closed[spot.nest.index()]);
+        let Some(at) = self.parts.get_mut(&part) else { return };
+        if is_clamped {
+            at.hand = None;
+            self.note(now, Mishap::Torn { part, hand });
+        } else {
+            at.spot = None;
+        }
+    }
+
+    fn come(&mut self, now: Tick, hand: HolderId, spot: Option<Spot>) {
+        let (Some(part), Some(spot)) = (self.in_hand(hand), spot) else { return };
+        if self.at(spot).is_some() || self.closed[spot.nest.index()] {
+            self.note(now, Mishap::Blocked { part, hand, spot });
+        } else if let Some(at) = self.parts.get_mut(&part) {
+            at.spot = Some(spot);
+        }
+    }
+
+    fn grasp(&mut self, hand: HolderId) {
+        let part = self.reached_by(hand).and_then(|spot| self.at(spot));
+        // What another hand has, this one cannot get.
+        if let Some(at) = part.and_then(|part| self.parts.get_mut(&part)).filter(|at| at.hand.is_none()) {
+            at.hand = Some(hand);
+        }
+    }
+
+    /// A hand that holds nothing fast: what is nowhere else falls.
+    fn drop_from(&mut self, now: Tick, hand: HolderId) {
+        let Some(part) = self.in_hand(hand).filter(|part| self.parts[part].spot.is_none()) else { return };
+        self.parts.insert(part, Whereabouts::default());
+        self.note(now, Mishap::Fell { part, hand });
+    }
+
+    /// What the sensors see.
+    fn look(&mut self, mechanisms: &impl Mechanisms) {
+        self.seen.fill(0);
+        for sensor in &self.handling.sensors {
+            let is_so = |sign: &Sign| match sign {
+                Sign::Stands(stand) => mechanisms.stands(stand),
+                Sign::Part(holder) => self
+                    .parts
+                    .values()
+                    .any(|at| at.hand == Some(*holder) || at.spot.is_some_and(|spot| spot.nest == *holder)),
+            };
+            if sensor.when.iter().all(is_so) {
+                self.seen[sensor.station.index()] |= sensor.input.bit();
+            }
+        }
+    }
+
+    fn note(&mut self, now: Tick, mishap: Mishap) {
+        self.mishap_count += 1;
+        if self.mishaps.len() < MISHAPS_MAX {
+            self.mishaps.push((now, mishap));
+        }
+    }
+}
+
+fn closed(grip: Grip, mechanisms: &impl Mechanisms) -> bool {
+    match grip {
+        Grip::Loose => false,
+        Grip::Clamp(stand) | Grip::Hand(stand) => mechanisms.stands(&stand),
+    }
+}
+
+/// The number that outputs carry; 1 where there are none.
+fn number(bits: &[linewright_line::OutputId], image: u128) -> u16 {
+    if bits.is_empty() {
+        return 1;
+    }
+    let on = bits.iter().enumerate().filter(|(_, bit)| image & bit.bit() != 0);
+    let number = on.fold(0u64, |number, (nth, _)| number | 1 << nth);
+    u16::try_from(number).unwrap_or(0)
+}

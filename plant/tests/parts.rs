@@ -1,0 +1,308 @@
+//! Parts: a hand-written script picks and places; whatever outputs do, no part is lost and none is made.
+
+use linewright_line::{HolderId, Line, OutputId, Owner, StationId, Tick, parse};
+use linewright_plant::{Fault, Mishap, PartNo, Plant, PlantOptions, Refused, Spot, Whereabouts};
+use proptest::prelude::*;
+
+const TEXT: &str = include_str!("../../model/line/tests/descriptions/on_order.toml");
+const M1: StationId = StationId(0);
+const ROBOT: StationId = StationId(1);
+const PART: PartNo = PartNo(101);
+
+/// The machine and the robot, by the names of their signals. Each motion takes a second.
+struct Shop {
+    line: Line,
+    plant: Plant,
+    now: Tick,
+}
+
+impl Shop {
+    fn new() -> Self {
+        let line = parse("on_order.toml", TEXT).unwrap_or_else(|problems| panic!("{problems:#}")).line;
+        Shop { plant: Plant::new(&line, PlantOptions::default()), line, now: Tick::ZERO }
+    }
+
+    fn holder(&self, name: &str) -> HolderId {
+        self.line.handling.holder_named(name).unwrap_or_else(|| panic!("no {name}"))
+    }
+
+    fn slot(&self, position: u16) -> Spot {
+        Spot { nest: self.holder("ST"), position }
+    }
+
+    fn clamp(&self) -> Spot {
+        Spot { nest: self.holder("m1.clamp"), position: 1 }
+    }
+
+    fn output(&self, station: StationId, name: &str) -> OutputId {
+        let names = &self.line.station(station).outputs;
+        OutputId::at(names.iter().position(|output| output == name).unwrap_or_else(|| panic!("no {name}")))
+    }
+
+    /// These outputs are on, and no others, for so many milliseconds.
+    fn drive(&mut self, station: StationId, names: &[&str], millis: u64) {
+        let image = names.iter().fold(0, |image, name| image | self.output(station, name).bit());
+        self.plant.set_outputs(self.now, Owner::Station(station), image);
+        self.now = self.now + std::time::Duration::from_millis(millis);
+        self.plant.advance(self.now);
+    }
+
+    fn robot(&mut self, names: &[&str]) {
+        self.drive(ROBOT, names, 1000);
+    }
+
+    /// The whole way from home: a part of slot 3 into the hand, over the open clamp.
+    fn pick(&mut self) {
+        self.robot(&["Y_50", "slot_1", "slot_2"]);
+        self.robot(&["Y_grip", "slot_1", "slot_2"]);
+    }
+
+    fn sees(&self, station: StationId, input: &str) -> bool {
+        let names = &self.line.station(station).inputs;
+        let bit = names.iter().position(|name| name == input).unwrap_or_else(|| panic!("no {input}"));
+        self.plant.inputs(Owner::Station(station)) >> bit & 1 == 1
+    }
+
+    fn put(&mut self, part: PartNo, spot: Spot) {
+        assert_eq!(self.plant.put(self.now, part, spot), Ok(()));
+    }
+
+    fn of(&self, part: PartNo) -> (Option<Spot>, Option<HolderId>) {
+        let (_, at) = self.plant.parts().find(|(no, _)| *no == part).expect("no part is lost");
+        (at.spot, at.hand)
+    }
+
+    fn mishaps(&self) -> Vec<Mishap> {
+        self.plant.mishaps().0.iter().map(|(_, mishap)| *mishap).collect()
+    }
+}
+
+#[test]
+fn a_robot_picks_a_part_from_a_slot_and_places_it_in_a_clamp() {
+    let mut shop = Shop::new();
+    let (slot, clamp, hand) = (shop.slot(3), shop.clamp(), shop.holder("robot.hand"));
+    shop.put(PART, slot);
+    shop.pick();
+    assert_eq!(shop.of(PART), (Some(slot), Some(hand)), "closed around it, and still over its slot");
+    shop.robot(&["Y_100"]);
+    assert_eq!(shop.of(PART), (Some(clamp), Some(hand)), "located in the clamp (seed 001, L214-222)");
+    assert!(shop.sees(M1, "part_present") && !shop.sees(ROBOT, "m1_closed"));
+    shop.drive(M1, &["Y_close"], 1000);
+    assert!(shop.sees(ROBOT, "m1_closed"), "the one station's sensor sees the other's axis");
+    shop.robot(&["Y_open"]);
+    shop.robot(&["Y_0"]);
+    assert_eq!((shop.of(PART), shop.plant.part_in(hand)), ((Some(clamp), None), None));
+    assert_eq!((shop.plant.part_at(slot), shop.plant.part_at(clamp)), (None, Some(PART)));
+
+    // And back, into another slot.
+    shop.robot(&["Y_100"]);
+    shop.robot(&["Y_grip"]);
+    shop.drive(M1, &["Y_open"], 1000);
+    shop.robot(&["Y_50", "slot_4"]);
+    assert!(!shop.sees(M1, "part_present"));
+    shop.robot(&["Y_open", "slot_4"]);
+    shop.robot(&["Y_0"]);
+    assert_eq!(shop.of(PART), (Some(shop.slot(4)), None));
+    assert_eq!(shop.mishaps(), []);
+}
+
+#[test]
+fn a_hand_that_misses_arrives_with_nothing_and_no_switch_says_so() {
+    let mut shop = Shop::new();
+    let slot = shop.slot(3);
+    shop.put(PART, slot);
+    let grip = shop.output(ROBOT, "Y_grip");
+    shop.plant.inject_output(shop.now, Owner::Station(ROBOT), grip, Some(Fault::Miss));
+    shop.pick();
+    assert!(shop.sees(ROBOT, "G_1"), "it has closed");
+    shop.robot(&["Y_100"]);
+    assert_eq!(shop.of(PART), (Some(slot), None), "seed 001, L224: the grasp fails, the approach is made with no part");
+    assert!(!shop.sees(M1, "part_present"));
+    shop.plant.inject_output(shop.now, Owner::Station(ROBOT), grip, None);
+    shop.robot(&["Y_open"]);
+    shop.pick();
+    assert_eq!(shop.of(PART).1, Some(shop.holder("robot.hand")), "the next time it takes it");
+}
+
+#[test]
+fn a_hand_that_holds_nothing_fast_drops_what_it_carries() {
+    for early in [true, false] {
+        let mut shop = Shop::new();
+        let hand = shop.holder("robot.hand");
+        let slot = shop.slot(3);
+        shop.put(PART, slot);
+        let grip = shop.output(ROBOT, "Y_grip");
+        let owner = Owner::Station(ROBOT);
+        if early {
+            shop.plant.inject_output(shop.now, owner, grip, Some(Fault::Drop));
+        }
+        shop.pick();
+        assert_eq!(shop.of(PART), (Some(slot), Some(hand)), "it lies in its slot: nothing to fall");
+        shop.drive(ROBOT, &["Y_100"], 500);
+        if !early {
+            assert_eq!(shop.of(PART), (None, Some(hand)));
+            shop.plant.inject_output(shop.now, owner, grip, Some(Fault::Drop));
+        }
+        assert_eq!((shop.of(PART), shop.mishaps()), ((None, None), vec![Mishap::Fell { part: PART, hand }]), "{early}");
+        shop.drive(ROBOT, &["Y_100"], 500);
+        assert!(!shop.sees(M1, "part_present"));
+        // Somebody picks it up and puts it where it was.
+        shop.put(PART, slot);
+        assert_eq!(shop.of(PART), (Some(slot), None));
+    }
+}
+
+#[test]
+fn what_a_hand_lets_go_of_on_the_way_falls() {
+    let mut shop = Shop::new();
+    let (slot, hand) = (shop.slot(3), shop.holder("robot.hand"));
+    shop.put(PART, slot);
+    shop.pick();
+    shop.drive(ROBOT, &["Y_100"], 500);
+    shop.drive(ROBOT, &["Y_open"], 1);
+    assert_eq!((shop.of(PART), shop.mishaps()), ((None, None), vec![Mishap::Fell { part: PART, hand }]));
+}
+
+#[test]
+fn a_closed_clamp_keeps_its_part_and_lets_no_other_in() {
+    let mut shop = Shop::new();
+    let (hand, clamp) = (shop.holder("robot.hand"), shop.clamp());
+    let slot = shop.slot(3);
+    shop.put(PART, slot);
+    shop.pick();
+    shop.robot(&["Y_100"]);
+    shop.drive(M1, &["Y_close"], 1000);
+    shop.drive(ROBOT, &["Y_0"], 10);
+    assert_eq!(shop.of(PART), (Some(clamp), None));
+    assert_eq!(shop.mishaps(), [Mishap::Torn { part: PART, hand }]);
+    shop.robot(&["Y_0", "Y_open"]);
+    let other = PartNo(102);
+    shop.put(other, slot);
+    shop.pick();
+    shop.robot(&["Y_100"]);
+    assert_eq!(shop.of(other), (None, Some(hand)));
+    assert_eq!(shop.mishaps()[1..], [Mishap::Blocked { part: other, hand, spot: clamp }]);
+}
+
+#[test]
+fn the_position_that_was_said_on_arrival_counts_until_the_hand_leaves() {
+    let mut shop = Shop::new();
+    let hand = shop.holder("robot.hand");
+    let (third, fourth) = (shop.slot(3), shop.slot(4));
+    shop.put(PART, third);
+    shop.put(PartNo(102), fourth);
+    shop.robot(&["Y_50", "slot_1", "slot_2"]);
+    shop.robot(&["slot_4"]);
+    shop.robot(&["Y_grip"]);
+    assert_eq!(shop.plant.part_in(hand), Some(PART), "the arm stands where it was sent to");
+    shop.robot(&["Y_100"]);
+    shop.robot(&["Y_50", "slot_1", "slot_2", "slot_4"]);
+    assert_eq!(shop.of(PART), (None, Some(hand)), "there is no position 7");
+}
+
+#[test]
+fn a_hand_that_only_passes_takes_nothing_along() {
+    let mut shop = Shop::new();
+    let slot = shop.slot(3);
+    shop.put(PART, slot);
+    // Closing on the way: at 50 the gripper is just closed.
+    shop.drive(ROBOT, &["Y_100", "slot_1", "slot_2"], 500);
+    shop.drive(ROBOT, &["Y_100", "Y_grip", "slot_1", "slot_2"], 1000);
+    assert_eq!(shop.of(PART), (Some(slot), None));
+}
+
+#[test]
+fn people_put_parts_where_there_is_room_and_take_those_that_nothing_holds() {
+    let mut shop = Shop::new();
+    let (slot, clamp, hand) = (shop.slot(3), shop.clamp(), shop.holder("robot.hand"));
+    let now = shop.now;
+    shop.put(PART, slot);
+    assert_eq!(shop.plant.put(now, PART, clamp), Err(Refused::Known));
+    assert_eq!(shop.plant.put(now, PartNo(102), slot), Err(Refused::Occupied));
+    for nowhere in [Spot { position: 0, ..slot }, Spot { position: 7, ..slot }, Spot { nest: hand, position: 1 }] {
+        assert_eq!(shop.plant.put(now, PartNo(102), nowhere), Err(Refused::NoSuchSpot));
+    }
+    assert_eq!(shop.plant.take(now, PartNo(102)), Err(Refused::Unknown));
+    shop.drive(M1, &["Y_close"], 1000);
+    assert_eq!(shop.plant.put(shop.now, PartNo(102), clamp), Err(Refused::Held));
+    shop.pick();
+    assert_eq!(shop.plant.take(shop.now, PART), Err(Refused::Held));
+    shop.robot(&["Y_open"]);
+    assert_eq!(shop.plant.take(shop.now, PART), Ok(Whereabouts { spot: Some(slot), hand: None }));
+    assert_eq!(shop.plant.parts().count(), 0);
+}
+
+/// What somebody does to the outputs, and how long after.
+fn deeds() -> impl Strategy<Value = Vec<(bool, u8, u64)>> {
+    proptest::collection::vec((any::<bool>(), any::<u8>(), 0u64..1500), 1..60)
+}
+
+/// Plays deeds; `looks` are extra moments at which somebody looks.
+fn play(deeds: &[(bool, u8, u64)], looks: u64) -> Shop {
+    let mut shop = Shop::new();
+    for position in [1, 3, 6] {
+        let slot = shop.slot(position);
+        shop.put(PartNo(position.into()), slot);
+    }
+    let clamp = shop.clamp();
+    shop.put(PartNo(9), clamp);
+    for &(robot, image, millis) in deeds {
+        let station = if robot { ROBOT } else { M1 };
+        let fault = [None, Some(Fault::Miss), Some(Fault::Drop)][usize::from(image) % 3];
+        let grip = shop.output(ROBOT, "Y_grip");
+        shop.plant.inject_output(shop.now, Owner::Station(ROBOT), grip, fault.filter(|_| millis % 4 == 0));
+        shop.plant.set_outputs(shop.now, Owner::Station(station), image.into());
+        for look in 1..=looks {
+            shop.plant.advance(shop.now + std::time::Duration::from_micros(millis * 1000 * look / (looks + 1)));
+        }
+        shop.now = shop.now + std::time::Duration::from_millis(millis);
+        shop.plant.advance(shop.now);
+        is_sound(&shop);
+    }
+    shop
+}
+
+/// Every part is there, and in one place; no place has two.
+fn is_sound(shop: &Shop) {
+    let numbers: Vec<u64> = shop.plant.parts().map(|(part, _)| part.0).collect();
+    assert_eq!(numbers, [1, 3, 6, 9], "none lost, none made");
+    let all: Vec<_> = shop.plant.parts().map(|(_, at)| at).collect();
+    for (nth, at) in all.iter().enumerate() {
+        let taken = |other: &Whereabouts| {
+            (at.spot.is_some() && at.spot == other.spot) || (at.hand.is_some() && at.hand == other.hand)
+        };
+        assert!(!all[nth + 1..].iter().any(taken), "{all:?}");
+        assert!(at.hand.is_none_or(|hand| hand == shop.holder("robot.hand")));
+    }
+    // A hand has a part only while its switch says that it is closed.
+    assert!(shop.plant.part_in(shop.holder("robot.hand")).is_none() || shop.sees(ROBOT, "G_1"));
+    assert_eq!(shop.sees(M1, "part_present"), shop.plant.part_at(shop.clamp()).is_some());
+    assert!(!shop.sees(ROBOT, "m1_closed") || shop.sees(M1, "C_60"));
+}
+
+proptest! {
+    #[test]
+    fn whatever_outputs_do_no_part_is_lost_and_none_is_made(deeds in deeds()) {
+        play(&deeds, 0);
+    }
+
+    #[test]
+    fn it_does_not_matter_how_often_somebody_looks(deeds in deeds(), looks in 1u64..5) {
+        let (once, often) = (play(&deeds, 0), play(&deeds, looks));
+        prop_assert!(once.plant.parts().eq(often.plant.parts()));
+        prop_assert_eq!(once.plant.mishaps(), often.plant.mishaps());
+    }
+}
+
+#[test]
+fn random_outputs_do_move_parts() {
+    let mut moved = 0;
+    for seed in 0..200u64 {
+        let mix = |n: u64| (seed * 7919 + n * 104_729).wrapping_mul(0x9E37_79B9_7F4A_7C15) >> 32;
+        let deeds: Vec<_> =
+            (0..60).map(|n| (mix(n) % 4 != 0, (mix(n + 1000) >> 3) as u8, 900 + mix(n) % 600)).collect();
+        let shop = play(&deeds, 0);
+        moved += u32::from(shop.mishaps().iter().any(|mishap| matches!(mishap, Mishap::Fell { .. })));
+    }
+    assert!(moved > 0, "the property would hold for a plant in which nothing happens");
+}
