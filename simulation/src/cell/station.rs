@@ -89,7 +89,7 @@ impl Station {
             Refusal::OtherMemory
         } else if key.epoch < self.heard.epoch {
             Refusal::OldEpoch
-        } else if key.id <= self.last {
+        } else if key.epoch == self.heard.epoch && key.id <= self.last {
             Refusal::Old
         } else if self.doing.is_some() {
             Refusal::Busy

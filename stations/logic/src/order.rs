@@ -18,7 +18,7 @@ pub const RESULTS_MAX: usize = 16;
 pub struct OrderKey {
     /// The coordinator's life, from 1.
     pub epoch: u64,
-    /// The order, from 1, rising over all epochs.
+    /// The order, from 1, rising within an epoch at least.
     pub id: u64,
 }
 
@@ -145,7 +145,7 @@ pub struct OrderMemory {
     pub memory: u64,
     /// The newest epoch it was told anything in.
     pub epoch: u64,
-    /// The newest order it has taken on or refused for good; 0 for none.
+    /// The newest order of that epoch that it has taken on or refused for good; 0 for none.
     pub last: u64,
     /// The order it is doing, unless it is known how it has ended.
     pub slot: Option<OrderKey>,

@@ -15,6 +15,8 @@
 //! driven or told. A station that comes up has ended whatever it was doing: its outputs went off, and a person should look.
 //! One that comes up without its memory draws a new number for it, and orders say which memory they are meant for.
 
+use std::cmp::Ordering;
+
 use linewright_line::net::{ControlMode, Kind, Place};
 use linewright_line::{OpId, RestId, TaskId, Tick};
 
@@ -80,7 +82,11 @@ impl Orders {
 
     /// The station has nothing to do with a key that is not newer than this.
     fn too_old(&self, key: OrderKey) -> Option<Refusal> {
-        if key.epoch < self.epoch { Some(Refusal::OldEpoch) } else { (key.id <= self.last).then_some(Refusal::Old) }
+        match key.epoch.cmp(&self.epoch) {
+            Ordering::Less => Some(Refusal::OldEpoch),
+            Ordering::Equal => (key.id <= self.last).then_some(Refusal::Old),
+            Ordering::Greater => None,
+        }
     }
 
     /// The last order has failed: the station may be told to go back from it.
@@ -168,8 +174,11 @@ impl Controller {
         if let Some(refusal) = orders.too_old(order.key) {
             return Reply::Refused(refusal);
         }
-        self.changed |= orders.epoch != order.key.epoch;
-        orders.epoch = order.key.epoch;
+        if orders.epoch != order.key.epoch {
+            // Numbers rise within a life; a coordinator that has lost its records begins anew with both.
+            (orders.epoch, orders.last) = (order.key.epoch, 0);
+            self.changed = true;
+        }
         if orders.slot.is_some() {
             return Reply::Refused(Refusal::Busy);
         }

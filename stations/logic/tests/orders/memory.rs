@@ -85,3 +85,21 @@ fn a_snapshot_of_any_length_is_taken_and_no_longer_than_it_may_be_afterwards() {
     assert_eq!((kept.results.len(), kept.slot), (16, None));
     assert_eq!(kept.results.last(), Some(&(key(1, 100), Reply::Ended(Outcome::Failed(Failure::Restarted)))));
 }
+
+/// A coordinator that has lost its records begins a later life, and counts from 1.
+#[test]
+fn numbers_begin_anew_with_a_later_epoch() {
+    let of = |epoch, id, task| linewright_station_logic::TaskOrder { key: key(epoch, id), ..order(id, task) };
+    let mut m1 = Bench::new();
+    m1.mode(ControlMode::Auto);
+    m1.set("part_present", true);
+    m1.done(&of(1, 40, "clamp"));
+    m1.done(&of(2, 1, "release"));
+    assert_eq!(m1.run(&of(1, 41, "clamp")), Reply::Refused(Refusal::OldEpoch));
+    assert_eq!(m1.run(&of(2, 1, "release")), Reply::Ended(Outcome::Done));
+    m1.mode(ControlMode::StandBy);
+    // Heard and not taken on: the life is known, and none of its orders is.
+    assert_eq!(m1.run(&of(3, 1, "clamp")), Reply::Refused(Refusal::Mode));
+    m1.mode(ControlMode::Auto);
+    assert_eq!(m1.run(&of(3, 1, "clamp")), Reply::Running);
+}
