@@ -50,6 +50,12 @@ pub fn cell(file: &Path, line: Option<&Line>) -> miette::Result<linewright_cell:
     linewright_cell::parse(&file.display().to_string(), &text, line).map_err(miette::Report::new)
 }
 
+/// The cell beside a line, if there is one.
+pub fn cell_of(path: &Path, line: &Line) -> miette::Result<Option<linewright_cell::Cell>> {
+    let file = files_of(path).cell;
+    file.map(|file| cell(&file, Some(line)).map(|parsed| parsed.cell)).transpose()
+}
+
 /// Reads and checks a description; warnings go to standard error unless `quiet`.
 pub fn line(path: &Path, quiet: bool) -> miette::Result<Line> {
     let parsed = parsed(path)?;

@@ -135,6 +135,7 @@ pub fn station(args: StationArgs, ros: &RosArgs) -> miette::Result<ExitCode> {
 /// `linewright coordinator`
 pub fn coordinator(args: CoordinatorArgs, ros: &RosArgs) -> miette::Result<ExitCode> {
     let line = load::line(&args.common.line, true)?;
+    let cell = load::cell_of(&args.common.line, &line)?;
     let parameter = match ros.param("coordinator", "can_interface_name") {
         Some(linewright_node_shell::ParamValue::Text(name)) => Some(name.clone()),
         Some(other) => return Err(miette!("parameter can_interface_name is {other:?}; expected an interface's name")),
@@ -146,6 +147,7 @@ pub fn coordinator(args: CoordinatorArgs, ros: &RosArgs) -> miette::Result<ExitC
         let participant = Participant::open(ros).map_err(|error| miette!("{error}"))?;
         let options = linewright_coordinator_node::Options {
             line,
+            cell,
             interface,
             state_dir: args.common.state_dir.clone(),
             bus: BusOptions::default(),

@@ -85,6 +85,7 @@ fn the_described_cell_decides_its_conflict_by_its_own_rules() {
     by_rules.fairness = Fairness::OFF;
     let mut out = Outbox::default();
     let now = world.now;
+    world.coordination.reconsider();
     world.coordination.step(now, &[], &mut by_rules, &mut out);
     let Fact::Decided { started, held, .. } = &out.records[0].fact else { panic!("{:?}", out.records) };
     let said = words::decision(&world.it.table, started, held);

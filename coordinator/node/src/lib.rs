@@ -8,6 +8,7 @@
 
 pub mod cell;
 mod node;
+mod remembered;
 mod topics;
 
 pub use node::{NodeError, Options, run};

@@ -3,6 +3,7 @@
 use std::path::PathBuf;
 use std::time::Duration;
 
+use linewright_cell::Cell;
 use linewright_coordinator_logic::{Command, Coordinator, Gateway, Heard, InForce, Input, Outbox, OutputImage};
 use linewright_fieldbus::{Bus as CanBus, BusError, Clock, Driver, Event as BusEvent, Manager, ManagerError};
 use linewright_line::net::ControlMode;
@@ -16,6 +17,8 @@ use linewright_station_node::{mode_to_code, quoted, report_from_message};
 use thiserror::Error;
 use tokio::sync::{mpsc, watch};
 
+use crate::cell::{CellError, CellOptions, Playing};
+use crate::remembered::{Remembered, remembered};
 use crate::topics::{Arrived, Says, open};
 
 /// Why the coordinator's node cannot run, or had to end.
@@ -42,6 +45,9 @@ pub enum NodeError {
         /// The journal.
         path: PathBuf,
     },
+    /// The cell is not played any more.
+    #[error(transparent)]
+    Cell(#[from] CellError),
     /// A subscription has ended; the middleware has failed.
     #[error("the middleware has failed; see the log")]
     Middleware,
@@ -51,6 +57,8 @@ pub enum NodeError {
 pub struct Options {
     /// The checked description.
     pub line: Line,
+    /// Its cell, if its stations work on order.
+    pub cell: Option<Cell>,
     /// The line's bus, by the CAN interface's name.
     pub interface: String,
     /// Where the journal is kept; `None`: nothing is remembered.
@@ -88,19 +96,28 @@ pub async fn run(
                 Some(arrived) => node.arrived(arrived),
                 None => return Err(NodeError::Middleware),
             },
+            failed = next_failure(&mut node.cell) => return Err(failed.into()),
             () = node.clock.sleep_until(Some(deadline)) => {}
         }
         node.act();
         if let Some(error) = node.failed.take() {
             return Err(error);
         }
-        if node.tasks.iter().any(Forward::is_finished) || node.devices.is_failed() {
+        let cut_off = node.cell.as_ref().is_some_and(Playing::is_cut_off);
+        if node.tasks.iter().any(Forward::is_finished) || node.devices.is_failed() || cut_off {
             return Err(NodeError::Middleware);
         }
     }
     node.driver.release_outputs();
     tracing::info!("coordinator ends");
     Ok(())
+}
+
+async fn next_failure(cell: &mut Option<Playing>) -> CellError {
+    match cell {
+        Some(cell) => cell.failed().await,
+        None => std::future::pending().await,
+    }
 }
 
 /// What an input message says, for telling whether it would say anything new.
@@ -135,6 +152,7 @@ struct Shell {
     clock: Clock,
     coordinator: Coordinator,
     gateway: Gateway,
+    cell: Option<Playing>,
     outbox: Outbox,
     driver: Driver,
     devices: Devices,
@@ -167,8 +185,8 @@ struct Shell {
 
 impl Shell {
     fn start(options: Options, participant: &Participant) -> Result<Self, NodeError> {
-        let Options { line, interface, state_dir, bus, clock } = options;
-        let (journal, record) = match state_dir {
+        let Options { line, cell, interface, state_dir, bus, clock } = options;
+        let (journal, record) = match &state_dir {
             Some(dir) => {
                 let path = dir.join("coordinator.journal");
                 let (journal, record) = Journal::open(&path)?;
@@ -192,7 +210,11 @@ impl Shell {
             let trouble = Trouble::open(&mut node, &topic, Owner::Station(station))?;
             behind.push(Behind { station, newest: NewestBySequence::new(), put: None, told: None, trouble });
         }
+        let boot_id = fresh_boot_id();
+        let cell = cell.map(|cell| CellOptions { cell, line: line.clone(), state_dir, boot_id });
+        let cell = cell.map(|options| Playing::open(options, &mut node)).transpose()?;
         Ok(Shell {
+            cell,
             coordinator: if remembered.estop { coordinator.with_estop() } else { coordinator },
             gateway: Gateway::new(line.stations.len(), line.timing.stale),
             outbox: Outbox::default(),
@@ -206,7 +228,7 @@ impl Shell {
             behind,
             troubles: vec![String::new(); line.stations.len()],
             states: line.stations.iter().map(|_| NewestBySequence::new()).collect(),
-            boot_id: fresh_boot_id(),
+            boot_id,
             order_sequence: 0,
             state_sequence: 0,
             image_sequence: 0,
@@ -355,6 +377,10 @@ impl Shell {
             });
             self.refuse(text);
         }
+        if let Some(cell) = &self.cell {
+            let order = self.coordinator.order();
+            cell.starts(order.mode == ControlMode::Auto && order.enabled && order.master_stop.is_none());
+        }
         if changed || due {
             self.tell(now);
         }
@@ -458,25 +484,5 @@ impl Shell {
                 .collect(),
             waiting_for: names(self.coordinator.waiting_for()),
         });
-    }
-}
-
-/// What the coordinator's journal holds.
-#[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
-struct Remembered {
-    /// The highest epoch used.
-    epoch: u64,
-    /// The emergency stop was on.
-    estop: bool,
-}
-
-fn remembered(record: &[u8], path: PathBuf) -> Result<Remembered, NodeError> {
-    let words: Option<Vec<&str>> = std::str::from_utf8(record).ok().map(|text| text.split(' ').collect());
-    match words.as_deref() {
-        Some(["epoch", number, latch @ ("estop" | "-")]) => {
-            let epoch = number.parse().map_err(|_| NodeError::Record { path })?;
-            Ok(Remembered { epoch, estop: *latch == "estop" })
-        }
-        _ => Err(NodeError::Record { path }),
     }
 }

@@ -156,6 +156,7 @@ impl CellSim {
     /// whose others are over, has come to its end. The dispatcher outlives the coordinator, so it should know nothing that
     /// the state does not say.
     pub fn run(&mut self, dispatcher: &mut dyn Dispatcher, until: Tick) {
+        self.coordination.reconsider();
         while self.goes_on(dispatcher, until) {}
     }
 

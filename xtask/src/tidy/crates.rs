@@ -88,6 +88,7 @@ const MAY_USE: [(&str, &[&str]); 21] = [
         "linewright-coordinator-node",
         &[
             "linewright-line",
+            "linewright-cell",
             "linewright-coordinator-logic",
             // How a station's report looks as a message is written once, there.
             "linewright-station-node",

@@ -68,6 +68,8 @@ pub struct Coordination {
     superseded: bool,
     /// When the dispatcher wants to be asked again.
     ask_again: Option<Tick>,
+    /// How many records there were when he had answered, and how many stations had been heard.
+    answered: Option<(u64, usize)>,
     /// The last step was cut short.
     cut_short: bool,
 }
@@ -92,6 +94,7 @@ impl Coordination {
             sent: BTreeMap::new(),
             superseded: false,
             ask_again: None,
+            answered: None,
             cut_short: false,
         };
         let now = now.max(new.state.now());
@@ -131,7 +134,6 @@ impl Coordination {
             }
         }
         let (mut room, mut starts) = (FIRINGS_MAX, FIRINGS_MAX);
-        self.ask_again = None;
         loop {
             self.run_out(now, out);
             self.settle(now, out);
@@ -145,6 +147,11 @@ impl Coordination {
         tell(dispatcher, out, &mut told);
         self.cut_short = room == 0 || starts == 0;
         self.send(now, out);
+    }
+
+    /// Something has changed that no record says: another dispatcher, other rules. He is asked in the next step.
+    pub fn reconsider(&mut self) {
+        self.answered = None;
     }
 
     /// When to call again if nothing arrives before.
@@ -310,6 +317,12 @@ impl Coordination {
         if !self.starts || self.superseded {
             return false;
         }
+        // What stations say again and again is nothing new to think about.
+        let is_due = self.ask_again.is_some_and(|at| at <= now);
+        if !is_due && self.answered == Some((self.state.sequence(), self.heard.len())) {
+            return false;
+        }
+        self.ask_again = None;
         let modes = self.state.enabling().decided().iter().copied();
         let (candidates, groups) = pose(&self.state, modes.filter(|&mode| self.is_heard(mode)));
         if candidates.is_empty() {
@@ -325,8 +338,10 @@ impl Coordination {
         answer.start.truncate(*room);
         *room -= answer.start.len();
         let wakes = answer.held.iter().filter_map(|held| held.until).filter(|&until| until > now);
-        self.ask_again = wakes.chain(self.ask_again).min();
+        self.ask_again = wakes.min();
         self.start(now, number, &candidates, &answer, out);
+        // What has started makes it another question.
+        self.answered = answer.start.is_empty().then(|| (self.state.sequence(), self.heard.len()));
         !answer.start.is_empty()
     }
 

@@ -164,6 +164,7 @@ fn an_answer_that_starts_two_of_them_is_not_followed() {
     let (mut world, _) = conflict_state();
     let mut out = Outbox::default();
     let now = world.now;
+    world.coordination.reconsider();
     world.coordination.step(now, &[], &mut Greedy, &mut out);
     assert!(matches!(out.events[..], [linewright_coordinator_logic::cell::Event::BadAnswer { .. }]));
     let started = out.records.iter().filter_map(|record| match record.fact {
@@ -185,6 +186,7 @@ fn loading_and_working_are_in_progress_together() {
     assert_eq!(script.asked, ["t2<m2,r1,p2>", "t4<m1,p1>"]);
     assert_eq!(script.groups, [vec![0], vec![1]], "they do not compete");
     let (now, mut out) = (world.now, Outbox::default());
+    world.coordination.reconsider();
     world.coordination.step(now, &[], &mut Fifo, &mut out);
     let state = world.state();
     assert_eq!(world.it.names(state.firings().map(|firing| firing.mode)), ["t4<m1,p1>", "t2<m2,r1,p2>"]);

@@ -5,9 +5,11 @@ use std::time::Duration;
 
 use linewright_coordinator_logic::cell::production::Request;
 use linewright_coordinator_logic::cell::schedule::{Deviation, Foreman};
-use linewright_coordinator_logic::cell::{Fact, PartId, Phase, ProductionCommand};
+use linewright_coordinator_logic::cell::{
+    Answer, Dispatcher, Fact, Heard, Input, Outbox, PartId, Phase, ProductionCommand, Question, Record,
+};
 use linewright_coordinator_logic::described::foreman;
-use linewright_line::Tick;
+use linewright_line::{StationId, Tick};
 
 use crate::shop::{C1, Made, Shop, request};
 
@@ -139,4 +141,36 @@ fn plan_and_actual_are_compared() {
     assert!(bars.iter().all(|bar| bar.promised.is_some() && bar.actual.unwrap().1.is_some() && !bar.failed));
     let late = bars.iter().filter(|bar| bar.actual.unwrap().0 > bar.promised.unwrap().0).count();
     assert!(late > 0, "something was later than promised");
+}
+
+/// A dispatcher may think for long, so it is asked when something is new, and when it wants to be; not each time that a
+/// station says once more what it has said.
+#[test]
+fn nobody_is_asked_twice_about_the_same() {
+    struct Counting(Foreman, usize);
+    impl Dispatcher for Counting {
+        fn decide(&mut self, question: &Question<'_>) -> Answer {
+            self.1 += 1;
+            self.0.decide(question)
+        }
+
+        fn note(&mut self, record: &Record) {
+            self.0.note(record);
+        }
+    }
+    let made = Made::new(C1);
+    let orders = [("A", 2, None), ("B", 2, None)];
+    let mut counting = Counting(follower(&made, &orders), 0);
+    let mut shop = Shop::begin(made.with(&orders));
+    shop.run(&mut counting, Tick::from_millis(5_000));
+    let (asked, sequence) = (counting.1, shop.state().sequence());
+    let heard = Heard { memory: 1, epoch: 1, ..Heard::default() };
+    for milli in 5_001..5_200 {
+        let mut out = Outbox::default();
+        let says = [Input::Starts(true), Input::Station(StationId(0), &heard)];
+        shop.player.step(Tick::from_millis(milli), &says, &mut counting, &mut out);
+    }
+    assert_eq!((counting.1, shop.state().sequence()), (asked, sequence));
+    shop.run(&mut counting, LONG);
+    assert_eq!(shop.state().left(), 4);
 }

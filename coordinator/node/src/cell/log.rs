@@ -7,7 +7,7 @@
 //!
 //! # When it is on the disk
 //! [`CellLog::write`] takes what a step of the player left. Records are written at once, which a killed process survives;
-//! if the step sends anything, they and all before them are on the disk before that returns, which a power cut survives.
+//! if the step sends or replies anything, they and all before them are on the disk before that returns, which a power cut survives.
 //! What nobody was sent anything about may be lost by one: it is then heard, or decided, again.
 
 use std::path::{Path, PathBuf};
@@ -127,7 +127,7 @@ impl CellLog {
     /// When it cannot be written. Nothing of it may then be sent.
     pub fn write(&mut self, out: &Outbox) -> Result<(), CellLogError> {
         self.append(&out.records)?;
-        if !out.sends.is_empty() {
+        if !out.sends.is_empty() || !out.replies.is_empty() {
             self.log.sync()?;
         }
         Ok(())

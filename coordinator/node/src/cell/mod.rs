@@ -1,5 +1,13 @@
-//! What a cell's coordinator keeps on disk.
+//! The coordinator of a flexible cell: the token player on a thread of its own, its log, and what it says and hears.
+//!
+//! What happens next is decided in [`linewright_coordinator_logic::cell`]; here it is written down, sent and told.
 
 mod log;
+mod play;
+mod topics;
+mod why;
+mod wire;
+mod words;
 
 pub use log::{CellLog, CellLogError, Found, RECORDS_MAX};
+pub use play::{CellError, CellOptions, Playing};

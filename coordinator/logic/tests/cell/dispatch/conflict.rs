@@ -24,6 +24,7 @@ fn decided(times: [u64; 3], tolerance: u64) -> (String, Vec<(ModeId, Reason)>, V
         rules.timetable.windows.insert((Some(PartId(part)), mode), window);
     }
     let mut out = Outbox::default();
+    world.coordination.reconsider();
     world.coordination.step(now, &[], &mut rules, &mut out);
     assert_eq!(out.events, []);
     let Fact::Decided { started, held, .. } = &out.records[0].fact else { panic!("{:?}", out.records[0]) };

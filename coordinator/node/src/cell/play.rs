@@ -1,0 +1,406 @@
+//! The loop of a cell: what is heard goes to the token player; what that gives is written down, sent, and told.
+//!
+//! It has a thread of its own, because it waits: for the disk before every order, and for the dispatcher while he thinks a
+//! decision over. The rest of the coordinator (the mode, the console, the gateway to the devices) must not wait for either,
+//! and tells this one nothing but whether activities may start. Should this one end, the coordinator ends with it.
+
+use std::path::{Path, PathBuf};
+use std::sync::Arc;
+use std::time::{Duration, SystemTime};
+
+use linewright_cell::Cell;
+use linewright_cell::net::Supply;
+use linewright_coordinator_logic::cell::dispatch::Ways;
+use linewright_coordinator_logic::cell::dispatch::words::Reasons;
+use linewright_coordinator_logic::cell::production::Request;
+use linewright_coordinator_logic::cell::schedule::Foreman;
+use linewright_coordinator_logic::cell::{
+    CellTable, Coordination, Denied, Event, Heard, Input, OldEpoch, OrderKey, Outbox, ProductionCommand, ProductionId,
+    Reply as Answered, Send, State, Ticket,
+};
+use linewright_coordinator_logic::described::{Pace, Unplayable, described, foreman};
+use linewright_line::{Line, StationId, Tick};
+use linewright_msgs::{
+    CellState, ChangeOrder, ChangeOrderResponse, SubmitOrders, SubmitOrdersResponse, WhyNotResponse,
+};
+use linewright_node_shell::{Forward, NewestBySequence, Node, Reply, TopicError, fresh_boot_id, stamp};
+use thiserror::Error;
+use tokio::sync::{mpsc, oneshot, watch};
+
+use super::log::{CellLog, CellLogError};
+use super::topics::{News, Says, open};
+use super::why::why;
+use super::wire;
+use super::words::describe;
+
+/// Why a cell cannot be played, or not any more.
+#[derive(Debug, Error)]
+pub enum CellError {
+    /// Its description cannot be played.
+    #[error(transparent)]
+    Unplayable(#[from] Unplayable),
+    /// Its log cannot be used.
+    #[error(transparent)]
+    Log(#[from] CellLogError),
+    /// A topic is not to be had.
+    #[error(transparent)]
+    Topic(#[from] TopicError),
+    /// Its life would not be a new one.
+    #[error(transparent)]
+    Epoch(#[from] OldEpoch),
+    /// Another coordinator has begun after this one.
+    #[error("station {station} knows a later coordinator (epoch {epoch}); this one gives no more orders")]
+    Superseded {
+        /// Who says so.
+        station: String,
+        /// The later life.
+        epoch: u64,
+    },
+    /// The operating system gives no thread, or it has come to an end that nobody foresaw.
+    #[error("the cell's thread: {0}")]
+    Thread(String),
+}
+
+/// What a cell is played with.
+pub struct CellOptions {
+    /// The checked description.
+    pub cell: Cell,
+    /// Its line.
+    pub line: Line,
+    /// Where its log is kept; `None`: nothing is remembered.
+    pub state_dir: Option<PathBuf>,
+    /// Which life of the process this is.
+    pub boot_id: u64,
+}
+
+/// A cell that is played.
+pub struct Playing {
+    starts: watch::Sender<bool>,
+    ended: oneshot::Receiver<CellError>,
+    tasks: Vec<Forward>,
+}
+
+/// How often the state is told when it does not change, and at most when it does.
+const TELL_EVERY: Duration = Duration::from_secs(1);
+const TELL_AT_MOST_EVERY: Duration = Duration::from_millis(100);
+
+impl Playing {
+    /// Opens everything and begins. Must be called inside a tokio runtime.
+    ///
+    /// # Errors
+    /// When it cannot begin.
+    pub fn open(options: CellOptions, node: &mut Node) -> Result<Self, CellError> {
+        let (says, from, tasks) = open(node, &options.line)?;
+        let (starts, may_start) = watch::channel(false);
+        let mut player = Player::new(options, says, from, may_start)?;
+        let (end, ended) = oneshot::channel();
+        let play = move || {
+            let runtime = tokio::runtime::Builder::new_current_thread().enable_time().build();
+            let outcome = match runtime {
+                Ok(runtime) => runtime.block_on(player.play()),
+                Err(error) => Err(CellError::Thread(error.to_string())),
+            };
+            if let Err(error) = outcome {
+                // Nobody listens where the process is ending anyway.
+                let _ = end.send(error);
+            }
+        };
+        let spawned = std::thread::Builder::new().name("cell".to_owned()).spawn(play);
+        spawned.map_err(|error| CellError::Thread(error.to_string()))?;
+        Ok(Playing { starts, ended, tasks })
+    }
+
+    /// Says whether activities may start.
+    pub fn starts(&self, may: bool) {
+        self.starts.send_if_modified(|now| std::mem::replace(now, may) != may);
+    }
+
+    /// Waits for an end that should not be.
+    pub async fn failed(&mut self) -> CellError {
+        match (&mut self.ended).await {
+            Ok(error) => error,
+            Err(_) => CellError::Thread("it has ended".to_owned()),
+        }
+    }
+
+    /// Whether the middleware has failed.
+    pub fn is_cut_off(&self) -> bool {
+        self.tasks.iter().any(Forward::is_finished)
+    }
+}
+
+/// Who waits for a reply.
+enum Waiting {
+    Submit(Reply<SubmitOrders>),
+    Change(Reply<ChangeOrder>),
+}
+
+/// Something for the token player.
+enum Told {
+    State(StationId, Heard),
+    Reply(StationId, OrderKey, Answered),
+    Submit(Ticket, Vec<Request>),
+    Cancel(Ticket, String),
+    Withdraw(Ticket, String),
+}
+
+struct Player {
+    line: Line,
+    ways: Ways,
+    reasons: Reasons,
+    coordination: Coordination,
+    foreman: Foreman,
+    log: Option<CellLog>,
+    says: Says,
+    from: mpsc::Receiver<News>,
+    may_start: watch::Receiver<bool>,
+    states: Vec<NewestBySequence>,
+    /// The time when this life began, and by which clock it goes on.
+    origin: Tick,
+    began: tokio::time::Instant,
+    told: Vec<Told>,
+    waiting: Vec<(Ticket, Waiting)>,
+    tickets: Ticket,
+    message: CellState,
+    /// When the state was told, by the player's time; and whether it has changed since.
+    said: Tick,
+    changed: bool,
+}
+
+/// What is on disk, or the beginning.
+fn known(dir: Option<&Path>, cell: &str, table: &Arc<CellTable>) -> Result<(State, Option<CellLog>), CellLogError> {
+    let Some(dir) = dir else { return Ok((State::new(table.clone()), None)) };
+    let found = CellLog::open(&dir.join("cell.log"), cell, table)?;
+    if found.cut > 0 {
+        tracing::warn!("the log's last {} bytes were torn, and are cut off", found.cut);
+    }
+    if found.state.sequence() > 0 {
+        let (parts, running) = (found.state.parts().len(), found.state.firings().len());
+        tracing::info!("goes on from its log: {parts} parts inside, {running} activities in progress");
+    }
+    Ok((found.state, Some(found.log)))
+}
+
+impl Player {
+    fn new(
+        options: CellOptions,
+        says: Says,
+        from: mpsc::Receiver<News>,
+        may_start: watch::Receiver<bool>,
+    ) -> Result<Self, CellError> {
+        let CellOptions { cell, line, state_dir, boot_id } = options;
+        let pace = Pace { refresh: line.timing.stale, grace: line.timing.stale * 2 };
+        let made = described(&cell, Some(&line), Supply::Open, pace)?;
+        let table = Arc::new(made.table.clone());
+        let (state, mut log) = known(state_dir.as_deref(), &cell.name, &table)?;
+        let foreman = foreman(&cell, &made, &state);
+        let wall = SystemTime::now().duration_since(SystemTime::UNIX_EPOCH).unwrap_or_default();
+        // A clock that was set back does not stop what is timed: time goes on from the newest record.
+        let origin = (Tick::ZERO + wall).max(state.now());
+        // Stations remember lives whose log is gone; a second is long enough for none to begin twice.
+        let epoch = (state.epoch() + 1).max(wall.as_secs());
+        let mut out = Outbox::default();
+        let coordination = Coordination::begin(state, origin, epoch, &mut out)?;
+        if let Some(log) = &mut log {
+            log.write(&out)?;
+        }
+        Ok(Player {
+            ways: Ways::new(&table),
+            reasons: Reasons::default(),
+            coordination,
+            foreman,
+            log,
+            says,
+            from,
+            may_start,
+            states: line.stations.iter().map(|_| NewestBySequence::new()).collect(),
+            origin,
+            began: tokio::time::Instant::now(),
+            told: Vec::new(),
+            waiting: Vec::new(),
+            tickets: 0,
+            message: CellState { boot_id, cell: cell.name, ..CellState::default() },
+            said: Tick::ZERO,
+            changed: true,
+            line,
+        })
+    }
+
+    fn now(&self) -> Tick {
+        self.origin + self.began.elapsed()
+    }
+
+    async fn play(&mut self) -> Result<(), CellError> {
+        loop {
+            self.act()?;
+            let wake = self.began + self.deadline().since(self.origin);
+            tokio::select! {
+                news = self.from.recv() => match news {
+                    Some(news) => self.take(news),
+                    None => return Ok(()),
+                },
+                changed = self.may_start.changed() => {
+                    if changed.is_err() {
+                        return Ok(());
+                    }
+                }
+                () = tokio::time::sleep_until(wake) => {}
+            }
+            // What has come together is decided about together.
+            while let Ok(news) = self.from.try_recv() {
+                self.take(news);
+            }
+        }
+    }
+
+    fn deadline(&self) -> Tick {
+        let tell = self.said + if self.changed { TELL_AT_MOST_EVERY } else { TELL_EVERY };
+        self.coordination.next_deadline().map_or(tell, |next| next.min(tell))
+    }
+
+    fn take(&mut self, news: News) {
+        match news {
+            News::Heard(station, message) => {
+                let known = self.states.get_mut(station.index());
+                let newest = known.is_some_and(|known| known.offer(message.boot_id, message.sequence).is_newest());
+                if newest && message.station == self.line.station(station).name {
+                    let (heard, refused) = wire::heard(&message);
+                    self.told.push(Told::State(station, heard));
+                    self.told.extend(refused.into_iter().map(|(key, reply)| Told::Reply(station, key, reply)));
+                }
+            }
+            News::Submit(asked, reply) => self.submit(&asked.requests, reply),
+            News::Cancel(name, reply) => {
+                let ticket = self.wait(Waiting::Change(reply));
+                self.told.push(Told::Cancel(ticket, name));
+            }
+            News::Withdraw(name, reply) => {
+                let ticket = self.wait(Waiting::Change(reply));
+                self.told.push(Told::Withdraw(ticket, name));
+            }
+            News::Why(about, reply) => {
+                let lines = why(&self.ways, &self.reasons, self.coordination.state(), self.now(), &about);
+                let known = lines.is_ok();
+                reply.send(WhyNotResponse { known, lines: lines.unwrap_or_else(|unknown| vec![unknown]) });
+            }
+        }
+    }
+
+    fn submit(&mut self, asked: &[linewright_msgs::ProductionRequest], reply: Reply<SubmitOrders>) {
+        let drawn = || u128::from(fresh_boot_id()) << 64 | u128::from(fresh_boot_id());
+        let (mut requests, mut problems) = (Vec::new(), Vec::new());
+        for request in asked {
+            match wire::request(request, drawn()) {
+                Ok(request) => requests.push(request),
+                Err(problem) => problems.push(problem),
+            }
+        }
+        if problems.is_empty() {
+            let ticket = self.wait(Waiting::Submit(reply));
+            self.told.push(Told::Submit(ticket, requests));
+        } else {
+            reply.send(SubmitOrdersResponse { accepted: false, ids: Vec::new(), problems });
+        }
+    }
+
+    fn wait(&mut self, waiting: Waiting) -> Ticket {
+        self.tickets += 1;
+        self.waiting.push((self.tickets, waiting));
+        self.tickets
+    }
+
+    /// One step: what came goes in; what follows is written down before anybody hears of it.
+    fn act(&mut self) -> Result<(), CellError> {
+        let (now, may_start) = (self.now(), *self.may_start.borrow_and_update());
+        let told = std::mem::take(&mut self.told);
+        let mut inputs = vec![Input::Starts(may_start)];
+        inputs.extend(told.iter().map(|told| match told {
+            Told::State(station, heard) => Input::Station(*station, heard),
+            Told::Reply(station, key, reply) => Input::Reply(*station, *key, *reply),
+            Told::Submit(ticket, requests) => Input::Production(*ticket, ProductionCommand::Submit(requests)),
+            Told::Cancel(ticket, name) => Input::Production(*ticket, ProductionCommand::Cancel(name)),
+            Told::Withdraw(ticket, name) => Input::Production(*ticket, ProductionCommand::Withdraw(name)),
+        }));
+        let mut out = Outbox::default();
+        self.coordination.step(now, &inputs, &mut self.foreman, &mut out);
+        if let Some(log) = &mut self.log {
+            log.write(&out)?;
+        }
+        self.changed |= !out.records.is_empty() || self.message.starting != may_start;
+        out.records.iter().for_each(|record| self.reasons.note(record));
+        for send in &out.sends {
+            match send {
+                Send::Order(order) => self.says.order(order),
+            }
+        }
+        for (ticket, reply) in out.replies {
+            self.answer(ticket, reply);
+        }
+        for event in out.events {
+            self.event(event)?;
+        }
+        self.tell(may_start);
+        match &mut self.log {
+            Some(log) if log.is_long() => Ok(log.begin_anew(self.coordination.state())?),
+            Some(_) | None => Ok(()),
+        }
+    }
+
+    fn answer(&mut self, ticket: Ticket, reply: Result<Vec<ProductionId>, Denied>) {
+        let Some(at) = self.waiting.iter().position(|(known, _)| *known == ticket) else { return };
+        let (_, waiting) = self.waiting.swap_remove(at);
+        match waiting {
+            Waiting::Submit(to) => to.send(match reply {
+                Ok(ids) => SubmitOrdersResponse {
+                    accepted: true,
+                    ids: ids.into_iter().map(|id| id.0).collect(),
+                    problems: Vec::new(),
+                },
+                Err(Denied::Request(wrongs)) => SubmitOrdersResponse {
+                    accepted: false,
+                    ids: Vec::new(),
+                    problems: wrongs.iter().map(ToString::to_string).collect(),
+                },
+                Err(denied) => {
+                    SubmitOrdersResponse { accepted: false, ids: Vec::new(), problems: vec![denied.to_string()] }
+                }
+            }),
+            Waiting::Change(to) => to.send(match reply {
+                Ok(_) => ChangeOrderResponse { done: true, reason: String::new() },
+                Err(denied) => ChangeOrderResponse { done: false, reason: denied.to_string() },
+            }),
+        }
+    }
+
+    fn event(&self, event: Event) -> Result<(), CellError> {
+        match event {
+            Event::BadAnswer { question, why } => {
+                tracing::error!(
+                    "question {question}: the dispatcher's answer cannot be followed, first come first served: {why}"
+                );
+                Ok(())
+            }
+            Event::Busy { mode } => {
+                let name = self.coordination.state().table().mode_name(mode).to_owned();
+                tracing::warn!("very much happens at one moment, `{name}` last");
+                Ok(())
+            }
+            Event::Superseded { by, epoch } => {
+                Err(CellError::Superseded { station: self.line.station(by).name.clone(), epoch })
+            }
+        }
+    }
+
+    fn tell(&mut self, may_start: bool) {
+        // What thinking took is not taken off the time until the next one.
+        let now = self.now();
+        if now < self.said + if self.changed { TELL_AT_MOST_EVERY } else { TELL_EVERY } {
+            return;
+        }
+        (self.said, self.changed) = (now, false);
+        describe(&self.line, self.coordination.state(), may_start, now, &mut self.message);
+        self.message.header = stamp();
+        self.message.sequence += 1;
+        self.says.state.send(self.message.clone());
+    }
+}

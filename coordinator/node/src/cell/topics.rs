@@ -1,0 +1,74 @@
+//! What the coordinator of a cell says and hears over ROS 2, beside what that of every line does.
+
+use linewright_coordinator_logic::cell::OrderMessage;
+use linewright_line::{Line, StationId};
+use linewright_msgs::{CellState, ChangeOrder, OrderState, RunTask, SubmitOrders, SubmitOrdersRequest, WhyNot};
+use linewright_node_shell::{ActionCaller, Forward, Mapping, Node, Publisher, Reply, TopicError, forward, qos, serve};
+use tokio::sync::mpsc;
+
+use super::wire;
+
+/// What comes in.
+pub enum News {
+    /// What a station says of its orders.
+    Heard(StationId, Box<OrderState>),
+    /// Somebody wants something to be made.
+    Submit(SubmitOrdersRequest, Reply<SubmitOrders>),
+    /// Nothing more of an order is to enter.
+    Cancel(String, Reply<ChangeOrder>),
+    /// An order is to be as if it had never been.
+    Withdraw(String, Reply<ChangeOrder>),
+    /// Why something does not go on.
+    Why(String, Reply<WhyNot>),
+}
+
+/// A station that works on order.
+struct OnOrder {
+    station: StationId,
+    tasks: ActionCaller<RunTask>,
+}
+
+/// What goes out.
+pub struct Says {
+    pub state: Publisher<CellState>,
+    stations: Vec<OnOrder>,
+}
+
+impl Says {
+    /// Gives an order to its station. Whether it has come its state will say.
+    pub fn order(&self, order: &OrderMessage) {
+        let Some(station) = self.stations.iter().find(|known| known.station == order.station) else { return };
+        if let Err(error) = station.tasks.send(wire::goal(order)) {
+            tracing::debug!("{error}");
+        }
+    }
+}
+
+/// Enough for a burst of every station's state while a decision is thought over; what does not fit waits in the middleware.
+const QUEUE: usize = 1024;
+
+/// Opens every topic and service of a cell.
+pub fn open(node: &mut Node, line: &Line) -> Result<(Says, mpsc::Receiver<News>, Vec<Forward>), TopicError> {
+    let (to, from) = mpsc::channel(QUEUE);
+    let mut tasks = vec![
+        serve(node.service::<SubmitOrders>("~/submit_order")?, to.clone(), News::Submit),
+        serve(node.service::<ChangeOrder>("~/cancel_order")?, to.clone(), |asked, reply| {
+            News::Cancel(asked.name, reply)
+        }),
+        serve(node.service::<ChangeOrder>("~/withdraw_order")?, to.clone(), |asked, reply| {
+            News::Withdraw(asked.name, reply)
+        }),
+        serve(node.service::<WhyNot>("~/why_not")?, to.clone(), |asked, reply| News::Why(asked.about, reply)),
+    ];
+    let mut says = Says { state: node.publisher("~/cell_state", qos::latched_state())?, stations: Vec::new() };
+    for id in line.station_ids().filter(|&id| line.station(id).works_on_order()) {
+        let name = &line.station(id).name;
+        let state = node.subscription(&format!("{name}/order"), qos::latched_state())?;
+        tasks.push(forward(state, to.clone(), move |message, _| Some(News::Heard(id, Box::new(message)))));
+        says.stations.push(OnOrder {
+            station: id,
+            tasks: node.action_caller::<RunTask>(&format!("{name}/run_task"), Mapping::Enhanced)?,
+        });
+    }
+    Ok((says, from, tasks))
+}

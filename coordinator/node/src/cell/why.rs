@@ -1,0 +1,51 @@
+//! Why something does not go on, whatever a person calls it.
+
+use linewright_coordinator_logic::cell::dispatch::words::Reasons;
+use linewright_coordinator_logic::cell::dispatch::{Ways, why_not};
+use linewright_coordinator_logic::cell::production::Status;
+use linewright_coordinator_logic::cell::{PartId, State};
+use linewright_line::{Tick, suggestion};
+
+/// Of so many parts of one order it is said why they do not go on.
+const PARTS_MAX: usize = 5;
+
+/// Why a part (`part 7`, or `7`) or a production order, by its name, does not go on; what is not known where there is none.
+pub fn why(ways: &Ways, reasons: &Reasons, state: &State, now: Tick, about: &str) -> Result<Vec<String>, String> {
+    let about = about.trim();
+    let production = state.production();
+    if let Some(order) = production.named(about) {
+        let mut lines = vec![match production.status(order, now) {
+            Status::Waiting { on, until } => {
+                let names =
+                    on.iter().filter_map(|&id| production.order(id)).map(|order| format!("`{}`", order.request.name));
+                let until = until.map(|until| format!("its release in {} s", until.since(now).as_secs()));
+                format!("`{about}` waits for {}.", names.chain(until).collect::<Vec<_>>().join(" and "))
+            }
+            Status::Released => {
+                format!("`{about}` is released, and none of its {} parts has entered.", order.request.quantity)
+            }
+            Status::InWork { .. } => format!(
+                "`{about}`: {} of {} parts are done, {} are inside.",
+                order.done,
+                order.request.quantity,
+                order.inside()
+            ),
+            Status::Done { .. } => format!("`{about}` is done."),
+            Status::Cancelled { inside, .. } => format!("`{about}` is cancelled; {inside} parts are still finished."),
+            Status::Withdrawn => format!("`{about}` is withdrawn."),
+        }];
+        let counts = |part: &PartId| production.order_of(*part).is_some_and(|of| of.id == order.id);
+        let parts: Vec<PartId> = state.parts().map(|part| part.id).filter(counts).take(PARTS_MAX).collect();
+        lines.extend(parts.into_iter().flat_map(|part| why_not(ways, reasons, state, now, part)));
+        return Ok(lines);
+    }
+    let number = about.strip_prefix("part").unwrap_or(about).trim().parse().ok();
+    match number.map(PartId).filter(|&part| state.part(part).is_some()) {
+        Some(part) => Ok(why_not(ways, reasons, state, now, part)),
+        None => {
+            let names: Vec<&str> = production.orders().map(|order| order.request.name.as_str()).collect();
+            let hint = suggestion(about, names.iter().copied()).map(|hint| format!("; {hint}")).unwrap_or_default();
+            Err(format!("there is no part and no production order `{about}`{hint}"))
+        }
+    }
+}

@@ -1,0 +1,154 @@
+//! Between what the token player says and hears, and the messages that carry it.
+//!
+//! Times are the player's own: microseconds since 1970, as messages have them in seconds and nanoseconds.
+
+use linewright_coordinator_logic::cell::production::Request;
+use linewright_coordinator_logic::cell::{Heard, OrderKey, OrderMessage, Outcome, Refusal, Reply};
+use linewright_line::Tick;
+use linewright_msgs::{OrderEnd, OrderState, ProductionRequest, RunTaskGoal, RunTaskResult, Time};
+
+/// What a station says of its orders; and what it has refused for good.
+pub fn heard(message: &OrderState) -> (Heard, Vec<(OrderKey, Reply)>) {
+    let doing = OrderKey { epoch: message.doing_epoch, id: message.doing_id };
+    let heard = Heard {
+        memory: message.memory,
+        epoch: message.epoch,
+        slot: (doing.id != 0).then_some(doing),
+        results: message.ended.as_slice().iter().map(|end| (key(end), outcome(end))).collect(),
+    };
+    let refused =
+        message.refused.as_slice().iter().filter_map(|end| Some((key(end), Reply::Refused(refusal(end.code)?))));
+    (heard, refused.collect())
+}
+
+fn key(end: &OrderEnd) -> OrderKey {
+    OrderKey { epoch: end.epoch, id: end.id }
+}
+
+fn outcome(end: &OrderEnd) -> Outcome {
+    if end.end == RunTaskResult::END_DONE { Outcome::Done } else { Outcome::Failed(end.code) }
+}
+
+/// None for a reason that a later version knows: the order then runs out of time.
+fn refusal(code: u16) -> Option<Refusal> {
+    Some(match code {
+        RunTaskResult::REFUSED_BUSY => Refusal::Busy,
+        RunTaskResult::REFUSED_MODE => Refusal::Mode,
+        RunTaskResult::REFUSED_OTHER_MEMORY => Refusal::OtherMemory,
+        RunTaskResult::REFUSED_OLD_EPOCH => Refusal::OldEpoch,
+        RunTaskResult::REFUSED_OLD => Refusal::Old,
+        RunTaskResult::REFUSED_LATE => Refusal::Late,
+        RunTaskResult::REFUSED_NOT_THERE => Refusal::NotThere,
+        RunTaskResult::REFUSED_DEVICES => Refusal::Devices,
+        RunTaskResult::REFUSED_UNKNOWN => Refusal::Unknown,
+        RunTaskResult::REFUSED_INCOMPLETE => Refusal::Incomplete,
+        RunTaskResult::REFUSED_ISOLATED => Refusal::Isolated,
+        _ => return None,
+    })
+}
+
+/// An order, as its station's action takes it.
+pub fn goal(order: &OrderMessage) -> RunTaskGoal {
+    RunTaskGoal {
+        memory: order.memory,
+        epoch: order.key.epoch,
+        id: order.key.id,
+        task: order.task.to_string(),
+        parameter_names: order.parameters.iter().map(|(name, _)| name.to_string()).collect(),
+        parameters: order.parameters.iter().map(|(_, value)| *value).collect(),
+        part: order.part.map(|part| part.to_string()).unwrap_or_default(),
+        limit_ms: u32::try_from(order.limit.as_millis()).unwrap_or(u32::MAX),
+    }
+}
+
+/// What somebody asks for, under this key if it has none of its own. What else is wrong with it the production orders say.
+///
+/// # Errors
+/// What is wrong with its key.
+pub fn request(message: &ProductionRequest, drawn: u128) -> Result<Request, String> {
+    let key = match message.key.as_slice() {
+        [] => drawn,
+        bytes => {
+            let wrong = |_| format!("`{}` has a key of {} bytes; give 16, or none", message.name, bytes.len());
+            u128::from_be_bytes(bytes.try_into().map_err(wrong)?)
+        }
+    };
+    Ok(Request {
+        key,
+        name: message.name.clone(),
+        product: message.product.clone(),
+        quantity: message.quantity,
+        release: moment(&message.release),
+        due: moment(&message.due),
+        priority: message.priority,
+        after: message.after.clone(),
+    })
+}
+
+/// The moment that a message says; none if it says 0, or something before 1970.
+pub fn moment(time: &Time) -> Option<Tick> {
+    let micros = u64::try_from(time.sec).ok()? * 1_000_000 + u64::from(time.nanosec / 1000);
+    (micros > 0).then_some(Tick::from_micros(micros))
+}
+
+/// A moment, as messages say it. Their seconds end in 2038.
+pub fn time(tick: Tick) -> Time {
+    let (sec, micros) = (tick.as_micros() / 1_000_000, tick.as_micros() % 1_000_000);
+    // A millionth is a thousand thousand-millionths, and there are fewer than a million.
+    Time { sec: i32::try_from(sec).unwrap_or(i32::MAX), nanosec: u32::try_from(micros * 1000).unwrap_or(0) }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use linewright_msgs::{Bounded, RosMessage};
+
+    #[test]
+    fn what_a_station_says_is_heard() {
+        let end = |id, end, code| OrderEnd { epoch: 2, id, end, code };
+        let mut message = OrderState {
+            boot_id: 1,
+            station: "m1".into(),
+            memory: 9,
+            epoch: 2,
+            doing_epoch: 2,
+            doing_id: 5,
+            phase: 1,
+            ended: Bounded::new(vec![end(3, RunTaskResult::END_DONE, 0), end(4, RunTaskResult::END_SECURED, 1004)])
+                .expect("two"),
+            refused: Bounded::new(vec![end(1, RunTaskResult::END_REFUSED, 6), end(2, RunTaskResult::END_REFUSED, 999)])
+                .expect("two"),
+            ..OrderState::default()
+        };
+        message.validate().expect("it is valid");
+        let key = |id| OrderKey { epoch: 2, id };
+        let (state, refused) = heard(&message);
+        assert_eq!((state.memory, state.epoch, state.slot), (9, 2, Some(key(5))));
+        assert_eq!(state.results, [(key(3), Outcome::Done), (key(4), Outcome::Failed(1004))]);
+        assert_eq!(refused, [(key(1), Reply::Refused(Refusal::Late))], "what is not known is not believed");
+        (message.doing_epoch, message.doing_id, message.phase) = (0, 0, 0);
+        assert_eq!(heard(&message).0.slot, None);
+    }
+
+    #[test]
+    fn moments_go_there_and_back() {
+        for micros in [1, 999_999, 1_000_000, 1_763_791_234_567_890] {
+            let tick = Tick::from_micros(micros);
+            assert_eq!(moment(&time(tick)), Some(tick));
+        }
+        assert_eq!(moment(&Time::default()), None);
+        assert_eq!(moment(&Time { sec: -5, nanosec: 0 }), None);
+        assert_eq!(time(Tick::NEVER).sec, i32::MAX);
+    }
+
+    #[test]
+    fn a_key_is_its_bytes() {
+        let key = Bounded::new((1..=16).collect()).expect("sixteen");
+        let message = ProductionRequest { key, name: "x".into(), ..ProductionRequest::default() };
+        assert_eq!(request(&message, 5).map(|of| of.key), Ok(0x0102_0304_0506_0708_090a_0b0c_0d0e_0f10));
+        let message = ProductionRequest { key: Bounded::default(), ..message };
+        assert_eq!(request(&message, 5).map(|of| of.key), Ok(5));
+        let message = ProductionRequest { key: Bounded::new(vec![1, 2]).expect("two"), ..message };
+        assert_eq!(request(&message, 5), Err("`x` has a key of 2 bytes; give 16, or none".to_owned()));
+    }
+}

@@ -1,0 +1,132 @@
+//! All of a cell as its message says it.
+//!
+//! What the net calls things is turned into what people do: a part is *in M1, loaded*, or *in `load M1`*.
+
+use linewright_coordinator_logic::cell::production::{Order, Production, Status};
+use linewright_coordinator_logic::cell::{
+    CellTable, Firing, ModeId, Order as StationOrder, OrderState, Part, Phase, Place, State,
+};
+use linewright_line::{Line, Tick};
+use linewright_msgs::{ActivityState, Bounded, CellState, LISTED_MAX, PartState, ProductionState, fitting};
+
+use super::wire::time;
+
+/// Over what is in the message, but for its header and numbers.
+pub fn describe(line: &Line, state: &State, starting: bool, now: Tick, message: &mut CellState) {
+    let (table, production) = (state.table(), state.production());
+    message.epoch = state.epoch();
+    message.starting = starting;
+    message.parts_inside = count(state.parts().len());
+    message.parts_left = state.left();
+    message.orders_open = count(production.orders().filter(|order| order.ended.is_none()).count());
+    let mut parts: Vec<&Part> = state.parts().collect();
+    parts.sort_by_key(|part| (part.since, part.id));
+    message.parts = listed(parts.into_iter().map(|part| self::part(table, state, part)));
+    message.activities = listed(state.firings().map(|firing| activity(line, table, firing, now)));
+    let (open, over): (Vec<&Order>, Vec<&Order>) = production.orders().partition(|order| order.ended.is_none());
+    message.orders =
+        listed(open.into_iter().chain(over.into_iter().rev()).map(|order| ordered(production, order, now)));
+}
+
+fn count(of: usize) -> u32 {
+    u32::try_from(of).unwrap_or(u32::MAX)
+}
+
+fn listed<T: Default, const N: usize>(all: impl Iterator<Item = T>) -> Bounded<T, N> {
+    Bounded::new(all.take(LISTED_MAX.min(N)).collect()).unwrap_or_default()
+}
+
+fn part(table: &CellTable, state: &State, part: &Part) -> PartState {
+    let (cell, place) = match part.place {
+        Place::On { cell, arrival: _ } => {
+            let owner = table.cell_name(cell).split('<').next().unwrap_or_default();
+            let place = match part.position {
+                Some(position) => format!("{owner}, position {position}"),
+                None => owner.to_owned(),
+            };
+            (Some(cell), place)
+        }
+        Place::In(id) => match state.firing(id).map(|firing| firing.mode) {
+            Some(mode) => (table.part_in(mode).or(table.part_out(mode)), format!("in `{}`", table.activity(mode).name)),
+            None => (None, String::new()),
+        },
+    };
+    // A cell of parts is called by its place, and by the stage of its parts in angles.
+    let stage = cell.and_then(|cell| table.cell_name(cell).split_once('<'));
+    PartState {
+        id: part.id.0,
+        stage: stage.map(|(_, stage)| stage.trim_end_matches('>').to_owned()).unwrap_or_default(),
+        place: fitting(place),
+        since: time(part.since),
+        order: state.production().order_of(part.id).map_or(0, |order| order.id.0),
+    }
+}
+
+fn activity(line: &Line, table: &CellTable, firing: &Firing, now: Tick) -> ActivityState {
+    let mode: ModeId = firing.mode;
+    let text = match firing.phase {
+        Phase::Running => {
+            let open = firing.orders.iter().filter(|order| order.is_open());
+            let open: Vec<String> = open.map(|order| waits(line, order, now)).collect();
+            open.join("; ")
+        }
+        Phase::Failed(_) => "has failed".to_owned(),
+    };
+    ActivityState {
+        id: firing.id.0,
+        name: table.activity(mode).name.to_string(),
+        part: firing.part.map_or(0, |part| part.0),
+        began: time(firing.began),
+        running: firing.phase == Phase::Running,
+        text: fitting(text),
+    }
+}
+
+fn waits(line: &Line, order: &StationOrder, now: Tick) -> String {
+    let left = order.limit.since(now).as_secs();
+    let doing = match order.state {
+        OrderState::Written => "has not answered",
+        OrderState::Running | OrderState::Ended | OrderState::Failed(_) => "is at it",
+    };
+    format!("{} {doing}, {left} s left", line.station(order.station).name)
+}
+
+fn ordered(production: &Production, order: &Order, now: Tick) -> ProductionState {
+    let status = production.status(order, now);
+    let (number, text) = match &status {
+        Status::Waiting { on, until } => {
+            let on = on.iter().filter_map(|&id| production.order(id)).map(|order| format!("`{}`", order.request.name));
+            let release = until.map(|_| "its release".to_owned());
+            let on: Vec<String> = on.chain(release).collect();
+            (ProductionState::STATUS_WAITING, format!("waits for {}", on.join(", ")))
+        }
+        Status::Released => (ProductionState::STATUS_RELEASED, "released".to_owned()),
+        Status::InWork { .. } => (ProductionState::STATUS_IN_WORK, "in work".to_owned()),
+        Status::Done { .. } => (ProductionState::STATUS_DONE, late(order)),
+        Status::Cancelled { inside: 0, .. } => (ProductionState::STATUS_CANCELLED, "cancelled".to_owned()),
+        Status::Cancelled { inside, .. } => {
+            (ProductionState::STATUS_CANCELLED, format!("cancelled, {inside} parts are still finished"))
+        }
+        Status::Withdrawn => (ProductionState::STATUS_WITHDRAWN, "withdrawn".to_owned()),
+    };
+    ProductionState {
+        id: order.id.0,
+        name: order.request.name.clone(),
+        product: order.request.product.clone(),
+        quantity: order.request.quantity,
+        entered: order.entered,
+        done: order.done,
+        lost: order.lost,
+        status: number,
+        text: fitting(text),
+        due: order.request.due.map(time).unwrap_or_default(),
+        ended: order.ended.map(time).unwrap_or_default(),
+    }
+}
+
+fn late(order: &Order) -> String {
+    match order.lateness() {
+        Some(micros) if micros > 0 => format!("done, {} s late", micros / 1_000_000),
+        Some(_) | None => "done".to_owned(),
+    }
+}
