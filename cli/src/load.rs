@@ -56,6 +56,16 @@ pub fn cell_of(path: &Path, line: &Line) -> miette::Result<Option<linewright_cel
     file.map(|file| cell(&file, Some(line)).map(|parsed| parsed.cell)).transpose()
 }
 
+/// The line of a cell, quietly.
+pub fn line_of_cell(path: &Path) -> miette::Result<Line> {
+    let files = files_of(path);
+    let file = files.line.ok_or_else(|| miette!("{} has no line.toml: its stations cannot run", path.display()))?;
+    if files.cell.is_none() {
+        return Err(miette!("{} has no cell.toml: it is a line without orders", path.display()));
+    }
+    line(&file, true)
+}
+
 /// Reads and checks a description; warnings go to standard error unless `quiet`.
 pub fn line(path: &Path, quiet: bool) -> miette::Result<Line> {
     let parsed = parsed(path)?;

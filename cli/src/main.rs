@@ -5,6 +5,7 @@
 
 mod analyse;
 mod can;
+mod cell;
 mod check;
 mod client;
 mod devices;
@@ -65,6 +66,10 @@ enum Command {
     Press(operate::PressArgs),
     /// Make a simulated mechanism or device fail, or clear it.
     Fail(can::FailArgs),
+    /// Order parts of a running cell, see what is on order, cancel or withdraw.
+    Order(cell::OrderArgs),
+    /// Ask why a part or a production order of a running cell does not go on.
+    Why(cell::WhyArgs),
     /// Show the line as it runs.
     Watch(watch::Args),
     /// Look at a CAN bus and its CANopen nodes, and talk to them: scan, status, nmt, sdo, monitor, record, replay.
@@ -106,6 +111,8 @@ fn dispatch(command: Command, ros: RosArgs) -> miette::Result<ExitCode> {
         Command::Mode(args) => asynchronous(async move { operate::mode(args, &ros).await }),
         Command::Press(args) => asynchronous(async move { operate::press(args, &ros).await }),
         Command::Fail(args) => asynchronous(async move { can::fail(args).await }),
+        Command::Order(args) => asynchronous(async move { cell::order(args, &ros).await }),
+        Command::Why(args) => asynchronous(async move { cell::why(args, &ros).await }),
         Command::Watch(args) => asynchronous(async move { watch::run(args, &ros).await }),
         Command::Can(args) => asynchronous(async move { can::run(args).await }),
         Command::Candump(args) => asynchronous(async move { can::dump(args).await }),

@@ -11,6 +11,7 @@ mod json;
 mod report;
 mod svg;
 
+pub use cell::parts;
 use std::path::{Path, PathBuf};
 use std::process::ExitCode;
 use std::time::Duration;

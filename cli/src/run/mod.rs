@@ -4,6 +4,7 @@
 //! to auto as an operator would, shows it, and stops it at home. It commands and reads over the same ROS topics
 //! anybody can use; the only thing it has for itself is an observer of the CAN frames that looks for conflicts.
 
+mod cell;
 pub mod chart;
 mod children;
 mod observer;
@@ -27,6 +28,7 @@ use crate::interrupts::Interrupts;
 use crate::load;
 use crate::nodes::DEFAULT_BUS;
 use crate::watch::{PICTURE_EVERY, Screen, View};
+use cell::CellRun;
 use children::Children;
 use observer::Observer;
 use tally::Tally;
@@ -39,6 +41,9 @@ pub struct Args {
     /// End after this many cycles, at home.
     #[arg(long)]
     cycles: Option<usize>,
+    /// Make these parts of a cell and end, as A=2,B=1.
+    #[arg(long, value_delimiter = ',', value_parser = crate::simulate::parts)]
+    parts: Vec<(String, u32)>,
     /// Print one JSON object at the end, and nothing else.
     #[arg(long)]
     json: bool,
@@ -80,12 +85,19 @@ const REPEAT: Duration = Duration::from_millis(300);
 /// `linewright run`
 pub async fn run(args: Args, ros: RosArgs) -> miette::Result<ExitCode> {
     let line = load::line(&args.line, args.json)?;
+    let cell = load::cell_of(&args.line, &line)?;
+    match &cell {
+        None if !args.parts.is_empty() => return Err(miette!("--parts is for cells; there is no cell.toml")),
+        Some(_) if args.cycles.is_some() => return Err(miette!("a cell has no cycles; order parts with --parts")),
+        Some(_) | None => {}
+    }
     if args.cycles == Some(0) || args.stations_per_process == 0 {
         return Err(miette!("--cycles and --stations-per-process are at least 1"));
     }
     let scratch = Scratch::new(args.state_dir.as_deref())?;
     let mut children = Children::new(&scratch.dir);
     let mut session = Session::open(&line, &args, &ros, &scratch.dir).await?;
+    session.cell = cell.map(|cell| CellRun::open(&line, &cell, &args.parts, &ros)).transpose()?;
     let outcome = match start_all(&mut children, &line, &args, &scratch.dir) {
         Ok(()) => session.drive(&mut children).await,
         Err(error) => Err(error),
@@ -97,7 +109,9 @@ pub async fn run(args: Args, ros: RosArgs) -> miette::Result<ExitCode> {
 }
 
 fn start_all(children: &mut Children, line: &Line, args: &Args, dir: &Path) -> miette::Result<()> {
-    let description = load::file_of(&args.line).canonicalize().into_diagnostic()?.display().to_string();
+    // A cell's description lies beside its line's, so nodes are given the directory.
+    let path = if args.line.is_dir() { args.line.clone() } else { load::file_of(&args.line) };
+    let description = path.canonicalize().into_diagnostic()?.display().to_string();
     let state = dir.display().to_string();
     let words = |more: &[&str]| -> Vec<String> {
         let mut words: Vec<String> = more.iter().map(|word| (*word).to_owned()).collect();
@@ -140,6 +154,7 @@ struct Session {
     view: View,
     phase: Phase,
     target: Option<usize>,
+    cell: Option<CellRun>,
     no_auto: bool,
     live: bool,
     said: Option<Instant>,
@@ -187,6 +202,7 @@ impl Session {
             view,
             phase: Phase::Starting,
             target: args.cycles,
+            cell: None,
             no_auto: args.no_auto,
             live,
             said: None,
@@ -204,6 +220,12 @@ impl Session {
         loop {
             tokio::select! {
                 heard = self.client.next() => self.take(&heard?),
+                told = next_of(&mut self.cell) => for line in told? {
+                    if !self.live {
+                        eprintln!("{line}");
+                    }
+                    self.view.say(line);
+                },
                 Some((bus, frame)) = self.frames.recv() => {
                     let before = self.observer.conflicts().len();
                     self.observer.frame(&bus, &frame);
@@ -229,6 +251,15 @@ impl Session {
                     if let Some(screen) = &mut screen {
                         screen.show(&self.view.picture(&self.client, Screen::width()))?;
                     }
+                }
+            }
+            if self.phase == Phase::Running
+                && let Some(cell) = &mut self.cell
+            {
+                cell.begin().await?;
+                if cell.is_over() {
+                    self.phase = Phase::Stopping;
+                    self.said = None;
                 }
             }
             if self.advance()? {
@@ -275,7 +306,7 @@ impl Session {
                 self.tally.begin(&state.header)
             }
             Phase::Starting => {}
-            Phase::Running if state.mode == StationState::MODE_STANDBY && self.target.is_some() => {
+            Phase::Running if state.mode == StationState::MODE_STANDBY && self.ends() => {
                 return Err(miette!("auto ended: {}", self.why(&state)));
             }
             Phase::Running => {}
@@ -283,7 +314,7 @@ impl Session {
                 StationState::MODE_AUTO if state.master_stop => {}
                 StationState::MODE_AUTO | StationState::MODE_HAND => self.say("stop"),
                 StationState::MODE_HOME => return Ok(true),
-                _ if self.target.is_some() => return Err(miette!("the stop ended in {}", self.why(&state))),
+                _ if self.ends() => return Err(miette!("the stop ended in {}", self.why(&state))),
                 // The operator recovers it first; a second Ctrl-C ends at once.
                 _ => {}
             },
@@ -296,11 +327,13 @@ impl Session {
         if self.tally.cycles() != self.progress.0 {
             self.progress = (self.tally.cycles(), Instant::now());
         }
-        if self.target.is_some() && self.progress.1.elapsed() > self.patience {
+        let went_on = self.cell.as_ref().map_or(self.progress.1, |cell| self.progress.1.max(cell.since()));
+        if self.ends() && went_on.elapsed() > self.patience {
             let mut reasons = match self.client.coordinator() {
                 Some(state) => vec![format!("the mode is {}", state.text)],
                 None => vec!["the coordinator is not heard".to_owned()],
             };
+            reasons.extend(self.cell.iter().flat_map(CellRun::waits));
             for id in self.line.station_ids() {
                 let name = &self.line.station(id).name;
                 match self.client.station(id) {
@@ -312,6 +345,11 @@ impl Session {
             return Err(miette!("nothing was done for {:.0} s: {}", self.patience.as_secs_f64(), reasons.join(", ")));
         }
         Ok(false)
+    }
+
+    /// Whether it is to end by itself.
+    fn ends(&self) -> bool {
+        self.target.is_some() || self.cell.as_ref().is_some_and(|cell| cell.made().1 > 0)
     }
 
     fn all_ready(&self) -> bool {
@@ -332,22 +370,31 @@ impl Session {
 
     fn report(&self, args: &Args, outcome: miette::Result<()>, restarts: u32) -> miette::Result<ExitCode> {
         let faults = self.tally.faults();
+        let parts = self.cell.as_ref().map(CellRun::made).filter(|(_, wanted)| *wanted > 0);
         let short = self.target.is_some_and(|target| self.tally.cycles() < target);
+        let short = short || parts.is_some_and(|(made, wanted)| made < wanted);
         let conflicts = self.observer.conflicts();
-        let ok = outcome.is_ok() && !short && conflicts.is_empty() && (self.target.is_none() || faults == 0);
+        let ok = outcome.is_ok() && !short && conflicts.is_empty() && (!self.ends() || faults == 0);
         let error = match &outcome {
             Err(error) => Some(error.to_string()),
+            Ok(()) if let Some((made, wanted)) = parts.filter(|_| short) => {
+                Some(format!("{made} of {wanted} parts were made"))
+            }
             Ok(()) if short => Some(format!("{} of {} cycles ended", self.tally.cycles(), args.cycles.unwrap_or(0))),
             Ok(()) => None,
         };
         let mode = self.client.coordinator().map_or("not heard", |state| mode_name(state.mode));
-        let report = self.tally.report(mode, &self.observer, restarts, error.clone());
+        let mut report = self.tally.report(mode, &self.observer, restarts, error.clone());
+        (report.parts_made, report.parts_wanted) = parts.unzip();
         if args.json {
             crate::out::say!("{}", serde_json::to_string(&report).into_diagnostic()?);
         } else {
+            let done = match parts {
+                Some((made, wanted)) => format!("{made} of {wanted} parts"),
+                None => format!("{} cycles", report.cycles),
+            };
             crate::out::say!(
-                "{} cycles, {faults} faults, {} conflicts seen in {} CAN frames",
-                report.cycles,
+                "{done}, {faults} faults, {} conflicts seen in {} CAN frames",
                 conflicts.len(),
                 report.frames_seen
             );
@@ -359,6 +406,13 @@ impl Session {
             }
         }
         Ok(if ok { ExitCode::SUCCESS } else { ExitCode::FAILURE })
+    }
+}
+
+async fn next_of(cell: &mut Option<CellRun>) -> miette::Result<Vec<String>> {
+    match cell {
+        Some(cell) => cell.next().await,
+        None => std::future::pending().await,
     }
 }
 

@@ -39,6 +39,12 @@ pub struct Report {
     pub line: String,
     /// Cycles ended.
     pub cycles: usize,
+    /// Of a cell, how many of the parts that were ordered are made.
+    #[serde(skip_serializing_if = "Option::is_none")]
+    pub parts_made: Option<u32>,
+    /// How many were ordered.
+    #[serde(skip_serializing_if = "Option::is_none")]
+    pub parts_wanted: Option<u32>,
     /// The mode at the end.
     pub mode: String,
     /// What each cycle took, end to end, in seconds; the first one from the start of auto.
@@ -160,6 +166,8 @@ impl Tally {
             stations.insert(self.line.station(id).name.clone(), self.station_report(id, tally));
         }
         Report {
+            parts_made: None,
+            parts_wanted: None,
             line: self.line.name.clone(),
             cycles: self.cycles(),
             mode: mode.to_owned(),

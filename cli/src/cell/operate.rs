@@ -1,0 +1,150 @@
+//! What a person asks of a running cell from a shell: `order` and `why`.
+
+use std::path::PathBuf;
+use std::process::ExitCode;
+use std::time::{Duration, SystemTime};
+
+use clap::{Args, Subcommand};
+use linewright_msgs::{CellState, ProductionState, Time};
+use linewright_node_shell::RosArgs;
+use miette::miette;
+
+use super::{CellClient, request};
+use crate::load;
+use crate::out::say;
+
+/// How long to wait for a cell to be heard.
+const CONNECT: Duration = Duration::from_secs(5);
+
+/// Order parts of a running cell, see what is on order, cancel or withdraw.
+#[derive(Debug, Args)]
+pub struct OrderArgs {
+    /// The cell's directory.
+    cell: PathBuf,
+    #[command(subcommand)]
+    what: Option<What>,
+}
+
+#[derive(Debug, Subcommand)]
+enum What {
+    /// Put something on order.
+    Submit(Submit),
+    /// Show what is on order; the same as no word at all.
+    List,
+    /// Let nothing more of an order enter; what is inside is finished.
+    Cancel {
+        /// The order's name.
+        name: String,
+    },
+    /// Make an order of which nothing has entered as if it had never been.
+    Withdraw {
+        /// The order's name.
+        name: String,
+    },
+}
+
+#[derive(Debug, Args)]
+struct Submit {
+    /// What is to be made: one of the cell's part types.
+    product: String,
+    /// How many.
+    #[arg(default_value_t = 1)]
+    quantity: u32,
+    /// What to call it; by default what it makes, and the time.
+    #[arg(long)]
+    name: Option<String>,
+    /// To be finished in so many seconds from now.
+    #[arg(long)]
+    due: Option<f64>,
+    /// Nothing of it enters for so many seconds from now.
+    #[arg(long)]
+    release: Option<f64>,
+    /// More comes first.
+    #[arg(long, default_value_t = 0, allow_negative_numbers = true)]
+    priority: i32,
+    /// Not before this order is over; repeat it for several.
+    #[arg(long)]
+    after: Vec<String>,
+}
+
+/// `linewright order`
+pub async fn order(args: OrderArgs, ros: &RosArgs) -> miette::Result<ExitCode> {
+    let line = load::line_of_cell(&args.cell)?;
+    let mut client = CellClient::open(&line, ros, "order")?;
+    match args.what {
+        None | Some(What::List) => say!("{}", list(client.until_heard(CONNECT).await?)),
+        Some(What::Submit(submit)) => {
+            let wall = SystemTime::now().duration_since(SystemTime::UNIX_EPOCH).unwrap_or_default();
+            let name = submit.name.clone().unwrap_or_else(|| format!("{} {}", submit.product, wall.as_secs()));
+            let mut wanted = request(&name, &submit.product, submit.quantity);
+            wanted.release = moment(wall, submit.release, "--release")?;
+            wanted.due = moment(wall, submit.due, "--due")?;
+            (wanted.priority, wanted.after) = (submit.priority, submit.after);
+            client.until_heard(CONNECT).await?;
+            let ids = client.submit(vec![wanted]).await?;
+            let ids: Vec<String> = ids.iter().map(u64::to_string).collect();
+            say!("production order {}: `{name}`", ids.join(", "));
+        }
+        Some(What::Cancel { name }) => {
+            client.until_heard(CONNECT).await?;
+            client.cancel(&name).await?;
+            say!("`{name}` is cancelled");
+        }
+        Some(What::Withdraw { name }) => {
+            client.until_heard(CONNECT).await?;
+            client.withdraw(&name).await?;
+            say!("`{name}` is withdrawn");
+        }
+    }
+    Ok(ExitCode::SUCCESS)
+}
+
+fn moment(now: Duration, after: Option<f64>, option: &str) -> miette::Result<Time> {
+    let Some(seconds) = after else { return Ok(Time::default()) };
+    let span = Duration::try_from_secs_f64(seconds).ok().filter(|span| span.as_secs() < 1_000_000_000);
+    let span = span.ok_or_else(|| miette!("{option} {seconds}: expected seconds from now, 0 to 1000000000"))?;
+    let at = now + span;
+    Ok(Time { sec: i32::try_from(at.as_secs()).unwrap_or(i32::MAX), nanosec: at.subsec_nanos() })
+}
+
+fn list(state: &CellState) -> String {
+    let orders = state.orders.as_slice();
+    let mut lines = vec![format!(
+        "{} parts inside, {} have left; {}",
+        state.parts_inside,
+        state.parts_left,
+        if state.starting { "activities may start" } else { "nothing starts: the cell is not in auto" }
+    )];
+    if orders.is_empty() {
+        lines.push("nothing is on order".to_owned());
+    }
+    let width = |of: fn(&ProductionState) -> usize| orders.iter().map(of).max().unwrap_or(0);
+    let (names, products) = (width(|order| order.name.chars().count()), width(|order| order.product.chars().count()));
+    for order in orders {
+        let lost = if order.lost > 0 { format!(", {} lost", order.lost) } else { String::new() };
+        lines.push(format!(
+            "{:>4}  {:names$}  {:products$}  {:>5} of {:<5}  {}{lost}",
+            order.id, order.name, order.product, order.done, order.quantity, order.text
+        ));
+    }
+    lines.extend(state.alarms.as_slice().iter().map(|alarm| format!("alarm {}: {}", alarm.id, alarm.text)));
+    lines.join("\n")
+}
+
+/// Ask why a part or a production order does not go on.
+#[derive(Debug, Args)]
+pub struct WhyArgs {
+    /// The cell's directory.
+    cell: PathBuf,
+    /// A part, by its number (7, or "part 7"), or a production order, by its name.
+    about: Vec<String>,
+}
+
+/// `linewright why`
+pub async fn why(args: WhyArgs, ros: &RosArgs) -> miette::Result<ExitCode> {
+    let line = load::line_of_cell(&args.cell)?;
+    let mut client = CellClient::open(&line, ros, "why")?;
+    client.until_heard(CONNECT).await?;
+    client.why(&args.about.join(" ")).await?.iter().for_each(|reason| say!("{reason}"));
+    Ok(ExitCode::SUCCESS)
+}

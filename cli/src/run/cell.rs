@@ -1,0 +1,102 @@
+//! What `run` does with a cell: it puts parts on order when the cell is in auto, and sees to it that they are made.
+
+use std::collections::BTreeSet;
+use std::time::Instant;
+
+use linewright_cell::Cell;
+use linewright_line::Line;
+use linewright_msgs::{CellState, ProductionState};
+use linewright_node_shell::RosArgs;
+use miette::miette;
+
+use crate::cell::{CellClient, is_over, request};
+
+/// A cell that runs.
+pub struct CellRun {
+    client: CellClient,
+    /// What is to be made, and how many of each.
+    wanted: Vec<(String, u32)>,
+    /// The orders' numbers, when they are on order.
+    ids: Option<BTreeSet<u64>>,
+    /// Alarms that were shown.
+    shown: BTreeSet<u64>,
+    /// When something last went on, and what it was.
+    progress: (u64, Instant),
+}
+
+impl CellRun {
+    /// Looks at the cell; nothing is ordered yet.
+    pub fn open(line: &Line, cell: &Cell, parts: &[(String, u32)], ros: &RosArgs) -> miette::Result<Self> {
+        for (name, _) in parts {
+            if cell.part_type_named(name).is_none() {
+                let known: Vec<&str> = cell.part_types.iter().map(|part| part.name.as_str()).collect();
+                return Err(miette!("there is no part type '{name}'; the cell makes {}", known.join(", ")));
+            }
+        }
+        let client = CellClient::open(line, ros, "run_cell")?;
+        let wanted = parts.iter().filter(|(_, count)| *count > 0).cloned().collect();
+        Ok(CellRun { client, wanted, ids: None, shown: BTreeSet::new(), progress: (0, Instant::now()) })
+    }
+
+    /// Waits for a newer state; gives what a person should read. Cancel safe.
+    pub async fn next(&mut self) -> miette::Result<Vec<String>> {
+        let state = self.client.next().await?;
+        let mut lines = Vec::new();
+        for alarm in state.alarms.as_slice() {
+            if self.shown.insert(alarm.id) {
+                lines.push(format!("alarm {}: {} Answer: {}.", alarm.id, alarm.text, alarm.answers.join(", ")));
+            }
+        }
+        let newest = state.activities.as_slice().iter().map(|activity| activity.id).max().unwrap_or(0);
+        let progress = newest + state.parts_left + state.activities.as_slice().len() as u64;
+        if progress != self.progress.0 {
+            self.progress = (progress, Instant::now());
+        }
+        Ok(lines)
+    }
+
+    /// When something last went on.
+    pub fn since(&self) -> Instant {
+        self.progress.1
+    }
+
+    /// Puts on order what is to be made, once.
+    pub async fn begin(&mut self) -> miette::Result<()> {
+        if self.ids.is_some() || self.wanted.is_empty() {
+            return Ok(());
+        }
+        let name = |product: &str| format!("{product} of run {}", std::process::id());
+        let requests = self.wanted.iter().map(|(product, count)| request(&name(product), product, *count));
+        self.ids = Some(self.client.submit(requests.collect()).await?.into_iter().collect());
+        self.progress.1 = Instant::now();
+        Ok(())
+    }
+
+    fn ours(&self) -> impl Iterator<Item = &ProductionState> {
+        let ids = self.ids.as_ref();
+        let orders = self.client.state().into_iter().flat_map(|state| state.orders.as_slice());
+        orders.filter(move |order| ids.is_some_and(|ids| ids.contains(&order.id)))
+    }
+
+    /// Whether all that was ordered here is over.
+    pub fn is_over(&self) -> bool {
+        let over = self.ours().filter(|order| is_over(order)).count();
+        self.ids.as_ref().is_some_and(|ids| over == ids.len())
+    }
+
+    /// How many parts of what was ordered here are made, and how many were ordered.
+    pub fn made(&self) -> (u32, u32) {
+        (self.ours().map(|order| order.done).sum(), self.wanted.iter().map(|(_, count)| count).sum())
+    }
+
+    /// What it is waiting for, in words.
+    pub fn waits(&self) -> Vec<String> {
+        let Some(state) = self.client.state() else { return vec!["the cell is not heard".to_owned()] };
+        let alarms = state.alarms.as_slice().iter().map(|alarm| format!("alarm {}: {}", alarm.id, alarm.text));
+        let activities = |state: &CellState| {
+            let line = |a: &linewright_msgs::ActivityState| format!("`{}` of part {}: {}", a.name, a.part, a.text);
+            state.activities.as_slice().iter().map(line).collect::<Vec<_>>()
+        };
+        alarms.chain(activities(state)).collect()
+    }
+}
