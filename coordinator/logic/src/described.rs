@@ -3,6 +3,8 @@
 //! The only module here that knows descriptions. Each mode of the coordination net gets an activity of its own, since times
 //! and programs depend on the stage. What the net says of transitions and places is not worked out again.
 
+mod sheet;
+
 use std::sync::Arc;
 use std::time::Duration;
 
@@ -13,11 +15,12 @@ use linewright_nets::PlaceId;
 use linewright_nets::coloured::{ColouredError, Colours, UnfoldError, Unfolding, unfold};
 use thiserror::Error;
 
+pub use sheet::sheet;
+
 use crate::cell::ahead::LookAhead;
 use crate::cell::dispatch::ByRules;
 use crate::cell::production::Desk;
 use crate::cell::schedule::{Builtin, Foreman};
-use crate::cell::tracking::{Entry, Passing, Sheet};
 use crate::cell::{
     Activity, ActivityKind, CellId, CellKind, CellTable, ModeId, OrderTemplate, Pick, Plan, PlanError, Product, State,
     Store, Value,
@@ -214,44 +217,17 @@ fn stores(cell: &Cell, net: &CellNet, long: &Unfolding) -> Vec<Store> {
     cell.resource_ids().filter(is_random).map(store).collect()
 }
 
-/// What a report has to know of a cell beside its records.
-pub fn sheet(cell: &Cell, made: &Described) -> Sheet {
-    let index = |part: linewright_cell::Use| part.of.map(|id| id.index());
-    let entry = |t| match made.net.move_of(cell, made.long.mode(t)) {
-        Some((activity, of)) => Entry {
-            activity: activity.name.as_str().into(),
-            resources: activity.uses.iter().copied().filter_map(index).collect(),
-            worker: match activity.kind {
-                linewright_cell::ActivityKind::Process => activity.used(Role::Worker).and_then(index),
-                linewright_cell::ActivityKind::Transport
-                | linewright_cell::ActivityKind::Enter
-                | linewright_cell::ActivityKind::Leave => None,
-            },
-            nominal: of.time.unwrap_or_default(),
-            passing: match activity.kind {
-                linewright_cell::ActivityKind::Enter => Passing::Enters,
-                linewright_cell::ActivityKind::Leave => Passing::Leaves,
-                linewright_cell::ActivityKind::Transport | linewright_cell::ActivityKind::Process => Passing::Inside,
-            },
-        },
-        None => Entry {
-            activity: made.long.net().transition_name(t).into(),
-            resources: Vec::new(),
-            worker: None,
-            nominal: Duration::ZERO,
-            passing: Passing::Inside,
-        },
-    };
-    Sheet {
-        resources: cell.resources.iter().map(|resource| resource.name.as_str().into()).collect(),
-        modes: made.long.net().transitions().map(entry).collect(),
-    }
-}
-
 /// The dispatcher that a description asks for, with production orders, looking ahead, and a schedule if that is among its
 /// rules. It begins with what is known of the cell, and is told all records from then on.
 pub fn foreman(cell: &Cell, made: &Described, state: &State) -> Foreman {
     let desk = Desk::new(dispatcher(cell, &made.table), state.production().clone());
+    let look = LookAhead::new(&made.table, desk, cell.dispatch.look_ahead);
+    Foreman::new(look, Box::new(Builtin::default()))
+}
+
+/// The same where nothing is on order: whatever waits outside is to be made.
+pub fn planner(cell: &Cell, made: &Described) -> Foreman {
+    let desk = Desk::without_orders(dispatcher(cell, &made.table));
     let look = LookAhead::new(&made.table, desk, cell.dispatch.look_ahead);
     Foreman::new(look, Box::new(Builtin::default()))
 }

@@ -163,6 +163,24 @@ impl Log {
         Ok((log, cut))
     }
 
+    /// Gives everything that the newest file of the log at `path` has to `read`, as far as it is written, while another thread
+    /// or process may be writing it. Nothing is changed; a record that is being written is left out.
+    ///
+    /// # Errors
+    /// When there is none, or it cannot be read; when something on the disk is damaged; what `read` refuses.
+    pub fn read(path: &Path, mut read: impl FnMut(Entry<'_>) -> Result<(), String>) -> Result<(), LogError> {
+        loop {
+            let Some(segment) = file::newest(path)? else { return Err(at(path, io::ErrorKind::NotFound.into())) };
+            let name = file::name(path, segment);
+            match File::open(&name) {
+                Ok(file) => return read_all(&file, &name, &mut read).map(|_| ()),
+                // It has begun anew in between.
+                Err(_) if file::newest(path)?.is_some_and(|newest| newest > segment) => (),
+                Err(error) => return Err(at(&name, error)),
+            }
+        }
+    }
+
     /// Writes records behind all others, in one go. They are kept if the process is killed, and after [`Log::sync`] if the
     /// power goes.
     ///

@@ -39,7 +39,7 @@ const FORBIDDEN: [&str; 9] = [
 ];
 
 /// For each crate, those of the workspace it may build on. Dependencies point one way; a new crate gets a row here.
-const MAY_USE: [(&str, &[&str]); 21] = [
+const MAY_USE: [(&str, &[&str]); 22] = [
     ("linewright-nets", &[]),
     ("linewright-problems", &[]),
     ("linewright-text", &[]),
@@ -50,6 +50,7 @@ const MAY_USE: [(&str, &[&str]); 21] = [
     ("linewright-dbc", &["linewright-line"]),
     ("linewright-station-logic", &["linewright-nets", "linewright-line"]),
     ("linewright-coordinator-logic", &["linewright-nets", "linewright-line", "linewright-cell"]),
+    ("linewright-history", &["linewright-line", "linewright-coordinator-logic"]),
     ("linewright-msgs", &[]),
     ("linewright-node-shell", &["linewright-msgs"]),
     ("linewright-fieldbus", &["linewright-line", "linewright-eds", "linewright-dbc"]),
@@ -90,6 +91,7 @@ const MAY_USE: [(&str, &[&str]); 21] = [
             "linewright-line",
             "linewright-cell",
             "linewright-coordinator-logic",
+            "linewright-history",
             // How a station's report looks as a message is written once, there.
             "linewright-station-node",
             "linewright-station-logic",
@@ -115,6 +117,7 @@ const EVERYTHING: &[&str] = &[
     "linewright-dbc",
     "linewright-station-logic",
     "linewright-coordinator-logic",
+    "linewright-history",
     "linewright-msgs",
     "linewright-node-shell",
     "linewright-fieldbus",

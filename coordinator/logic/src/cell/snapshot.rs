@@ -59,6 +59,13 @@ struct Memory {
     memory: u64,
 }
 
+impl Snapshot {
+    /// The number of the last record that it stands for.
+    pub fn sequence(&self) -> u64 {
+        self.sequence
+    }
+}
+
 impl State {
     /// What this state is made of.
     pub fn snapshot(&self) -> Snapshot {

@@ -3,13 +3,13 @@
 use std::collections::BTreeMap;
 use std::time::Duration;
 
-use linewright_coordinator_logic::cell::production::Desk;
-use linewright_coordinator_logic::cell::tracking::{Report, Tracking};
+use linewright_coordinator_logic::cell::production::{Desk, Production};
+use linewright_coordinator_logic::cell::tracking::{Report, Resource, Tracking};
 use linewright_coordinator_logic::cell::{Fact, FiringId, ModeId, PartId, Record};
 use linewright_coordinator_logic::described::{dispatcher, sheet};
 use linewright_line::Tick;
 
-use crate::shop::{ASSEMBLY, C1, Made, Shop};
+use crate::shop::{ASSEMBLY, C1, Made, Shop, changed, request};
 
 const LONG: Tick = Tick::from_millis(3_600_000);
 
@@ -39,7 +39,7 @@ fn what_everybody_did_is_what_the_plan_adds_up_to() {
     let report = report(&made, &shop.log, shop.makespan());
     assert_eq!((report.left, report.inside, report.failures), (3, 0, 0));
     assert_eq!(report.observed, shop.makespan().since(Tick::ZERO));
-    let of = |name: &str| report.resources.iter().find(|resource| &*resource.name == name).unwrap();
+    let of = |name: &str| report.resources.iter().find(|resource| resource.name == name).unwrap();
     assert_eq!(
         (of("robot_1").busy, of("robot_2").busy, of("human").busy),
         (seconds(14.0), seconds(13.5), seconds(17.0))
@@ -55,7 +55,9 @@ fn what_everybody_did_is_what_the_plan_adds_up_to() {
     assert_eq!((report.moved.least, report.moved.most), (seconds(4.0), seconds(6.0)));
     let spent = report.worked.total + report.moved.total + report.waited.total;
     assert_eq!(spent, report.lead.total, "a part is always one of the three");
-    assert_eq!((report.quality(0), report.quality(1)), (Some(1.0), Some(0.75)));
+    let of = report.effectiveness().unwrap();
+    assert_eq!((of.availability, of.performance, of.quality, of.product()), (1.0, 1.0, 1.0, 1.0));
+    assert_eq!(Report { lost: 1, ..report }.quality(), Some(0.75));
 }
 
 #[test]
@@ -99,10 +101,10 @@ fn recounted(made: &Made, log: &[Record], now: Tick) -> BTreeMap<String, (u64, u
             (*from..*to).contains(&at) && sheet.modes[mode.index()].resources.contains(&resource)
         })
     };
-    let count = |(resource, name): (usize, &std::sync::Arc<str>)| {
+    let count = |(resource, of): (usize, &Resource)| {
         let down = (0..milli(now)).filter(|&at| within(&downs, resource, at)).count() as u64;
         let busy = (0..milli(now)).filter(|&at| within(&spans, resource, at) && !within(&downs, resource, at));
-        (name.to_string(), (busy.count() as u64, down))
+        (of.name.to_string(), (busy.count() as u64, down))
     };
     sheet.resources.iter().enumerate().map(count).collect()
 }
@@ -126,7 +128,7 @@ fn busy_and_down_are_what_a_slow_recount_says() {
             let expected = recounted(&made, &shop.log, now);
             for resource in &report.resources {
                 let said = (resource.busy.as_millis() as u64, resource.down.as_millis() as u64);
-                assert_eq!(said, expected[&*resource.name], "{}", resource.name);
+                assert_eq!(said, expected[&resource.name], "{}", resource.name);
                 let causes: Duration = resource.causes.iter().map(|(.., down)| down).sum();
                 assert!(causes >= resource.down, "each has its own cause");
             }
@@ -169,4 +171,96 @@ fn a_report_in_between_counts_what_has_left() {
         seen = (entered, left);
     }
     assert_eq!(seen, (4, 4));
+}
+
+/// Whatever spans a time is cut into, what is counted in them adds up to what is counted in all of it.
+#[test]
+fn what_is_counted_in_spans_adds_up() {
+    for (text, failing) in [(ASSEMBLY, false), (C1, false), (C1, true)] {
+        let made = Made::new(text);
+        let products: Vec<_> = made.cell.part_types.iter().map(|part| (part.name.as_str(), 3, None)).collect();
+        let shop = played(&made, &products, |shop| {
+            let works = made.table.modes().find(|&mode| made.table.activity(mode).name.ends_with(".process"));
+            if failing {
+                shop.fails.insert(works.unwrap(), 1);
+            }
+        });
+        let end = shop.makespan() + seconds(17.0);
+        let whole = report(&made, &shop.log, end);
+        for length in [7.3, 31.0, 1000.0] {
+            let mut spans = Vec::new();
+            let mut from = Tick::ZERO;
+            while from < end {
+                let to = (from + seconds(length)).min(end);
+                let mut tracking = Tracking::since(sheet(&made.cell, &made.made), from);
+                // What happens at the moment between two belongs to the later one.
+                let told = shop.log.iter().filter(|record| record.at < to || to == end);
+                told.for_each(|record| tracking.take(record));
+                spans.push(tracking.report(to));
+                from = to;
+            }
+            assert_eq!(spans.iter().map(|span| span.observed).sum::<Duration>(), whole.observed);
+            assert_eq!(spans.iter().map(|span| span.left).sum::<usize>(), whole.left);
+            assert_eq!(spans.iter().map(|span| span.failures).sum::<u64>(), whole.failures);
+            assert_eq!(spans.last().unwrap().inside, whole.inside);
+            for (index, expected) in whole.resources.iter().enumerate() {
+                let of = || spans.iter().map(move |span| &span.resources[index]);
+                let sum = |what: fn(&linewright_coordinator_logic::cell::tracking::ResourceReport) -> Duration| {
+                    of().map(what).sum::<Duration>()
+                };
+                assert_eq!(sum(|of| of.busy), expected.busy, "{} in spans of {length} s", expected.name);
+                assert_eq!(sum(|of| of.work), expected.work);
+                assert_eq!(sum(|of| of.down), expected.down);
+                assert_eq!((sum(|of| of.nominal), sum(|of| of.actual)), (expected.nominal, expected.actual));
+                let causes = |of: &linewright_coordinator_logic::cell::tracking::ResourceReport| {
+                    of.causes.iter().map(|(.., down)| down).sum::<Duration>()
+                };
+                assert_eq!(sum(causes), causes(expected));
+                assert_eq!(of().map(|of| of.most).max().unwrap(), expected.most);
+                let taken: f64 =
+                    spans.iter().map(|span| span.resources[index].taken * span.observed.as_secs_f64()).sum();
+                assert!((taken - expected.taken * whole.observed.as_secs_f64()).abs() < 1e-6);
+            }
+        }
+    }
+}
+
+/// With one order of each product, an order is over when the last part of its product has left.
+#[test]
+fn lateness_is_that_of_the_last_part() {
+    for (due, expected_late) in [(20, 3), (1000, 0)] {
+        let made = Made::new(ASSEMBLY);
+        let orders = [("1", 2, Some(due)), ("2", 2, Some(due)), ("3", 2, Some(due))];
+        let mut shop = played(&made, &orders, |_| ());
+        let requests: Vec<_> = (1..).zip(&orders).map(|(key, of)| request(key, of)).collect();
+        let accepted = Production::new(&made.table).submit(&requests).unwrap().into_iter();
+        shop.log.splice(1..1, accepted.map(|change| changed(Tick::ZERO, change)));
+        let mut last = BTreeMap::<usize, Tick>::new();
+        let mut leaving = BTreeMap::new();
+        let entries = sheet(&made.cell, &made.made).modes;
+        for record in &shop.log {
+            match &record.fact {
+                Fact::Started { firing, mode, .. } if &*entries[mode.index()].activity == "depart" => {
+                    leaving.insert(*firing, entries[mode.index()].product.unwrap());
+                }
+                Fact::Ended { firing } => {
+                    leaving.get(firing).and_then(|&product| last.insert(product, record.at));
+                }
+                _ => {}
+            }
+        }
+        let mut tracking = Tracking::new(sheet(&made.cell, &made.made));
+        shop.log.iter().for_each(|record| tracking.take(record));
+        let due = Tick::from_millis(due * 1000);
+        let said = tracking.production().orders().map(|order| (order.product, order.ended, order.lateness()));
+        let signed = |tick: Tick| i64::try_from(tick.as_micros()).unwrap();
+        let expected = last.iter().map(|(&product, &at)| (product, Some(at), Some(signed(at) - signed(due))));
+        assert_eq!(said.collect::<Vec<_>>(), expected.collect::<Vec<_>>());
+        let report = tracking.report(shop.makespan());
+        let late: Vec<Duration> = last.values().map(|at| at.since(due)).filter(|late| !late.is_zero()).collect();
+        assert_eq!((report.orders.done, report.orders.open, report.orders.due), (3, 0, 3));
+        assert_eq!((report.orders.in_time, report.orders.late.count), (3 - expected_late, expected_late));
+        assert_eq!(report.orders.late.most, late.iter().max().copied().unwrap_or_default());
+        assert!(report.to_string().contains("orders: 3 done, 0 open;"), "{report}");
+    }
 }

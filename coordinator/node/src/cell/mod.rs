@@ -2,6 +2,7 @@
 //!
 //! What happens next is decided in [`linewright_coordinator_logic::cell`]; here it is written down, sent and told.
 
+mod history;
 mod log;
 mod play;
 mod topics;
@@ -9,5 +10,6 @@ mod why;
 mod wire;
 mod words;
 
+pub use history::Chronicle;
 pub use log::{CellLog, CellLogError, Found, RECORDS_MAX};
 pub use play::{CellError, CellOptions, Playing};

@@ -22,7 +22,7 @@ const LONG: Tick = Tick::from_millis(24 * 3_600_000);
 
 /// How a coordinator comes to its end.
 #[derive(Clone, Copy, Debug, PartialEq)]
-enum Death {
+pub enum Death {
     /// Its process is killed: what was written is there.
     Killed,
     /// The power goes: what was synced is there, and of what was written behind that any number of bytes.
@@ -30,7 +30,7 @@ enum Death {
 }
 
 /// A log on disk.
-struct OnDisk {
+pub struct OnDisk {
     path: PathBuf,
     /// None while nobody has it open.
     log: Option<CellLog>,
@@ -43,10 +43,15 @@ struct OnDisk {
 }
 
 impl OnDisk {
-    fn new(dir: &Path, table: &Arc<CellTable>, death: Death, snapshot_after: u64) -> Self {
+    pub fn new(dir: &Path, table: &Arc<CellTable>, death: Death, snapshot_after: u64) -> Self {
         let path = dir.join("cell.log");
         let log = CellLog::open(&path, "cell", table).expect("opens").log;
         OnDisk { path, synced: log.file(), log: Some(log), death, snapshot_after, since: 0 }
+    }
+
+    /// Whether a snapshot is due.
+    pub fn is_long(&self) -> bool {
+        self.since >= self.snapshot_after
     }
 
     fn log(&mut self) -> &mut CellLog {
@@ -83,7 +88,7 @@ impl Store for OnDisk {
     }
 
     fn settled(&mut self, state: &State) {
-        if self.since >= self.snapshot_after {
+        if self.is_long() {
             self.log().begin_anew(state).expect("begins anew");
             self.synced = self.log().file();
             self.since = 0;
@@ -91,7 +96,7 @@ impl Store for OnDisk {
     }
 }
 
-fn options(seed: u64, bad_luck: u64, crash_at: Vec<usize>) -> CellOptions {
+pub fn options(seed: u64, bad_luck: u64, crash_at: Vec<usize>) -> CellOptions {
     let millis = Duration::from_millis;
     CellOptions {
         seed,

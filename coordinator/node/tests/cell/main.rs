@@ -1,6 +1,7 @@
 //! The log of a cell: what is in it, whatever was cut off; and both shipped cells, killed at every step and begun again
-//! from the bytes of their logs.
+//! from the bytes of their logs; and the database beside the log.
 
 mod crash;
+mod history;
 mod log;
 mod shipped;

@@ -15,6 +15,7 @@ use super::super::dispatch::{Admission, Jobs, Waiting};
 use super::super::ids::{FiringId, ModeId, PartId, ProductionId};
 use super::super::record::{Fact, Record};
 use super::super::table::CellTable;
+use super::super::tracking::{Entry, Passing, Sheet};
 use super::order::{Order, Status};
 use super::request::{ORDERS_MAX, Request, Wrong, find_circle};
 
@@ -99,6 +100,8 @@ pub struct Production {
     /// Activities in progress that take a part out.
     pub(super) leaving: BTreeMap<FiringId, PartId>,
     pub(super) last: u64,
+    /// Those that are over are not forgotten.
+    keeps_all: bool,
 }
 
 impl Production {
@@ -111,6 +114,20 @@ impl Production {
             products: products.iter().map(|product| product.name.clone()).collect(),
             enters: modes.collect(),
             leaves: table.modes().filter(is_leave).collect(),
+            ..Production::default()
+        }
+    }
+
+    /// The same from what a report knows of the cell. No order is ever forgotten.
+    pub fn of_sheet(sheet: &Sheet) -> Self {
+        let modes = || (0..).map(ModeId).zip(&sheet.modes);
+        let passing = |passing| move |(_, entry): &(ModeId, &Entry)| entry.passing == passing;
+        let enters = modes().filter(passing(Passing::Enters));
+        Production {
+            products: sheet.products.iter().map(|name| name.as_str().into()).collect(),
+            enters: enters.filter_map(|(mode, entry)| Some((mode, entry.product?))).collect(),
+            leaves: modes().filter(passing(Passing::Leaves)).map(|(mode, _)| mode).collect(),
+            keeps_all: true,
             ..Production::default()
         }
     }
@@ -289,6 +306,9 @@ impl Production {
 
     /// Forgets the oldest of those that are over and that nobody waits for.
     fn forget(&mut self) {
+        if self.keeps_all {
+            return;
+        }
         let over = self.orders.values().filter(|order| order.ended.is_some());
         let too_many = over.clone().count().saturating_sub(KEPT);
         let dispensable = over.filter(|order| self.waiting_for(order.id).is_none()).map(|order| order.id);

@@ -12,23 +12,28 @@ use std::time::Duration;
 use linewright_line::Tick;
 
 use super::super::ids::{FiringId, ModeId, PartId};
+use super::super::production::{Change, Production};
 use super::super::record::{Cause, Fact, Record};
+use super::orders::OrdersReport;
 use super::report::{Causes, Report, ResourceReport};
 use super::spread::Spread;
-use super::{Entry, Passing, Sheet};
+use super::{Entry, Passing, Resource, Sheet, cause_in_words};
 
 /// What has happened so far.
 #[derive(Clone, Debug)]
 pub struct Tracking {
     sheet: Sheet,
+    /// Nothing before this counts.
+    from: Tick,
     began: Option<Tick>,
     now: Tick,
     open: BTreeMap<FiringId, Open>,
     resources: Vec<Tally>,
     parts: BTreeMap<PartId, Passage>,
     left: Vec<Passage>,
-    waited: Vec<Duration>,
     failures: u64,
+    lost: u64,
+    production: Production,
 }
 
 /// An activity in progress.
@@ -49,60 +54,102 @@ struct Tally {
     busy: Duration,
     down: Duration,
     causes: Causes,
+    /// Of those in progress that have not failed, those that it works or carries in.
+    working: u32,
+    work: Duration,
+    /// How much of its room is taken, for how long how much was, and how much was at most.
+    taken: u32,
+    room: Duration,
+    most: u32,
     /// Of what was worked on here and has ended: how long it should have taken, and how long it did.
     nominal: Duration,
     actual: Duration,
     worked: u64,
 }
 
-/// A part on its way.
-#[derive(Clone, Copy, Debug)]
-struct Passage {
-    entered: Tick,
-    left: Tick,
-    worked: Duration,
-    moved: Duration,
+/// A part's way through the cell.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub struct Passage {
+    /// Which part.
+    pub part: PartId,
+    /// What it is to become, as a position in [`Sheet::products`]; none if nobody knows.
+    pub product: Option<usize>,
+    /// When it entered.
+    pub entered: Tick,
+    /// When it left; none while it is inside.
+    pub left: Option<Tick>,
+    /// How long it was worked on, of what is over.
+    pub worked: Duration,
+    /// How long it was moved, of what is over.
+    pub moved: Duration,
+}
+
+impl Passage {
+    /// How long it was inside, and of that neither worked on nor moved; none while it is inside.
+    pub fn lead_and_wait(&self) -> Option<(Duration, Duration)> {
+        let lead = self.left?.since(self.entered);
+        Some((lead, lead.saturating_sub(self.worked + self.moved)))
+    }
 }
 
 impl Tracking {
     /// Nothing has happened yet.
     pub fn new(sheet: Sheet) -> Self {
+        Self::since(sheet, Tick::ZERO)
+    }
+
+    /// The same, and nothing before a moment will count. It has to be told of that as well.
+    pub fn since(sheet: Sheet, from: Tick) -> Self {
         let resources = vec![Tally::default(); sheet.resources.len()];
+        let production = Production::of_sheet(&sheet);
         Tracking {
             sheet,
+            from,
             began: None,
             now: Tick::ZERO,
             open: BTreeMap::new(),
             resources,
             parts: BTreeMap::new(),
             left: Vec::new(),
-            waited: Vec::new(),
             failures: 0,
+            lost: 0,
+            production,
         }
     }
 
     /// The next record, in the order in which they were written.
     pub fn take(&mut self, record: &Record) {
         self.pass(record.at);
+        // What does not fit is of an order that was accepted before the first record there is.
+        _ = self.production.note(record);
         match &record.fact {
             Fact::Started { firing, mode, part, .. } => {
                 self.open.insert(*firing, Open { mode: *mode, part: *part, began: record.at, failed: None });
                 self.each(*mode, |tally| tally.running += 1);
+                self.works(*mode, |working| working + 1);
+                self.holds(*mode);
                 self.enters(*mode, *part, record.at);
             }
             Fact::Raised { firing, cause } => self.fails(*firing, cause, record.at),
             Fact::Ended { firing } => self.ends(*firing, record.at),
             Fact::Fired { mode, part } => {
+                self.holds(*mode);
+                self.lets_go(*mode);
                 self.enters(*mode, *part, record.at);
                 self.leaves(*mode, *part, record.at);
             }
-            Fact::Epoch { .. }
+            Fact::Production { change: Change::Lost(part) } => {
+                if self.parts.remove(part).is_some() {
+                    self.lost += u64::from(record.at >= self.from);
+                }
+            }
+            Fact::Production { change: Change::Accepted { .. } | Change::Cancelled(_) | Change::Withdrawn(_) }
+            | Fact::Epoch { .. }
             | Fact::Memory { .. }
             | Fact::Decided { .. }
             | Fact::Acknowledged { .. }
             | Fact::OrderEnded { .. }
-            | Fact::OrderFailed { .. }
-            | Fact::Production { .. } => {}
+            | Fact::OrderFailed { .. } => {}
         }
     }
 
@@ -113,13 +160,19 @@ impl Tracking {
         for open in until.open.values() {
             if let (Some((since, cause)), Some(entry)) = (&open.failed, until.sheet.modes.get(open.mode.index())) {
                 for &resource in &entry.resources {
-                    until.resources[resource].causes.add(cause, now.since(*since));
+                    until.resources[resource].causes.add(cause, now.since((*since).max(self.from)));
                 }
             }
         }
-        let observed = until.began.map_or(Duration::ZERO, |began| now.since(began));
-        let resource = |(name, tally): (_, &Tally)| ResourceReport {
-            name,
+        let observed = until.began.map_or(Duration::ZERO, |began| now.since(began.max(self.from)));
+        let mean = |room: Duration| if observed.is_zero() { 0.0 } else { room.as_secs_f64() / observed.as_secs_f64() };
+        let resource = |(of, tally): (Resource, &Tally)| ResourceReport {
+            name: of.name,
+            prototype: of.prototype,
+            capacity: of.capacity,
+            work: tally.work,
+            taken: mean(tally.room),
+            most: tally.most,
             busy: tally.busy,
             down: tally.down,
             causes: tally.causes.clone(),
@@ -127,25 +180,48 @@ impl Tracking {
             nominal: tally.nominal,
             actual: tally.actual,
         };
-        let lead = |passage: &Passage| passage.left.since(passage.entered);
+        let times = until.left.iter().filter_map(Passage::lead_and_wait);
+        let (lead, waited) = times.unzip();
         Report {
             observed,
             resources: until.sheet.resources.iter().cloned().zip(&until.resources).map(resource).collect(),
             inside: until.parts.len(),
             left: until.left.len(),
+            lost: until.lost,
             failures: until.failures,
-            lead: Spread::of(until.left.iter().map(lead).collect()),
+            orders: OrdersReport::of(self.production.orders(), self.from),
+            lead: Spread::of(lead),
             worked: Spread::of(until.left.iter().map(|passage| passage.worked).collect()),
             moved: Spread::of(until.left.iter().map(|passage| passage.moved).collect()),
-            waited: Spread::of(until.waited.clone()),
+            waited: Spread::of(waited),
         }
+    }
+
+    /// The parts that have left, and those that are inside, each in its order.
+    pub fn passages(&self) -> impl Iterator<Item = &Passage> {
+        self.left.iter().chain(self.parts.values())
+    }
+
+    /// The production orders.
+    pub fn production(&self) -> &Production {
+        &self.production
+    }
+
+    /// What is known of the cell.
+    pub fn sheet(&self) -> &Sheet {
+        &self.sheet
     }
 
     /// Time goes by: whoever is busy was busy, whoever is down was down.
     fn pass(&mut self, now: Tick) {
         self.began.get_or_insert(now);
-        let gone = now.since(self.now);
+        let gone = now.since(self.now.max(self.from));
         for tally in &mut self.resources {
+            tally.work += gone * tally.working;
+            tally.room += gone * tally.taken;
+            if !gone.is_zero() {
+                tally.most = tally.most.max(tally.taken);
+            }
             if tally.failed > 0 {
                 tally.down += gone;
             } else if tally.running > 0 {
@@ -161,15 +237,36 @@ impl Tracking {
         }
     }
 
+    /// Whoever works or carries does so in more activities, or in fewer.
+    fn works(&mut self, mode: ModeId, change: impl Fn(u32) -> u32) {
+        let Some(entry) = self.sheet.modes.get(mode.index()) else { return };
+        for resource in [entry.worker, entry.carrier].into_iter().flatten() {
+            self.resources[resource].working = change(self.resources[resource].working);
+        }
+    }
+
+    /// Room for the part is taken where it goes.
+    fn holds(&mut self, mode: ModeId) {
+        if let Some(target) = self.sheet.entry(mode).and_then(|entry| entry.target) {
+            self.resources[target].taken += 1;
+        }
+    }
+
+    /// Room for the part is free where it was.
+    fn lets_go(&mut self, mode: ModeId) {
+        if let Some(source) = self.sheet.entry(mode).and_then(|entry| entry.source) {
+            let taken = &mut self.resources[source].taken;
+            *taken = taken.saturating_sub(1);
+        }
+    }
+
     fn fails(&mut self, firing: FiringId, cause: &Cause, at: Tick) {
         let Some(open) = self.open.get_mut(&firing) else { return };
-        let cause = match cause {
-            Cause::TimedOut => "takes longer than it may".to_owned(),
-            Cause::Order { failure, .. } => failure.to_string(),
-        };
+        let cause = cause_in_words(cause);
         open.failed = Some((at, cause));
         let mode = open.mode;
-        self.failures += 1;
+        self.failures += u64::from(at >= self.from);
+        self.works(mode, |working| working - 1);
         self.each(mode, |tally| {
             tally.running -= 1;
             tally.failed += 1;
@@ -178,16 +275,23 @@ impl Tracking {
 
     fn ends(&mut self, firing: FiringId, at: Tick) {
         let Some(open) = self.open.remove(&firing) else { return };
-        let took = at.since(open.began);
+        let (took, counts) = (at.since(open.began), at >= self.from);
+        let from = self.from;
         match &open.failed {
-            None => self.each(open.mode, |tally| tally.running -= 1),
+            None => {
+                self.works(open.mode, |working| working - 1);
+                self.each(open.mode, |tally| tally.running -= 1);
+            }
             Some((since, cause)) => self.each(open.mode, |tally| {
                 tally.failed -= 1;
-                tally.causes.add(cause, at.since(*since));
+                if counts {
+                    tally.causes.add(cause, at.since((*since).max(from)));
+                }
             }),
         }
+        self.lets_go(open.mode);
         let Some(Entry { worker, nominal, .. }) = self.sheet.modes.get(open.mode.index()) else { return };
-        if let Some(worker) = *worker {
+        if let Some(worker) = worker.filter(|_| counts) {
             let tally = &mut self.resources[worker];
             tally.worked += 1;
             tally.nominal += *nominal;
@@ -206,19 +310,15 @@ impl Tracking {
         if let Some(part) = part
             && self.sheet.entry(mode).is_some_and(|entry| entry.passing == Passing::Enters)
         {
+            let product = self.sheet.entry(mode).and_then(|entry| entry.product);
             let (worked, moved) = (Duration::ZERO, Duration::ZERO);
-            self.parts.insert(part, Passage { entered: at, left: at, worked, moved });
+            self.parts.insert(part, Passage { part, product, entered: at, left: None, worked, moved });
         }
     }
 
     fn leaves(&mut self, mode: ModeId, part: Option<PartId>, at: Tick) {
         let leaves = self.sheet.entry(mode).is_some_and(|entry| entry.passing == Passing::Leaves);
         let passage = part.filter(|_| leaves).and_then(|part| self.parts.remove(&part));
-        if let Some(passage) = passage {
-            let passage = Passage { left: at, ..passage };
-            let spent = passage.worked + passage.moved;
-            self.waited.push(at.since(passage.entered).saturating_sub(spent));
-            self.left.push(passage);
-        }
+        self.left.extend(passage.filter(|_| at >= self.from).map(|passage| Passage { left: Some(at), ..passage }));
     }
 }

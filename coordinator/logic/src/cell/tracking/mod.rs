@@ -3,42 +3,76 @@
 //! Records say what has happened, so everything a report wants follows from them: who was busy for how long and who was
 //! down for what cause, how long parts were worked on and how long they waited. Nothing is written down for the sake of a
 //! report, and a report made after a restart says the same. What records do not say is in the [`Sheet`]: which resources
-//! an activity takes, and how long it should take.
+//! an activity takes, and how long it should take. A report may be about a span of time: what lay before is folded as well,
+//! since what was going on at its beginning follows from that, but not counted.
 //!
 //! Memory: a few words for each part that has left (for the percentiles) and for each that is inside. Times are those of
 //! the records; the clock is the caller's.
 
+mod activities;
 mod fold;
+mod orders;
 mod report;
 mod spread;
 
-use std::sync::Arc;
 use std::time::Duration;
 
-pub use fold::Tracking;
-pub use report::{Causes, Report, ResourceReport};
+pub use activities::{Activities, Done, Failed};
+pub use fold::{Passage, Tracking};
+pub use orders::OrdersReport;
+pub use report::{Causes, Effectiveness, Report, ResourceReport};
 pub use spread::Spread;
 
-use super::ids::ModeId;
+use serde::{Deserialize, Serialize};
 
-/// What a report has to know of a cell beside its records.
-#[derive(Clone, Debug, Default, PartialEq, Eq)]
+use super::ids::ModeId;
+use super::record::Cause;
+
+/// What a report has to know of a cell beside its records. It is written down beside them, so that a report needs no
+/// description.
+#[derive(Clone, Debug, Default, PartialEq, Eq, Serialize, Deserialize)]
+#[serde(deny_unknown_fields)]
 pub struct Sheet {
-    /// The resources, by what people call them.
-    pub resources: Vec<Arc<str>>,
+    /// Who takes part in activities.
+    pub resources: Vec<Resource>,
+    /// What is made, by what people call it.
+    pub products: Vec<String>,
     /// The modes, in the order of the table.
     pub modes: Vec<Entry>,
 }
 
+/// A resource.
+#[derive(Clone, Debug, PartialEq, Eq, Serialize, Deserialize)]
+#[serde(deny_unknown_fields)]
+pub struct Resource {
+    /// What people call it.
+    pub name: String,
+    /// What it is: a machine, a robot, a store.
+    pub prototype: String,
+    /// How many parts it holds, or carries at a time.
+    pub capacity: u32,
+}
+
 /// What one mode is.
-#[derive(Clone, Debug, PartialEq, Eq)]
+#[derive(Clone, Debug, PartialEq, Eq, Serialize, Deserialize)]
+#[serde(deny_unknown_fields)]
 pub struct Entry {
+    /// The mode, by what the net calls it.
+    pub name: String,
     /// The activity, by what people call it.
-    pub activity: Arc<str>,
+    pub activity: String,
+    /// What its part is to become, as a position in [`Sheet::products`]; none if there is no part.
+    pub product: Option<usize>,
     /// Who takes part in it, as positions in [`Sheet::resources`].
     pub resources: Vec<usize>,
     /// Who of them works on the part; none if it is only moved.
     pub worker: Option<usize>,
+    /// Who of them carries it.
+    pub carrier: Option<usize>,
+    /// Who of them has held it before, and holds it no longer afterwards.
+    pub source: Option<usize>,
+    /// Who of them holds it afterwards; its room is taken from the start on.
+    pub target: Option<usize>,
     /// How long it should take.
     pub nominal: Duration,
     /// Whether its part enters the cell or leaves it.
@@ -46,7 +80,8 @@ pub struct Entry {
 }
 
 /// Where a part goes.
-#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+#[derive(Clone, Copy, Debug, PartialEq, Eq, Serialize, Deserialize)]
+#[serde(rename_all = "kebab-case")]
 pub enum Passing {
     /// It was inside and stays inside.
     Inside,
@@ -57,7 +92,16 @@ pub enum Passing {
 }
 
 impl Sheet {
-    pub(super) fn entry(&self, mode: ModeId) -> Option<&Entry> {
+    /// What a mode is; none for one that there is not.
+    pub fn entry(&self, mode: ModeId) -> Option<&Entry> {
         self.modes.get(mode.index())
+    }
+}
+
+/// Why an activity has failed, without the numbers that differ each time.
+fn cause_in_words(cause: &Cause) -> String {
+    match cause {
+        Cause::TimedOut => "takes longer than it may".to_owned(),
+        Cause::Order { failure, .. } => failure.to_string(),
     }
 }

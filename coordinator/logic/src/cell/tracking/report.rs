@@ -5,9 +5,9 @@
 
 use std::collections::BTreeMap;
 use std::fmt;
-use std::sync::Arc;
 use std::time::Duration;
 
+use super::orders::OrdersReport;
 use super::spread::Spread;
 
 /// For what causes somebody was down: how often, and for how long.
@@ -32,10 +32,20 @@ impl Causes {
 }
 
 /// One resource.
-#[derive(Clone, Debug, PartialEq, Eq)]
+#[derive(Clone, Debug, PartialEq)]
 pub struct ResourceReport {
     /// Which.
-    pub name: Arc<str>,
+    pub name: String,
+    /// What it is.
+    pub prototype: String,
+    /// How many parts it holds, or carries at a time.
+    pub capacity: u32,
+    /// How long it worked or carried, what it did at once added up.
+    pub work: Duration,
+    /// How much of its room was taken in the mean, by parts that were there or on their way.
+    pub taken: f64,
+    /// And at most.
+    pub most: u32,
     /// How long it took part in activities, none of which had failed.
     pub busy: Duration,
     /// How long one of them had failed.
@@ -50,8 +60,8 @@ pub struct ResourceReport {
     pub actual: Duration,
 }
 
-/// A cell, from its first record on.
-#[derive(Clone, Debug, PartialEq, Eq)]
+/// A cell, from its first record on, or from the moment from which it was asked for.
+#[derive(Clone, Debug, PartialEq)]
 pub struct Report {
     /// How long it was observed.
     pub observed: Duration,
@@ -61,8 +71,12 @@ pub struct Report {
     pub inside: usize,
     /// Parts that have left.
     pub left: usize,
+    /// Parts that were lost on the way, or came to be of no use.
+    pub lost: u64,
     /// Activities that have failed.
     pub failures: u64,
+    /// What was on order.
+    pub orders: OrdersReport,
     /// Of the parts that have left: from entering to leaving.
     pub lead: Spread,
     /// Of these: how long each was worked on.
@@ -84,6 +98,11 @@ impl ResourceReport {
         share(self.busy, observed)
     }
 
+    /// How much it worked or carried, of what it could.
+    pub fn load(&self, observed: Duration) -> Option<f64> {
+        share(self.work, observed * self.capacity.max(1))
+    }
+
     /// The part of the observed time in which it was not down.
     pub fn availability(&self, observed: Duration) -> Option<f64> {
         share(observed.saturating_sub(self.down), observed)
@@ -97,9 +116,42 @@ impl ResourceReport {
 
 impl Report {
     /// The parts that have left and were good, of all that have left or were lost on the way.
-    pub fn quality(&self, lost: u64) -> Option<f64> {
-        let all = self.left as u64 + lost;
+    pub fn quality(&self) -> Option<f64> {
+        let all = self.left as u64 + self.lost;
         (all > 0).then(|| self.left as f64 / all as f64)
+    }
+}
+
+/// Overall equipment effectiveness: the product of the three.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct Effectiveness {
+    /// The part of the time in which those who work were not down.
+    pub availability: f64,
+    /// How long their work should have taken beside how long it took.
+    pub performance: f64,
+    /// The part of what left, or was lost on the way, that was good.
+    pub quality: f64,
+}
+
+impl Effectiveness {
+    /// What of the work that could have been done was done, and well.
+    pub fn product(&self) -> f64 {
+        self.availability * self.performance * self.quality
+    }
+}
+
+impl Report {
+    /// Of all together who have worked on parts; none if nobody has, or nothing has left.
+    pub fn effectiveness(&self) -> Option<Effectiveness> {
+        let workers = || self.resources.iter().filter(|resource| resource.worked > 0);
+        let count = u32::try_from(workers().count()).ok()?;
+        let down: Duration = workers().map(|resource| resource.down).sum();
+        let planned = self.observed * count;
+        Some(Effectiveness {
+            availability: share(planned.saturating_sub(down), planned)?,
+            performance: share(workers().map(|of| of.nominal).sum(), workers().map(|of| of.actual).sum())?,
+            quality: self.quality()?,
+        })
     }
 }
 
@@ -118,12 +170,18 @@ impl fmt::Display for Percent {
 impl fmt::Display for Report {
     fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
         let seconds = |time: Duration| format!("{:.1}", time.as_secs_f64());
-        let Report { observed, inside, left, failures, .. } = self;
+        let Report { observed, inside, left, lost, failures, .. } = self;
         writeln!(
             f,
-            "{} s observed; {left} parts have left, {inside} are inside, {failures} activities have failed",
+            "{} s observed; {left} parts have left, {inside} are inside, {lost} were lost; {failures} activities have \
+             failed",
             seconds(*observed)
         )?;
+        if let Some(of) = self.effectiveness() {
+            let [a, p, q, all] =
+                [of.availability, of.performance, of.quality, of.product()].map(|share| Percent(Some(share)));
+            writeln!(f, "availability {a}, performance {p}, quality {q}: together {all}")?;
+        }
         if self.lead.count > 0 {
             writeln!(
                 f,
@@ -138,6 +196,7 @@ impl fmt::Display for Report {
                 writeln!(f, "{name:<12} {least:>9} {median:>9} {p90:>9} {p99:>9} {most:>9}")?;
             }
         }
+        self.orders.fmt(f)?;
         writeln!(
             f,
             "\n{:<16} {:>8} {:>8} {:>12} {:>12} {:>6}",

@@ -1,0 +1,101 @@
+//! Why a database cannot be used.
+
+use std::io;
+use std::path::{Path, PathBuf};
+
+use rusqlite::ErrorCode;
+use thiserror::Error;
+
+/// Why a database cannot be used.
+#[derive(Debug, Error)]
+pub enum HistoryError {
+    /// The file system refuses.
+    #[error("cannot use database {path}: {error}")]
+    File {
+        /// The database.
+        path: PathBuf,
+        /// The system's reason.
+        error: io::Error,
+    },
+    /// There is one already, and a new one was wanted.
+    #[error("{path} exists already; choose another name, or remove it")]
+    Exists {
+        /// The file.
+        path: PathBuf,
+    },
+    /// It is something else.
+    #[error("{path} is no database of a cell{}", .why.as_ref().map(|why| format!(" ({why})")).unwrap_or_default())]
+    NotOurs {
+        /// The file.
+        path: PathBuf,
+        /// What is known of it.
+        why: Option<String>,
+    },
+    /// Another version of the program wrote it.
+    #[error("database {path} has form {is}, this program reads form {expected}: it was written by another version")]
+    Form {
+        /// The database.
+        path: PathBuf,
+        /// Its form.
+        is: i64,
+        /// The form that is understood.
+        expected: i64,
+    },
+    /// It is about something else.
+    #[error("database {path} is about {is}, not about {expected}; move it away to begin a new one")]
+    Other {
+        /// The database.
+        path: PathBuf,
+        /// What it is about.
+        is: String,
+        /// What it should be about.
+        expected: String,
+    },
+    /// The log says otherwise: it was begun anew, and the database was not.
+    #[error(
+        "database {path} has another record {number} than the log, so it is of another log of the same cell; move it \
+         away to begin a new one"
+    )]
+    OtherLog {
+        /// The database.
+        path: PathBuf,
+        /// The first number under which they differ.
+        number: u64,
+    },
+    /// What it says cannot have happened.
+    #[error("database {path} is damaged: {why}")]
+    Damaged {
+        /// The database.
+        path: PathBuf,
+        /// What is wrong.
+        why: String,
+    },
+    /// The database says no.
+    #[error("cannot use database {path}: {why}")]
+    Refused {
+        /// The database.
+        path: PathBuf,
+        /// Its reason.
+        why: String,
+    },
+    /// The log from which it is caught up cannot be read.
+    #[error("cannot catch up database {path}: {why}")]
+    Source {
+        /// The database.
+        path: PathBuf,
+        /// Why.
+        why: String,
+    },
+}
+
+/// Says of a failure which file it was, and tells a damaged one from one that is not there.
+pub(crate) fn at(path: &Path) -> impl Fn(rusqlite::Error) -> HistoryError + Copy {
+    |error| {
+        let path = path.to_owned();
+        match error.sqlite_error_code() {
+            Some(ErrorCode::NotADatabase) => HistoryError::NotOurs { path, why: None },
+            Some(ErrorCode::DatabaseCorrupt) => HistoryError::Damaged { path, why: error.to_string() },
+            _ => HistoryError::Refused { path, why: error.to_string() },
+        }
+    }
+}

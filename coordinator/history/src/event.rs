@@ -1,0 +1,89 @@
+//! One row: a record, or a note.
+//!
+//! A fact is written as serde writes it, `{"started": {…}}`, and kept in two columns, the word and what stands behind it.
+//! So a fact that is new needs nothing here, and a word that nobody knows is of a newer program.
+
+use linewright_coordinator_logic::cell::{Fact, Record};
+use linewright_line::Tick;
+use serde::Serialize;
+use serde::de::DeserializeOwned;
+
+use crate::Note;
+
+/// Something that has happened.
+#[derive(Clone, Debug, PartialEq, Eq)]
+pub struct Event {
+    /// When.
+    pub at: Tick,
+    /// What.
+    pub what: What,
+}
+
+/// What has happened.
+#[derive(Clone, Debug, PartialEq, Eq)]
+pub enum What {
+    /// What the log says under a number.
+    Fact(u64, Fact),
+    /// What no log says.
+    Note(Note),
+}
+
+impl Event {
+    /// The record, if it is one.
+    pub fn record(&self) -> Option<Record> {
+        match &self.what {
+            What::Fact(_, fact) => Some(Record { at: self.at, fact: fact.clone() }),
+            What::Note(_) => None,
+        }
+    }
+
+    /// Its word, and what stands behind it as JSON.
+    pub fn parts(&self) -> (String, String) {
+        match &self.what {
+            What::Fact(_, fact) => parts(fact),
+            What::Note(note) => parts(note),
+        }
+    }
+}
+
+/// Splits what serde writes of an enum into the variant's word and the rest.
+pub(crate) fn parts<T: Serialize>(of: &T) -> (String, String) {
+    // Facts and notes have string keys and finite numbers only, which always have a text.
+    let text = serde_json::to_string(of).unwrap_or_default();
+    let split = || {
+        let rest = text.strip_prefix("{\"")?.strip_suffix('}')?;
+        let (kind, data) = rest.split_once("\":")?;
+        Some((kind.to_owned(), data.to_owned()))
+    };
+    split().unwrap_or_else(|| (text.trim_matches('"').to_owned(), "null".to_owned()))
+}
+
+/// Puts them together again.
+pub(crate) fn whole<T: DeserializeOwned>(kind: &str, data: &str) -> Result<T, serde_json::Error> {
+    let text = if data == "null" { format!("\"{kind}\"") } else { format!("{{\"{kind}\":{data}}}") };
+    serde_json::from_str(&text)
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn what_is_split_can_be_put_together() {
+        let facts = [Fact::Epoch { epoch: 3 }, Fact::Decided { question: 1, started: Vec::new(), held: Vec::new() }];
+        for fact in facts {
+            let (kind, data) = parts(&fact);
+            assert_eq!(whole::<Fact>(&kind, &data).expect("it is a fact"), fact);
+        }
+        assert_eq!(parts(&Fact::Epoch { epoch: 3 }), ("epoch".to_owned(), "{\"epoch\":3}".to_owned()));
+        let said = Note::Said { text: "\":{\"".to_owned() };
+        let (kind, data) = parts(&said);
+        assert_eq!((kind.as_str(), whole::<Note>(&kind, &data).expect("a note")), ("said", said));
+        assert!(whole::<Fact>("was-never", "{}").is_err());
+        #[derive(Serialize)]
+        enum Bare {
+            One,
+        }
+        assert_eq!(parts(&Bare::One), ("One".to_owned(), "null".to_owned()));
+    }
+}

@@ -1,0 +1,32 @@
+//! What a flexible cell has done, in an embedded database: to be asked while the cell runs, and for years after.
+//!
+//! ```text
+//!   records ──▶ log on disk ──▶ Recorder ──▶ database ──▶ Reader ──▶ folds of `tracking` ──▶ reports
+//!                   │  (own thread, bounded)  ▲   WAL: one writes, any number read
+//!                   └─ what did not fit ──────┘
+//! ```
+//!
+//! The log of a cell is what its coordinator goes on from, and forgets all that a snapshot stands for. This remembers, and
+//! nothing of the cell depends on it: a database that is lost, full or slow is a report that is missing. Each [`Event`] is a
+//! row: a record of the log by its number, so that feeding it twice changes nothing, or a [`Note`] about what is no record
+//! (the mode of the cell, a device that is lost). Rows say what has happened as the record does, as JSON; reports are folds
+//! over the same records as everywhere else, and SQL is for people ([`schema`](mod@self) has views for them).
+//!
+//! *Only this crate knows SQL.* It has no clock: times are those of the records.
+
+mod about;
+mod error;
+mod event;
+mod note;
+mod reader;
+mod recorder;
+mod schema;
+mod writer;
+
+pub use about::{About, Clock};
+pub use error::HistoryError;
+pub use event::{Event, What};
+pub use note::Note;
+pub use reader::Reader;
+pub use recorder::{Recorder, Source};
+pub use writer::History;

@@ -1,0 +1,114 @@
+//! The database, open for reading: while somebody writes it, and of one moment from beginning to end.
+
+use std::path::{Path, PathBuf};
+
+use linewright_coordinator_logic::cell::Fact;
+use linewright_line::Tick;
+use rusqlite::{Connection, OpenFlags};
+
+use crate::error::at;
+use crate::event::{Event, What, whole};
+use crate::writer::{PATIENCE, number, read_about};
+use crate::{About, HistoryError, Note, schema};
+
+/// A database as it was when it was opened, whatever is written meanwhile.
+#[derive(Debug)]
+pub struct Reader {
+    db: Connection,
+    path: PathBuf,
+    about: About,
+}
+
+impl Reader {
+    /// Opens a database. Nothing in it is changed.
+    ///
+    /// # Errors
+    /// When there is none, it is something else, of another form, or damaged.
+    pub fn open(path: &Path) -> Result<Self, HistoryError> {
+        // The database's own message does not say what was wrong with the file.
+        std::fs::File::open(path).map_err(|error| HistoryError::File { path: path.to_owned(), error })?;
+        // Whoever may only read leaves files behind that others would have to remove; so it may write, and does not.
+        let flags = OpenFlags::SQLITE_OPEN_READ_WRITE | OpenFlags::SQLITE_OPEN_NO_MUTEX;
+        let db = Connection::open_with_flags(path, flags).map_err(at(path))?;
+        db.pragma_update(None, "query_only", true).map_err(at(path))?;
+        db.busy_timeout(PATIENCE).map_err(at(path))?;
+        // All that is read from here on is of the moment in which the first of it is.
+        db.execute_batch("BEGIN").map_err(at(path))?;
+        if schema::is_empty(&db, path)? {
+            return Err(HistoryError::NotOurs { path: path.to_owned(), why: Some("it is empty".to_owned()) });
+        }
+        schema::check(&db, path)?;
+        let about = read_about(&db, path)?;
+        Ok(Reader { db, path: path.to_owned(), about })
+    }
+
+    /// What it is about.
+    pub fn about(&self) -> &About {
+        &self.about
+    }
+
+    /// When the first and the last thing happened; none if nothing has.
+    ///
+    /// # Errors
+    /// When it cannot be read.
+    pub fn span(&self) -> Result<Option<(Tick, Tick)>, HistoryError> {
+        let row = |row: &rusqlite::Row<'_>| Ok((row.get::<_, Option<u64>>(0)?, row.get::<_, Option<u64>>(1)?));
+        let span = self.db.query_row("SELECT min(at), max(at) FROM event", [], row).map_err(at(&self.path))?;
+        Ok(span.0.zip(span.1).map(|(first, last)| (Tick::from_micros(first), Tick::from_micros(last))))
+    }
+
+    /// Gives everything that has happened until a moment, itself included, to `take`, in its order; the records as the log
+    /// has them.
+    ///
+    /// # Errors
+    /// When it cannot be read, or says what cannot be.
+    pub fn each(&self, until: Tick, mut take: impl FnMut(Event)) -> Result<(), HistoryError> {
+        let failed = at(&self.path);
+        let damaged = |why: String| HistoryError::Damaged { path: self.path.clone(), why };
+        let mut select = self
+            .db
+            .prepare("SELECT id, log, at, kind, data FROM event WHERE at <= ?1 ORDER BY at, log, id")
+            .map_err(failed)?;
+        let mut rows = select.query([number(until.as_micros())]).map_err(failed)?;
+        let (mut newest, mut count) = (0, 0_u64);
+        while let Some(row) = rows.next().map_err(failed)? {
+            let Row { id, log, at, kind, data } = Row::new(row).map_err(|error| damaged(error.to_string()))?;
+            let unknown = |error| damaged(format!("event {id} of kind `{kind}` is none: {error}"));
+            let what = match log {
+                Some(log) => {
+                    if log != newest + 1 {
+                        return Err(damaged(format!("record {log} of the log follows on record {newest}")));
+                    }
+                    newest = log;
+                    What::Fact(log, whole::<Fact>(&kind, &data).map_err(unknown)?)
+                }
+                None => What::Note(whole::<Note>(&kind, &data).map_err(unknown)?),
+            };
+            // A note of what is missing comes before what is there again: of one time, what has no number comes first.
+            if let What::Note(Note::Missing { from: _, to }) = what {
+                newest = to;
+            }
+            count += 1;
+            take(Event { at: Tick::from_micros(at), what });
+        }
+        // A damaged index can hide rows without being noticed; the table itself is counted beside it.
+        let all = "SELECT count(*) FROM event NOT INDEXED WHERE at <= ?1";
+        let all: u64 = self.db.query_row(all, [number(until.as_micros())], |row| row.get(0)).map_err(failed)?;
+        if all == count { Ok(()) } else { Err(damaged(format!("{count} of {all} events can be found"))) }
+    }
+}
+
+/// A row as it is.
+struct Row {
+    id: i64,
+    log: Option<u64>,
+    at: u64,
+    kind: String,
+    data: String,
+}
+
+impl Row {
+    fn new(row: &rusqlite::Row<'_>) -> rusqlite::Result<Self> {
+        Ok(Row { id: row.get(0)?, log: row.get(1)?, at: row.get(2)?, kind: row.get(3)?, data: row.get(4)? })
+    }
+}

@@ -1,0 +1,252 @@
+//! Feeds the database on a thread of its own, so that no decision waits for a disk.
+//!
+//! Records are offered through a bounded queue, after they are in the cell's log. What finds the queue full is dropped: the
+//! thread sees by the numbers that something is missing and reads it from the log ([`Source`]). The same happens when it
+//! begins, so a database that is behind for whatever reason (killed, moved away, damaged and replaced) catches up by itself,
+//! as far back as the log goes. [`Recorder::newest`] says how far it is: a log may forget what is older.
+
+use std::collections::VecDeque;
+use std::path::PathBuf;
+use std::sync::atomic::{AtomicU64, Ordering};
+use std::sync::mpsc::{Receiver, SyncSender, TrySendError, sync_channel};
+use std::sync::{Arc, Mutex};
+use std::thread::JoinHandle;
+
+use linewright_coordinator_logic::cell::Record;
+use linewright_line::Tick;
+
+use crate::writer::Item;
+use crate::{History, HistoryError, Note};
+
+/// So many batches can wait. A step of the player is one.
+const QUEUE: usize = 1024;
+/// So many records or notes are written at once.
+const BATCH: usize = 1000;
+/// So many notes are kept while the queue is full; then the oldest are lost.
+const NOTES_MAX: usize = 1000;
+
+/// The log, for whoever reads it beside the one who writes it.
+pub trait Source: Send {
+    /// Gives `take` every record that the log has, with its number, in their order, as far as they are written. It may begin
+    /// later than with the first: what is before, the log has forgotten.
+    ///
+    /// # Errors
+    /// Why not, in words.
+    fn read(&mut self, take: &mut dyn FnMut(u64, Record)) -> Result<(), String>;
+}
+
+/// What waits to be written.
+enum Waiting {
+    Records(u64, Vec<Record>),
+    Note(Tick, Note),
+}
+
+/// What both sides know.
+#[derive(Debug, Default)]
+struct Shared {
+    /// The newest record that the database has.
+    newest: AtomicU64,
+    /// The newest that the log has.
+    written: AtomicU64,
+    /// Why the thread has given up.
+    failed: Mutex<Option<String>>,
+}
+
+/// Feeds a database.
+#[derive(Debug)]
+pub struct Recorder {
+    queue: Option<SyncSender<Waiting>>,
+    notes: VecDeque<(Tick, Note)>,
+    shared: Arc<Shared>,
+    thread: Option<JoinHandle<Result<History, HistoryError>>>,
+}
+
+impl Recorder {
+    /// Begins, with what the log has: `last` is the number of its newest record. Records of the database beyond that are
+    /// removed, since a power cut has taken them from the log before anybody was told of them.
+    pub fn start(history: History, source: Box<dyn Source>, last: u64) -> Self {
+        Self::with_queue(history, source, last, QUEUE)
+    }
+
+    /// The same with room for so many batches.
+    pub fn with_queue(history: History, source: Box<dyn Source>, last: u64, queue: usize) -> Self {
+        let (sender, receiver) = sync_channel(queue);
+        let shared = Arc::new(Shared::default());
+        shared.written.store(last, Ordering::Release);
+        let mut feeding = Feeding { history, source, shared: shared.clone() };
+        let thread = std::thread::spawn(move || {
+            let fed = feeding.begin(last).and_then(|()| feeding.go_on(&receiver));
+            if let Err(error) = &fed
+                && let Ok(mut failed) = feeding.shared.failed.lock()
+            {
+                *failed = Some(error.to_string());
+            }
+            fed.map(|()| feeding.history)
+        });
+        Recorder { queue: Some(sender), notes: VecDeque::new(), shared, thread: Some(thread) }
+    }
+
+    /// Offers records that are in the log, numbered from `first` on. It never waits.
+    pub fn offer(&mut self, first: u64, records: &[Record]) {
+        let Some(last) = (first + records.len() as u64).checked_sub(1).filter(|_| !records.is_empty()) else { return };
+        self.shared.written.fetch_max(last, Ordering::AcqRel);
+        self.flush();
+        // A full queue is caught up from the log.
+        _ = self.send(Waiting::Records(first, records.to_vec()));
+    }
+
+    /// Offers what is no record. It never waits.
+    pub fn note(&mut self, at: Tick, note: Note) {
+        if self.notes.len() >= NOTES_MAX {
+            self.notes.pop_front();
+        }
+        self.notes.push_back((at, note));
+        self.flush();
+    }
+
+    fn flush(&mut self) {
+        while let Some((at, note)) = self.notes.pop_front() {
+            if let Err(Waiting::Note(at, note)) = self.send(Waiting::Note(at, note)) {
+                self.notes.push_front((at, note));
+                return;
+            }
+        }
+    }
+
+    fn send(&self, what: Waiting) -> Result<(), Waiting> {
+        match self.queue.as_ref().map(|queue| queue.try_send(what)) {
+            Some(Err(TrySendError::Full(what) | TrySendError::Disconnected(what))) => Err(what),
+            Some(Ok(())) | None => Ok(()),
+        }
+    }
+
+    /// The newest record that the database has, and all before it as far back as the log went.
+    pub fn newest(&self) -> u64 {
+        self.shared.newest.load(Ordering::Acquire)
+    }
+
+    /// Why nothing is written any more; none as long as it is. The cell goes on without it.
+    pub fn failed(&self) -> Option<String> {
+        self.shared.failed.lock().ok().and_then(|failed| failed.clone())
+    }
+
+    /// Returns when all that was offered is in the database.
+    ///
+    /// # Errors
+    /// Why it is not.
+    pub fn close(mut self) -> Result<History, HistoryError> {
+        for (at, note) in std::mem::take(&mut self.notes) {
+            // At the end there is time to wait; a thread that has given up says so below.
+            _ = self.queue.as_ref().map(|queue| queue.send(Waiting::Note(at, note)));
+        }
+        self.queue = None;
+        match self.thread.take().map(JoinHandle::join) {
+            Some(Ok(history)) => history,
+            // It has panicked, which is a bug; whoever closes shares its fate.
+            Some(Err(panic)) => std::panic::resume_unwind(panic),
+            // Not before, since closing takes the recorder.
+            None => Err(HistoryError::Refused { path: PathBuf::new(), why: "it is closed".to_owned() }),
+        }
+    }
+}
+
+impl Drop for Recorder {
+    /// Waits as well: who drops it by mistake loses nothing.
+    fn drop(&mut self) {
+        self.queue = None;
+        _ = self.thread.take().map(JoinHandle::join);
+    }
+}
+
+/// The thread.
+struct Feeding {
+    history: History,
+    source: Box<dyn Source>,
+    shared: Arc<Shared>,
+}
+
+impl Feeding {
+    /// Compares with the log, takes what is missing, and removes what the log has lost.
+    fn begin(&mut self, last: u64) -> Result<(), HistoryError> {
+        // What is behind that is of this life, and may stand under numbers that the database has from one before.
+        self.catch_up(0, last)?;
+        if self.history.newest() > last {
+            self.history.forget_after(last)?;
+        }
+        self.tell();
+        Ok(())
+    }
+
+    fn tell(&self) {
+        self.shared.newest.store(self.history.newest(), Ordering::Release);
+    }
+
+    fn go_on(&mut self, queue: &Receiver<Waiting>) -> Result<(), HistoryError> {
+        let mut items = Vec::new();
+        while let Ok(first) = queue.recv() {
+            let mut next = Some(first);
+            while let Some(what) = next {
+                self.take(what, &mut items)?;
+                next = if items.len() < BATCH { queue.try_recv().ok() } else { None };
+            }
+            let is_drained = items.len() < BATCH;
+            self.write(&mut items)?;
+            // What was dropped last is followed by nothing that would show it.
+            if is_drained {
+                self.complete()?;
+            }
+        }
+        self.complete()
+    }
+
+    /// Takes from the log what was offered and has not come.
+    fn complete(&mut self) -> Result<(), HistoryError> {
+        let newest = self.history.newest();
+        if self.shared.written.load(Ordering::Acquire) > newest { self.catch_up(newest, u64::MAX) } else { Ok(()) }
+    }
+
+    fn take(&mut self, what: Waiting, items: &mut Vec<Item>) -> Result<(), HistoryError> {
+        match what {
+            Waiting::Note(at, note) => items.push(Item::Note(at, note)),
+            Waiting::Records(first, records) => {
+                let newest = items.iter().map(Item::number).max().unwrap_or(0).max(self.history.newest());
+                if first > newest + 1 {
+                    self.write(items)?;
+                    self.catch_up(self.history.newest(), u64::MAX)?;
+                }
+                items.extend((first..).zip(records).map(|(number, record)| Item::Record(number, record)));
+            }
+        }
+        Ok(())
+    }
+
+    fn write(&mut self, items: &mut Vec<Item>) -> Result<(), HistoryError> {
+        self.history.put(items)?;
+        items.clear();
+        self.tell();
+        Ok(())
+    }
+
+    /// Takes from the log what it has after a number, until another.
+    fn catch_up(&mut self, after: u64, until: u64) -> Result<(), HistoryError> {
+        let Feeding { history, source, .. } = self;
+        let (mut items, mut put) = (Vec::new(), Ok(()));
+        let read = source.read(&mut |number, record| {
+            if number <= after || number > until || put.is_err() {
+                return;
+            }
+            let newest = items.last().map_or(0, Item::number).max(history.newest());
+            if number > newest + 1 {
+                items.push(Item::Note(record.at, Note::Missing { from: newest + 1, to: number - 1 }));
+            }
+            items.push(Item::Record(number, record));
+            if items.len() >= BATCH {
+                put = history.put(&items);
+                items.clear();
+            }
+        });
+        put?;
+        read.map_err(|why| HistoryError::Source { path: self.history.path().to_owned(), why })?;
+        self.write(&mut items)
+    }
+}

@@ -1,0 +1,199 @@
+//! The database, open for writing.
+//!
+//! What is written in one call is there whole or not at all. It is in the write-ahead log of the database then, which a
+//! killed process survives; a power cut may take the newest of it, and what is a record is fed again from the cell's log.
+
+use std::path::{Path, PathBuf};
+use std::time::Duration;
+
+use linewright_coordinator_logic::cell::Record;
+use linewright_line::Tick;
+use rusqlite::{Connection, OptionalExtension, Transaction, TransactionBehavior, params};
+
+use crate::error::at;
+use crate::event::parts;
+use crate::{About, HistoryError, Note, schema};
+
+/// How long another one may hold the file. Readers never do.
+pub(crate) const PATIENCE: Duration = Duration::from_secs(5);
+
+/// A database that is open for writing.
+#[derive(Debug)]
+pub struct History {
+    db: Connection,
+    path: PathBuf,
+    newest: u64,
+}
+
+/// What is written.
+#[derive(Clone, Debug)]
+pub(crate) enum Item {
+    /// Under its number in the log.
+    Record(u64, Record),
+    /// Beside the log.
+    Note(Tick, Note),
+}
+
+impl Item {
+    /// Its number in the log; 0 if it has none.
+    pub(crate) fn number(&self) -> u64 {
+        match self {
+            Item::Record(number, _) => *number,
+            Item::Note(..) => 0,
+        }
+    }
+}
+
+/// What the database has under a number.
+enum Under {
+    Nothing,
+    Same,
+    Other,
+}
+
+impl History {
+    /// Makes a new database.
+    ///
+    /// # Errors
+    /// When there is such a file, or it cannot be written.
+    pub fn create(path: &Path, about: &About) -> Result<Self, HistoryError> {
+        let new = std::fs::File::options().write(true).create_new(true).open(path);
+        match new {
+            Err(error) if error.kind() == std::io::ErrorKind::AlreadyExists => {
+                Err(HistoryError::Exists { path: path.to_owned() })
+            }
+            Err(error) => Err(HistoryError::File { path: path.to_owned(), error }),
+            Ok(_) => Self::open(path, about),
+        }
+    }
+
+    /// Opens the database of a cell, or makes one.
+    ///
+    /// # Errors
+    /// When it is no such database, is about another cell or another description of it, is damaged, or cannot be written.
+    pub fn open(path: &Path, about: &About) -> Result<Self, HistoryError> {
+        let failed = at(path);
+        let mut db = Connection::open(path).map_err(failed)?;
+        db.busy_timeout(PATIENCE).map_err(failed)?;
+        if schema::is_empty(&db, path)? {
+            // Which mode it has is in the file, and cannot be changed while something else is.
+            db.pragma_update(None, "journal_mode", "WAL").map_err(failed)?;
+        }
+        let change = db.transaction_with_behavior(TransactionBehavior::Immediate).map_err(failed)?;
+        if schema::is_empty(&change, path)? {
+            schema::create(&change, path)?;
+        } else {
+            schema::check(&change, path)?;
+            let is = read_about(&change, path)?;
+            if let Some((is, expected)) = is.difference(about) {
+                return Err(HistoryError::Other { path: path.to_owned(), is, expected });
+            }
+        }
+        write_about(&change, path, about)?;
+        change.commit().map_err(failed)?;
+        // With a write-ahead log this keeps the database whole over power cuts; what it may lose is fed again.
+        db.pragma_update(None, "synchronous", "NORMAL").map_err(failed)?;
+        let newest = db.query_row("SELECT ifnull(max(log), 0) FROM event", [], |row| row.get(0)).map_err(failed)?;
+        Ok(History { db, path: path.to_owned(), newest })
+    }
+
+    /// Where it is.
+    pub fn path(&self) -> &Path {
+        &self.path
+    }
+
+    /// The number of the newest record that is in it; 0 before the first.
+    pub fn newest(&self) -> u64 {
+        self.newest
+    }
+
+    /// Writes records under their numbers in the log, from `first` on. What is there already stays.
+    ///
+    /// # Errors
+    /// When something else is there under one of the numbers, or they cannot be written. Nothing is written then.
+    pub fn feed(&mut self, first: u64, records: &[Record]) -> Result<(), HistoryError> {
+        let items: Vec<Item> = (first..).zip(records).map(|(number, of)| Item::Record(number, of.clone())).collect();
+        self.put(&items)
+    }
+
+    /// Writes down what is no record.
+    ///
+    /// # Errors
+    /// When it cannot be written.
+    pub fn note(&mut self, at: Tick, note: &Note) -> Result<(), HistoryError> {
+        self.put(&[Item::Note(at, note.clone())])
+    }
+
+    /// Removes records beyond `last`: a power cut has taken them from the log, and nobody was told anything about them.
+    ///
+    /// # Errors
+    /// When they cannot be removed.
+    pub fn forget_after(&mut self, last: u64) -> Result<(), HistoryError> {
+        self.db.execute("DELETE FROM event WHERE log > ?1", [number(last)]).map_err(at(&self.path))?;
+        self.newest = self.newest.min(last);
+        Ok(())
+    }
+
+    pub(crate) fn put(&mut self, items: &[Item]) -> Result<(), HistoryError> {
+        let failed = at(&self.path);
+        let change = self.db.transaction_with_behavior(TransactionBehavior::Immediate).map_err(failed)?;
+        let mut newest = self.newest;
+        for item in items {
+            match item {
+                Item::Record(number, record) => {
+                    match insert(&change, *number, record).map_err(failed)? {
+                        Under::Nothing | Under::Same => (),
+                        Under::Other => {
+                            return Err(HistoryError::OtherLog { path: self.path.clone(), number: *number });
+                        }
+                    }
+                    newest = newest.max(*number);
+                }
+                Item::Note(at, note) => {
+                    let (kind, data) = parts(note);
+                    let mut add = change
+                        .prepare_cached("INSERT INTO event (at, kind, data) VALUES (?1, ?2, ?3)")
+                        .map_err(failed)?;
+                    add.execute(params![number(at.as_micros()), kind, data]).map_err(failed)?;
+                }
+            }
+        }
+        change.commit().map_err(failed)?;
+        self.newest = newest;
+        Ok(())
+    }
+}
+
+/// Writes a record where there is none; what was there.
+fn insert(change: &Transaction<'_>, of: u64, record: &Record) -> rusqlite::Result<Under> {
+    let (kind, data) = parts(&record.fact);
+    let when = number(record.at.as_micros());
+    let mut add = change
+        .prepare_cached("INSERT INTO event (log, at, kind, data) VALUES (?1, ?2, ?3, ?4) ON CONFLICT DO NOTHING")?;
+    if add.execute(params![number(of), when, kind, data])? > 0 {
+        return Ok(Under::Nothing);
+    }
+    let mut look = change.prepare_cached("SELECT at = ?2 AND kind = ?3 AND data = ?4 FROM event WHERE log = ?1")?;
+    let same = look.query_row(params![number(of), when, kind, data], |row| row.get::<_, bool>(0)).optional()?;
+    Ok(if same == Some(true) { Under::Same } else { Under::Other })
+}
+
+/// As SQLite has numbers. None of ours is ever as large as the largest of these.
+pub(crate) fn number(of: u64) -> i64 {
+    i64::try_from(of).unwrap_or(i64::MAX)
+}
+
+pub(crate) fn read_about(db: &Connection, path: &Path) -> Result<About, HistoryError> {
+    let text =
+        db.query_row("SELECT data FROM about", [], |row| row.get::<_, String>(0)).optional().map_err(at(path))?;
+    let damaged = |why: String| HistoryError::Damaged { path: path.to_owned(), why };
+    let text = text.ok_or_else(|| damaged("it does not say which cell it is about".to_owned()))?;
+    serde_json::from_str(&text).map_err(|error| damaged(format!("what it is about cannot be read: {error}")))
+}
+
+fn write_about(db: &Connection, path: &Path, about: &About) -> Result<(), HistoryError> {
+    let text = serde_json::to_string(about)
+        .map_err(|error| HistoryError::Refused { path: path.to_owned(), why: error.to_string() })?;
+    let written = db.execute("INSERT OR REPLACE INTO about (only, data) VALUES (1, ?1)", [text]);
+    written.map(|_| ()).map_err(at(path))
+}

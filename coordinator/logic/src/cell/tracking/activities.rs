@@ -1,0 +1,77 @@
+//! What has been done, activity by activity: for charts, tables, and whoever wants to add something else up.
+
+use std::collections::BTreeMap;
+
+use linewright_line::Tick;
+
+use super::super::ids::{FiringId, ModeId, PartId};
+use super::super::record::{Fact, Record};
+use super::cause_in_words;
+
+/// An activity.
+#[derive(Clone, Debug, PartialEq, Eq)]
+pub struct Done {
+    /// Its number.
+    pub firing: FiringId,
+    /// What.
+    pub mode: ModeId,
+    /// With which part; none if it takes none.
+    pub part: Option<PartId>,
+    /// When it started.
+    pub began: Tick,
+    /// When it failed, if it did, and why.
+    pub failed: Option<Failed>,
+    /// When it ended; none while it is in progress, or waits for whoever knows what is true.
+    pub ended: Option<Tick>,
+}
+
+/// That an activity has failed.
+#[derive(Clone, Debug, PartialEq, Eq)]
+pub struct Failed {
+    /// When.
+    pub at: Tick,
+    /// Why, in words.
+    pub cause: String,
+}
+
+/// All activities that take time, in the order in which they started. Memory: some words for each.
+#[derive(Clone, Debug, Default)]
+pub struct Activities {
+    done: Vec<Done>,
+    open: BTreeMap<FiringId, usize>,
+}
+
+impl Activities {
+    /// The next record, in the order in which they were written. One of an activity whose start is unknown changes nothing.
+    pub fn take(&mut self, record: &Record) {
+        match &record.fact {
+            &Fact::Started { firing, mode, part, orders: _ } => {
+                self.open.insert(firing, self.done.len());
+                self.done.push(Done { firing, mode, part, began: record.at, failed: None, ended: None });
+            }
+            Fact::Raised { firing, cause } => {
+                if let Some(done) = self.open.get(firing).map(|&at| &mut self.done[at]) {
+                    done.failed = Some(Failed { at: record.at, cause: cause_in_words(cause) });
+                }
+            }
+            Fact::Ended { firing } => {
+                if let Some(done) = self.open.remove(firing).map(|at| &mut self.done[at]) {
+                    done.ended = Some(record.at);
+                }
+            }
+            Fact::Fired { .. }
+            | Fact::Epoch { .. }
+            | Fact::Memory { .. }
+            | Fact::Decided { .. }
+            | Fact::Acknowledged { .. }
+            | Fact::OrderEnded { .. }
+            | Fact::OrderFailed { .. }
+            | Fact::Production { .. } => (),
+        }
+    }
+
+    /// All of them.
+    pub fn all(&self) -> &[Done] {
+        &self.done
+    }
+}

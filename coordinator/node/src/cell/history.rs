@@ -1,0 +1,83 @@
+//! The database of a cell beside its log: what goes into the one after it is in the other.
+//!
+//! Whoever runs a cell writes a step's records into the log ([`super::CellLog::write`]), sends what is to be sent, and then
+//! tells the chronicle, which never waits. At the beginning of a life the two are compared, and what the database lacks is
+//! read from the log. A log forgets what its snapshot stands for, so one begins anew only when [`Chronicle::has`] says that
+//! nothing is lost by it, or when there is no database any more.
+
+use std::path::{Path, PathBuf};
+
+use linewright_coordinator_logic::cell::{Outbox, Record, Snapshot, State};
+use linewright_history::{History, HistoryError, Note, Recorder, Source};
+use linewright_line::Tick;
+use linewright_node_shell::log::{Entry, Log};
+
+/// Feeds a database.
+#[derive(Debug)]
+pub struct Chronicle {
+    recorder: Recorder,
+}
+
+impl Chronicle {
+    /// Begins a life: `state` is what the log at `log` says, which is the one that is written from here on.
+    pub fn begin(history: History, log: &Path, state: &State) -> Self {
+        let source = OfLog { path: log.to_owned() };
+        Chronicle { recorder: Recorder::start(history, Box::new(source), state.sequence()) }
+    }
+
+    /// Tells what a step has left, after it is in the log. `state` is what the step has led to.
+    pub fn tell(&mut self, state: &State, out: &Outbox) {
+        let first = state.sequence() + 1 - out.records.len() as u64;
+        self.recorder.offer(first, &out.records);
+    }
+
+    /// Tells what is no record.
+    pub fn note(&mut self, at: Tick, note: Note) {
+        self.recorder.note(at, note);
+    }
+
+    /// Whether everything that has led to a state is in the database.
+    pub fn has(&self, state: &State) -> bool {
+        self.recorder.newest() >= state.sequence()
+    }
+
+    /// Why nothing more is written; none as long as it is. The cell goes on without.
+    pub fn failed(&self) -> Option<String> {
+        self.recorder.failed()
+    }
+
+    /// Returns when everything that was told is in the database.
+    ///
+    /// # Errors
+    /// Why it is not.
+    pub fn close(self) -> Result<History, HistoryError> {
+        self.recorder.close()
+    }
+}
+
+/// The log on disk, read beside the one who writes it.
+struct OfLog {
+    path: PathBuf,
+}
+
+impl Source for OfLog {
+    fn read(&mut self, take: &mut dyn FnMut(u64, Record)) -> Result<(), String> {
+        let mut number = 0;
+        let read = Log::read(&self.path, |entry| {
+            match entry {
+                // Whoever writes it has looked at that.
+                Entry::Identity(_) => (),
+                Entry::Snapshot(bytes) => {
+                    let snapshot: Snapshot = serde_json::from_slice(bytes).map_err(|error| error.to_string())?;
+                    number = snapshot.sequence();
+                }
+                Entry::Record(bytes) => {
+                    number += 1;
+                    take(number, serde_json::from_slice(bytes).map_err(|error| error.to_string())?);
+                }
+            }
+            Ok(())
+        });
+        read.map_err(|error| error.to_string())
+    }
+}

@@ -1,0 +1,145 @@
+//! The database beside the log, over crashes: it is the log, whole, whatever the log itself has forgotten.
+
+use std::path::{Path, PathBuf};
+use std::sync::Arc;
+use std::sync::atomic::{AtomicUsize, Ordering};
+use std::time::{Duration, Instant};
+
+use linewright_coordinator_logic::cell::{CellTable, Outbox, Record, State};
+use linewright_coordinator_logic::described::dispatcher;
+use linewright_coordinator_node::cell::Chronicle;
+use linewright_history::{About, Clock, History, Reader};
+use linewright_line::Tick;
+use linewright_simulation::Rng;
+use linewright_simulation::cell::{CellSim, Store};
+
+use crate::crash::{Death, OnDisk, options};
+use crate::shipped::{Shipped, directory, shipped};
+
+fn about(of: &Shipped) -> About {
+    About {
+        cell: of.cell.name.clone(),
+        title: of.cell.title.clone(),
+        table: of.table.digest(),
+        clock: Clock::Simulated,
+        stations: of.cell.controllers.clone(),
+        // Reports are not what this is about.
+        sheet: Default::default(),
+    }
+}
+
+/// A log, and a database that is fed beside it.
+struct Both {
+    log: OnDisk,
+    dir: PathBuf,
+    about: About,
+    chronicle: Option<Chronicle>,
+    /// Whether the chronicle is told of steps; if not, each life leaves that to the next.
+    tells: bool,
+    /// What the step in progress has written.
+    step: Vec<Record>,
+    /// How often the log began anew.
+    anew: Arc<AtomicUsize>,
+}
+
+impl Both {
+    fn begin(&mut self, state: &State) {
+        let history = History::open(&self.dir.join("cell.db"), &self.about).expect("opens");
+        self.chronicle = Some(Chronicle::begin(history, &self.dir.join("cell.log"), state));
+    }
+}
+
+impl Store for Both {
+    fn append(&mut self, record: &Record) {
+        self.log.append(record);
+        self.step.push(record.clone());
+    }
+
+    fn sync(&mut self) {
+        self.log.sync();
+    }
+
+    fn restart(&mut self, table: &Arc<CellTable>, rng: &mut Rng) -> State {
+        self.step.clear();
+        self.chronicle = None;
+        let state = self.log.restart(table, rng);
+        self.begin(&state);
+        state
+    }
+
+    fn settled(&mut self, state: &State) {
+        let chronicle = self.chronicle.as_mut().expect("it is open");
+        let out = Outbox { records: std::mem::take(&mut self.step), ..Outbox::default() };
+        if self.tells {
+            chronicle.tell(state, &out);
+        }
+        if self.log.is_long() {
+            // Virtual time is faster than any disk.
+            let since = Instant::now();
+            while self.tells && !chronicle.has(state) {
+                assert!(since.elapsed() < Duration::from_secs(20), "{:?}", chronicle.failed());
+                std::thread::yield_now();
+            }
+            if chronicle.has(state) {
+                self.log.settled(state);
+                self.anew.fetch_add(1, Ordering::Relaxed);
+            }
+        }
+    }
+}
+
+/// What a database has, and whether anything is missing.
+fn records(path: &Path) -> Vec<Record> {
+    let mut records = Vec::new();
+    let reader = Reader::open(path).expect("opens");
+    reader.each(Tick::NEVER, |event| records.push(event.record().expect("nothing is missing"))).expect("reads");
+    records
+}
+
+/// Plays a production that is killed at these steps; how often the log began anew.
+fn played(of: &Shipped, death: Death, crash_at: Vec<usize>, seed: u64, tells: bool) -> usize {
+    let dir = directory();
+    let log = OnDisk::new(dir.path(), &of.table, death, 15);
+    let anew = Arc::new(AtomicUsize::new(0));
+    let path = dir.path().to_owned();
+    let (chronicle, step) = (None, Vec::new());
+    let mut both = Both { log, dir: path, about: about(of), chronicle, tells, step, anew: anew.clone() };
+    both.begin(&State::new(of.table.clone()));
+    let mut sim = CellSim::with_store(of.table.clone(), of.stations, options(seed, 6, crash_at), Box::new(both));
+    sim.run(&mut dispatcher(&of.cell, &of.table), Tick::from_millis(24 * 3_600_000));
+    assert_eq!(sim.state().left(), u64::from(of.parts));
+    let (log, state) = (sim.log.clone(), sim.state().clone());
+    // The last life ends, and another one begins that takes what is missing.
+    drop(sim);
+    let history = History::open(&dir.path().join("cell.db"), &about(of)).expect("opens");
+    Chronicle::begin(history, &dir.path().join("cell.log"), &state).close().expect("all is written");
+    assert!(records(&dir.path().join("cell.db")) == log, "seed {seed}, {death:?}: the database is the log");
+    anew.load(Ordering::Relaxed)
+}
+
+#[test]
+fn after_any_crashes_the_database_is_the_whole_log() {
+    let mut rng = Rng::new(31);
+    let mut anew = 0;
+    for (name, parts) in [("assembly-cell", &[2, 2, 1][..]), ("workcell-c1", &[3, 3])] {
+        let of = shipped(name, parts);
+        for seed in 0..8 {
+            let death = if seed % 2 == 0 { Death::Killed } else { Death::PowerCut };
+            let mut at = 0;
+            let crash_at = (0..8).map(|_| {
+                at += 1 + rng.below(50) as usize;
+                at
+            });
+            anew += played(&of, death, crash_at.collect(), seed, true);
+        }
+    }
+    assert!(anew > 0, "no log has begun anew");
+}
+
+#[test]
+fn what_was_never_told_is_read_from_the_log() {
+    let of = shipped("assembly-cell", &[2, 2, 1]);
+    let anew = played(&of, Death::Killed, vec![30, 90], 3, false);
+    // The database is behind in each life from its first step on, so the log may forget nothing.
+    assert_eq!(anew, 0);
+}
