@@ -9,6 +9,7 @@ mod cell;
 mod check;
 mod client;
 mod devices;
+mod drawing;
 mod frames;
 mod interrupts;
 mod load;
@@ -17,6 +18,7 @@ mod new;
 mod nodes;
 mod operate;
 mod out;
+mod report;
 mod run;
 mod simulate;
 mod watch;
@@ -52,6 +54,8 @@ enum Command {
     Analyse(analyse::Args),
     /// Run a line's controllers against the simulated plant in virtual time: its bar chart, cycle time, faults.
     Simulate(simulate::Args),
+    /// Report what a flexible cell has done, from its database: how busy and how down, times of parts, lateness of orders.
+    Report(report::Args),
     /// Run a whole line on this machine, with simulated devices.
     Run(run::Args),
     /// Run the node of one or more stations.
@@ -104,6 +108,7 @@ fn dispatch(command: Command, ros: RosArgs) -> miette::Result<ExitCode> {
         Command::Nets(args) => nets::run(&args),
         Command::Analyse(args) => analyse::run(&args),
         Command::Simulate(args) => simulate::run(&args),
+        Command::Report(args) => report::run(&args),
         Command::Run(args) => asynchronous(async move { run::run(args, ros).await }),
         Command::Station(args) => logged(&ros, || nodes::station(args, &ros)),
         Command::Coordinator(args) => logged(&ros, || nodes::coordinator(args, &ros)),

@@ -42,6 +42,12 @@ pub struct Args {
     /// Of a cell: print everything that is decided, and why.
     #[arg(long)]
     why: bool,
+    /// Of a cell: look ahead and follow a schedule, as its description asks for, and not its rules alone.
+    #[arg(long)]
+    planned: bool,
+    /// Of a cell: write everything that happens into a new database, for `linewright report`.
+    #[arg(long, value_name = "DB")]
+    record: Option<PathBuf>,
     /// How many cycles of the whole line to run [default: what the scenario says, or 3].
     #[arg(long, value_parser = clap::value_parser!(u64).range(1..=CYCLES_MAX as u64))]
     cycles: Option<u64>,
@@ -88,12 +94,15 @@ fn percent(text: &str) -> Result<f64, String> {
 
 /// Runs the command.
 pub fn run(args: &Args) -> miette::Result<ExitCode> {
-    let asked = args.why || !args.parts.is_empty();
+    let asked = args.why || args.planned || args.record.is_some() || !args.parts.is_empty();
     if let Some(file) = cell::file_of(&args.line, asked) {
         return cell::run(args, &file);
     }
     if asked {
-        return Err(miette!("--parts and --why are for cells; {} has no cell.toml", args.line.display()));
+        return Err(miette!(
+            "--parts, --planned, --record and --why are for cells; {} has no cell.toml",
+            args.line.display()
+        ));
     }
     let line = load::line(&args.line, args.json)?;
     let scenario = match &args.scenario {

@@ -196,5 +196,5 @@ fn what_is_not_for_a_cell_or_not_for_a_line_is_refused() {
     assert!(refused(cell("workcell-c1", &["--parts", "C=3"])).contains("no part type 'C'; the cell has A, B"));
     assert!(refused(cell("workcell-c1", &["--parts", "A=0"])).contains("no parts to make"));
     assert!(refused(cell("workcell-c1", &["--parts", "A"])).contains("write TYPE=NUMBER"));
-    assert!(refused(simulate(&["--parts", "A=3"])).contains("--parts and --why are for cells"));
+    assert!(refused(simulate(&["--parts", "A=3"])).contains("--parts, --planned, --record and --why are for cells"));
 }

@@ -9,6 +9,7 @@ use std::fmt::Write;
 use linewright_line::{Line, OpId, Station};
 
 use super::report::{Report, Row};
+use crate::drawing::{escaped, steps};
 
 /// The margin for names, at least: the legend wants this much.
 const LABELS_MIN: f64 = 320.0;
@@ -89,11 +90,7 @@ fn y(row: usize) -> f64 {
 /// Lines at round times, at most a dozen of them.
 fn grid(svg: &mut String, scale: Scale, height: f64) {
     let span = scale.span;
-    let magnitude = 10f64.powf((span / 10.0).log10().floor());
-    let step = [1.0, 2.0, 5.0, 10.0].map(|n| n * magnitude).into_iter().find(|step| span / step <= 12.0);
-    let step = step.unwrap_or(span);
-    let mut at = 0.0;
-    while at <= span {
+    for at in steps(span) {
         let x = scale.x(at);
         let _ = writeln!(
             svg,
@@ -102,9 +99,8 @@ fn grid(svg: &mut String, scale: Scale, height: f64) {
             TOP - 4.0,
             height - 16.0,
             TOP - 8.0,
-            (at * 1e6).round() / 1e6
+            at
         );
-        at += step;
     }
 }
 
@@ -160,8 +156,4 @@ fn arrows(svg: &mut String, line: &Line, report: &Report, scale: Scale) {
             scale.x(head.0)
         );
     }
-}
-
-fn escaped(text: &str) -> String {
-    text.replace('&', "&amp;").replace('<', "&lt;").replace('>', "&gt;").replace('"', "&quot;")
 }

@@ -38,7 +38,7 @@ struct Part {
 #[derive(Serialize)]
 struct Resource {
     name: String,
-    prototype: &'static str,
+    prototype: String,
     capacity: u32,
     busy: f64,
     taken_mean: f64,
@@ -64,18 +64,18 @@ impl Object {
     pub fn new(cell: &Cell, played: &Described, sim: &CellSim, made: &Made, error: Option<&str>, why: bool) -> Self {
         let seconds = |tick: Tick| tick.as_micros() as f64 / 1e6;
         let parts = made.parts.iter().map(|part| Part {
-            part: part.id.0,
-            of: cell.part_types[part.of.index()].name.clone(),
+            part: part.part.0,
+            of: part.product.and_then(|of| cell.part_types.get(of)).map(|of| of.name.clone()).unwrap_or_default(),
             entered_s: seconds(part.entered),
-            done_s: part.done.map(seconds),
+            done_s: part.left.map(seconds),
         });
-        let resources = cell.resource_ids().map(|id| Resource {
-            name: cell.resource(id).name.clone(),
-            prototype: cell.resource(id).prototype.name(),
-            capacity: cell.resource(id).capacity,
-            busy: made.busy(cell, id),
-            taken_mean: made.taken(id),
-            taken_most: made.uses[id.index()].most,
+        let resources = made.report.resources.iter().map(|of| Resource {
+            name: of.name.clone(),
+            prototype: of.prototype.clone(),
+            capacity: of.capacity,
+            busy: of.load(made.report.observed).unwrap_or(0.0),
+            taken_mean: of.taken,
+            taken_most: of.most,
         });
         let activities = made.activities.iter().map(|done| Activity {
             activity: played.table.mode_name(done.mode).to_owned(),

@@ -6,6 +6,7 @@
 
 mod json;
 mod made;
+mod record;
 mod show;
 
 use std::path::{Path, PathBuf};
@@ -18,7 +19,7 @@ use linewright_cell::net::Supply;
 use linewright_coordinator_logic::cell::dispatch::why_not;
 use linewright_coordinator_logic::cell::dispatch::words::Reasons;
 use linewright_coordinator_logic::cell::{Phase, State};
-use linewright_coordinator_logic::described::{Described, Pace, described, dispatcher};
+use linewright_coordinator_logic::described::{Described, Pace, described, dispatcher, planner};
 use linewright_line::{Line, Tick};
 use linewright_simulation::cell::{CellOptions, CellSim};
 use miette::{IntoDiagnostic, miette};
@@ -84,11 +85,22 @@ pub fn run(args: &Args, file: &Path) -> miette::Result<ExitCode> {
         ..CellOptions::default()
     };
     let stations = line.as_ref().map_or(cell.controllers.len(), |line| line.stations.len());
+    // Whatever is wrong with the file is said before anything is played.
+    let begin = |path: &PathBuf| record::begin(path, &cell, line.as_ref(), &played);
+    let mut history = args.record.as_ref().map(begin).transpose()?;
     let table = Arc::new(played.table.clone());
     let mut by_rules = dispatcher(&cell, &table);
+    let mut plan = args.planned.then(|| planner(&cell, &played));
     let mut sim = CellSim::new(table, stations, options);
-    sim.run(&mut by_rules, Tick::NEVER);
+    match &mut plan {
+        Some(plan) => sim.run(plan, Tick::NEVER),
+        None => sim.run(&mut by_rules, Tick::NEVER),
+    }
     let made = Made::new(&cell, &played, &sim.log);
+    if let Some(history) = &mut history {
+        record::write(history, &sim.log)?;
+        plan.as_ref().map_or(Ok(()), |plan| record::write_plan(history, plan, &made.activities))?;
+    }
     let asked: u32 = batch.iter().sum();
     let error = error(&sim, &played, asked, made.end);
     if args.json {

@@ -36,12 +36,13 @@ pub fn cause(cause: &Cause) -> String {
 /// Parts and resources.
 pub fn text(cell: &Cell, made: &Made, asked: u32) -> String {
     let seconds = |tick: linewright_line::Tick| tick.as_micros() as f64 / 1e6;
-    let done = made.parts.iter().filter(|part| part.done.is_some()).count();
+    let done = made.parts.iter().filter(|part| part.left.is_some()).count();
     let mut text = format!("{}\n{done} of {asked} parts done in {:.3} s\n", cell.title, seconds(made.end));
     let _ = writeln!(text, "\n{:<24} {:>12} {:>12} {:>12}", "part", "entered", "done", "in the cell");
     for part in made.parts.iter().take(LISTED_MAX) {
-        let name = format!("{} ({})", part.id, cell.part_types[part.of.index()].name);
-        let ended = part.done.map_or(["-".to_owned(), "-".to_owned()], |done| {
+        let of = part.product.and_then(|of| cell.part_types.get(of)).map_or("?", |of| of.name.as_str());
+        let name = format!("{} ({of})", part.part);
+        let ended = part.left.map_or(["-".to_owned(), "-".to_owned()], |done| {
             [format!("{:.3} s", seconds(done)), format!("{:.3} s", done.since(part.entered).as_secs_f64())]
         });
         let entered = format!("{:.3} s", seconds(part.entered));
@@ -51,14 +52,15 @@ pub fn text(cell: &Cell, made: &Made, asked: u32) -> String {
         let _ = writeln!(text, "and {} more; --json has all of them", made.parts.len() - LISTED_MAX);
     }
     let _ = writeln!(text, "\n{:<24} {:>12} {:>12} {:>12}", "resource", "busy", "taken", "at most");
-    for id in cell.resource_ids() {
+    for (id, of) in cell.resource_ids().zip(&made.report.resources) {
         let resource = cell.resource(id);
         // A store does nothing by itself, and a robot has nothing to be taken.
-        let busy =
-            if resource.prototype.stores() { "-".to_owned() } else { format!("{:.1} %", made.busy(cell, id) * 100.0) };
-        let most = made.uses[id.index()].most;
-        let [taken, most] = if most > 0 {
-            [format!("{:.2}", made.taken(id)), format!("{most} of {}", resource.capacity)]
+        let busy = match of.load(made.report.observed).filter(|_| !resource.prototype.stores()) {
+            Some(load) => format!("{:.1} %", load * 100.0),
+            None => "-".to_owned(),
+        };
+        let [taken, most] = if of.most > 0 {
+            [format!("{:.2}", of.taken), format!("{} of {}", of.most, resource.capacity)]
         } else {
             ["-".to_owned(), "-".to_owned()]
         };

@@ -1,0 +1,140 @@
+//! The same as tables: a directory with a file for events, activities, parts and orders each, for whoever computes something
+//! else of them. RFC 4180; a first row of names, times as the report has them and beside that in microseconds.
+
+use std::fs::File;
+use std::path::Path;
+use std::time::Duration;
+
+use linewright_coordinator_logic::cell::tracking::{Done, Passage};
+use linewright_history::Event;
+use linewright_line::Tick;
+use miette::{IntoDiagnostic, WrapErr, miette};
+use serde::Serialize;
+
+use super::json::on_order;
+use super::rows::{EventRow, event_row};
+use super::story::{Story, failed};
+
+/// An activity.
+#[derive(Default, Serialize)]
+struct ActivityRow {
+    firing: u64,
+    activity: String,
+    mode: String,
+    product: Option<String>,
+    part: Option<u64>,
+    worker: Option<String>,
+    carrier: Option<String>,
+    planned_start: Option<String>,
+    planned_end: Option<String>,
+    start: String,
+    end: Option<String>,
+    start_us: u64,
+    end_us: Option<u64>,
+    duration_s: Option<f64>,
+    nominal_s: f64,
+    failed: Option<String>,
+    cause: Option<String>,
+}
+
+/// A part.
+#[derive(Default, Serialize)]
+struct PartRow {
+    part: u64,
+    product: Option<String>,
+    entered: String,
+    left: Option<String>,
+    lead_s: Option<f64>,
+    worked_s: f64,
+    moved_s: f64,
+    waited_s: Option<f64>,
+}
+
+/// Writes all tables into a directory, which is made if there is none.
+pub fn write(story: &Story, dir: &Path) -> miette::Result<()> {
+    std::fs::create_dir_all(dir).into_diagnostic().wrap_err_with(|| format!("cannot make {}", dir.display()))?;
+    table(dir, "activity.csv", story.activities.iter().map(|done| activity(story, done)))?;
+    table(dir, "part.csv", story.tracking.passages().map(|passage| part(story, passage)))?;
+    table(dir, "order.csv", story.orders().map(|order| on_order(story, order)))?;
+    events(story, dir)
+}
+
+/// A table that has its first row even if it has no other.
+fn begin<T: Serialize + Default>(path: &Path) -> Result<csv::Writer<File>, csv::Error> {
+    let mut names = csv::Writer::from_writer(Vec::new());
+    names.serialize(T::default())?;
+    let both = names.into_inner().unwrap_or_default();
+    let mut first = csv::ReaderBuilder::new().from_reader(both.as_slice());
+    let mut to = csv::WriterBuilder::new().has_headers(false).from_path(path)?;
+    to.write_record(first.headers()?)?;
+    Ok(to)
+}
+
+fn table<T: Serialize + Default>(dir: &Path, name: &str, rows: impl Iterator<Item = T>) -> miette::Result<()> {
+    let path = dir.join(name);
+    let cannot = || format!("cannot write {}", path.display());
+    let mut to = begin::<T>(&path).into_diagnostic().wrap_err_with(cannot)?;
+    for row in rows {
+        to.serialize(row).into_diagnostic().wrap_err_with(cannot)?;
+    }
+    to.flush().into_diagnostic().wrap_err_with(cannot)
+}
+
+/// Events are not kept in memory: they go from the one file into the other.
+fn events(story: &Story, dir: &Path) -> miette::Result<()> {
+    let path = dir.join("event.csv");
+    let mut to = begin::<EventRow>(&path).into_diagnostic()?;
+    let mut written = Ok(());
+    let within = |event: Event| {
+        if event.at >= story.from && written.is_ok() {
+            written = to.serialize(event_row(story, &event));
+        }
+    };
+    story.reader.each(story.to, within).map_err(failed)?;
+    let written = written.and_then(|()| Ok(to.flush()?));
+    written.map_err(|error| miette!("cannot write {}: {error}", path.display()))
+}
+
+fn activity(story: &Story, done: &Done) -> ActivityRow {
+    let sheet = &story.about.sheet;
+    let entry = sheet.entry(done.mode);
+    let resource = |of: Option<usize>| of.and_then(|of| sheet.resources.get(of)).map(|of| of.name.clone());
+    let planned = story.planned.get(&done.firing);
+    ActivityRow {
+        firing: done.firing.0,
+        activity: entry.map(|entry| entry.activity.clone()).unwrap_or_default(),
+        mode: entry.map(|entry| entry.name.clone()).unwrap_or_default(),
+        product: product(story, entry.and_then(|entry| entry.product)),
+        part: done.part.map(|part| part.0),
+        worker: resource(entry.and_then(|entry| entry.worker)),
+        carrier: resource(entry.and_then(|entry| entry.carrier)),
+        planned_start: planned.map(|(from, _)| story.show(*from)),
+        planned_end: planned.map(|(_, to)| story.show(*to)),
+        start: story.show(done.began),
+        end: done.ended.map(|ended| story.show(ended)),
+        start_us: done.began.as_micros(),
+        end_us: done.ended.map(Tick::as_micros),
+        duration_s: done.ended.map(|ended| ended.since(done.began).as_secs_f64()),
+        nominal_s: entry.map_or(0.0, |entry| entry.nominal.as_secs_f64()),
+        failed: done.failed.as_ref().map(|failed| story.show(failed.at)),
+        cause: done.failed.as_ref().map(|failed| failed.cause.clone()),
+    }
+}
+
+fn product(story: &Story, of: Option<usize>) -> Option<String> {
+    of.and_then(|of| story.about.sheet.products.get(of)).cloned()
+}
+
+fn part(story: &Story, passage: &Passage) -> PartRow {
+    let times = passage.lead_and_wait();
+    PartRow {
+        part: passage.part.0,
+        product: product(story, passage.product),
+        entered: story.show(passage.entered),
+        left: passage.left.map(|left| story.show(left)),
+        lead_s: times.map(|(lead, _)| lead.as_secs_f64()),
+        worked_s: passage.worked.as_secs_f64(),
+        moved_s: passage.moved.as_secs_f64(),
+        waited_s: times.map(|(_, waited): (Duration, Duration)| waited.as_secs_f64()),
+    }
+}

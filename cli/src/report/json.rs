@@ -1,0 +1,228 @@
+//! The one object that `--json` prints of a report. Times are RFC 3339, or seconds of a simulation; durations are seconds.
+
+use std::time::Duration;
+
+use linewright_coordinator_logic::cell::production::Order;
+use linewright_coordinator_logic::cell::tracking::{Effectiveness, OrdersReport, ResourceReport, Spread};
+use linewright_line::Tick;
+use serde::Serialize;
+
+use super::story::Story;
+
+/// Everything that is reported.
+#[derive(Serialize)]
+pub struct Object {
+    cell: String,
+    title: String,
+    from: String,
+    to: String,
+    observed_s: f64,
+    /// Records of the log that are not in the database, each from and to.
+    missing: Vec<(u64, u64)>,
+    parts: Parts,
+    failures: u64,
+    #[serde(skip_serializing_if = "Option::is_none")]
+    effectiveness: Option<Shares>,
+    resources: Vec<Resource>,
+    orders: Orders,
+}
+
+#[derive(Serialize)]
+struct Parts {
+    left: usize,
+    inside: usize,
+    lost: u64,
+    lead_s: Times,
+    worked_s: Times,
+    moved_s: Times,
+    waited_s: Times,
+}
+
+#[derive(Serialize)]
+struct Times {
+    count: usize,
+    least: f64,
+    median: f64,
+    p90: f64,
+    p99: f64,
+    most: f64,
+    mean: Option<f64>,
+}
+
+#[derive(Serialize)]
+struct Shares {
+    availability: f64,
+    performance: f64,
+    quality: f64,
+    product: f64,
+}
+
+#[derive(Serialize)]
+struct Resource {
+    name: String,
+    prototype: String,
+    capacity: u32,
+    busy_s: f64,
+    down_s: f64,
+    work_s: f64,
+    utilisation: Option<f64>,
+    availability: Option<f64>,
+    performance: Option<f64>,
+    parts: u64,
+    nominal_s: f64,
+    actual_s: f64,
+    taken_mean: f64,
+    taken_most: u32,
+    causes: Vec<Cause>,
+}
+
+#[derive(Serialize)]
+struct Cause {
+    cause: String,
+    times: u64,
+    down_s: f64,
+}
+
+#[derive(Serialize)]
+struct Orders {
+    done: usize,
+    open: usize,
+    cancelled: usize,
+    withdrawn: usize,
+    due: usize,
+    in_time: usize,
+    late_s: Times,
+    list: Vec<OnOrder>,
+}
+
+/// A production order.
+#[derive(Default, Serialize)]
+pub struct OnOrder {
+    /// Its number.
+    pub id: u64,
+    /// Its name.
+    pub name: String,
+    /// What it makes.
+    pub product: String,
+    /// How many.
+    pub quantity: u32,
+    /// How it stands, in a word.
+    pub state: &'static str,
+    /// When it was accepted.
+    pub accepted: String,
+    /// When it is due.
+    pub due: Option<String>,
+    /// When its first part entered.
+    pub begun: Option<String>,
+    /// When it was over.
+    pub ended: Option<String>,
+    /// How many of its parts have entered.
+    pub entered: u32,
+    /// How many have left.
+    pub done: u32,
+    /// How many were lost.
+    pub lost: u32,
+    /// By how much it was late, negative if it was early.
+    pub lateness_s: Option<f64>,
+}
+
+impl From<Spread> for Times {
+    fn from(of: Spread) -> Self {
+        let [least, median, p90, p99, most] =
+            [of.least, of.median, of.p90, of.p99, of.most].map(|time| time.as_secs_f64());
+        let mean = (of.count > 0).then(|| of.total.as_secs_f64() / of.count as f64);
+        Times { count: of.count, least, median, p90, p99, most, mean }
+    }
+}
+
+impl From<Effectiveness> for Shares {
+    fn from(of: Effectiveness) -> Self {
+        let Effectiveness { availability, performance, quality } = of;
+        Shares { availability, performance, quality, product: of.product() }
+    }
+}
+
+/// An order as it is written in tables.
+pub fn on_order(story: &Story, order: &Order) -> OnOrder {
+    let show = |tick: Option<Tick>| tick.map(|tick| story.show(tick));
+    OnOrder {
+        id: order.id.0,
+        name: order.request.name.clone(),
+        product: order.request.product.clone(),
+        quantity: order.request.quantity,
+        state: match (order.withdrawn, order.cancelled, order.ended, order.begun) {
+            (true, ..) => "withdrawn",
+            (false, Some(_), ..) => "cancelled",
+            (false, None, Some(_), _) => "done",
+            (false, None, None, Some(_)) => "in work",
+            (false, None, None, None) => "waiting",
+        },
+        accepted: story.show(order.accepted),
+        due: show(order.request.due),
+        begun: show(order.begun),
+        ended: show(order.ended),
+        entered: order.entered,
+        done: order.done,
+        lost: order.lost,
+        lateness_s: order.lateness().map(|micros| micros as f64 / 1e6),
+    }
+}
+
+impl Object {
+    /// Of what was read.
+    pub fn new(story: &Story) -> Self {
+        let report = &story.report;
+        Object {
+            cell: story.about.cell.clone(),
+            title: story.about.title.clone(),
+            from: story.show(story.from),
+            to: story.show(story.to),
+            observed_s: report.observed.as_secs_f64(),
+            missing: story.missing.clone(),
+            parts: Parts {
+                left: report.left,
+                inside: report.inside,
+                lost: report.lost,
+                lead_s: report.lead.into(),
+                worked_s: report.worked.into(),
+                moved_s: report.moved.into(),
+                waited_s: report.waited.into(),
+            },
+            failures: report.failures,
+            effectiveness: report.effectiveness().map(Shares::from),
+            resources: report.resources.iter().map(|of| resource(of, report.observed)).collect(),
+            orders: orders(story, &report.orders),
+        }
+    }
+}
+
+fn resource(of: &ResourceReport, observed: Duration) -> Resource {
+    let cause = |(cause, times, down): (&str, u64, Duration)| Cause {
+        cause: cause.to_owned(),
+        times,
+        down_s: down.as_secs_f64(),
+    };
+    Resource {
+        name: of.name.clone(),
+        prototype: of.prototype.clone(),
+        capacity: of.capacity,
+        busy_s: of.busy.as_secs_f64(),
+        down_s: of.down.as_secs_f64(),
+        work_s: of.work.as_secs_f64(),
+        utilisation: of.utilisation(observed),
+        availability: of.availability(observed),
+        performance: of.performance(),
+        parts: of.worked,
+        nominal_s: of.nominal.as_secs_f64(),
+        actual_s: of.actual.as_secs_f64(),
+        taken_mean: of.taken,
+        taken_most: of.most,
+        causes: of.causes.iter().map(cause).collect(),
+    }
+}
+
+fn orders(story: &Story, of: &OrdersReport) -> Orders {
+    let &OrdersReport { open, done, cancelled, withdrawn, due, in_time, late } = of;
+    let list = story.orders().map(|order| on_order(story, order)).collect();
+    Orders { done, open, cancelled, withdrawn, due, in_time, late_s: late.into(), list }
+}

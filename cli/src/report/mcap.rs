@@ -1,0 +1,280 @@
+//! The same for whoever looks at robots' recordings: MCAP, as Foxglove Studio and others open it.
+//!
+//! Messages are JSON, each with its JSON schema in the file. `/resources/NAME` says when a resource is idle, busy or down,
+//! and with what: a panel of state transitions draws the cell's chart of it. `/cell` counts parts inside and activities in
+//! progress, `/activities` says of each how long it took and should have taken, for plots. `/log` has every event as
+//! `foxglove.Log`, `/events` with all its data. The times of messages are those of the events, in nanoseconds; of a simulation
+//! they begin at zero.
+
+use std::collections::BTreeMap;
+use std::fs::File;
+use std::io::BufWriter;
+use std::path::Path;
+
+use linewright_coordinator_logic::cell::tracking::Done;
+use linewright_history::Event;
+use linewright_line::Tick;
+use mcap::records::MessageHeader;
+use mcap::{McapError, WriteOptions, Writer};
+use miette::miette;
+use serde_json::{Value, json};
+
+use super::rows::event_row;
+use super::story::{Story, failed};
+
+/// How serious a line of `foxglove.Log` is.
+const DEBUG: u8 = 1;
+const INFO: u8 = 2;
+const WARNING: u8 = 3;
+
+/// Writes the file.
+pub fn write(story: &Story, path: &Path) -> miette::Result<()> {
+    let cannot = |why: &dyn std::fmt::Display| miette!("cannot write {}: {why}", path.display());
+    let file = File::create(path).map_err(|error| cannot(&error))?;
+    let mut recording = Recording::new(file).map_err(|error| cannot(&error))?;
+    resources(story, &mut recording).map_err(|error| cannot(&error))?;
+    counts(story, &mut recording).map_err(|error| cannot(&error))?;
+    activities(story, &mut recording).map_err(|error| cannot(&error))?;
+    events(story, &mut recording)?.map_err(|error| cannot(&error))?;
+    recording.writer.finish().map_err(|error| cannot(&error))?;
+    Ok(())
+}
+
+/// A file of messages, with its channels by topic.
+struct Recording {
+    writer: Writer<BufWriter<File>>,
+    channels: BTreeMap<String, (u16, u32)>,
+}
+
+impl Recording {
+    fn new(file: File) -> Result<Self, McapError> {
+        // Chunks are not compressed: it would need libraries in C, and whoever stores files can do it better.
+        let writer = WriteOptions::new().compression(None).create(BufWriter::new(file))?;
+        Ok(Recording { writer, channels: BTreeMap::new() })
+    }
+
+    fn say(&mut self, topic: &str, schema: Schema, at: Tick, message: &Value) -> Result<(), McapError> {
+        if !self.channels.contains_key(topic) {
+            let (name, text) = schema.text();
+            let schema = self.writer.add_schema(name, "jsonschema", text.to_string().as_bytes())?;
+            let channel = self.writer.add_channel(schema, topic, "json", &BTreeMap::new())?;
+            self.channels.insert(topic.to_owned(), (channel, 0));
+        }
+        let Some((channel_id, sequence)) = self.channels.get_mut(topic) else { return Ok(()) };
+        *sequence = sequence.wrapping_add(1);
+        let time = at.as_micros().saturating_mul(1000);
+        let header = MessageHeader { channel_id: *channel_id, sequence: *sequence, log_time: time, publish_time: time };
+        self.writer.write_to_known_channel(&header, message.to_string().as_bytes())
+    }
+}
+
+/// What a message looks like.
+#[derive(Clone, Copy)]
+enum Schema {
+    Resource,
+    Cell,
+    Activity,
+    Event,
+    Log,
+}
+
+impl Schema {
+    fn text(self) -> (&'static str, Value) {
+        let (string, number) = (json!({"type": "string"}), json!({"type": "number"}));
+        let maybe = |of: &str| json!({"type": [of, "null"]});
+        let (name, properties) = match self {
+            Schema::Resource => (
+                "linewright.Resource",
+                json!({"state": {"type": "string", "enum": ["idle", "busy", "down"]}, "activity": string,
+                    "part": maybe("integer"), "cause": string, "in_progress": {"type": "integer"}}),
+            ),
+            Schema::Cell => (
+                "linewright.Cell",
+                json!({"inside": {"type": "integer"}, "left": {"type": "integer"}, "in_progress": {"type": "integer"},
+                    "failed": {"type": "integer"}}),
+            ),
+            Schema::Activity => (
+                "linewright.Activity",
+                json!({"firing": {"type": "integer"}, "activity": string, "mode": string, "part": maybe("integer"),
+                    "duration_s": number, "nominal_s": number, "late_s": maybe("number")}),
+            ),
+            Schema::Event => (
+                "linewright.Event",
+                json!({"log": maybe("integer"), "kind": string, "station": maybe("string"),
+                    "activity": maybe("string"), "part": maybe("integer"), "firing": maybe("integer"),
+                    "data": {"type": ["object", "null"]}}),
+            ),
+            // As its publisher has it: https://docs.foxglove.dev/docs/sdk/schemas/log
+            Schema::Log => (
+                "foxglove.Log",
+                json!({"timestamp": {"type": "object", "title": "time", "properties": {
+                        "sec": {"type": "integer", "minimum": 0},
+                        "nsec": {"type": "integer", "minimum": 0, "maximum": 999_999_999}}},
+                    "level": {"title": "foxglove.LogLevel", "type": "integer"}, "message": string, "name": string,
+                    "file": string, "line": {"type": "integer", "minimum": 0}}),
+            ),
+        };
+        (name, json!({"title": name, "type": "object", "properties": properties}))
+    }
+}
+
+/// When what begins or ends, in the order of time; what ends at a moment comes before what begins.
+fn edges(story: &Story) -> Vec<(Tick, Edge, &Done)> {
+    let mut edges = Vec::new();
+    for done in &story.activities {
+        edges.push((done.began.max(story.from), Edge::Begins, done));
+        edges.extend(done.failed.as_ref().map(|failed| (failed.at.max(story.from), Edge::Fails, done)));
+        edges.extend(done.ended.map(|ended| (ended, Edge::Ends, done)));
+    }
+    edges.sort_by_key(|(at, edge, done)| (*at, *edge, done.firing));
+    edges
+}
+
+#[derive(Clone, Copy, PartialEq, Eq, PartialOrd, Ord)]
+enum Edge {
+    Ends,
+    Fails,
+    Begins,
+}
+
+/// What each resource is doing, whenever that changes.
+fn resources(story: &Story, to: &mut Recording) -> Result<(), McapError> {
+    let sheet = &story.about.sheet;
+    let takes_part =
+        |done: &Done, resource: usize| sheet.entry(done.mode).is_some_and(|entry| entry.resources.contains(&resource));
+    let edges = edges(story);
+    for (resource, of) in sheet.resources.iter().enumerate() {
+        let topic = format!("/resources/{}", of.name);
+        let idle = json!({"state": "idle", "activity": "", "part": null, "cause": "", "in_progress": 0});
+        to.say(&topic, Schema::Resource, story.from, &idle)?;
+        let mut going_on: Vec<(&Done, bool)> = Vec::new();
+        let mut own = edges.iter().filter(|(.., done)| takes_part(done, resource)).peekable();
+        while let Some(&(at, edge, done)) = own.next() {
+            match edge {
+                // What begins and ends at one moment is never seen.
+                Edge::Begins if done.ended == Some(at) => (),
+                Edge::Begins => going_on.push((done, done.failed.as_ref().is_some_and(|failed| failed.at <= at))),
+                Edge::Fails => {
+                    going_on.iter_mut().filter(|(of, _)| of.firing == done.firing).for_each(|of| of.1 = true);
+                }
+                Edge::Ends => going_on.retain(|(of, _)| of.firing != done.firing),
+            }
+            if own.peek().is_none_or(|(next, ..)| *next > at) {
+                to.say(&topic, Schema::Resource, at, &doing(story, &going_on))?;
+            }
+        }
+    }
+    Ok(())
+}
+
+/// What somebody is doing: first of all what has failed, then what has begun first.
+fn doing(story: &Story, going_on: &[(&Done, bool)]) -> Value {
+    let shown = going_on.iter().find(|(_, failed)| *failed).or(going_on.first());
+    let state = match shown {
+        Some((_, true)) => "down",
+        Some((_, false)) => "busy",
+        None => "idle",
+    };
+    let entry = shown.and_then(|(done, _)| story.about.sheet.entry(done.mode));
+    let cause = shown.filter(|(_, failed)| *failed).and_then(|(done, _)| done.failed.as_ref());
+    json!({
+        "state": state,
+        "activity": entry.map_or("", |entry| entry.activity.as_str()),
+        "part": shown.and_then(|(done, _)| done.part).map(|part| part.0),
+        "cause": cause.map_or("", |failed| failed.cause.as_str()),
+        "in_progress": going_on.len(),
+    })
+}
+
+/// How many parts and activities there are, whenever that changes.
+fn counts(story: &Story, to: &mut Recording) -> Result<(), McapError> {
+    let mut changes: BTreeMap<Tick, [i64; 4]> = BTreeMap::from([(story.from, [0; 4])]);
+    let mut add = |at: Tick, index: usize, by: i64| {
+        changes.entry(at.max(story.from)).or_default()[index] += by;
+    };
+    for passage in story.tracking.passages() {
+        add(passage.entered, 0, 1);
+        if let Some(left) = passage.left {
+            add(left, 0, -1);
+            add(left, 1, 1);
+        }
+    }
+    for (at, edge, done) in edges(story) {
+        match edge {
+            Edge::Begins => add(at, 2, 1),
+            Edge::Fails => {
+                add(at, 2, -1);
+                add(at, 3, 1);
+            }
+            Edge::Ends => add(at, if done.failed.is_some() { 3 } else { 2 }, -1),
+        }
+    }
+    let mut now = [0; 4];
+    for (at, change) in changes {
+        now.iter_mut().zip(change).for_each(|(now, change)| *now += change);
+        let [inside, left, in_progress, failed] = now;
+        let message = json!({"inside": inside, "left": left, "in_progress": in_progress, "failed": failed});
+        to.say("/cell", Schema::Cell, at, &message)?;
+    }
+    Ok(())
+}
+
+/// How long everything took that has ended.
+fn activities(story: &Story, to: &mut Recording) -> Result<(), McapError> {
+    for done in &story.activities {
+        let (Some(ended), Some(entry)) = (done.ended, story.about.sheet.entry(done.mode)) else { continue };
+        let late = story.planned.get(&done.firing).map(|(from, _)| {
+            let seconds = |tick: Tick| tick.as_micros() as f64 / 1e6;
+            seconds(done.began) - seconds(*from)
+        });
+        let message = json!({
+            "firing": done.firing.0,
+            "activity": entry.activity,
+            "mode": entry.name,
+            "part": done.part.map(|part| part.0),
+            "duration_s": ended.since(done.began).as_secs_f64(),
+            "nominal_s": entry.nominal.as_secs_f64(),
+            "late_s": late,
+        });
+        to.say("/activities", Schema::Activity, ended, &message)?;
+    }
+    Ok(())
+}
+
+/// Everything that has happened, for people and for programs.
+fn events(story: &Story, to: &mut Recording) -> miette::Result<Result<(), McapError>> {
+    let mut written = Ok(());
+    let take = |event: Event| {
+        if event.at >= story.from && written.is_ok() {
+            written = say_event(story, to, &event);
+        }
+    };
+    story.reader.each(story.to, take).map_err(failed)?;
+    Ok(written)
+}
+
+fn say_event(story: &Story, to: &mut Recording, event: &Event) -> Result<(), McapError> {
+    let row = event_row(story, event);
+    let data: Value = serde_json::from_str(&row.data).unwrap_or_default();
+    let message = json!({"log": row.log, "kind": row.kind, "station": row.station, "activity": row.activity,
+        "part": row.part, "firing": row.firing, "data": data});
+    to.say("/events", Schema::Event, event.at, &message)?;
+    let level = match row.kind.as_str() {
+        "decided" | "acknowledged" | "memory" | "order-ended" | "planned" => DEBUG,
+        "raised" | "order-failed" | "alarm" | "mismatch" | "down" | "missing" | "emergency-stop" => WARNING,
+        // Whatever else there is, or will be.
+        _ => INFO,
+    };
+    let micros = event.at.as_micros();
+    let words = [row.activity.clone(), row.part.map(|part| format!("part {part}")), row.station.clone()];
+    let words: Vec<String> = std::iter::once(row.kind.clone()).chain(words.into_iter().flatten()).collect();
+    let message = json!({
+        "timestamp": {"sec": micros / 1_000_000, "nsec": micros % 1_000_000 * 1000},
+        "level": level,
+        "message": format!("{} {}", words.join(" "), row.data),
+        "name": story.about.cell,
+        "file": "",
+        "line": row.log.unwrap_or(0),
+    });
+    to.say("/log", Schema::Log, event.at, &message)
+}

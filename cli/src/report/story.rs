@@ -1,0 +1,109 @@
+//! What a database says of a span of time, read once for all forms of output.
+
+use std::collections::BTreeMap;
+use std::path::Path;
+
+use linewright_coordinator_logic::cell::FiringId;
+use linewright_coordinator_logic::cell::production::Order;
+use linewright_coordinator_logic::cell::tracking::{Activities, Done, Report, Tracking};
+use linewright_history::{About, HistoryError, Note, Reader, What};
+use linewright_line::Tick;
+use miette::miette;
+
+use super::when::{self, Zone};
+
+/// What a database says.
+pub struct Story {
+    /// The database, as it was at one moment.
+    pub reader: Reader,
+    /// What it is about.
+    pub about: About,
+    /// How times are shown.
+    pub zone: Zone,
+    /// The span that is reported.
+    pub from: Tick,
+    /// Its end.
+    pub to: Tick,
+    /// Sums.
+    pub tracking: Tracking,
+    /// The same, of the span.
+    pub report: Report,
+    /// The activities of which anything lies within the span.
+    pub activities: Vec<Done>,
+    /// When each of them was planned, if it was.
+    pub planned: BTreeMap<FiringId, (Tick, Tick)>,
+    /// Records that are not in the database.
+    pub missing: Vec<(u64, u64)>,
+}
+
+/// Says what was wrong with the database.
+pub fn failed(error: HistoryError) -> miette::Report {
+    miette!("{error}")
+}
+
+impl Story {
+    /// Reads a database.
+    ///
+    /// # Errors
+    /// What is wrong with it, or with the span.
+    pub fn read(path: &Path, (from, to): (Option<&str>, Option<&str>), zone: Zone) -> miette::Result<Self> {
+        let reader = Reader::open(path).map_err(failed)?;
+        let about = reader.about().clone();
+        let time = |text: Option<&str>| text.map(|text| when::parse(text, about.clock, zone)).transpose();
+        let (from, to) = (time(from)?, time(to)?);
+        let Some((first, last)) = reader.span().map_err(failed)? else {
+            return Err(miette!("nothing has happened yet in {}", path.display()));
+        };
+        let (from, to) = (from.unwrap_or(first).max(first), to.unwrap_or(last));
+        if from > to {
+            let show = |tick| when::show(tick, about.clock, zone);
+            let (from, to, first, last) = (show(from), show(to), show(first), show(last));
+            return Err(miette!("nothing lies from {from} to {to}; the database has {first} to {last}"));
+        }
+        let (mut tracking, mut activities) = (Tracking::since(about.sheet.clone(), from), Activities::default());
+        let (mut planned, mut missing) = (BTreeMap::new(), Vec::new());
+        reader
+            .each(to, |event| {
+                if let Some(record) = event.record() {
+                    tracking.take(&record);
+                    activities.take(&record);
+                }
+                match event.what {
+                    What::Note(Note::Planned { firing, from, to }) => _ = planned.insert(firing, (from, to)),
+                    What::Note(Note::Missing { from, to }) => missing.push((from, to)),
+                    What::Note(
+                        Note::Mode { .. }
+                        | Note::EmergencyStop { .. }
+                        | Note::Station { .. }
+                        | Note::Device { .. }
+                        | Note::Said { .. },
+                    )
+                    | What::Fact(..) => (),
+                }
+            })
+            .map_err(failed)?;
+        let within = activities.all().iter().filter(|done| done.ended.is_none_or(|ended| ended >= from));
+        let activities = within.cloned().collect();
+        // After the last event nobody knows anything.
+        let report = tracking.report(to.min(last));
+        Ok(Story { reader, about, zone, from, to: to.min(last), tracking, report, activities, planned, missing })
+    }
+
+    /// The production orders that were not over before the span.
+    pub fn orders(&self) -> impl Iterator<Item = &Order> {
+        let all = self.tracking.production().orders();
+        all.filter(|order| order.ended.is_none_or(|ended| ended >= self.from))
+    }
+
+    /// A time, as people read it.
+    pub fn show(&self, tick: Tick) -> String {
+        when::show(tick, self.about.clock, self.zone)
+    }
+
+    /// The report as text.
+    pub fn text(&self) -> String {
+        let missing = self.missing.iter().map(|(from, to)| format!("records {from} to {to} of the log are missing\n"));
+        let (title, from, to) = (&self.about.title, self.show(self.from), self.show(self.to));
+        format!("{title}, {from} to {to}\n{}{}", missing.collect::<String>(), self.report)
+    }
+}
