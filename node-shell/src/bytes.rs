@@ -5,9 +5,19 @@
 
 use std::fmt;
 
+use linewright_msgs::RosMessage;
 use serde::de::{SeqAccess, Visitor};
 use serde::ser::SerializeTuple;
 use serde::{Deserialize, Deserializer, Serialize, Serializer};
+
+/// Bytes that some middleware adds behind a message, so that the next one lies well.
+const PADDING_MAX: usize = 3;
+
+/// The message in these bytes, if it is valid, and all that is in them.
+pub(crate) fn exactly<T: RosMessage>(bytes: &[u8]) -> Option<T> {
+    let (message, consumed) = cdr_encoding::from_bytes::<T, byteorder::LittleEndian>(bytes).ok()?;
+    (bytes.len() - consumed <= PADDING_MAX && message.validate().is_ok()).then_some(message)
+}
 
 /// At most `MAX` bytes. More than that are not looked at.
 #[derive(Clone, Debug, Default, PartialEq, Eq)]

@@ -2,8 +2,8 @@
 //!
 //! ROS 2 has two ways of saying which request an answer belongs to. Fast DDS says it beside the data (the client
 //! library's *enhanced* mapping), Cyclone DDS in sixteen bytes before them. A server of the client library knows one of
-//! them, and a line does not know who will ask. So requests are taken as the bytes they are: the ones served here have
-//! at most sixteen, and with Cyclone's header every request has more. The answer goes the way the request came.
+//! them, and a line does not know who will ask. So requests are taken as the bytes they are, and make sense in one of the
+//! two ways: as all of them, or as all behind the first sixteen. The answer goes the way the request came.
 //!
 //! A client can ask before this side knows where its answers are to go: the two ways between two nodes are discovered one
 //! by one, and an answer sent too early is lost for good. So the first answer to a client is held for a moment, as other
@@ -23,13 +23,13 @@ use ros2_client::{ReadError, Server, service::RmwRequestId};
 use serde::{Deserialize, Deserializer, Serialize, Serializer};
 use tokio::sync::mpsc;
 
-use crate::bytes::Bytes;
+use crate::bytes::{Bytes, exactly};
 use crate::subscription::Forward;
 
 /// Bytes of Cyclone's header: half of the client's identity, and the number of the request.
 const HEADER: usize = 16;
-/// Most bytes of a request that are looked at: the header, and more than any request served.
-const REQUEST_MAX: usize = 64;
+/// Most bytes of a request that are looked at; more makes no sense.
+const REQUEST_MAX: usize = 64 * 1024;
 
 /// How long the first answer to a client is held (that of rmw_fastrtps).
 pub(crate) const HOLD: Duration = Duration::from_millis(100);
@@ -41,13 +41,11 @@ pub(crate) type RawRequest = Bytes<REQUEST_MAX>;
 
 /// The header of Cyclone DDS if there is one, and what is asked.
 fn read<T: RosMessage>(raw: &RawRequest) -> Option<(Option<[u8; HEADER]>, T)> {
-    let (header, body) = match raw.0.split_first_chunk::<HEADER>() {
-        Some((header, body)) if !body.is_empty() => (Some(*header), body),
-        _ => (None, &raw.0[..]),
-    };
-    let (message, _) = cdr_encoding::from_bytes::<T, byteorder::LittleEndian>(body).ok()?;
-    message.validate().ok()?;
-    Some((header, message))
+    if let Some(message) = exactly(&raw.0) {
+        return Some((None, message));
+    }
+    let (header, body) = raw.0.split_first_chunk::<HEADER>()?;
+    Some((Some(*header), exactly(body)?))
 }
 
 /// An answer, with the header of its request.
@@ -170,4 +168,43 @@ where
             tokio::task::yield_now().await;
         }
     })
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use linewright_msgs::{CoReadRequest, ProductionRequest, SubmitOrdersRequest, TriggerRequest, WhyNotRequest};
+    use proptest::prelude::*;
+
+    fn both_ways<T: RosMessage + PartialEq + fmt::Debug>(asked: &T, header: [u8; HEADER], padding: usize) {
+        let bytes = cdr_encoding::to_vec::<T, byteorder::LittleEndian>(asked).expect("encodes");
+        let padded = [&bytes[..], &vec![0; padding]].concat();
+        let found = read::<T>(&Bytes(padded.clone())).expect("it makes sense");
+        assert_eq!((found.0, &found.1), (None, asked));
+        let found = read::<T>(&Bytes([&header[..], &padded].concat())).expect("it makes sense with a header");
+        assert_eq!((found.0, &found.1), (Some(header), asked));
+        assert!(read::<T>(&Bytes([&header[..], &padded, &header].concat())).is_none(), "and not with more behind it");
+    }
+
+    proptest! {
+        /// Half of a client's identity, and the number of the request, which is small.
+        #[test]
+        fn a_request_is_read_in_the_way_it_came(
+            client: u64,
+            number in 0..1_000_000_u64,
+            padding in 0..4_usize,
+            names in prop::collection::vec("[a-z ]{0,40}", 0..4),
+        ) {
+            // Identities are of participants of ours or of others: drawn, or made of addresses; not small numbers.
+            let header = [(client | 1 << 40).to_le_bytes(), number.to_le_bytes()].concat();
+            let header = <[u8; HEADER]>::try_from(header).expect("sixteen");
+            both_ways(&TriggerRequest::default(), header, padding.min(2));
+            both_ways(&CoReadRequest { index: 0x1018, subindex: 1 }, header, padding);
+            let of = |name: &String| ProductionRequest { name: name.clone(), after: names.clone(), ..Default::default() };
+            both_ways(&SubmitOrdersRequest { requests: names.iter().map(of).collect() }, header, padding);
+            for about in &names {
+                both_ways(&WhyNotRequest { about: about.clone() }, header, padding);
+            }
+        }
+    }
 }

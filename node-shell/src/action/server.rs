@@ -9,7 +9,7 @@ use std::future::Future;
 use std::pin::pin;
 use std::task::{Context, Poll};
 
-use linewright_msgs::{RosAction, RosMessage};
+use linewright_msgs::RosAction;
 use ros2_client::action::{ActionServer, GetResultResponse, SendGoalResponse};
 use ros2_client::action_msgs::{CancelGoalRequest, CancelGoalResponse, GoalId, GoalInfo, GoalStatusEnum};
 use ros2_client::builtin_interfaces::Time;
@@ -18,15 +18,13 @@ use tokio::sync::mpsc;
 use tokio::time::Instant;
 
 use super::goals::{Ended, Goals};
-use crate::bytes::Bytes;
+use crate::bytes::{Bytes, exactly};
 use crate::caller::Wire;
 use crate::service::{CLIENTS, HOLD};
 use crate::subscription::Forward;
 
 /// Most bytes of a goal that are looked at.
 const GOAL_MAX: usize = 16 * 1024;
-/// Bytes that some middleware adds behind a message, so that the next one lies well.
-const PADDING_MAX: usize = 3;
 /// Answers that are held at once. A flood of new clients loses the oldest.
 const HELD_MAX: usize = 64;
 
@@ -188,7 +186,7 @@ impl<A: RosAction> Serving<A> {
     fn take(&mut self, who: Asker, request: Request) -> Vec<Asked<A::Goal>> {
         match request {
             Request::Goal(id, bytes) => {
-                let Some(goal) = read::<A::Goal>(&bytes) else {
+                let Some(goal) = exactly::<A::Goal>(&bytes) else {
                     // Most likely it is meant for the other server.
                     self.reject();
                     return Vec::new();
@@ -318,12 +316,6 @@ fn poll_one<A: RosAction>(
     }
 }
 
-/// The goal in these bytes, if it is all that is in them.
-fn read<G: RosMessage>(bytes: &[u8]) -> Option<G> {
-    let (goal, consumed) = cdr_encoding::from_bytes::<G, byteorder::LittleEndian>(bytes).ok()?;
-    (bytes.len() - consumed <= PADDING_MAX && goal.validate().is_ok()).then_some(goal)
-}
-
 /// What is to be cancelled. The library has the field and does not show it; its bytes do.
 fn goal_info(request: &CancelGoalRequest) -> Option<GoalInfo> {
     let bytes = cdr_encoding::to_vec::<_, byteorder::LittleEndian>(request).ok()?;
@@ -350,27 +342,27 @@ mod tests {
     #[test]
     fn a_goal_is_read_whole_or_not_at_all() {
         let bytes = cdr_encoding::to_vec::<_, byteorder::LittleEndian>(&goal()).expect("encodes");
-        assert_eq!(read(&bytes), Some(goal()));
-        for padding in 1..=PADDING_MAX {
-            assert_eq!(read(&[&bytes[..], &vec![0; padding]].concat()), Some(goal()));
+        assert_eq!(exactly(&bytes), Some(goal()));
+        for padding in 1..=3 {
+            assert_eq!(exactly(&[&bytes[..], &vec![0; padding]].concat()), Some(goal()));
         }
-        assert_eq!(read::<RunTaskGoal>(&[&bytes[..], &[0; PADDING_MAX + 1]].concat()), None);
-        assert_eq!(read::<RunTaskGoal>(&bytes[..bytes.len() - 1]), None);
+        assert_eq!(exactly::<RunTaskGoal>(&[&bytes[..], &[0; 4]].concat()), None);
+        assert_eq!(exactly::<RunTaskGoal>(&bytes[..bytes.len() - 1]), None);
         // What the server for the other way of asking sees: the goal's id is taken for a header, or the other way round.
         for id in [GoalId::new_random(), GoalId::new_random()] {
             let id = cdr_encoding::to_vec::<_, byteorder::LittleEndian>(&id).expect("encodes");
-            assert_eq!(read::<RunTaskGoal>(&[&id[..], &bytes].concat()), None);
+            assert_eq!(exactly::<RunTaskGoal>(&[&id[..], &bytes].concat()), None);
         }
-        assert_eq!(read::<RunTaskGoal>(&bytes[16..]), None);
+        assert_eq!(exactly::<RunTaskGoal>(&bytes[16..]), None);
         let nobody = RunTaskGoal { id: 0, ..goal() };
         let bytes = cdr_encoding::to_vec::<_, byteorder::LittleEndian>(&nobody).expect("encodes");
-        assert_eq!(read::<RunTaskGoal>(&bytes), None, "it decodes, and is not valid");
+        assert_eq!(exactly::<RunTaskGoal>(&bytes), None, "it decodes, and is not valid");
     }
 
     proptest::proptest! {
         #[test]
         fn noise_is_no_goal_and_no_panic(bytes in proptest::collection::vec(proptest::prelude::any::<u8>(), 0..400)) {
-            let _ = read::<RunTaskGoal>(&bytes);
+            let _ = exactly::<RunTaskGoal>(&bytes);
         }
     }
 
