@@ -95,7 +95,7 @@ fn percent(text: &str) -> Result<f64, String> {
 /// Runs the command.
 pub fn run(args: &Args) -> miette::Result<ExitCode> {
     let asked = args.why || args.planned || args.record.is_some() || !args.parts.is_empty();
-    if let Some(file) = cell::file_of(&args.line, asked) {
+    if let Some(file) = cell::file_of(&args.line) {
         return cell::run(args, &file);
     }
     if asked {

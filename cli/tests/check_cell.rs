@@ -39,13 +39,18 @@ fn the_shipped_cells_pass() {
     for name in ["workcell-c1", "assembly-cell"] {
         let dir = shipped().join("..").join(name);
         let (code, found) = checked(dir.to_str().unwrap(), &[]);
-        assert_eq!((code, &found["ok"], &found["line"]), (Some(0), &true.into(), &Value::Null), "{found}");
+        assert_eq!((code, &found["ok"], &found["line"]), (Some(0), &true.into(), &found["cell"]["name"]), "{found}");
         assert_eq!(verdicts(&found), ["holds"; 3], "{found}");
         let groups = found["cell"]["groups"].as_array().unwrap();
         assert_eq!((groups.len(), &groups[0]["exhausted"]), (1, &true.into()));
         assert!(groups[0]["states"].as_u64() > Some(1000), "{found}");
 
-        let plain = linewright(&["check", dir.join("cell.toml").to_str().unwrap()]);
+        // Each of its stations is explored, alone.
+        let explored = found["explorations"].as_array().expect("a list");
+        assert!(explored.len() >= 3 && explored.iter().all(|one| one["exhausted"] == true), "{found}");
+
+        let scratch = Scratch::new();
+        let plain = linewright(&["check", &changed(&scratch, name, &[])]);
         assert!(plain.status.success() && plain.stderr.is_empty(), "{plain:?}");
         let out = text(&plain.stdout);
         assert!(out.contains("✓ no part gets stuck: in all") && out.contains("3 checks hold"), "{out}");
@@ -184,13 +189,14 @@ fn a_cell_beside_a_line_is_checked_with_it() {
 
 #[test]
 fn what_is_not_there_cannot_be_asked_about() {
-    let cell = shipped().join("../workcell-c1");
-    let output = linewright(&["check", cell.to_str().unwrap(), "--flags"]);
+    let scratch = Scratch::new();
+    let cell = changed(&scratch, "workcell-c1", &[]);
+    let output = linewright(&["check", &cell, "--flags"]);
     assert_eq!(output.status.code(), Some(1));
     assert!(text(&output.stderr).contains("`--flags` is about the stations of a line"), "{output:?}");
     let output = linewright(&["check", shipped().to_str().unwrap(), "--structure", "--expanded"]);
     assert_eq!(output.status.code(), Some(2), "{output:?}");
-    let output = linewright(&["check", cell.to_str().unwrap(), "--structure"]);
+    let output = linewright(&["check", &cell, "--structure"]);
     assert!(output.status.success() && text(&output.stdout).contains("without --structure"), "{output:?}");
 }
 

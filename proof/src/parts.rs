@@ -56,6 +56,18 @@ pub fn parts(line: &Line) -> Vec<Part> {
     parts
 }
 
+/// Each station that works on order, alone: nothing joins it to another, and who gives it orders gives any.
+pub fn on_order(line: &Line) -> Vec<Part> {
+    let alone = |id| Part { stations: vec![id], conflicts: Vec::new(), line: part_of(line, &[id]) };
+    line.station_ids().filter(|&id| line.station(id).works_on_order()).map(alone).collect()
+}
+
+/// The stations that go round a cycle, as a line of their own with all conflicts.
+pub fn cyclic(line: &Line) -> Line {
+    let stations: Vec<StationId> = line.station_ids().filter(|&id| !line.station(id).works_on_order()).collect();
+    part_of(line, &stations)
+}
+
 /// For each station, those whose arrows it acts on when they do not hold.
 fn absence_read(line: &Line) -> Vec<Vec<StationId>> {
     line.station_ids()

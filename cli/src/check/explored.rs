@@ -4,7 +4,7 @@ use clap::{Args, ValueEnum};
 use linewright_line::net::ControlMode;
 use linewright_line::{Conflict, Line};
 use linewright_proof::explore::{Explored, Grants, Limits, NotExplorable, Property, Setting, Story, Verdict, explore};
-use linewright_proof::parts::{Part, parts};
+use linewright_proof::parts::{Part, cyclic, on_order, parts};
 use serde::Serialize;
 
 /// What is explored, and how freely.
@@ -174,6 +174,24 @@ impl Options {
         if self.structure {
             return Ok(found);
         }
+        if self.whole {
+            return self.together(line);
+        }
+        let alone = on_order(line);
+        if alone.is_empty() {
+            return self.together(line);
+        }
+        let others = cyclic(line);
+        found.extend(self.by_parts(alone, "alone")?);
+        if !others.stations.is_empty() {
+            found.extend(self.together(&others)?);
+        }
+        Ok(found)
+    }
+
+    /// Stations that are joined by arrows: all at once, or conflict by conflict where they are many.
+    fn together(&self, line: &Line) -> Result<Vec<Exploration>, NotExplorable> {
+        let mut found = Vec::new();
         if self.whole || line.stations.len() <= WHOLE_STATIONS_MAX {
             if self.modes.is_empty() {
                 found.push(self.undisturbed(line)?);
@@ -181,14 +199,19 @@ impl Options {
             found.push(self.one(line, "the whole line")?);
             return Ok(found);
         }
-        let mut seen: Vec<(Part, bool)> = Vec::new();
-        for part in parts(line) {
+        self.by_parts(parts(line), "part")
+    }
+
+    /// Parts that are alike are explored once.
+    fn by_parts(&self, parts: Vec<Part>, what: &str) -> Result<Vec<Exploration>, NotExplorable> {
+        let (mut found, mut seen): (_, Vec<(Part, bool)>) = (Vec::new(), Vec::new());
+        for part in parts {
             let like = seen.iter().find(|(other, _)| part.is_like(other));
             if let Some((other, holds)) = like.map(|(other, holds)| (other.names(), *holds)) {
-                found.push(Exploration::like(&part, &other, holds));
+                found.push(Exploration::like(&part, what, &other, holds));
                 continue;
             }
-            let explored = self.one(&part.line, &format!("part: {}", part.names()))?;
+            let explored = self.one(&part.line, &format!("{what}: {}", part.names()))?;
             seen.push((part, explored.holds()));
             found.push(explored);
         }
@@ -256,7 +279,7 @@ impl Exploration {
     }
 
     /// A part that differs in names alone from one that has been explored.
-    fn like(part: &Part, other: &str, holds: bool) -> Self {
+    fn like(part: &Part, what: &str, other: &str, holds: bool) -> Self {
         let verdict = if holds { "holds" } else { "undecided" };
         let property = |conflict: &Conflict| Found {
             name: format!("never: {}", conflict.why),
@@ -265,7 +288,7 @@ impl Exploration {
             counterexample: None,
         };
         Exploration {
-            scope: format!("part: {}", part.names()),
+            scope: format!("{what}: {}", part.names()),
             states: 0,
             kept: 0,
             arcs: 0,

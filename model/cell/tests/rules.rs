@@ -7,7 +7,7 @@ mod common;
 
 use std::fmt::Write;
 
-use common::{ASSEMBLY, C1, edited};
+use common::{ASSEMBLY, ASSEMBLY_LINE, C1, C1_LINE, edited};
 use linewright_cell::parse;
 
 /// The rule, and what to replace by what, first occurrence each.
@@ -325,4 +325,70 @@ fn stations_are_looked_up_in_the_line() {
         "{problems:#}"
     );
     assert!(has("the line has no station `robot`") && !has("the line has no station `clamp_1`"), "{problems:#}");
+}
+
+fn line_of(text: &str) -> linewright_line::Line {
+    linewright_line::parse("line.toml", text).unwrap_or_else(|problems| panic!("{problems:#}")).line
+}
+
+#[test]
+fn the_shipped_cells_are_sound_beside_their_lines() {
+    for (cell, line) in [(C1, C1_LINE), (ASSEMBLY, ASSEMBLY_LINE)] {
+        let line = linewright_line::parse("line.toml", line).unwrap_or_else(|problems| panic!("{problems:#}"));
+        assert_eq!(line.warnings, []);
+        let parsed = parse("cell.toml", cell, Some(&line.line)).unwrap_or_else(|problems| panic!("{problems:#}"));
+        assert_eq!(parsed.warnings, []);
+    }
+}
+
+/// What the orders name is looked up in the line.
+#[test]
+fn orders_fit_the_tasks_of_the_line() {
+    let line = line_of(C1_LINE);
+    let said = |edits: &[(&str, &str)]| -> Vec<String> {
+        let problems = match parse("cell.toml", &edited(C1, edits), Some(&line)) {
+            Ok(parsed) => parsed.warnings,
+            Err(problems) => problems.into_vec(),
+        };
+        let hint = |problem: &linewright_text::Problem| problem.hint.clone().unwrap_or_default();
+        problems.iter().map(|p| format!("{}:{} {} ({})", p.line, p.column, p.message, hint(p))).collect()
+    };
+    insta::assert_snapshot!(
+        [
+            said(&[("task = \"load m1\"", "task = \"lod m1\"")]),
+            said(&[("task = \"load m1\", parameters = { slot", "task = \"load m1\", parameters = { slt")]),
+            said(&[("task = \"load m1\", parameters = { slot = \"ST.position\" }", "task = \"load m1\"")]),
+            said(&[("slot = \"ST.position\"", "slot = 8")]),
+            said(&[("program = 4", "program = 9")]),
+            said(&[("capacity = 6", "capacity = 8")]),
+            said(&[("station = \"m1\", task = \"clamp\"", "station = \"m1\", task = \"clmp\"")]),
+            // All at once.
+            said(&[("task = \"load m1\"", "task = \"lod m1\""), ("task = \"release\"", "task = \"relase\"")]),
+        ]
+        .iter()
+        .map(|problems| problems.join("\n"))
+        .collect::<Vec<_>>()
+        .join("\n\n")
+    );
+}
+
+#[test]
+fn a_station_that_does_not_work_on_order_gets_none_and_one_that_does_should() {
+    let line = include_str!("../../../launch-config/lines/transfer-line/line.toml").replacen(
+        "transfer_line",
+        "workcell_c1",
+        1,
+    );
+    let text = edited(C1, &[("station = \"robot\", task = \"load m1\"", "station = \"clamp_1\", task = \"load m1\"")]);
+    let problems = parse("cell.toml", &text, Some(&line_of(&line))).expect_err("it is another line");
+    let has = |words: &str| problems.iter().any(|problem| problem.message.contains(words));
+    assert!(has("station `clamp_1` does not work on order"), "{problems:#}");
+
+    let line = C1_LINE
+        .replacen("name = \"robot\"", "name = \"other\"", 1)
+        .replace("station = \"robot\"", "station = \"other\"");
+    let line = line_of(&line.replace("\"robot.", "\"other."));
+    let problems = parse("cell.toml", C1, Some(&line)).expect_err("there is no robot");
+    let has = |words: &str| problems.iter().any(|problem| problem.message.contains(words));
+    assert!(has("nothing is ordered of station `other`") && has("the line has no station `robot`"), "{problems:#}");
 }

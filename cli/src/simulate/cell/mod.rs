@@ -38,12 +38,12 @@ const PACE: Pace = Pace { refresh: Duration::from_secs(10), grace: Duration::fro
 /// Stations are heard once and do not change.
 const PERIOD: Duration = Duration::from_secs(3600);
 
-/// The description of a cell that a path means: itself, or the `cell.toml` of a directory without a `line.toml`. With one,
-/// the directory is a line's, unless somebody asks for parts.
-pub fn file_of(path: &Path, asked: bool) -> Option<PathBuf> {
+/// The description of a cell that a path means: itself, or the `cell.toml` of a directory. What its stations do by
+/// themselves is asked for by the name of the `line.toml` beside it.
+pub fn file_of(path: &Path) -> Option<PathBuf> {
     let inside = path.join("cell.toml");
     if path.is_dir() {
-        return (inside.exists() && (asked || !path.join("line.toml").exists())).then_some(inside);
+        return inside.exists().then_some(inside);
     }
     (path.file_name()? == "cell.toml").then(|| path.to_owned())
 }

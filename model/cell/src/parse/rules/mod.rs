@@ -9,6 +9,7 @@ mod orders;
 mod plans;
 mod resources;
 mod syncs;
+mod tasks;
 mod ways;
 mod whole;
 
@@ -42,6 +43,7 @@ pub(super) fn check(draft: &Draft<'_>, report: &mut Report) -> Option<Routes> {
         orders::parameters_are_there(draft, activity, report);
     }
     orders::stations_exist(draft, report);
+    tasks::orders_fit_their_tasks(draft, report);
     for part in &draft.parts {
         plans::part_has_steps(part, report);
         plans::steps_have_resources_that_work(draft, part, report);

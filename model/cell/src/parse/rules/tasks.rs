@@ -1,0 +1,144 @@
+//! What stations are told, beside the line that describes them: is there such a task, and are its numbers given and small
+//! enough for the outputs that carry them? Without a line nothing here has anything to say.
+
+use linewright_line::{Parameter, Task};
+use linewright_text::{Problem, Report, Where, suggestion};
+
+use crate::ParameterSource;
+use crate::parse::draft::{Draft, DraftActivity, DraftOrder};
+
+/// Applies the rules to each order.
+pub(super) fn orders_fit_their_tasks(draft: &Draft<'_>, report: &mut Report) {
+    for activity in &draft.activities {
+        for order in &activity.orders {
+            if let Some(task) = task_of(draft, order, report) {
+                parameters_are_the_tasks(order, task, report);
+                numbers_fit(draft, activity, order, task, report);
+            }
+        }
+    }
+    stations_have_something_to_do(draft, report);
+    stores_are_as_large(draft, report);
+}
+
+/// The task an order is for, or a problem that says which there are.
+fn task_of<'d>(draft: &Draft<'d>, order: &DraftOrder<'_>, report: &mut Report) -> Option<&'d Task> {
+    let line = draft.line?;
+    let (station, task) = (order.raw.station.as_ref()?, order.raw.task.as_ref()?);
+    let of = line.station(line.station_named(&station.value)?);
+    if !of.works_on_order() {
+        report.add(
+            Problem::error(station.at.clone(), format!("station `{}` does not work on order", station.value))
+                .hint("give it tasks in the line's description, instead of `home`"),
+        );
+        return None;
+    }
+    let found = of.task_named(&task.value).map(|id| of.task(id));
+    if found.is_none() {
+        report.add(
+            Problem::error(task.at.clone(), format!("station `{}` has no task `{}`", station.value, task.value))
+                .maybe_hint(suggestion(&task.value, of.tasks.iter().map(|task| task.name.as_str()))),
+        );
+    }
+    found
+}
+
+fn parameters_are_the_tasks(order: &DraftOrder<'_>, task: &Task, report: &mut Report) {
+    for (name, _) in &order.raw.parameters {
+        if !task.parameters.iter().any(|known| known.name == name.value) {
+            let names = task.parameters.iter().map(|known| known.name.as_str());
+            report.add(
+                Problem::error(name.at.clone(), format!("task `{}` has no parameter `{}`", task.name, name.value))
+                    .maybe_hint(suggestion(&name.value, names)),
+            );
+        }
+    }
+    for missing in &task.parameters {
+        if !order.raw.parameters.iter().any(|(name, _)| name.value == missing.name) {
+            report.add(
+                Problem::error(
+                    order.raw.at.clone(),
+                    format!("task `{}` needs its parameter `{}`", task.name, missing.name),
+                )
+                .hint("a station takes on no order without all its numbers"),
+            );
+        }
+    }
+}
+
+fn numbers_fit(
+    draft: &Draft<'_>,
+    activity: &DraftActivity<'_>,
+    order: &DraftOrder<'_>,
+    task: &Task,
+    report: &mut Report,
+) {
+    for (name, source) in &order.parameters {
+        let Some(parameter) = task.parameters.iter().find(|known| known.name == *name) else { continue };
+        let written = order.raw.parameters.iter().find(|(known, _)| known.value == *name);
+        let at = written.map_or_else(|| order.raw.at.clone(), |(_, value)| value.at.clone());
+        match *source {
+            ParameterSource::Number(number) => fits(parameter, i64::from(number), &at, None, report),
+            ParameterSource::Position(store) => {
+                let capacity = draft.resource(store).capacity.map_or(0, i64::from);
+                fits(parameter, capacity, &at, Some(&draft.resource(store).place()), report);
+            }
+            ParameterSource::Program => {
+                for (program, place) in programs(draft, activity) {
+                    fits(parameter, program, &place, Some(&at), report);
+                }
+            }
+        }
+    }
+}
+
+/// The programs of the steps that an activity is for.
+fn programs(draft: &Draft<'_>, activity: &DraftActivity<'_>) -> Vec<(i64, Where)> {
+    let of = activity.uses.first().and_then(|part| part.value.of);
+    let steps = draft.parts.iter().flat_map(|part| &part.steps);
+    let on = steps.flat_map(|step| step.on.iter().zip(&step.raw.on));
+    let mine = on.filter(|(on, _)| **on == of && of.is_some());
+    mine.filter_map(|(_, raw)| raw.program.as_ref().map(|program| (program.value, program.at.clone()))).collect()
+}
+
+fn fits(parameter: &Parameter, number: i64, at: &Where, also: Option<&Where>, report: &mut Report) {
+    if (0..=i64::from(parameter.most())).contains(&number) {
+        return;
+    }
+    let problem = Problem::error(at.clone(), format!("`{}` cannot be {number}", parameter.name));
+    let bits = parameter.bits.len();
+    let problem = problem.hint(format!("it stands on {bits} outputs: 0 to {}", parameter.most()));
+    report.add(match also {
+        Some(also) => problem.also(also, "for this"),
+        None => problem,
+    });
+}
+
+/// A station that works on order and never gets one is forgotten, or not needed.
+fn stations_have_something_to_do(draft: &Draft<'_>, report: &mut Report) {
+    let Some(line) = draft.line else { return };
+    let orders = || draft.activities.iter().flat_map(|activity| &activity.orders);
+    let is_told = |name: &str| orders().any(|order| order.raw.station.as_ref().is_some_and(|s| s.value == name));
+    for station in line.stations.iter().filter(|station| station.works_on_order() && !is_told(&station.name)) {
+        report.add(
+            Problem::warning(0..0, format!("nothing is ordered of station `{}`", station.name))
+                .hint("an `[[action]]` or a `[[sync]]` orders its tasks"),
+        );
+    }
+}
+
+/// Where the line says how many positions a store has, the cell has no more.
+fn stores_are_as_large(draft: &Draft<'_>, report: &mut Report) {
+    let Some(line) = draft.line else { return };
+    for store in draft.resources.iter().filter(|r| r.prototype.is_some_and(crate::Prototype::stores)) {
+        let holder = line.handling.holder_named(store.name).map(|id| line.handling.holder(id));
+        let (Some(holder), Some(capacity)) = (holder, store.capacity) else { continue };
+        if u32::from(holder.places) < capacity {
+            let at = store.raw.capacity.as_ref().map_or_else(|| store.place(), |capacity| capacity.at.clone());
+            report.add(
+                Problem::error(at, format!("`{}` has room for {capacity} parts", store.name))
+                    .hint(format!("its holder in the line's description has {} places", holder.places)),
+            );
+        }
+    }
+}
