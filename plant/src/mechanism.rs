@@ -117,10 +117,10 @@ impl Mechanism {
         self.state.position(now)
     }
 
-    /// Whether it stands at `at`, as precisely as a switch there sees it. What only passes does not stand.
+    /// Whether it stands at `at`, as a switch there sees it. What only passes does not stand.
     pub(crate) fn stands_at(&self, now: Tick, at: f64) -> bool {
         let switches = self.switches.iter().filter(|switch| same_place(switch.at, at));
-        let reach = switches.map(|switch| switch.reach).reduce(f64::min);
+        let reach = switches.map(|switch| switch.reach).reduce(f64::max);
         self.state.stands_at(now, at, reach.unwrap_or(SAME_PLACE))
     }
 

@@ -11,6 +11,7 @@ use linewright_coordinator_logic::cell::{
 };
 use linewright_line::{StationId, Tick};
 
+use super::floor::Floor;
 use super::station::Station;
 use super::store::{InMemory, Store};
 use crate::rng::Rng;
@@ -89,6 +90,8 @@ pub struct CellSim {
     pub coordination: Coordination,
     /// All its stations, by number.
     pub stations: Vec<Station>,
+    /// The real ones, which then take the place of those that are pretended.
+    pub floor: Option<Floor>,
     /// What has been written, in all lives.
     pub log: Vec<Record>,
     /// What people were told, and when.
@@ -127,6 +130,7 @@ impl CellSim {
             table,
             coordination,
             stations: vec![Station::default(); stations],
+            floor: None,
             log: Vec::new(),
             events: Vec::new(),
             now: Tick::ZERO,
@@ -175,7 +179,8 @@ impl CellSim {
         let ends = self.stations.iter().filter_map(Station::ends);
         let arrives = self.flying.keys().next().map(|&(at, _)| at);
         let deadline = self.coordination.next_deadline();
-        let next = ends.chain(arrives).chain(deadline).fold(self.publish, Tick::min);
+        let floor = self.floor.as_ref().and_then(Floor::next);
+        let next = ends.chain(arrives).chain(deadline).chain(floor).fold(self.publish, Tick::min);
         if self.is_over() || next > until {
             return false;
         }
@@ -224,10 +229,20 @@ impl CellSim {
                 self.say(index, || Flying::Reply(index, key, reply));
             }
         }
-        if self.publish <= self.now {
+        let news = self.floor.as_mut().map(|floor| floor.go_on(self.now)).unwrap_or_default();
+        let due = if self.publish <= self.now {
             self.publish = self.now + self.options.period;
-            for index in 0..self.stations.len() {
-                let (heard, number) = (self.stations[index].heard().clone(), self.sent + 1);
+            (0..self.stations.len()).collect()
+        } else {
+            news
+        };
+        for index in due {
+            let heard = match &self.floor {
+                Some(floor) => floor.heard(index),
+                None => Some(self.stations[index].heard().clone()),
+            };
+            let number = self.sent + 1;
+            if let Some(heard) = heard {
                 self.say(index, || Flying::State(index, number, heard.clone()));
             }
         }
@@ -265,7 +280,10 @@ impl CellSim {
             match entry.remove() {
                 Flying::Order(order, takes) => {
                     let index = order.station.index();
-                    let reply = self.stations.get_mut(index).and_then(|station| station.told(self.now, &order, takes));
+                    let reply = match &mut self.floor {
+                        Some(floor) => floor.told(self.now, &order),
+                        None => self.stations.get_mut(index).and_then(|station| station.told(self.now, &order, takes)),
+                    };
                     if let Some(reply) = reply {
                         self.fly(|| Flying::Reply(index, order.key, reply));
                     }
@@ -289,6 +307,9 @@ impl CellSim {
                 return self.restart();
             }
             self.store.append(&record);
+            if let Some(floor) = &mut self.floor {
+                floor.note(&record, self.coordination.state());
+            }
             self.log.push(record);
         }
         if !out.sends.is_empty() {

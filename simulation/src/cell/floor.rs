@@ -1,0 +1,387 @@
+//! The shop floor of a cell: the real controllers of its stations, and the plant with parts behind them.
+//!
+//! Orders come and whole states go as they do with pretended stations; between the order and the part stands the code that
+//! runs in a plant. Images reach controllers at once, and outputs the plant; what is doubtful about that, other tests have in
+//! hand. People put parts in and take them out as the records say, and look nowhere else: from there on the parts are the
+//! truth, which no controller and no coordinator sees.
+
+use std::collections::BTreeMap;
+use std::time::Duration;
+
+use linewright_coordinator_logic::cell::{
+    CellTable, Fact, FiringId, Heard, ModeId, OrderKey, OrderMessage, Outcome, PartId, Place, Record, Refusal, Reply,
+    State,
+};
+use linewright_line::net::ControlMode;
+use linewright_line::{HolderId, Line, OpId, Owner, StationId, Tick};
+use linewright_plant::{PartNo, Plant, PlantOptions, Spot};
+use linewright_station_logic::{
+    self as station, CompileError, Controller, Input, ModeOrder, NO_DELAY, OrderReport, Restore, Snapshot, TaskCommand,
+    TaskOrder,
+};
+
+/// Whoever gives the mode says so once and for all.
+const FOR_GOOD: Duration = Duration::from_secs(365 * 24 * 3600);
+/// Stations answer each other's motions so often at one moment at most.
+const PASSES_MAX: usize = 100;
+
+/// Something that was really done to a part.
+#[derive(Clone, Debug, PartialEq, Eq)]
+pub struct Work {
+    /// The part that lay there, if there was one.
+    pub part: Option<PartId>,
+    /// By which station.
+    pub station: StationId,
+    /// Which of its operations was complete.
+    pub op: OpId,
+    /// The numbers that stood on its outputs meanwhile.
+    pub numbers: Vec<i32>,
+}
+
+/// A station's process.
+struct Process {
+    controller: Controller,
+    out: station::Outbox,
+    /// The image it was told last.
+    image: Option<u128>,
+    /// What it has said last.
+    said: OrderReport,
+    /// What its disk holds while it is down, and when its outputs go off then.
+    down: Option<(Snapshot, Tick)>,
+}
+
+/// The shop floor.
+pub struct Floor {
+    line: Line,
+    plant: Plant,
+    processes: Vec<Process>,
+    now: Tick,
+    lives: u64,
+    /// By store of the table.
+    stores: Vec<HolderId>,
+    /// By the name of a resource that is no store: where it has its part.
+    nests: BTreeMap<String, HolderId>,
+    firings: BTreeMap<FiringId, (ModeId, Option<PartId>)>,
+    watched: Vec<(StationId, OpId, HolderId, bool)>,
+    /// What was done to parts, in order.
+    pub done: Vec<Work>,
+    /// The parts that people have taken out, in order.
+    pub left: Vec<PartId>,
+    /// What people could not do.
+    pub trouble: Vec<String>,
+}
+
+impl Floor {
+    /// All stations at home, in auto, and no part anywhere. Of each resource that is no store, where it has its part.
+    ///
+    /// # Errors
+    /// When a station does not compile.
+    pub fn new(
+        line: &Line,
+        table: &CellTable,
+        nests: &[(&str, HolderId)],
+        options: PlantOptions,
+    ) -> Result<Self, CompileError> {
+        let mut floor = Floor {
+            plant: Plant::new(line, options),
+            processes: Vec::new(),
+            now: Tick::ZERO,
+            lives: 0,
+            stores: table.stores().iter().filter_map(|store| line.handling.holder_named(&store.name)).collect(),
+            nests: nests.iter().map(|(name, nest)| ((*name).to_owned(), *nest)).collect(),
+            firings: BTreeMap::new(),
+            watched: Vec::new(),
+            done: Vec::new(),
+            left: Vec::new(),
+            trouble: Vec::new(),
+            line: line.clone(),
+        };
+        for id in line.station_ids() {
+            let process = floor.started(id, Restore::Fresh)?;
+            floor.processes.push(process);
+        }
+        floor.settle();
+        Ok(floor)
+    }
+
+    /// Notes it as work on the part in this nest whenever this operation is complete.
+    pub fn watch(&mut self, station: StationId, op: OpId, nest: HolderId) {
+        self.watched.push((station, op, nest, false));
+    }
+
+    /// The mechanisms and the parts.
+    pub fn plant(&self) -> &Plant {
+        &self.plant
+    }
+
+    /// The same, to make them fail, and for people who put parts right.
+    pub fn plant_mut(&mut self) -> &mut Plant {
+        &mut self.plant
+    }
+
+    /// A station's controller.
+    pub fn controller(&self, station: StationId) -> &Controller {
+        &self.processes[station.index()].controller
+    }
+
+    /// Ends a station's process. What it asked for stands until its devices miss it.
+    pub fn kill(&mut self, station: StationId) {
+        let process = &mut self.processes[station.index()];
+        if process.down.is_none() {
+            process.down = Some((process.controller.snapshot(), self.now + self.line.timing.stale));
+        }
+    }
+
+    /// Starts it again, from what it kept.
+    ///
+    /// # Errors
+    /// When it does not compile any more.
+    pub fn restart(&mut self, station: StationId) -> Result<(), CompileError> {
+        let Some((kept, _)) = self.processes[station.index()].down.take() else { return Ok(()) };
+        self.plant.set_outputs(self.now, Owner::Station(station), 0);
+        self.processes[station.index()] = self.started(station, Restore::From(kept))?;
+        self.settle();
+        Ok(())
+    }
+
+    fn started(&mut self, id: StationId, restore: Restore) -> Result<Process, CompileError> {
+        self.lives += 1;
+        let mut controller = Controller::new(&self.line, id, self.lives, restore)?;
+        let auto = ModeOrder {
+            boot_id: 1,
+            epoch: 1,
+            mode: ControlMode::Auto,
+            enabled: true,
+            master_stop: None,
+            manual_all: false,
+            buttons: 0,
+            lease: FOR_GOOD,
+        };
+        controller.handle(self.now, Input::Order(auto));
+        let (out, said) = (station::Outbox::default(), OrderReport::default());
+        Ok(Process { controller, out, image: None, said, down: None })
+    }
+
+    /// When something happens by itself.
+    pub(super) fn next(&self) -> Option<Tick> {
+        let deadlines = self.processes.iter().filter_map(|process| match process.down {
+            Some((_, runs_out)) => Some(runs_out),
+            None => process.controller.next_deadline(),
+        });
+        deadlines.chain(self.plant.next_change()).filter(|at| *at > self.now && *at < Tick::NEVER).min()
+    }
+
+    /// Lets time pass. Gives the stations that have something to say.
+    pub(super) fn go_on(&mut self, now: Tick) -> Vec<usize> {
+        while let Some(at) = self.next().filter(|at| *at <= now) {
+            self.now = at;
+            self.settle();
+        }
+        self.now = self.now.max(now);
+        self.settle();
+        let mut news = Vec::new();
+        for (index, process) in self.processes.iter_mut().enumerate().filter(|(_, process)| process.down.is_none()) {
+            let report = process.controller.report().order.unwrap_or_default();
+            if report != process.said {
+                process.said = report;
+                news.push(index);
+            }
+        }
+        news
+    }
+
+    /// Images to controllers and outputs to the plant, until nothing follows any more.
+    fn settle(&mut self) {
+        let now = self.now;
+        self.plant.advance(now);
+        self.look();
+        for _ in 0..PASSES_MAX {
+            let mut moved = false;
+            for (index, process) in self.processes.iter_mut().enumerate() {
+                let owner = Owner::Station(StationId::at(index));
+                let outputs = match process.down {
+                    Some((_, runs_out)) if runs_out <= now => 0,
+                    Some(_) => continue,
+                    None => process.step(now, self.plant.inputs(owner)),
+                };
+                if outputs != self.plant.outputs(owner) {
+                    self.plant.set_outputs(now, owner, outputs);
+                    moved = true;
+                }
+            }
+            self.look();
+            if !moved {
+                return;
+            }
+        }
+    }
+
+    /// Notes the work that has just been completed.
+    fn look(&mut self) {
+        for (station, op, nest, was) in &mut self.watched {
+            let owner = Owner::Station(*station);
+            let is = self.plant.inputs(owner) & self.line.operation((*station, *op)).normal.complete.bit() != 0;
+            if std::mem::replace(was, is) || !is {
+                continue;
+            }
+            let of = self.line.station(*station);
+            let parameters = of.task_of(*op).map(|task| &of.task(task).parameters[..]).unwrap_or_default();
+            let image = self.plant.outputs(owner);
+            let on = |bits: &[linewright_line::OutputId]| {
+                bits.iter().enumerate().fold(0, |number, (nth, bit)| number | i32::from(image & bit.bit() != 0) << nth)
+            };
+            let part = self.plant.part_at(Spot { nest: *nest, position: 1 }).map(|part| PartId(part.0));
+            let numbers = parameters.iter().map(|parameter| on(&parameter.bits)).collect();
+            self.done.push(Work { part, station: *station, op: *op, numbers });
+        }
+    }
+
+    /// What a station says of itself; nothing while it is down.
+    pub(super) fn heard(&self, index: usize) -> Option<Heard> {
+        let process = self.processes.get(index).filter(|process| process.down.is_none())?;
+        process.controller.report().order.as_ref().map(heard)
+    }
+
+    /// What a station answers to an order.
+    pub(super) fn told(&mut self, now: Tick, message: &OrderMessage) -> Option<Reply> {
+        let order = TaskOrder {
+            key: station::OrderKey { epoch: message.key.epoch, id: message.key.id },
+            memory: message.memory,
+            task: message.task.to_string(),
+            parameters: message.parameters.iter().map(|(name, value)| (name.to_string(), *value)).collect(),
+            limit: message.limit,
+        };
+        self.command(now, message.station, TaskCommand::Run(&order))
+    }
+
+    fn command(&mut self, now: Tick, to: StationId, command: TaskCommand<'_>) -> Option<Reply> {
+        self.now = self.now.max(now);
+        let process = self.processes.get_mut(to.index()).filter(|process| process.down.is_none())?;
+        process.controller.handle(now, Input::Task(command));
+        let outputs = process.step(now, self.plant.inputs(Owner::Station(to)));
+        let reply = process.out.replies.pop().map(|(_, said)| reply(said));
+        process.out.replies.clear();
+        self.plant.set_outputs(now, Owner::Station(to), outputs);
+        self.settle();
+        reply
+    }
+
+    /// People do what a record says that is theirs to do: parts come in and go out.
+    pub(super) fn note(&mut self, record: &Record, state: &State) {
+        match &record.fact {
+            Fact::Started { firing, mode, part, orders: _ } => _ = self.firings.insert(*firing, (*mode, *part)),
+            Fact::Ended { firing } => {
+                if let Some((mode, part)) = self.firings.remove(firing) {
+                    self.carry(mode, part, state);
+                }
+            }
+            Fact::Fired { mode, part } => self.carry(*mode, *part, state),
+            Fact::Epoch { .. }
+            | Fact::Memory { .. }
+            | Fact::Decided { .. }
+            | Fact::Acknowledged { .. }
+            | Fact::OrderEnded { .. }
+            | Fact::OrderFailed { .. }
+            | Fact::Raised { .. }
+            | Fact::Production { .. } => {}
+        }
+    }
+
+    fn carry(&mut self, mode: ModeId, part: Option<PartId>, state: &State) {
+        let (table, Some(part)) = (state.table(), part) else { return };
+        let no = PartNo(part.0);
+        match (table.part_in(mode), table.part_out(mode)) {
+            (None, Some(to)) => {
+                let nest = table.store_of(to).and_then(|store| self.stores.get(store).copied());
+                let position = state.part(part).and_then(|part| u16::try_from(part.position?).ok());
+                let spot = nest.zip(position).map(|(nest, position)| Spot { nest, position });
+                let put = spot.map(|spot| self.plant.put(self.now, no, spot));
+                if put != Some(Ok(())) {
+                    self.trouble.push(format!("{part} cannot come in at {spot:?}: {put:?}"));
+                }
+            }
+            (Some(_), None) => match self.plant.take(self.now, no) {
+                Ok(_) => self.left.push(part),
+                Err(why) => self.trouble.push(format!("{part} cannot be taken out: {why:?}")),
+            },
+            (Some(_), Some(_)) | (None, None) => {}
+        }
+        self.settle();
+    }
+
+    /// In what the plant differs from what a state says: parts that rest must be where they are said to be.
+    pub fn differences(&self, state: &State) -> Vec<String> {
+        let table = state.table();
+        let mut found = Vec::new();
+        for part in state.parts() {
+            let Place::On { cell, .. } = part.place else { continue };
+            let name = table.cell_name(cell);
+            let resource = name.split('.').next().unwrap_or_default();
+            let spot = match table.store_of(cell).and_then(|store| self.stores.get(store)) {
+                Some(&nest) => part.position.and_then(|position| u16::try_from(position).ok()).map(|p| (nest, p)),
+                None => self.nests.get(resource).map(|&nest| (nest, 1)),
+            };
+            let there = spot.and_then(|(nest, position)| self.plant.part_at(Spot { nest, position }));
+            if there != Some(PartNo(part.id.0)) {
+                found.push(format!("{} should be on {name} {:?}, there is {there:?}", part.id, part.position));
+            }
+        }
+        let (here, known) = (self.plant.parts().count(), state.parts().len());
+        if state.firings().next().is_none() && here != known {
+            found.push(format!("{here} parts are there, {known} are known"));
+        }
+        found
+    }
+}
+
+impl Process {
+    /// One step with this image; what it drives.
+    fn step(&mut self, now: Tick, image: u128) -> u128 {
+        if self.image.replace(image) != Some(image) {
+            let input = Input::Inputs { bits: image, valid: true, until: Tick::NEVER, under: NO_DELAY };
+            self.controller.handle(now, input);
+        }
+        self.controller.step(now, &mut self.out);
+        self.out.events.clear();
+        self.out.outputs
+    }
+}
+
+fn heard(report: &OrderReport) -> Heard {
+    Heard {
+        memory: report.memory,
+        epoch: report.epoch,
+        slot: report.slot.map(|slot| key(slot.key)),
+        results: report.results.iter().map(|&(of, outcome)| (key(of), ended(outcome))).collect(),
+    }
+}
+
+fn key(key: station::OrderKey) -> OrderKey {
+    OrderKey { epoch: key.epoch, id: key.id }
+}
+
+fn ended(outcome: station::Outcome) -> Outcome {
+    match outcome {
+        station::Outcome::Done => Outcome::Done,
+        station::Outcome::Failed(failure) => Outcome::Failed(failure.code()),
+    }
+}
+
+fn reply(reply: station::Reply) -> Reply {
+    match reply {
+        station::Reply::Running => Reply::Running,
+        station::Reply::Ended(outcome) => Reply::Ended(ended(outcome)),
+        station::Reply::Refused(refusal) => Reply::Refused(match refusal {
+            station::Refusal::Busy => Refusal::Busy,
+            station::Refusal::Mode => Refusal::Mode,
+            station::Refusal::OtherMemory => Refusal::OtherMemory,
+            station::Refusal::OldEpoch => Refusal::OldEpoch,
+            station::Refusal::Old => Refusal::Old,
+            station::Refusal::Late => Refusal::Late,
+            station::Refusal::NotThere => Refusal::NotThere,
+            station::Refusal::Devices => Refusal::Devices,
+            station::Refusal::Unknown => Refusal::Unknown,
+            station::Refusal::Incomplete => Refusal::Incomplete,
+        }),
+    }
+}

@@ -1,0 +1,282 @@
+//! The shipped cells with the real controllers of their stations and the plant behind them. What is true is counted in the
+//! plant's parts, which neither the coordinator nor any station sees: none is lost, none is made twice, each lies where it is
+//! said to lie, and each has had the work of its plan.
+
+use std::collections::BTreeMap;
+use std::path::Path;
+use std::sync::Arc;
+use std::time::Duration;
+
+use linewright_cell::net::Supply;
+use linewright_cell::{Cell, Role};
+use linewright_coordinator_logic::cell::{CellTable, Fact, FiringId, PartId};
+use linewright_coordinator_logic::described::{Pace, described, dispatcher};
+use linewright_line::{HolderId, Line, StationId, Tick};
+use linewright_plant::PlantOptions;
+use linewright_simulation::Rng;
+use linewright_simulation::cell::{CellOptions, CellSim, Floor};
+
+const PACE: Pace = Pace { refresh: Duration::from_millis(200), grace: Duration::from_secs(1) };
+const LONG: Tick = Tick::from_millis(24 * 3_600_000);
+
+/// A cell, its line, and a production of so many parts of each type.
+struct Shipped {
+    cell: Cell,
+    line: Line,
+    table: Arc<CellTable>,
+    parts: u32,
+}
+
+fn shipped(name: &str, parts: &[u32]) -> Shipped {
+    let dir = Path::new(env!("CARGO_MANIFEST_DIR")).join("../launch-config/lines").join(name);
+    let text = |file: &str| std::fs::read_to_string(dir.join(file)).expect("it is there");
+    let line = linewright_line::parse("line.toml", &text("line.toml")).unwrap_or_else(|why| panic!("{why:#}")).line;
+    let cell = linewright_cell::parse("cell.toml", &text("cell.toml"), Some(&line));
+    let cell = cell.unwrap_or_else(|why| panic!("{why:#}")).cell;
+    let made = described(&cell, Some(&line), Supply::Batch(parts), PACE).unwrap_or_else(|why| panic!("{why}"));
+    Shipped { table: Arc::new(made.table), cell, line, parts: parts.iter().sum() }
+}
+
+impl Shipped {
+    /// Where each resource that is no store has its part: the nest of its station.
+    fn nests(&self) -> Vec<(&str, HolderId)> {
+        let stations = self.cell.resources.iter().filter_map(|resource| {
+            let station = &self.cell.controllers[resource.controller?.index()];
+            let mine = |name: &str| name.strip_prefix(station.as_str()).is_some_and(|rest| rest.starts_with('.'));
+            let holders = &self.line.handling.holders;
+            let nest = holders.iter().position(|holder| mine(&holder.name) && !holder.is_hand())?;
+            Some((resource.name.as_str(), HolderId::at(nest)))
+        });
+        stations.collect()
+    }
+
+    fn sim(&self, options: CellOptions, variation: f64) -> CellSim {
+        let plant = PlantOptions { seed: options.seed, variation };
+        let mut floor = Floor::new(&self.line, &self.table, &self.nests(), plant).expect("the stations compile");
+        for (station, operation) in
+            [("m1", "cut"), ("m2", "cut"), ("m3", "cut"), ("robot_2", "assemble"), ("human", "work on the part")]
+        {
+            let Some(id) = self.line.station_named(station) else { continue };
+            let op = self.line.station(id).operation_named(operation).expect("it does that");
+            let (_, nest) = self
+                .nests()
+                .into_iter()
+                .find(|(_, nest)| self.line.handling.holder(*nest).name.starts_with(&format!("{station}.")))
+                .expect("it has a nest");
+            floor.watch(id, op, nest);
+        }
+        let mut sim = CellSim::new(self.table.clone(), self.line.stations.len(), options);
+        sim.floor = Some(floor);
+        sim
+    }
+
+    fn play(&self, options: CellOptions) -> CellSim {
+        let mut sim = self.sim(options, 0.1);
+        sim.run(&mut dispatcher(&self.cell, &self.table), LONG);
+        self.is_done(&sim);
+        sim
+    }
+
+    /// All parts have left, each once, and nothing that should not have happened has.
+    fn is_done(&self, sim: &CellSim) {
+        let floor = sim.floor.as_ref().expect("real stations");
+        let firing = sim.state().firings().next();
+        if firing.is_some() {
+            for id in self.line.station_ids() {
+                let controller = floor.controller(id);
+                let (doing, waits) =
+                    (controller.operation_text(&self.line), controller.blocked_by(&self.line, sim.now));
+                println!("{}: {doing}, waits for {waits:?}", self.line.station(id).name);
+            }
+            println!("{:?}", floor.plant().parts().collect::<Vec<_>>());
+        }
+        assert_eq!((&sim.events[..], firing), (&[][..], None), "at {}", sim.now);
+        assert_eq!((&floor.trouble[..], floor.plant().mishaps().1), (&[][..], 0));
+        assert_eq!(sim.state().left(), u64::from(self.parts));
+        let mut left = floor.left.clone();
+        left.sort_unstable();
+        left.dedup();
+        assert_eq!((left.len(), floor.left.len()), (self.parts as usize, self.parts as usize), "each has left once");
+        assert_eq!(floor.plant().parts().count(), 0, "none is left over");
+        assert_eq!(floor.plant().alarms(), 0);
+    }
+
+    /// What was really done to each part: station and program, in order; sorted over all parts.
+    fn works(&self, sim: &CellSim) -> Vec<Vec<(&str, Vec<i32>)>> {
+        let mut of_part: BTreeMap<PartId, Vec<(&str, Vec<i32>)>> = BTreeMap::new();
+        for work in &sim.floor.as_ref().expect("real stations").done {
+            let part = work.part.unwrap_or_else(|| panic!("{work:?} on nothing"));
+            let station = self.line.station(work.station).name.as_str();
+            of_part.entry(part).or_default().push((station, work.numbers.clone()));
+        }
+        let mut all: Vec<_> = of_part.into_values().collect();
+        all.sort();
+        all
+    }
+}
+
+fn options(seed: u64, bad_luck: u64, crash_at: Vec<usize>) -> CellOptions {
+    let millis = Duration::from_millis;
+    CellOptions {
+        seed,
+        bad_luck,
+        crash_at,
+        delay: (millis(1), millis(20)),
+        period: millis(100),
+        ..CellOptions::default()
+    }
+}
+
+/// Seed 000, L1455-1485: robot 2 works on parts 1, the human on parts 2 and 3; each part once.
+fn is_assembled(of: &Shipped, sim: &CellSim, counts: [usize; 2]) {
+    let expected = [vec![("human", vec![])]].into_iter().cycle().take(counts[1]);
+    let expected: Vec<_> = expected.chain([vec![("robot_2", vec![])]].into_iter().cycle().take(counts[0])).collect();
+    assert_eq!(of.works(sim), expected);
+}
+
+/// C1's plans: A is turned on M1 or M2 with program 1, then ground on M3 with 2; B is ground with 3, then drilled on M2 with 4.
+fn is_machined(of: &Shipped, sim: &CellSim, counts: [usize; 2]) {
+    let mut seen = [0, 0];
+    for work in of.works(sim) {
+        let work: Vec<(&str, &[i32])> = work.iter().map(|(station, numbers)| (*station, &numbers[..])).collect();
+        match work[..] {
+            [("m1" | "m2", [1]), ("m3", [2])] => seen[0] += 1,
+            [("m3", [3]), ("m2", [4])] => seen[1] += 1,
+            _ => panic!("no plan says {work:?}"),
+        }
+    }
+    assert_eq!(seen, counts);
+}
+
+#[test]
+fn the_assembly_cell_makes_its_parts_with_real_stations() {
+    let of = shipped("assembly-cell", &[2, 2, 1]);
+    let sim = of.play(options(1, 0, Vec::new()));
+    is_assembled(&of, &sim, [2, 3]);
+    for seed in 2..6 {
+        is_assembled(&of, &of.play(options(seed, 8, Vec::new())), [2, 3]);
+    }
+}
+
+#[test]
+fn workcell_c1_makes_its_parts_with_real_stations() {
+    let of = shipped("workcell-c1", &[3, 3]);
+    is_machined(&of, &of.play(options(1, 0, Vec::new())), [3, 3]);
+    for seed in 2..4 {
+        is_machined(&of, &of.play(options(seed, 8, Vec::new())), [3, 3]);
+    }
+}
+
+/// A5: seed 000, L2736: t2(m₂∧p₂) ∥ t4(m₁∧p₁), the human is loaded while robot 2 works.
+#[test]
+fn loading_and_working_are_concurrent_with_real_stations() {
+    let of = shipped("assembly-cell", &[1, 2, 0]);
+    let mut sim = of.sim(options(1, 0, Vec::new()), 0.0);
+    let mut dispatcher = dispatcher(&of.cell, &of.table);
+    let [robot_1, robot_2] = ["robot_1", "robot_2"].map(|name| of.line.station_named(name).expect("there"));
+    let mut together = false;
+    let doing = |sim: &CellSim, station: StationId| -> Option<String> {
+        let report = sim.floor.as_ref()?.controller(station).report().order?;
+        Some(of.line.station(station).task(report.slot?.task).name.clone())
+    };
+    for step in 1..6_000 {
+        sim.run(&mut dispatcher, Tick::from_millis(step * 10));
+        together |=
+            doing(&sim, robot_1).as_deref() == Some("load human") && doing(&sim, robot_2).as_deref() == Some("work");
+        let differences = sim.floor.as_ref().map(|floor| floor.differences(sim.state())).unwrap_or_default();
+        assert_eq!(differences, [""; 0], "at {}", sim.now);
+    }
+    assert!(together, "both controllers had their orders at once");
+    of.is_done(&sim);
+    let mut open: BTreeMap<FiringId, &str> = BTreeMap::new();
+    let mut pairs = Vec::new();
+    for record in &sim.log {
+        match &record.fact {
+            Fact::Started { firing, mode, .. } => {
+                open.insert(*firing, &of.table.activity(*mode).name);
+                pairs.push(open.values().copied().collect::<Vec<_>>());
+            }
+            Fact::Ended { firing } => _ = open.remove(firing),
+            _ => {}
+        }
+    }
+    assert!(pairs.iter().any(|now| now.contains(&"load human") && now.contains(&"robot_2.process")), "{pairs:?}");
+}
+
+/// The same production, whichever record or message of its coordinator is its last.
+#[test]
+fn the_assembly_cell_makes_the_same_whichever_step_its_coordinator_is_killed_at() {
+    let of = shipped("assembly-cell", &[1, 1, 1]);
+    let calm = of.play(options(3, 0, Vec::new()));
+    is_assembled(&of, &calm, [1, 2]);
+    assert!(calm.steps > 60, "{}", calm.steps);
+    for at in 0..calm.steps {
+        let sim = of.play(options(3, 0, vec![at]));
+        assert_eq!(sim.lives, 2, "at {at}");
+        is_assembled(&of, &sim, [1, 2]);
+    }
+}
+
+#[test]
+fn a_coordinator_that_is_killed_again_and_again_loses_no_part() {
+    let mut rng = Rng::new(8);
+    for (name, parts) in [("assembly-cell", &[2, 2, 1][..]), ("workcell-c1", &[2, 2])] {
+        let of = shipped(name, parts);
+        for seed in 0..4 {
+            let mut at = 0;
+            let crash_at = (0..8).map(|_| {
+                at += 1 + rng.below(30) as usize;
+                at
+            });
+            let sim = of.play(options(seed, 8, crash_at.collect()));
+            assert!(sim.lives > 4, "{}", sim.lives);
+        }
+    }
+}
+
+/// A station's process is killed while it rests, and starts from what it kept; it knows every order it has had.
+#[test]
+fn stations_that_are_killed_and_restarted_do_nothing_twice() {
+    for (name, parts) in [("assembly-cell", &[2, 2, 1][..]), ("workcell-c1", &[2, 1])] {
+        let of = shipped(name, parts);
+        let mut rng = Rng::new(3);
+        let mut killed = 0;
+        for seed in 0..3 {
+            let mut sim = of.sim(options(seed, 8, Vec::new()), 0.1);
+            let mut dispatcher = dispatcher(&of.cell, &of.table);
+            let mut now = Tick::ZERO;
+            while sim.state().left() < u64::from(of.parts) {
+                now = now + Duration::from_millis(rng.within(100, 1500));
+                assert!(now < LONG, "{:?}", sim.state().firings().collect::<Vec<_>>());
+                sim.run(&mut dispatcher, now);
+                let floor = sim.floor.as_mut().expect("real stations");
+                let at = StationId::at(rng.below(of.line.stations.len() as u64) as usize);
+                let order = floor.controller(at).report().order.expect("it works on order");
+                if order.slot.is_none() && order.rest.is_some() {
+                    floor.kill(at);
+                    killed += 1;
+                    now = now + Duration::from_millis(rng.within(10, 400));
+                    sim.run(&mut dispatcher, now);
+                    sim.floor.as_mut().expect("real stations").restart(at).expect("it compiles");
+                }
+            }
+            sim.run(&mut dispatcher, LONG);
+            of.is_done(&sim);
+        }
+        assert!(killed > 20, "{killed}");
+    }
+}
+
+/// What the descriptions of a cell and of its line say together.
+#[test]
+fn every_resource_that_works_has_a_nest_in_the_line() {
+    for name in ["assembly-cell", "workcell-c1"] {
+        let of = shipped(name, &[1, 1, 1][..if name == "workcell-c1" { 2 } else { 3 }]);
+        let nests = of.nests();
+        for activity in &of.cell.activities {
+            let worker = activity.used(Role::Worker).and_then(|part| part.of).map(|id| of.cell.resource(id));
+            let known = worker.is_none_or(|worker| nests.iter().any(|(name, _)| *name == worker.name));
+            assert!(known, "{name}: {}", activity.name);
+        }
+    }
+}
