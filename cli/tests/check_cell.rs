@@ -162,7 +162,9 @@ fn a_cell_beside_a_line_is_checked_with_it() {
     let cell = cell_text("assembly-cell").replace("name = \"assembly_cell\"", "name = \"transfer_line\"");
     let without: Vec<&str> = cell.lines().filter(|line| !line.starts_with("station =")).collect();
     let without = without.join("\n");
-    let orders = without.lines().filter(|line| !line.starts_with("orders =") && !line.starts_with("[[action]]"));
+    // Orders stand in one line, or in one line each between brackets.
+    let is_order = |line: &str| line.starts_with("orders =") || line.starts_with("  { station") || line == "]";
+    let orders = without.lines().filter(|line| !is_order(line) && !line.starts_with("[[action]]"));
     let text_without: String =
         orders.filter(|line| !line.starts_with("of =")).map(|line| format!("{line}\n")).collect();
     scratch.file("cell.toml", &text_without);
