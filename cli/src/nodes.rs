@@ -166,7 +166,7 @@ pub fn plant(args: PlantArgs) -> miette::Result<ExitCode> {
         let options = linewright_plant::Options {
             line_bus: args.bus.clone(),
             bus: BusOptions::default(),
-            plant: linewright_plant::PlantOptions::default(),
+            plant: linewright_plant::PlantOptions { people: true, ..Default::default() },
             clock: Clock::start(),
         };
         let buses = linewright_plant::run_plant(&line, &options);

@@ -111,11 +111,13 @@ pub(crate) struct Parts {
     seen: Vec<u128>,
     mishaps: Vec<(Tick, Mishap)>,
     mishap_count: u64,
+    /// People look after the stores.
+    people: bool,
 }
 
 impl Parts {
     /// None of them; with the mechanisms as they stand.
-    pub(crate) fn new(handling: &Handling, stations: usize, mechanisms: &impl Mechanisms) -> Self {
+    pub(crate) fn new(handling: &Handling, stations: usize, people: bool, mechanisms: &impl Mechanisms) -> Self {
         let mut parts = Parts {
             closed: vec![false; handling.holders.len()],
             reached: vec![None; handling.reaches.len()],
@@ -124,6 +126,7 @@ impl Parts {
             seen: vec![0; stations],
             mishaps: Vec::new(),
             mishap_count: 0,
+            people,
         };
         parts.settle(Tick::ZERO, mechanisms);
         parts
@@ -264,8 +267,16 @@ impl Parts {
         }
     }
 
+    /// Whether people look after a spot: that of a store, which is no station's.
+    fn is_looked_after(&self, spot: Spot) -> bool {
+        self.people && self.handling.holders.get(spot.nest.index()).is_some_and(|holder| !holder.name.contains('.'))
+    }
+
     fn come(&mut self, now: Tick, hand: HolderId, spot: Option<Spot>) {
         let (Some(part), Some(spot)) = (self.in_hand(hand), spot) else { return };
+        if self.is_looked_after(spot) {
+            self.parts.retain(|_, at| at.spot != Some(spot) || at.hand.is_some());
+        }
         if self.at(spot).is_some() || self.closed[spot.nest.index()] {
             self.note(now, Mishap::Blocked { part, hand, spot });
         } else if let Some(at) = self.parts.get_mut(&part) {
@@ -274,6 +285,11 @@ impl Parts {
     }
 
     fn grasp(&mut self, hand: HolderId) {
+        let empty = self.reached_by(hand).filter(|&spot| self.is_looked_after(spot) && self.at(spot).is_none());
+        if let Some(spot) = empty {
+            let next = self.parts.keys().next_back().map_or(1, |part| part.0.saturating_add(1));
+            self.parts.insert(PartNo(next), Whereabouts { spot: Some(spot), hand: None });
+        }
         let part = self.reached_by(hand).and_then(|spot| self.at(spot));
         // What another hand has, this one cannot get.
         if let Some(at) = part.and_then(|part| self.parts.get_mut(&part)).filter(|at| at.hand.is_none()) {

@@ -17,6 +17,9 @@ pub struct PlantOptions {
     pub seed: u64,
     /// How far a motion's duration may deviate, as a fraction: 0.1 is up to a tenth shorter or longer. At most 0.9.
     pub variation: f64,
+    /// People are there, who bring a part when a hand reaches for one in a store and there is none, and take one away that
+    /// lies where another is brought: a cell gets its parts by hand, and gives them away so.
+    pub people: bool,
 }
 
 /// The mechanisms of a line.
@@ -76,7 +79,7 @@ impl Plant {
             parts: None,
         };
         if !line.handling.is_empty() {
-            plant.parts = Some(Parts::new(&line.handling, line.stations.len(), &plant.axes()));
+            plant.parts = Some(Parts::new(&line.handling, line.stations.len(), options.people, &plant.axes()));
         }
         plant
     }
@@ -303,7 +306,7 @@ impl Plant {
 
     fn redrive(&mut self, station: usize, axis: usize) {
         let image = self.outputs(Owner::Station(StationId::at(station)));
-        let PlantOptions { seed, variation } = self.options;
+        let PlantOptions { seed, variation, people: _ } = self.options;
         let place = (station as u64) << 48 | (axis as u64) << 32;
         let factor = |begun| 1.0 + variation.clamp(0.0, 0.9) * (2.0 * unit(seed ^ mix(place | begun)) - 1.0);
         let change = self.stations[station][axis].drive(self.now, image, factor);

@@ -151,7 +151,7 @@ proptest! {
     fn positions_stay_in_range_and_move_with_their_drive(
         happenings in prop::collection::vec(any_happening(), 1..40), seed: u64
     ) {
-        let mut plant = Plant::new(&line(), PlantOptions { seed, variation: 0.3 });
+        let mut plant = Plant::new(&line(), PlantOptions { seed, variation: 0.3, ..PlantOptions::default() });
         let mut now = Tick::ZERO;
         for (micros, outputs, fault) in happenings {
             happen(&mut plant, now, outputs, fault);
@@ -177,7 +177,7 @@ proptest! {
     fn fine_steps_coarse_steps_and_steps_by_event_agree_to_the_bit(
         happenings in prop::collection::vec(any_happening(), 1..20), seed: u64
     ) {
-        let options = PlantOptions { seed, variation: 0.3 };
+        let options = PlantOptions { seed, variation: 0.3, ..PlantOptions::default() };
         let mut plants = [0; 3].map(|_| Plant::new(&line(), options));
         let mut now = Tick::ZERO;
         for (micros, outputs, fault) in happenings {

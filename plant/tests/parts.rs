@@ -306,3 +306,19 @@ fn random_outputs_do_move_parts() {
     }
     assert!(moved > 0, "the property would hold for a plant in which nothing happens");
 }
+
+/// Where people look after the stores, a hand finds a part at an empty place, and a place that is taken is cleared when
+/// another is brought. A missed grasp is missed all the same.
+#[test]
+fn people_bring_parts_and_take_them_away() {
+    let mut shop = Shop::new();
+    shop.plant = Plant::new(&shop.line, PlantOptions { people: true, ..PlantOptions::default() });
+    shop.pick();
+    let parts: Vec<_> = shop.plant.parts().collect();
+    let hand = Some(shop.holder("robot.hand"));
+    assert!(matches!(parts[..], [(_, at)] if at.hand == hand), "{parts:?}");
+    // Without them there is none.
+    let mut alone = Shop::new();
+    alone.pick();
+    assert_eq!(alone.plant.parts().count(), 0);
+}

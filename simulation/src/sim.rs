@@ -71,7 +71,7 @@ impl Sim {
     /// When a station does not compile.
     pub fn new(line: &Line, options: Options) -> Result<Self, CompileError> {
         let count = line.stations.len();
-        let field = Field::new(line, PlantOptions { seed: options.seed, variation: options.variation });
+        let field = Field::new(line, PlantOptions { seed: options.seed, variation: options.variation, people: false });
         let (links, arrows) = links_of(line, &options);
         let of = |end: &dyn Fn(&Link) -> usize| -> Vec<Vec<usize>> {
             let of_node = |node: usize| (0..links.len()).filter(|&at| end(&links[at]) == node).collect();

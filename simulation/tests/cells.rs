@@ -51,7 +51,7 @@ impl Shipped {
     }
 
     fn sim(&self, options: CellOptions, variation: f64) -> CellSim {
-        let plant = PlantOptions { seed: options.seed, variation };
+        let plant = PlantOptions { seed: options.seed, variation, people: false };
         let mut floor = Floor::new(&self.line, &self.table, &self.nests(), plant).expect("the stations compile");
         for (station, operation) in
             [("m1", "cut"), ("m2", "cut"), ("m3", "cut"), ("robot_2", "assemble"), ("human", "work on the part")]

@@ -76,7 +76,7 @@ impl Sim {
             now: Tick::ZERO,
             queue: Queue::default(),
             network: Network::new(conditions),
-            field: Field::new(line, PlantOptions { seed, variation }),
+            field: Field::new(line, PlantOptions { seed, variation, people: false }),
             field_wake: Tick::NEVER,
             off_the_bus: false,
             stations: Vec::new(),

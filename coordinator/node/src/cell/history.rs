@@ -7,9 +7,11 @@
 
 use std::path::{Path, PathBuf};
 
+use linewright_cell::Cell;
 use linewright_coordinator_logic::cell::{Outbox, Record, Snapshot, State};
-use linewright_history::{History, HistoryError, Note, Recorder, Source};
-use linewright_line::Tick;
+use linewright_coordinator_logic::described::{Described, sheet};
+use linewright_history::{About, Clock, History, HistoryError, Note, Recorder, Source};
+use linewright_line::{Line, Tick};
 use linewright_node_shell::log::{Entry, Log};
 
 /// Feeds a database.
@@ -52,6 +54,25 @@ impl Chronicle {
     /// Why it is not.
     pub fn close(self) -> Result<History, HistoryError> {
         self.recorder.close()
+    }
+}
+
+/// Opens the database beside the log in `dir`, or makes one. Where it cannot be used that is said, and the cell does without.
+pub(super) fn begin(dir: &Path, (cell, line, made): (&Cell, &Line, &Described), state: &State) -> Option<Chronicle> {
+    let about = About {
+        cell: cell.name.clone(),
+        title: cell.title.clone(),
+        table: made.table.digest(),
+        clock: Clock::Unix,
+        stations: line.stations.iter().map(|station| station.name.clone()).collect(),
+        sheet: sheet(cell, made),
+    };
+    match History::open(&dir.join("cell.db"), &about) {
+        Ok(history) => Some(Chronicle::begin(history, &dir.join("cell.log"), state)),
+        Err(error) => {
+            tracing::error!("{error}; the cell goes on without");
+            None
+        }
     }
 }
 

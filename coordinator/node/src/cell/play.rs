@@ -19,6 +19,7 @@ use linewright_coordinator_logic::cell::{
     Reply as Answered, Send, State, Ticket,
 };
 use linewright_coordinator_logic::described::{Pace, Unplayable, described, foreman};
+use linewright_history::Note;
 use linewright_line::{Line, StationId, Tick};
 use linewright_msgs::{
     CellState, ChangeOrder, ChangeOrderResponse, SubmitOrders, SubmitOrdersResponse, WhyNotResponse,
@@ -27,6 +28,7 @@ use linewright_node_shell::{Forward, NewestBySequence, Node, Reply, TopicError, 
 use thiserror::Error;
 use tokio::sync::{mpsc, oneshot, watch};
 
+use super::history::{Chronicle, begin};
 use super::log::{CellLog, CellLogError};
 use super::topics::{News, Says, open};
 use super::why::why;
@@ -151,6 +153,10 @@ struct Player {
     coordination: Coordination,
     foreman: Foreman,
     log: Option<CellLog>,
+    /// The database beside the log; none where there is no log, or it could not be used.
+    chronicle: Option<Chronicle>,
+    /// Whether activities may start, as the database was told.
+    noted: Option<bool>,
     says: Says,
     from: mpsc::Receiver<News>,
     may_start: watch::Receiver<bool>,
@@ -193,6 +199,8 @@ impl Player {
         let made = described(&cell, Some(&line), Supply::Open, pace)?;
         let table = Arc::new(made.table.clone());
         let (state, mut log) = known(state_dir.as_deref(), &cell.name, &table)?;
+        let mut chronicle =
+            log.as_ref().and(state_dir.as_deref()).and_then(|dir| begin(dir, (&cell, &line, &made), &state));
         let foreman = foreman(&cell, &made, &state);
         let wall = SystemTime::now().duration_since(SystemTime::UNIX_EPOCH).unwrap_or_default();
         // A clock that was set back does not stop what is timed: time goes on from the newest record.
@@ -204,12 +212,17 @@ impl Player {
         if let Some(log) = &mut log {
             log.write(&out)?;
         }
+        if let Some(chronicle) = &mut chronicle {
+            chronicle.tell(coordination.state(), &out);
+        }
         Ok(Player {
             ways: Ways::new(&table),
             reasons: Reasons::default(),
             coordination,
             foreman,
             log,
+            chronicle,
+            noted: None,
             says,
             from,
             may_start,
@@ -326,6 +339,7 @@ impl Player {
         if let Some(log) = &mut self.log {
             log.write(&out)?;
         }
+        self.note(now, may_start, &out);
         self.changed |= !out.records.is_empty() || self.message.starting != may_start;
         out.records.iter().for_each(|record| self.reasons.note(record));
         for send in &out.sends {
@@ -340,9 +354,28 @@ impl Player {
             self.event(event)?;
         }
         self.tell(may_start);
+        // What the log forgets, the database has to have; unless there is none.
+        let state = self.coordination.state();
+        let is_kept = self.chronicle.as_ref().is_none_or(|chronicle| chronicle.has(state));
         match &mut self.log {
-            Some(log) if log.is_long() => Ok(log.begin_anew(self.coordination.state())?),
+            Some(log) if log.is_long() && is_kept => Ok(log.begin_anew(state)?),
             Some(_) | None => Ok(()),
+        }
+    }
+
+    /// Tells the database, which may fail: the cell goes on without.
+    fn note(&mut self, now: Tick, may_start: bool, out: &Outbox) {
+        let Some(chronicle) = &mut self.chronicle else { return };
+        if let Some(why) = chronicle.failed() {
+            tracing::error!("nothing more is written into the database: {why}");
+            self.chronicle = None;
+            return;
+        }
+        chronicle.tell(self.coordination.state(), out);
+        if self.noted != Some(may_start) {
+            self.noted = Some(may_start);
+            let name = if may_start { "auto" } else { "held" }.to_owned();
+            chronicle.note(now, Note::Mode { name, starts: may_start });
         }
     }
 
