@@ -98,6 +98,8 @@ struct Station {
     restarted: bool,
     /// Works on order: it has no rounds, and is at home at any rest.
     on_order: bool,
+    /// What is wrong with it is an exception of its order (see [`Coordinator::isolate`]).
+    isolated: bool,
 }
 
 impl Station {
@@ -227,6 +229,26 @@ impl Coordinator {
         }
     }
 
+    /// Leaves these stations out, and no others: what is wrong with them is an exception of the cell they work in
+    /// ([`crate::cell::exception::isolated`]), and the others work on. Only stations on order can be left out. Call it
+    /// whenever that changes, before [`Coordinator::step`].
+    pub fn isolate(&mut self, stations: impl Fn(StationId) -> bool) {
+        for (id, station) in self.line.station_ids().zip(&mut self.stations) {
+            let isolated = station.on_order && stations(id);
+            self.changed |= station.isolated != isolated;
+            station.isolated = isolated;
+        }
+    }
+
+    /// The stations that the mode depends on. Where people move stations, and in the emergency stop, that is all of them.
+    fn counted(&self) -> impl Iterator<Item = (StationId, &Station)> {
+        let leaves_out = match self.mode {
+            ControlMode::Home | ControlMode::StandBy | ControlMode::Auto => true,
+            ControlMode::Hand | ControlMode::Manual | ControlMode::EStop => false,
+        };
+        self.line.station_ids().zip(&self.stations).filter(move |(_, station)| !(leaves_out && station.isolated))
+    }
+
     fn hear_console(&mut self, bits: u128, valid: bool) {
         let before = self.console;
         if before == (bits, valid) {
@@ -289,7 +311,7 @@ impl Coordinator {
     }
 
     fn all(&self, what: impl Fn(&Heard) -> bool) -> bool {
-        self.stations.iter().all(|s| self.is_known(s) && what(&s.heard))
+        self.counted().all(|(_, s)| self.is_known(s) && what(&s.heard))
     }
 
     fn facts(&self, command: Option<Command>) -> Facts {
@@ -310,7 +332,7 @@ impl Coordinator {
     }
 
     fn any_selector(&self) -> bool {
-        self.stations.iter().any(|s| self.is_known(s) && s.heard.selector_manual)
+        self.counted().any(|(_, s)| self.is_known(s) && s.heard.selector_manual)
     }
 
     /// What speaks against motion in auto and hand.
@@ -319,7 +341,7 @@ impl Coordinator {
         if self.console_was_heard && !self.console.1 {
             reasons.push(Reason::ConsoleLost);
         }
-        for (id, station) in self.line.station_ids().zip(&self.stations) {
+        for (id, station) in self.counted() {
             if !self.is_known(station) {
                 reasons.push(Reason::NotHeard(id));
                 continue;
@@ -338,13 +360,11 @@ impl Coordinator {
     }
 
     fn which(&self, what: impl Fn(&Heard) -> bool, reason: impl Fn(StationId) -> Reason) -> Vec<Reason> {
-        let stations = self.line.station_ids().zip(&self.stations);
-        stations.filter(|(_, s)| self.is_known(s) && what(&s.heard)).map(|(id, _)| reason(id)).collect()
+        self.counted().filter(|(_, s)| self.is_known(s) && what(&s.heard)).map(|(id, _)| reason(id)).collect()
     }
 
     fn unheard(&self) -> Vec<Reason> {
-        let stations = self.line.station_ids().zip(&self.stations);
-        stations.filter(|(_, s)| !self.is_known(s)).map(|(id, _)| Reason::NotHeard(id)).collect()
+        self.counted().filter(|(_, s)| !self.is_known(s)).map(|(id, _)| Reason::NotHeard(id)).collect()
     }
 
     /// Plays the net until no arc is allowed. A command is used by the first arc that takes it.
@@ -416,8 +436,8 @@ impl Coordinator {
         if !self.mode.enables_motion() || self.enabled {
             return Vec::new();
         }
-        let stations = self.line.station_ids().zip(&self.stations);
-        stations.filter(|(_, s)| !self.is_known(s) || s.heard.mode_epoch < self.epoch).map(|(id, _)| id).collect()
+        let waits = |s: &Station| !self.is_known(s) || s.heard.mode_epoch < self.epoch;
+        self.counted().filter(|(_, s)| waits(s)).map(|(id, _)| id).collect()
     }
 
     /// Whether a station is heard.
@@ -434,6 +454,11 @@ impl Coordinator {
         let waiting: Vec<&str> = self.waiting_for().iter().map(|&s| self.line.station(s).name.as_str()).collect();
         if !waiting.is_empty() {
             text.push_str(&format!(", waiting for {}", waiting.join(", ")));
+        }
+        let alone = self.line.station_ids().zip(&self.stations).filter(|(_, station)| station.isolated);
+        let alone: Vec<&str> = alone.map(|(id, _)| self.line.station(id).name.as_str()).collect();
+        if !alone.is_empty() {
+            text.push_str(&format!(", without {}", alone.join(", ")));
         }
         let troubles: Vec<String> = self.troubles().iter().map(|reason| reason.text(&self.line)).collect();
         if !troubles.is_empty() {

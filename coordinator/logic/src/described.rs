@@ -3,6 +3,7 @@
 //! The only module here that knows descriptions. Each mode of the coordination net gets an activity of its own, since times
 //! and programs depend on the stage. What the net says of transitions and places is not worked out again.
 
+mod handling;
 mod sheet;
 
 use std::sync::Arc;
@@ -131,6 +132,8 @@ pub fn described(cell: &Cell, line: Option<&Line>, supply: Supply<'_>, pace: Pac
         grace: pace.grace,
     };
     let table = CellTable::compile(&long, plan)?;
+    let handling = handling::handling(cell, &net, &long, &table, &stations, supply);
+    let table = table.with_handling(handling);
     Ok(Described { table, net, long })
 }
 

@@ -243,6 +243,17 @@ pub struct Answer {
     pub part: Whereabouts,
     /// How to go on.
     pub then: Strategy,
+    /// What is left out then, until somebody says that it is up again.
+    pub down: Vec<LeftOut>,
+}
+
+/// A resource that is left out after a failure.
+#[derive(Clone, Copy, Debug, PartialEq, Eq, Hash)]
+pub enum LeftOut {
+    /// This one.
+    Resource(ResourceId),
+    /// Whoever has the part in the activity when it is there.
+    As(Whereabouts),
 }
 
 /// Where a part is after a failure.

@@ -268,6 +268,13 @@ fn exceptions() {
         ("telling what nobody knows", &[("{slot}", "{slto}")]),
         ("a brace that stays open", &[("{from}", "{from")]),
         ("no answer", &[("answers = [", "answers = []\nold = [")]),
+        (
+            "leaving out what there is not",
+            &[
+                ("retries = 2", "retries = 2\ndown = [\"M9\"]"),
+                ("then = \"forward\"", "then = \"forward\", down = [\"gone\"]"),
+            ],
+        ),
     ];
     insta::assert_snapshot!(check(C1, cases, false));
 }

@@ -5,7 +5,7 @@ mod common;
 use std::time::Duration;
 
 use common::{ASSEMBLY, C1, cell};
-use linewright_cell::{ActivityKind, ParameterSource, Prototype, Rule};
+use linewright_cell::{ActivityKind, LeftOut, ParameterSource, Prototype, Rule, Whereabouts};
 
 /// A1, seed 000, L2029-2035: robot 1 loads robot 2: 3, loads the human: 2, unloads robot 2: 3, unloads the human: 2; robot 2
 /// works on part 1: 7.5; the human on part 2: 5, on part 3: 4. One time unit is a second here.
@@ -58,6 +58,21 @@ fn the_workcell_is_the_described_one() {
     let rule = &cell.exceptions[0];
     let meant: Vec<&str> = rule.activities.iter().map(|&id| cell.activity(id).name.as_str()).collect();
     assert_eq!((meant, rule.retries), (vec!["load M1", "load M2", "load M3"], 2));
+}
+
+/// What a rule leaves out it does after each of its answers; a resource can be called what its part in the activity is.
+#[test]
+fn answers_leave_resources_out() {
+    let text = C1.replacen("retries = 2", "retries = 2\ndown = [\"M2\", \"carrier\"]", 1);
+    let text = text.replacen("then = \"forward\"", "then = \"forward\", down = [\"to\", \"M2\"]", 1);
+    let cell = cell(&text);
+    let m2 = LeftOut::Resource(linewright_cell::ResourceId::at(2));
+    let carrier = LeftOut::As(Whereabouts::Carrier);
+    let down: Vec<_> = cell.exceptions[0].answers.iter().map(|answer| answer.down.clone()).collect();
+    assert_eq!(down, [vec![m2, carrier], vec![LeftOut::As(Whereabouts::To), m2, carrier], vec![m2, carrier]]);
+    let renamed = text.replace("\"R\"", "\"carrier\"").replace("\"R.", "\"carrier.");
+    let down = &self::cell(&renamed).exceptions[0].answers[0].down;
+    assert_eq!(down[1], LeftOut::Resource(linewright_cell::ResourceId::at(4)), "a name comes first");
 }
 
 /// `or` begins where another step begins, `then` leads on to where a later one does.

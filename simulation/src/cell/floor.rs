@@ -254,6 +254,12 @@ impl Floor {
         self.command(now, message.station, TaskCommand::Run(&order))
     }
 
+    /// What a station answers when it is told to leave an order.
+    pub(super) fn told_to_leave(&mut self, now: Tick, to: StationId, key: OrderKey) -> Option<Reply> {
+        let key = station::OrderKey { epoch: key.epoch, id: key.id };
+        self.command(now, to, TaskCommand::Secure(key))
+    }
+
     fn command(&mut self, now: Tick, to: StationId, command: TaskCommand<'_>) -> Option<Reply> {
         self.now = self.now.max(now);
         let process = self.processes.get_mut(to.index()).filter(|process| process.down.is_none())?;
@@ -283,6 +289,7 @@ impl Floor {
             | Fact::OrderEnded { .. }
             | Fact::OrderFailed { .. }
             | Fact::Raised { .. }
+            | Fact::Exception(_)
             | Fact::Production { .. } => {}
         }
     }
@@ -353,6 +360,8 @@ fn heard(report: &OrderReport) -> Heard {
         epoch: report.epoch,
         slot: report.slot.map(|slot| key(slot.key)),
         results: report.results.iter().map(|&(of, outcome)| (key(of), ended(outcome))).collect(),
+        is_held: report.slot.is_none() && report.rest.is_none(),
+        ..Heard::default()
     }
 }
 

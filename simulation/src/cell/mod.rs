@@ -8,15 +8,21 @@
 //! ```
 //!
 //! [`CellSim`] plays it, from a seed; [`Station`] stands for a station that works on order, and knows nothing of its axes and
-//! sensors; or [`Floor`] has the real ones, with mechanisms and parts; [`Store`] is where records go. The coordinator can be killed at each of its steps, of which every record and
-//! every message is one. What stations do, and what happens to them, whoever plays says between two calls.
+//! sensors; or [`Floor`] has the real ones, with mechanisms and parts; [`Store`] is where records go. Of pretended stations
+//! [`Truth`] knows where the parts really are, and [`Operator`] looks there. The coordinator can be killed at each of its
+//! steps, of which every record and every message is one. What stations do, and what happens to them, whoever plays says
+//! between two calls.
 
 mod floor;
+mod operator;
 mod sim;
 mod station;
 mod store;
+mod truth;
 
 pub use floor::{Floor, Work};
+pub use operator::Operator;
 pub use sim::{CellOptions, CellSim, Pace};
 pub use station::{Done, Station};
 pub use store::{InMemory, Store};
+pub use truth::{Found, Truth};

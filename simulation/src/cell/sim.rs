@@ -7,13 +7,14 @@ use std::time::Duration;
 use linewright_coordinator_logic::cell::production::Request;
 use linewright_coordinator_logic::cell::{
     ActivityKind, CellTable, Coordination, Denied, Dispatcher, Event, Heard, Input, OrderKey, OrderMessage, Outbox,
-    Phase, ProductionCommand, ProductionId, Record, Reply, Send, State, Ticket,
+    Phase, Presence, ProductionCommand, ProductionId, Record, Reply, ResourceId, Send, State, Ticket,
 };
 use linewright_line::{StationId, Tick};
 
 use super::floor::Floor;
 use super::station::Station;
 use super::store::{InMemory, Store};
+use super::truth::Truth;
 use crate::rng::Rng;
 
 /// A cell in which nothing has happened for so long, and nothing is going to, has come to its end.
@@ -70,6 +71,9 @@ enum Flying {
     /// To a station, for which it will be so much work.
     Order(OrderMessage, Duration),
     Reply(usize, OrderKey, Reply),
+    /// To a station, that it is to leave an order; and what it says to that.
+    Secure(usize, OrderKey),
+    Secured(usize, OrderKey, Reply),
     /// With a number that rises.
     State(usize, u64, Heard),
 }
@@ -77,6 +81,7 @@ enum Flying {
 /// What the coordinator gets of that.
 enum Arrived {
     Reply(StationId, OrderKey, Reply),
+    Secured(StationId, OrderKey, Reply),
     State(StationId, Heard),
 }
 
@@ -108,6 +113,10 @@ pub struct CellSim {
     pub asked: Vec<Vec<Request>>,
     /// What they were told.
     pub told: Vec<Result<Vec<ProductionId>, Denied>>,
+    /// Where the parts really are.
+    pub truth: Truth,
+    /// Whether stations say what their sensors see.
+    pub senses: bool,
     store: Box<dyn Store>,
     rng: Rng,
     flying: BTreeMap<(Tick, u64), Flying>,
@@ -139,6 +148,8 @@ impl CellSim {
             lives: 1,
             asked: Vec::new(),
             told: Vec::new(),
+            truth: Truth::default(),
+            senses: false,
             store,
             rng: Rng::new(options.seed),
             flying: BTreeMap::new(),
@@ -187,8 +198,13 @@ impl CellSim {
         self.now = self.now.max(next);
         self.stations_go_on();
         let arrived = self.arrived();
-        self.coordinate(dispatcher, &arrived);
+        self.coordinate(dispatcher, &arrived, &[]);
         true
+    }
+
+    /// People say something now.
+    pub fn say(&mut self, dispatcher: &mut dyn Dispatcher, what: &[Input<'_>]) {
+        self.coordinate(dispatcher, &[], what);
     }
 
     fn is_over(&self) -> bool {
@@ -203,15 +219,17 @@ impl CellSim {
     }
 
     /// One step of the coordinator.
-    fn coordinate(&mut self, dispatcher: &mut dyn Dispatcher, arrived: &[Arrived]) {
+    fn coordinate(&mut self, dispatcher: &mut dyn Dispatcher, arrived: &[Arrived], said: &[Input<'_>]) {
         let mut inputs = vec![Input::Starts(self.starts)];
         inputs.extend(arrived.iter().map(|arrived| match arrived {
             Arrived::Reply(station, key, reply) => Input::Reply(*station, *key, *reply),
+            Arrived::Secured(station, key, reply) => Input::Secured(*station, *key, *reply),
             Arrived::State(station, heard) => Input::Station(*station, heard),
         }));
         let asked = std::mem::take(&mut self.asked);
         let asks = |(ticket, requests): (Ticket, _)| Input::Production(ticket, ProductionCommand::Submit(requests));
         inputs.extend((0..).zip(asked.iter().map(Vec::as_slice)).map(asks));
+        inputs.extend_from_slice(said);
         let mut out = Outbox::default();
         self.coordination.step(self.now, &inputs, dispatcher, &mut out);
         if !self.perform(out) {
@@ -226,9 +244,11 @@ impl CellSim {
     fn stations_go_on(&mut self) {
         for index in 0..self.stations.len() {
             if let Some((key, reply)) = self.stations[index].tick(self.now, &mut self.rng) {
-                self.say(index, || Flying::Reply(index, key, reply));
+                self.truth.ended(&self.table, key, reply);
+                self.tell(index, || Flying::Reply(index, key, reply));
             }
         }
+        self.sense();
         let news = self.floor.as_mut().map(|floor| floor.go_on(self.now)).unwrap_or_default();
         let due = if self.publish <= self.now {
             self.publish = self.now + self.options.period;
@@ -239,16 +259,27 @@ impl CellSim {
         for index in due {
             let heard = match &self.floor {
                 Some(floor) => floor.heard(index),
-                None => Some(self.stations[index].heard().clone()),
+                None => Some(self.stations[index].heard()),
             };
             let number = self.sent + 1;
             if let Some(heard) = heard {
-                self.say(index, || Flying::State(index, number, heard.clone()));
+                self.tell(index, || Flying::State(index, number, heard.clone()));
             }
         }
     }
 
-    fn say(&mut self, index: usize, what: impl Fn() -> Flying) {
+    /// Sensors see what is there.
+    fn sense(&mut self) {
+        let sensed = self.table.handling().resources.iter().enumerate().filter(|(_, of)| of.is_sensed && self.senses);
+        for (index, of) in sensed {
+            let has = self.truth.has(ResourceId(index as u32));
+            if let Some(station) = of.station.and_then(|station| self.stations.get_mut(station.index())) {
+                station.presence = if has { Presence::On } else { Presence::Off };
+            }
+        }
+    }
+
+    fn tell(&mut self, index: usize, what: impl Fn() -> Flying) {
         if !self.stations[index].is_away {
             self.fly(what);
         }
@@ -288,6 +319,19 @@ impl CellSim {
                         self.fly(|| Flying::Reply(index, order.key, reply));
                     }
                 }
+                Flying::Secure(index, key) => {
+                    let now = self.now;
+                    let reply = match &mut self.floor {
+                        Some(floor) => floor.told_to_leave(now, StationId::at(index), key),
+                        None => self.stations.get_mut(index).and_then(|station| station.told_to_leave(now, key)),
+                    };
+                    if let Some(reply) = reply {
+                        self.fly(|| Flying::Secured(index, key, reply));
+                    }
+                }
+                Flying::Secured(index, key, reply) => {
+                    arrived.push(Arrived::Secured(StationId::at(index), key, reply));
+                }
                 Flying::Reply(index, key, reply) => arrived.push(Arrived::Reply(StationId::at(index), key, reply)),
                 // The newest state counts, whatever comes after it.
                 Flying::State(index, number, heard) if number > self.newest[index] => {
@@ -310,17 +354,23 @@ impl CellSim {
             if let Some(floor) = &mut self.floor {
                 floor.note(&record, self.coordination.state());
             }
+            self.truth.note(&self.table, &record);
             self.log.push(record);
         }
         if !out.sends.is_empty() {
             self.store.sync();
         }
-        for Send::Order(order) in out.sends {
+        for send in out.sends {
             if self.dies() {
                 return self.restart();
             }
-            let takes = self.takes(&order);
-            self.fly(|| Flying::Order(order.clone(), takes));
+            match send {
+                Send::Order(order) => {
+                    let takes = self.takes(&order);
+                    self.fly(|| Flying::Order(order.clone(), takes));
+                }
+                Send::Secure { station, key } => self.fly(|| Flying::Secure(station.index(), key)),
+            }
         }
         if !out.replies.is_empty() {
             self.store.sync();

@@ -7,7 +7,9 @@
 use std::sync::Arc;
 use std::time::Duration;
 
-use linewright_coordinator_logic::cell::{Heard, OrderKey, OrderMessage, Outcome, PartId, Refusal, Reply};
+use linewright_coordinator_logic::cell::{
+    Heard, OrderKey, OrderMessage, Outcome, PartId, Presence, Refusal, Reply, Unable,
+};
 use linewright_line::Tick;
 
 use crate::rng::Rng;
@@ -16,6 +18,12 @@ use crate::rng::Rng;
 const RESULTS_MAX: usize = 16;
 /// The code of those orders that fail by chance.
 const CODE: u16 = 7;
+/// The codes that real stations have for what was stopped by a person, what was left, and what was left half-way.
+const INTERRUPTED: u16 = 1002;
+const CANCELLED: u16 = 1004;
+const HELD: u16 = 1005;
+/// How long it takes to go back.
+const WAY_BACK: Duration = Duration::from_millis(400);
 
 /// Something that a station has begun to do.
 #[derive(Clone, Debug, PartialEq, Eq)]
@@ -37,6 +45,8 @@ pub struct Done {
 pub struct Station {
     heard: Heard,
     doing: Option<(OrderKey, Tick)>,
+    /// It is on its way back from what it is doing.
+    is_securing: bool,
     last: u64,
     /// All it has really done, each time it did it.
     pub done: Vec<Done>,
@@ -50,25 +60,49 @@ pub struct Station {
     pub fails_with: Option<u16>,
     /// Nothing reaches it, and nothing is heard of it. What it does goes on.
     pub is_away: bool,
-    /// What it is doing does not end.
+    /// What it is doing does not end. It can be left nevertheless.
     pub is_stuck: bool,
+    /// Told to leave an order it stays where it is, between rests.
+    pub holds: bool,
+    /// It stands between rests.
+    pub is_held: bool,
+    /// Why it takes nothing on.
+    pub unable: Option<Unable>,
+    /// What its sensor says.
+    pub presence: Presence,
+    /// How all it has really begun has ended, and when, each time.
+    pub ended: Vec<(OrderKey, Outcome, Tick)>,
 }
 
 impl Station {
     /// What it says of itself.
-    pub fn heard(&self) -> &Heard {
-        &self.heard
+    pub fn heard(&self) -> Heard {
+        let Station { is_held, unable, presence, .. } = *self;
+        Heard { is_held, unable, presence, ..self.heard.clone() }
+    }
+
+    /// The order it is doing, or going back from.
+    pub fn doing(&self) -> Option<OrderKey> {
+        self.doing.map(|(key, _)| key)
+    }
+
+    /// A person stops it, and brings it to a rest.
+    pub fn bring_to_rest(&mut self, now: Tick) {
+        self.is_held = false;
+        if let Some((key, _)) = self.doing.take() {
+            self.end(now, key, Outcome::Failed(INTERRUPTED));
+        }
     }
 
     /// When it will have done what it is doing.
     pub fn ends(&self) -> Option<Tick> {
-        self.doing.filter(|_| !self.is_stuck).map(|(_, until)| until)
+        self.doing.filter(|_| self.is_securing || !self.is_stuck).map(|(_, until)| until)
     }
 
     /// It remembers nothing of what it was told, and is doing nothing.
     pub fn forget(&mut self) {
         self.heard = Heard { memory: self.heard.memory + 1, ..Heard::default() };
-        (self.doing, self.last) = (None, 0);
+        (self.doing, self.is_securing, self.last) = (None, false, 0);
     }
 
     /// What it answers to an order, which takes so long; none if it does not hear it.
@@ -95,6 +129,14 @@ impl Station {
             Refusal::Busy
         } else if order.limit.is_zero() {
             Refusal::Late
+        } else if self.is_held {
+            Refusal::NotThere
+        } else if let Some(unable) = self.unable {
+            match unable {
+                Unable::Devices => Refusal::Devices,
+                Unable::Incomplete => Refusal::Incomplete,
+                Unable::ByHand => Refusal::Mode,
+            }
         } else {
             (self.heard.epoch, self.last, self.heard.slot) = (key.epoch, key.id, Some(key));
             self.doing = Some((key, now + takes));
@@ -110,14 +152,55 @@ impl Station {
     pub(super) fn tick(&mut self, now: Tick, rng: &mut Rng) -> Option<(OrderKey, Reply)> {
         self.ends().filter(|&until| until <= now)?;
         let (key, _) = self.doing.take()?;
-        self.heard.slot = None;
+        if std::mem::take(&mut self.is_securing) {
+            return Some((key, self.end(now, key, Outcome::Failed(CANCELLED))));
+        }
         let by_chance = self.failing > 0 && rng.below(self.failing) == 0;
         let code = self.fails_with.take().or(by_chance.then_some(CODE));
         let outcome = code.map_or(Outcome::Done, Outcome::Failed);
+        Some((key, self.end(now, key, outcome)))
+    }
+
+    fn end(&mut self, now: Tick, key: OrderKey, outcome: Outcome) -> Reply {
+        (self.heard.slot, self.is_securing) = (None, false);
+        self.ended.push((key, outcome, now));
+        self.remember(key, outcome)
+    }
+
+    fn remember(&mut self, key: OrderKey, outcome: Outcome) -> Reply {
         self.heard.results.push((key, outcome));
         if self.heard.results.len() > RESULTS_MAX {
             self.heard.results.remove(0);
         }
-        Some((key, Reply::Ended(outcome)))
+        Reply::Ended(outcome)
+    }
+
+    /// What it answers when it is told to leave an order; none if it does not hear it.
+    pub(super) fn told_to_leave(&mut self, now: Tick, key: OrderKey) -> Option<Reply> {
+        if self.is_away {
+            return None;
+        }
+        if self.doing() == Some(key) {
+            if self.holds {
+                (self.doing, self.is_held) = (None, true);
+                return Some(self.end(now, key, Outcome::Failed(HELD)));
+            }
+            if !std::mem::replace(&mut self.is_securing, true) {
+                self.doing = Some((key, now + WAY_BACK));
+            }
+            return Some(Reply::Running);
+        }
+        if let Some(&(_, outcome)) = self.heard.results.iter().find(|(had, _)| *had == key) {
+            return Some(Reply::Ended(outcome));
+        }
+        if key.epoch < self.heard.epoch {
+            return Some(Reply::Refused(Refusal::OldEpoch));
+        }
+        if key.epoch == self.heard.epoch && key.id <= self.last {
+            return Some(Reply::Refused(Refusal::Old));
+        }
+        // Not heard of yet, and not to be done when it is.
+        (self.heard.epoch, self.last) = (key.epoch, key.id);
+        Some(self.remember(key, Outcome::Failed(CANCELLED)))
     }
 }

@@ -29,6 +29,7 @@ pub fn decisions(sim: &CellSim) -> String {
 pub fn cause(cause: &Cause) -> String {
     match cause {
         Cause::Order { key, failure } => format!("{key} was {failure}"),
+        Cause::ByHand { resource } => format!("alarm was given of {resource}"),
         Cause::TimedOut => "it was not done in time".to_owned(),
     }
 }

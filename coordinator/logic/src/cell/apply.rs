@@ -33,11 +33,12 @@ impl State {
             Fact::Acknowledged { key } => self.acknowledged(*key),
             Fact::OrderEnded { key } => self.order_ended(*key),
             Fact::OrderFailed { key, failure } => self.order_failed(*key, *failure),
-            Fact::Raised { firing, cause } => self.raised(*firing, *cause),
+            Fact::Raised { firing, cause } => self.raised(*firing, *cause, record.at),
             Fact::Ended { firing } => self.ended(*firing, record.at),
             Fact::Fired { mode, part } => self.fired(*mode, *part, record.at),
             // Production orders look at all records themselves, and refuse none but their own.
             Fact::Production { change: _ } => Ok(()),
+            Fact::Exception(step) => self.exception(step, record.at),
         };
         let noted = |()| self.production.note(record).map_err(|unfit| unfit.to_string());
         result.and_then(noted).map_err(|why| Misfit { sequence, why })?;
@@ -85,6 +86,7 @@ impl State {
         if !expected.eq(keys.iter().copied()) {
             return Err(format!("the keys of its orders are not the next {} of this epoch", templates.len()));
         }
+        self.moves_on(mode, part, false);
         self.take(mode, part, arrival);
         if let Some(part) = part {
             self.place(part, Place::In(id), at);
@@ -144,12 +146,13 @@ impl State {
         Ok(())
     }
 
-    fn raised(&mut self, id: FiringId, cause: Cause) -> Fits {
+    fn raised(&mut self, id: FiringId, cause: Cause, at: Tick) -> Fits {
         let firing = self.running(id)?;
         // Whatever of it has not been taken on is not asked for any more.
         let keys: Vec<_> = firing.orders.iter().map(|order| (order.station, order.key)).collect();
         keys.into_iter().for_each(|(station, key)| self.answered(station, key));
         self.change(id, |firing| firing.phase = Phase::Failed(cause));
+        self.exception_begins(id, at);
         Ok(())
     }
 
@@ -158,12 +161,19 @@ impl State {
         if firing.orders.iter().any(|order| order.state != OrderState::Ended) {
             return Err(format!("{id} ends before its orders do"));
         }
+        let (mode, part) = (firing.mode, firing.part);
+        self.forget(id);
+        self.moves_on(mode, part, true);
+        self.give(mode, part, at);
+        Ok(())
+    }
+
+    /// An activity is not in progress any more. What it has taken is nowhere then.
+    pub(super) fn forget(&mut self, id: FiringId) {
         self.unschedule(id);
-        let Some(firing) = self.firings.remove(&id) else { return Ok(()) };
+        let Some(firing) = self.firings.remove(&id) else { return };
         firing.orders.iter().for_each(|order| _ = self.orders.remove(&order.key));
         self.in_progress[firing.mode.index()] -= 1;
-        self.give(firing.mode, firing.part, at);
-        Ok(())
     }
 
     fn fired(&mut self, mode: ModeId, part: Option<PartId>, at: Tick) -> Fits {
@@ -189,6 +199,9 @@ impl State {
         let name = self.table.mode_name(mode);
         if let Some(cell) = self.enabling.lacks(mode) {
             return Err(format!("`{name}` lacks tokens of `{}`", self.table.cell_name(cell)));
+        }
+        if let Some(resource) = self.needs_down(mode) {
+            return Err(format!("`{name}` needs {resource}, which is down"));
         }
         if self.room(mode) == 0 {
             return Err(format!("`{name}` is in progress as often as it may be"));
@@ -234,7 +247,7 @@ impl State {
     }
 
     /// Gives what a mode gives. A part that it does not put anywhere has left.
-    fn give(&mut self, mode: ModeId, part: Option<PartId>, at: Tick) {
+    pub(super) fn give(&mut self, mode: ModeId, part: Option<PartId>, at: Tick) {
         let table = self.table.clone();
         for &(cell, weight) in table.gives(mode) {
             self.marking.give(cell, weight);
@@ -255,7 +268,7 @@ impl State {
         }
     }
 
-    fn place(&mut self, id: PartId, place: Place, at: Tick) {
+    pub(super) fn place(&mut self, id: PartId, place: Place, at: Tick) {
         let part = self.parts.entry(id).or_insert(Part::new(id, at));
         (part.place, part.since) = (place, at);
     }

@@ -67,6 +67,9 @@ impl CellTable {
             sum.number(store.cells.len() as u64);
             store.cells.iter().for_each(|cell| sum.number(u64::from(cell.0)));
         }
+        for resource in &self.handling().resources {
+            sum.text(&resource.name);
+        }
         sum.0
     }
 }

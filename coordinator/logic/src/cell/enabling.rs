@@ -27,6 +27,8 @@ enum Status {
     Enabled(usize),
     /// It lacks tokens of this cell, and is on its list of watchers.
     Watches(CellId),
+    /// It is not to be enabled whatever is there, and is on no list.
+    Blocked,
 }
 
 /// The set of enabled modes. It does not hold the counts; whoever changes a count says so, one cell at a time.
@@ -65,12 +67,23 @@ impl Enabling {
         matches!(self.status[mode.index()], Status::Enabled(_))
     }
 
-    /// A cell of which a mode lacks tokens; none if it is enabled.
+    /// A cell of which a mode lacks tokens; none if it is enabled, or blocked.
     pub fn lacks(&self, mode: ModeId) -> Option<CellId> {
         match self.status[mode.index()] {
-            Status::Enabled(_) => None,
+            Status::Enabled(_) | Status::Blocked => None,
             Status::Watches(cell) => Some(cell),
         }
+    }
+
+    /// Keeps a mode from being enabled whatever is there, or does not any more.
+    pub(super) fn block(&mut self, table: &CellTable, counts: &[u64], mode: ModeId, blocks: bool) {
+        match (self.status[mode.index()], blocks) {
+            (Status::Blocked, true) | (Status::Enabled(_) | Status::Watches(_), false) => return,
+            (Status::Blocked, false) => return self.settle(table, counts, mode),
+            (Status::Enabled(_), true) => self.disable(table, mode),
+            (Status::Watches(cell), true) => self.watchers[cell.index()].retain(|&watcher| watcher != mode),
+        }
+        self.status[mode.index()] = Status::Blocked;
     }
 
     /// The enabled modes that somebody decides about, in no order that means anything.

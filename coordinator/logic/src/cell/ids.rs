@@ -43,6 +43,15 @@ number! {
     FiringId(u64), "firing"
 }
 
+number! {
+    /// A resource, by its position in [`super::Handling`].
+    ResourceId(u32), "resource"
+}
+number! {
+    /// Something that a person has to look at.
+    AlarmId(u64), "alarm"
+}
+
 impl CellId {
     /// The id as an index.
     pub const fn index(self) -> usize {
@@ -51,6 +60,13 @@ impl CellId {
 }
 
 impl ModeId {
+    /// The id as an index.
+    pub const fn index(self) -> usize {
+        self.0 as usize
+    }
+}
+
+impl ResourceId {
     /// The id as an index.
     pub const fn index(self) -> usize {
         self.0 as usize

@@ -105,6 +105,20 @@ impl Marking {
         self.arrivals
     }
 
+    /// Which part one of the tokens just given is, when it has not been away: where the first is taken it is the first
+    /// again; its arrival.
+    pub(super) fn put_back(&mut self, cell: CellId, kind: CellKind, part: PartId) -> u64 {
+        let first = self.parts[cell.index()].first_key_value().map(|(&first, _)| first);
+        match (kind, first) {
+            // Whoever was taken before the first that is there came before it, so there is such a number.
+            (CellKind::Parts(Pick::Oldest), Some(first)) if first > 1 => {
+                self.parts[cell.index()].insert(first - 1, part);
+                first - 1
+            }
+            (CellKind::Parts(Pick::Oldest | Pick::Any | Pick::Newest) | CellKind::Tokens, _) => self.put(cell, part),
+        }
+    }
+
     /// Which part one of the tokens just taken was.
     pub(super) fn pull(&mut self, cell: CellId, arrival: u64) {
         self.parts[cell.index()].remove(&arrival);

@@ -12,6 +12,7 @@
 //! - [`ahead`]: the dispatcher that tries out in thought what comes of a decision.
 //! - [`schedule`]: when everything is to start, followed and revised.
 //! - [`tracking`]: what has happened, for reports.
+//! - [`exception`]: what becomes of what has failed, and what is down.
 //! - [`Coordination`]: the token player, with the argument why a crash loses nothing and repeats nothing.
 //!
 //! Nothing here knows ROS, files, or how a cell is described.
@@ -21,6 +22,7 @@ mod apply;
 mod digest;
 pub mod dispatch;
 mod enabling;
+pub mod exception;
 mod fifo;
 mod firing;
 mod ids;
@@ -41,9 +43,10 @@ mod table;
 pub mod tracking;
 
 pub use enabling::Enabling;
+pub use exception::{Handling, Presence, Unable};
 pub use fifo::Fifo;
 pub use firing::{Firing, Order, OrderState, Phase};
-pub use ids::{CellId, FiringId, ModeId, OrderKey, PartId, ProductionId};
+pub use ids::{AlarmId, CellId, FiringId, ModeId, OrderKey, PartId, ProductionId, ResourceId};
 pub use marking::Marking;
 pub use orders::{
     Denied, Event, Heard, Input, OrderMessage, Outbox, Outcome, ProductionCommand, Reply, Send, Sending, Ticket,

@@ -10,7 +10,8 @@ use std::time::Duration;
 use linewright_line::{StationId, Tick};
 use thiserror::Error;
 
-use super::ids::{ModeId, OrderKey, PartId, ProductionId};
+use super::exception::{Asked, Objection, Presence, Unable};
+use super::ids::{AlarmId, ModeId, OrderKey, PartId, ProductionId, ResourceId};
 use super::production::{Refused, Request, Wrong};
 use super::question::BadAnswer;
 use super::record::{Record, Refusal};
@@ -22,10 +23,33 @@ pub enum Input<'a> {
     Station(StationId, &'a Heard),
     /// A station's answer to one order.
     Reply(StationId, OrderKey, Reply),
+    /// A station's answer when it was told to leave an order.
+    Secured(StationId, OrderKey, Reply),
     /// Whether activities may start: the line is in auto, and enabled. They may not until this says so.
     Starts(bool),
     /// Somebody asks for something to be made, or not to be made, and waits for a reply.
     Production(Ticket, ProductionCommand<'a>),
+    /// A person's answer to an alarm.
+    Answer {
+        /// Which.
+        alarm: AlarmId,
+        /// One of its words.
+        word: &'a str,
+    },
+    /// A person gives alarm of a resource: what it is doing is stopped.
+    Alarm {
+        /// Which.
+        resource: ResourceId,
+        /// Why.
+        text: &'a str,
+    },
+    /// A person says that a resource is not to be counted on, or is again. What it is doing it finishes.
+    Resource {
+        /// Which.
+        resource: ResourceId,
+        /// Again.
+        up: bool,
+    },
 }
 
 /// What a reply to somebody is known by; the caller's affair.
@@ -63,10 +87,16 @@ pub struct Heard {
     pub memory: u64,
     /// The newest epoch in which it was told anything; 0 if it never was.
     pub epoch: u64,
-    /// The order it is doing.
+    /// The order it is doing, or going back from.
     pub slot: Option<OrderKey>,
     /// How the orders it had before have ended, those it still knows.
     pub results: Vec<(OrderKey, Outcome)>,
+    /// It stands between two rests, and does not go on from there by itself.
+    pub is_held: bool,
+    /// Why it could not do anything now; none if it could.
+    pub unable: Option<Unable>,
+    /// Whether there is a part where its sensor looks.
+    pub presence: Presence,
 }
 
 /// How an order has ended.
@@ -107,6 +137,14 @@ pub struct Outbox {
 pub enum Send {
     /// Do this.
     Order(OrderMessage),
+    /// Leave an order, and go back to where it began as far as that goes by itself. Who has done it already has; who has
+    /// not heard of it is not to do it.
+    Secure {
+        /// Who.
+        station: StationId,
+        /// Which order.
+        key: OrderKey,
+    },
 }
 
 /// An order as its station gets it.
@@ -159,6 +197,13 @@ pub enum Event {
         by: StationId,
         /// Which life it knows.
         epoch: u64,
+    },
+    /// What a person has asked for is not done.
+    Objected {
+        /// What that was.
+        to: Asked,
+        /// Why not.
+        why: Objection,
     },
     /// So much has happened by itself at one moment that it goes on in the next step. If this comes again and again, the
     /// net has a circle that takes no time.

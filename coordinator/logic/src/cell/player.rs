@@ -22,17 +22,18 @@
 //!    after the station's memory is in a record; and it says for which memory it is meant, so that one which is on its
 //!    way while the memory is lost is not done for a second time.
 //!
-//! A failed activity stays where it is, with its tokens, its part and what was heard of its orders, and waits for whoever
-//! knows what is true.
+//! A failed activity stays where it is, with its tokens, its part and what was heard of its orders, until it is known what
+//! is true; how that comes about is in [`super::exception`].
 
 use std::collections::{BTreeMap, BTreeSet};
 
 use linewright_line::{StationId, Tick};
 use thiserror::Error;
 
+use super::exception::Watch;
 use super::fifo::Fifo;
 use super::firing::{Next, OrderState, Phase};
-use super::ids::{FiringId, ModeId, OrderKey, ProductionId};
+use super::ids::{FiringId, ModeId, OrderKey, PartId, ProductionId};
 use super::orders::{
     Denied, Event, Heard, Input, OrderMessage, Outbox, Outcome, ProductionCommand, Reply, Send, Sending,
 };
@@ -59,13 +60,14 @@ pub struct OldEpoch {
 /// One life of the coordinator of a cell.
 #[derive(Clone, Debug)]
 pub struct Coordination {
-    state: State,
+    pub(super) state: State,
     starts: bool,
     /// The stations that were heard in this life.
     heard: BTreeSet<StationId>,
     /// What was sent in this life, of orders that nobody has taken on: how often, and when last.
     sent: BTreeMap<OrderKey, (u32, Tick)>,
     superseded: bool,
+    pub(super) watch: Watch,
     /// When the dispatcher wants to be asked again.
     ask_again: Option<Tick>,
     /// How many records there were when he had answered, and how many stations had been heard.
@@ -87,7 +89,9 @@ impl Coordination {
         if epoch <= state.epoch() {
             return Err(OldEpoch { asked: epoch, newest: state.epoch() });
         }
+        let now = now.max(state.now());
         let mut new = Coordination {
+            watch: Watch::new(&state, now),
             state,
             starts: false,
             heard: BTreeSet::new(),
@@ -97,7 +101,6 @@ impl Coordination {
             answered: None,
             cut_short: false,
         };
-        let now = now.max(new.state.now());
         new.write(now, Fact::Epoch { epoch }, out);
         Ok(new)
     }
@@ -126,17 +129,23 @@ impl Coordination {
             match *input {
                 Input::Station(station, heard) => self.hear(now, station, heard, out),
                 Input::Reply(station, key, reply) => self.reply(now, station, key, reply, out),
+                Input::Secured(_, key, reply) => self.watch.answered(now, key, reply),
                 Input::Starts(may) => self.starts = may,
                 Input::Production(ticket, command) => {
                     let reply = self.change(now, command, out);
                     out.replies.push((ticket, reply));
                 }
+                Input::Answer { alarm, word } => self.answer(now, alarm, word, out),
+                Input::Alarm { resource, text } => self.alarmed(now, resource, text, out),
+                Input::Resource { resource, up } => self.set_resource(now, resource, up, out),
             }
         }
         let (mut room, mut starts) = (FIRINGS_MAX, FIRINGS_MAX);
         loop {
             self.run_out(now, out);
+            self.miss(now, out);
             self.settle(now, out);
+            self.attend(now, out);
             let happened = self.immediates(now, &mut room, out);
             tell(dispatcher, out, &mut told);
             let started = self.ask(now, &mut starts, dispatcher, out);
@@ -162,10 +171,19 @@ impl Coordination {
             None => self.state.now(),
         });
         let again = self.cut_short.then_some(self.state.now());
-        limit.into_iter().chain(self.ask_again).chain(resend).chain(again).min()
+        limit.into_iter().chain(self.next_of_exceptions()).chain(self.ask_again).chain(resend).chain(again).min()
     }
 
-    fn write(&mut self, at: Tick, fact: Fact, out: &mut Outbox) {
+    pub(super) fn is_superseded(&self) -> bool {
+        self.superseded
+    }
+
+    /// Nobody is told of an order any more.
+    pub(super) fn not_sent(&mut self, key: OrderKey) {
+        self.sent.remove(&key);
+    }
+
+    pub(super) fn write(&mut self, at: Tick, fact: Fact, out: &mut Outbox) {
         let record = Record { at, fact };
         // Every caller has looked at the state it writes about, and nothing else changes it.
         self.state.apply(&record).expect("the player writes only what fits");
@@ -186,6 +204,7 @@ impl Coordination {
             None => self.write(now, Fact::Memory { station, memory: heard.memory }, out),
         }
         self.heard.insert(station);
+        self.watch_station(now, station, heard, out);
         if heard.epoch > self.state.epoch() && !self.superseded {
             self.superseded = true;
             out.events.push(Event::Superseded { by: station, epoch: heard.epoch });
@@ -199,12 +218,15 @@ impl Coordination {
     }
 
     /// Whether an order that is waited for may have reached its station: only those of this life are surely unsent.
-    fn may_be_known(&self, station: StationId, key: OrderKey) -> bool {
+    pub(super) fn may_be_known(&self, station: StationId, key: OrderKey) -> bool {
         let open = self.state.order(key).is_some_and(|(_, order)| order.station == station && order.is_open());
         open && (key.epoch < self.state.epoch() || self.sending(key) != Some(Sending::Unsent))
     }
 
     fn reply(&mut self, now: Tick, station: StationId, key: OrderKey, reply: Reply, out: &mut Outbox) {
+        if let Reply::Ended(_) = reply {
+            self.watch.ended(station, key);
+        }
         // Of orders that are over, or another station's, nothing need be known.
         let known = self.state.order(key).filter(|(_, order)| order.station == station);
         let Some((firing, order)) = known else { return };
@@ -286,11 +308,7 @@ impl Coordination {
         while let Some(&id) = self.state.settled.first() {
             match self.state.firing(id).map(|firing| firing.next()) {
                 Some(Next::End) => self.write(now, Fact::Ended { firing: id }, out),
-                Some(Next::Fail(cause)) => {
-                    let keys: Vec<_> = self.state.firings[&id].orders.iter().map(|order| order.key).collect();
-                    keys.iter().for_each(|key| _ = self.sent.remove(key));
-                    self.write(now, Fact::Raised { firing: id, cause }, out);
-                }
+                Some(Next::Fail(cause)) => self.fail(now, id, cause, out),
                 // Only firings that have something next are listed.
                 Some(Next::Wait) | None => return,
             }
@@ -317,6 +335,9 @@ impl Coordination {
         if !self.starts || self.superseded {
             return false;
         }
+        if self.again(now, room, out) {
+            return true;
+        }
         // What stations say again and again is nothing new to think about.
         let is_due = self.ask_again.is_some_and(|at| at <= now);
         if !is_due && self.answered == Some((self.state.sequence(), self.heard.len())) {
@@ -324,7 +345,7 @@ impl Coordination {
         }
         self.ask_again = None;
         let modes = self.state.enabling().decided().iter().copied();
-        let (candidates, groups) = pose(&self.state, modes.filter(|&mode| self.is_heard(mode)));
+        let (candidates, groups) = pose(&self.state, modes.filter(|&mode| self.is_heard(now, mode)));
         if candidates.is_empty() {
             return false;
         }
@@ -345,9 +366,13 @@ impl Coordination {
         !answer.start.is_empty()
     }
 
-    /// Whether all stations that a mode needs were heard in this life. Until then it waits; it is not an exception.
-    fn is_heard(&self, mode: ModeId) -> bool {
-        self.state.table.activity(mode).orders.iter().all(|order| self.heard.contains(&order.station))
+    /// Whether all stations that a mode needs were heard in this life, and can work, and its resources were compared with
+    /// the model. Until then it waits; it is not an exception.
+    pub(super) fn is_heard(&self, now: Tick, mode: ModeId) -> bool {
+        let (table, stale) = (&self.state.table, self.state.table.handling().stale);
+        let can_work = |station| self.heard.contains(&station) && self.watch.can_work(station, now, stale);
+        table.activity(mode).orders.iter().all(|order| can_work(order.station))
+            && !table.handling().mode(mode).resources().any(|id| self.watch.is_to_be_compared(&self.state, id))
     }
 
     fn start(&mut self, now: Tick, question: u64, candidates: &[Candidate], answer: &Answer, out: &mut Outbox) {
@@ -357,14 +382,16 @@ impl Coordination {
         if !started.is_empty() || held != self.state.held() {
             self.write(now, Fact::Decided { question, started: started.clone(), held }, out);
         }
-        for (mode, part) in started {
-            let part = part.or_else(|| self.state.part_for(mode));
-            let (epoch, last) = (self.state.epoch(), self.state.last_order);
-            let count = self.state.table.activity(mode).orders.len() as u64;
-            let orders = (1..=count).map(|k| OrderKey { epoch, id: last + k }).collect();
-            let firing = FiringId(self.state.last_firing + 1);
-            self.write(now, Fact::Started { firing, mode, part, orders }, out);
-        }
+        started.into_iter().for_each(|(mode, part)| self.start_one(now, mode, part, out));
+    }
+
+    pub(super) fn start_one(&mut self, now: Tick, mode: ModeId, part: Option<PartId>, out: &mut Outbox) {
+        let part = part.or_else(|| self.state.part_for(mode));
+        let (epoch, last) = (self.state.epoch(), self.state.last_order);
+        let count = self.state.table.activity(mode).orders.len() as u64;
+        let orders = (1..=count).map(|k| OrderKey { epoch, id: last + k }).collect();
+        let firing = FiringId(self.state.last_firing + 1);
+        self.write(now, Fact::Started { firing, mode, part, orders }, out);
     }
 
     /// For each station that was heard, the oldest order it has not answered to.
@@ -385,6 +412,7 @@ impl Coordination {
             self.sent.entry(key).and_modify(|(tries, at)| (*tries, *at) = (*tries + 1, now)).or_insert((1, now));
             out.sends.push(Send::Order(message));
         }
+        self.send_secure(now, out);
     }
 
     fn message(&self, now: Tick, key: OrderKey) -> Option<OrderMessage> {

@@ -66,6 +66,15 @@ impl State {
         self.parts.entry(part).and_modify(|part| part.position = part.target.take());
     }
 
+    /// A part does not go where it was to go.
+    pub(super) fn stay(&mut self, mode: ModeId, part: PartId) {
+        let Some(target) = self.parts.get_mut(&part).and_then(|part| part.target.take()) else { return };
+        let to = self.table.part_out(mode);
+        if let Some(store) = self.store(to) {
+            store.give(target);
+        }
+    }
+
     /// Gives back the position a part comes from.
     pub(super) fn leave_position(&mut self, mode: ModeId, part: PartId) {
         let Some(position) = self.parts.get_mut(&part).and_then(|part| part.position.take()) else { return };

@@ -10,7 +10,8 @@ use std::fmt;
 use linewright_line::{StationId, Tick};
 use serde::{Deserialize, Serialize};
 
-use super::ids::{FiringId, ModeId, OrderKey, PartId};
+use super::exception::Step;
+use super::ids::{FiringId, ModeId, OrderKey, PartId, ResourceId};
 use super::production::Change;
 use super::question::Reason;
 use super::serial;
@@ -104,6 +105,8 @@ pub enum Fact {
         /// What.
         change: Change,
     },
+    /// A step on the way from a failure to where it goes on from.
+    Exception(Step),
 }
 
 /// Why an order was not done.
@@ -118,6 +121,10 @@ pub enum Failure {
     TimedOut,
     /// The station has lost its memory. Whether it was done, nobody knows but who looks.
     Forgotten,
+    /// The station was not heard for too long.
+    Lost,
+    /// The station says that its devices are not there.
+    DevicesLost,
 }
 
 /// Why a station does not take an order on.
@@ -178,6 +185,11 @@ pub enum Cause {
     },
     /// It takes longer than it may altogether.
     TimedOut,
+    /// Somebody has given alarm of one of its resources.
+    ByHand {
+        /// Which.
+        resource: ResourceId,
+    },
 }
 
 impl fmt::Display for Failure {
@@ -187,6 +199,8 @@ impl fmt::Display for Failure {
             Failure::Refused(refusal) => write!(f, "refused ({refusal:?})"),
             Failure::TimedOut => f.write_str("not done in time"),
             Failure::Forgotten => f.write_str("forgotten by its station"),
+            Failure::Lost => f.write_str("its station is not heard any more"),
+            Failure::DevicesLost => f.write_str("its station has lost its devices"),
         }
     }
 }

@@ -11,6 +11,7 @@ use linewright_line::{StationId, Tick};
 use serde::{Deserialize, Serialize};
 
 use super::enabling::Enabling;
+use super::exception::{Exceptions, KeptExceptions};
 use super::firing::{Firing, Next, OrderState, Phase};
 use super::ids::{CellId, FiringId, ModeId, PartId};
 use super::marking::Marking;
@@ -49,6 +50,7 @@ pub struct Snapshot {
     memory: Vec<Memory>,
     held: Vec<(ModeId, Reason)>,
     production: Kept,
+    exceptions: KeptExceptions,
 }
 
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Serialize, Deserialize)]
@@ -86,6 +88,7 @@ impl State {
             memory: self.memory.iter().map(|(&station, &memory)| Memory { station, memory }).collect(),
             held: self.held.clone(),
             production: self.production.kept(),
+            exceptions: self.exceptions.kept(),
         }
     }
 
@@ -153,7 +156,7 @@ fn restored(table: Arc<CellTable>, of: Snapshot) -> Result<State, String> {
         return Err("it holds back what there is not".to_owned());
     }
     let positions = positions(&table, &parts, &firings)?;
-    Ok(State {
+    let state = State {
         production,
         positions,
         enabling: Enabling::new(&table, marking.counts()),
@@ -167,6 +170,7 @@ fn restored(table: Arc<CellTable>, of: Snapshot) -> Result<State, String> {
         settled,
         memory: of.memory.iter().map(|of| (of.station, of.memory)).collect(),
         held: of.held,
+        exceptions: Exceptions::default(),
         epoch: of.epoch,
         questions: of.questions,
         last_order: of.last_order,
@@ -176,7 +180,8 @@ fn restored(table: Arc<CellTable>, of: Snapshot) -> Result<State, String> {
         sequence: of.sequence,
         now: of.now,
         table,
-    })
+    };
+    state.with_exceptions(of.exceptions)
 }
 
 /// The positions that parts have in stores: each has one where it should, and no two have the same.

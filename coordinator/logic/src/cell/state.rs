@@ -13,6 +13,7 @@ use serde::{Deserialize, Serialize};
 use thiserror::Error;
 
 use super::enabling::Enabling;
+use super::exception::Exceptions;
 use super::firing::Firing;
 use super::ids::{CellId, FiringId, ModeId, OrderKey, PartId};
 use super::marking::Marking;
@@ -102,6 +103,7 @@ pub struct State {
     /// Of each store.
     pub(super) positions: Vec<Positions>,
     pub(super) held: Vec<(ModeId, Reason)>,
+    pub(super) exceptions: Exceptions,
     pub(super) epoch: u64,
     pub(super) questions: u64,
     pub(super) last_order: u64,
@@ -144,6 +146,7 @@ impl State {
             production: Production::new(&table),
             positions,
             held: Vec::new(),
+            exceptions: Exceptions::default(),
             epoch: 0,
             questions: 0,
             last_order: 0,

@@ -15,6 +15,7 @@ use linewright_nets::coloured::Unfolding;
 use linewright_nets::{Net, PlaceId, TransitionId};
 use thiserror::Error;
 
+use super::exception::Handling;
 use super::ids::{CellId, ModeId};
 use super::plan::{Activity, ActivityKind, CellKind, Plan, Product, Store, Value};
 
@@ -170,6 +171,7 @@ pub struct CellTable {
     store_of: Vec<Option<usize>>,
     refresh: Duration,
     grace: Duration,
+    handling: Arc<Handling>,
 }
 
 impl CellTable {
@@ -217,6 +219,7 @@ impl CellTable {
             store_of,
             refresh: plan.refresh,
             grace: plan.grace,
+            handling: Arc::default(),
         };
         table.check_entrances()?;
         table.check_positions()?;
@@ -248,6 +251,18 @@ impl CellTable {
             }
         }
         Ok(())
+    }
+
+    /// The same cell, of which it is known what to do when something fails.
+    #[must_use]
+    pub fn with_handling(mut self, handling: Handling) -> Self {
+        self.handling = Arc::new(handling);
+        self
+    }
+
+    /// What is known for the case that something fails.
+    pub fn handling(&self) -> &Handling {
+        &self.handling
     }
 
     /// The same cell without stations: whatever takes time ends by the clock alone. This is what is played where nothing

@@ -48,7 +48,11 @@ impl Bench {
     }
 
     fn sent(&self) -> Vec<OrderMessage> {
-        self.out.sends.iter().map(|Send::Order(order)| order.clone()).collect()
+        let orders = self.out.sends.iter().filter_map(|send| match send {
+            Send::Order(order) => Some(order.clone()),
+            Send::Secure { .. } => None,
+        });
+        orders.collect()
     }
 
     fn keys_sent(&self) -> Vec<OrderKey> {

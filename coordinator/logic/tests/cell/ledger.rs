@@ -100,7 +100,8 @@ impl<'a> Ledger<'a> {
             | Fact::OrderEnded { .. }
             | Fact::OrderFailed { .. }
             | Fact::Raised { .. }
-            | Fact::Production { .. } => (),
+            | Fact::Production { .. }
+            | Fact::Exception(_) => (),
         }
     }
 }

@@ -84,7 +84,7 @@ fn judged(it: &Compiled, answer: impl Fn(&Question<'_>) -> Answer) -> Vec<BadAns
     player.step(Tick::ZERO, &[Input::Starts(true)], &mut With(Some(answer)), &mut out);
     let whys = out.events.iter().filter_map(|event| match event {
         Event::BadAnswer { why, .. } => Some(*why),
-        Event::Superseded { .. } | Event::Busy { .. } => None,
+        Event::Superseded { .. } | Event::Busy { .. } | Event::Objected { .. } => None,
     });
     whys.collect()
 }

@@ -147,7 +147,14 @@ impl Shop {
             assert_eq!(out.events, [], "every answer could be followed");
             self.log.extend(out.records);
             inputs.clear();
-            for Send::Order(order) in out.sends {
+            for send in out.sends {
+                let order = match send {
+                    Send::Order(order) => order,
+                    Send::Secure { station, key } => {
+                        inputs.push(Input::Secured(station, key, Reply::Ended(Outcome::Failed(7))));
+                        continue;
+                    }
+                };
                 let (firing, _) = self.player.state().order(order.key).unwrap();
                 let kind = self.table.activity(firing.mode).kind;
                 let linewright_coordinator_logic::cell::ActivityKind::Decided { time, .. } = kind else {

@@ -345,6 +345,8 @@ impl Player {
         for send in &out.sends {
             match send {
                 Send::Order(order) => self.says.order(order),
+                // Nothing carries it yet: stations go back by themselves when their own time is over, and say so.
+                Send::Secure { .. } => {}
             }
         }
         for (ticket, reply) in out.replies {
@@ -411,6 +413,10 @@ impl Player {
                 tracing::error!(
                     "question {question}: the dispatcher's answer cannot be followed, first come first served: {why}"
                 );
+                Ok(())
+            }
+            Event::Objected { to, why } => {
+                tracing::warn!("{to:?} is not done: {why:?}");
                 Ok(())
             }
             Event::Busy { mode } => {

@@ -15,6 +15,8 @@ pub fn heard(message: &OrderState) -> (Heard, Vec<(OrderKey, Reply)>) {
         epoch: message.epoch,
         slot: (doing.id != 0).then_some(doing),
         results: message.ended.as_slice().iter().map(|end| (key(end), outcome(end))).collect(),
+        is_held: doing.id == 0 && message.rest.is_empty(),
+        ..Heard::default()
     };
     let refused =
         message.refused.as_slice().iter().filter_map(|end| Some((key(end), Reply::Refused(refusal(end.code)?))));

@@ -9,7 +9,7 @@ use linewright_line::Line;
 use linewright_text::{At, Table, Where};
 
 use super::raw::{RawCell, RawException, RawOrder, RawPart, RawResource, RawStep};
-use crate::{ActivityId, ActivityKind, ControllerId, ParameterSource, Prototype, ResourceId, Role, Use};
+use crate::{ActivityId, ActivityKind, ControllerId, LeftOut, ParameterSource, Prototype, ResourceId, Role, Use};
 
 pub(super) struct Draft<'a> {
     pub raw: &'a RawCell,
@@ -72,6 +72,8 @@ pub(super) struct DraftStep<'a> {
 pub(super) struct DraftException<'a> {
     pub raw: &'a RawException,
     pub activities: Vec<ActivityId>,
+    /// By answer, what is left out after it.
+    pub down: Vec<Vec<LeftOut>>,
 }
 
 impl<'a> Draft<'a> {

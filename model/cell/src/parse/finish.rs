@@ -5,8 +5,8 @@
 
 use std::time::Duration;
 
-use super::draft::{Draft, DraftActivity, DraftOrder, DraftPart, DraftResource};
-use super::raw::{RawDispatch, RawException};
+use super::draft::{Draft, DraftActivity, DraftException, DraftOrder, DraftPart, DraftResource};
+use super::raw::RawDispatch;
 use super::rules::{Offsets, offsets, transport};
 use crate::routes::Routes;
 use crate::{
@@ -36,11 +36,7 @@ pub(super) fn finish(draft: &Draft<'_>, routes: &Routes) -> Option<Cell> {
         activities: draft.activities.iter().map(|a| activity(draft, a, routes, &offsets)).collect::<Option<_>>()?,
         part_types: draft.parts.iter().enumerate().map(|(at, part)| part_type(at, part, &offsets)).collect(),
         stages: draft.parts.iter().enumerate().flat_map(|(at, part)| stages(at, part)).collect(),
-        exceptions: draft
-            .exceptions
-            .iter()
-            .map(|exception| self::exception(exception.raw, exception.activities.clone()))
-            .collect::<Option<_>>()?,
+        exceptions: draft.exceptions.iter().map(|exception| self::exception(exception)).collect::<Option<_>>()?,
     })
 }
 
@@ -146,16 +142,18 @@ fn stages<'d>(at: usize, draft: &'d DraftPart<'_>) -> impl Iterator<Item = Stage
     draft.stages.iter().map(named)
 }
 
-fn exception(raw: &RawException, activities: Vec<crate::ActivityId>) -> Option<ExceptionRule> {
-    let answers = raw.answers.iter().map(|answer| {
+fn exception(draft: &DraftException<'_>) -> Option<ExceptionRule> {
+    let raw = draft.raw;
+    let answers = raw.answers.iter().zip(&draft.down).map(|(answer, down)| {
         Some(Answer {
             word: answer.word.as_ref()?.value.clone(),
             part: answer.part.as_ref()?.value,
             then: answer.then.as_ref()?.value,
+            down: down.clone(),
         })
     });
     Some(ExceptionRule {
-        activities,
+        activities: draft.activities.clone(),
         code: raw.code.as_ref()?.value.clone(),
         tell: raw.tell.as_ref()?.value.clone(),
         retries: u32::try_from(raw.retries).ok()?,

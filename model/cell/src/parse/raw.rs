@@ -103,6 +103,7 @@ pub(super) struct RawException {
     pub tell: Option<Name>,
     pub retries: i64,
     pub automatic: bool,
+    pub down: Option<At<Vec<Name>>>,
     pub answers: Vec<RawAnswer>,
 }
 
@@ -111,6 +112,7 @@ pub(super) struct RawAnswer {
     pub word: Option<Name>,
     pub part: Option<At<Whereabouts>>,
     pub then: Option<At<Strategy>>,
+    pub down: Option<At<Vec<Name>>>,
 }
 
 impl RawDispatch {

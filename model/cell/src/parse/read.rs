@@ -28,6 +28,8 @@ const ACTIONS_MAX: usize = 8;
 /// At most this many rules for exceptions, and answers to one.
 const EXCEPTIONS_MAX: usize = 1000;
 const ANSWERS_MAX: usize = 16;
+/// At most this many resources that are left out after one answer.
+const DOWN_MAX: usize = 16;
 /// At most this many parts in the cell at once.
 const WIP_MAX: i64 = 10_000;
 /// What a limit is of the nominal time, where nothing is said.
@@ -166,6 +168,7 @@ fn exception(mut f: Fields<'_>, report: &mut Report) -> RawException {
         code: f.required_text(report, "code"),
         tell: f.required_text(report, "tell"),
         retries: f.whole(report, "retries", 0, 100).map_or(0, |retries| retries.value),
+        down: f.texts(report, "down", DOWN_MAX),
         automatic: f.flag(report, "automatic").is_some_and(|flag| flag.value),
         answers: each(f.tables(report, "answers", "an answer", ANSWERS_MAX), report, answer),
     };
@@ -185,6 +188,7 @@ fn answer(mut f: Fields<'_>, report: &mut Report) -> RawAnswer {
         word: f.required_text(report, "word"),
         part: f.required_word(report, "part", &whereabouts),
         then: f.required_word(report, "then", &strategies),
+        down: f.texts(report, "down", DOWN_MAX),
     };
     f.finish(report);
     raw

@@ -10,7 +10,10 @@ use super::draft::{Draft, DraftActivity, DraftException, DraftOrder, DraftPart, 
 use super::names::{Names, OUTSIDE};
 use super::plan::plan;
 use super::raw::{RawAction, RawCell, RawException, RawOrder, RawPart, RawResource, RawSync};
-use crate::{Action, ActivityId, ActivityKind, ControllerId, ParameterSource, Prototype, ResourceId, Role, Use};
+use crate::{
+    Action, ActivityId, ActivityKind, ControllerId, LeftOut, ParameterSource, Prototype, ResourceId, Role, Use,
+    Whereabouts,
+};
 
 /// Resolves everything that can be.
 pub(super) fn resolve<'a>(
@@ -25,7 +28,7 @@ pub(super) fn resolve<'a>(
     let mut activities: Vec<_> = raw.syncs.iter().map(|sync| scope.sync(sync, report)).collect();
     activities.extend(scope.processes(&raw.actions, report));
     let parts = raw.parts.iter().zip(&names.steps).map(|(part, steps)| scope.part(part, steps, report)).collect();
-    let exceptions = raw.exceptions.iter().map(|raw| exception(raw, &activities, report)).collect();
+    let exceptions = raw.exceptions.iter().map(|raw| exception(raw, &activities, names, report)).collect();
     Draft { raw, line, controllers, resources, activities, parts, exceptions }
 }
 
@@ -222,8 +225,20 @@ impl<'a> Scope<'a, '_> {
     }
 }
 
-fn exception<'a>(raw: &'a RawException, activities: &[DraftActivity<'_>], report: &mut Report) -> DraftException<'a> {
-    let Some(pattern) = &raw.within else { return DraftException { raw, activities: Vec::new() } };
+fn exception<'a>(
+    raw: &'a RawException,
+    activities: &[DraftActivity<'_>],
+    names: &Names<'_>,
+    report: &mut Report,
+) -> DraftException<'a> {
+    let always = left_out(raw.down.as_ref(), names, report);
+    let down = raw.answers.iter().map(|answer| {
+        let mut down = left_out(answer.down.as_ref(), names, report);
+        down.extend(always.iter().filter(|of| !down.contains(of)).copied().collect::<Vec<_>>());
+        down
+    });
+    let down = down.collect();
+    let Some(pattern) = &raw.within else { return DraftException { raw, activities: Vec::new(), down } };
     let meant = activities.iter().enumerate().filter(|(_, activity)| matches(&pattern.value, &activity.name));
     let found: Vec<_> = meant.map(|(id, _)| ActivityId::at(id)).collect();
     if found.is_empty() {
@@ -233,7 +248,18 @@ fn exception<'a>(raw: &'a RawException, activities: &[DraftActivity<'_>], report
                 .maybe_hint(suggestion(&pattern.value, names)),
         );
     }
-    DraftException { raw, activities: found }
+    DraftException { raw, activities: found, down }
+}
+
+/// Resources by name, or by what they are for the part: a resource of such a name comes first.
+fn left_out(written: Option<&At<Vec<Name>>>, names: &Names<'_>, report: &mut Report) -> Vec<LeftOut> {
+    let roles = [("from", Whereabouts::From), ("to", Whereabouts::To), ("carrier", Whereabouts::Carrier)];
+    let mut one = |name: &Name| {
+        let role = roles.iter().find(|(word, _)| *word == name.value).map(|&(_, part)| LeftOut::As(part));
+        let role = role.filter(|_| names.resources.get(&name.value).is_none());
+        role.or_else(|| names.resources.find(name, "resource", report).map(|id| LeftOut::Resource(ResourceId::at(id))))
+    };
+    written.into_iter().flat_map(|names| &names.value).filter_map(&mut one).collect()
 }
 
 /// Whether a name fits a pattern in which `*` stands for anything.

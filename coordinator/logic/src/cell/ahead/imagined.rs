@@ -140,7 +140,8 @@ impl Imagined {
             | Fact::OrderEnded { .. }
             | Fact::OrderFailed { .. }
             | Fact::Raised { .. }
-            | Fact::Production { .. } => None,
+            | Fact::Production { .. }
+            | Fact::Exception(_) => None,
         };
         let leaving = moved.and_then(|(mode, part)| part.filter(|_| self.state.table.part_out(mode).is_none()));
         self.left.extend(leaving.map(|part| (lead.desk().job(part), self.now)));

@@ -220,6 +220,9 @@ impl<'a> Search<'a> {
                 Status::Stuck
             };
         }
+        if state.needs_down(mode).is_some() {
+            return Status::Stuck;
+        }
         let comes = |cell: CellId| state.marking().count(cell) + self.returning.get(&cell).copied().unwrap_or(0);
         let lacked = state.table().takes(mode).iter().filter(|&&(cell, weight)| comes(cell) < u64::from(weight));
         let lacked: Vec<CellId> = lacked.map(|&(cell, _)| cell).collect();

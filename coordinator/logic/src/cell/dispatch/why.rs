@@ -5,8 +5,9 @@
 
 use linewright_line::Tick;
 
+use super::super::exception::{DownCause, Stage};
 use super::super::firing::{Firing, Phase};
-use super::super::ids::{CellId, ModeId, PartId};
+use super::super::ids::{CellId, FiringId, ModeId, PartId, ResourceId};
 use super::super::plan::{ActivityKind, CellKind};
 use super::super::state::{Place, State};
 use super::ways::Ways;
@@ -46,6 +47,9 @@ fn option(ways: &Ways, reasons: &Reasons, state: &State, now: Tick, part: PartId
     let lacked = table.takes(mode).iter().filter(|&&(cell, weight)| state.marking().count(cell) < u64::from(weight));
     let lacked: Vec<String> = lacked.map(|&(cell, _)| owner(ways, state, now, cell)).collect();
     let last = reasons.of(mode);
+    if let Some(resource) = state.needs_down(mode) {
+        return left_out(state, now, resource);
+    }
     if !lacked.is_empty() {
         let before = last.map(|(at, why)| format!("; at {at} it was held: {}", reason(table, why)));
         return lacked.join("; ") + &before.unwrap_or_default();
@@ -81,6 +85,31 @@ fn owner(ways: &Ways, state: &State, now: Tick, cell: CellId) -> String {
     }
 }
 
+/// Why a resource is not counted on.
+fn left_out(state: &State, now: Tick, resource: ResourceId) -> String {
+    let name = state.table().handling().resource_name(resource);
+    let Some(down) = state.exceptions().is_down(resource) else { return format!("{name} is up") };
+    let since = now.since(down.since).as_secs_f64();
+    let why = match &down.why {
+        DownCause::ByHand { text } if text.is_empty() => "somebody has left it out".to_owned(),
+        DownCause::ByHand { text } => format!("somebody has given alarm: {text}"),
+        DownCause::Rule(firing) => format!("the rule for {firing} leaves it out"),
+        DownCause::Station(firing) => format!("its station could not work after {firing}"),
+        DownCause::Mismatch => "its sensor says otherwise than the model".to_owned(),
+    };
+    format!("{name} is down for {since} s: {why}")
+}
+
+/// What a failed activity waits for.
+fn waits(state: &State, firing: FiringId) -> String {
+    match state.exceptions().trouble(firing).map(|trouble| &trouble.stage) {
+        Some(Stage::Securing) => "waits for its stations to come to rest".to_owned(),
+        Some(Stage::Waiting(alarm)) => format!("waits for an answer to {alarm}"),
+        Some(Stage::Restoring { .. }) => "waits for sensors to agree with what was answered".to_owned(),
+        None => "waits for somebody to look".to_owned(),
+    }
+}
+
 /// The part that waits for a mode, if it is where that takes it from.
 fn resting(state: &State, mode: ModeId) -> Option<PartId> {
     let cell: CellId = state.table().part_in(mode)?;
@@ -94,7 +123,7 @@ fn progress(state: &State, firing: &Firing, now: Tick) -> String {
     let mode: ModeId = firing.mode;
     let what = named(state.table(), mode, firing.part);
     match (firing.phase, state.table().activity(mode).kind) {
-        (Phase::Failed(_), _) => format!("{what}, which has failed and waits for somebody to look"),
+        (Phase::Failed(_), _) => format!("{what}, which has failed and {}", waits(state, firing.id)),
         (Phase::Running, ActivityKind::Immediate) => what,
         (Phase::Running, ActivityKind::Decided { time, limit: _ }) => {
             let left = (firing.began + time).since(now).as_secs_f64();

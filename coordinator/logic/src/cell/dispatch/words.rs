@@ -128,7 +128,8 @@ impl Reasons {
             | Fact::Raised { .. }
             | Fact::Production { .. }
             | Fact::Ended { .. }
-            | Fact::Fired { .. } => (),
+            | Fact::Fired { .. }
+            | Fact::Exception(_) => (),
         }
     }
 

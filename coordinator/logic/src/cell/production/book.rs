@@ -12,12 +12,13 @@ use serde::{Deserialize, Serialize};
 use thiserror::Error;
 
 use super::super::dispatch::{Admission, Jobs, Waiting};
+use super::super::exception::{Step, Whereabouts};
 use super::super::ids::{FiringId, ModeId, PartId, ProductionId};
 use super::super::record::{Fact, Record};
 use super::super::table::CellTable;
 use super::super::tracking::{Entry, Passing, Sheet};
 use super::order::{Order, Status};
-use super::request::{ORDERS_MAX, Request, Wrong, find_circle};
+use super::request::{ORDERS_MAX, Request, Wrong, find_circle, in_order};
 
 /// So many orders that are over are remembered, beside those that others wait for.
 const KEPT: usize = 1000;
@@ -361,7 +362,20 @@ impl Production {
             | Fact::OrderEnded { .. }
             | Fact::OrderFailed { .. }
             | Fact::Raised { .. } => false,
+            Fact::Exception(step) => self.put_right(step, record.at),
         })
+    }
+
+    /// Of what failed, one that has not come in counts as little as one that is no more.
+    fn put_right(&mut self, step: &Step, at: Tick) -> bool {
+        let Step::Closed { firing, mode, part: Some(part), ruling, .. } = step else { return false };
+        self.leaving.remove(firing);
+        match ruling.part {
+            Whereabouts::To => self.leaves.contains(mode) && self.leave(*part, at),
+            Whereabouts::From if !self.enters.contains_key(mode) => false,
+            Whereabouts::From | Whereabouts::Gone => self.apply(at, &Change::Lost(*part)).is_ok(),
+            Whereabouts::Carrier => false,
+        }
     }
 
     fn enter(&mut self, mode: ModeId, part: PartId, at: Tick) -> bool {
@@ -466,27 +480,4 @@ impl Production {
     pub(in super::super) fn next_release(&self, now: Tick) -> Option<Tick> {
         self.missing().filter_map(|order| self.open_from(order)).filter(|&from| from > now).min()
     }
-}
-
-/// Requests of which each comes after those it is after, otherwise as they are (Kahn 1962). There is no circle.
-fn in_order(requests: &[&Request]) -> Vec<Request> {
-    let place: BTreeMap<&str, usize> = requests.iter().enumerate().map(|(at, of)| (of.name.as_str(), at)).collect();
-    let before = |of: &Request| of.after.iter().filter_map(|name| place.get(name.as_str()).copied()).collect();
-    let mut waits: Vec<BTreeSet<usize>> = requests.iter().map(|request| before(request)).collect();
-    let mut followers: Vec<Vec<usize>> = vec![Vec::new(); requests.len()];
-    for (at, before) in waits.iter().enumerate() {
-        before.iter().for_each(|&earlier| followers[earlier].push(at));
-    }
-    let mut ready: BTreeSet<usize> = (0..requests.len()).filter(|&at| waits[at].is_empty()).collect();
-    let mut sorted = Vec::with_capacity(requests.len());
-    while let Some(at) = ready.pop_first() {
-        sorted.push(requests[at].clone());
-        for &follower in &followers[at] {
-            waits[follower].remove(&at);
-            if waits[follower].is_empty() {
-                ready.insert(follower);
-            }
-        }
-    }
-    sorted
 }

@@ -187,3 +187,26 @@ pub(super) fn find_circle(requests: &[&Request]) -> Option<Vec<String>> {
     }
     None
 }
+
+/// Requests of which each comes after those it is after, otherwise as they are (Kahn 1962). There is no circle.
+pub(super) fn in_order(requests: &[&Request]) -> Vec<Request> {
+    let place: BTreeMap<&str, usize> = requests.iter().enumerate().map(|(at, of)| (of.name.as_str(), at)).collect();
+    let before = |of: &Request| of.after.iter().filter_map(|name| place.get(name.as_str()).copied()).collect();
+    let mut waits: Vec<BTreeSet<usize>> = requests.iter().map(|request| before(request)).collect();
+    let mut followers: Vec<Vec<usize>> = vec![Vec::new(); requests.len()];
+    for (at, before) in waits.iter().enumerate() {
+        before.iter().for_each(|&earlier| followers[earlier].push(at));
+    }
+    let mut ready: BTreeSet<usize> = (0..requests.len()).filter(|&at| waits[at].is_empty()).collect();
+    let mut sorted = Vec::with_capacity(requests.len());
+    while let Some(at) = ready.pop_first() {
+        sorted.push(requests[at].clone());
+        for &follower in &followers[at] {
+            waits[follower].remove(&at);
+            if waits[follower].is_empty() {
+                ready.insert(follower);
+            }
+        }
+    }
+    sorted
+}

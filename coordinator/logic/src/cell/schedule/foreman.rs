@@ -13,6 +13,7 @@ use linewright_line::Tick;
 
 use super::super::ahead::LookAhead;
 use super::super::dispatch::{Rule, Timetable};
+use super::super::exception::Step;
 use super::super::question::{Answer, Dispatcher, Question};
 use super::super::reason::Reason;
 use super::super::record::{Fact, Record};
@@ -146,7 +147,16 @@ impl Dispatcher for Foreman {
         match &record.fact {
             Fact::Raised { firing, cause: _ } => self.pending = Some(Deviation::Failed(*firing)),
             Fact::Production { change: _ } => self.pending = Some(Deviation::Orders),
-            Fact::Epoch { .. }
+            Fact::Exception(Step::Down { resource, .. }) => self.pending = Some(Deviation::Down(*resource)),
+            Fact::Exception(Step::Up { .. } | Step::Closed { .. }) => self.pending = Some(Deviation::Restored),
+            Fact::Exception(
+                Step::Secured { .. }
+                | Step::Alarmed { .. }
+                | Step::Answered { .. }
+                | Step::Carried { .. }
+                | Step::Mismatch { .. },
+            )
+            | Fact::Epoch { .. }
             | Fact::Memory { .. }
             | Fact::Decided { .. }
             | Fact::Started { .. }

@@ -12,6 +12,7 @@ use linewright_line::Tick;
 
 use super::super::ahead::{Act, PlannedStart, Score};
 use super::super::dispatch::Window;
+use super::super::exception::{Step, Whereabouts};
 use super::super::ids::{CellId, FiringId, ModeId, PartId};
 use super::super::record::{Fact, Record};
 use super::super::state::State;
@@ -194,7 +195,12 @@ impl Schedule {
                     self.slots[at].failed = true;
                 }
             }
-            Fact::Fired { .. }
+            Fact::Exception(Step::Closed { firing, ruling, .. }) if ruling.part == Whereabouts::To => {
+                let slot = self.slots.iter_mut().find(|slot| slot.firing == Some(*firing));
+                slot.into_iter().for_each(|slot| slot.ended = Some(record.at));
+            }
+            Fact::Exception(_)
+            | Fact::Fired { .. }
             | Fact::Epoch { .. }
             | Fact::Memory { .. }
             | Fact::Decided { .. }

@@ -10,7 +10,7 @@ use linewright_line::Tick;
 
 use super::super::dispatch::words::named;
 use super::super::dispatch::{Jobs, Timetable, Window};
-use super::super::ids::{FiringId, ModeId, PartId};
+use super::super::ids::{FiringId, ModeId, PartId, ResourceId};
 use super::super::state::{Place, State};
 use super::super::table::CellTable;
 use super::slots::{Schedule, Slot};
@@ -24,6 +24,8 @@ pub enum Deviation {
     Orders,
     /// An activity has failed; what it holds does not come back by itself.
     Failed(FiringId),
+    /// A resource is not to be counted on.
+    Down(ResourceId),
     /// What had failed goes on again, or something has been put right by hand.
     Restored,
     /// Something starts, or ends, later than it may.
@@ -48,6 +50,7 @@ impl Deviation {
             Deviation::First => "nothing was planned yet".to_owned(),
             Deviation::Orders => "production orders have changed".to_owned(),
             Deviation::Failed(firing) => format!("{firing} has failed"),
+            Deviation::Down(resource) => format!("{} is down", table.handling().resource_name(*resource)),
             Deviation::Restored => "something has been put right".to_owned(),
             Deviation::Late { mode, part, by } => {
                 format!("{} is later than it may be, by {} s", named(table, *mode, *part), by.as_secs_f64())

@@ -4,6 +4,7 @@ use std::collections::BTreeMap;
 
 use linewright_line::Tick;
 
+use super::super::exception::Step;
 use super::super::ids::{FiringId, ModeId, PartId};
 use super::super::record::{Fact, Record};
 use super::cause_in_words;
@@ -54,12 +55,13 @@ impl Activities {
                     done.failed = Some(Failed { at: record.at, cause: cause_in_words(cause) });
                 }
             }
-            Fact::Ended { firing } => {
+            Fact::Ended { firing } | Fact::Exception(Step::Closed { firing, .. }) => {
                 if let Some(done) = self.open.remove(firing).map(|at| &mut self.done[at]) {
                     done.ended = Some(record.at);
                 }
             }
-            Fact::Fired { .. }
+            Fact::Exception(_)
+            | Fact::Fired { .. }
             | Fact::Epoch { .. }
             | Fact::Memory { .. }
             | Fact::Decided { .. }

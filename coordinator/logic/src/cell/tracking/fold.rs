@@ -2,7 +2,7 @@
 //!
 //! ```text
 //!  of a resource:   busy ─┬─ an activity that it takes part in is in progress, and none of them has failed
-//!                   down ─┴─ one of them has failed, and nobody has said yet what is true
+//!                   down ─┴─ one of them has failed, and nobody has said yet what is true; or it is left out
 //!  of a part:       worked on, moved, or waiting: from its entering to its leaving it is one of the three
 //! ```
 
@@ -11,6 +11,7 @@ use std::time::Duration;
 
 use linewright_line::Tick;
 
+use super::super::exception::{DownCause, Step, Whereabouts};
 use super::super::ids::{FiringId, ModeId, PartId};
 use super::super::production::{Change, Production};
 use super::super::record::{Cause, Fact, Record};
@@ -54,6 +55,8 @@ struct Tally {
     busy: Duration,
     down: Duration,
     causes: Causes,
+    /// Why it is left out, if it is.
+    out: Option<String>,
     /// Of those in progress that have not failed, those that it works or carries in.
     working: u32,
     work: Duration,
@@ -150,6 +153,7 @@ impl Tracking {
             | Fact::Acknowledged { .. }
             | Fact::OrderEnded { .. }
             | Fact::OrderFailed { .. } => {}
+            Fact::Exception(step) => self.excepts(step, record.at),
         }
     }
 
@@ -224,6 +228,9 @@ impl Tracking {
             }
             if tally.failed > 0 {
                 tally.down += gone;
+            } else if let Some(cause) = &tally.out {
+                tally.down += gone;
+                tally.causes.add(cause, gone);
             } else if tally.running > 0 {
                 tally.busy += gone;
             }
@@ -273,10 +280,51 @@ impl Tracking {
         });
     }
 
-    fn ends(&mut self, firing: FiringId, at: Tick) {
-        let Some(open) = self.open.remove(&firing) else { return };
-        let (took, counts) = (at.since(open.began), at >= self.from);
-        let from = self.from;
+    /// An activity that has failed is over, or somebody is left out.
+    fn excepts(&mut self, step: &Step, at: Tick) {
+        match step {
+            Step::Closed { firing, mode, part, ruling, unchecked: _ } => match ruling.part {
+                Whereabouts::To => self.ends(*firing, at),
+                Whereabouts::From | Whereabouts::Carrier | Whereabouts::Gone => {
+                    self.stops(*firing, at);
+                    self.is_undone(*mode, ruling.part == Whereabouts::Gone);
+                    let enters = self.sheet.entry(*mode).is_some_and(|entry| entry.passing == Passing::Enters);
+                    let is_outside = enters || ruling.part == Whereabouts::Gone;
+                    if part.filter(|_| is_outside).is_some_and(|part| self.parts.remove(&part).is_some()) && !enters {
+                        self.lost += u64::from(at >= self.from);
+                    }
+                }
+            },
+            Step::Down { resource, why } => {
+                let tally = self.resources.get_mut(resource.index());
+                tally.into_iter().for_each(|tally| tally.out = Some(out(why)));
+            }
+            Step::Up { resource, unchecked: _ } => {
+                self.resources.get_mut(resource.index()).into_iter().for_each(|tally| tally.out = None);
+            }
+            Step::Secured { .. }
+            | Step::Alarmed { .. }
+            | Step::Answered { .. }
+            | Step::Carried { .. }
+            | Step::Mismatch { .. } => (),
+        }
+    }
+
+    /// Room where the part was to go is free; where it was only if it is no more.
+    fn is_undone(&mut self, mode: ModeId, is_gone: bool) {
+        if let Some(target) = self.sheet.entry(mode).and_then(|entry| entry.target) {
+            let taken = &mut self.resources[target].taken;
+            *taken = taken.saturating_sub(1);
+        }
+        if is_gone {
+            self.lets_go(mode);
+        }
+    }
+
+    /// Nobody is busy with an activity any more, nor down by it.
+    fn stops(&mut self, firing: FiringId, at: Tick) -> Option<Open> {
+        let open = self.open.remove(&firing)?;
+        let (from, counts) = (self.from, at >= self.from);
         match &open.failed {
             None => {
                 self.works(open.mode, |working| working - 1);
@@ -289,6 +337,12 @@ impl Tracking {
                 }
             }),
         }
+        Some(open)
+    }
+
+    fn ends(&mut self, firing: FiringId, at: Tick) {
+        let Some(open) = self.stops(firing, at) else { return };
+        let (took, counts) = (at.since(open.began), at >= self.from);
         self.lets_go(open.mode);
         let Some(Entry { worker, nominal, .. }) = self.sheet.modes.get(open.mode.index()) else { return };
         if let Some(worker) = worker.filter(|_| counts) {
@@ -320,5 +374,16 @@ impl Tracking {
         let leaves = self.sheet.entry(mode).is_some_and(|entry| entry.passing == Passing::Leaves);
         let passage = part.filter(|_| leaves).and_then(|part| self.parts.remove(&part));
         self.left.extend(passage.filter(|_| at >= self.from).map(|passage| Passage { left: Some(at), ..passage }));
+    }
+}
+
+/// Why somebody is left out, in words.
+fn out(why: &DownCause) -> String {
+    match why {
+        DownCause::ByHand { text } if text.is_empty() => "left out by hand".to_owned(),
+        DownCause::ByHand { text } => text.clone(),
+        DownCause::Rule(_) => "left out by a rule".to_owned(),
+        DownCause::Station(_) => "its station could not work".to_owned(),
+        DownCause::Mismatch => "model and plant differ".to_owned(),
     }
 }

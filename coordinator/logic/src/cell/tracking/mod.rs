@@ -103,5 +103,6 @@ fn cause_in_words(cause: &Cause) -> String {
     match cause {
         Cause::TimedOut => "takes longer than it may".to_owned(),
         Cause::Order { failure, .. } => failure.to_string(),
+        Cause::ByHand { .. } => "alarm given by hand".to_owned(),
     }
 }

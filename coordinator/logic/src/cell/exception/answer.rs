@@ -1,0 +1,149 @@
+//! What people say: answers to alarms, alarms of their own, what is down and what is up again.
+
+use linewright_line::Tick;
+
+use super::super::firing::{Firing, Phase};
+use super::super::ids::{AlarmId, FiringId, ResourceId};
+use super::super::orders::{Event, Outbox};
+use super::super::player::Coordination;
+use super::super::record::{Cause, Fact};
+use super::fact::{About, By, DownCause, Ruling, Step, Whereabouts};
+use super::watch::{Asked, Objection, Presence};
+use super::words;
+
+impl Coordination {
+    /// Takes an answer, unless stations say that it cannot be.
+    pub(in super::super) fn answer(&mut self, now: Tick, alarm: AlarmId, word: &str, out: &mut Outbox) {
+        match self.answered(now, alarm, word, out) {
+            Ok(()) => (),
+            Err(why) => out.events.push(Event::Objected { to: Asked::Answer(alarm), why }),
+        }
+    }
+
+    fn answered(&mut self, now: Tick, alarm: AlarmId, word: &str, out: &mut Outbox) -> Result<(), Objection> {
+        let about = self.state.exceptions().alarm(alarm).ok_or(Objection::NoSuchAlarm)?.about;
+        match about {
+            About::Resource(_) if word != words::UP => Err(Objection::NoSuchWord),
+            About::Resource(resource) => self.try_up(now, resource, out),
+            About::Firing(firing) => {
+                let ruling = self.ruling(now, firing, alarm, word)?;
+                self.except(now, Step::Answered { firing, ruling, by: By::Operator }, out);
+                Ok(())
+            }
+        }
+    }
+
+    /// What the words mean that can be answered to an alarm of an activity.
+    pub fn rulings(&self, alarm: AlarmId) -> Vec<Ruling> {
+        let Some(said) = self.state.exceptions().alarm(alarm) else { return Vec::new() };
+        let failed = match said.about {
+            About::Firing(firing) => self.failed(firing),
+            About::Resource(_) => None,
+        };
+        let Some((firing, cause)) = failed else { return Vec::new() };
+        // Rules may have changed since the alarm was given, and an alarm may have other answers than its rule.
+        let known: Vec<_> = self.answers(firing, cause).into_iter().chain(super::handling::usual()).collect();
+        let meant = |word: &String| known.iter().find(|answer| answer.ruling.word == *word);
+        said.words.iter().filter_map(|word| Some(meant(word)?.ruling.clone())).collect()
+    }
+
+    fn ruling(&self, now: Tick, id: FiringId, alarm: AlarmId, word: &str) -> Result<Ruling, Objection> {
+        let (firing, _) = self.failed(id).ok_or(Objection::NoSuchAlarm)?;
+        let ruling = self.rulings(alarm).into_iter().find(|ruling| ruling.word == word).ok_or(Objection::NoSuchWord)?;
+        let handling = self.state.table().handling();
+        let fresh = |station| self.watch.fresh(station, now, handling.stale);
+        let doing = |key, station| fresh(station).is_some_and(|heard| heard.slot == Some(key));
+        if let Some(order) = firing.orders.iter().find(|order| doing(order.key, order.station)) {
+            return Err(Objection::Moves(order.station));
+        }
+        let carrier = handling.mode(firing.mode).carrier;
+        let sensed = carrier.and_then(|id| Some((id, handling.resource(id).filter(|of| of.is_sensed)?.station?)));
+        let presence = sensed.and_then(|(id, station)| Some((id, fresh(station)?.presence)));
+        match (presence, ruling.part) {
+            (Some((id, Presence::On)), Whereabouts::From | Whereabouts::To | Whereabouts::Gone) => {
+                Err(Objection::HasPart(id))
+            }
+            (Some((id, Presence::Off)), Whereabouts::Carrier) => Err(Objection::HasNoPart(id)),
+            (Some((_, Presence::On)), Whereabouts::Carrier)
+            | (Some((_, Presence::Off)), Whereabouts::From | Whereabouts::To | Whereabouts::Gone)
+            | (Some((_, Presence::Unknown)) | None, _) => Ok(ruling),
+        }
+    }
+
+    /// Takes an alarm that a person gives of a resource: it is left out, and what it is doing has failed.
+    pub(in super::super) fn alarmed(&mut self, now: Tick, resource: ResourceId, text: &str, out: &mut Outbox) {
+        if self.state.table().handling().resource(resource).is_none() {
+            let why = Objection::NoSuchResource;
+            return out.events.push(Event::Objected { to: Asked::Alarm(resource), why });
+        }
+        if self.state.exceptions().is_down(resource).is_none() {
+            let why = DownCause::ByHand { text: text.to_owned() };
+            self.except(now, Step::Down { resource, why }, out);
+        }
+        let handling = self.state.table().handling();
+        let running = self.state.firings().filter(|firing| firing.phase == Phase::Running);
+        let its = running.filter(|firing| handling.mode(firing.mode).resources().any(|of| of == resource));
+        let its: Vec<FiringId> = its.map(|firing| firing.id).collect();
+        for firing in its {
+            self.fail(now, firing, Cause::ByHand { resource }, out);
+        }
+    }
+
+    /// Leaves a resource out, or counts on it again. What it is doing it finishes.
+    pub(in super::super) fn set_resource(&mut self, now: Tick, resource: ResourceId, up: bool, out: &mut Outbox) {
+        let (to, done) = if up {
+            (Asked::Up(resource), self.try_up(now, resource, out))
+        } else {
+            (Asked::Down(resource), self.try_down(now, resource, out))
+        };
+        if let Err(why) = done {
+            out.events.push(Event::Objected { to, why });
+        }
+    }
+
+    fn try_down(&mut self, now: Tick, resource: ResourceId, out: &mut Outbox) -> Result<(), Objection> {
+        self.state.table().handling().resource(resource).ok_or(Objection::NoSuchResource)?;
+        if self.state.exceptions().is_down(resource).is_some() {
+            return Err(Objection::AlreadySo);
+        }
+        self.except(now, Step::Down { resource, why: DownCause::ByHand { text: String::new() } }, out);
+        Ok(())
+    }
+
+    /// A resource is up if its station can work, nothing of it waits for an answer, and its sensor agrees.
+    fn try_up(&mut self, now: Tick, resource: ResourceId, out: &mut Outbox) -> Result<(), Objection> {
+        let handling = self.state.table().handling();
+        let (station, is_sensed, stale) = {
+            let of = handling.resource(resource).ok_or(Objection::NoSuchResource)?;
+            (of.station, of.is_sensed, handling.stale)
+        };
+        if self.state.exceptions().is_down(resource).is_none() {
+            return Err(Objection::AlreadySo);
+        }
+        let is_its = |firing: &Firing| handling.mode(firing.mode).resources().any(|of| of == resource);
+        let is_open = |(id, _)| self.state.firing(id).is_some_and(is_its);
+        if self.state.exceptions().open().any(is_open) {
+            return Err(Objection::Open(resource));
+        }
+        if let Some(why) = station.and_then(|station| self.watch.objection(station, now, stale)) {
+            return Err(why);
+        }
+        if let Some(found) = self.difference(resource) {
+            self.mismatch(now, found, out);
+            return Ok(());
+        }
+        let says = |station| self.watch.seen(station).is_some_and(|seen| seen.heard.presence != Presence::Unknown);
+        let unchecked = is_sensed && !station.is_some_and(says);
+        self.watch.uncompared.remove(&resource);
+        self.except(now, Step::Up { resource, unchecked }, out);
+        Ok(())
+    }
+
+    /// An activity has failed.
+    pub(in super::super) fn fail(&mut self, now: Tick, firing: FiringId, cause: Cause, out: &mut Outbox) {
+        let orders =
+            self.state.firing(firing).map(|firing| firing.orders.iter().map(|order| order.key).collect::<Vec<_>>());
+        orders.into_iter().flatten().for_each(|key| self.not_sent(key));
+        self.write(now, Fact::Raised { firing, cause }, out);
+    }
+}

@@ -1,0 +1,256 @@
+//! What the records of exceptions do to a state. Like those of [`super::super::apply`]: looked at first, then done.
+
+use linewright_line::Tick;
+
+use super::super::firing::{Firing, Order, OrderState, Phase};
+use super::super::ids::{AlarmId, FiringId, ModeId, OrderKey, PartId, ResourceId};
+use super::super::record::Failure;
+use super::super::state::{Place, State};
+use super::super::table::Tokens;
+use super::book::{Alarm, Down, Exceptions, Retry, Stage, Trouble};
+use super::fact::{About, Ruling, Step, Strategy, Whereabouts};
+
+type Fits = Result<(), String>;
+
+impl State {
+    /// What is remembered of exceptions.
+    pub fn exceptions(&self) -> &Exceptions {
+        &self.exceptions
+    }
+
+    /// Does what a step of an exception says.
+    pub(in super::super) fn exception(&mut self, step: &Step, at: Tick) -> Fits {
+        match step {
+            Step::Secured { firing, key, standing } => {
+                self.owes(*firing, *key)?;
+                self.trouble(*firing)?.standing.push((*key, *standing));
+                Ok(())
+            }
+            Step::Alarmed { alarm, about, text, words } => {
+                self.alarmed(Alarm { id: *alarm, since: at, about: *about, text: text.clone(), words: words.clone() })
+            }
+            Step::Answered { firing, ruling, by: _ } => {
+                let trouble = self.trouble(*firing)?;
+                let alarm = match &trouble.stage {
+                    Stage::Securing => None,
+                    Stage::Waiting(alarm) => Some(*alarm),
+                    Stage::Restoring { .. } => return Err(format!("{firing} was answered already")),
+                };
+                trouble.stage = Stage::Restoring { ruling: ruling.clone(), since: at };
+                alarm.map(|alarm| self.exceptions.alarms.remove(&alarm));
+                Ok(())
+            }
+            Step::Carried { firing } => match self.restoring(*firing)?.part {
+                Whereabouts::Carrier => Ok(()),
+                part @ (Whereabouts::From | Whereabouts::To | Whereabouts::Gone) => {
+                    Err(format!("the part of {firing} is not with its carrier, but {part:?}"))
+                }
+            },
+            Step::Closed { firing, mode, part, ruling, unchecked: _ } => {
+                self.closed(*firing, (*mode, *part), ruling, at)
+            }
+            Step::Mismatch { about, found: _ } => match about {
+                About::Firing(firing) => self.restoring(*firing).map(|_| ()),
+                About::Resource(resource) => self.known(*resource),
+            },
+            Step::Down { resource, why } => {
+                self.known(*resource)?;
+                if self.exceptions.down.contains_key(resource) {
+                    return Err(format!("{resource} is down already"));
+                }
+                self.exceptions.down.insert(*resource, Down { since: at, why: why.clone() });
+                self.block_down();
+                Ok(())
+            }
+            Step::Up { resource, unchecked: _ } => self.up(*resource),
+        }
+    }
+
+    /// An activity has failed: its exception begins.
+    pub(in super::super) fn exception_begins(&mut self, firing: FiringId, at: Tick) {
+        let trouble = Trouble { since: at, standing: Vec::new(), stage: Stage::Securing };
+        self.exceptions.open.insert(firing, trouble);
+    }
+
+    /// An activity has started, or has ended: what counts as trying it again.
+    pub(in super::super) fn moves_on(&mut self, mode: ModeId, part: Option<PartId>, ends: bool) {
+        if self.exceptions.retries.is_empty() {
+            return;
+        }
+        let key = self.retry_key(mode, part);
+        let retries = &mut self.exceptions.retries;
+        // A part that does something else has not been tried here.
+        retries.retain(|&of, _| if of == key { !ends } else { part.is_none() || of.1 != part });
+        retries.get_mut(&key).into_iter().for_each(|retry| retry.is_due = false);
+    }
+
+    /// Parts that enter have no number before.
+    fn retry_key(&self, mode: ModeId, part: Option<PartId>) -> (ModeId, Option<PartId>) {
+        (mode, part.filter(|_| self.table.part_in(mode).is_some()))
+    }
+
+    /// Whether a mode needs what is down.
+    pub(in super::super) fn needs_down(&self, mode: ModeId) -> Option<ResourceId> {
+        if self.exceptions.down.is_empty() {
+            return None;
+        }
+        let handled = self.table.handling().mode(mode);
+        handled.resources().find(|resource| self.exceptions.down.contains_key(resource))
+    }
+
+    /// No mode is enabled that needs what is down.
+    pub(in super::super) fn block_down(&mut self) {
+        let table = self.table.clone();
+        for mode in table.modes() {
+            let blocks = self.needs_down(mode).is_some();
+            self.enabling.block(&table, self.marking.counts(), mode, blocks);
+        }
+    }
+
+    /// The orders of a failed activity whose stations have to come to rest, and are not known to have.
+    pub(super) fn owed<'a>(&'a self, firing: &'a Firing) -> impl Iterator<Item = &'a Order> {
+        let owes = |order: &&Order| match order.state {
+            OrderState::Ended => false,
+            // It does not do it, or has come up anew since.
+            OrderState::Failed(Failure::Refused(_) | Failure::Forgotten) => false,
+            OrderState::Written
+            | OrderState::Running
+            | OrderState::Failed(Failure::Code(_) | Failure::TimedOut | Failure::Lost | Failure::DevicesLost) => true,
+        };
+        let open = firing.orders.iter().filter(owes);
+        open.filter(|order| self.exceptions.stands(firing.id, order.key).is_none())
+    }
+
+    fn owes(&self, id: FiringId, key: OrderKey) -> Fits {
+        let firing = self.failed(id)?;
+        match self.exceptions.open.get(&id).map(|trouble| &trouble.stage) {
+            Some(Stage::Securing) => (),
+            Some(Stage::Waiting(_) | Stage::Restoring { .. }) | None => return Err(format!("{id} is not secured")),
+        }
+        let owes = self.owed(firing).any(|order| order.key == key);
+        if owes { Ok(()) } else { Err(format!("nobody waits for the station of {key} to come to rest")) }
+    }
+
+    fn failed(&self, id: FiringId) -> Result<&Firing, String> {
+        let firing = self.firings.get(&id).ok_or_else(|| format!("{id} is not in progress"))?;
+        match firing.phase {
+            Phase::Failed(_) => Ok(firing),
+            Phase::Running => Err(format!("{id} has not failed")),
+        }
+    }
+
+    fn trouble(&mut self, id: FiringId) -> Result<&mut Trouble, String> {
+        self.failed(id)?;
+        self.exceptions.open.get_mut(&id).ok_or_else(|| format!("{id} has no exception"))
+    }
+
+    fn restoring(&self, id: FiringId) -> Result<&Ruling, String> {
+        self.failed(id)?;
+        match self.exceptions.open.get(&id).map(|trouble| &trouble.stage) {
+            Some(Stage::Restoring { ruling, since: _ }) => Ok(ruling),
+            Some(Stage::Securing | Stage::Waiting(_)) | None => Err(format!("nobody has said how {id} goes on")),
+        }
+    }
+
+    fn known(&self, resource: ResourceId) -> Fits {
+        let known = self.table.handling().resource(resource).map(|_| ());
+        known.ok_or_else(|| format!("there is no {resource}"))
+    }
+
+    fn alarmed(&mut self, alarm: Alarm) -> Fits {
+        let AlarmId(number) = alarm.id;
+        if number != self.exceptions.last_alarm + 1 {
+            return Err(format!("alarm {number} after alarm {}", self.exceptions.last_alarm));
+        }
+        match alarm.about {
+            About::Firing(firing) => {
+                let trouble = self.trouble(firing)?;
+                if let Stage::Waiting(earlier) = trouble.stage {
+                    return Err(format!("{firing} waits for an answer to {earlier}"));
+                }
+                trouble.stage = Stage::Waiting(alarm.id);
+            }
+            About::Resource(resource) => {
+                self.known(resource)?;
+                // What was said of it before is not true any more.
+                self.exceptions.alarms.retain(|_, earlier| earlier.about != alarm.about);
+            }
+        }
+        self.exceptions.last_alarm = number;
+        self.exceptions.alarms.insert(alarm.id, alarm);
+        Ok(())
+    }
+
+    fn up(&mut self, resource: ResourceId) -> Fits {
+        if self.exceptions.down.remove(&resource).is_none() {
+            return Err(format!("{resource} is not down"));
+        }
+        self.exceptions.alarms.retain(|_, alarm| alarm.about != About::Resource(resource));
+        self.block_down();
+        Ok(())
+    }
+
+    fn closed(&mut self, id: FiringId, (mode, part): (ModeId, Option<PartId>), ruling: &Ruling, at: Tick) -> Fits {
+        if self.restoring(id)? != ruling {
+            return Err(format!("{id} is closed by another answer than it was given"));
+        }
+        if self.failed(id).map(|firing| (firing.mode, firing.part))? != (mode, part) {
+            return Err(format!("{id} is not of {mode} with {part:?}"));
+        }
+        let table = self.table.clone();
+        let gone = match ruling.part {
+            Whereabouts::Gone => table.handling().mode(mode).gone.as_deref(),
+            Whereabouts::From | Whereabouts::To => Some(&[][..]),
+            Whereabouts::Carrier => return Err(format!("the part of {id} is with its carrier")),
+        };
+        let gone =
+            gone.ok_or_else(|| format!("`{}` does not say what is left without its part", table.mode_name(mode)))?;
+        self.forget(id);
+        self.exceptions.open.remove(&id);
+        let times = self.exceptions.times(mode, self.retry_key(mode, part).1);
+        self.moves_on(mode, part, true);
+        match ruling.part {
+            Whereabouts::To => self.give(mode, part, at),
+            Whereabouts::Gone => {
+                self.give_tokens(gone);
+                part.into_iter().for_each(|part| self.scrap(mode, part));
+            }
+            Whereabouts::From | Whereabouts::Carrier => {
+                self.give_tokens(table.takes(mode));
+                part.into_iter().for_each(|part| self.stay(mode, part));
+                match (part, table.part_in(mode)) {
+                    (Some(part), Some(cell)) => {
+                        let arrival = self.marking.put_back(cell, table.kind(cell), part);
+                        self.place(part, Place::On { cell, arrival }, at);
+                    }
+                    // It has not come in.
+                    (Some(part), None) => _ = self.parts.remove(&part),
+                    (None, _) => (),
+                }
+            }
+        }
+        match ruling.then {
+            Strategy::Redo => {
+                let key = self.retry_key(mode, part);
+                self.exceptions.retries.insert(key, Retry { times: times.saturating_add(1), is_due: true });
+            }
+            Strategy::Backward | Strategy::Forward => (),
+        }
+        Ok(())
+    }
+
+    fn scrap(&mut self, mode: ModeId, part: PartId) {
+        self.stay(mode, part);
+        self.leave_position(mode, part);
+        self.parts.remove(&part);
+        self.exceptions.scrapped += 1;
+    }
+
+    fn give_tokens(&mut self, tokens: &[Tokens]) {
+        let table = self.table.clone();
+        for &(cell, weight) in tokens {
+            self.marking.give(cell, weight);
+            self.enabling.given(&table, self.marking.counts(), cell);
+        }
+    }
+}

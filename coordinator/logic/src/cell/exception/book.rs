@@ -1,0 +1,145 @@
+//! What is remembered of exceptions: which are open and where they are, what is down, what is to be done once more.
+//!
+//! All of it follows from the records, like the rest of the state.
+
+use std::collections::BTreeMap;
+
+use linewright_line::Tick;
+use serde::{Deserialize, Serialize};
+
+use super::super::ids::{AlarmId, FiringId, ModeId, OrderKey, PartId, ResourceId};
+use super::super::serial;
+use super::fact::{About, DownCause, Ruling, Standing};
+
+/// The exceptions of a cell.
+#[derive(Clone, Debug, Default, PartialEq, Eq)]
+pub struct Exceptions {
+    pub(super) open: BTreeMap<FiringId, Trouble>,
+    pub(super) alarms: BTreeMap<AlarmId, Alarm>,
+    pub(super) down: BTreeMap<ResourceId, Down>,
+    pub(super) retries: BTreeMap<(ModeId, Option<PartId>), Retry>,
+    pub(super) last_alarm: u64,
+    pub(super) scrapped: u64,
+}
+
+/// A failed activity.
+#[derive(Clone, Debug, PartialEq, Eq, Serialize, Deserialize)]
+#[serde(deny_unknown_fields)]
+pub struct Trouble {
+    /// Since when.
+    #[serde(with = "serial::micros")]
+    pub since: Tick,
+    /// How the stations stand that had to be told to come to rest, those that are known.
+    pub standing: Vec<(OrderKey, Standing)>,
+    /// Where it is.
+    pub stage: Stage,
+}
+
+/// Where a failed activity is.
+#[derive(Clone, Debug, PartialEq, Eq, Serialize, Deserialize)]
+#[serde(rename_all = "kebab-case", deny_unknown_fields)]
+pub enum Stage {
+    /// Its stations are to come to rest.
+    Securing,
+    /// Somebody is asked.
+    Waiting(AlarmId),
+    /// What was answered is being compared with what sensors say.
+    Restoring {
+        /// What was said.
+        ruling: Ruling,
+        /// When.
+        #[serde(with = "serial::micros")]
+        since: Tick,
+    },
+}
+
+/// Something that a person has to look at. It stands until that is done.
+#[derive(Clone, Debug, PartialEq, Eq, Serialize, Deserialize)]
+#[serde(deny_unknown_fields)]
+pub struct Alarm {
+    /// Its number.
+    pub id: AlarmId,
+    /// Since when.
+    #[serde(with = "serial::micros")]
+    pub since: Tick,
+    /// What about.
+    pub about: About,
+    /// In words.
+    pub text: String,
+    /// What can be answered.
+    pub words: Vec<String>,
+}
+
+/// A resource that is left out.
+#[derive(Clone, Debug, PartialEq, Eq, Serialize, Deserialize)]
+#[serde(deny_unknown_fields)]
+pub struct Down {
+    /// Since when.
+    #[serde(with = "serial::micros")]
+    pub since: Tick,
+    /// Why.
+    pub why: DownCause,
+}
+
+/// Something that was done once more, or is to be.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Serialize, Deserialize)]
+#[serde(deny_unknown_fields)]
+pub(super) struct Retry {
+    /// How often it was begun once more, or is to be.
+    pub times: u32,
+    /// It has not started again yet.
+    pub is_due: bool,
+}
+
+impl Exceptions {
+    /// The failed activities.
+    pub fn open(&self) -> impl ExactSizeIterator<Item = (FiringId, &Trouble)> {
+        self.open.iter().map(|(&id, trouble)| (id, trouble))
+    }
+
+    /// A failed activity.
+    pub fn trouble(&self, firing: FiringId) -> Option<&Trouble> {
+        self.open.get(&firing)
+    }
+
+    /// The alarms that stand, by number.
+    pub fn alarms(&self) -> impl ExactSizeIterator<Item = &Alarm> {
+        self.alarms.values()
+    }
+
+    /// An alarm, if it stands.
+    pub fn alarm(&self, alarm: AlarmId) -> Option<&Alarm> {
+        self.alarms.get(&alarm)
+    }
+
+    /// The resources that are left out.
+    pub fn down(&self) -> impl ExactSizeIterator<Item = (ResourceId, &Down)> {
+        self.down.iter().map(|(&id, down)| (id, down))
+    }
+
+    /// Why a resource is left out, if it is.
+    pub fn is_down(&self, resource: ResourceId) -> Option<&Down> {
+        self.down.get(&resource)
+    }
+
+    /// How many parts are no more.
+    pub fn scrapped(&self) -> u64 {
+        self.scrapped
+    }
+
+    /// How often a mode was done once more with a part since that came to where it is.
+    pub fn times(&self, mode: ModeId, part: Option<PartId>) -> u32 {
+        self.retries.get(&(mode, part)).map_or(0, |retry| retry.times)
+    }
+
+    /// What is to be done once more and has not started yet.
+    pub(in super::super) fn due_again(&self) -> impl Iterator<Item = (ModeId, Option<PartId>)> + '_ {
+        self.retries.iter().filter(|(_, retry)| retry.is_due).map(|(&of, _)| of)
+    }
+
+    /// Whether stations of this order are not waited for to come to rest.
+    pub(super) fn stands(&self, firing: FiringId, key: OrderKey) -> Option<Standing> {
+        let standing = &self.open.get(&firing)?.standing;
+        standing.iter().find(|(of, _)| *of == key).map(|&(_, standing)| standing)
+    }
+}

@@ -1,0 +1,409 @@
+//! How the player drives exceptions on: from what was heard to the next record of each.
+
+use linewright_line::{StationId, Tick};
+
+use super::super::firing::{Firing, Phase};
+use super::super::ids::{AlarmId, FiringId, ModeId, OrderKey, PartId, ResourceId};
+use super::super::orders::{Heard, Outbox, Send};
+use super::super::player::Coordination;
+use super::super::record::{Cause, Fact, Failure};
+use super::book::Stage;
+use super::fact::{About, By, Difference, DownCause, Ruling, Standing, Step, Strategy, Whereabouts};
+use super::handling::{Answer, usual};
+use super::watch::{Presence, Told, Unable};
+use super::words;
+
+/// What sensors say to an answer.
+enum Verdict {
+    /// What was heard is older than the answer.
+    Wait,
+    /// Something else.
+    Differs(Vec<Difference>),
+    /// The same, as far as they say anything: of these they do not.
+    Agrees(Vec<ResourceId>),
+}
+
+impl Coordination {
+    pub(super) fn except(&mut self, now: Tick, step: Step, out: &mut Outbox) {
+        self.write(now, Fact::Exception(step), out);
+    }
+
+    /// What follows of a station's state beside what it says of its orders.
+    pub(in super::super) fn watch_station(&mut self, now: Tick, station: StationId, heard: &Heard, out: &mut Outbox) {
+        let (stale, before) = (self.state.table().handling().stale, self.watch.seen(station));
+        let could = self.watch.can_work(station, now, stale);
+        let is_first = before.is_none_or(|seen| seen.heard.presence != heard.presence);
+        self.watch.hear(now, station, heard);
+        if is_first || could != self.watch.can_work(station, now, stale) {
+            // No record says that something can start now that could not.
+            self.reconsider();
+        }
+        let is_waited_for = |key| self.state.order(key).is_some_and(|(firing, _)| firing.phase == Phase::Running);
+        match heard.slot {
+            Some(key) if !is_waited_for(key) => _ = self.watch.strays.insert(station),
+            Some(_) | None => _ = self.watch.strays.remove(&station),
+        }
+        if heard.unable == Some(Unable::Devices) {
+            let known = self.state.orders.keys().copied().filter(|&key| self.may_be_known(station, key));
+            let lost: Vec<_> = known.filter(|&key| is_waited_for(key)).collect();
+            for key in lost {
+                self.write(now, Fact::OrderFailed { key, failure: Failure::DevicesLost }, out);
+            }
+        }
+    }
+
+    /// Fails the orders of stations that were not heard for too long.
+    pub(in super::super) fn miss(&mut self, now: Tick, out: &mut Outbox) {
+        while let Some((_, key)) = self.first_to_miss().filter(|(at, _)| *at <= now) {
+            self.write(now, Fact::OrderFailed { key, failure: Failure::Lost }, out);
+        }
+    }
+
+    /// The order whose station will be missed first, and when.
+    fn first_to_miss(&self) -> Option<(Tick, OrderKey)> {
+        let stale = self.state.table().handling().stale?;
+        let running = self.state.firings().filter(|firing| firing.phase == Phase::Running);
+        let open = running.flat_map(|firing| firing.orders.iter().map(move |order| (firing, order)));
+        let open = open.filter(|(_, order)| order.is_open());
+        let missed = |(firing, order): (&Firing, &super::super::firing::Order)| {
+            ((self.watch.last(order.station) + stale).max(firing.spared_until), order.key)
+        };
+        open.map(missed).min()
+    }
+
+    /// Takes every exception as far as it goes now.
+    pub(in super::super) fn attend(&mut self, now: Tick, out: &mut Outbox) {
+        let open: Vec<FiringId> = self.state.exceptions().open.keys().copied().collect();
+        for id in open {
+            self.secured(now, id, out);
+            self.restored(now, id, out);
+        }
+        self.compare_anew(now, out);
+    }
+
+    /// When there is something to do about exceptions if nothing is heard before.
+    pub(in super::super) fn next_of_exceptions(&self) -> Option<Tick> {
+        let (secure, refresh) = (self.state.table().handling().secure, self.state.table().refresh());
+        let limit = self.state.exceptions().open().filter_map(|(_, trouble)| match &trouble.stage {
+            Stage::Securing => Some(trouble.since + secure),
+            Stage::Restoring { ruling: _, since } => Some(*since + secure.max(refresh)),
+            Stage::Waiting(_) => None,
+        });
+        let again = self.to_secure().into_iter().map(|(_, key)| match self.watch.told.get(&key) {
+            Some(told) => told.at + refresh,
+            None => self.state.now(),
+        });
+        let missed = self.first_to_miss().map(|(at, _)| at);
+        limit.chain(again).chain(missed).min()
+    }
+
+    /// The stations that have to be told to leave an order.
+    fn to_secure(&self) -> Vec<(StationId, OrderKey)> {
+        if self.is_superseded() {
+            return Vec::new();
+        }
+        let strays =
+            self.watch.strays.iter().filter_map(|&station| Some((station, self.watch.seen(station)?.heard.slot?)));
+        let mut all: Vec<_> = strays.collect();
+        for (id, trouble) in self.state.exceptions().open().filter(|(_, trouble)| trouble.stage == Stage::Securing) {
+            let _ = trouble;
+            let Some(firing) = self.state.firing(id) else { continue };
+            for order in self.state.owed(firing) {
+                // Keys reach a station rising: an older order that it has not heard would be too old for it.
+                let older = self.state.unheard.get(&order.station).and_then(|keys| keys.first());
+                if older.is_none_or(|&older| order.key < older) {
+                    all.push((order.station, order.key));
+                }
+            }
+        }
+        all.sort_unstable();
+        all.dedup();
+        all
+    }
+
+    /// Tells them, again and again until they have.
+    pub(in super::super) fn send_secure(&mut self, now: Tick, out: &mut Outbox) {
+        let all = self.to_secure();
+        if all.is_empty() && self.watch.told.is_empty() {
+            return;
+        }
+        self.watch.told.retain(|key, _| all.iter().any(|(_, of)| of == key));
+        let refresh = self.state.table().refresh();
+        for (station, key) in all {
+            let told = self.watch.told.get(&key).copied();
+            if told.is_none_or(|told| told.at + refresh <= now) {
+                let answered = told.and_then(|told| told.answered);
+                self.watch.told.insert(key, Told { at: now, answered });
+                out.sends.push(Send::Secure { station, key });
+            }
+        }
+    }
+
+    /// How a station stands that was told to leave an order; none as long as that is not known.
+    fn standing(&self, station: StationId, key: OrderKey) -> Option<Standing> {
+        let seen = self.watch.seen(station)?;
+        let answered = self.watch.told.get(&key).and_then(|told| told.answered);
+        let has_ended = seen.heard.results.iter().any(|(of, _)| *of == key);
+        let is_over = has_ended || answered.is_some_and(|(_, is_at_it)| !is_at_it);
+        if !is_over || seen.heard.slot == Some(key) {
+            return None;
+        }
+        if !seen.heard.is_held {
+            return Some(Standing::AtRest);
+        }
+        // Before it was told it may not have begun to go back.
+        answered.filter(|&(at, _)| at <= seen.at).map(|_| Standing::Held)
+    }
+
+    /// Writes down who has come to rest; asks when all have.
+    fn secured(&mut self, now: Tick, id: FiringId, out: &mut Outbox) {
+        let Some(trouble) = self.state.exceptions().trouble(id).filter(|of| of.stage == Stage::Securing) else {
+            return;
+        };
+        let Some(firing) = self.state.firing(id) else { return };
+        let is_late = trouble.since + self.state.table().handling().secure <= now;
+        let stands = |order: &super::super::firing::Order| {
+            let late = is_late.then_some(Standing::Unknown);
+            Some((order.key, self.standing(order.station, order.key).or(late)?))
+        };
+        let known: Vec<_> = self.state.owed(firing).filter_map(stands).collect();
+        for (key, standing) in known {
+            self.except(now, Step::Secured { firing: id, key, standing }, out);
+        }
+        let is_over = self.state.firing(id).is_none_or(|firing| self.state.owed(firing).next().is_none());
+        if is_over {
+            self.ask_people(now, id, out);
+        }
+    }
+
+    /// What can be answered for a failed activity.
+    pub(super) fn answers(&self, firing: &Firing, cause: Cause) -> Vec<Answer> {
+        let handling = self.state.table().handling();
+        let (rule, handled) = (handling.rule(firing.mode, cause), handling.mode(firing.mode));
+        let times = self.state.exceptions().times(firing.mode, firing.part);
+        let can_be = |answer: &Answer| match (answer.ruling.part, answer.ruling.then) {
+            (_, Strategy::Redo) => rule.is_some_and(|rule| times < rule.retries),
+            (Whereabouts::Gone, _) => handled.gone.is_some(),
+            (Whereabouts::Carrier, _) => handled.carrier.is_some(),
+            (Whereabouts::From | Whereabouts::To, Strategy::Backward | Strategy::Forward) => true,
+        };
+        let described =
+            rule.map(|rule| rule.answers.iter().filter(|answer| can_be(answer)).cloned().collect::<Vec<_>>());
+        let described = described.unwrap_or_default();
+        if described.is_empty() { usual().into_iter().filter(can_be).collect() } else { described }
+    }
+
+    /// Nobody has to be asked where a rule is automatic and all stations are at rest; otherwise people are told.
+    fn ask_people(&mut self, now: Tick, id: FiringId, out: &mut Outbox) {
+        let Some((firing, cause)) = self.failed(id) else { return };
+        let rule = self.state.table().handling().rule(firing.mode, cause);
+        let answers = self.answers(firing, cause);
+        let at_rest = |key| match self.state.exceptions().stands(id, key) {
+            Some(Standing::Held | Standing::Unknown) => false,
+            Some(Standing::AtRest) | None => true,
+        };
+        // What was heard of all is what matters: one that has come up anew may stand anywhere.
+        let all_at_rest = firing
+            .orders
+            .iter()
+            .all(|order| at_rest(order.key) && self.watch.seen(order.station).is_some_and(|seen| !seen.heard.is_held));
+        let first = rule.filter(|rule| rule.is_automatic && all_at_rest).and_then(|rule| rule.answers.first());
+        match first.filter(|first| answers.contains(first)) {
+            Some(first) => {
+                let ruling = first.ruling.clone();
+                self.except(now, Step::Answered { firing: id, ruling, by: By::Rule }, out);
+            }
+            None => {
+                let text = words::alarm(&self.state, firing, cause, now);
+                self.alarm(now, About::Firing(id), text, &answers, out);
+            }
+        }
+    }
+
+    pub(super) fn failed(&self, id: FiringId) -> Option<(&Firing, Cause)> {
+        let firing = self.state.firing(id)?;
+        match firing.phase {
+            Phase::Failed(cause) => Some((firing, cause)),
+            Phase::Running => None,
+        }
+    }
+
+    fn alarm(&mut self, now: Tick, about: About, text: String, answers: &[Answer], out: &mut Outbox) {
+        let alarm = AlarmId(self.state.exceptions().last_alarm + 1);
+        let words = answers.iter().map(|answer| answer.ruling.word.clone()).collect();
+        self.except(now, Step::Alarmed { alarm, about, text, words }, out);
+    }
+
+    /// Compares what was answered with what sensors say, and closes the activity if they agree.
+    fn restored(&mut self, now: Tick, id: FiringId, out: &mut Outbox) {
+        let Some(trouble) = self.state.exceptions().trouble(id) else { return };
+        let Stage::Restoring { ruling, since } = trouble.stage.clone() else { return };
+        let Some((firing, cause)) = self.failed(id) else { return };
+        let (mode, part) = (firing.mode, firing.part);
+        match self.verdict(now, firing, &ruling, since) {
+            Verdict::Wait => (),
+            Verdict::Differs(found) => {
+                let text = words::differs(&self.state, firing, cause, &ruling, &found, now);
+                let answers = self.answers(firing, cause);
+                self.except(now, Step::Mismatch { about: About::Firing(id), found }, out);
+                self.alarm(now, About::Firing(id), text, &answers, out);
+            }
+            Verdict::Agrees(unchecked) => match ruling.part {
+                Whereabouts::Carrier => {
+                    let text = words::carried(&self.state, mode, part);
+                    let answers: Vec<_> = self.answers_of(usual().into(), mode);
+                    self.except(now, Step::Carried { firing: id }, out);
+                    self.alarm(now, About::Firing(id), text, &answers, out);
+                }
+                Whereabouts::From | Whereabouts::To | Whereabouts::Gone => {
+                    let down = self.left_out(now, firing, cause, &ruling);
+                    self.except(now, Step::Closed { firing: id, mode, part, ruling, unchecked }, out);
+                    for (resource, why) in down {
+                        if self.state.exceptions().is_down(resource).is_none() {
+                            self.except(now, Step::Down { resource, why }, out);
+                        }
+                    }
+                }
+            },
+        }
+    }
+
+    fn answers_of(&self, answers: Vec<Answer>, mode: ModeId) -> Vec<Answer> {
+        let gone = self.state.table().handling().mode(mode).gone.is_some();
+        answers.into_iter().filter(|answer| gone || answer.ruling.part != Whereabouts::Gone).collect()
+    }
+
+    /// What goes down when an activity is closed: what the answer says, and whoever cannot work.
+    fn left_out(&self, now: Tick, firing: &Firing, cause: Cause, ruling: &Ruling) -> Vec<(ResourceId, DownCause)> {
+        let handling = self.state.table().handling();
+        let handled = handling.mode(firing.mode);
+        let answers = handling.rule(firing.mode, cause).map(|rule| &rule.answers[..]).unwrap_or_default();
+        let answer = answers.iter().find(|answer| answer.ruling == *ruling);
+        let named = answer.iter().flat_map(|answer| answer.down.iter().copied());
+        let as_whom = answer.iter().flat_map(|answer| answer.down_as.iter().filter_map(|&part| handled.holder(part)));
+        let mut down: Vec<_> = named.chain(as_whom).map(|id| (id, DownCause::Rule(firing.id))).collect();
+        for order in &firing.orders {
+            let stands = self.state.exceptions().stands(firing.id, order.key);
+            let is_lost = stands == Some(Standing::Unknown) || !self.watch.can_work(order.station, now, handling.stale);
+            if is_lost {
+                let of =
+                    handling.resource_ids().filter(|id| handling.resources[id.index()].station == Some(order.station));
+                down.extend(of.map(|id| (id, DownCause::Station(firing.id))));
+            }
+        }
+        down
+    }
+
+    /// Whether another activity in progress has to do with a resource: then nobody can say how many parts there should be.
+    fn is_in_use(&self, resource: ResourceId, but: Option<FiringId>) -> bool {
+        let handling = self.state.table().handling();
+        let mut others = self.state.firings().filter(|firing| Some(firing.id) != but);
+        others.any(|firing| handling.mode(firing.mode).resources().any(|of| of == resource))
+    }
+
+    /// Whether a resource has parts by the marking.
+    fn has_parts(&self, resource: ResourceId) -> bool {
+        let has = self.state.table().handling().resource(resource).map(|of| &of.has[..]).unwrap_or_default();
+        has.iter().any(|&cell| self.state.marking().count(cell) > 0)
+    }
+
+    fn verdict(&self, now: Tick, firing: &Firing, ruling: &Ruling, since: Tick) -> Verdict {
+        let (handling, refresh) = (self.state.table().handling(), self.state.table().refresh());
+        let handled = handling.mode(firing.mode);
+        let (mut found, mut unchecked, mut waits) = (Vec::new(), Vec::new(), false);
+        for id in handled.resources() {
+            let Some(station) = handling.resource(id).filter(|of| of.is_sensed).and_then(|of| of.station) else {
+                continue;
+            };
+            if self.is_in_use(id, Some(firing.id)) {
+                unchecked.push(id);
+                continue;
+            }
+            // What was on its way while it was put right does not count.
+            let seen = self.watch.seen(station).filter(|seen| seen.at >= since + refresh);
+            let Some(seen) = seen else {
+                if now < since + handling.secure.max(refresh) {
+                    waits = true
+                } else {
+                    unchecked.push(id)
+                }
+                continue;
+            };
+            let model = handled.holder(ruling.part) == Some(id) || self.has_parts(id);
+            match seen.heard.presence {
+                Presence::Unknown => unchecked.push(id),
+                Presence::On if !model => found.push(Difference { resource: id, model, plant: true }),
+                Presence::Off if model => found.push(Difference { resource: id, model, plant: false }),
+                Presence::On | Presence::Off => (),
+            }
+        }
+        match (waits, found.is_empty()) {
+            (true, _) => Verdict::Wait,
+            (false, false) => Verdict::Differs(found),
+            (false, true) => Verdict::Agrees(unchecked),
+        }
+    }
+
+    /// What the sensor of a resource says of a model in which nothing is under way; none if it agrees or does not say.
+    pub(super) fn difference(&self, id: ResourceId) -> Option<Difference> {
+        let station = self.state.table().handling().resource(id).filter(|of| of.is_sensed)?.station?;
+        let model = self.has_parts(id);
+        match self.watch.seen(station)?.heard.presence {
+            Presence::On if !model => Some(Difference { resource: id, model, plant: true }),
+            Presence::Off if model => Some(Difference { resource: id, model, plant: false }),
+            Presence::Unknown | Presence::On | Presence::Off => None,
+        }
+    }
+
+    /// Compares model and plant of what has not been in this life, as soon as it is known and nothing is under way there.
+    fn compare_anew(&mut self, now: Tick, out: &mut Outbox) {
+        let all: Vec<(ResourceId, Tick)> = self.watch.uncompared.iter().map(|(&id, &from)| (id, from)).collect();
+        for (id, from) in all {
+            if self.is_in_use(id, None) {
+                self.watch.uncompared.insert(id, from.max(now + self.state.table().refresh()));
+                continue;
+            }
+            let station = self.state.table().handling().resource(id).and_then(|of| of.station);
+            let seen = station.and_then(|station| self.watch.seen(station)).filter(|seen| seen.at >= from);
+            let Some(seen) = seen.filter(|seen| seen.heard.presence != Presence::Unknown) else { continue };
+            let _ = seen;
+            self.watch.uncompared.remove(&id);
+            self.reconsider();
+            if let Some(found) = self.difference(id) {
+                self.mismatch(now, found, out);
+            }
+        }
+    }
+
+    /// A sensor says otherwise than the model: the resource is left out until somebody has put that right.
+    pub(super) fn mismatch(&mut self, now: Tick, found: Difference, out: &mut Outbox) {
+        let resource = found.resource;
+        self.except(now, Step::Mismatch { about: About::Resource(resource), found: vec![found] }, out);
+        if self.state.exceptions().is_down(resource).is_none() {
+            self.except(now, Step::Down { resource, why: DownCause::Mismatch }, out);
+        }
+        let text = words::mismatch(self.state.table().handling(), &found);
+        let alarm = AlarmId(self.state.exceptions().last_alarm + 1);
+        let words = vec![words::UP.to_owned()];
+        self.except(now, Step::Alarmed { alarm, about: About::Resource(resource), text, words }, out);
+    }
+
+    /// Starts what is to be done once more, before anybody is asked what else is to start.
+    pub(in super::super) fn again(&mut self, now: Tick, room: &mut usize, out: &mut Outbox) -> bool {
+        let due: Vec<(ModeId, Option<PartId>)> = self.state.exceptions().due_again().collect();
+        let mut any = false;
+        for (mode, part) in due {
+            let has_part = part.is_none_or(|part| self.state.takeable(mode).any(|able| able == part));
+            let can = self.state.enabling().is_enabled(mode) && self.state.room(mode) > 0;
+            if !can || !has_part || !self.is_heard(now, mode) || *room == 0 {
+                continue;
+            }
+            *room -= 1;
+            any = true;
+            let (question, held) = (self.state.questions + 1, self.state.held().to_vec());
+            self.write(now, Fact::Decided { question, started: vec![(mode, part)], held }, out);
+            self.start_one(now, mode, part, out);
+        }
+        any
+    }
+}

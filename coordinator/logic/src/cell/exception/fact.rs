@@ -1,0 +1,178 @@
+//! What is written down of an exception.
+
+use serde::{Deserialize, Serialize};
+
+use super::super::ids::{AlarmId, FiringId, ModeId, OrderKey, PartId, ResourceId};
+
+/// A step of an exception.
+#[derive(Clone, Debug, PartialEq, Eq, Serialize, Deserialize)]
+#[serde(rename_all = "kebab-case", deny_unknown_fields)]
+pub enum Step {
+    /// A station does nothing for an order of a failed activity any more, or is not waited for.
+    Secured {
+        /// Whose.
+        firing: FiringId,
+        /// Which order.
+        key: OrderKey,
+        /// How its station stands.
+        standing: Standing,
+    },
+    /// Somebody is told, and asked.
+    Alarmed {
+        /// The next number.
+        alarm: AlarmId,
+        /// What about.
+        about: About,
+        /// In words.
+        text: String,
+        /// What can be answered.
+        words: Vec<String>,
+    },
+    /// It was said what is true, and how to go on.
+    Answered {
+        /// Of which activity.
+        firing: FiringId,
+        /// What.
+        ruling: Ruling,
+        /// Who says so.
+        by: By,
+    },
+    /// The carrier has the part and somebody has to bring it on: what it was to give is not given yet.
+    Carried {
+        /// Of which activity.
+        firing: FiringId,
+    },
+    /// An activity is over: tokens and part are where the ruling says.
+    Closed {
+        /// Which.
+        firing: FiringId,
+        /// What it was.
+        mode: ModeId,
+        /// The part it had.
+        part: Option<PartId>,
+        /// What was said.
+        ruling: Ruling,
+        /// Resources of which no sensor says whether it is so.
+        unchecked: Vec<ResourceId>,
+    },
+    /// Sensors say otherwise.
+    Mismatch {
+        /// Where this was found.
+        about: About,
+        /// What they say.
+        found: Vec<Difference>,
+    },
+    /// A resource is left out.
+    Down {
+        /// Which.
+        resource: ResourceId,
+        /// Why.
+        why: DownCause,
+    },
+    /// A resource is there again.
+    Up {
+        /// Which.
+        resource: ResourceId,
+        /// No sensor says whether what it should have is there.
+        unchecked: bool,
+    },
+}
+
+/// What an alarm or a difference is about.
+#[derive(Clone, Copy, Debug, PartialEq, Eq, Serialize, Deserialize)]
+#[serde(rename_all = "kebab-case", deny_unknown_fields)]
+pub enum About {
+    /// An activity that has failed.
+    Firing(FiringId),
+    /// A resource by itself.
+    Resource(ResourceId),
+}
+
+/// How a station stands when it was told to leave an order.
+#[derive(Clone, Copy, Debug, PartialEq, Eq, Serialize, Deserialize)]
+#[serde(rename_all = "kebab-case", deny_unknown_fields)]
+pub enum Standing {
+    /// At a rest.
+    AtRest,
+    /// Between rests, from where it does not go on by itself.
+    Held,
+    /// It was not heard to have come to rest in time.
+    Unknown,
+}
+
+/// Where a part is, and how to go on.
+#[derive(Clone, Debug, PartialEq, Eq, Serialize, Deserialize)]
+#[serde(deny_unknown_fields)]
+pub struct Ruling {
+    /// The word that was answered.
+    pub word: String,
+    /// Where the part is.
+    pub part: Whereabouts,
+    /// How to go on.
+    pub then: Strategy,
+}
+
+/// Where a part is after a failure.
+#[derive(Clone, Copy, Debug, PartialEq, Eq, Serialize, Deserialize)]
+#[serde(rename_all = "kebab-case")]
+pub enum Whereabouts {
+    /// Where it was.
+    From,
+    /// Where it was to go.
+    To,
+    /// With the carrier.
+    Carrier,
+    /// Nowhere any more.
+    Gone,
+}
+
+/// How to go on after a failure. The source names the three (seed 000, L3101-3104); what they mean here is ours.
+#[derive(Clone, Copy, Debug, PartialEq, Eq, Serialize, Deserialize)]
+#[serde(rename_all = "kebab-case")]
+pub enum Strategy {
+    /// The same once more, from its beginning.
+    Redo,
+    /// As it was before; then it is decided anew.
+    Backward,
+    /// As if it were done.
+    Forward,
+}
+
+/// Who has said what is true.
+#[derive(Clone, Copy, Debug, PartialEq, Eq, Serialize, Deserialize)]
+#[serde(rename_all = "kebab-case")]
+pub enum By {
+    /// The description, in which the rule is automatic.
+    Rule,
+    /// A person.
+    Operator,
+}
+
+/// A sensor that says otherwise.
+#[derive(Clone, Copy, Debug, PartialEq, Eq, Serialize, Deserialize)]
+#[serde(deny_unknown_fields)]
+pub struct Difference {
+    /// Whose.
+    pub resource: ResourceId,
+    /// Whether there should be a part.
+    pub model: bool,
+    /// Whether it says that there is one.
+    pub plant: bool,
+}
+
+/// Why a resource is left out.
+#[derive(Clone, Debug, PartialEq, Eq, Serialize, Deserialize)]
+#[serde(rename_all = "kebab-case", deny_unknown_fields)]
+pub enum DownCause {
+    /// Somebody has said so.
+    ByHand {
+        /// And why; empty if not.
+        text: String,
+    },
+    /// The rule by which an activity was closed says so.
+    Rule(FiringId),
+    /// Its station could not come to rest, or could not work, when an activity was closed.
+    Station(FiringId),
+    /// Its sensor says otherwise than the model.
+    Mismatch,
+}

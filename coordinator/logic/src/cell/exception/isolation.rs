@@ -1,0 +1,20 @@
+//! Which stations are left out of the mode decision of the line.
+//!
+//! In a line without a cell a fault in auto is the line's: all stand by. In a cell it is an exception of the order in which
+//! it happens, and the others work on. So the stations of what has failed, and those of what is down, are *isolated* until
+//! that is put right; it follows from the state, so nothing about it is remembered.
+
+use std::collections::BTreeSet;
+
+use linewright_line::StationId;
+
+use super::super::state::State;
+
+/// The stations whose trouble is not the line's.
+pub fn isolated(state: &State) -> BTreeSet<StationId> {
+    let handling = state.table().handling();
+    let failed = state.exceptions().open().filter_map(|(id, _)| state.firing(id));
+    let stations = failed.flat_map(|firing| firing.orders.iter().map(|order| order.station));
+    let down = state.exceptions().down().filter_map(|(id, _)| handling.resource(id)?.station);
+    stations.chain(down).collect()
+}

@@ -1,0 +1,99 @@
+//! Exceptions to be written down in the place of the records that led to them.
+
+use serde::{Deserialize, Serialize};
+
+use super::super::firing::Phase;
+use super::super::ids::{AlarmId, FiringId, ModeId, PartId, ResourceId};
+use super::super::snapshot::NUMBER_MAX;
+use super::super::state::State;
+use super::book::{Alarm, Down, Exceptions, Retry, Stage, Trouble};
+use super::fact::About;
+
+/// Exceptions to be written down.
+#[derive(Clone, Debug, Default, PartialEq, Eq, Serialize, Deserialize)]
+#[serde(deny_unknown_fields)]
+pub struct KeptExceptions {
+    open: Vec<(FiringId, Trouble)>,
+    alarms: Vec<Alarm>,
+    down: Vec<(ResourceId, Down)>,
+    retries: Vec<(ModeId, Option<PartId>, Retry)>,
+    last_alarm: u64,
+    scrapped: u64,
+}
+
+impl Exceptions {
+    /// What they consist of.
+    pub(in super::super) fn kept(&self) -> KeptExceptions {
+        KeptExceptions {
+            open: self.open.iter().map(|(&firing, trouble)| (firing, trouble.clone())).collect(),
+            alarms: self.alarms.values().cloned().collect(),
+            down: self.down.iter().map(|(&resource, down)| (resource, down.clone())).collect(),
+            retries: self.retries.iter().map(|(&(mode, part), &retry)| (mode, part, retry)).collect(),
+            last_alarm: self.last_alarm,
+            scrapped: self.scrapped,
+        }
+    }
+}
+
+impl State {
+    /// Takes exceptions over into a state that has everything else, and has none yet.
+    ///
+    /// # Errors
+    /// Why they are none of this state.
+    pub(in super::super) fn with_exceptions(mut self, of: KeptExceptions) -> Result<Self, String> {
+        if of.last_alarm >= NUMBER_MAX || of.scrapped >= NUMBER_MAX {
+            return Err("it counts further than anybody can".to_owned());
+        }
+        let mut new = Exceptions { last_alarm: of.last_alarm, scrapped: of.scrapped, ..Exceptions::default() };
+        let (open, alarms, down, retries) = (of.open.len(), of.alarms.len(), of.down.len(), of.retries.len());
+        new.open = of.open.into_iter().collect();
+        new.alarms = of.alarms.into_iter().map(|alarm| (alarm.id, alarm)).collect();
+        new.down = of.down.into_iter().collect();
+        new.retries = of.retries.into_iter().map(|(mode, part, retry)| ((mode, part), retry)).collect();
+        let has = (new.open.len(), new.alarms.len(), new.down.len(), new.retries.len());
+        if has != (open, alarms, down, retries) {
+            return Err("something of an exception is in it twice".to_owned());
+        }
+        self.fits(&new)?;
+        self.exceptions = new;
+        self.block_down();
+        Ok(self)
+    }
+
+    fn fits(&self, of: &Exceptions) -> Result<(), String> {
+        let failed = self.firings.values().filter(|firing| firing.phase != Phase::Running).map(|firing| firing.id);
+        if !failed.eq(of.open.keys().copied()) {
+            return Err("the exceptions in it are not those of what has failed".to_owned());
+        }
+        let resources = self.table.handling();
+        if of.down.keys().any(|&id| resources.resource(id).is_none()) {
+            return Err("a resource is down that there is not".to_owned());
+        }
+        if of.retries.keys().any(|&(mode, _)| !self.table.has_mode(mode)) {
+            return Err("something is tried again that there is not".to_owned());
+        }
+        for (id, trouble) in &of.open {
+            let orders = &self.firings[id].orders;
+            if trouble.standing.iter().any(|(key, _)| orders.iter().all(|order| order.key != *key)) {
+                return Err(format!("a station stands for an order that is not of {id}"));
+            }
+            if let Stage::Waiting(alarm) = trouble.stage
+                && of.alarms.get(&alarm).is_none_or(|alarm| alarm.about != About::Firing(*id))
+            {
+                return Err(format!("{id} waits for an answer to an alarm that is not there"));
+            }
+        }
+        of.alarms.values().try_for_each(|alarm| {
+            let AlarmId(number) = alarm.id;
+            let fits = number >= 1
+                && number <= of.last_alarm
+                && match alarm.about {
+                    About::Firing(id) => {
+                        of.open.get(&id).is_some_and(|trouble| trouble.stage == Stage::Waiting(alarm.id))
+                    }
+                    About::Resource(id) => resources.resource(id).is_some(),
+                };
+            if fits { Ok(()) } else { Err(format!("{} is about nothing", alarm.id)) }
+        })
+    }
+}

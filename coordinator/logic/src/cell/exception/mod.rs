@@ -1,0 +1,41 @@
+//! What becomes of an activity that has failed: secured, told, asked, put right (seed 001 §5.2, L203-206, and §6, L229).
+//!
+//! ```text
+//!  Raised ──▶ securing ──all stations at rest, held, or not heard for long──▶ waiting for an answer to alarm n
+//!                │                                                              │ (an answer that stations
+//!                └── its rule is automatic, and all stations are at rest ──┐    │  contradict is refused)
+//!                                                                          ▼    ▼
+//!                      closed ◀── model and plant agree, or cannot tell ── restoring
+//!                                                                            │
+//!               waiting for an answer to another alarm ◀── they differ: Mismatch
+//! ```
+//!
+//! Every arrow is a [`super::Fact::Exception`], so that a crash anywhere goes on where it was: securing is told again and
+//! changes nothing, an alarm keeps its number, and the marking is restored by one record. Closing puts tokens and part to
+//! where the answer says they are: where they were, where they were to go, or nowhere. Nothing else changes a marking:
+//! sensors can contradict an answer, and then it is said so and asked again; they never correct the model by themselves.
+//!
+//! A resource can be *down* beside that: by hand, by what a rule says, or since its station could not come to rest. Its
+//! tokens stay where they are, so nothing can get lost by it, and no mode is enabled that needs it; whatever else a plan
+//! allows is. Somebody has to say that it is up again, and it is only if its station can work and its sensor agrees.
+//!
+//! [`Handling`] is what a description says of all this, and [`Exceptions`] what is remembered of it.
+
+mod answer;
+mod apply;
+mod book;
+mod drive;
+mod fact;
+mod handling;
+mod isolation;
+mod kept;
+mod watch;
+mod words;
+
+pub use book::{Alarm, Down, Exceptions, Stage, Trouble};
+pub use fact::{About, By, Difference, DownCause, Ruling, Standing, Step, Strategy, Whereabouts};
+pub use handling::{Answer, Fits, Handled, Handling, Resource, Rule};
+pub use isolation::isolated;
+pub use kept::KeptExceptions;
+pub(super) use watch::Watch;
+pub use watch::{Asked, Objection, Presence, Unable};

@@ -1,0 +1,178 @@
+//! What was heard of stations in this life: what is believed of them, and since when. None of it is remembered.
+
+use std::collections::{BTreeMap, BTreeSet};
+use std::time::Duration;
+
+use linewright_line::{StationId, Tick};
+
+use super::super::ids::{AlarmId, OrderKey, ResourceId};
+use super::super::orders::{Heard, Reply};
+use super::super::state::State;
+
+/// Whether a part is there, as a sensor says.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
+pub enum Presence {
+    /// Nobody knows: there is no sensor, or nobody vouches for it.
+    #[default]
+    Unknown,
+    /// There is one.
+    On,
+    /// There is none.
+    Off,
+}
+
+/// Why a station could not do anything now. The mode of the line is none of these.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub enum Unable {
+    /// Its devices are not there.
+    Devices,
+    /// An operation was stopped before its end.
+    Incomplete,
+    /// People move it.
+    ByHand,
+}
+
+/// What a person has asked for.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub enum Asked {
+    /// To take an answer.
+    Answer(AlarmId),
+    /// To take an alarm of a resource.
+    Alarm(ResourceId),
+    /// To leave a resource out.
+    Down(ResourceId),
+    /// To count on a resource again.
+    Up(ResourceId),
+}
+
+/// Why it was not done.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub enum Objection {
+    /// There is no such alarm, or not any more.
+    NoSuchAlarm,
+    /// It cannot be answered with this word.
+    NoSuchWord,
+    /// There is no such resource.
+    NoSuchResource,
+    /// It is as it was asked to be already.
+    AlreadySo,
+    /// A station is still at it.
+    Moves(StationId),
+    /// The resource has a part by its sensor, and by the answer it has none.
+    HasPart(ResourceId),
+    /// The resource has no part by its sensor, and by the answer it has one.
+    HasNoPart(ResourceId),
+    /// The station is not heard.
+    NotHeard(StationId),
+    /// The station stands between two rests.
+    NotAtRest(StationId),
+    /// The station could not do anything.
+    CannotWork(StationId, Unable),
+    /// The resource's activity is open: its alarm has to be answered first.
+    Open(ResourceId),
+}
+
+/// What was last heard of a station.
+#[derive(Clone, Debug)]
+pub(super) struct Seen {
+    /// When.
+    pub at: Tick,
+    /// What.
+    pub heard: Heard,
+}
+
+/// What was told to leave an order.
+#[derive(Clone, Copy, Debug)]
+pub(super) struct Told {
+    /// When last.
+    pub at: Tick,
+    /// When it has answered, and whether it is still at it.
+    pub answered: Option<(Tick, bool)>,
+}
+
+/// What was heard of stations in this life.
+#[derive(Clone, Debug, Default)]
+pub(in super::super) struct Watch {
+    began: Tick,
+    seen: BTreeMap<StationId, Seen>,
+    pub(super) told: BTreeMap<OrderKey, Told>,
+    /// Stations that are at something that nobody waits for.
+    pub(super) strays: BTreeSet<StationId>,
+    /// Resources of which model and plant have not been compared in this life, and from when on what is heard counts.
+    pub(super) uncompared: BTreeMap<ResourceId, Tick>,
+}
+
+impl Watch {
+    /// Of a life that begins. What a life before has left is compared with the plant.
+    pub fn new(state: &State, now: Tick) -> Self {
+        let handling = state.table().handling();
+        let from = now + state.table().grace();
+        let sensed = handling.resource_ids().filter(|id| handling.resources[id.index()].is_sensed);
+        let uncompared = if state.epoch() == 0 { BTreeMap::new() } else { sensed.map(|id| (id, from)).collect() };
+        Watch { began: now, uncompared, ..Watch::default() }
+    }
+
+    /// Takes what a station says of itself.
+    pub fn hear(&mut self, now: Tick, station: StationId, heard: &Heard) {
+        let seen = self.seen.entry(station).or_insert_with(|| Seen { at: now, heard: Heard::default() });
+        seen.at = now;
+        seen.heard.clone_from(heard);
+    }
+
+    /// Takes what a station says when it was told to leave an order.
+    pub fn answered(&mut self, now: Tick, key: OrderKey, reply: Reply) {
+        let is_at_it = match reply {
+            Reply::Running => true,
+            Reply::Ended(_) | Reply::Refused(_) => false,
+        };
+        self.told.get_mut(&key).into_iter().for_each(|told| told.answered = Some((now, is_at_it)));
+    }
+
+    /// It was heard that an order has ended.
+    pub fn ended(&mut self, station: StationId, key: OrderKey) {
+        if let Some(seen) = self.seen.get_mut(&station).filter(|seen| seen.heard.slot == Some(key)) {
+            seen.heard.slot = None;
+            self.strays.remove(&station);
+        }
+    }
+
+    /// What was last heard of a station.
+    pub(super) fn seen(&self, station: StationId) -> Option<&Seen> {
+        self.seen.get(&station)
+    }
+
+    /// When a station was last heard; when this life began if it was not.
+    pub(super) fn last(&self, station: StationId) -> Tick {
+        self.seen.get(&station).map_or(self.began, |seen| seen.at)
+    }
+
+    /// Whether a station that was heard in this life can be told something.
+    pub fn can_work(&self, station: StationId, now: Tick, stale: Option<Duration>) -> bool {
+        self.objection(station, now, stale).is_none()
+    }
+
+    /// What was heard of a station, unless that is too long ago.
+    pub(super) fn fresh(&self, station: StationId, now: Tick, stale: Option<Duration>) -> Option<&Heard> {
+        let seen = self.seen.get(&station).filter(|seen| stale.is_none_or(|stale| seen.at + stale > now));
+        seen.map(|seen| &seen.heard)
+    }
+
+    /// Why a station could not be told anything.
+    pub(super) fn objection(&self, station: StationId, now: Tick, stale: Option<Duration>) -> Option<Objection> {
+        let Some(heard) = self.fresh(station, now, stale) else { return Some(Objection::NotHeard(station)) };
+        if heard.is_held {
+            return Some(Objection::NotAtRest(station));
+        }
+        heard.unable.map(|unable| Objection::CannotWork(station, unable))
+    }
+
+    /// Whether a resource has still to be compared, and can be.
+    pub fn is_to_be_compared(&self, state: &State, resource: ResourceId) -> bool {
+        let station = |id: ResourceId| state.table().handling().resource(id)?.station;
+        !self.uncompared.is_empty()
+            && self.uncompared.contains_key(&resource)
+            && station(resource)
+                .and_then(|station| self.seen.get(&station))
+                .is_some_and(|seen| seen.heard.presence != Presence::Unknown)
+    }
+}

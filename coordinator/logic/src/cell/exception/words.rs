@@ -1,0 +1,151 @@
+//! What people are told of exceptions.
+
+use std::fmt::Write;
+
+use linewright_line::Tick;
+
+use super::super::firing::{Firing, OrderState};
+use super::super::ids::{ModeId, PartId};
+use super::super::record::{Cause, Failure};
+use super::super::state::State;
+use super::fact::{Difference, Ruling, Standing};
+use super::handling::Handling;
+
+/// What is answered when a resource is as the model has it.
+pub(super) const UP: &str = "up";
+
+/// An alarm of an activity that has failed: what its rule has to tell, and what is known.
+pub(super) fn alarm(state: &State, firing: &Firing, cause: Cause, now: Tick) -> String {
+    let handling = state.table().handling();
+    let tell = handling.rule(firing.mode, cause).map(|rule| filled(&rule.tell, state, firing.mode, firing.part));
+    let tell = tell.unwrap_or_else(|| {
+        let of = part(firing.part).map(|part| format!(" with {part}")).unwrap_or_default();
+        format!("{}{of} has failed. Say where the part is.", activity(state, firing.mode))
+    });
+    format!("{tell} ({})", facts(state, firing, cause, now))
+}
+
+/// What is known: `load M1: m1 has not ended in time, after 26 s; robot is at rest, m1 is at rest`.
+fn facts(state: &State, firing: &Firing, cause: Cause, now: Tick) -> String {
+    let handling = state.table().handling();
+    let failed_after = state.exceptions().trouble(firing.id).map_or(now, |trouble| trouble.since).since(firing.began);
+    let mut text = format!(
+        "{}: {}, after {} s",
+        activity(state, firing.mode),
+        cause_of(state, firing, cause),
+        failed_after.as_secs_f64()
+    );
+    let mut joint = ";";
+    for order in &firing.orders {
+        let how = match (state.exceptions().stands(firing.id, order.key), order.state) {
+            (_, OrderState::Ended) => "has done its part",
+            (Some(Standing::AtRest), _) => "is at rest",
+            (Some(Standing::Held), _) => "stands between rests",
+            (Some(Standing::Unknown), _) => "was not heard to have come to rest",
+            (None, OrderState::Failed(Failure::Forgotten)) => "has come up without its memory",
+            (None, OrderState::Failed(_) | OrderState::Written | OrderState::Running) => "has not begun",
+        };
+        // Writing to a string does not fail.
+        let _ = write!(text, "{joint} {} {how}", handling.station_name(order.station));
+        joint = ",";
+    }
+    text
+}
+
+/// Why an activity has failed, in words.
+fn cause_of(state: &State, firing: &Firing, cause: Cause) -> String {
+    let handling = state.table().handling();
+    match cause {
+        Cause::TimedOut => "it takes longer than it may".to_owned(),
+        Cause::ByHand { resource } => format!("alarm was given of {}", handling.resource_name(resource)),
+        Cause::Order { key, failure } => {
+            let station = firing.orders.iter().find(|order| order.key == key).map(|order| order.station);
+            let station = station.map_or_else(|| "a station".to_owned(), |station| handling.station_name(station));
+            match failure {
+                Failure::Code(code) => format!("{station} has ended with code {code}"),
+                Failure::Refused(refusal) => format!("{station} has refused ({refusal:?})"),
+                Failure::TimedOut => format!("{station} has not ended in time"),
+                Failure::Forgotten => format!("{station} does not remember it"),
+                Failure::Lost => format!("{station} is not heard any more"),
+                Failure::DevicesLost => format!("{station} has lost its devices"),
+            }
+        }
+    }
+}
+
+/// An answer that sensors contradict.
+pub(super) fn differs(
+    state: &State,
+    firing: &Firing,
+    cause: Cause,
+    ruling: &Ruling,
+    found: &[Difference],
+    now: Tick,
+) -> String {
+    let handling = state.table().handling();
+    let found: Vec<String> = found.iter().map(|found| difference(handling, found)).collect();
+    let again = alarm(state, firing, cause, now);
+    format!("\"{}\" cannot be: {}. {again}", ruling.word, found.join("; "))
+}
+
+/// The carrier has the part.
+pub(super) fn carried(state: &State, mode: ModeId, of: Option<PartId>) -> String {
+    let text = "{carrier} has part {part}. Bring it to {to}, or back to {from}, and say which.";
+    filled(text, state, mode, of)
+}
+
+/// A sensor that says otherwise than the model.
+pub(super) fn mismatch(handling: &Handling, found: &Difference) -> String {
+    format!("{}. Put that right, and say \"{UP}\".", difference(handling, found))
+}
+
+fn difference(handling: &Handling, found: &Difference) -> String {
+    let name = handling.resource_name(found.resource);
+    match (found.model, found.plant) {
+        (true, _) => format!("{name} should have a part, and its sensor says that there is none"),
+        (false, _) => format!("{name} should have no part, and its sensor says that there is one"),
+    }
+}
+
+/// What people call the activity of a mode.
+pub(super) fn activity(state: &State, mode: ModeId) -> String {
+    let name = &state.table().handling().mode(mode).activity;
+    if name.is_empty() { state.table().mode_name(mode).to_owned() } else { name.to_string() }
+}
+
+fn part(of: Option<PartId>) -> Option<String> {
+    of.map(|part| part.to_string())
+}
+
+/// A text with the names in braces replaced by what is meant.
+fn filled(text: &str, state: &State, mode: ModeId, of: Option<PartId>) -> String {
+    let handling = state.table().handling();
+    let handled = handling.mode(mode);
+    let name = |id: Option<super::super::ids::ResourceId>| {
+        id.map_or_else(|| "outside".to_owned(), |id| handling.resource_name(id).to_owned())
+    };
+    let (mut filled, mut rest) = (String::with_capacity(text.len()), text);
+    while let Some((before, behind)) = rest.split_once('{') {
+        let Some((word, after)) = behind.split_once('}') else { break };
+        filled.push_str(before);
+        match word {
+            "part" => filled.push_str(&of.map_or_else(|| "?".to_owned(), |PartId(number)| number.to_string())),
+            "type" => filled.push_str(&handled.part_type),
+            "activity" => filled.push_str(&activity(state, mode)),
+            "carrier" => filled.push_str(&name(handled.carrier)),
+            "from" => filled.push_str(&name(handled.from)),
+            "to" => filled.push_str(&name(handled.to)),
+            "slot" => {
+                let of = of.and_then(|part| state.part(part));
+                let slot = of.and_then(|part| part.position.or(part.target));
+                filled.push_str(&slot.map_or_else(|| "?".to_owned(), |slot| slot.to_string()));
+            }
+            other => {
+                // A description with such a name is refused.
+                let _ = write!(filled, "{{{other}}}");
+            }
+        }
+        rest = after;
+    }
+    filled + rest
+}

@@ -1,0 +1,7 @@
+//! What becomes of what fails: in a cell in virtual time, with sensors that see where the parts really are, and somebody who
+//! looks and answers.
+
+mod bench;
+mod crash;
+mod rows;
+mod story;

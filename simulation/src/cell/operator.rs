@@ -1,0 +1,119 @@
+//! Somebody who walks up to what has failed, looks, puts it right, and answers.
+//!
+//! He sees the parts as they are ([`super::Truth`]), never what the coordinator believes. He brings stations to a rest, mends
+//! them, and says what he has found; where that cannot be said he changes it first. Now and then he may be told to lie.
+
+use linewright_coordinator_logic::cell::exception::{About, Ruling, Whereabouts};
+use linewright_coordinator_logic::cell::{AlarmId, Dispatcher, FiringId, Input, ResourceId};
+
+use super::sim::CellSim;
+
+/// Somebody who answers alarms.
+#[derive(Clone, Debug, Default)]
+pub struct Operator {
+    /// He says something else than he has found to so many alarms, as soon as that can be said and a sensor would see it.
+    pub lies: usize,
+    /// How often he has answered.
+    pub answers: usize,
+}
+
+impl Operator {
+    /// He looks at everything once.
+    pub fn look(&mut self, sim: &mut CellSim, dispatcher: &mut dyn Dispatcher) {
+        let alarms: Vec<(AlarmId, About)> =
+            sim.state().exceptions().alarms().map(|alarm| (alarm.id, alarm.about)).collect();
+        for (alarm, about) in alarms {
+            let word = match about {
+                About::Firing(firing) => self.put_right(sim, alarm, firing),
+                About::Resource(resource) => {
+                    mend(sim, resource);
+                    sim.state().exceptions().alarm(alarm).and_then(|alarm| alarm.words.first().cloned())
+                }
+            };
+            if let Some(word) = word {
+                self.answers += 1;
+                sim.say(dispatcher, &[Input::Answer { alarm, word: &word }]);
+            }
+        }
+        let down: Vec<ResourceId> = sim.state().exceptions().down().map(|(resource, _)| resource).collect();
+        for resource in down {
+            mend(sim, resource);
+            sim.say(dispatcher, &[Input::Resource { resource, up: true }]);
+        }
+    }
+
+    /// Brings its stations to a rest, and says what he has found, or makes it so that he can.
+    fn put_right(&mut self, sim: &mut CellSim, alarm: AlarmId, firing: FiringId) -> Option<String> {
+        let orders = sim.state().firing(firing)?.orders.clone();
+        for order in orders {
+            let now = sim.now;
+            let station = sim.stations.get_mut(order.station.index())?;
+            station.is_stuck = false;
+            if station.doing() == Some(order.key) || station.is_held {
+                station.bring_to_rest(now);
+            }
+        }
+        let found = sim.truth.found(&sim.table, firing)?.part;
+        let can_say = sim.coordination.rulings(alarm);
+        let said = |part: Whereabouts| can_say.iter().find(|ruling: &&Ruling| ruling.part == part);
+        if self.lies > 0
+            && let Some(lie) = opposite(found).filter(|_| is_seen(sim, firing)).and_then(said)
+        {
+            self.lies -= 1;
+            return Some(lie.word.clone());
+        }
+        if let Some(ruling) = said(found) {
+            return Some(ruling.word.clone());
+        }
+        let table = sim.table.clone();
+        let is_made = found == Whereabouts::To;
+        match (said(Whereabouts::From), said(Whereabouts::To), said(Whereabouts::Gone)) {
+            (Some(back), _, _) if !is_made => {
+                sim.truth.bring_back(&table, firing);
+                Some(back.word.clone())
+            }
+            (_, Some(on), _) => {
+                sim.truth.finish(&table, firing);
+                Some(on.word.clone())
+            }
+            (_, None, Some(gone)) => {
+                sim.truth.take_away(firing);
+                Some(gone.word.clone())
+            }
+            (_, None, None) => None,
+        }
+    }
+}
+
+/// What could be said instead of what was found.
+fn opposite(found: Whereabouts) -> Option<Whereabouts> {
+    match found {
+        Whereabouts::From => Some(Whereabouts::To),
+        Whereabouts::To => Some(Whereabouts::From),
+        Whereabouts::Carrier | Whereabouts::Gone => None,
+    }
+}
+
+/// Whether a sensor sees if an activity's part is where it was or where it was to go: nothing else is there, or comes there.
+fn is_seen(sim: &CellSim, firing: FiringId) -> bool {
+    let Some(of) = sim.state().firing(firing) else { return false };
+    let (handling, part) = (sim.table.handling(), of.part);
+    let handled = handling.mode(of.mode);
+    let others = || sim.state().firings().filter(|other| other.id != firing);
+    let alone = |id: ResourceId| {
+        let is_used = others().any(|other| handling.mode(other.mode).resources().any(|of| of == id));
+        let has_other = sim.truth.parts().any(|other| Some(other) != part && sim.truth.at(other) == Some(id));
+        let station = handling.resource(id).filter(|of| of.is_sensed).and_then(|of| of.station);
+        let is_heard = station.and_then(|id| sim.stations.get(id.index())).is_some_and(|station| !station.is_away);
+        is_heard && !is_used && !has_other
+    };
+    handled.from != handled.to && [handled.from, handled.to].into_iter().flatten().any(alone)
+}
+
+/// Whatever is wrong with its station is not any more.
+fn mend(sim: &mut CellSim, resource: ResourceId) {
+    let station = sim.table.handling().resource(resource).and_then(|of| of.station);
+    if let Some(station) = station.and_then(|station| sim.stations.get_mut(station.index())) {
+        (station.unable, station.is_held) = (None, false);
+    }
+}

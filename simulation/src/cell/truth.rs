@@ -1,0 +1,153 @@
+//! Where the parts of a cell really are, whatever its coordinator believes.
+//!
+//! A part is where it was until all stations that are to move it or to work on it have really done what they were told; then
+//! it is where it was to go. Where nobody is told, it is as the records say. Whoever plays can move parts by hand, as faults
+//! and people do. Sensors and the operator look here; the coordinator never does.
+
+use std::collections::{BTreeMap, BTreeSet};
+
+use linewright_coordinator_logic::cell::exception::Whereabouts;
+use linewright_coordinator_logic::cell::{
+    CellTable, Fact, FiringId, ModeId, OrderKey, Outcome, PartId, Record, Reply, ResourceId,
+};
+
+/// Where the parts really are.
+#[derive(Clone, Debug, Default)]
+pub struct Truth {
+    /// Of each part that is in the cell.
+    at: BTreeMap<PartId, ResourceId>,
+    /// What has really been done with each part, in order, also of those that have left.
+    pub done: BTreeMap<PartId, Vec<ModeId>>,
+    moves: BTreeMap<FiringId, Move>,
+    firing_of: BTreeMap<OrderKey, FiringId>,
+}
+
+/// What is to be done with a part.
+#[derive(Clone, Debug)]
+struct Move {
+    mode: ModeId,
+    part: Option<PartId>,
+    /// The orders that have not been done.
+    open: BTreeSet<OrderKey>,
+    is_done: bool,
+}
+
+/// What somebody finds who looks at what an activity has left.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub struct Found {
+    /// Where the part is.
+    pub part: Whereabouts,
+    /// All stations have done what they were told.
+    pub is_done: bool,
+}
+
+impl Truth {
+    /// Where a part is; none if it is not in the cell.
+    pub fn at(&self, part: PartId) -> Option<ResourceId> {
+        self.at.get(&part).copied()
+    }
+
+    /// The parts that are in the cell.
+    pub fn parts(&self) -> impl ExactSizeIterator<Item = PartId> + '_ {
+        self.at.keys().copied()
+    }
+
+    /// Whether a resource has any part.
+    pub fn has(&self, resource: ResourceId) -> bool {
+        self.at.values().any(|&at| at == resource)
+    }
+
+    /// Somebody has put a part somewhere else, or has taken it away.
+    pub fn put(&mut self, part: PartId, at: Option<ResourceId>) {
+        match at {
+            Some(at) => _ = self.at.insert(part, at),
+            None => _ = self.at.remove(&part),
+        }
+    }
+
+    /// Somebody does by hand what an activity has left undone.
+    pub fn finish(&mut self, table: &CellTable, firing: FiringId) {
+        self.go_on(table, firing);
+    }
+
+    /// Somebody brings the part of an activity back to where it was.
+    pub fn bring_back(&mut self, table: &CellTable, firing: FiringId) {
+        if let Some((Some(part), mode)) = self.moves.get(&firing).map(|of| (of.part, of.mode)) {
+            self.put(part, table.handling().mode(mode).from);
+        }
+    }
+
+    /// Somebody takes the part of an activity away for good.
+    pub fn take_away(&mut self, firing: FiringId) {
+        self.moves.get(&firing).and_then(|of| of.part).into_iter().for_each(|part| self.put(part, None));
+    }
+
+    /// What somebody finds who looks at an activity.
+    pub fn found(&self, table: &CellTable, firing: FiringId) -> Option<Found> {
+        let of = self.moves.get(&firing)?;
+        let handled = table.handling().mode(of.mode);
+        let at = of.part.and_then(|part| self.at(part));
+        // What is worked on stays where it is.
+        let part = if at == handled.from && handled.from == handled.to {
+            if of.is_done { Whereabouts::To } else { Whereabouts::From }
+        } else if at == handled.to {
+            Whereabouts::To
+        } else if at == handled.from {
+            Whereabouts::From
+        } else if at.is_some() && at == handled.carrier {
+            Whereabouts::Carrier
+        } else {
+            Whereabouts::Gone
+        };
+        Some(Found { part, is_done: of.is_done })
+    }
+
+    /// A record was written.
+    pub(super) fn note(&mut self, table: &CellTable, record: &Record) {
+        match &record.fact {
+            Fact::Started { firing, mode, part, orders } => {
+                orders.iter().for_each(|&key| _ = self.firing_of.insert(key, *firing));
+                let open = orders.iter().copied().collect();
+                self.moves.insert(*firing, Move { mode: *mode, part: *part, open, is_done: false });
+            }
+            // By the clock alone.
+            Fact::Ended { firing } => self.go_on(table, *firing),
+            Fact::Fired { mode, part } => self.go(table, *mode, *part),
+            Fact::Epoch { .. }
+            | Fact::Memory { .. }
+            | Fact::Decided { .. }
+            | Fact::Acknowledged { .. }
+            | Fact::OrderEnded { .. }
+            | Fact::OrderFailed { .. }
+            | Fact::Raised { .. }
+            | Fact::Production { .. }
+            | Fact::Exception(_) => (),
+        }
+    }
+
+    /// A station has ended an order.
+    pub(super) fn ended(&mut self, table: &CellTable, key: OrderKey, reply: Reply) {
+        let is_done = match reply {
+            Reply::Ended(Outcome::Done) => true,
+            Reply::Ended(Outcome::Failed(_)) | Reply::Running | Reply::Refused(_) => false,
+        };
+        let Some(&firing) = self.firing_of.get(&key).filter(|_| is_done) else { return };
+        let Some(of) = self.moves.get_mut(&firing) else { return };
+        if of.open.remove(&key) && of.open.is_empty() {
+            self.go_on(table, firing);
+        }
+    }
+
+    fn go_on(&mut self, table: &CellTable, firing: FiringId) {
+        let Some(of) = self.moves.get_mut(&firing).filter(|of| !of.is_done) else { return };
+        of.is_done = true;
+        let (mode, part) = (of.mode, of.part);
+        self.go(table, mode, part);
+    }
+
+    fn go(&mut self, table: &CellTable, mode: ModeId, part: Option<PartId>) {
+        let Some(part) = part else { return };
+        self.done.entry(part).or_default().push(mode);
+        self.put(part, table.part_out(mode).and(table.handling().mode(mode).to));
+    }
+}
