@@ -86,6 +86,7 @@ struct Served {
 
 enum Flying {
     Order(OrderMessage),
+    Secure(StationId, Key),
     Answer(StationId, Key, Answer),
     State(StationId, u64, Heard),
 }
@@ -113,6 +114,8 @@ fn heard(report: &OrderReport) -> Heard {
         epoch: report.epoch,
         slot: report.slot.map(|slot| key(slot.key)),
         results: report.results.iter().map(|&(of, outcome)| (key(of), end(outcome))).collect(),
+        is_held: report.slot.is_none() && report.rest.is_none(),
+        ..Heard::default()
     }
 }
 
@@ -285,6 +288,7 @@ impl World {
         while let Some(entry) = self.flying.first_entry().filter(|entry| entry.key().0 <= self.now) {
             match entry.remove() {
                 Flying::Order(message) => self.deliver(&message),
+                Flying::Secure(station, key) => self.secure(station, key),
                 Flying::Answer(station, key, answer) => arrived.push((station, Err((key, answer)))),
                 Flying::State(station, number, heard) if number > self.newest[station.index()] => {
                     self.newest[station.index()] = number;
@@ -302,8 +306,11 @@ impl World {
         self.coordination.step(self.now, &inputs, &mut Fifo, &mut out);
         assert_eq!(out.events, [], "at {}", self.now);
         self.log.append(&mut out.records);
-        for Send::Order(message) in out.sends {
-            self.fly(|| Flying::Order(message.clone()));
+        for send in out.sends {
+            match send {
+                Send::Order(message) => self.fly(|| Flying::Order(message.clone())),
+                Send::Secure { station, key } => self.fly(|| Flying::Secure(station, key)),
+            }
         }
     }
 
@@ -326,6 +333,15 @@ impl World {
         let replies = std::mem::take(&mut station.out.replies);
         assert_eq!(replies.len(), 1);
         self.fly(|| Flying::Answer(message.station, message.key, answer(replies[0].1)));
+    }
+
+    /// What it answers the coordinator hears by its state as well.
+    fn secure(&mut self, to: StationId, key: Key) {
+        let station = &mut self.stations[to.index()];
+        let key = OrderKey { epoch: key.epoch, id: key.id };
+        station.controller.handle(self.now, Input::Task(TaskCommand::Secure(key)));
+        station.step(&self.line, self.now);
+        station.out.replies.clear();
     }
 
     /// The coordinator is killed, and another life goes on with what was written down.

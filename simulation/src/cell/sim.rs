@@ -172,6 +172,11 @@ impl CellSim {
     /// the state does not say.
     pub fn run(&mut self, dispatcher: &mut dyn Dispatcher, until: Tick) {
         self.coordination.reconsider();
+        while !self.is_over() && self.goes_on(dispatcher, until) {}
+    }
+
+    /// Goes on until a time, also while nothing happens: something may that whoever plays does to stations.
+    pub fn run_on(&mut self, dispatcher: &mut dyn Dispatcher, until: Tick) {
         while self.goes_on(dispatcher, until) {}
     }
 
@@ -179,7 +184,7 @@ impl CellSim {
     pub fn run_by(&mut self, made: &dyn Fn(&State) -> Box<dyn Dispatcher>, until: Tick) {
         let mut dispatcher = made(self.state());
         let mut life = self.lives;
-        while self.goes_on(&mut *dispatcher, until) {
+        while !self.is_over() && self.goes_on(&mut *dispatcher, until) {
             if self.lives != life {
                 (dispatcher, life) = (made(self.state()), self.lives);
             }
@@ -192,7 +197,7 @@ impl CellSim {
         let deadline = self.coordination.next_deadline();
         let floor = self.floor.as_ref().and_then(Floor::next);
         let next = ends.chain(arrives).chain(deadline).chain(floor).fold(self.publish, Tick::min);
-        if self.is_over() || next > until {
+        if next > until {
             return false;
         }
         self.now = self.now.max(next);

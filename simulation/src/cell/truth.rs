@@ -148,6 +148,10 @@ impl Truth {
     fn go(&mut self, table: &CellTable, mode: ModeId, part: Option<PartId>) {
         let Some(part) = part else { return };
         self.done.entry(part).or_default().push(mode);
-        self.put(part, table.part_out(mode).and(table.handling().mode(mode).to));
+        // What nobody takes part in moves a part within the resource that has it.
+        let to = table.handling().mode(mode).to;
+        if to.is_some() || table.part_out(mode).is_none() {
+            self.put(part, to);
+        }
     }
 }

@@ -56,7 +56,9 @@ impl Coordination {
         if let Some(order) = firing.orders.iter().find(|order| doing(order.key, order.station)) {
             return Err(Objection::Moves(order.station));
         }
+        // Somebody who carries and works may have another part.
         let carrier = handling.mode(firing.mode).carrier;
+        let carrier = carrier.filter(|&of| !self.has_parts(of) && !self.is_in_use(of, Some(id)));
         let sensed = carrier.and_then(|id| Some((id, handling.resource(id).filter(|of| of.is_sensed)?.station?)));
         let presence = sensed.and_then(|(id, station)| Some((id, fresh(station)?.presence)));
         match (presence, ruling.part) {

@@ -295,14 +295,14 @@ impl Coordination {
     }
 
     /// Whether another activity in progress has to do with a resource: then nobody can say how many parts there should be.
-    fn is_in_use(&self, resource: ResourceId, but: Option<FiringId>) -> bool {
+    pub(super) fn is_in_use(&self, resource: ResourceId, but: Option<FiringId>) -> bool {
         let handling = self.state.table().handling();
         let mut others = self.state.firings().filter(|firing| Some(firing.id) != but);
         others.any(|firing| handling.mode(firing.mode).resources().any(|of| of == resource))
     }
 
     /// Whether a resource has parts by the marking.
-    fn has_parts(&self, resource: ResourceId) -> bool {
+    pub(super) fn has_parts(&self, resource: ResourceId) -> bool {
         let has = self.state.table().handling().resource(resource).map(|of| &of.has[..]).unwrap_or_default();
         has.iter().any(|&cell| self.state.marking().count(cell) > 0)
     }

@@ -33,7 +33,7 @@ fn facts(state: &State, firing: &Firing, cause: Cause, now: Tick) -> String {
         "{}: {}, after {} s",
         activity(state, firing.mode),
         cause_of(state, firing, cause),
-        failed_after.as_secs_f64()
+        failed_after.as_millis() as f64 / 1e3
     );
     let mut joint = ";";
     for order in &firing.orders {
