@@ -74,6 +74,8 @@ enum Command {
     Order(cell::OrderArgs),
     /// Ask why a part or a production order of a running cell does not go on.
     Why(cell::WhyArgs),
+    /// Answer an alarm of a running cell, or show those that stand.
+    Answer(cell::AnswerArgs),
     /// Show the line as it runs.
     Watch(watch::Args),
     /// Look at a CAN bus and its CANopen nodes, and talk to them: scan, status, nmt, sdo, monitor, record, replay.
@@ -118,6 +120,7 @@ fn dispatch(command: Command, ros: RosArgs) -> miette::Result<ExitCode> {
         Command::Fail(args) => asynchronous(async move { can::fail(args).await }),
         Command::Order(args) => asynchronous(async move { cell::order(args, &ros).await }),
         Command::Why(args) => asynchronous(async move { cell::why(args, &ros).await }),
+        Command::Answer(args) => asynchronous(async move { cell::answer(args, &ros).await }),
         Command::Watch(args) => asynchronous(async move { watch::run(args, &ros).await }),
         Command::Can(args) => asynchronous(async move { can::run(args).await }),
         Command::Candump(args) => asynchronous(async move { can::dump(args).await }),

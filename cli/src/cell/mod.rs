@@ -9,8 +9,8 @@ use std::time::Duration;
 
 use linewright_line::Line;
 use linewright_msgs::{
-    Bounded, CellState, ChangeOrder, ChangeOrderRequest, ProductionRequest, ProductionState, RosService, SubmitOrders,
-    SubmitOrdersRequest, WhyNot, WhyNotRequest,
+    AnswerAlarm, AnswerAlarmRequest, Bounded, CellState, ChangeOrder, ChangeOrderRequest, ProductionRequest,
+    ProductionState, RosService, SubmitOrders, SubmitOrdersRequest, WhyNot, WhyNotRequest,
 };
 use linewright_node_shell::{
     CallError, Caller, Forward, Mapping, NewestBySequence, Node, Participant, RosArgs, TopicError, forward,
@@ -19,7 +19,7 @@ use linewright_node_shell::{
 use miette::miette;
 use tokio::sync::mpsc;
 
-pub use operate::{OrderArgs, WhyArgs, order, why};
+pub use operate::{AnswerArgs, OrderArgs, WhyArgs, answer, order, why};
 
 /// A request that is sent before the other side is discovered gets no answer: so it is asked again, this long each time.
 const ANSWER: Duration = Duration::from_millis(700);
@@ -36,6 +36,7 @@ pub struct CellClient {
     cancel: Caller<ChangeOrder>,
     withdraw: Caller<ChangeOrder>,
     why: Caller<WhyNot>,
+    answer: Caller<AnswerAlarm>,
     domain_id: u16,
     _task: Forward,
     // The node must outlive what it has opened.
@@ -60,6 +61,7 @@ impl CellClient {
             cancel: caller(&mut node, "cancel_order")?,
             withdraw: caller(&mut node, "withdraw_order")?,
             why: caller(&mut node, "why_not")?,
+            answer: caller(&mut node, "answer_alarm")?,
             domain_id: participant.domain_id(),
             _task: forward(state, to, |message, _| Some(message)),
             _node: node,
@@ -115,6 +117,15 @@ impl CellClient {
     pub async fn why(&self, about: &str) -> miette::Result<Vec<String>> {
         let response = ask(&self.why, &WhyNotRequest { about: about.to_owned() }).await?;
         if response.known { Ok(response.lines) } else { Err(miette!("{}", response.lines.join("\n"))) }
+    }
+}
+
+impl CellClient {
+    /// Says what is true, now that what an alarm asked for was done.
+    pub async fn answer(&self, alarm: u64, word: &str) -> miette::Result<()> {
+        let by = std::env::var("USER").unwrap_or_default();
+        let response = ask(&self.answer, &AnswerAlarmRequest { alarm, word: word.to_owned(), by }).await?;
+        if response.accepted { Ok(()) } else { Err(miette!("{}", response.reason)) }
     }
 }
 

@@ -1,4 +1,4 @@
-//! What a person asks of a running cell from a shell: `order` and `why`.
+//! What a person asks of a running cell from a shell, and answers: `order`, `why` and `answer`.
 
 use std::path::PathBuf;
 use std::process::ExitCode;
@@ -146,5 +146,36 @@ pub async fn why(args: WhyArgs, ros: &RosArgs) -> miette::Result<ExitCode> {
     let mut client = CellClient::open(&line, ros, "why")?;
     client.until_heard(CONNECT).await?;
     client.why(&args.about.join(" ")).await?.iter().for_each(|reason| say!("{reason}"));
+    Ok(ExitCode::SUCCESS)
+}
+
+/// Answer an alarm of a running cell, or show the alarms that stand.
+#[derive(Debug, Args)]
+pub struct AnswerArgs {
+    /// The cell's directory.
+    cell: PathBuf,
+    /// The alarm's number; none shows the alarms.
+    #[arg(requires = "word")]
+    alarm: Option<u64>,
+    /// What is true now: one of the alarm's answers.
+    word: Option<String>,
+}
+
+/// `linewright answer`
+pub async fn answer(args: AnswerArgs, ros: &RosArgs) -> miette::Result<ExitCode> {
+    let line = load::line_of_cell(&args.cell)?;
+    let mut client = CellClient::open(&line, ros, "answer")?;
+    let state = client.until_heard(CONNECT).await?;
+    let (Some(alarm), Some(word)) = (args.alarm, args.word) else {
+        if state.alarms.as_slice().is_empty() {
+            say!("no alarm stands");
+        }
+        for alarm in state.alarms.as_slice() {
+            say!("alarm {}: {} Answers: {}", alarm.id, alarm.text, alarm.answers.join(", "));
+        }
+        return Ok(ExitCode::SUCCESS);
+    };
+    client.answer(alarm, &word).await?;
+    say!("alarm {alarm} is answered: {word}");
     Ok(ExitCode::SUCCESS)
 }

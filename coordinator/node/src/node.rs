@@ -96,7 +96,7 @@ pub async fn run(
                 Some(arrived) => node.arrived(arrived),
                 None => return Err(NodeError::Middleware),
             },
-            failed = next_failure(&mut node.cell) => return Err(failed.into()),
+            failed = Playing::failure(&mut node.cell) => return Err(failed.into()),
             () = node.clock.sleep_until(Some(deadline)) => {}
         }
         node.act();
@@ -111,13 +111,6 @@ pub async fn run(
     node.driver.release_outputs();
     tracing::info!("coordinator ends");
     Ok(())
-}
-
-async fn next_failure(cell: &mut Option<Playing>) -> CellError {
-    match cell {
-        Some(cell) => cell.failed().await,
-        None => std::future::pending().await,
-    }
 }
 
 /// What an input message says, for telling whether it would say anything new.
@@ -165,6 +158,8 @@ struct Shell {
     /// What is wrong with the devices of stations that have a bus of their own, as they tell it.
     troubles: Vec<String>,
     states: Vec<NewestBySequence>,
+    /// Stations that say that they have lost their devices, or were stopped in the middle of something.
+    in_trouble: Vec<bool>,
     boot_id: u64,
     order_sequence: u64,
     state_sequence: u64,
@@ -228,6 +223,7 @@ impl Shell {
             behind,
             troubles: vec![String::new(); line.stations.len()],
             states: line.stations.iter().map(|_| NewestBySequence::new()).collect(),
+            in_trouble: vec![false; line.stations.len()],
             boot_id,
             order_sequence: 0,
             state_sequence: 0,
@@ -282,6 +278,7 @@ impl Shell {
             Arrived::State(message) => match report_from_message(&self.line, &message) {
                 Ok((station, report)) => {
                     if self.states[station.index()].offer(message.boot_id, message.sequence).is_newest() {
+                        self.in_trouble[station.index()] = !report.incomplete.is_empty() || !report.devices_valid;
                         let heard = Heard {
                             boot_id: report.boot_id,
                             mode_epoch: report.mode_epoch,
@@ -354,6 +351,7 @@ impl Shell {
     /// Steps the logic and performs what it gives: the journal first, then outputs, then what is told.
     fn act(&mut self) {
         let now = self.clock.now();
+        self.isolate();
         self.coordinator.step(now, &mut self.outbox);
         let changed = std::mem::take(&mut self.outbox.changed);
         if let Err(error) = self.remember() {
@@ -384,6 +382,16 @@ impl Shell {
         if changed || due {
             self.tell(now);
         }
+    }
+
+    /// In a cell trouble of a station on order is an exception of its order, and the others work on: what has come to be one,
+    /// and in auto also what is about to, since a station tells of its trouble here and there at once.
+    fn isolate(&mut self) {
+        let Some(cell) = &self.cell else { return };
+        let (isolated, in_auto) = (cell.isolated(), self.coordinator.order().mode == ControlMode::Auto);
+        let trouble: Vec<bool> = self.line.station_ids().map(|id| !self.coordinator.hears(id)).collect();
+        let trouble = |id: StationId| self.in_trouble[id.index()] || trouble[id.index()];
+        self.coordinator.isolate(|id| isolated.contains(&id) || in_auto && trouble(id));
     }
 
     fn remember(&mut self) -> Result<(), NodeError> {

@@ -4,6 +4,7 @@
 //! decision over. The rest of the coordinator (the mode, the console, the gateway to the devices) must not wait for either,
 //! and tells this one nothing but whether activities may start. Should this one end, the coordinator ends with it.
 
+use std::collections::BTreeSet;
 use std::path::{Path, PathBuf};
 use std::sync::Arc;
 use std::time::{Duration, SystemTime};
@@ -12,26 +13,29 @@ use linewright_cell::Cell;
 use linewright_cell::net::Supply;
 use linewright_coordinator_logic::cell::dispatch::Ways;
 use linewright_coordinator_logic::cell::dispatch::words::Reasons;
+use linewright_coordinator_logic::cell::exception::{Asked, Unable, isolated};
 use linewright_coordinator_logic::cell::production::Request;
 use linewright_coordinator_logic::cell::schedule::Foreman;
 use linewright_coordinator_logic::cell::{
-    CellTable, Coordination, Denied, Event, Heard, Input, OldEpoch, OrderKey, Outbox, ProductionCommand, ProductionId,
-    Reply as Answered, Send, State, Ticket,
+    AlarmId, CellTable, Coordination, Denied, Event, Heard, Input, OldEpoch, OrderKey, Outbox, ProductionCommand,
+    ProductionId, Reply as Answered, Send, State, Ticket,
 };
 use linewright_coordinator_logic::described::{Pace, Unplayable, described, foreman};
 use linewright_history::Note;
-use linewright_line::{Line, StationId, Tick};
+use linewright_line::{InputId, Line, StationId, Tick};
 use linewright_msgs::{
-    CellState, ChangeOrder, ChangeOrderResponse, SubmitOrders, SubmitOrdersResponse, WhyNotResponse,
+    AnswerAlarm, AnswerAlarmResponse, CellState, ChangeOrder, ChangeOrderResponse, SubmitOrders, SubmitOrdersResponse,
+    WhyNotResponse,
 };
 use linewright_node_shell::{Forward, NewestBySequence, Node, Reply, TopicError, fresh_boot_id, stamp};
+use linewright_station_node::quoted;
 use thiserror::Error;
 use tokio::sync::{mpsc, oneshot, watch};
 
 use super::history::{Chronicle, begin};
 use super::log::{CellLog, CellLogError};
 use super::topics::{News, Says, open};
-use super::why::why;
+use super::why::{refused, why};
 use super::wire;
 use super::words::describe;
 
@@ -78,6 +82,7 @@ pub struct CellOptions {
 /// A cell that is played.
 pub struct Playing {
     starts: watch::Sender<bool>,
+    isolated: watch::Receiver<BTreeSet<StationId>>,
     ended: oneshot::Receiver<CellError>,
     tasks: Vec<Forward>,
 }
@@ -94,7 +99,8 @@ impl Playing {
     pub fn open(options: CellOptions, node: &mut Node) -> Result<Self, CellError> {
         let (says, from, tasks) = open(node, &options.line)?;
         let (starts, may_start) = watch::channel(false);
-        let mut player = Player::new(options, says, from, may_start)?;
+        let (isolate, isolated) = watch::channel(BTreeSet::new());
+        let mut player = Player::new(options, says, from, may_start, isolate)?;
         let (end, ended) = oneshot::channel();
         let play = move || {
             let runtime = tokio::runtime::Builder::new_current_thread().enable_time().build();
@@ -109,7 +115,7 @@ impl Playing {
         };
         let spawned = std::thread::Builder::new().name("cell".to_owned()).spawn(play);
         spawned.map_err(|error| CellError::Thread(error.to_string()))?;
-        Ok(Playing { starts, ended, tasks })
+        Ok(Playing { starts, isolated, ended, tasks })
     }
 
     /// Says whether activities may start.
@@ -117,9 +123,15 @@ impl Playing {
         self.starts.send_if_modified(|now| std::mem::replace(now, may) != may);
     }
 
-    /// Waits for an end that should not be.
-    pub async fn failed(&mut self) -> CellError {
-        match (&mut self.ended).await {
+    /// The stations whose trouble is the cell's alone.
+    pub fn isolated(&self) -> BTreeSet<StationId> {
+        self.isolated.borrow().clone()
+    }
+
+    /// Waits for an end that should not be; where there is no cell, for ever.
+    pub async fn failure(playing: &mut Option<Self>) -> CellError {
+        let Some(playing) = playing else { return std::future::pending().await };
+        match (&mut playing.ended).await {
             Ok(error) => error,
             Err(_) => CellError::Thread("it has ended".to_owned()),
         }
@@ -144,6 +156,7 @@ enum Told {
     Submit(Ticket, Vec<Request>),
     Cancel(Ticket, String),
     Withdraw(Ticket, String),
+    Answer(u64, String),
 }
 
 struct Player {
@@ -166,6 +179,12 @@ struct Player {
     began: tokio::time::Instant,
     told: Vec<Told>,
     waiting: Vec<(Ticket, Waiting)>,
+    /// Who has answered an alarm, and waits to hear whether that is believed.
+    answers: Vec<(AlarmId, Reply<AnswerAlarm>)>,
+    /// Why stations could do nothing now, as they say; and the inputs that see their parts.
+    unable: Vec<Option<Unable>>,
+    sensors: Vec<Option<InputId>>,
+    isolated: watch::Sender<BTreeSet<StationId>>,
     tickets: Ticket,
     message: CellState,
     /// When the state was told, by the player's time; and whether it has changed since.
@@ -193,6 +212,7 @@ impl Player {
         says: Says,
         from: mpsc::Receiver<News>,
         may_start: watch::Receiver<bool>,
+        isolated: watch::Sender<BTreeSet<StationId>>,
     ) -> Result<Self, CellError> {
         let CellOptions { cell, line, state_dir, boot_id } = options;
         let pace = Pace { refresh: line.timing.stale, grace: line.timing.stale * 2 };
@@ -231,6 +251,10 @@ impl Player {
             began: tokio::time::Instant::now(),
             told: Vec::new(),
             waiting: Vec::new(),
+            answers: Vec::new(),
+            unable: vec![None; line.stations.len()],
+            sensors: wire::sensors(&cell, &line),
+            isolated,
             tickets: 0,
             message: CellState { boot_id, cell: cell.name, ..CellState::default() },
             said: Tick::ZERO,
@@ -277,10 +301,21 @@ impl Player {
                 let known = self.states.get_mut(station.index());
                 let newest = known.is_some_and(|known| known.offer(message.boot_id, message.sequence).is_newest());
                 if newest && message.station == self.line.station(station).name {
-                    let (heard, refused) = wire::heard(&message);
+                    let (unable, sensor) = (self.unable[station.index()], self.sensors[station.index()]);
+                    let (heard, refused) = wire::heard(&message, unable, sensor);
                     self.told.push(Told::State(station, heard));
                     self.told.extend(refused.into_iter().map(|(key, reply)| Told::Reply(station, key, reply)));
                 }
+            }
+            News::State(station, message) => {
+                if message.station == self.line.station(station).name {
+                    self.unable[station.index()] = wire::unable(&message);
+                }
+            }
+            News::Answer(alarm, word, by, reply) => {
+                tracing::info!("alarm {alarm}: {} says {}", quoted(&by), quoted(&word));
+                self.told.push(Told::Answer(alarm, word));
+                self.answers.push((AlarmId(alarm), reply));
             }
             News::Submit(asked, reply) => self.submit(&asked.requests, reply),
             News::Cancel(name, reply) => {
@@ -332,6 +367,7 @@ impl Player {
             Told::Reply(station, key, reply) => Input::Reply(*station, *key, *reply),
             Told::Submit(ticket, requests) => Input::Production(*ticket, ProductionCommand::Submit(requests)),
             Told::Cancel(ticket, name) => Input::Production(*ticket, ProductionCommand::Cancel(name)),
+            Told::Answer(alarm, word) => Input::Answer { alarm: AlarmId(*alarm), word },
             Told::Withdraw(ticket, name) => Input::Production(*ticket, ProductionCommand::Withdraw(name)),
         }));
         let mut out = Outbox::default();
@@ -345,13 +381,27 @@ impl Player {
         for send in &out.sends {
             match send {
                 Send::Order(order) => self.says.order(order),
-                // Nothing carries it yet: stations go back by themselves when their own time is over, and say so.
-                Send::Secure { .. } => {}
+                Send::Secure { station, key } => self.says.secure(*station, *key),
             }
         }
         for (ticket, reply) in out.replies {
             self.answer(ticket, reply);
         }
+        for (alarm, reply) in std::mem::take(&mut self.answers) {
+            let objection = out.events.iter().find_map(|event| match event {
+                Event::Objected { to: Asked::Answer(to), why } if *to == alarm => Some(*why),
+                _ => None,
+            });
+            let state = self.coordination.state();
+            let reason = objection.map(|why| refused(&self.line, state, alarm, why)).unwrap_or_default();
+            reply.send(AnswerAlarmResponse { accepted: objection.is_none(), reason });
+        }
+        let isolated = isolated(self.coordination.state());
+        self.isolated.send_if_modified(|now| {
+            let changed = *now != isolated;
+            *now = isolated;
+            changed
+        });
         for event in out.events {
             self.event(event)?;
         }
@@ -415,10 +465,8 @@ impl Player {
                 );
                 Ok(())
             }
-            Event::Objected { to, why } => {
-                tracing::warn!("{to:?} is not done: {why:?}");
-                Ok(())
-            }
+            // Whoever asked is told.
+            Event::Objected { .. } => Ok(()),
             Event::Busy { mode } => {
                 let name = self.coordination.state().table().mode_name(mode).to_owned();
                 tracing::warn!("very much happens at one moment, `{name}` last");

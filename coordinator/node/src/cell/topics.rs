@@ -1,8 +1,11 @@
 //! What the coordinator of a cell says and hears over ROS 2, beside what that of every line does.
 
-use linewright_coordinator_logic::cell::OrderMessage;
+use linewright_coordinator_logic::cell::{OrderKey, OrderMessage};
 use linewright_line::{Line, StationId};
-use linewright_msgs::{CellState, ChangeOrder, OrderState, RunTask, SubmitOrders, SubmitOrdersRequest, WhyNot};
+use linewright_msgs::{
+    AnswerAlarm, CellState, ChangeOrder, OrderState, RunTask, SecureOrder, StationState, SubmitOrders,
+    SubmitOrdersRequest, WhyNot,
+};
 use linewright_node_shell::{ActionCaller, Forward, Mapping, Node, Publisher, Reply, TopicError, forward, qos, serve};
 use tokio::sync::mpsc;
 
@@ -18,6 +21,10 @@ pub enum News {
     Cancel(String, Reply<ChangeOrder>),
     /// An order is to be as if it had never been.
     Withdraw(String, Reply<ChangeOrder>),
+    /// What else a station on order says of itself.
+    State(StationId, Box<StationState>),
+    /// What an alarm asked for has been done: its number, the answer, and who says so.
+    Answer(u64, String, String, Reply<AnswerAlarm>),
     /// Why something does not go on.
     Why(String, Reply<WhyNot>),
 }
@@ -26,6 +33,7 @@ pub enum News {
 struct OnOrder {
     station: StationId,
     tasks: ActionCaller<RunTask>,
+    secure: Publisher<SecureOrder>,
 }
 
 /// What goes out.
@@ -44,6 +52,14 @@ impl Says {
     }
 }
 
+impl Says {
+    /// Tells a station to leave an order be.
+    pub fn secure(&self, station: StationId, key: OrderKey) {
+        let Some(station) = self.stations.iter().find(|known| known.station == station) else { return };
+        station.secure.send(SecureOrder { epoch: key.epoch, id: key.id });
+    }
+}
+
 /// Enough for a burst of every station's state while a decision is thought over; what does not fit waits in the middleware.
 const QUEUE: usize = 1024;
 
@@ -58,6 +74,9 @@ pub fn open(node: &mut Node, line: &Line) -> Result<(Says, mpsc::Receiver<News>,
         serve(node.service::<ChangeOrder>("~/withdraw_order")?, to.clone(), |asked, reply| {
             News::Withdraw(asked.name, reply)
         }),
+        serve(node.service::<AnswerAlarm>("~/answer_alarm")?, to.clone(), |asked, reply| {
+            News::Answer(asked.alarm, asked.word, asked.by, reply)
+        }),
         serve(node.service::<WhyNot>("~/why_not")?, to.clone(), |asked, reply| News::Why(asked.about, reply)),
     ];
     let mut says = Says { state: node.publisher("~/cell_state", qos::latched_state())?, stations: Vec::new() };
@@ -65,9 +84,12 @@ pub fn open(node: &mut Node, line: &Line) -> Result<(Says, mpsc::Receiver<News>,
         let name = &line.station(id).name;
         let state = node.subscription(&format!("{name}/order"), qos::latched_state())?;
         tasks.push(forward(state, to.clone(), move |message, _| Some(News::Heard(id, Box::new(message)))));
+        let state = node.subscription(&format!("{name}/state"), qos::latched_state())?;
+        tasks.push(forward(state, to.clone(), move |message, _| Some(News::State(id, Box::new(message)))));
         says.stations.push(OnOrder {
             station: id,
             tasks: node.action_caller::<RunTask>(&format!("{name}/run_task"), Mapping::Enhanced)?,
+            secure: node.publisher(&format!("{name}/secure"), qos::command())?,
         });
     }
     Ok((says, from, tasks))

@@ -2,9 +2,10 @@
 
 use linewright_coordinator_logic::cell::dispatch::words::Reasons;
 use linewright_coordinator_logic::cell::dispatch::{Ways, why_not};
+use linewright_coordinator_logic::cell::exception::{Objection, Unable};
 use linewright_coordinator_logic::cell::production::Status;
-use linewright_coordinator_logic::cell::{PartId, State};
-use linewright_line::{Tick, suggestion};
+use linewright_coordinator_logic::cell::{AlarmId, PartId, ResourceId, State};
+use linewright_line::{Line, StationId, Tick, suggestion};
 
 /// Of so many parts of one order it is said why they do not go on.
 const PARTS_MAX: usize = 5;
@@ -47,5 +48,35 @@ pub fn why(ways: &Ways, reasons: &Reasons, state: &State, now: Tick, about: &str
             let hint = suggestion(about, names.iter().copied()).map(|hint| format!("; {hint}")).unwrap_or_default();
             Err(format!("there is no part and no production order `{about}`{hint}"))
         }
+    }
+}
+
+/// Why an answer to an alarm is not believed, in words.
+pub fn refused(line: &Line, state: &State, alarm: AlarmId, why: Objection) -> String {
+    let station = |id: StationId| line.station(id).name.as_str();
+    let resource = |id: ResourceId| state.table().handling().resource(id).map_or("?", |resource| &resource.name);
+    match why {
+        Objection::NoSuchAlarm => format!("there is no alarm {}", alarm.0),
+        Objection::NoSuchWord => {
+            let words = state.exceptions().alarm(alarm).map(|alarm| alarm.words.join(", "));
+            format!("answers to alarm {} are {}", alarm.0, words.unwrap_or_default())
+        }
+        Objection::NoSuchResource => "there is no such resource".to_owned(),
+        Objection::AlreadySo => "it is so already".to_owned(),
+        Objection::Moves(id) => format!("{} is still at it", station(id)),
+        Objection::HasPart(id) => {
+            format!("the sensor of {} sees a part, where by this answer there is none", resource(id))
+        }
+        Objection::HasNoPart(id) => {
+            format!("the sensor of {} sees no part, where by this answer there is one", resource(id))
+        }
+        Objection::NotHeard(id) => format!("{} is not heard", station(id)),
+        Objection::NotAtRest(id) => format!("{} stands between two rests; lead it to one by hand", station(id)),
+        Objection::CannotWork(id, Unable::Devices) => format!("the devices of {} are not there", station(id)),
+        Objection::CannotWork(id, Unable::Incomplete) => {
+            format!("an operation of {} was stopped before its end; complete or undo it in manual", station(id))
+        }
+        Objection::CannotWork(id, Unable::ByHand) => format!("{} is moved by hand", station(id)),
+        Objection::Open(id) => format!("an activity of {} has failed; answer its alarm first", resource(id)),
     }
 }

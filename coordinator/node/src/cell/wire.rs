@@ -2,13 +2,53 @@
 //!
 //! Times are the player's own: microseconds since 1970, as messages have them in seconds and nanoseconds.
 
+use linewright_cell::Cell;
+use linewright_coordinator_logic::cell::exception::{Presence, Unable};
 use linewright_coordinator_logic::cell::production::Request;
 use linewright_coordinator_logic::cell::{Heard, OrderKey, OrderMessage, Outcome, Refusal, Reply};
-use linewright_line::Tick;
-use linewright_msgs::{OrderEnd, OrderState, ProductionRequest, RunTaskGoal, RunTaskResult, Time};
+use linewright_line::{InputId, Line, Tick};
+use linewright_msgs::{OrderEnd, OrderState, ProductionRequest, RunTaskGoal, RunTaskResult, StationState, Time};
 
-/// What a station says of its orders; and what it has refused for good.
-pub fn heard(message: &OrderState) -> (Heard, Vec<(OrderKey, Reply)>) {
+/// Why a station could do nothing now, as its state says.
+pub fn unable(state: &StationState) -> Option<Unable> {
+    let by_hand = [StationState::MODE_HAND, StationState::MODE_MANUAL].contains(&state.mode);
+    if !state.devices_valid {
+        Some(Unable::Devices)
+    } else if !state.incomplete.is_empty() {
+        Some(Unable::Incomplete)
+    } else if by_hand || state.selector_manual {
+        Some(Unable::ByHand)
+    } else {
+        None
+    }
+}
+
+/// The inputs of stations that see the part of their resource.
+pub fn sensors(cell: &Cell, line: &Line) -> Vec<Option<InputId>> {
+    let mut sensors = vec![None; line.stations.len()];
+    for resource in &cell.resources {
+        let name = resource.controller.map(|id| cell.controllers[id.index()].as_str());
+        if let (Some(id), Some(input)) = (name.and_then(|name| line.station_named(name)), &resource.presence) {
+            let inputs = &line.station(id).inputs;
+            sensors[id.index()] = inputs.iter().position(|of| of == input).map(InputId::at);
+        }
+    }
+    sensors
+}
+
+/// What a sensor says that is this input of its station; nobody knows while the station's inputs are not known.
+fn presence(message: &OrderState, sensor: Option<InputId>) -> Presence {
+    let byte = |input: InputId| Some((message.inputs.as_slice().get(usize::from(input.0) / 8)?, input.0 % 8));
+    match sensor.and_then(byte) {
+        Some((byte, bit)) if byte & (1 << bit) != 0 => Presence::On,
+        Some(_) => Presence::Off,
+        None => Presence::Unknown,
+    }
+}
+
+/// What a station says of its orders, with what else is known of it; and what it has refused for good. The input is that of
+/// the sensor which sees its part.
+pub fn heard(message: &OrderState, unable: Option<Unable>, sensor: Option<InputId>) -> (Heard, Vec<(OrderKey, Reply)>) {
     let doing = OrderKey { epoch: message.doing_epoch, id: message.doing_id };
     let heard = Heard {
         memory: message.memory,
@@ -16,7 +56,8 @@ pub fn heard(message: &OrderState) -> (Heard, Vec<(OrderKey, Reply)>) {
         slot: (doing.id != 0).then_some(doing),
         results: message.ended.as_slice().iter().map(|end| (key(end), outcome(end))).collect(),
         is_held: doing.id == 0 && message.rest.is_empty(),
-        ..Heard::default()
+        unable,
+        presence: presence(message, sensor),
     };
     let refused =
         message.refused.as_slice().iter().filter_map(|end| Some((key(end), Reply::Refused(refusal(end.code)?))));
@@ -124,12 +165,12 @@ mod tests {
         };
         message.validate().expect("it is valid");
         let key = |id| OrderKey { epoch: 2, id };
-        let (state, refused) = heard(&message);
+        let (state, refused) = heard(&message, None, None);
         assert_eq!((state.memory, state.epoch, state.slot), (9, 2, Some(key(5))));
         assert_eq!(state.results, [(key(3), Outcome::Done), (key(4), Outcome::Failed(1004))]);
         assert_eq!(refused, [(key(1), Reply::Refused(Refusal::Late))], "what is not known is not believed");
         (message.doing_epoch, message.doing_id, message.phase) = (0, 0, 0);
-        assert_eq!(heard(&message).0.slot, None);
+        assert_eq!(heard(&message, None, None).0.slot, None);
     }
 
     #[test]

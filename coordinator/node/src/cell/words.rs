@@ -2,12 +2,13 @@
 //!
 //! What the net calls things is turned into what people do: a part is *in M1, loaded*, or *in `load M1`*.
 
+use linewright_coordinator_logic::cell::exception::Alarm;
 use linewright_coordinator_logic::cell::production::{Order, Production, Status};
 use linewright_coordinator_logic::cell::{
     CellTable, Firing, ModeId, Order as StationOrder, OrderState, Part, Phase, Place, State,
 };
 use linewright_line::{Line, Tick};
-use linewright_msgs::{ActivityState, Bounded, CellState, LISTED_MAX, PartState, ProductionState, fitting};
+use linewright_msgs::{ActivityState, AlarmState, Bounded, CellState, LISTED_MAX, PartState, ProductionState, fitting};
 
 use super::wire::time;
 
@@ -19,6 +20,15 @@ pub fn describe(line: &Line, state: &State, starting: bool, now: Tick, message: 
     message.parts_inside = count(state.parts().len());
     message.parts_left = state.left();
     message.orders_open = count(production.orders().filter(|order| order.ended.is_none()).count());
+    let alarm = |alarm: &Alarm| AlarmState {
+        id: alarm.id.0,
+        raised: time(alarm.since),
+        text: fitting(alarm.text.clone()),
+        answers: alarm.words.clone(),
+    };
+    message.alarms = listed(state.exceptions().alarms().map(alarm));
+    let name = |id| table.handling().resource(id).map(|resource| resource.name.to_string()).unwrap_or_default();
+    message.down = listed(state.exceptions().down().map(|(id, _)| name(id)));
     let mut parts: Vec<&Part> = state.parts().collect();
     parts.sort_by_key(|part| (part.since, part.id));
     message.parts = listed(parts.into_iter().map(|part| self::part(table, state, part)));
