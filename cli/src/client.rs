@@ -55,14 +55,25 @@ pub struct Client {
 /// Events come in bursts, one per motion of every station.
 const QUEUE: usize = 4096;
 
+/// Joins the ROS graph of a line as `name`; also gives the domain.
+pub fn join(line: &Line, ros: &RosArgs, name: &str) -> miette::Result<(Node, u16)> {
+    let participant = Participant::open(ros).map_err(|error| miette!("{error}"))?;
+    // Several operators may look at the same line: each needs a name of its own.
+    let name = format!("{name}_{}", std::process::id());
+    let node = participant.node(&format!("/{}", line.name), &name).map_err(|error| miette!("{error}"))?;
+    Ok((node, participant.domain_id()))
+}
+
+/// That nobody is there.
+pub fn not_heard(of: &str, domain: u16) -> miette::Report {
+    miette!("no coordinator of {of} is heard on ROS domain {domain} (is it running, and on the same ROS_DOMAIN_ID?)")
+}
+
 impl Client {
     /// Joins the ROS graph as `name`.
     pub fn open(line: &Line, ros: &RosArgs, name: &str) -> miette::Result<Self> {
         let failed = |error: TopicError| miette!("{error}");
-        let participant = Participant::open(ros).map_err(|error| miette!("{error}"))?;
-        // Several operators may look at the same line: each needs a name of its own.
-        let name = format!("{name}_{}", std::process::id());
-        let mut node = participant.node(&format!("/{}", line.name), &name).map_err(|error| miette!("{error}"))?;
+        let (mut node, domain_id) = join(line, ros, name)?;
         let (to, from) = mpsc::channel(QUEUE);
         let state = node.subscription("state", qos::latched_state()).map_err(failed)?;
         let mut tasks = vec![forward(state, to.clone(), |m, _| Some(Raw::Line(m)))];
@@ -81,7 +92,7 @@ impl Client {
             commands: node.publisher("mode_cmd", qos::command()).map_err(failed)?,
             buttons: node.publisher("buttons", qos::command()).map_err(failed)?,
             line: line.clone(),
-            domain_id: participant.domain_id(),
+            domain_id,
             node,
             _tasks: tasks,
         })
@@ -182,10 +193,6 @@ impl Client {
                 return self.listen(Duration::from_millis(150)).await;
             }
         }
-        Err(miette!(
-            "no coordinator of line '{}' is heard on ROS domain {} (is it running, and on the same ROS_DOMAIN_ID?)",
-            self.line.name,
-            self.domain_id
-        ))
+        Err(not_heard(&format!("line '{}'", self.line.name), self.domain_id))
     }
 }

@@ -4,7 +4,7 @@ use std::fs::File;
 use std::io::Read as _;
 use std::path::{Path, PathBuf};
 
-use linewright_line::{Line, StationId};
+use linewright_line::{Line, Problem, StationId};
 use miette::{IntoDiagnostic, WrapErr, miette};
 
 /// A description may be this large; the parser refuses more, so do not read more.
@@ -70,13 +70,18 @@ pub fn line_of_cell(path: &Path) -> miette::Result<Line> {
 pub fn line(path: &Path, quiet: bool) -> miette::Result<Line> {
     let parsed = parsed(path)?;
     if !quiet {
-        for warning in &parsed.warnings {
-            eprintln!("{}:{}:{}: warning: {}", file_of(path).display(), warning.line, warning.column, warning.message);
-        }
+        warn(&file_of(path), &parsed.warnings);
     }
     let mut line = parsed.line;
     with_device_files(&mut line, path, quiet)?;
     Ok(line)
+}
+
+/// Says on standard error what is doubtful in a description.
+pub fn warn(file: &Path, warnings: &[Problem]) {
+    for warning in warnings {
+        eprintln!("{}:{}:{}: warning: {}", file.display(), warning.line, warning.column, warning.message);
+    }
 }
 
 /// Adds what the devices' own files say, which lie beside the description.

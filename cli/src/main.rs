@@ -76,6 +76,8 @@ enum Command {
     Why(cell::WhyArgs),
     /// Answer an alarm of a running cell, or show those that stand.
     Answer(cell::AnswerArgs),
+    /// Show which resources of a running cell are left out; give alarm of one, leave it out, or count on it again.
+    Resource(cell::ResourceArgs),
     /// Show the line as it runs.
     Watch(watch::Args),
     /// Look at a CAN bus and its CANopen nodes, and talk to them: scan, status, nmt, sdo, monitor, record, replay.
@@ -121,6 +123,7 @@ fn dispatch(command: Command, ros: RosArgs) -> miette::Result<ExitCode> {
         Command::Order(args) => asynchronous(async move { cell::order(args, &ros).await }),
         Command::Why(args) => asynchronous(async move { cell::why(args, &ros).await }),
         Command::Answer(args) => asynchronous(async move { cell::answer(args, &ros).await }),
+        Command::Resource(args) => asynchronous(async move { cell::resource(args, &ros).await }),
         Command::Watch(args) => asynchronous(async move { watch::run(args, &ros).await }),
         Command::Can(args) => asynchronous(async move { can::run(args).await }),
         Command::Candump(args) => asynchronous(async move { can::dump(args).await }),

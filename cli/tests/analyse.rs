@@ -1,13 +1,11 @@
 //! `linewright analyse` and `linewright nets`, as a user meets them: the built command, its output and its exit code.
 
-#[path = "support/command.rs"]
-mod command;
-
 use std::fmt::Write as _;
 use std::process::{Command, Stdio};
 
-use command::{Scratch, json, linewright, shipped, text};
 use serde_json::Value;
+
+use crate::support::command::{Scratch, json, linewright, shipped, text};
 
 /// What is found out about a file, as JSON.
 fn analysed(file: &str, more: &[&str]) -> Value {

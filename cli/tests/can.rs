@@ -1,22 +1,22 @@
 //! `linewright can` as a technician meets it: simulated devices on a virtual bus of the test's own, and no manager.
 
-#[path = "support/command.rs"]
-mod command;
-
 use std::process::{Child, Command, Output, Stdio};
+use std::sync::RwLockReadGuard;
 use std::time::{Duration, Instant};
 
-use command::{Scratch, json, shipped, text};
+use crate::support::beside_no_rig;
+use crate::support::command::{Scratch, json, shipped, text};
 
 /// The shipped line's devices, on a bus nobody else is on.
 struct Devices {
     plant: Child,
     scratch: Scratch,
+    _no_rig: RwLockReadGuard<'static, ()>,
 }
 
 impl Devices {
     fn new() -> Self {
-        let scratch = Scratch::new();
+        let (scratch, no_rig) = (Scratch::new(), beside_no_rig());
         let plant = Command::new(env!("CARGO_BIN_EXE_linewright"))
             .args(["plant", "--bus", "test0", "--end-with-stdin"])
             .arg(shipped())
@@ -26,7 +26,7 @@ impl Devices {
             .stderr(Stdio::null())
             .spawn()
             .expect("the plant starts");
-        let devices = Devices { plant, scratch };
+        let devices = Devices { plant, scratch, _no_rig: no_rig };
         let patience = Instant::now() + Duration::from_secs(20);
         while json(&devices.can(&["scan", "--wait", "300", "--json"]))["nodes"].as_array().is_none_or(Vec::is_empty) {
             assert!(Instant::now() < patience, "no device is there");

@@ -1,12 +1,10 @@
 //! `linewright check` and `linewright new`, as a user meets them: the built command, its output and its exit code.
 
-#[path = "support/command.rs"]
-mod command;
-
 use std::path::Path;
 
-use command::{Scratch, json, linewright, shipped, text, unread};
 use serde_json::Value;
+
+use crate::support::command::{Scratch, json, linewright, shipped, text, unread};
 
 #[test]
 fn the_shipped_line_passes_every_check() {

@@ -1,12 +1,10 @@
 //! `linewright check` and `linewright nets` of flexible cells, as a user meets them.
 
-#[path = "support/command.rs"]
-mod command;
-
 use std::path::Path;
 
-use command::{Scratch, json, linewright, shipped, text};
 use serde_json::Value;
+
+use crate::support::command::{Scratch, json, linewright, shipped, text};
 
 fn cell_text(name: &str) -> String {
     let path = Path::new(env!("CARGO_MANIFEST_DIR")).join("../launch-config/lines").join(name).join("cell.toml");

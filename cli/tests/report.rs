@@ -1,14 +1,12 @@
 //! `linewright simulate --record` and `linewright report`, as a user meets them: what was written is what is reported.
 
-#[path = "support/command.rs"]
-mod command;
-
 use std::collections::BTreeMap;
 use std::path::{Path, PathBuf};
 use std::process::Output;
 
-use command::{Scratch, json, linewright, shipped, text};
 use serde_json::Value;
+
+use crate::support::command::{Scratch, json, linewright, shipped, text};
 
 fn file(scratch: &Scratch, name: &str) -> PathBuf {
     scratch.path(name).into()

@@ -1,11 +1,8 @@
 //! `linewright simulate`, as a user meets it: the built command, its output, its files and its exit code.
 
-#[path = "support/command.rs"]
-mod command;
-
 use std::process::Output;
 
-use command::{Scratch, json, linewright, shipped, text};
+use crate::support::command::{Scratch, json, linewright, shipped, text};
 
 fn simulate(args: &[&str]) -> Output {
     linewright(&[&["simulate", shipped().to_str().unwrap()], args].concat())
@@ -183,7 +180,7 @@ fn a_cell_that_gets_stuck_says_what_its_parts_wait_for() {
     let said = text(&first.stderr);
     assert!(said.contains("parts were finished; nothing happens any more after"), "{said}");
     assert!(!said.contains("3600"), "the end is when the last thing happened: {said}");
-    assert!(said.contains("has been on `") && said.contains("`ST.available-capacity`"), "{said}");
+    assert!(said.contains(" has been in ") && said.contains("`ST.available-capacity`"), "{said}");
 }
 
 #[test]

@@ -1,13 +1,12 @@
 //! Any frames from the bus: no output changes by them, nothing grows, nothing panics.
 
-mod any_frames;
-
 use std::cell::Cell;
 use std::time::Duration;
 
-use any_frames::Bench;
 use linewright_fieldbus::Frame;
 use proptest::prelude::*;
+
+use crate::any_frames::Bench;
 
 /// A script in which devices are brought up and looked after now and then, so that it comes to process data.
 fn script() -> impl Strategy<Value = Vec<u8>> {

@@ -180,7 +180,7 @@ async fn a_killed_process_leaves_nothing_behind() {
     let dir = tempfile::tempdir().unwrap();
     let mut bus = Bus::open("vcan0", &options(&dir)).unwrap();
     let mut child = std::process::Command::new(std::env::current_exe().unwrap())
-        .args(["--exact", "child_echoes_for_ever"])
+        .args(["--exact", "virtual_bus::child_echoes_for_ever"])
         .env(CHILD, dir.path())
         .stdout(std::process::Stdio::null())
         .spawn()

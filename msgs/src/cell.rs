@@ -290,3 +290,44 @@ message! {
     }
     ros name "AnswerAlarm_Response", meaning |_| Ok(())
 }
+
+service! {
+    /// What a person says of a resource.
+    "linewright_msgs" / SetResource = SetResourceRequest -> SetResourceResponse
+}
+
+message! {
+    /// What is true of it.
+    "linewright_msgs" / SetResourceRequest
+    constants {
+        /// Something is wrong with it: what it is doing is stopped and has failed, and it is left out from then on.
+        const ALARM: u8 = 0;
+        /// It is left out from now on. What it is doing it finishes.
+        const DOWN: u8 = 1;
+        /// It is counted on again.
+        const UP: u8 = 2;
+    }
+    fields {
+        /// Its name in the cell's description.
+        resource: String,
+        /// One of the above.
+        what: u8,
+        /// For an alarm: what is wrong.
+        text: String,
+        /// Who says so.
+        by: String,
+    }
+    ros name "SetResource_Request", meaning |m| within("what", m.what, Self::ALARM, Self::UP)
+}
+
+message! {
+    /// Whether it is done.
+    "linewright_msgs" / SetResourceResponse
+    fields {
+        /// It is.
+        accepted: bool,
+        /// Why not.
+        reason: String,
+    }
+    ros name "SetResource_Response", meaning |_| Ok(())
+}

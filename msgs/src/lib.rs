@@ -22,8 +22,9 @@ mod std_types;
 
 pub use cell::{
     ActivityState, AlarmState, AnswerAlarm, AnswerAlarmRequest, AnswerAlarmResponse, CellState, ChangeOrder,
-    ChangeOrderRequest, ChangeOrderResponse, LISTED_MAX, PartState, ProductionRequest, ProductionState, SubmitOrders,
-    SubmitOrdersRequest, SubmitOrdersResponse, WhyNot, WhyNotRequest, WhyNotResponse,
+    ChangeOrderRequest, ChangeOrderResponse, LISTED_MAX, PartState, ProductionRequest, ProductionState, SetResource,
+    SetResourceRequest, SetResourceResponse, SubmitOrders, SubmitOrdersRequest, SubmitOrdersResponse, WhyNot,
+    WhyNotRequest, WhyNotResponse,
 };
 pub use describe::{Bounded, Constant, Field, RosField, RosMessage};
 pub use diagnostics::{Byte, DiagnosticArray, DiagnosticStatus, KeyValue};

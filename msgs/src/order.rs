@@ -179,6 +179,11 @@ message! {
         doing_id: u64,
         /// What it is doing of it ([`RunTaskFeedback`]); 0 if it is doing none.
         phase: u8,
+        /// The order that it was last told to leave; 0: none since the process began. What the message says is from after
+        /// that.
+        secured_epoch: u64,
+        /// Likewise.
+        secured_id: u64,
         /// The rest it stands at; empty while it moves and between rests.
         rest: String,
         /// How the last orders that it took on have ended, the oldest first.

@@ -5,14 +5,14 @@
 //! sequences grow as their elements are read, and every element takes at least one byte of the sample,
 //! so what a sample can make us allocate is a small multiple of its own size.
 
-mod samples;
-
 use byteorder::LittleEndian;
 use linewright_msgs::{
     Invalid, LineState, ModeOrder, OrderState, ProcessImage, RosMessage, RunTaskGoal, RunTaskResult, StationEvent,
     StationState, TEXT_BYTES_MAX, Text,
 };
 use proptest::prelude::*;
+
+use crate::samples;
 
 fn decode<T: RosMessage>(bytes: &[u8]) -> Option<T> {
     cdr_encoding::from_bytes::<T, LittleEndian>(bytes).ok().map(|(message, _)| message)

@@ -8,7 +8,7 @@ use linewright_msgs::{
     ActivityState, AlarmState, Answer, AnswerAlarm, Byte, CORead, COReadID, COWrite, COWriteID, CellState, ChangeOrder,
     Constant, DiagnosticArray, DiagnosticStatus, Flag, Header, KeyValue, LineState, ModeOrder, OrderEnd, OrderState,
     PACKAGE, PartState, ProcessImage, ProductionRequest, ProductionState, RosAction, RosMessage, RosService, RunTask,
-    SecureOrder, StationEvent, StationState, SubmitOrders, Text, Time, Trigger, WhyNot,
+    SecureOrder, SetResource, StationEvent, StationState, SubmitOrders, Text, Time, Trigger, WhyNot,
 };
 use std::collections::BTreeSet;
 use std::path::PathBuf;
@@ -151,6 +151,7 @@ fn our_services_are_what_their_files_say() {
     let files = [
         ("AnswerAlarm", include_str!("../srv/AnswerAlarm.srv"), service::<AnswerAlarm> as fn(&str, &str)),
         ("ChangeOrder", include_str!("../srv/ChangeOrder.srv"), service::<ChangeOrder>),
+        ("SetResource", include_str!("../srv/SetResource.srv"), service::<SetResource>),
         ("SubmitOrders", include_str!("../srv/SubmitOrders.srv"), service::<SubmitOrders>),
         ("WhyNot", include_str!("../srv/WhyNot.srv"), service::<WhyNot>),
     ];

@@ -26,6 +26,11 @@ pub fn fresh_boot_id() -> u64 {
     }
 }
 
+/// A number that is drawn for one thing and never again, as the key of a request that may be sent more than once.
+pub fn fresh_key() -> u128 {
+    u128::from(fresh_boot_id()) << 64 | u128::from(fresh_boot_id())
+}
+
 /// A header that says "now". The wire format's seconds end in 2038; later times stay there.
 pub fn stamp() -> Header {
     let now = since_epoch();
@@ -46,6 +51,7 @@ mod tests {
         assert_eq!(boot_id(), boot_id());
         assert_ne!(boot_id(), 0);
         assert_ne!(fresh_boot_id(), fresh_boot_id());
+        assert_ne!(fresh_key(), fresh_key());
         assert!(stamp().stamp.sec > 1_700_000_000);
     }
 }

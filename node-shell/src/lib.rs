@@ -31,7 +31,7 @@ pub use action::{Action, ActionCaller, Asked, Ended, Goal, GoalError, Outcome, O
 pub use args::{ArgsError, LogLevel, ParamValue, RosArgs};
 pub use caller::{CallError, Caller, Mapping};
 pub use environment::{EnvironmentError, Range};
-pub use identity::{boot_id, fresh_boot_id, stamp};
+pub use identity::{boot_id, fresh_boot_id, fresh_key, stamp};
 pub use journal::{Journal, JournalError};
 pub use logging::{LoggingError, init as init_logging};
 pub use newest::{Counts, NewestBySequence, Verdict};

@@ -19,7 +19,7 @@ use std::sync::Arc;
 use std::time::Duration;
 
 use linewright_msgs::{RosMessage, RosService};
-use ros2_client::{ReadError, Server, service::RmwRequestId};
+use ros2_client::{Gid, ReadError, Server, service::RmwRequestId};
 use serde::{Deserialize, Deserializer, Serialize, Serializer};
 use tokio::sync::mpsc;
 
@@ -34,7 +34,26 @@ const REQUEST_MAX: usize = 64 * 1024;
 /// How long the first answer to a client is held (that of rmw_fastrtps).
 pub(crate) const HOLD: Duration = Duration::from_millis(100);
 /// How many clients of a service are known again. One more is held once more.
-pub(crate) const CLIENTS: usize = 16;
+const CLIENTS: usize = 16;
+
+/// The clients that have been answered, the newest first.
+pub(crate) struct Known(VecDeque<Gid>);
+
+impl Known {
+    pub fn new() -> Self {
+        Known(VecDeque::with_capacity(CLIENTS))
+    }
+
+    /// Whether a client is new, which it is once.
+    pub fn meets(&mut self, client: Gid) -> bool {
+        let is_new = !self.0.contains(&client);
+        if is_new {
+            self.0.truncate(CLIENTS - 1);
+            self.0.push_front(client);
+        }
+        is_new
+    }
+}
 
 /// A request as it came.
 pub(crate) type RawRequest = Bytes<REQUEST_MAX>;
@@ -130,7 +149,7 @@ where
     let Service { inner: server, name } = service;
     Forward::spawn(async move {
         let mut rejected = 0u64;
-        let mut known = VecDeque::with_capacity(CLIENTS);
+        let mut known = Known::new();
         loop {
             let received = tokio::select! {
                 received = server.async_receive_request() => received,
@@ -146,12 +165,7 @@ where
             };
             match asked {
                 Some((id, (header, request))) => {
-                    let client = id.writer_gid;
-                    let held = !known.contains(&client);
-                    if held {
-                        known.truncate(CLIENTS - 1);
-                        known.push_front(client);
-                    }
+                    let held = known.meets(id.writer_gid);
                     let reply = Reply { server: server.clone(), to: id, header, held, service: PhantomData };
                     if to.send(map(request, reply)).await.is_err() {
                         return;

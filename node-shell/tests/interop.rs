@@ -15,7 +15,7 @@ use std::process::{Command, Stdio};
 use std::time::{Duration, Instant};
 use tokio::time::{sleep, timeout};
 
-const INSIDE: &str = "inside_the_namespace";
+const INSIDE: &str = "interop::inside_the_namespace";
 
 fn python() -> String {
     std::env::var("LINEWRIGHT_INTEROP_PYTHON").unwrap_or_else(|_| "python3".to_owned())
@@ -41,8 +41,12 @@ fn cyclone_dds_and_we_understand_each_other() {
     let script = "ip link set lo up && ip link set lo multicast on && ip route add 239.0.0.0/8 dev lo \
                   && exec \"$0\" --exact \"$1\" --ignored --nocapture";
     let own = std::env::current_exe().expect("own path");
-    let status = Command::new("unshare").args(["-rn", "sh", "-c", script]).arg(own).arg(INSIDE).status();
-    assert!(status.expect("started").success(), "see above");
+    let mut inside = Command::new("unshare");
+    inside.args(["-rn", "sh", "-c", script]).arg(own).arg(INSIDE).stderr(Stdio::inherit());
+    let ended = inside.output().expect("started");
+    let said = String::from_utf8_lossy(&ended.stdout);
+    println!("{said}");
+    assert!(ended.status.success() && said.contains("1 passed"), "see above");
 }
 
 /// Only the loopback interface may be there, whoever started this.

@@ -3,18 +3,17 @@
 //! What structure says of a conflict is compared with every state of forward motion, both ways. Where it says that the
 //! line stops, the line is let run until it does.
 
-mod common;
-
 use std::collections::BTreeSet;
 
-use common::{
-    APART, DEADLOCK, auto_and_manual, begins_well, explored, in_auto, lines, met, undisturbed, verdict, with_conflict,
-};
 use linewright_line::net::{ControlMode, Literal, StationNet, Term, Transition, Var, overlaps, overlaps_among};
 use linewright_line::{Line, OpId};
 use linewright_proof::explore::{Setting, Verdict};
 use linewright_proof::generate::{self, Random, Shape, break_it, breakages, text, without_literal};
 use linewright_proof::structure::chart::{Gap, every_circuit_has_a_token, home_is_consistent, separated};
+
+use crate::common::{
+    APART, DEADLOCK, auto_and_manual, begins_well, explored, in_auto, lines, met, undisturbed, verdict, with_conflict,
+};
 
 /// What came of the mistakes.
 #[derive(Debug, Default)]

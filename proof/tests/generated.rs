@@ -1,14 +1,13 @@
 //! Generated lines: well formed, the same for the same seed, sound by structure, and exploration confirms it.
 
-mod common;
-
-use common::{
-    APART, CONFLICT, DEADLOCK, HOME, REVERSIBLE, explored, in_auto, keeps_together, lines, undisturbed, verdict,
-};
 use linewright_line::{Line, Module, parse};
 use linewright_proof::explore::{Grants, Setting, Verdict};
 use linewright_proof::generate::{self, Shape, text};
 use linewright_proof::structure::{judge_line, judge_stations};
+
+use crate::common::{
+    APART, CONFLICT, DEADLOCK, HOME, REVERSIBLE, explored, in_auto, keeps_together, lines, undisturbed, verdict,
+};
 
 fn shapes() -> [(Shape, u64); 3] {
     [(Shape::default(), 150), (Shape::small(), 100), (Shape::row(20), 3)]

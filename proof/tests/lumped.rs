@@ -1,13 +1,12 @@
 //! One state kept for all that stations come and go between by themselves: every verdict and every count is the same as
 //! when each state is kept for itself.
 
-mod common;
-
-use common::{explored, lines};
 use linewright_line::Line;
 use linewright_line::net::ControlMode;
 use linewright_proof::explore::{Explored, Grants, Setting, Verdict};
 use linewright_proof::generate::{self, Random, Shape, break_it, breakages};
+
+use crate::common::{explored, lines};
 
 /// Few enough for a build to wait for.
 const STATES_MAX: usize = 100_000;

@@ -1,15 +1,14 @@
 //! Stations on order that nobody has thought of: well formed, sound as seed 002 asks of every station, and never stuck,
 //! whatever they are ordered to do, told to leave, and whatever fails meanwhile.
 
-mod common;
-
-use common::{DEADLOCK, HOME, REVERSIBLE, SOUND, explored, undisturbed, verdict};
 use linewright_line::net::{Kind, Place, StationNet};
 use linewright_line::{Line, parse};
 use linewright_nets::explore;
 use linewright_proof::explore::{Setting, Verdict};
 use linewright_proof::generate::{self, Shape};
 use linewright_proof::structure::judge_stations;
+
+use crate::common::{DEADLOCK, HOME, REVERSIBLE, SOUND, explored, undisturbed, verdict};
 
 fn lines() -> impl Iterator<Item = Line> {
     (0..150).map(|seed| generate::on_order(&Shape { irreversible: 60, ..Shape::default() }, 1, seed))

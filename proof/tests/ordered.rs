@@ -10,17 +10,15 @@ use std::time::Duration;
 
 use linewright_cell::net::Supply;
 use linewright_coordinator_logic::cell::{
-    Coordination, Fact, Fifo, Heard, Input as Told, OrderKey as Key, OrderMessage, Outbox as Says, Outcome as End,
-    Phase, Record, Refusal as No, Reply as Answer, Send, State,
+    Coordination, Fact, Fifo, Heard, Input as Told, OrderKey as Key, OrderMessage, Outbox as Says, Phase, Record,
+    Reply as Answer, Send, State,
 };
 use linewright_coordinator_logic::described::{Pace, described};
 use linewright_line::net::{Block, ControlMode, Place};
 use linewright_line::{Line, Module, Signals, StationId, Tick, parse};
 use linewright_proof::generate::Random;
-use linewright_station_logic::{
-    Controller, Happening, Input, ModeOrder, NO_DELAY, OrderKey, OrderReport, Outbox, Outcome, Refusal, Reply, Restore,
-    TaskCommand, TaskOrder,
-};
+use linewright_simulation::cell::said;
+use linewright_station_logic::{Controller, Happening, Input, ModeOrder, NO_DELAY, Outbox, Restore, TaskCommand};
 
 const LINE: &str = include_str!("../../model/line/tests/descriptions/on_order.toml");
 const CELL: &str = r#"
@@ -105,44 +103,6 @@ struct World {
     bad_luck: u32,
     lives: u64,
     doubled: usize,
-}
-
-fn heard(report: &OrderReport) -> Heard {
-    let key = |key: OrderKey| Key { epoch: key.epoch, id: key.id };
-    Heard {
-        memory: report.memory,
-        epoch: report.epoch,
-        slot: report.slot.map(|slot| key(slot.key)),
-        results: report.results.iter().map(|&(of, outcome)| (key(of), end(outcome))).collect(),
-        is_held: report.slot.is_none() && report.rest.is_none(),
-        ..Heard::default()
-    }
-}
-
-fn end(outcome: Outcome) -> End {
-    match outcome {
-        Outcome::Done => End::Done,
-        Outcome::Failed(failure) => End::Failed(failure.code()),
-    }
-}
-
-fn answer(reply: Reply) -> Answer {
-    match reply {
-        Reply::Running => Answer::Running,
-        Reply::Ended(outcome) => Answer::Ended(end(outcome)),
-        Reply::Refused(refusal) => Answer::Refused(match refusal {
-            Refusal::Busy => No::Busy,
-            Refusal::Mode => No::Mode,
-            Refusal::OtherMemory => No::OtherMemory,
-            Refusal::OldEpoch => No::OldEpoch,
-            Refusal::Old => No::Old,
-            Refusal::Late => No::Late,
-            Refusal::NotThere => No::NotThere,
-            Refusal::Devices => No::Devices,
-            Refusal::Unknown => No::Unknown,
-            Refusal::Incomplete => No::Incomplete,
-        }),
-    }
 }
 
 fn signals(line: &Line, station: StationId, place: Place) -> Signals {
@@ -281,7 +241,7 @@ impl World {
             for (id, station) in [0u16, 1].into_iter().zip(0..) {
                 let report = self.stations[station as usize].controller.report().order.expect("it works on order");
                 let number = self.sent + 1;
-                self.fly(|| Flying::State(StationId(id), number, heard(&report)));
+                self.fly(|| Flying::State(StationId(id), number, said::heard(&report)));
             }
         }
         let mut arrived = Vec::new();
@@ -316,13 +276,7 @@ impl World {
 
     fn deliver(&mut self, message: &OrderMessage) {
         let station = &mut self.stations[message.station.index()];
-        let order = TaskOrder {
-            key: OrderKey { epoch: message.key.epoch, id: message.key.id },
-            memory: message.memory,
-            task: message.task.to_string(),
-            parameters: message.parameters.iter().map(|(name, value)| (name.to_string(), *value)).collect(),
-            limit: message.limit,
-        };
+        let order = said::order(message);
         let known = station.controller.report().order.is_some_and(|report| {
             report.slot.is_some_and(|slot| slot.key == order.key)
                 || report.results.iter().any(|(key, _)| *key == order.key)
@@ -332,14 +286,13 @@ impl World {
         station.step(&self.line, self.now);
         let replies = std::mem::take(&mut station.out.replies);
         assert_eq!(replies.len(), 1);
-        self.fly(|| Flying::Answer(message.station, message.key, answer(replies[0].1)));
+        self.fly(|| Flying::Answer(message.station, message.key, said::reply(replies[0].1)));
     }
 
     /// What it answers the coordinator hears by its state as well.
     fn secure(&mut self, to: StationId, key: Key) {
         let station = &mut self.stations[to.index()];
-        let key = OrderKey { epoch: key.epoch, id: key.id };
-        station.controller.handle(self.now, Input::Task(TaskCommand::Secure(key)));
+        station.controller.handle(self.now, Input::Task(TaskCommand::Secure(said::key(key))));
         station.step(&self.line, self.now);
         station.out.replies.clear();
     }

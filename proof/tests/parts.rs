@@ -1,12 +1,11 @@
 //! What the whole line can reach, some part of it can: lines with a mistake in them, whole and in parts.
 
-mod common;
-
-use common::{APART, begins_well, explored, lines, met, verdict, with_conflict};
 use linewright_line::Line;
 use linewright_proof::explore::{Setting, Verdict};
 use linewright_proof::generate::{self, Shape, break_it, breakages, text};
 use linewright_proof::parts::parts;
+
+use crate::common::{APART, begins_well, explored, lines, met, verdict, with_conflict};
 
 /// Whether the whole line meets its conflict, as far as it is looked at; and whether the part that decides it is
 /// smaller and meets it too. A part in which stations run away from each other, whom others hold back in the whole

@@ -1,8 +1,6 @@
 //! A line of five hundred stations in a row: judged by structure, which no exploration could do, and a mistake
 //! anywhere in it is found.
 
-mod common;
-
 use std::time::Instant;
 
 use linewright_line::Line;

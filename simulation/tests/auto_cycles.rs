@@ -1,13 +1,12 @@
 //! The automatic cycle when nothing goes wrong, held against what the description alone promises.
 
-mod common;
-
 use std::collections::BTreeSet;
 use std::time::Duration;
 
-use common::*;
 use linewright_line::Line;
 use linewright_simulation::{CriticalPath, End, Goal, Network, Options, Plan, Sim, run};
+
+use crate::common::*;
 
 fn cycles(line: &Line, options: Options, count: usize) -> Sim {
     let (sim, end) = run(line, options, &Goal::cycles(count)).expect("the line compiles");

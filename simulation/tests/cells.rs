@@ -9,10 +9,11 @@ use std::time::Duration;
 
 use linewright_cell::net::Supply;
 use linewright_cell::{Cell, Role};
-use linewright_coordinator_logic::cell::{CellTable, Fact, FiringId, PartId};
+use linewright_coordinator_logic::cell::exception::Step;
+use linewright_coordinator_logic::cell::{CellTable, Fact, FiringId, Input, ModeId, PartId};
 use linewright_coordinator_logic::described::{Pace, described, dispatcher};
 use linewright_line::{HolderId, Line, StationId, Tick};
-use linewright_plant::PlantOptions;
+use linewright_plant::{Fault, PlantOptions};
 use linewright_simulation::Rng;
 use linewright_simulation::cell::{CellOptions, CellSim, Floor};
 
@@ -279,4 +280,147 @@ fn every_resource_that_works_has_a_nest_in_the_line() {
             assert!(known, "{name}: {}", activity.name);
         }
     }
+}
+
+/// Seed 001, §6 (L227-229): the robot comes to the machine without the part, so that the clamp is never closed; the watchdog fires, both
+/// are led to a secure state, the operator is told, puts the part right and says so, the marking from before is restored, and
+/// the loading is done again.
+#[test]
+fn the_story_of_a_part_that_was_not_grasped_with_real_stations() {
+    let of = shipped("workcell-c1", &[1, 0]);
+    let mut sim = of.sim(options(1, 0, Vec::new()), 0.0);
+    let mut dispatcher = dispatcher(&of.cell, &of.table);
+    let robot = of.line.station_named("robot").expect("there");
+    let grasps = |sim: &mut CellSim, fault| {
+        let now = sim.now;
+        let plant = sim.floor.as_mut().expect("real stations").plant_mut();
+        for machine in ["m1", "m2"] {
+            let grasp = of.line.station(robot).operation_named(&format!("grasp for {machine}"));
+            plant.inject(now, robot, grasp.expect("it does that"), fault);
+        }
+    };
+    grasps(&mut sim, Some(Fault::Miss));
+
+    // It has come to rest when the robot's 24 s are over, and what was loaded is where it was.
+    sim.run(&mut dispatcher, LONG);
+    let started = sim.log.iter().find_map(|record| match &record.fact {
+        Fact::Started { mode, .. } if of.table.mode_name(*mode).starts_with("load ") => Some((record.at, *mode)),
+        _ => None,
+    });
+    let (started, mode) = started.expect("a loading has started");
+    let (alarm, text, since) = {
+        let alarm = sim.state().exceptions().alarms().next().expect("somebody is told");
+        (alarm.id, alarm.text.clone(), alarm.since)
+    };
+    let machine = of.table.handling().resource_name(of.table.handling().mode(mode).to.expect("a machine")).to_owned();
+    let expected = format!("R came to {machine} without part 1. Put the part back into slot 1 of ST.");
+    assert!(text.starts_with(&expected), "{text}");
+    let station = machine.to_lowercase();
+    assert!(text.ends_with(&format!("robot is at rest, {station} is at rest)")), "{text}");
+    let waited = since.since(started);
+    assert!((Duration::from_secs(24)..Duration::from_secs(40)).contains(&waited), "{waited:?}");
+    for station in [robot, of.line.station_named(&station).expect("there")] {
+        let order = sim.floor.as_ref().expect("real").controller(station).report().order.expect("it works on order");
+        assert_eq!((order.slot, order.rest.is_some()), (None, true), "secured");
+    }
+    let lies = |sim: &CellSim| {
+        let (_, whereabouts) = sim.floor.as_ref().expect("real").plant().parts().next().expect("it is there");
+        format!("{whereabouts:?}")
+    };
+    let in_store = lies(&sim);
+    assert!(sim.state().firings().next().is_some(), "the loading is open");
+
+    // The gripper works again; the part has not left its slot. That is said, and believed.
+    grasps(&mut sim, None);
+    let word = "in-store";
+    sim.say(&mut dispatcher, &[Input::Answer { alarm, word }]);
+    assert_eq!(lies(&sim), in_store);
+    sim.run(&mut dispatcher, LONG);
+    of.is_done(&sim);
+    is_machined(&of, &sim, [1, 0]);
+    let story: Vec<&str> = sim.log.iter().filter_map(|record| told(&record.fact, mode)).collect();
+    assert_eq!(
+        story,
+        ["started", "raised", "secured", "secured", "alarmed", "answered", "restored", "started"],
+        "and then it is loaded again"
+    );
+}
+
+/// What a record says of exceptions and of the starts of one mode.
+fn told(fact: &Fact, mode: ModeId) -> Option<&'static str> {
+    Some(match fact {
+        Fact::Started { mode: of, .. } if *of == mode => "started",
+        Fact::Raised { .. } => "raised",
+        Fact::Exception(Step::Secured { .. }) => "secured",
+        Fact::Exception(Step::Alarmed { .. }) => "alarmed",
+        Fact::Exception(Step::Answered { .. }) => "answered",
+        Fact::Exception(Step::Closed { .. }) => "restored",
+        Fact::Exception(_) => "something else",
+        _ => return None,
+    })
+}
+
+/// Two stores, and bringing parts from one to the other and back takes no time: all that happens happens at one moment.
+#[test]
+fn what_takes_no_time_and_goes_round_is_found_out() {
+    let text = r#"
+name = "round"
+[cell]
+wip_max = 2
+reserve = true
+[dispatch]
+rules = ["shortest-processing-time"]
+[[resource]]
+name = "S1"
+prototype = "random-access-store"
+capacity = 2
+[[resource]]
+name = "S2"
+prototype = "random-access-store"
+capacity = 2
+[[resource]]
+name = "M"
+prototype = "machine"
+capacity = 1
+[[resource]]
+name = "R"
+prototype = "robot"
+[[sync]]
+name = "enter"
+actions = ["outside.in", "S1.store"]
+[[sync]]
+name = "there"
+actions = ["S1.retrieve", "S2.store"]
+[[sync]]
+name = "back"
+actions = ["S2.retrieve", "S1.store"]
+[[sync]]
+name = "load"
+actions = ["S2.retrieve", "R.pick-and-place", "M.load"]
+time_s = 5
+[[sync]]
+name = "leave"
+actions = ["M.unload", "outside.out"]
+[[part]]
+name = "A"
+step = [{ name = "work", on = [{ resource = "M", time_s = 5 }] }]
+"#;
+    let cell = linewright_cell::parse("cell.toml", text, None).unwrap_or_else(|why| panic!("{why:#}")).cell;
+    let made = described(&cell, None, Supply::Batch(&[4]), PACE).unwrap_or_else(|why| panic!("{why}"));
+    let table = Arc::new(made.table);
+    let mut sim = CellSim::new(table.clone(), 0, CellOptions::default());
+    sim.run(&mut dispatcher(&cell, &table), LONG);
+    let spins = sim.spins().map(|mode| table.mode_name(mode).to_owned());
+    assert!(spins.as_deref().is_some_and(|name| name.starts_with("there") || name.starts_with("back")), "{spins:?}");
+    assert!(sim.state().left() < 4 && sim.log.len() < 200_000, "{}", sim.log.len());
+
+    // With a time it goes on, if not wisely.
+    let timed = text
+        .replace("actions = [\"S2.retrieve\", \"S1.store\"]", "actions = [\"S2.retrieve\", \"S1.store\"]\ntime_s = 1");
+    let cell = linewright_cell::parse("cell.toml", &timed, None).unwrap_or_else(|why| panic!("{why:#}")).cell;
+    let made = described(&cell, None, Supply::Batch(&[4]), PACE).unwrap_or_else(|why| panic!("{why}"));
+    let table = Arc::new(made.table);
+    let mut sim = CellSim::new(table.clone(), 0, CellOptions::default());
+    sim.run(&mut dispatcher(&cell, &table), Tick::from_millis(600_000));
+    assert_eq!((sim.spins(), sim.now > Tick::from_millis(30_000)), (None, true));
 }

@@ -1,14 +1,13 @@
 //! What goes wrong, what the line makes of it, and how people bring it back.
 
-mod common;
-
 use std::time::Duration;
 
-use common::*;
 use linewright_line::net::{Block, ControlMode};
 use linewright_line::{StationId, Tick};
 use linewright_simulation::{Action, End, Goal, Process, Sim, What, run};
 use linewright_station_logic::{Cause, Happening, Rules};
+
+use crate::common::*;
 
 const MILL: StationId = StationId(2);
 

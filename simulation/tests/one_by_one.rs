@@ -2,15 +2,14 @@
 //! message waking its reader, and the two traces are the same to the microsecond — through jitter, loss, deaths, lost
 //! devices, buttons and emergency stops. Only what different nodes do in the same microsecond may stand in another order.
 
-mod common;
-
 use std::time::Duration;
 
-use common::*;
 use linewright_coordinator_logic::Command;
 use linewright_line::{Line, StationId, Tick};
 use linewright_plant::Fault;
 use linewright_simulation::{Action, Network, Options, Process, Rng, Sim, Way};
+
+use crate::common::*;
 
 /// Somebody does something at random.
 fn action(line: &Line, rng: &mut Rng) -> Action {

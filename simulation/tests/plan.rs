@@ -1,10 +1,9 @@
 //! The plan: the largest cycle ratio against the growth of the earliest schedule, which knows nothing of circuits.
 
-mod common;
-
-use common::*;
 use linewright_line::{Arrow, Line, StationId};
 use linewright_simulation::{Plan, Rng};
+
+use crate::common::*;
 
 /// The transfer line with other durations and further arrows that keep it from deadlock: those of the chart's own
 /// order, or carried over.

@@ -1,13 +1,12 @@
 //! Scenarios as text: what they may say, and how mistakes are answered.
 
-mod common;
-
 use std::time::Duration;
 
-use common::*;
 use linewright_simulation::{
     Compare, Condition, CriticalPath, End, Goal, Network, OperationState, Options, Scenario, StationState, run,
 };
+
+use crate::common::*;
 
 fn problems(text: &str) -> Vec<String> {
     let line = transfer_line(1);

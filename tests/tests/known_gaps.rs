@@ -1,6 +1,6 @@
 //! What the scenarios have found and the code under test does not do yet.
 //!
-//! Each is a minimal story that fails; `cargo test -p linewright-tests --test known_gaps -- --ignored` shows them.
+//! Each is a minimal story that fails; `cargo test -p linewright-tests known_gaps -- --ignored` shows them.
 //! Whoever closes a gap takes the `ignore` off and moves the story to its neighbours.
 
 use linewright_node_shell::NewestBySequence;

@@ -4,8 +4,8 @@
 //! this test's assertions are. At the end of each run the world is repaired, and the line must come back to auto by
 //! what its operators can do, and make two more parts.
 //!
-//! A long soak: `LINEWRIGHT_SOAK=100 cargo test --release -p linewright-tests --test random_actions`. A seed that
-//! failed: `LINEWRIGHT_SEED=777 cargo test -p linewright-tests --test random_actions`.
+//! A long soak: `LINEWRIGHT_SOAK=100 cargo test --release -p linewright-tests random_actions`. A seed that
+//! failed: `LINEWRIGHT_SEED=777 cargo test -p linewright-tests random_actions`.
 
 use std::time::Duration;
 

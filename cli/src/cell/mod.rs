@@ -1,7 +1,7 @@
 //! A person's view of a running cell over ROS 2: its newest state, and what can be asked of its coordinator.
 //!
-//! Shared by the subcommands about cells: `order`, `why` and `run`. Like [`crate::client`] it uses what anybody can use with
-//! the stock tools.
+//! Shared by the subcommands about cells: `order`, `why`, `answer`, `resource` and `run`. Like [`crate::client`] it uses
+//! what anybody can use with the stock tools.
 
 mod operate;
 
@@ -10,21 +10,26 @@ use std::time::Duration;
 use linewright_line::Line;
 use linewright_msgs::{
     AnswerAlarm, AnswerAlarmRequest, Bounded, CellState, ChangeOrder, ChangeOrderRequest, ProductionRequest,
-    ProductionState, RosService, SubmitOrders, SubmitOrdersRequest, WhyNot, WhyNotRequest,
+    ProductionState, RosService, SetResource, SetResourceRequest, SubmitOrders, SubmitOrdersRequest, WhyNot,
+    WhyNotRequest,
 };
 use linewright_node_shell::{
-    CallError, Caller, Forward, Mapping, NewestBySequence, Node, Participant, RosArgs, TopicError, forward,
-    fresh_boot_id, qos,
+    CallError, Caller, Forward, Mapping, NewestBySequence, Node, RosArgs, forward, fresh_key, qos,
 };
 use miette::miette;
 use tokio::sync::mpsc;
 
-pub use operate::{AnswerArgs, OrderArgs, WhyArgs, answer, order, why};
+use crate::client::{join, not_heard};
+
+pub use operate::{AnswerArgs, OrderArgs, ResourceArgs, WhyArgs, answer, order, resource, why};
 
 /// A request that is sent before the other side is discovered gets no answer: so it is asked again, this long each time.
 const ANSWER: Duration = Duration::from_millis(700);
 /// How often.
 const TRIES: u32 = 10;
+
+/// So long after a first state a newer one may still come: it is told ten times a second when something changes.
+const SETTLE: Duration = Duration::from_millis(250);
 
 /// A person's connection to a cell.
 pub struct CellClient {
@@ -37,6 +42,7 @@ pub struct CellClient {
     withdraw: Caller<ChangeOrder>,
     why: Caller<WhyNot>,
     answer: Caller<AnswerAlarm>,
+    resource: Caller<SetResource>,
     domain_id: u16,
     _task: Forward,
     // The node must outlive what it has opened.
@@ -46,12 +52,10 @@ pub struct CellClient {
 impl CellClient {
     /// Joins the ROS graph as `name`.
     pub fn open(line: &Line, ros: &RosArgs, name: &str) -> miette::Result<Self> {
-        let failed = |error: TopicError| miette!("{error}");
-        let participant = Participant::open(ros).map_err(|error| miette!("{error}"))?;
-        let name = format!("{name}_{}", std::process::id());
-        let mut node = participant.node(&format!("/{}", line.name), &name).map_err(|error| miette!("{error}"))?;
+        let (mut node, domain_id) = join(line, ros, name)?;
         let (to, from) = mpsc::channel(64);
-        let state = node.subscription("coordinator/cell_state", qos::latched_state()).map_err(failed)?;
+        let state = node.subscription("coordinator/cell_state", qos::latched_state());
+        let state = state.map_err(|error| miette!("{error}"))?;
         Ok(CellClient {
             name: line.name.clone(),
             from,
@@ -62,7 +66,8 @@ impl CellClient {
             withdraw: caller(&mut node, "withdraw_order")?,
             why: caller(&mut node, "why_not")?,
             answer: caller(&mut node, "answer_alarm")?,
-            domain_id: participant.domain_id(),
+            resource: caller(&mut node, "set_resource")?,
+            domain_id,
             _task: forward(state, to, |message, _| Some(message)),
             _node: node,
         })
@@ -83,15 +88,21 @@ impl CellClient {
         }
     }
 
-    /// Waits until the cell is heard.
+    /// Waits until the cell is heard, as it is now: what a late reader is told first may be older.
     pub async fn until_heard(&mut self, within: Duration) -> miette::Result<&CellState> {
-        let (name, domain) = (self.name.clone(), self.domain_id);
         match tokio::time::timeout(within, self.next()).await {
-            Ok(state) => state,
-            Err(_) => Err(miette!(
-                "no coordinator of cell '{name}' is heard on ROS domain {domain} (is it running, and on the same ROS_DOMAIN_ID?)"
-            )),
+            Ok(state) => _ = state?,
+            Err(_) => return Err(self.nobody()),
         }
+        let until = tokio::time::Instant::now() + SETTLE;
+        while let Ok(state) = tokio::time::timeout_at(until, self.next()).await {
+            state?;
+        }
+        self.state.as_ref().ok_or_else(|| self.nobody())
+    }
+
+    fn nobody(&self) -> miette::Report {
+        not_heard(&format!("cell '{}'", self.name), self.domain_id)
     }
 
     /// Puts on order. The keys make sure that asking again is not asking for more.
@@ -118,15 +129,25 @@ impl CellClient {
         let response = ask(&self.why, &WhyNotRequest { about: about.to_owned() }).await?;
         if response.known { Ok(response.lines) } else { Err(miette!("{}", response.lines.join("\n"))) }
     }
-}
 
-impl CellClient {
     /// Says what is true, now that what an alarm asked for was done.
     pub async fn answer(&self, alarm: u64, word: &str) -> miette::Result<()> {
-        let by = std::env::var("USER").unwrap_or_default();
-        let response = ask(&self.answer, &AnswerAlarmRequest { alarm, word: word.to_owned(), by }).await?;
-        if response.accepted { Ok(()) } else { Err(miette!("{}", response.reason)) }
+        let asked = AnswerAlarmRequest { alarm, word: word.to_owned(), by: who() };
+        let response = ask(&self.answer, &asked).await?;
+        done(response.accepted, &response.reason)
     }
+
+    /// Says something of a resource: one of the constants of [`SetResourceRequest`].
+    pub async fn resource(&self, resource: &str, what: u8, text: &str) -> miette::Result<()> {
+        let asked = SetResourceRequest { resource: resource.to_owned(), what, text: text.to_owned(), by: who() };
+        let response = ask(&self.resource, &asked).await?;
+        done(response.accepted, &response.reason)
+    }
+}
+
+/// Who says so, for the coordinator's log.
+fn who() -> String {
+    std::env::var("USER").unwrap_or_default()
 }
 
 fn caller<S: RosService>(node: &mut Node, service: &str) -> miette::Result<Caller<S>> {
@@ -147,16 +168,20 @@ async fn ask<S: RosService>(caller: &Caller<S>, request: &S::Request) -> miette:
 }
 
 async fn change(caller: &Caller<ChangeOrder>, name: &str) -> miette::Result<()> {
-    // Asked twice, the answer to the first may be lost: then the second says that it is over already, which is no mistake.
+    // If the answer to the first is lost, that to the second says that the order is over already.
     let response = ask(caller, &ChangeOrderRequest { name: name.to_owned() }).await?;
-    if response.done { Ok(()) } else { Err(miette!("{}", response.reason)) }
+    done(response.done, &response.reason)
+}
+
+/// Whether what was asked for is done, or why not.
+fn done(is_done: bool, reason: &str) -> miette::Result<()> {
+    if is_done { Ok(()) } else { Err(miette!("{reason}")) }
 }
 
 /// A request with a key of its own.
 pub fn request(name: &str, product: &str, quantity: u32) -> ProductionRequest {
-    let key = [fresh_boot_id().to_be_bytes(), fresh_boot_id().to_be_bytes()].concat();
     ProductionRequest {
-        key: Bounded::new(key).unwrap_or_default(),
+        key: Bounded::new(fresh_key().to_be_bytes().to_vec()).unwrap_or_default(),
         name: name.to_owned(),
         product: product.to_owned(),
         quantity,

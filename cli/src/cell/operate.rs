@@ -1,11 +1,11 @@
-//! What a person asks of a running cell from a shell, and answers: `order`, `why` and `answer`.
+//! What a person asks of a running cell from a shell, says and answers: `order`, `why`, `answer` and `resource`.
 
 use std::path::PathBuf;
 use std::process::ExitCode;
 use std::time::{Duration, SystemTime};
 
 use clap::{Args, Subcommand};
-use linewright_msgs::{CellState, ProductionState, Time};
+use linewright_msgs::{CellState, ProductionState, SetResourceRequest, Time};
 use linewright_node_shell::RosArgs;
 use miette::miette;
 
@@ -71,8 +71,9 @@ struct Submit {
 pub async fn order(args: OrderArgs, ros: &RosArgs) -> miette::Result<ExitCode> {
     let line = load::line_of_cell(&args.cell)?;
     let mut client = CellClient::open(&line, ros, "order")?;
+    let state = client.until_heard(CONNECT).await?;
     match args.what {
-        None | Some(What::List) => say!("{}", list(client.until_heard(CONNECT).await?)),
+        None | Some(What::List) => say!("{}", list(state)),
         Some(What::Submit(submit)) => {
             let wall = SystemTime::now().duration_since(SystemTime::UNIX_EPOCH).unwrap_or_default();
             let name = submit.name.clone().unwrap_or_else(|| format!("{} {}", submit.product, wall.as_secs()));
@@ -80,18 +81,15 @@ pub async fn order(args: OrderArgs, ros: &RosArgs) -> miette::Result<ExitCode> {
             wanted.release = moment(wall, submit.release, "--release")?;
             wanted.due = moment(wall, submit.due, "--due")?;
             (wanted.priority, wanted.after) = (submit.priority, submit.after);
-            client.until_heard(CONNECT).await?;
             let ids = client.submit(vec![wanted]).await?;
             let ids: Vec<String> = ids.iter().map(u64::to_string).collect();
             say!("production order {}: `{name}`", ids.join(", "));
         }
         Some(What::Cancel { name }) => {
-            client.until_heard(CONNECT).await?;
             client.cancel(&name).await?;
             say!("`{name}` is cancelled");
         }
         Some(What::Withdraw { name }) => {
-            client.until_heard(CONNECT).await?;
             client.withdraw(&name).await?;
             say!("`{name}` is withdrawn");
         }
@@ -177,5 +175,59 @@ pub async fn answer(args: AnswerArgs, ros: &RosArgs) -> miette::Result<ExitCode>
     };
     client.answer(alarm, &word).await?;
     say!("alarm {alarm} is answered: {word}");
+    Ok(ExitCode::SUCCESS)
+}
+
+/// Show which resources of a running cell are left out, or say how one is.
+#[derive(Debug, Args)]
+pub struct ResourceArgs {
+    /// The cell's directory.
+    cell: PathBuf,
+    /// The resource, by its name in the cell's description; none shows those that are left out.
+    resource: Option<String>,
+    /// How it is.
+    #[command(subcommand)]
+    is: Option<Is>,
+}
+
+#[derive(Debug, Subcommand)]
+enum Is {
+    /// Something is wrong: what it is doing is stopped and has failed, and it is left out.
+    Alarm {
+        /// What is wrong.
+        text: Vec<String>,
+    },
+    /// Leave it out from now on; what it is doing it finishes.
+    Down,
+    /// Count on it again.
+    Up,
+}
+
+/// `linewright resource`
+pub async fn resource(args: ResourceArgs, ros: &RosArgs) -> miette::Result<ExitCode> {
+    let line = load::line_of_cell(&args.cell)?;
+    let mut client = CellClient::open(&line, ros, "resource")?;
+    let state = client.until_heard(CONNECT).await?;
+    let (name, is) = match (args.resource, args.is) {
+        (Some(name), Some(is)) => (name, is),
+        (None, None) => {
+            match state.down.as_slice() {
+                [] => say!("no resource is left out"),
+                down => down.iter().for_each(|name| say!("{name} is left out")),
+            }
+            return Ok(ExitCode::SUCCESS);
+        }
+        (Some(name), None) => return Err(miette!("how is {name}? Say alarm, down or up behind it")),
+        (None, Some(_)) => return Err(miette!("which resource? Name it before what is said of it")),
+    };
+    let (what, text, done) = match is {
+        Is::Alarm { text } => {
+            (SetResourceRequest::ALARM, text.join(" "), "is left out, and what it was doing has failed")
+        }
+        Is::Down => (SetResourceRequest::DOWN, String::new(), "is left out"),
+        Is::Up => (SetResourceRequest::UP, String::new(), "is counted on again"),
+    };
+    client.resource(&name, what, &text).await?;
+    say!("{name} {done}");
     Ok(ExitCode::SUCCESS)
 }

@@ -27,7 +27,7 @@ use when::Zone;
 /// Options of `report`.
 #[derive(Debug, clap::Args)]
 pub struct Args {
-    /// The database.
+    /// The database, or the directory that has it as `cell.db`.
     db: PathBuf,
     /// From when on: a time as RFC 3339 (2026-11-22T06:00:00+01:00), or without offset in local time, the time of day left
     /// out if it does not matter; of a simulation in seconds.
@@ -59,7 +59,8 @@ pub struct Args {
 /// Runs the command.
 pub fn run(args: &Args) -> miette::Result<ExitCode> {
     let zone = if args.utc { Zone::Utc } else { Zone::Local };
-    let story = Story::read(&args.db, (args.from.as_deref(), args.to.as_deref()), zone)?;
+    let db = if args.db.is_dir() { args.db.join("cell.db") } else { args.db.clone() };
+    let story = Story::read(&db, (args.from.as_deref(), args.to.as_deref()), zone)?;
     if let Some(dir) = &args.csv {
         csv::write(&story, dir)?;
     }

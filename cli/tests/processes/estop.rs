@@ -8,7 +8,7 @@ use std::time::Duration;
 
 use linewright_msgs::StationState;
 
-use crate::faults::counts_are_what_was_seen;
+use super::faults::counts_are_what_was_seen;
 use crate::support::pause;
 use crate::support::rig::{Rig, line};
 

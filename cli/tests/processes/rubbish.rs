@@ -8,7 +8,7 @@ use std::time::{Duration, Instant};
 use linewright_msgs::{ModeOrder, ProcessImage, StationEvent, StationState, Text};
 use linewright_node_shell::{Node, Participant, Publisher, RosArgs, qos};
 
-use crate::rubbish_senders::{Vandal, commander, litter};
+use super::rubbish_senders::{Vandal, commander, litter};
 use crate::support::chart::starts_follow_the_chart;
 use crate::support::operator::{Operator, STATIONS};
 use crate::support::pause;

@@ -1,21 +1,23 @@
 //! The built command as a user meets it: its arguments, its output, and a directory of the test's own.
 //!
 //! For tests of commands that end by themselves. It starts no nodes; the rest of this directory does.
-// No test uses all of it.
-#![allow(dead_code)]
 
 use std::path::{Path, PathBuf};
 use std::process::{Command, Output};
 
 use serde_json::Value;
 
+use super::beside_no_rig;
+
 /// Runs the command to its end.
 pub fn linewright(args: &[&str]) -> Output {
+    let _no_rig = beside_no_rig();
     Command::new(env!("CARGO_BIN_EXE_linewright")).args(args).output().expect("the command starts")
 }
 
 /// Runs the command with nobody reading what it says, as `| head` does once it has enough.
 pub fn unread(args: &[&str]) -> Output {
+    let _no_rig = beside_no_rig();
     let mut command = Command::new(env!("CARGO_BIN_EXE_linewright"));
     let (reader, writer) = std::io::pipe().expect("a pipe");
     drop(reader);

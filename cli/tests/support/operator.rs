@@ -16,7 +16,7 @@ use tokio::sync::{mpsc, oneshot};
 use super::rig::Rig;
 use super::{PATIENCE, pause, wait_for};
 
-/// The stations of the line.
+/// The stations of the shipped line.
 pub const STATIONS: [&str; 3] = ["transfer", "clamp_1", "mill_1"];
 /// How often a held button is said to be held.
 const REFRESH: Duration = Duration::from_millis(40);
@@ -24,6 +24,8 @@ const REFRESH: Duration = Duration::from_millis(40);
 /// The newest of everything.
 #[derive(Default)]
 pub struct Heard {
+    /// Whose states are listened to.
+    pub names: &'static [&'static str],
     pub line: LineState,
     pub stations: HashMap<String, StationState>,
     pub events: Vec<StationEvent>,
@@ -37,7 +39,7 @@ impl Heard {
 
     /// Every station is heard, and this holds for it.
     pub fn all(&self, what: impl Fn(&StationState) -> bool) -> bool {
-        STATIONS.iter().all(|name| self.stations.get(*name).is_some_and(&what))
+        self.names.iter().all(|name| self.stations.get(*name).is_some_and(&what))
     }
 
     /// The mode, once every station has acknowledged it.
@@ -70,8 +72,13 @@ impl Operator {
         Self::join_as(rig, "/transfer_line")
     }
 
-    /// Joins and waits until everybody is heard.
+    /// Likewise.
     pub fn join_as(rig: &Rig, namespace: &str) -> Self {
+        Self::join_line(rig, namespace, &STATIONS)
+    }
+
+    /// Joins a line of these stations and waits until everybody is heard.
+    pub fn join_line(rig: &Rig, namespace: &str, names: &'static [&'static str]) -> Self {
         let runtime = tokio::runtime::Builder::new_current_thread().enable_all().build().expect("a runtime");
         let args = RosArgs { domain_id: rig.domain(), ..RosArgs::default() };
         let participant = Participant::open(&args).expect("a participant");
@@ -81,7 +88,7 @@ impl Operator {
         let state = node.subscription("state", qos::latched_state()).expect("a topic");
         let mut tasks: Vec<Forward> = vec![forward(state, to.clone(), |m, _| Some(Said::Line(Box::new(m))))];
         let (mut panels, mut selectors) = (HashMap::new(), HashMap::new());
-        for station in STATIONS {
+        for &station in names {
             let state = node.subscription(&format!("{station}/state"), qos::latched_state()).expect("a topic");
             tasks.push(forward(state, to.clone(), |m, _| Some(Said::Station(Box::new(m)))));
             let event = node.subscription(&format!("{station}/event"), qos::event()).expect("a topic");
@@ -95,11 +102,11 @@ impl Operator {
             selectors.insert(station, node.publisher(&topic, qos::command()).expect("a topic"));
         }
         drop(entered);
-        let heard = Arc::new(Mutex::new(Heard::default()));
+        let heard = Arc::new(Mutex::new(Heard { names, ..Heard::default() }));
         let (end, mut ended) = oneshot::channel();
         let notes = heard.clone();
-        let sizes =
-            STATIONS.map(|station| (station, rig.plan.operations.iter().filter(|o| o.station == station).count()));
+        let size = |station: &str| rig.plan.operations.iter().filter(|o| o.station == station).count();
+        let sizes: Vec<(&str, usize)> = names.iter().map(|station| (*station, size(station))).collect();
         let thread = std::thread::spawn(move || {
             let _tasks = tasks;
             let mut newest: HashMap<String, NewestBySequence> = HashMap::new();
@@ -157,7 +164,7 @@ impl Operator {
     pub fn picture(&self) -> String {
         let heard = self.heard();
         let mut text = format!("mode {}; last refusal '{}'", heard.line.text, heard.line.refusal);
-        for name in STATIONS {
+        for name in heard.names {
             let s = heard.station(name);
             text.push_str(&format!("; {name} {} fault '{}' waits for {:?}", s.operation, s.fault, s.blocked_by));
         }
@@ -225,7 +232,14 @@ impl Operator {
             self.order("start", StationState::MODE_STANDBY);
         }
         self.order("manual", StationState::MODE_MANUAL);
-        for name in STATIONS {
+        self.complete();
+        self.order("auto", StationState::MODE_AUTO);
+    }
+
+    /// In manual: resumes what was stopped.
+    pub fn complete(&self) {
+        let names = self.heard().names;
+        for name in names {
             for _ in 0..3 {
                 if self.station(name).incomplete.is_empty() {
                     break;
@@ -234,7 +248,6 @@ impl Operator {
             }
             assert!(self.station(name).incomplete.is_empty(), "{name} is recovered: {}", self.picture());
         }
-        self.order("auto", StationState::MODE_AUTO);
     }
 
     /// Stops at home.

@@ -1,14 +1,14 @@
 //! One line on this machine, with a ROS domain, a bus and a directory that nobody else uses.
 //!
-//! One rig at a time: the machine's two or four cores are busy enough with one line. Whatever becomes of a test, no
-//! process of its rig outlives it.
+//! One rig at a time, and no other command beside it: the machine's two or four cores are busy enough with one line.
+//! Whatever becomes of a test, no process of its rig outlives it.
 
 use std::fs::{self, File};
 use std::io::Read;
 use std::net::UdpSocket;
 use std::path::PathBuf;
 use std::process::{Child, Command, Stdio};
-use std::sync::{Mutex, MutexGuard, PoisonError};
+use std::sync::{PoisonError, RwLockWriteGuard};
 use std::time::Duration;
 
 use linewright_msgs::StationState;
@@ -19,17 +19,16 @@ use super::bus::{self, Member};
 use super::eye::Eye;
 use super::operator::Operator;
 use super::plan::Plan;
-use super::{PATIENCE, wait_for};
-
-static ALONE: Mutex<()> = Mutex::new(());
+use super::{ALONE, PATIENCE, wait_for};
 
 /// No CAN interface has this name, so it is a virtual bus even where the kernel has `vcan0`, or a machine on `can0`.
 pub const BUS: &str = "rig-line";
 /// Another one, for a station's own devices.
 pub const OWN_BUS: &str = "rig-own";
 
-/// Ages and leases are longer than those of a plant: a busy machine must not look like a broken one.
-const TIMING: &str = "\n[timing]\nstale_ms = 500\nlease_ms = 1000\nheartbeat_timeout_ms = 400\n";
+/// Ages and leases are much longer than those of a plant: a machine that is busy, or that its own host lets stand for
+/// half a second, must not look like a broken one.
+pub const TIMING: &str = "\n[timing]\nstale_ms = 1000\nlease_ms = 2000\nheartbeat_timeout_ms = 1500\n";
 
 /// The shipped line, its mechanisms faster or slower.
 pub fn line(time_scale: f64) -> String {
@@ -43,13 +42,13 @@ pub struct Rig {
     run: Option<Child>,
     domain: u16,
     directory: TempDir,
-    _alone: MutexGuard<'static, ()>,
+    _alone: RwLockWriteGuard<'static, ()>,
 }
 
 impl Rig {
     /// A rig for this description; nothing runs yet.
     pub fn new(text: &str) -> Self {
-        let alone = ALONE.lock().unwrap_or_else(PoisonError::into_inner);
+        let alone = ALONE.write().unwrap_or_else(PoisonError::into_inner);
         let directory = tempfile::Builder::new().prefix("lw").tempdir().expect("a directory");
         fs::create_dir_all(directory.path().join("line")).expect("a directory");
         fs::create_dir_all(directory.path().join("state")).expect("a directory");
@@ -63,6 +62,17 @@ impl Rig {
     /// One more file beside the description.
     pub fn file(&self, name: &str, text: &str) {
         fs::write(self.directory.path().join("line").join(name), text).expect("a file beside the description");
+    }
+
+    /// Replaces texts in a file beside the description; each has to be there.
+    pub fn change(&self, name: &str, pairs: &[(&str, &str)]) {
+        let path = self.directory.path().join("line").join(name);
+        let mut text = fs::read_to_string(&path).expect("a file beside the description");
+        for (from, to) in pairs {
+            assert!(text.contains(from), "{name} has no {from}");
+            text = text.replace(from, to);
+        }
+        self.file(name, &text);
     }
 
     /// The ROS domain of this rig.
@@ -91,6 +101,21 @@ impl Rig {
         let mut command = self.command(&["run"], &all);
         let run = command.stdin(Stdio::null()).stdout(Stdio::piped()).stderr(said).spawn();
         self.run = Some(run.expect("the command starts"));
+    }
+
+    /// What a command says that has ended well.
+    pub fn said(&self, words: &[&str], more: &[&str]) -> Result<String, String> {
+        let output = self.command(words, more).output().expect("the command starts");
+        let text = |bytes: &[u8]| String::from_utf8_lossy(bytes).into_owned();
+        if output.status.success() { Ok(text(&output.stdout)) } else { Err(text(&output.stderr)) }
+    }
+
+    /// What `linewright report` makes of the cell's database, with its chart.
+    pub fn report(&self) -> String {
+        let mut command = Command::new(env!("CARGO_BIN_EXE_linewright"));
+        let output = command.arg("report").arg(self.state()).arg("--chart").output().expect("the command starts");
+        assert!(output.status.success(), "{output:?}");
+        String::from_utf8(output.stdout).expect("text")
     }
 
     /// Starts the line, joins it and brings it to stand-by.

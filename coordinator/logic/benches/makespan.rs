@@ -1,8 +1,12 @@
 //! What looking ahead and planning are worth: makespans of random workcells by each rule, by looking ahead and by a schedule
 //! that is followed, played by the token player with nominal times.
 //!
-//! `cargo bench -p linewright-coordinator-logic --bench makespan [CELLS [PARTS]]`. Small cells beside the optimum are tests; here
-//! cells are too large for one, so the best rule is what the others are compared with, in percent. Times are of this machine.
+//! `cargo bench -p linewright-coordinator-logic --bench makespan [CELLS [PARTS]]`. First the assembly cell beside the optimum,
+//! which tests find by an exact search; then cells that are too large for one, so the best rule is what the others are
+//! compared with, in percent. Times are of this machine.
+
+#[path = "common/dice.rs"]
+mod dice;
 
 use std::fmt::Write as _;
 use std::sync::Arc;
@@ -20,18 +24,11 @@ use linewright_coordinator_logic::cell::{
 use linewright_coordinator_logic::described::{Pace, described};
 use linewright_line::Tick;
 
+use dice::Dice;
+
 /// Nobody is urgent in what is compared here.
 const PATIENCE: Duration = Duration::from_secs(10_000_000);
 const TYPES: usize = 5;
-
-struct Dice(u64);
-
-impl Dice {
-    fn below(&mut self, bound: usize) -> usize {
-        self.0 = self.0.wrapping_mul(6_364_136_223_846_793_005).wrapping_add(1_442_695_040_888_963_407);
-        (self.0 >> 33) as usize % bound
-    }
-}
 
 /// A workcell by chance: machines around a store, a robot for every four of them, types whose steps have one machine or two.
 fn text(seed: u64) -> String {
@@ -108,13 +105,14 @@ fn play(table: &Arc<CellTable>, dispatcher: &mut dyn Dispatcher, parts: u64) -> 
     (end.as_micros() as f64 / 1e6, timed.all / timed.asked.max(1), timed.longest)
 }
 
-fn ordered(production: &mut Production, parts: u32) {
-    for kind in 0..TYPES {
+/// Orders of so many parts of each product.
+fn ordered<'a>(production: &mut Production, products: impl Iterator<Item = (&'a str, u32)>) {
+    for (kind, (product, quantity)) in products.enumerate() {
         let request = Request {
             key: kind as u128,
             name: format!("order {kind}"),
-            product: format!("P{kind}"),
-            quantity: parts / TYPES as u32,
+            product: product.to_owned(),
+            quantity,
             ..Request::default()
         };
         for change in production.submit(&[request]).expect("it is sound") {
@@ -129,7 +127,8 @@ fn compare(seed: u64, cell: &Cell, parts: u32) -> [f64; 3] {
     let made = described(cell, None, Supply::Open, pace).expect("it can be played");
     let table = Arc::new(made.table.clone());
     let mut production = Production::new(&table);
-    ordered(&mut production, parts);
+    let names: Vec<String> = (0..TYPES).map(|kind| format!("P{kind}")).collect();
+    ordered(&mut production, names.iter().map(|name| (name.as_str(), parts / TYPES as u32)));
     let desk = |rules: &[Rule]| Desk::new(ByRules::new(&table, rules, PATIENCE), production.clone());
     let all = u64::from(parts / TYPES as u32 * TYPES as u32);
     let rules = [Rule::Fifo, Rule::ShortestProcessingTime];
@@ -156,7 +155,32 @@ fn compare(seed: u64, cell: &Cell, parts: u32) -> [f64; 3] {
     [best, ahead, followed]
 }
 
+/// The assembly cell, with room for all parts, beside the shortest makespans there are.
+fn small() {
+    let text = include_str!("../../../launch-config/lines/assembly-cell/cell.toml");
+    let text = text.replace("wip_max = 5", "wip_max = 9").replace("capacity = 5", "capacity = 9");
+    let cell = linewright_cell::parse("cell.toml", &text, None).unwrap_or_else(|why| panic!("{why:#}")).cell;
+    let pace = Pace { refresh: Duration::from_secs(1), grace: Duration::from_secs(1) };
+    let table = Arc::new(described(&cell, None, Supply::Open, pace).expect("it can be played").table.without_orders());
+    println!("assembly cell, makespans in s\nparts      optimum    fifo     spt   ahead  schedule");
+    for (counts, optimum) in [([1, 1, 1], 17.5), ([2, 2, 1], 31.0), ([2, 2, 2], 35.0), ([3, 3, 3], 52.5)] {
+        let mut production = Production::new(&table);
+        ordered(&mut production, ["1", "2", "3"].into_iter().zip(counts));
+        let desk = |rules: &[Rule]| Desk::new(ByRules::new(&table, rules, PATIENCE), production.clone());
+        let all = u64::from(counts.iter().sum::<u32>());
+        let [fifo, spt] =
+            [Rule::Fifo, Rule::ShortestProcessingTime].map(|rule| play(&table, &mut desk(&[rule]), all).0);
+        let mut look = LookAhead::new(&table, desk(&[Rule::Fifo]), Duration::from_secs(30));
+        let ahead = play(&table, &mut look, all).0;
+        let base = LookAhead::new(&table, desk(&[Rule::Schedule, Rule::Fifo]), Duration::ZERO);
+        let followed = play(&table, &mut Foreman::new(base, Box::new(Builtin::default())), all).0;
+        println!("{counts:?} {optimum:>8} {fifo:>7} {spt:>7} {ahead:>7} {followed:>9}");
+    }
+    println!();
+}
+
 fn main() {
+    small();
     let mut numbers = std::env::args().skip(1).filter_map(|argument| argument.parse::<u32>().ok());
     let (cells, parts) = (numbers.next().unwrap_or(8), numbers.next().unwrap_or(40));
     println!("makespans in s, {parts} parts; decisions in ms; percent of the better of both rules");

@@ -231,10 +231,10 @@ impl Coordinator {
 
     /// Leaves these stations out, and no others: what is wrong with them is an exception of the cell they work in
     /// ([`crate::cell::exception::isolated`]), and the others work on. Only stations on order can be left out. Call it
-    /// whenever that changes, before [`Coordinator::step`].
-    pub fn isolate(&mut self, stations: impl Fn(StationId) -> bool) {
+    /// whenever that changes, before [`Coordinator::step`]. `stations` is told as well whether a station is heard.
+    pub fn isolate(&mut self, stations: impl Fn(StationId, bool) -> bool) {
         for (id, station) in self.line.station_ids().zip(&mut self.stations) {
-            let isolated = station.on_order && stations(id);
+            let isolated = station.on_order && stations(id, self.now < station.known_until);
             self.changed |= station.isolated != isolated;
             station.isolated = isolated;
         }

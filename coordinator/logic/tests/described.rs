@@ -1,12 +1,5 @@
 //! The two shipped cells, from their descriptions to finished parts.
 
-#[path = "cell/plans.rs"]
-#[allow(dead_code)]
-mod plans;
-#[path = "cell/world.rs"]
-#[allow(dead_code)]
-mod world;
-
 use std::collections::BTreeMap;
 use std::sync::Arc;
 use std::time::Duration;
@@ -18,8 +11,9 @@ use linewright_coordinator_logic::cell::{
 };
 use linewright_coordinator_logic::described::{Described, Pace, Unplayable, described, dispatcher};
 use linewright_line::Tick;
-use plans::Compiled;
-use world::World;
+
+use crate::cell::plans::Compiled;
+use crate::cell::world::World;
 
 const C1: &str = include_str!("../../../launch-config/lines/workcell-c1/cell.toml");
 const ASSEMBLY: &str = include_str!("../../../launch-config/lines/assembly-cell/cell.toml");

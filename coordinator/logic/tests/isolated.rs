@@ -1,29 +1,14 @@
 //! Stations whose trouble is an exception of the cell they work in: the others stay in auto.
 
-#[allow(dead_code)]
-mod common;
-
-use std::time::Duration;
-
-use common::{Bench, line};
 use linewright_coordinator_logic::Command;
+use linewright_line::StationId;
 use linewright_line::net::ControlMode;
-use linewright_line::{Rest, RestId, StationId, Task};
 
-/// The shipped line in auto, with its second station on order. What it can be ordered to do does not matter here.
+use crate::common::Bench;
+
+/// The line in auto.
 fn bench() -> Bench {
-    let mut line = line();
-    let station = &mut line.stations[1];
-    station.rests = vec![Rest { name: "home".to_owned(), at: Vec::new() }];
-    station.tasks = vec![Task {
-        name: "everything".to_owned(),
-        steps: 0..station.steps.len(),
-        from: RestId(0),
-        to: RestId(0),
-        limit: Duration::from_secs(1),
-        parameters: Vec::new(),
-    }];
-    let mut bench = Bench::of(line, 0);
+    let mut bench = Bench::with_one_on_order();
     for command in [Command::Start, Command::Auto] {
         assert_eq!(bench.command(command), None);
     }
@@ -41,12 +26,12 @@ fn its_trouble_is_not_the_lines() {
         ("restarted", |heard| heard.boot_id += 1),
     ] {
         let mut bench = bench();
-        bench.coordinator.isolate(|id| id == ON_ORDER);
+        bench.coordinator.isolate(|id, _| id == ON_ORDER);
         wrong(&mut bench.heard[1]);
         bench.beat();
         assert_eq!(bench.mode(), ControlMode::Auto, "{what}");
         // When it is not left out any more, it is.
-        bench.coordinator.isolate(|_| false);
+        bench.coordinator.isolate(|_, _| false);
         bench.beat();
         assert_ne!(bench.mode(), ControlMode::Auto, "{what}");
     }
@@ -55,7 +40,7 @@ fn its_trouble_is_not_the_lines() {
 #[test]
 fn one_that_is_not_heard_is_not_waited_for() {
     let mut bench = bench();
-    bench.coordinator.isolate(|id| id == ON_ORDER);
+    bench.coordinator.isolate(|id, _| id == ON_ORDER);
     let stale = bench.line.timing.stale;
     for _ in 0..4 {
         bench.now = bench.now + stale / 2;
@@ -70,7 +55,7 @@ fn one_that_is_not_heard_is_not_waited_for() {
 #[test]
 fn only_stations_on_order_are_left_out() {
     let mut bench = bench();
-    bench.coordinator.isolate(|_| true);
+    bench.coordinator.isolate(|_, _| true);
     bench.heard[0].incomplete = true;
     bench.beat();
     assert_eq!(bench.mode(), ControlMode::StandBy);
@@ -80,7 +65,7 @@ fn only_stations_on_order_are_left_out() {
 #[test]
 fn in_the_emergency_stop_all_count() {
     let mut bench = bench();
-    bench.coordinator.isolate(|id| id == ON_ORDER);
+    bench.coordinator.isolate(|id, _| id == ON_ORDER);
     bench.heard[1].stopped = false;
     bench.command(Command::EStop);
     assert_eq!(bench.mode(), ControlMode::EStop);

@@ -3,15 +3,12 @@
 //! One table for a line that stands at home, one for a line in the middle of a cycle. What is not obeyed is refused
 //! with the words an operator reads.
 
-#[allow(dead_code)]
-mod common;
-
-use common::Bench;
+use Command as C;
+use ControlMode as M;
 use linewright_coordinator_logic::Command;
 use linewright_line::net::ControlMode;
 
-use Command as C;
-use ControlMode as M;
+use crate::common::Bench;
 
 /// The mode after the command, and the refusal's reasons; "" where it is obeyed.
 type Row = (ControlMode, Command, ControlMode, &'static str);

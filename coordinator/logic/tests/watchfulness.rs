@@ -1,14 +1,12 @@
 //! What the coordinator notices by itself: silence, restarts, higher epochs, a lost console, buttons that run out.
 
-#[allow(dead_code)]
-mod common;
-
 use std::time::Duration;
 
-use common::{Bench, line};
 use linewright_coordinator_logic::{Command, Coordinator, Heard, Input, Outbox};
 use linewright_line::net::ControlMode;
 use linewright_line::{StationId, Tick};
+
+use crate::common::{Bench, line};
 
 /// The console's image with these of its inputs on.
 fn console(names: &[&str]) -> Input {

@@ -6,6 +6,7 @@
 //! in [`linewright_coordinator_logic::Coordinator`]; this crate performs it. Of a flexible cell
 //! [`cell`] keeps on disk what happens.
 
+mod behind;
 pub mod cell;
 mod node;
 mod remembered;

@@ -8,16 +8,17 @@ use linewright_coordinator_logic::{Command, Coordinator, Gateway, Heard, InForce
 use linewright_fieldbus::{Bus as CanBus, BusError, Clock, Driver, Event as BusEvent, Manager, ManagerError};
 use linewright_line::net::ControlMode;
 use linewright_line::{Bus, Line, Owner, StationId, Tick};
-use linewright_msgs::{LineState, ModeOrder, ProcessImage, Text, fitting};
+use linewright_msgs::{LineState, ModeOrder, Text, fitting};
 use linewright_node_shell::{
     Forward, Journal, JournalError, NewestBySequence, OpenError, Participant, TopicError, fresh_boot_id, stamp,
 };
-use linewright_station_node::devices::{Devices, Trouble, in_words};
+use linewright_station_node::devices::{Devices, in_words};
 use linewright_station_node::{mode_to_code, quoted, report_from_message};
 use thiserror::Error;
 use tokio::sync::{mpsc, watch};
 
-use crate::cell::{CellError, CellOptions, Playing};
+use crate::behind::{Behind, ToldInputs};
+use crate::cell::{CellError, CellOptions, Playing, Situation};
 use crate::remembered::{Remembered, remembered};
 use crate::topics::{Arrived, Says, open};
 
@@ -113,28 +114,6 @@ pub async fn run(
     Ok(())
 }
 
-/// What an input message says, for telling whether it would say anything new.
-#[derive(Clone, Copy, PartialEq, Eq)]
-struct ToldInputs {
-    bits: u128,
-    valid: bool,
-    lives: u64,
-    under: Option<(u64, u64)>,
-}
-
-/// A station behind the gateway.
-struct Behind {
-    station: StationId,
-    /// Its newest output image by sequence.
-    newest: NewestBySequence,
-    /// What the bus was last told to put out, and in which life of the devices.
-    put: Option<(u128, u64)>,
-    /// What the station was last told of its inputs.
-    told: Option<ToldInputs>,
-    /// What it is told of its devices.
-    trouble: Trouble,
-}
-
 /// How soon a refusal may follow another one in what is sent and logged.
 const ANSWER_EVERY: Duration = Duration::from_millis(20);
 /// How often the mode is told in words when it does not change.
@@ -160,6 +139,8 @@ struct Shell {
     states: Vec<NewestBySequence>,
     /// Stations that say that they have lost their devices, or were stopped in the middle of something.
     in_trouble: Vec<bool>,
+    /// What the cell is told of the line.
+    situation: Situation,
     boot_id: u64,
     order_sequence: u64,
     state_sequence: u64,
@@ -201,9 +182,7 @@ impl Shell {
         let devices = Devices::open(&mut node, &line, on_bus)?;
         let mut behind = Vec::new();
         for station in line.station_ids().filter(|&id| line.station(id).bus == Bus::Line) {
-            let topic = format!("{}/trouble", line.station(station).name);
-            let trouble = Trouble::open(&mut node, &topic, Owner::Station(station))?;
-            behind.push(Behind { station, newest: NewestBySequence::new(), put: None, told: None, trouble });
+            behind.push(Behind::open(&mut node, &line, station)?);
         }
         let boot_id = fresh_boot_id();
         let cell = cell.map(|cell| CellOptions { cell, line: line.clone(), state_dir, boot_id });
@@ -224,6 +203,7 @@ impl Shell {
             troubles: vec![String::new(); line.stations.len()],
             states: line.stations.iter().map(|_| NewestBySequence::new()).collect(),
             in_trouble: vec![false; line.stations.len()],
+            situation: Situation::new(line.stations.len()),
             boot_id,
             order_sequence: 0,
             state_sequence: 0,
@@ -278,6 +258,7 @@ impl Shell {
             Arrived::State(message) => match report_from_message(&self.line, &message) {
                 Ok((station, report)) => {
                     if self.states[station.index()].offer(message.boot_id, message.sequence).is_newest() {
+                        self.situation.devices[station.index()] = report.devices_valid;
                         self.in_trouble[station.index()] = !report.incomplete.is_empty() || !report.devices_valid;
                         let heard = Heard {
                             boot_id: report.boot_id,
@@ -377,7 +358,11 @@ impl Shell {
         }
         if let Some(cell) = &self.cell {
             let order = self.coordinator.order();
-            cell.starts(order.mode == ControlMode::Auto && order.enabled && order.master_stop.is_none());
+            let (now, ids) = (&mut self.situation, self.line.station_ids());
+            now.starts = order.mode == ControlMode::Auto && order.enabled && order.master_stop.is_none();
+            now.mode = order.mode;
+            now.heard.iter_mut().zip(ids).for_each(|(heard, id)| *heard = self.coordinator.hears(id));
+            cell.tell(now);
         }
         if changed || due {
             self.tell(now);
@@ -388,10 +373,10 @@ impl Shell {
     /// and in auto also what is about to, since a station tells of its trouble here and there at once.
     fn isolate(&mut self) {
         let Some(cell) = &self.cell else { return };
-        let (isolated, in_auto) = (cell.isolated(), self.coordinator.order().mode == ControlMode::Auto);
-        let trouble: Vec<bool> = self.line.station_ids().map(|id| !self.coordinator.hears(id)).collect();
-        let trouble = |id: StationId| self.in_trouble[id.index()] || trouble[id.index()];
-        self.coordinator.isolate(|id| isolated.contains(&id) || in_auto && trouble(id));
+        let in_auto = self.coordinator.order().mode == ControlMode::Auto;
+        let isolated = cell.isolated();
+        let in_trouble = |id: StationId, is_heard: bool| in_auto && (self.in_trouble[id.index()] || !is_heard);
+        self.coordinator.isolate(|id, is_heard| isolated.contains(&id) || in_trouble(id, is_heard));
     }
 
     fn remember(&mut self) -> Result<(), NodeError> {
@@ -410,35 +395,19 @@ impl Shell {
         // The emergency stop does not wait for the stations to take their outputs back.
         let stopped = self.coordinator.mode() == ControlMode::EStop;
         for behind in &mut self.behind {
-            let owner = Owner::Station(behind.station);
+            let station = behind.station;
             // The reason first, so that a station that sees the loss can say why.
             behind.trouble.act(now, &self.driver);
-            let image = self.driver.inputs(owner);
+            let image = self.driver.inputs(Owner::Station(station));
             let lives = self.boot_id.wrapping_add(u64::from(image.losses));
-            let in_force = if stopped { InForce::default() } else { self.gateway.in_force(now, behind.station, lives) };
-            // After a loss the bus has forgotten what it was told, so it is told again.
-            if behind.put != Some((in_force.bits, lives)) {
-                self.driver.set_outputs(owner, in_force.bits);
-                behind.put = Some((in_force.bits, lives));
-            }
+            let in_force = if stopped { InForce::default() } else { self.gateway.in_force(now, station, lives) };
+            behind.put_out(&mut self.driver, in_force.bits, lives);
             let news = ToldInputs { bits: image.bits, valid: image.valid, lives, under: in_force.image };
-            if due || behind.told != Some(news) {
-                behind.told = Some(news);
-                if let Some(publisher) = &self.says.inputs[behind.station.index()] {
-                    self.image_sequence += 1;
-                    let mut message = ProcessImage {
-                        header: stamp(),
-                        boot_id: self.boot_id,
-                        sequence: self.image_sequence,
-                        valid: image.valid,
-                        lives,
-                        number: in_force.image.map_or(0, |(_, number)| number),
-                        number_boot_id: in_force.image.map_or(0, |(boot_id, _)| boot_id),
-                        ..ProcessImage::default()
-                    };
-                    message.set_word(image.bits);
-                    publisher.send(message);
-                }
+            if behind.is_news(news, due)
+                && let Some(publisher) = &self.says.inputs[station.index()]
+            {
+                self.image_sequence += 1;
+                publisher.send(news.message(self.boot_id, self.image_sequence));
             }
         }
     }

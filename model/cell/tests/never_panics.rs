@@ -1,13 +1,12 @@
 //! Whatever a file contains, reading it ends with a cell, whose nets can be made, or with problems that can be drawn.
 
-mod common;
-
-use common::{ASSEMBLY, C1};
 use linewright_cell::net::{Detail, Supply, net};
 use linewright_cell::parse;
 use linewright_text::Problems;
 use miette::{GraphicalReportHandler, GraphicalTheme};
 use proptest::prelude::*;
+
+use crate::common::{ASSEMBLY, C1};
 
 /// Parses, and checks what must hold of any outcome.
 fn survives(text: &str) {

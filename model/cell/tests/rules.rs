@@ -3,12 +3,11 @@
 //! The snapshot has place, message and hint of each problem. A case whose edit were without effect would fail: it must
 //! raise a problem, of the stated kind, and the problem must lie within the text.
 
-mod common;
-
 use std::fmt::Write;
 
-use common::{ASSEMBLY, ASSEMBLY_LINE, C1, C1_LINE, edited};
 use linewright_cell::parse;
+
+use crate::common::{ASSEMBLY, ASSEMBLY_LINE, C1, C1_LINE, edited};
 
 /// The rule, and what to replace by what, first occurrence each.
 type Case<'a> = (&'a str, &'a [(&'a str, &'a str)]);

@@ -1,11 +1,10 @@
 //! What the shipped descriptions say.
 
-mod common;
-
 use std::time::Duration;
 
-use common::{ASSEMBLY, C1, cell};
 use linewright_cell::{ActivityKind, LeftOut, ParameterSource, Prototype, Rule, Whereabouts};
+
+use crate::common::{ASSEMBLY, C1, cell};
 
 /// A1, seed 000, L2029-2035: robot 1 loads robot 2: 3, loads the human: 2, unloads robot 2: 3, unloads the human: 2; robot 2
 /// works on part 1: 7.5; the human on part 2: 5, on part 3: 4. One time unit is a second here.

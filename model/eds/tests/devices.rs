@@ -1,11 +1,10 @@
 //! Two whole devices: what is read of them, and what a configuration of them sets in which order.
 
-mod common;
-
-use common::{DRIVE, HEAD, IO, node, sound};
 use linewright_eds::{
     Access, Category, Configuration, ConfigureError, DataType, Eds, Identity, ObjectType, Reason, Value, read,
 };
+
+use crate::common::{DRIVE, HEAD, IO, node, sound};
 
 fn drive() -> Eds {
     read("drive.eds", DRIVE).unwrap_or_else(|problems| panic!("{problems:#}"))

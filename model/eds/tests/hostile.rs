@@ -1,12 +1,11 @@
 //! Files that are made to hurt: large, cut, or full of large numbers. Each ends soon, with a description or a problem.
 
-mod common;
-
 use std::time::{Duration, Instant};
 
-use common::{DRIVE, HEAD, IO, node, said, sound};
 use linewright_eds::{limits, read};
 use proptest::prelude::*;
+
+use crate::common::{DRIVE, HEAD, IO, node, said, sound};
 
 /// Far more than any of them takes, also on a busy machine, and far less than anything quadratic would.
 const SOON: Duration = Duration::from_secs(20);

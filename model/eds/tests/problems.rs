@@ -1,10 +1,9 @@
 //! One case for each rule: what is said about a file, with line, column, section and key.
 
-mod common;
-
-use common::{HEAD, said, said_of, sound};
 use linewright_eds::{limits, read};
 use miette::{GraphicalReportHandler, GraphicalTheme};
+
+use crate::common::{HEAD, said, said_of, sound};
 
 /// A list of one optional object, which begins in line 8; the object's section begins in line 11.
 fn listed(object: &str) -> Vec<String> {

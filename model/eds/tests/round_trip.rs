@@ -3,14 +3,13 @@
 //! The generator writes its own text from its own model, in the many ways of spelling that files have, and the reader
 //! must find the model again.
 
-mod common;
-
 use std::collections::BTreeMap;
 use std::fmt::Write as _;
 
-use common::node;
 use linewright_eds::{Configuration, DataType, Value, read};
 use proptest::prelude::*;
+
+use crate::common::{self, node};
 
 /// One entry as the generator means it.
 #[derive(Clone, Debug)]

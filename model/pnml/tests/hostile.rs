@@ -1,12 +1,11 @@
 //! Files that are made to hurt: too deep, too long, too many, or cut anywhere. Each ends soon, with a net or a problem.
 
-mod common;
-
 use std::time::{Duration, Instant};
 
-use common::{ring, said, sound, with};
 use linewright_pnml::{limits, read};
 use proptest::prelude::*;
+
+use crate::common::{ring, said, sound, with};
 
 /// Far more than any of them takes, also on a busy machine, and far less than anything quadratic would.
 const SOON: Duration = Duration::from_secs(20);

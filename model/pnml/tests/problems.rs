@@ -1,9 +1,8 @@
 //! What is wrong, where, and what to do about it: one row for everything that is refused.
 
-mod common;
-
-use common::{drawn, said, with};
 use linewright_pnml::{limits, read};
+
+use crate::common::{drawn, said, with};
 
 /// What stands in line 3 of a file, and what is said of it.
 const IN_A_NET: &[(&str, &[&str])] = &[

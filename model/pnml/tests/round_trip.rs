@@ -1,12 +1,11 @@
 //! What is written is read as what it was, whatever the names are; and a ring of stations written by a program.
 
-mod common;
-
-use common::{ring, sound};
 use linewright_nets::{Net, NetBuilder, explore};
 use linewright_pnml::write;
 use proptest::collection::{btree_set, hash_set, vec};
 use proptest::prelude::*;
+
+use crate::common::{ring, sound};
 
 /// Names that are as they may be: with blanks, markup, line ends and letters of any kind, but not empty, and without the
 /// characters that XML has no way to write.

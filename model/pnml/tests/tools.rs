@@ -1,9 +1,8 @@
 //! What tools write besides the plain standard, and is read all the same.
 
-mod common;
-
-use common::{sound, with};
 use linewright_pnml::read;
+
+use crate::common::{sound, with};
 
 /// One place with a token, one transition that takes it.
 const PLAIN: &str = "\

@@ -177,6 +177,8 @@ pub fn order_state() -> OrderState {
         doing_epoch: 3,
         doing_id: 41,
         phase: RunTaskFeedback::PHASE_RUNNING,
+        secured_epoch: 3,
+        secured_id: 37,
         rest: "home".into(),
         ended: Bounded::new(vec![end(38, RunTaskResult::END_DONE, 0), end(40, RunTaskResult::END_FAILED, 7)]).unwrap(),
         refused: Bounded::new(vec![end(39, RunTaskResult::END_REFUSED, RunTaskResult::REFUSED_BUSY)]).unwrap(),

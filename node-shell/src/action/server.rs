@@ -13,14 +13,14 @@ use linewright_msgs::RosAction;
 use ros2_client::action::{ActionServer, GetResultResponse, SendGoalResponse};
 use ros2_client::action_msgs::{CancelGoalRequest, CancelGoalResponse, GoalId, GoalInfo, GoalStatusEnum};
 use ros2_client::builtin_interfaces::Time;
-use ros2_client::{Gid, ReadError, RmwRequestId};
+use ros2_client::{ReadError, RmwRequestId};
 use tokio::sync::mpsc;
 use tokio::time::Instant;
 
 use super::goals::{Ended, Goals};
 use crate::bytes::{Bytes, exactly};
 use crate::caller::Wire;
-use crate::service::{CLIENTS, HOLD};
+use crate::service::{HOLD, Known};
 use crate::subscription::Forward;
 
 /// Most bytes of a goal that are looked at.
@@ -103,14 +103,8 @@ where
 {
     // Not bounded, but filled by the owner alone, who says a few words for each goal.
     let (owner, mut said) = mpsc::unbounded_channel();
-    let mut serving = Serving {
-        action,
-        goals: Goals::new(),
-        known: VecDeque::with_capacity(CLIENTS),
-        held: VecDeque::new(),
-        rejected: 0,
-        turn: 0,
-    };
+    let mut serving =
+        Serving { action, goals: Goals::new(), known: Known::new(), held: VecDeque::new(), rejected: 0, turn: 0 };
     let forward = Forward::spawn(async move {
         serving.publish_status();
         loop {
@@ -149,8 +143,7 @@ where
 struct Serving<A: RosAction> {
     action: Action<A>,
     goals: Goals<A::Result, Asker>,
-    /// Clients that have been answered before, the last one first.
-    known: VecDeque<Gid>,
+    known: Known,
     /// First answers to a client, held until it can be expected to hear them.
     held: VecDeque<(Instant, Asker, Answer<A>)>,
     /// Requests that made no sense to the server that got them.
@@ -242,12 +235,7 @@ impl<A: RosAction> Serving<A> {
     /// A first answer is held, as with services; those that follow it to the same client are not sent before it.
     fn answer(&mut self, who: Asker, answer: Answer<A>) {
         let client = who.1.writer_gid;
-        let new = !self.known.contains(&client);
-        if new {
-            self.known.truncate(CLIENTS - 1);
-            self.known.push_front(client);
-        }
-        if !new && !self.held.iter().any(|(_, (_, id), _)| id.writer_gid == client) {
+        if !self.known.meets(client) && !self.held.iter().any(|(_, (_, id), _)| id.writer_gid == client) {
             self.send(who, answer);
             return;
         }

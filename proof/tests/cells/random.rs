@@ -4,8 +4,8 @@ use linewright_cell::net::Detail;
 use linewright_proof::cell::{Checked, Setting, Verdict, check};
 use linewright_proof::generate::{self, CellShape};
 
-use crate::oracle::{Played, groups, play};
-use crate::{cell, checked, verdicts};
+use super::oracle::{Played, groups, play};
+use super::{cell, checked, verdicts};
 
 /// More moments than this are not looked at one by one.
 const MOMENTS_MAX: usize = 8_000;

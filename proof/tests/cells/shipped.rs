@@ -5,7 +5,7 @@ use linewright_cell::ActivityKind;
 use linewright_nets::explicit::Limits;
 use linewright_proof::cell::{Setting, Verdict, check};
 
-use crate::{ASSEMBLY, C1, cell, checked, edited, failing, verdicts};
+use super::{ASSEMBLY, C1, cell, checked, edited, failing, verdicts};
 
 #[test]
 fn the_shipped_cells_are_sound() {
@@ -151,7 +151,7 @@ fn what_is_too_much_is_undecided_from_there_on() {
     assert_eq!((nothing.sound, verdicts(&nothing)), (0, [Verdict::Undecided; 3]), "{nothing:#?}");
 
     // What is wrong within the limits is found all the same, whatever is beyond them.
-    let stuck = crate::cell(&edited(C1, &[("reserve = true", "reserve = false"), ("wip_max = 6", "wip_max = 10000")]));
+    let stuck = super::cell(&edited(C1, &[("reserve = true", "reserve = false"), ("wip_max = 6", "wip_max = 10000")]));
     let limits = Limits { states: 1_000, ..Limits::default() };
     let found = check(&Setting { limits, ..Setting::new(&stuck) }).expect("it has a net");
     assert_eq!((verdicts(&found)[0], found.sound), (Verdict::Fails, 1), "{found:#?}");

@@ -4,7 +4,7 @@
 use linewright_cell::net::Detail;
 use linewright_proof::cell::{Checked, Setting, Verdict, check};
 
-use crate::{ASSEMBLY, C1, cell, edited, verdicts};
+use super::{ASSEMBLY, C1, cell, edited, verdicts};
 
 fn expanded(text: &str, parts: &[u32]) -> Checked {
     let cell = cell(text);

@@ -1,5 +1,4 @@
 //! What several tests need: how many lines, a line's parts, and a property by its name.
-#![allow(dead_code, reason = "each test binary uses its part")]
 
 use linewright_line::net::ControlMode;
 use linewright_line::{Arrow, Conflict, Line};

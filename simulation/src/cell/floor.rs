@@ -9,16 +9,16 @@ use std::collections::BTreeMap;
 use std::time::Duration;
 
 use linewright_coordinator_logic::cell::{
-    CellTable, Fact, FiringId, Heard, ModeId, OrderKey, OrderMessage, Outcome, PartId, Place, Record, Refusal, Reply,
-    State,
+    CellTable, Fact, FiringId, Heard, ModeId, OrderKey, OrderMessage, PartId, Place, Record, Reply, State,
 };
 use linewright_line::net::ControlMode;
 use linewright_line::{HolderId, Line, OpId, Owner, StationId, Tick};
 use linewright_plant::{PartNo, Plant, PlantOptions, Spot};
 use linewright_station_logic::{
     self as station, CompileError, Controller, Input, ModeOrder, NO_DELAY, OrderReport, Restore, Snapshot, TaskCommand,
-    TaskOrder,
 };
+
+use super::said;
 
 /// Whoever gives the mode says so once and for all.
 const FOR_GOOD: Duration = Duration::from_secs(365 * 24 * 3600);
@@ -239,25 +239,17 @@ impl Floor {
     /// What a station says of itself; nothing while it is down.
     pub(super) fn heard(&self, index: usize) -> Option<Heard> {
         let process = self.processes.get(index).filter(|process| process.down.is_none())?;
-        process.controller.report().order.as_ref().map(heard)
+        process.controller.report().order.as_ref().map(said::heard)
     }
 
     /// What a station answers to an order.
     pub(super) fn told(&mut self, now: Tick, message: &OrderMessage) -> Option<Reply> {
-        let order = TaskOrder {
-            key: station::OrderKey { epoch: message.key.epoch, id: message.key.id },
-            memory: message.memory,
-            task: message.task.to_string(),
-            parameters: message.parameters.iter().map(|(name, value)| (name.to_string(), *value)).collect(),
-            limit: message.limit,
-        };
-        self.command(now, message.station, TaskCommand::Run(&order))
+        self.command(now, message.station, TaskCommand::Run(&said::order(message)))
     }
 
     /// What a station answers when it is told to leave an order.
     pub(super) fn told_to_leave(&mut self, now: Tick, to: StationId, key: OrderKey) -> Option<Reply> {
-        let key = station::OrderKey { epoch: key.epoch, id: key.id };
-        self.command(now, to, TaskCommand::Secure(key))
+        self.command(now, to, TaskCommand::Secure(said::key(key)))
     }
 
     fn command(&mut self, now: Tick, to: StationId, command: TaskCommand<'_>) -> Option<Reply> {
@@ -265,7 +257,7 @@ impl Floor {
         let process = self.processes.get_mut(to.index()).filter(|process| process.down.is_none())?;
         process.controller.handle(now, Input::Task(command));
         let outputs = process.step(now, self.plant.inputs(Owner::Station(to)));
-        let reply = process.out.replies.pop().map(|(_, said)| reply(said));
+        let reply = process.out.replies.pop().map(|(_, reply)| said::reply(reply));
         process.out.replies.clear();
         self.plant.set_outputs(now, Owner::Station(to), outputs);
         self.settle();
@@ -351,46 +343,5 @@ impl Process {
         self.controller.step(now, &mut self.out);
         self.out.events.clear();
         self.out.outputs
-    }
-}
-
-fn heard(report: &OrderReport) -> Heard {
-    Heard {
-        memory: report.memory,
-        epoch: report.epoch,
-        slot: report.slot.map(|slot| key(slot.key)),
-        results: report.results.iter().map(|&(of, outcome)| (key(of), ended(outcome))).collect(),
-        is_held: report.slot.is_none() && report.rest.is_none(),
-        ..Heard::default()
-    }
-}
-
-fn key(key: station::OrderKey) -> OrderKey {
-    OrderKey { epoch: key.epoch, id: key.id }
-}
-
-fn ended(outcome: station::Outcome) -> Outcome {
-    match outcome {
-        station::Outcome::Done => Outcome::Done,
-        station::Outcome::Failed(failure) => Outcome::Failed(failure.code()),
-    }
-}
-
-fn reply(reply: station::Reply) -> Reply {
-    match reply {
-        station::Reply::Running => Reply::Running,
-        station::Reply::Ended(outcome) => Reply::Ended(ended(outcome)),
-        station::Reply::Refused(refusal) => Reply::Refused(match refusal {
-            station::Refusal::Busy => Refusal::Busy,
-            station::Refusal::Mode => Refusal::Mode,
-            station::Refusal::OtherMemory => Refusal::OtherMemory,
-            station::Refusal::OldEpoch => Refusal::OldEpoch,
-            station::Refusal::Old => Refusal::Old,
-            station::Refusal::Late => Refusal::Late,
-            station::Refusal::NotThere => Refusal::NotThere,
-            station::Refusal::Devices => Refusal::Devices,
-            station::Refusal::Unknown => Refusal::Unknown,
-            station::Refusal::Incomplete => Refusal::Incomplete,
-        }),
     }
 }

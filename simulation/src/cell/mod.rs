@@ -15,6 +15,7 @@
 
 mod floor;
 mod operator;
+pub mod said;
 mod sim;
 mod station;
 mod store;

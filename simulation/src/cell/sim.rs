@@ -6,8 +6,8 @@ use std::time::Duration;
 
 use linewright_coordinator_logic::cell::production::Request;
 use linewright_coordinator_logic::cell::{
-    ActivityKind, CellTable, Coordination, Denied, Dispatcher, Event, Heard, Input, OrderKey, OrderMessage, Outbox,
-    Phase, Presence, ProductionCommand, ProductionId, Record, Reply, ResourceId, Send, State, Ticket,
+    ActivityKind, CellTable, Coordination, Denied, Dispatcher, Event, Heard, Input, ModeId, OrderKey, OrderMessage,
+    Outbox, Phase, Presence, ProductionCommand, ProductionId, Record, Reply, ResourceId, Send, State, Ticket,
 };
 use linewright_line::{StationId, Tick};
 
@@ -17,6 +17,8 @@ use super::store::{InMemory, Store};
 use super::truth::Truth;
 use crate::rng::Rng;
 
+/// So many steps at one moment, each with as much as a step takes, and there will be no other moment.
+const SPINS_MAX: usize = 3;
 /// A cell in which nothing has happened for so long, and nothing is going to, has come to its end.
 const QUIET: Duration = Duration::from_secs(3);
 
@@ -212,7 +214,20 @@ impl CellSim {
         self.coordinate(dispatcher, &[], what);
     }
 
+    /// What goes round at one moment without end, if something does: time does not go on any more.
+    pub fn spins(&self) -> Option<ModeId> {
+        let busy = |(at, event): &(Tick, Event)| match event {
+            Event::Busy { mode } if *at == self.now => Some(*mode),
+            Event::Busy { .. } | Event::BadAnswer { .. } | Event::Superseded { .. } | Event::Objected { .. } => None,
+        };
+        let newest = self.events.iter().rev().map_while(busy).take(SPINS_MAX);
+        newest.clone().next().filter(|_| newest.count() == SPINS_MAX)
+    }
+
     fn is_over(&self) -> bool {
+        if self.spins().is_some() {
+            return true;
+        }
         let is_idle = self.state().firings().all(|firing| firing.phase != Phase::Running);
         let is_quiet = self.now.since(self.state().now()) > QUIET;
         // Before a station was heard for the first time, everything waits for it.

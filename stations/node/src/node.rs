@@ -12,7 +12,6 @@ use linewright_node_shell::{
 };
 use linewright_station_logic::{
     CompileError, Controller, Event, Happening, Input, ModeOrder as Order, NO_DELAY, Outbox, PanelCommand, Restore,
-    TaskCommand,
 };
 use thiserror::Error;
 use tokio::sync::{mpsc, watch};
@@ -297,7 +296,11 @@ impl Shell {
                     self.handle(Input::Task(told.command()));
                 }
             }
-            Arrived::Secure(key) => self.handle(Input::Task(TaskCommand::Secure(key))),
+            Arrived::Secure(key) => {
+                if let Some(told) = self.says.orders.as_mut().map(|orders| orders.secure(key)) {
+                    self.handle(Input::Task(told.command()));
+                }
+            }
             Arrived::Advance(held) => self.handle(Input::Panel(PanelCommand::Advance(held))),
             Arrived::Retract(held) => self.handle(Input::Panel(PanelCommand::Retract(held))),
         }

@@ -87,9 +87,17 @@ impl Orders {
             Asked::Cancel(goal) => {
                 let live = self.goals.iter_mut().find(|live| live.goal == goal)?;
                 live.is_cancelled = true;
-                Some(Told::Secure(live.key))
+                let key = live.key;
+                Some(self.secure(key))
             }
         }
+    }
+
+    /// What the controller is told when an order is to be left.
+    pub fn secure(&mut self, key: OrderKey) -> Told {
+        // Said from the next state on, which is made after the controller has taken it in.
+        (self.message.secured_epoch, self.message.secured_id) = (key.epoch, key.id);
+        Told::Secure(key)
     }
 
     /// Says what has become of orders, once it is remembered. The whole state goes out when it is `due`.
@@ -232,7 +240,7 @@ fn feedback(line: &Line, controller: &Controller, slot: &SlotReport) -> RunTaskF
 }
 
 /// How an order has ended, as messages say it.
-pub const fn end_of(outcome: Outcome) -> (u8, u16) {
+const fn end_of(outcome: Outcome) -> (u8, u16) {
     match outcome {
         Outcome::Done => (RunTaskResult::END_DONE, 0),
         Outcome::Failed(Failure::Cancelled) => (RunTaskResult::END_SECURED, Failure::Cancelled.code()),
@@ -241,7 +249,7 @@ pub const fn end_of(outcome: Outcome) -> (u8, u16) {
 }
 
 /// Why an order was not taken on, as messages say it.
-pub const fn code_of(refusal: Refusal) -> u16 {
+const fn code_of(refusal: Refusal) -> u16 {
     match refusal {
         Refusal::Busy => RunTaskResult::REFUSED_BUSY,
         Refusal::Mode => RunTaskResult::REFUSED_MODE,

@@ -78,18 +78,29 @@ fn of_file(name: &str, text: &str) -> Vec<String> {
     findings
 }
 
-/// Tests beside `all.rs` that it does not name: nobody would compile them, and nobody would miss them.
+/// Tests beside `all.rs` that neither it nor another test program of the crate names, and that are none themselves: nobody
+/// would compile them, and nobody would miss them.
 fn left_out(name: &str, text: &str, path: &Path) -> Vec<String> {
-    let beside = path.parent().and_then(|dir| fs::read_dir(dir).ok()).into_iter().flatten().flatten();
-    let modules = beside.filter_map(|entry| {
-        let name = entry.file_name().to_string_lossy().into_owned();
-        let module = name.strip_suffix(".rs").map(str::to_owned);
-        module.or_else(|| entry.path().join("mod.rs").is_file().then_some(name)).filter(|module| module != "all")
-    });
-    let missing = modules.filter(|module| !text.lines().any(|line| line == format!("mod {module};")));
-    let mut missing: Vec<String> = missing.collect();
+    let dir = path.parent().unwrap_or(path);
+    let manifest = dir.parent().and_then(|root| fs::read_to_string(root.join("Cargo.toml")).ok()).unwrap_or_default();
+    let (programs, modules): (Vec<String>, Vec<String>) = modules_in(dir)
+        .filter(|module| module != "all")
+        .partition(|module| manifest.contains(&format!("[[test]]\nname = \"{module}\"\n")));
+    let others = programs.iter().filter_map(|program| fs::read_to_string(dir.join(format!("{program}.rs"))).ok());
+    let texts: Vec<String> = others.chain([text.to_owned()]).collect();
+    let is_named = |module: &str| texts.iter().any(|text| text.lines().any(|line| line == format!("mod {module};")));
+    let mut missing: Vec<String> = modules.into_iter().filter(|module| !is_named(module)).collect();
     missing.sort();
     missing.iter().map(|module| format!("{name}: `mod {module};` is missing, so its tests are never run")).collect()
+}
+
+/// The files and directories in this one that could be modules.
+fn modules_in(dir: &Path) -> impl Iterator<Item = String> {
+    fs::read_dir(dir).into_iter().flatten().flatten().filter_map(|entry| {
+        let name = entry.file_name().to_string_lossy().into_owned();
+        let module = name.strip_suffix(".rs").map(str::to_owned);
+        module.or_else(|| entry.path().join("mod.rs").is_file().then_some(name))
+    })
 }
 
 fn length(name: &str, lines: usize) -> Option<String> {
@@ -125,14 +136,18 @@ mod tests {
 
     #[test]
     fn tests_that_nobody_names_are_found() {
-        let dir = std::env::temp_dir().join(format!("linewright-tidy-{}", std::process::id()));
-        fs::create_dir_all(dir.join("group")).expect("a directory");
-        fs::create_dir_all(dir.join("data")).expect("a directory");
-        for file in ["all.rs", "named.rs", "other.rs", "group/mod.rs", "data/text.toml"] {
+        let root = std::env::temp_dir().join(format!("linewright-tidy-{}", std::process::id()));
+        let dir = root.join("tests");
+        for inner in ["group", "data", "shared"] {
+            fs::create_dir_all(dir.join(inner)).expect("a directory");
+        }
+        for file in ["all.rs", "named.rs", "other.rs", "group/mod.rs", "data/text.toml", "shared/mod.rs"] {
             fs::write(dir.join(file), "").expect("a file");
         }
+        fs::write(root.join("Cargo.toml"), "[[test]]\nname = \"all\"\n[[test]]\nname = \"alone\"\n").expect("a file");
+        fs::write(dir.join("alone.rs"), "mod shared;\n").expect("a file");
         let found = left_out("a/tests/all.rs", "//! Head.\nmod named;\n", &dir.join("all.rs"));
-        fs::remove_dir_all(&dir).expect("it was there");
+        fs::remove_dir_all(&root).expect("it was there");
         assert_eq!(found.len(), 2, "{found:?}");
         assert!(found[0].contains("`mod group;`") && found[1].contains("`mod other;`"), "{found:?}");
     }

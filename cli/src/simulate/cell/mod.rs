@@ -69,9 +69,7 @@ pub fn run(args: &Args, file: &Path) -> miette::Result<ExitCode> {
     let line = beside(file, args.json)?;
     let parsed = load::cell(file, line.as_ref())?;
     if !args.json {
-        for warning in &parsed.warnings {
-            eprintln!("{}:{}:{}: warning: {}", file.display(), warning.line, warning.column, warning.message);
-        }
+        load::warn(file, &parsed.warnings);
     }
     let cell = parsed.cell;
     let batch = batch(&cell, &args.parts)?;
@@ -151,10 +149,17 @@ fn error(sim: &CellSim, played: &Described, asked: u32, end: Tick) -> Option<Str
     if left >= asked {
         return None;
     }
-    let mut lines = vec![format!(
-        "only {left} of {asked} parts were finished; nothing happens any more after {:.3} s",
-        end.as_micros() as f64 / 1e6
-    )];
+    let end_s = end.as_micros() as f64 / 1e6;
+    let mut lines = vec![match sim.spins() {
+        None => {
+            format!("only {left} of {asked} parts were finished; nothing happens any more after {end_s:.3} s")
+        }
+        Some(mode) => format!(
+            "only {left} of {asked} parts were finished; at {end_s:.3} s what takes no time goes round without end, \
+             `{}` last: give it a `time_s`",
+            state.table().mode_name(mode)
+        ),
+    }];
     let failed = state.firings().filter_map(|firing| match firing.phase {
         Phase::Failed(cause) => Some((firing, cause)),
         Phase::Running => None,

@@ -262,7 +262,7 @@ impl State {
             }
             None => {
                 self.leave_position(mode, part);
-                self.parts.remove(&part);
+                self.remove(part);
                 self.left += 1;
             }
         }
@@ -270,7 +270,18 @@ impl State {
 
     pub(super) fn place(&mut self, id: PartId, place: Place, at: Tick) {
         let part = self.parts.entry(id).or_insert(Part::new(id, at));
+        self.waiting.remove(&(part.since, id));
         (part.place, part.since) = (place, at);
+        match place {
+            Place::On { .. } => _ = self.waiting.insert((at, id)),
+            Place::In(_) => (),
+        }
+    }
+
+    /// A part is in the cell no more.
+    pub(super) fn remove(&mut self, part: PartId) {
+        let was = self.parts.remove(&part);
+        was.into_iter().for_each(|was| _ = self.waiting.remove(&(was.since, part)));
     }
 
     fn running(&self, id: FiringId) -> Result<&Firing, String> {

@@ -205,8 +205,8 @@ pub enum Event {
         /// Why not.
         why: Objection,
     },
-    /// So much has happened by itself at one moment that it goes on in the next step. If this comes again and again, the
-    /// net has a circle that takes no time.
+    /// So much has happened by itself or was started at one moment that it goes on in the next step. If this comes again
+    /// and again, the net has a circle that takes no time.
     Busy {
         /// What happened last.
         mode: ModeId,

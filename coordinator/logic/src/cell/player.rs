@@ -347,6 +347,7 @@ impl Coordination {
         let modes = self.state.enabling().decided().iter().copied();
         let (candidates, groups) = pose(&self.state, modes.filter(|&mode| self.is_heard(now, mode)));
         if candidates.is_empty() {
+            self.answered = Some((self.state.sequence(), self.heard.len()));
             return false;
         }
         let number = self.state.questions + 1;
@@ -361,6 +362,9 @@ impl Coordination {
         let wakes = answer.held.iter().filter_map(|held| held.until).filter(|&until| until > now);
         self.ask_again = wakes.min();
         self.start(now, number, &candidates, &answer, out);
+        if let Some(last) = answer.start.last().filter(|_| *room == 0) {
+            out.events.push(Event::Busy { mode: candidates[last.candidate].mode });
+        }
         // What has started makes it another question.
         self.answered = answer.start.is_empty().then(|| (self.state.sequence(), self.heard.len()));
         !answer.start.is_empty()
@@ -392,6 +396,7 @@ impl Coordination {
         let orders = (1..=count).map(|k| OrderKey { epoch, id: last + k }).collect();
         let firing = FiringId(self.state.last_firing + 1);
         self.write(now, Fact::Started { firing, mode, part, orders }, out);
+        self.expect(mode);
     }
 
     /// For each station that was heard, the oldest order it has not answered to.

@@ -20,7 +20,7 @@ use super::positions::Positions;
 use super::production::{Kept, Production};
 use super::question::Reason;
 use super::serial;
-use super::state::{Misfit, Part, Place, State};
+use super::state::{Misfit, Part, Place, State, waiting};
 use super::table::CellTable;
 
 /// Counters stay below this, so that counting on from what somebody has made up never fails.
@@ -157,6 +157,7 @@ fn restored(table: Arc<CellTable>, of: Snapshot) -> Result<State, String> {
     }
     let positions = positions(&table, &parts, &firings)?;
     let state = State {
+        waiting: waiting(&parts),
         production,
         positions,
         enabling: Enabling::new(&table, marking.counts()),

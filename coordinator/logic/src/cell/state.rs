@@ -3,7 +3,8 @@
 //! It changes in [`State::apply`] alone, and all of it follows from the records. What does not follow from them (what
 //! was sent when, who was heard in this life) is the player's and is forgotten by a restart on purpose. Beside the facts
 //! there are lists that could be worked out from them and are kept up to date instead, so that no step searches: the
-//! enabled modes, the firings by when they are due, those that can be closed, the orders nobody has taken on.
+//! enabled modes, the parts by since when they wait, the firings by when they are due, those that can be closed, the
+//! orders nobody has taken on.
 
 use std::collections::{BTreeMap, BTreeSet};
 use std::sync::Arc;
@@ -87,6 +88,8 @@ pub struct State {
     pub(super) marking: Marking,
     pub(super) enabling: Enabling,
     pub(super) parts: BTreeMap<PartId, Part>,
+    /// The parts that are on a cell, by since when.
+    pub(super) waiting: BTreeSet<(Tick, PartId)>,
     pub(super) firings: BTreeMap<FiringId, Firing>,
     /// For each mode how many of the firings are its.
     pub(super) in_progress: Vec<u32>,
@@ -114,6 +117,15 @@ pub struct State {
     pub(super) now: Tick,
 }
 
+/// Of these parts those that no activity holds, by since when they are where they are.
+pub(super) fn waiting(parts: &BTreeMap<PartId, Part>) -> BTreeSet<(Tick, PartId)> {
+    let is_waiting = |part: &&Part| match part.place {
+        Place::On { .. } => true,
+        Place::In(_) => false,
+    };
+    parts.values().filter(is_waiting).map(|part| (part.since, part.id)).collect()
+}
+
 impl State {
     /// Before anything has happened. The parts of the initial marking have the first numbers, in the order of the cells.
     pub fn new(table: Arc<CellTable>) -> Self {
@@ -135,6 +147,7 @@ impl State {
         State {
             enabling: Enabling::new(&table, marking.counts()),
             marking,
+            waiting: waiting(&parts),
             parts,
             firings: BTreeMap::new(),
             in_progress: vec![0; table.mode_count()],
@@ -191,6 +204,11 @@ impl State {
     /// The parts in the cell, by number.
     pub fn parts(&self) -> impl ExactSizeIterator<Item = &Part> {
         self.parts.values()
+    }
+
+    /// The parts that no activity holds, the one first that has been where it is for the longest time.
+    pub fn waiting(&self) -> impl Iterator<Item = &Part> {
+        self.waiting.iter().filter_map(|&(_, part)| self.part(part))
     }
 
     /// A part, if it is in the cell.

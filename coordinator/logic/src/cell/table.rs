@@ -260,6 +260,12 @@ impl CellTable {
         self
     }
 
+    /// What people call the activity of a mode; its own name where they call it nothing.
+    pub fn called(&self, mode: ModeId) -> &str {
+        let activity = &self.handling.mode(mode).activity;
+        if activity.is_empty() { self.mode_name(mode) } else { activity }
+    }
+
     /// What is known for the case that something fails.
     pub fn handling(&self) -> &Handling {
         &self.handling

@@ -19,14 +19,14 @@ pub(super) fn handling(
     stations: &[StationId],
     supply: Supply<'_>,
 ) -> Handling {
-    let made = Made { cell, net, long, table, supply };
+    let made = Made::new(cell, net, long, table, supply);
     let resource = |id: Of| {
         let of = cell.resource(id);
         Resource {
             name: of.name.as_str().into(),
             station: of.controller.map(|controller| stations[controller.index()]),
             is_sensed: of.presence.is_some() && of.controller.is_some(),
-            has: made.cells(|meaning| matches!(meaning, Meaning::Held(by, _) if by == id)).collect(),
+            has: made.cells_of(Some(id), |meaning| matches!(meaning, Meaning::Held(..))).collect(),
         }
     };
     Handling {
@@ -44,15 +44,36 @@ struct Made<'a> {
     long: &'a Unfolding,
     table: &'a CellTable,
     supply: Supply<'a>,
+    /// Of each cell.
+    meanings: Vec<Meaning>,
+    /// The cells of each resource, and those of none: nobody looks for some among all.
+    cells: BTreeMap<Option<Of>, Vec<CellId>>,
 }
 
-impl Made<'_> {
-    fn meaning(&self, cell: CellId) -> Meaning {
-        self.net.meaning(self.long.cell(self.net.net(), linewright_nets::PlaceId(cell.0)).place)
+impl<'a> Made<'a> {
+    fn new(
+        cell: &'a Cell,
+        net: &'a CellNet,
+        long: &'a Unfolding,
+        table: &'a CellTable,
+        supply: Supply<'a>,
+    ) -> Made<'a> {
+        let meaning = |cell: CellId| net.meaning(long.cell(net.net(), linewright_nets::PlaceId(cell.0)).place);
+        let meanings: Vec<Meaning> = table.cells().map(meaning).collect();
+        let mut cells: BTreeMap<_, Vec<CellId>> = BTreeMap::new();
+        for (at, meaning) in table.cells().zip(&meanings) {
+            cells.entry(meaning.resource()).or_default().push(at);
+        }
+        Made { cell, net, long, table, supply, meanings, cells }
     }
 
-    fn cells(&self, is: impl Fn(Meaning) -> bool) -> impl Iterator<Item = CellId> {
-        self.table.cells().filter(move |&cell| is(self.meaning(cell)))
+    fn meaning(&self, cell: CellId) -> Meaning {
+        self.meanings[cell.index()]
+    }
+
+    fn cells_of(&self, of: Option<Of>, is: impl Fn(Meaning) -> bool) -> impl Iterator<Item = CellId> {
+        let all = self.cells.get(&of).into_iter().flatten().copied();
+        all.filter(move |&cell| is(self.meaning(cell)))
     }
 
     fn mode(&self, mode: ModeId) -> Handled {
@@ -90,16 +111,15 @@ impl Made<'_> {
         let given = self.table.gives(mode).iter().filter(|&&(cell, _)| !is_part(cell) && is_sources(cell));
         gone.extend(taken.chain(given).copied());
         let worker = activity.used(Role::Worker).and_then(|part| part.of);
-        gone.extend(
-            self.cells(|meaning| matches!(meaning, Meaning::Room(of) if Some(of) == worker)).map(|cell| (cell, 1)),
-        );
-        gone.extend(self.cells(|meaning| meaning == Meaning::Admission).map(|cell| (cell, 1)));
+        let room = self.cells_of(worker, |meaning| matches!(meaning, Meaning::Room(_)));
+        gone.extend(room.map(|cell| (cell, 1)));
+        gone.extend(self.cells_of(None, |meaning| meaning == Meaning::Admission).map(|cell| (cell, 1)));
         match self.supply {
             Supply::Open => (),
             Supply::Batch(_) => {
                 let part = &self.cell.part_types[self.cell.stages[stage.index()].part_type.index()];
                 let new = self.cell.stages[part.new_stage().index()].name.as_str();
-                let waiting = self.cells(|meaning| meaning == Meaning::Waiting);
+                let waiting = self.cells_of(None, |meaning| meaning == Meaning::Waiting);
                 let named = format!("<{new}>");
                 gone.extend(waiting.filter(|&cell| self.table.cell_name(cell).ends_with(&named)).map(|cell| (cell, 1)));
             }

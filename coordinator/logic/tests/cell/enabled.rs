@@ -14,9 +14,9 @@ use linewright_nets::coloured::{
 };
 use linewright_nets::{Marking, NetBuilder};
 
-use crate::dice::Dice;
-use crate::plans::{Compiled, TOKENS, alone, immediate};
-use crate::printed::{Variant, cell};
+use super::dice::Dice;
+use super::plans::{Compiled, TOKENS, alone, immediate};
+use super::printed::{Variant, cell};
 
 /// A net of two basic domains whose arcs move one colour, the next one, or all of them; some of its modes are guarded.
 fn random_net(dice: &mut Dice) -> ColouredNet {
@@ -270,12 +270,12 @@ fn a_plan_that_does_not_fit_its_net_says_why() {
     assert!(why(plan(vec![], alone(1), vec![0; modes])).starts_with("the plan has kinds for 0 cells"));
     assert!(why(plan(all(TOKENS), alone(1), vec![])).starts_with("the plan has activities for 0 modes"));
     assert!(why(plan(all(TOKENS), alone(1), vec![1; modes])).ends_with("is said to be activity 1 of 1"));
-    assert!(why(plan(all(crate::plans::PARTS), alone(1), vec![0; modes])).ends_with("a mode moves one at most"));
+    assert!(why(plan(all(super::plans::PARTS), alone(1), vec![0; modes])).ends_with("a mode moves one at most"));
     let idle = Activity { servers: 0, ..alone(1) };
     assert!(matches!(
         CellTable::compile(&it.long, plan(all(TOKENS), idle, vec![0; modes])),
         Err(PlanError::NoServer { .. })
     ));
-    let told = Activity { kind: immediate().kind, ..crate::plans::ordered("x", &[0], 1) };
+    let told = Activity { kind: immediate().kind, ..super::plans::ordered("x", &[0], 1) };
     assert!(why(plan(all(TOKENS), told, vec![0; modes])).contains("is immediate and has orders"));
 }

@@ -6,8 +6,8 @@ use linewright_coordinator_logic::cell::{
 };
 use linewright_line::{StationId, Tick};
 
-use crate::crash::merged;
-use crate::plans::Compiled;
+use super::crash::merged;
+use super::plans::Compiled;
 
 const ROBOT: StationId = StationId(0);
 const MACHINE: StationId = StationId(1);

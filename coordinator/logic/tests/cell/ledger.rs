@@ -7,11 +7,11 @@ use linewright_coordinator_logic::cell::{
 };
 use linewright_line::Tick;
 
-use crate::dice::Dice;
-use crate::plans::Compiled;
-use crate::printed::{Variant, compiled, kind};
-use crate::workcell::{self, Workcell};
-use crate::world::{World, options};
+use super::dice::Dice;
+use super::plans::Compiled;
+use super::printed::{Variant, compiled, kind};
+use super::workcell::{self, Workcell};
+use super::world::{World, options};
 
 /// Where the ledger thinks a part is.
 #[derive(Clone, Debug, PartialEq)]

@@ -11,7 +11,7 @@ use linewright_line::Tick;
 use linewright_nets::NetBuilder;
 use linewright_nets::coloured::ColouredBuilder;
 
-use crate::plans::{Compiled, TOKENS, alone, immediate};
+use super::plans::{Compiled, TOKENS, alone, immediate};
 
 /// Parts enter a store one second apart, three of them, and are fetched once a gate is open.
 fn store(pick: Pick, servers: u32) -> Compiled {
@@ -213,7 +213,7 @@ fn a_circle_that_takes_no_time_does_not_stop_the_rest() {
 fn an_activity_has_a_limit_of_its_own() {
     let limited = |limit: u64| {
         let kind = ActivityKind::Decided { time: Duration::ZERO, limit: Some(Duration::from_millis(limit)) };
-        Activity { kind, ..crate::plans::ordered("fetch", &[0], 60_000) }
+        Activity { kind, ..super::plans::ordered("fetch", &[0], 60_000) }
     };
     let mut b = NetBuilder::new("limit");
     let [todo, done] = [("todo", 1), ("done", 0)].map(|(name, count)| b.place(name, count));

@@ -13,8 +13,8 @@ use linewright_coordinator_logic::cell::{
 use linewright_line::{StationId, Tick};
 use linewright_nets::coloured::{Clause, ColouredBuilder, ColouredNet, Domain, Guard, colour, id, proj};
 
-use crate::plans::{Compiled, PARTS, TOKENS, alone, immediate, ordered};
-use crate::world::World;
+use super::plans::{Compiled, PARTS, TOKENS, alone, immediate, ordered};
+use super::world::World;
 
 /// What is different from the printed net.
 #[derive(Clone, Default)]
@@ -226,7 +226,7 @@ fn what_t3_moves_is_as_printed() {
 /// and <m2,p3>. The robot is nowhere in between.
 #[test]
 fn the_end_of_a_loading_gives_what_t3_gives() {
-    let it = crate::crash::merged([0, 0, 1]);
+    let it = super::crash::merged([0, 0, 1]);
     let mut world = World::new(it, 3, 1);
     world.run(&mut Fifo, Tick::from_millis(60_000));
     let load = world.it.mode("load<m2,r1,p3>");

@@ -6,11 +6,11 @@ use linewright_coordinator_logic::cell::{
 use linewright_line::Tick;
 use linewright_simulation::cell::CellOptions;
 
-use crate::crash::merged;
-use crate::dice::Dice;
-use crate::printed::{Variant, compiled};
-use crate::workcell::{self, Workcell};
-use crate::world::{World, options};
+use super::crash::merged;
+use super::dice::Dice;
+use super::printed::{Variant, compiled};
+use super::workcell::{self, Workcell};
+use super::world::{World, options};
 
 const LONG: Tick = Tick::from_millis(3_600_000);
 

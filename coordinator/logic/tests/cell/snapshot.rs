@@ -12,12 +12,12 @@ use linewright_line::{StationId, Tick};
 use linewright_nets::NetBuilder;
 use linewright_nets::coloured::ColouredBuilder;
 
-use crate::crash::merged;
-use crate::dice::Dice;
-use crate::plans::{Compiled, PARTS, TOKENS, ordered};
-use crate::printed::{Variant, compiled};
-use crate::workcell::{self, Workcell};
-use crate::world::{World, options};
+use super::crash::merged;
+use super::dice::Dice;
+use super::plans::{Compiled, PARTS, TOKENS, ordered};
+use super::printed::{Variant, compiled};
+use super::workcell::{self, Workcell};
+use super::world::{World, options};
 
 const LONG: Tick = Tick::from_millis(3_600_000);
 

@@ -10,9 +10,9 @@ use linewright_coordinator_logic::cell::{OrderKey, PartId};
 use linewright_nets::NetBuilder;
 use linewright_nets::coloured::ColouredBuilder;
 
-use crate::dice::Dice;
-use crate::plans::{Compiled, PARTS, TOKENS, alone, ordered};
-use crate::world::World;
+use super::dice::Dice;
+use super::plans::{Compiled, PARTS, TOKENS, alone, ordered};
+use super::world::World;
 
 pub struct Workcell {
     machines: usize,

@@ -7,7 +7,7 @@ use linewright_coordinator_logic::cell::Dispatcher;
 use linewright_line::Tick;
 use linewright_simulation::cell::{CellOptions, CellSim, Pace};
 
-use crate::plans::Compiled;
+use super::plans::Compiled;
 
 pub struct World {
     pub it: Compiled,

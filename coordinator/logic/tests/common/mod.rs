@@ -4,7 +4,7 @@ use std::time::Duration;
 
 use linewright_coordinator_logic::{Command, Coordinator, Heard, Input, Outbox};
 use linewright_line::net::ControlMode;
-use linewright_line::{Line, StationId, Tick, TransferLine, parse};
+use linewright_line::{Line, Rest, RestId, StationId, Task, Tick, TransferLine, parse};
 
 /// The shipped transfer line.
 pub fn line() -> Line {
@@ -45,6 +45,22 @@ impl Bench {
         };
         bench.beat();
         bench
+    }
+
+    /// With the second station on order. What it can be ordered to do does not matter here.
+    pub fn with_one_on_order() -> Self {
+        let mut line = line();
+        let station = &mut line.stations[1];
+        station.rests = vec![Rest { name: "home".to_owned(), at: Vec::new() }];
+        station.tasks = vec![Task {
+            name: "everything".to_owned(),
+            steps: 0..station.steps.len(),
+            from: RestId(0),
+            to: RestId(0),
+            limit: Duration::from_secs(1),
+            parameters: Vec::new(),
+        }];
+        Bench::of(line, 0)
     }
 
     /// A bench in this mode, by commands alone.

@@ -6,9 +6,9 @@ use std::time::Duration;
 
 use linewright_cell::Cell;
 use linewright_cell::net::Supply;
-use linewright_coordinator_logic::cell::exception::{Alarm, Step};
+use linewright_coordinator_logic::cell::exception::{Alarm, Step, Unable};
 use linewright_coordinator_logic::cell::{
-    CellId, CellTable, Fact, Fifo, Firing, Input, ModeId, Presence, ResourceId, State,
+    CellId, CellTable, Fact, Fifo, Firing, Input, ModeId, PartId, Presence, ResourceId, State,
 };
 use linewright_coordinator_logic::described::{Pace, described};
 use linewright_line::{StationId, Tick};
@@ -68,6 +68,27 @@ impl Bench {
     /// Until so many seconds have gone.
     pub fn until(&mut self, seconds: f64) {
         self.sim.run(&mut Fifo, Tick::from_micros((seconds * 1e6) as u64));
+    }
+
+    /// Plays until a part rests in M1 after an activity, because a station is moved by hand, and takes it away; the
+    /// difference is found when M1 is to be counted on again. Gives the part, and the marking before.
+    pub fn taken_away(&mut self, activity: &str, idle: &str, at: &str) -> (PartId, Vec<u64>) {
+        self.until_that(|bench| bench.firing(activity).is_some());
+        self.at(idle).unable = Some(Unable::ByHand);
+        self.until_that(|bench| bench.count(at) > 0);
+        let part = self.state().parts().next().expect("it is inside").id;
+        let (m1, before) = (self.resource("M1"), self.state().marking().counts().to_vec());
+        self.say(Input::Resource { resource: m1, up: false });
+        self.sim.truth.put(part, None);
+        self.works(idle);
+        self.say(Input::Resource { resource: m1, up: true });
+        (part, before)
+    }
+
+    /// A station is moved by hand no longer, and says so.
+    pub fn works(&mut self, idle: &str) {
+        self.at(idle).unable = None;
+        self.until(self.sim.now.as_micros() as f64 / 1e6 + 2.0);
     }
 
     /// Step by step until something holds; for an hour at most.

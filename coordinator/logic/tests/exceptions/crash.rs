@@ -9,7 +9,7 @@ use linewright_coordinator_logic::cell::exception::Stage;
 use linewright_coordinator_logic::cell::{CellTable, Fact, Fifo, Input, OrderKey, State};
 use linewright_simulation::cell::{CellOptions, CellSim, Operator};
 
-use crate::bench::{options, table, workcell};
+use super::bench::{options, table, workcell};
 
 /// A course: two parts; the robot comes to M1 without the first, and M3 has an alarm while it works.
 fn play(table: &Arc<CellTable>, stations: usize, options: CellOptions) -> CellSim {

@@ -5,7 +5,7 @@ use linewright_coordinator_logic::cell::{
     Cause, Event, Fact, Failure, Firing, FiringId, Input, PartId, Phase, Presence, State, Unable,
 };
 
-use crate::bench::{Bench, workcell};
+use super::bench::{Bench, workcell};
 
 const LOAD: &str = "load M1<A.new>";
 const PART: PartId = PartId(1);
@@ -392,6 +392,52 @@ fn after_a_restart_a_part_too_many_is_found() {
     bench.until(bench.sim.now.as_micros() as f64 / 1e6 + 1.0);
     bench.answer("up");
     assert_eq!((bench.down(), bench.state().exceptions().alarms().len()), (vec![], 0));
+    bench.all_leave(1);
+}
+
+/// A part that somebody has taken away is no more, if they say so and the sensor agrees; another is made in its place.
+#[test]
+fn a_part_that_is_missing_where_it_rested_can_be_given_up() {
+    for (activity, idle, stage) in
+        [(LOAD, "m1", "M1.loaded<A.new>"), ("M1.process<A.new>", "robot", "M1.unload-ready<A.turn>")]
+    {
+        let mut bench = Bench::c1(&[1, 0]);
+        let (part, before) = bench.taken_away(activity, idle, stage);
+        let m1 = bench.resource("M1");
+        assert_eq!(bench.state().marking().counts(), before, "nothing is changed by a sensor");
+        assert_eq!(
+            (bench.alarm().text.clone(), bench.alarm().words.as_slice()),
+            (
+                format!(
+                    "M1 should have a part, and its sensor says that there is none. Put that right, and say \"up\"; if \
+                     {part} is no more, say \"gone\"."
+                ),
+                &["up".to_owned(), "gone".to_owned()][..]
+            )
+        );
+        bench.answer("gone");
+        let steps = bench.steps();
+        assert_eq!(steps.last(), Some(&&Step::Up { resource: m1, unchecked: false }));
+        assert!(
+            matches!(steps[steps.len() - 2], Step::Missing { resource, part: of, .. } if (*resource, *of) == (m1, part))
+        );
+        assert_eq!((bench.down(), bench.count(stage), bench.state().exceptions().scrapped()), (vec![], 0, 1));
+        bench.all_leave(1);
+    }
+}
+
+/// While the sensor sees it, a part is there whatever anybody says.
+#[test]
+fn a_part_that_a_sensor_sees_is_not_given_up() {
+    let mut bench = Bench::c1(&[1, 0]);
+    let (part, _) = bench.taken_away(LOAD, "m1", "M1.loaded<A.new>");
+    let m1 = bench.resource("M1");
+    bench.sim.truth.put(part, Some(m1));
+    bench.works("m1");
+    let alarm = bench.alarm().id;
+    bench.answer("gone");
+    assert_eq!(bench.objections(), [(Asked::Answer(alarm), Objection::HasPart(m1))]);
+    bench.answer("up");
     bench.all_leave(1);
 }
 

@@ -4,7 +4,7 @@ use linewright_coordinator_logic::cell::exception::{About, By, Ruling, Standing,
 use linewright_coordinator_logic::cell::{Cause, Fact, Failure, PartId, Phase, Place, Presence};
 use linewright_line::Tick;
 
-use crate::bench::Bench;
+use super::bench::Bench;
 
 const LOAD: &str = "load M1<A.new>";
 const P1_01: PartId = PartId(1);

@@ -9,7 +9,7 @@ use linewright_coordinator_logic::cell::production::Desk;
 use linewright_coordinator_logic::cell::{Answer, Dispatcher, Fact, Fifo, Question, Reason, Record};
 use linewright_line::Tick;
 
-use crate::shop::{ASSEMBLY, C1, Made, Shop};
+use super::shop::{ASSEMBLY, C1, Made, Shop};
 
 const DAY: Duration = Duration::from_secs(86_400);
 const LONG: Tick = Tick::from_millis(86_400_000);

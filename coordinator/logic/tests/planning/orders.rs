@@ -9,7 +9,7 @@ use linewright_coordinator_logic::cell::{Denied, Dispatcher, Fact, PartId, Produ
 use linewright_coordinator_logic::described::dispatcher;
 use linewright_line::Tick;
 
-use crate::shop::{C1, Made, Shop, changed, request};
+use super::shop::{C1, Made, Shop, changed, request};
 
 fn at(seconds: u64) -> Tick {
     Tick::from_millis(seconds * 1000)

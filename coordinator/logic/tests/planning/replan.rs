@@ -11,7 +11,7 @@ use linewright_coordinator_logic::cell::{
 use linewright_coordinator_logic::described::foreman;
 use linewright_line::{StationId, Tick};
 
-use crate::shop::{C1, Made, Shop, request};
+use super::shop::{C1, Made, Shop, request};
 
 const LONG: Tick = Tick::from_millis(86_400_000);
 

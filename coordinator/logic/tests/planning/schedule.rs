@@ -14,8 +14,8 @@ use linewright_coordinator_logic::cell::{Fact, ModeId, PartId, Reason, State};
 use linewright_coordinator_logic::described::{Described, Pace, described};
 use linewright_line::Tick;
 
-use crate::oracle::{least_tardiness, shortest};
-use crate::shop::{ASSEMBLY, C1, Made, Shop};
+use super::oracle::{least_tardiness, shortest};
+use super::shop::{ASSEMBLY, C1, Made, Shop};
 
 /// It takes what it needs to be sure.
 const THOROUGH: Builtin = Builtin { effort: 200_000, exact: true, looks_ahead: true, samples: true };

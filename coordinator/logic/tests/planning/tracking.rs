@@ -3,13 +3,14 @@
 use std::collections::BTreeMap;
 use std::time::Duration;
 
+use linewright_coordinator_logic::cell::exception::{DownCause, Step};
 use linewright_coordinator_logic::cell::production::{Desk, Production};
 use linewright_coordinator_logic::cell::tracking::{Report, Resource, Tracking};
 use linewright_coordinator_logic::cell::{Fact, FiringId, ModeId, PartId, Record};
 use linewright_coordinator_logic::described::{dispatcher, sheet};
 use linewright_line::Tick;
 
-use crate::shop::{ASSEMBLY, C1, Made, Shop, changed, request};
+use super::shop::{ASSEMBLY, C1, Made, Shop, changed, request};
 
 const LONG: Tick = Tick::from_millis(3_600_000);
 
@@ -137,6 +138,32 @@ fn busy_and_down_are_what_a_slow_recount_says() {
             assert!(!failing || report.to_string().contains("1 times ended with code 7"), "{report}");
         }
     }
+}
+
+/// Whoever is left out once is down once, whatever else happens meanwhile.
+#[test]
+fn a_resource_is_left_out_as_often_as_somebody_leaves_it_out() {
+    let made = Made::new(C1);
+    let products: Vec<_> = made.cell.part_types.iter().map(|part| (part.name.as_str(), 2, None)).collect();
+    let mut log = played(&made, &products, |_| ()).log;
+    let m1 = made.table.handling().resource_named("M1").unwrap();
+    let why = DownCause::ByHand { text: String::new() };
+    let steps = [
+        Step::Down { resource: m1, why: why.clone() },
+        Step::Up { resource: m1, unchecked: true },
+        Step::Down { resource: m1, why },
+    ];
+    let thirds = [log.len() / 4, log.len() / 2, log.len() * 3 / 4].map(|at| log[at].at);
+    for (at, step) in thirds.into_iter().zip(steps) {
+        let place = log.iter().position(|record| record.at > at).unwrap();
+        log.insert(place, Record { at, fact: Fact::Exception(step) });
+    }
+    let now = log.last().unwrap().at;
+    let report = report(&made, &log, now);
+    let m1 = report.resources.iter().find(|resource| &*resource.name == "M1").unwrap();
+    let down = thirds[1].since(thirds[0]) + now.since(thirds[2]);
+    assert!(down > Duration::ZERO);
+    assert_eq!((m1.down, m1.causes.iter().collect::<Vec<_>>()), (down, vec![("left out by hand", 2, down)]));
 }
 
 /// A part that is inside counts to nothing yet.

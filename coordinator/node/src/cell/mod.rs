@@ -4,7 +4,9 @@
 
 mod history;
 mod log;
+mod people;
 mod play;
+mod situation;
 mod topics;
 mod why;
 mod wire;
@@ -13,3 +15,4 @@ mod words;
 pub use history::Chronicle;
 pub use log::{CellLog, CellLogError, Found, RECORDS_MAX};
 pub use play::{CellError, CellOptions, Playing};
+pub use situation::Situation;

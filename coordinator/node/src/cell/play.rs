@@ -13,29 +13,28 @@ use linewright_cell::Cell;
 use linewright_cell::net::Supply;
 use linewright_coordinator_logic::cell::dispatch::Ways;
 use linewright_coordinator_logic::cell::dispatch::words::Reasons;
-use linewright_coordinator_logic::cell::exception::{Asked, Unable, isolated};
+use linewright_coordinator_logic::cell::exception::{Asked, Handling, Unable, isolated};
 use linewright_coordinator_logic::cell::production::Request;
-use linewright_coordinator_logic::cell::schedule::Foreman;
+use linewright_coordinator_logic::cell::schedule::{Bar, Foreman};
 use linewright_coordinator_logic::cell::{
-    AlarmId, CellTable, Coordination, Denied, Event, Heard, Input, OldEpoch, OrderKey, Outbox, ProductionCommand,
-    ProductionId, Reply as Answered, Send, State, Ticket,
+    AlarmId, CellTable, Coordination, Event, Fact, Heard, Input, OldEpoch, OrderKey, Outbox, ProductionCommand,
+    Reply as Answered, Send, State, Ticket,
 };
 use linewright_coordinator_logic::described::{Pace, Unplayable, described, foreman};
 use linewright_history::Note;
 use linewright_line::{InputId, Line, StationId, Tick};
-use linewright_msgs::{
-    AnswerAlarm, AnswerAlarmResponse, CellState, ChangeOrder, ChangeOrderResponse, SubmitOrders, SubmitOrdersResponse,
-    WhyNotResponse,
-};
-use linewright_node_shell::{Forward, NewestBySequence, Node, Reply, TopicError, fresh_boot_id, stamp};
+use linewright_msgs::{CellState, SetResourceRequest, SetResourceResponse, SubmitOrders, WhyNotResponse};
+use linewright_node_shell::{Forward, NewestBySequence, Node, Reply, TopicError, fresh_key, stamp};
 use linewright_station_node::quoted;
 use thiserror::Error;
 use tokio::sync::{mpsc, oneshot, watch};
 
 use super::history::{Chronicle, begin};
 use super::log::{CellLog, CellLogError};
+use super::people::{Customer, Operator, People, denied_all};
+use super::situation::Situation;
 use super::topics::{News, Says, open};
-use super::why::{refused, why};
+use super::why::why;
 use super::wire;
 use super::words::describe;
 
@@ -81,7 +80,7 @@ pub struct CellOptions {
 
 /// A cell that is played.
 pub struct Playing {
-    starts: watch::Sender<bool>,
+    situation: watch::Sender<Situation>,
     isolated: watch::Receiver<BTreeSet<StationId>>,
     ended: oneshot::Receiver<CellError>,
     tasks: Vec<Forward>,
@@ -91,6 +90,10 @@ pub struct Playing {
 const TELL_EVERY: Duration = Duration::from_secs(1);
 const TELL_AT_MOST_EVERY: Duration = Duration::from_millis(100);
 
+/// A station that has an order and is silent for so many times what makes a view stale is lost. Its mode does not wait for
+/// that; a process that is started again meanwhile says itself what has become of its order.
+const LOST: u32 = 20;
+
 impl Playing {
     /// Opens everything and begins. Must be called inside a tokio runtime.
     ///
@@ -98,9 +101,9 @@ impl Playing {
     /// When it cannot begin.
     pub fn open(options: CellOptions, node: &mut Node) -> Result<Self, CellError> {
         let (says, from, tasks) = open(node, &options.line)?;
-        let (starts, may_start) = watch::channel(false);
+        let (say, situation) = watch::channel(Situation::new(options.line.stations.len()));
         let (isolate, isolated) = watch::channel(BTreeSet::new());
-        let mut player = Player::new(options, says, from, may_start, isolate)?;
+        let mut player = Player::new(options, says, from, situation, isolate)?;
         let (end, ended) = oneshot::channel();
         let play = move || {
             let runtime = tokio::runtime::Builder::new_current_thread().enable_time().build();
@@ -115,17 +118,23 @@ impl Playing {
         };
         let spawned = std::thread::Builder::new().name("cell".to_owned()).spawn(play);
         spawned.map_err(|error| CellError::Thread(error.to_string()))?;
-        Ok(Playing { starts, isolated, ended, tasks })
+        Ok(Playing { situation: say, isolated, ended, tasks })
     }
 
-    /// Says whether activities may start.
-    pub fn starts(&self, may: bool) {
-        self.starts.send_if_modified(|now| std::mem::replace(now, may) != may);
+    /// Says how the line stands, if it stands otherwise than before.
+    pub fn tell(&self, now: &Situation) {
+        self.situation.send_if_modified(|known| {
+            let changed = known != now;
+            if changed {
+                known.clone_from(now);
+            }
+            changed
+        });
     }
 
     /// The stations whose trouble is the cell's alone.
-    pub fn isolated(&self) -> BTreeSet<StationId> {
-        self.isolated.borrow().clone()
+    pub fn isolated(&self) -> watch::Ref<'_, BTreeSet<StationId>> {
+        self.isolated.borrow()
     }
 
     /// Waits for an end that should not be; where there is no cell, for ever.
@@ -143,20 +152,34 @@ impl Playing {
     }
 }
 
-/// Who waits for a reply.
-enum Waiting {
-    Submit(Reply<SubmitOrders>),
-    Change(Reply<ChangeOrder>),
-}
-
 /// Something for the token player.
 enum Told {
     State(StationId, Heard),
     Reply(StationId, OrderKey, Answered),
+    Secured(StationId, OrderKey, Answered),
     Submit(Ticket, Vec<Request>),
     Cancel(Ticket, String),
     Withdraw(Ticket, String),
-    Answer(u64, String),
+    Say(Asked, String),
+}
+
+impl Told {
+    fn input(&self) -> Input<'_> {
+        match self {
+            Told::State(station, heard) => Input::Station(*station, heard),
+            Told::Reply(station, key, reply) => Input::Reply(*station, *key, *reply),
+            Told::Secured(station, key, reply) => Input::Secured(*station, *key, *reply),
+            Told::Submit(ticket, requests) => Input::Production(*ticket, ProductionCommand::Submit(requests)),
+            Told::Cancel(ticket, name) => Input::Production(*ticket, ProductionCommand::Cancel(name)),
+            Told::Withdraw(ticket, name) => Input::Production(*ticket, ProductionCommand::Withdraw(name)),
+            Told::Say(said, text) => match *said {
+                Asked::Answer(alarm) => Input::Answer { alarm, word: text },
+                Asked::Alarm(resource) => Input::Alarm { resource, text },
+                Asked::Down(resource) => Input::Resource { resource, up: false },
+                Asked::Up(resource) => Input::Resource { resource, up: true },
+            },
+        }
+    }
 }
 
 struct Player {
@@ -168,24 +191,21 @@ struct Player {
     log: Option<CellLog>,
     /// The database beside the log; none where there is no log, or it could not be used.
     chronicle: Option<Chronicle>,
-    /// Whether activities may start, as the database was told.
-    noted: Option<bool>,
+    /// How the line stands, as the database was told.
+    noted: Situation,
     says: Says,
     from: mpsc::Receiver<News>,
-    may_start: watch::Receiver<bool>,
+    situation: watch::Receiver<Situation>,
     states: Vec<NewestBySequence>,
     /// The time when this life began, and by which clock it goes on.
     origin: Tick,
     began: tokio::time::Instant,
     told: Vec<Told>,
-    waiting: Vec<(Ticket, Waiting)>,
-    /// Who has answered an alarm, and waits to hear whether that is believed.
-    answers: Vec<(AlarmId, Reply<AnswerAlarm>)>,
+    people: People,
     /// Why stations could do nothing now, as they say; and the inputs that see their parts.
     unable: Vec<Option<Unable>>,
     sensors: Vec<Option<InputId>>,
     isolated: watch::Sender<BTreeSet<StationId>>,
-    tickets: Ticket,
     message: CellState,
     /// When the state was told, by the player's time; and whether it has changed since.
     said: Tick,
@@ -211,12 +231,14 @@ impl Player {
         options: CellOptions,
         says: Says,
         from: mpsc::Receiver<News>,
-        may_start: watch::Receiver<bool>,
+        situation: watch::Receiver<Situation>,
         isolated: watch::Sender<BTreeSet<StationId>>,
     ) -> Result<Self, CellError> {
         let CellOptions { cell, line, state_dir, boot_id } = options;
         let pace = Pace { refresh: line.timing.stale, grace: line.timing.stale * 2 };
-        let made = described(&cell, Some(&line), Supply::Open, pace)?;
+        let mut made = described(&cell, Some(&line), Supply::Open, pace)?;
+        let handling = Handling { stale: Some(line.timing.stale * LOST), ..made.table.handling().clone() };
+        made.table = made.table.with_handling(handling);
         let table = Arc::new(made.table.clone());
         let (state, mut log) = known(state_dir.as_deref(), &cell.name, &table)?;
         let mut chronicle =
@@ -242,20 +264,18 @@ impl Player {
             foreman,
             log,
             chronicle,
-            noted: None,
+            noted: Situation::new(line.stations.len()),
             says,
             from,
-            may_start,
+            situation,
             states: line.stations.iter().map(|_| NewestBySequence::new()).collect(),
             origin,
             began: tokio::time::Instant::now(),
             told: Vec::new(),
-            waiting: Vec::new(),
-            answers: Vec::new(),
+            people: People::default(),
             unable: vec![None; line.stations.len()],
             sensors: wire::sensors(&cell, &line),
             isolated,
-            tickets: 0,
             message: CellState { boot_id, cell: cell.name, ..CellState::default() },
             said: Tick::ZERO,
             changed: true,
@@ -268,6 +288,7 @@ impl Player {
     }
 
     async fn play(&mut self) -> Result<(), CellError> {
+        self.isolate();
         loop {
             self.act()?;
             let wake = self.began + self.deadline().since(self.origin);
@@ -276,7 +297,7 @@ impl Player {
                     Some(news) => self.take(news),
                     None => return Ok(()),
                 },
-                changed = self.may_start.changed() => {
+                changed = self.situation.changed() => {
                     if changed.is_err() {
                         return Ok(());
                     }
@@ -303,7 +324,9 @@ impl Player {
                 if newest && message.station == self.line.station(station).name {
                     let (unable, sensor) = (self.unable[station.index()], self.sensors[station.index()]);
                     let (heard, refused) = wire::heard(&message, unable, sensor);
+                    let secured = wire::secured(&message);
                     self.told.push(Told::State(station, heard));
+                    self.told.extend(secured.map(|(key, reply)| Told::Secured(station, key, reply)));
                     self.told.extend(refused.into_iter().map(|(key, reply)| Told::Reply(station, key, reply)));
                 }
             }
@@ -314,16 +337,23 @@ impl Player {
             }
             News::Answer(alarm, word, by, reply) => {
                 tracing::info!("alarm {alarm}: {} says {}", quoted(&by), quoted(&word));
-                self.told.push(Told::Answer(alarm, word));
-                self.answers.push((AlarmId(alarm), reply));
+                self.say(Asked::Answer(AlarmId(alarm)), word, Operator::Answer(reply));
+            }
+            News::Resource(said, reply) => {
+                let SetResourceRequest { resource, what, text, by } = said;
+                tracing::info!("{}: {} says {what} {}", quoted(&resource), quoted(&by), quoted(&text));
+                match wire::said(self.coordination.state(), &resource, what) {
+                    Ok(said) => self.say(said, text, Operator::Resource(reply)),
+                    Err(reason) => reply.send(SetResourceResponse { accepted: false, reason }),
+                }
             }
             News::Submit(asked, reply) => self.submit(&asked.requests, reply),
             News::Cancel(name, reply) => {
-                let ticket = self.wait(Waiting::Change(reply));
+                let ticket = self.people.ticket(Customer::Change(reply));
                 self.told.push(Told::Cancel(ticket, name));
             }
             News::Withdraw(name, reply) => {
-                let ticket = self.wait(Waiting::Change(reply));
+                let ticket = self.people.ticket(Customer::Change(reply));
                 self.told.push(Told::Withdraw(ticket, name));
             }
             News::Why(about, reply) => {
@@ -334,48 +364,39 @@ impl Player {
         }
     }
 
+    fn say(&mut self, said: Asked, text: String, operator: Operator) {
+        self.told.push(Told::Say(said, text));
+        self.people.expect(said, operator);
+    }
+
     fn submit(&mut self, asked: &[linewright_msgs::ProductionRequest], reply: Reply<SubmitOrders>) {
-        let drawn = || u128::from(fresh_boot_id()) << 64 | u128::from(fresh_boot_id());
         let (mut requests, mut problems) = (Vec::new(), Vec::new());
         for request in asked {
-            match wire::request(request, drawn()) {
+            match wire::request(request, fresh_key()) {
                 Ok(request) => requests.push(request),
                 Err(problem) => problems.push(problem),
             }
         }
         if problems.is_empty() {
-            let ticket = self.wait(Waiting::Submit(reply));
+            let ticket = self.people.ticket(Customer::Submit(reply));
             self.told.push(Told::Submit(ticket, requests));
         } else {
-            reply.send(SubmitOrdersResponse { accepted: false, ids: Vec::new(), problems });
+            reply.send(denied_all(problems));
         }
-    }
-
-    fn wait(&mut self, waiting: Waiting) -> Ticket {
-        self.tickets += 1;
-        self.waiting.push((self.tickets, waiting));
-        self.tickets
     }
 
     /// One step: what came goes in; what follows is written down before anybody hears of it.
     fn act(&mut self) -> Result<(), CellError> {
-        let (now, may_start) = (self.now(), *self.may_start.borrow_and_update());
+        let (now, may_start) = (self.now(), self.situation.borrow_and_update().starts);
         let told = std::mem::take(&mut self.told);
         let mut inputs = vec![Input::Starts(may_start)];
-        inputs.extend(told.iter().map(|told| match told {
-            Told::State(station, heard) => Input::Station(*station, heard),
-            Told::Reply(station, key, reply) => Input::Reply(*station, *key, *reply),
-            Told::Submit(ticket, requests) => Input::Production(*ticket, ProductionCommand::Submit(requests)),
-            Told::Cancel(ticket, name) => Input::Production(*ticket, ProductionCommand::Cancel(name)),
-            Told::Answer(alarm, word) => Input::Answer { alarm: AlarmId(*alarm), word },
-            Told::Withdraw(ticket, name) => Input::Production(*ticket, ProductionCommand::Withdraw(name)),
-        }));
+        inputs.extend(told.iter().map(Told::input));
         let mut out = Outbox::default();
         self.coordination.step(now, &inputs, &mut self.foreman, &mut out);
         if let Some(log) = &mut self.log {
             log.write(&out)?;
         }
-        self.note(now, may_start, &out);
+        self.note(now, &out);
         self.changed |= !out.records.is_empty() || self.message.starting != may_start;
         out.records.iter().for_each(|record| self.reasons.note(record));
         for send in &out.sends {
@@ -384,24 +405,10 @@ impl Player {
                 Send::Secure { station, key } => self.says.secure(*station, *key),
             }
         }
-        for (ticket, reply) in out.replies {
-            self.answer(ticket, reply);
+        self.people.reply(&self.line, self.coordination.state(), &mut out);
+        if !out.records.is_empty() {
+            self.isolate();
         }
-        for (alarm, reply) in std::mem::take(&mut self.answers) {
-            let objection = out.events.iter().find_map(|event| match event {
-                Event::Objected { to: Asked::Answer(to), why } if *to == alarm => Some(*why),
-                _ => None,
-            });
-            let state = self.coordination.state();
-            let reason = objection.map(|why| refused(&self.line, state, alarm, why)).unwrap_or_default();
-            reply.send(AnswerAlarmResponse { accepted: objection.is_none(), reason });
-        }
-        let isolated = isolated(self.coordination.state());
-        self.isolated.send_if_modified(|now| {
-            let changed = *now != isolated;
-            *now = isolated;
-            changed
-        });
         for event in out.events {
             self.event(event)?;
         }
@@ -415,8 +422,18 @@ impl Player {
         }
     }
 
+    /// Says which stations are the cell's affair alone. It follows from the state, which only records change.
+    fn isolate(&self) {
+        let isolated = isolated(self.coordination.state());
+        self.isolated.send_if_modified(|now| {
+            let changed = *now != isolated;
+            *now = isolated;
+            changed
+        });
+    }
+
     /// Tells the database, which may fail: the cell goes on without.
-    fn note(&mut self, now: Tick, may_start: bool, out: &Outbox) {
+    fn note(&mut self, now: Tick, out: &Outbox) {
         let Some(chronicle) = &mut self.chronicle else { return };
         if let Some(why) = chronicle.failed() {
             tracing::error!("nothing more is written into the database: {why}");
@@ -424,36 +441,18 @@ impl Player {
             return;
         }
         chronicle.tell(self.coordination.state(), out);
-        if self.noted != Some(may_start) {
-            self.noted = Some(may_start);
-            let name = if may_start { "auto" } else { "held" }.to_owned();
-            chronicle.note(now, Note::Mode { name, starts: may_start });
+        for record in &out.records {
+            let Fact::Started { firing, mode, part, orders: _ } = record.fact else { continue };
+            let is_its =
+                |bar: &Bar| (bar.mode, bar.part, bar.actual.map(|(began, _)| began)) == (mode, part, Some(record.at));
+            if let Some((from, to)) = self.foreman.bars().find(is_its).and_then(|bar| bar.promised) {
+                chronicle.note(record.at, Note::Planned { firing, from, to });
+            }
         }
-    }
-
-    fn answer(&mut self, ticket: Ticket, reply: Result<Vec<ProductionId>, Denied>) {
-        let Some(at) = self.waiting.iter().position(|(known, _)| *known == ticket) else { return };
-        let (_, waiting) = self.waiting.swap_remove(at);
-        match waiting {
-            Waiting::Submit(to) => to.send(match reply {
-                Ok(ids) => SubmitOrdersResponse {
-                    accepted: true,
-                    ids: ids.into_iter().map(|id| id.0).collect(),
-                    problems: Vec::new(),
-                },
-                Err(Denied::Request(wrongs)) => SubmitOrdersResponse {
-                    accepted: false,
-                    ids: Vec::new(),
-                    problems: wrongs.iter().map(ToString::to_string).collect(),
-                },
-                Err(denied) => {
-                    SubmitOrdersResponse { accepted: false, ids: Vec::new(), problems: vec![denied.to_string()] }
-                }
-            }),
-            Waiting::Change(to) => to.send(match reply {
-                Ok(_) => ChangeOrderResponse { done: true, reason: String::new() },
-                Err(denied) => ChangeOrderResponse { done: false, reason: denied.to_string() },
-            }),
+        let situation = self.situation.borrow();
+        if *situation != self.noted {
+            situation.notes_since(&self.noted).for_each(|note| chronicle.note(now, note));
+            self.noted.clone_from(&situation);
         }
     }
 

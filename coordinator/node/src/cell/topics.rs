@@ -3,8 +3,8 @@
 use linewright_coordinator_logic::cell::{OrderKey, OrderMessage};
 use linewright_line::{Line, StationId};
 use linewright_msgs::{
-    AnswerAlarm, CellState, ChangeOrder, OrderState, RunTask, SecureOrder, StationState, SubmitOrders,
-    SubmitOrdersRequest, WhyNot,
+    AnswerAlarm, CellState, ChangeOrder, OrderState, RunTask, SecureOrder, SetResource, SetResourceRequest,
+    StationState, SubmitOrders, SubmitOrdersRequest, WhyNot,
 };
 use linewright_node_shell::{ActionCaller, Forward, Mapping, Node, Publisher, Reply, TopicError, forward, qos, serve};
 use tokio::sync::mpsc;
@@ -25,6 +25,8 @@ pub enum News {
     State(StationId, Box<StationState>),
     /// What an alarm asked for has been done: its number, the answer, and who says so.
     Answer(u64, String, String, Reply<AnswerAlarm>),
+    /// What a person says of a resource.
+    Resource(SetResourceRequest, Reply<SetResource>),
     /// Why something does not go on.
     Why(String, Reply<WhyNot>),
 }
@@ -45,18 +47,21 @@ pub struct Says {
 impl Says {
     /// Gives an order to its station. Whether it has come its state will say.
     pub fn order(&self, order: &OrderMessage) {
-        let Some(station) = self.stations.iter().find(|known| known.station == order.station) else { return };
+        let Some(station) = self.station(order.station) else { return };
         if let Err(error) = station.tasks.send(wire::goal(order)) {
             tracing::debug!("{error}");
         }
     }
-}
 
-impl Says {
     /// Tells a station to leave an order be.
     pub fn secure(&self, station: StationId, key: OrderKey) {
-        let Some(station) = self.stations.iter().find(|known| known.station == station) else { return };
-        station.secure.send(SecureOrder { epoch: key.epoch, id: key.id });
+        if let Some(station) = self.station(station) {
+            station.secure.send(SecureOrder { epoch: key.epoch, id: key.id });
+        }
+    }
+
+    fn station(&self, id: StationId) -> Option<&OnOrder> {
+        self.stations.iter().find(|known| known.station == id)
     }
 }
 
@@ -77,6 +82,7 @@ pub fn open(node: &mut Node, line: &Line) -> Result<(Says, mpsc::Receiver<News>,
         serve(node.service::<AnswerAlarm>("~/answer_alarm")?, to.clone(), |asked, reply| {
             News::Answer(asked.alarm, asked.word, asked.by, reply)
         }),
+        serve(node.service::<SetResource>("~/set_resource")?, to.clone(), News::Resource),
         serve(node.service::<WhyNot>("~/why_not")?, to.clone(), |asked, reply| News::Why(asked.about, reply)),
     ];
     let mut says = Says { state: node.publisher("~/cell_state", qos::latched_state())?, stations: Vec::new() };

@@ -2,10 +2,12 @@
 
 use linewright_coordinator_logic::cell::dispatch::words::Reasons;
 use linewright_coordinator_logic::cell::dispatch::{Ways, why_not};
-use linewright_coordinator_logic::cell::exception::{Objection, Unable};
+use linewright_coordinator_logic::cell::exception::{Asked, Objection, Unable};
 use linewright_coordinator_logic::cell::production::Status;
-use linewright_coordinator_logic::cell::{AlarmId, PartId, ResourceId, State};
+use linewright_coordinator_logic::cell::{PartId, ResourceId, State};
 use linewright_line::{Line, StationId, Tick, suggestion};
+
+use super::words::names;
 
 /// Of so many parts of one order it is said why they do not go on.
 const PARTS_MAX: usize = 5;
@@ -17,10 +19,11 @@ pub fn why(ways: &Ways, reasons: &Reasons, state: &State, now: Tick, about: &str
     if let Some(order) = production.named(about) {
         let mut lines = vec![match production.status(order, now) {
             Status::Waiting { on, until } => {
-                let names =
-                    on.iter().filter_map(|&id| production.order(id)).map(|order| format!("`{}`", order.request.name));
                 let until = until.map(|until| format!("its release in {} s", until.since(now).as_secs()));
-                format!("`{about}` waits for {}.", names.chain(until).collect::<Vec<_>>().join(" and "))
+                format!(
+                    "`{about}` waits for {}.",
+                    names(production, &on).chain(until).collect::<Vec<_>>().join(" and ")
+                )
             }
             Status::Released => {
                 format!("`{about}` is released, and none of its {} parts has entered.", order.request.quantity)
@@ -51,15 +54,16 @@ pub fn why(ways: &Ways, reasons: &Reasons, state: &State, now: Tick, about: &str
     }
 }
 
-/// Why an answer to an alarm is not believed, in words.
-pub fn refused(line: &Line, state: &State, alarm: AlarmId, why: Objection) -> String {
+/// Why what a person says is not believed or not done, in words.
+pub fn refused(line: &Line, state: &State, asked: Asked, why: Objection) -> String {
     let station = |id: StationId| line.station(id).name.as_str();
     let resource = |id: ResourceId| state.table().handling().resource(id).map_or("?", |resource| &resource.name);
     match why {
-        Objection::NoSuchAlarm => format!("there is no alarm {}", alarm.0),
+        Objection::NoSuchAlarm => format!("there is no {}", asked_for(asked)),
         Objection::NoSuchWord => {
-            let words = state.exceptions().alarm(alarm).map(|alarm| alarm.words.join(", "));
-            format!("answers to alarm {} are {}", alarm.0, words.unwrap_or_default())
+            let words = state.exceptions().alarms().find(|alarm| asked == Asked::Answer(alarm.id));
+            let words = words.map(|alarm| alarm.words.join(", "));
+            format!("answers to {} are {}", asked_for(asked), words.unwrap_or_default())
         }
         Objection::NoSuchResource => "there is no such resource".to_owned(),
         Objection::AlreadySo => "it is so already".to_owned(),
@@ -78,5 +82,12 @@ pub fn refused(line: &Line, state: &State, alarm: AlarmId, why: Objection) -> St
         }
         Objection::CannotWork(id, Unable::ByHand) => format!("{} is moved by hand", station(id)),
         Objection::Open(id) => format!("an activity of {} has failed; answer its alarm first", resource(id)),
+    }
+}
+
+fn asked_for(asked: Asked) -> String {
+    match asked {
+        Asked::Answer(alarm) => format!("alarm {}", alarm.0),
+        Asked::Alarm(_) | Asked::Down(_) | Asked::Up(_) => "such alarm".to_owned(),
     }
 }

@@ -3,11 +3,13 @@
 //! Times are the player's own: microseconds since 1970, as messages have them in seconds and nanoseconds.
 
 use linewright_cell::Cell;
-use linewright_coordinator_logic::cell::exception::{Presence, Unable};
+use linewright_coordinator_logic::cell::exception::{Asked, Presence, Unable};
 use linewright_coordinator_logic::cell::production::Request;
-use linewright_coordinator_logic::cell::{Heard, OrderKey, OrderMessage, Outcome, Refusal, Reply};
-use linewright_line::{InputId, Line, Tick};
-use linewright_msgs::{OrderEnd, OrderState, ProductionRequest, RunTaskGoal, RunTaskResult, StationState, Time};
+use linewright_coordinator_logic::cell::{Heard, OrderKey, OrderMessage, Outcome, Refusal, Reply, State};
+use linewright_line::{InputId, Line, Tick, suggestion};
+use linewright_msgs::{
+    OrderEnd, OrderState, ProductionRequest, RunTaskGoal, RunTaskResult, SetResourceRequest, StationState, Time,
+};
 
 /// Why a station could do nothing now, as its state says.
 pub fn unable(state: &StationState) -> Option<Unable> {
@@ -62,6 +64,20 @@ pub fn heard(message: &OrderState, unable: Option<Unable>, sensor: Option<InputI
     let refused =
         message.refused.as_slice().iter().filter_map(|end| Some((key(end), Reply::Refused(refusal(end.code)?))));
     (heard, refused.collect())
+}
+
+/// What a station says to having been told to leave an order: whether it is still at it.
+pub fn secured(message: &OrderState) -> Option<(OrderKey, Reply)> {
+    let key = OrderKey { epoch: message.secured_epoch, id: message.secured_id };
+    let doing = OrderKey { epoch: message.doing_epoch, id: message.doing_id };
+    let end = message.ended.as_slice().iter().find(|end| self::key(end) == key);
+    let reply = match end {
+        Some(end) => Reply::Ended(outcome(end)),
+        None if key == doing => Reply::Running,
+        // It was too old for it, and is left all the same.
+        None => Reply::Refused(Refusal::Old),
+    };
+    (key.id != 0).then_some((key, reply))
 }
 
 fn key(end: &OrderEnd) -> OrderKey {
@@ -128,6 +144,25 @@ pub fn request(message: &ProductionRequest, drawn: u128) -> Result<Request, Stri
     })
 }
 
+/// What a person says of a resource.
+///
+/// # Errors
+/// That there is no such resource, or no such thing to be said.
+pub fn said(state: &State, resource: &str, what: u8) -> Result<Asked, String> {
+    let handling = state.table().handling();
+    let id = handling.resource_named(resource).ok_or_else(|| {
+        let names = || handling.resources.iter().map(|resource| resource.name.as_ref());
+        let hint = suggestion(resource, names()).map(|hint| format!("; {hint}")).unwrap_or_default();
+        format!("there is no resource `{resource}`{hint}; there are {}", names().collect::<Vec<_>>().join(", "))
+    })?;
+    match what {
+        SetResourceRequest::ALARM => Ok(Asked::Alarm(id)),
+        SetResourceRequest::DOWN => Ok(Asked::Down(id)),
+        SetResourceRequest::UP => Ok(Asked::Up(id)),
+        other => Err(format!("{other} is nothing that can be said of a resource")),
+    }
+}
+
 /// The moment that a message says; none if it says 0, or something before 1970.
 pub fn moment(time: &Time) -> Option<Tick> {
     let micros = u64::try_from(time.sec).ok()? * 1_000_000 + u64::from(time.nanosec / 1000);
@@ -171,6 +206,23 @@ mod tests {
         assert_eq!(refused, [(key(1), Reply::Refused(Refusal::Late))], "what is not known is not believed");
         (message.doing_epoch, message.doing_id, message.phase) = (0, 0, 0);
         assert_eq!(heard(&message, None, None).0.slot, None);
+    }
+
+    #[test]
+    fn who_was_told_to_leave_an_order_says_so() {
+        let key = |id| OrderKey { epoch: 2, id };
+        let mut message = OrderState { doing_epoch: 2, doing_id: 5, phase: 2, ..OrderState::default() };
+        assert_eq!(secured(&message), None, "it was told nothing");
+        (message.secured_epoch, message.secured_id) = (2, 5);
+        assert_eq!(secured(&message), Some((key(5), Reply::Running)));
+        (message.doing_epoch, message.doing_id, message.phase) = (0, 0, 0);
+        let end = OrderEnd { epoch: 2, id: 5, end: RunTaskResult::END_FAILED, code: 1005 };
+        message.ended = Bounded::new(vec![end]).expect("one");
+        assert_eq!(secured(&message), Some((key(5), Reply::Ended(Outcome::Failed(1005)))));
+        (message.doing_epoch, message.doing_id, message.phase) = (2, 5, 2);
+        assert!(matches!(secured(&message), Some((_, Reply::Ended(_)))), "said already, and still on its way back");
+        (message.ended, message.doing_epoch, message.doing_id, message.phase) = (Bounded::default(), 0, 0, 0);
+        assert_eq!(secured(&message), Some((key(5), Reply::Refused(Refusal::Old))));
     }
 
     #[test]

@@ -5,7 +5,7 @@
 use linewright_coordinator_logic::cell::exception::Alarm;
 use linewright_coordinator_logic::cell::production::{Order, Production, Status};
 use linewright_coordinator_logic::cell::{
-    CellTable, Firing, ModeId, Order as StationOrder, OrderState, Part, Phase, Place, State,
+    CellTable, Firing, ModeId, Order as StationOrder, OrderState, Part, Phase, Place, ProductionId, State,
 };
 use linewright_line::{Line, Tick};
 use linewright_msgs::{ActivityState, AlarmState, Bounded, CellState, LISTED_MAX, PartState, ProductionState, fitting};
@@ -101,13 +101,16 @@ fn waits(line: &Line, order: &StationOrder, now: Tick) -> String {
     format!("{} {doing}, {left} s left", line.station(order.station).name)
 }
 
+/// What people call the production orders of these numbers.
+pub fn names(production: &Production, ids: &[ProductionId]) -> impl Iterator<Item = String> {
+    ids.iter().filter_map(|&id| production.order(id)).map(|order| format!("`{}`", order.request.name))
+}
+
 fn ordered(production: &Production, order: &Order, now: Tick) -> ProductionState {
     let status = production.status(order, now);
     let (number, text) = match &status {
         Status::Waiting { on, until } => {
-            let on = on.iter().filter_map(|&id| production.order(id)).map(|order| format!("`{}`", order.request.name));
-            let release = until.map(|_| "its release".to_owned());
-            let on: Vec<String> = on.chain(release).collect();
+            let on: Vec<String> = names(production, on).chain(until.map(|_| "its release".to_owned())).collect();
             (ProductionState::STATUS_WAITING, format!("waits for {}", on.join(", ")))
         }
         Status::Released => (ProductionState::STATUS_RELEASED, "released".to_owned()),

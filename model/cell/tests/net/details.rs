@@ -5,8 +5,8 @@ use std::time::Duration;
 use linewright_cell::net::{CellNet, Detail, Origin, Phase, Supply, net};
 use linewright_nets::coloured::{ColouredNet, Limits, explore};
 
+use super::{mode, names, play};
 use crate::common::{ASSEMBLY, C1, cell, edited};
-use crate::{mode, names, play};
 
 fn made(text: &str, detail: Detail, waiting: &[u32]) -> CellNet {
     net(&cell(text), detail, waiting).expect("it is small")

@@ -13,9 +13,9 @@ use linewright_nets::coloured::{
     ColouredMarking, ColouredNet, ColouredReachability, Colours, Fusion, Limits, explore, fuse, unfold,
 };
 
+use super::source::{self, Variant};
+use super::{mode, names};
 use crate::common::{ASSEMBLY, cell, edited};
-use crate::source::{self, Variant};
-use crate::{mode, names};
 
 /// Where the tokens are, in terms that both nets have.
 type Class = BTreeMap<String, u32>;

@@ -9,8 +9,8 @@ use linewright_line::net::{Block, ControlMode, Literal, StationNet, Term, Var};
 use linewright_line::{ButtonId, Line, OpId, StationId};
 use proptest::prelude::*;
 
+use super::generate::station_alone;
 use crate::common::transfer_line;
-use crate::generate::station_alone;
 
 fn is_possible(on: &BTreeSet<Var>) -> bool {
     let has = |var| on.contains(&var);

@@ -10,8 +10,8 @@ use std::collections::BTreeSet;
 use linewright_line::net::{ControlMode, StationNet};
 use linewright_line::{Line, OpId, StationId};
 
+use super::words::{cell, number};
 use crate::common::{alone, i, r};
-use crate::words::{cell, number};
 
 const AUTO: ControlMode = ControlMode::Auto;
 const HAND: ControlMode = ControlMode::Hand;

@@ -5,8 +5,8 @@ use linewright_line::{Line, Module, StationId};
 use linewright_nets::{explore, state_machine_verdict};
 use proptest::prelude::*;
 
+use super::generate::station_alone;
 use crate::common::{alone, beside, i, r, transfer_line};
-use crate::generate::station_alone;
 
 /// More markings than any generated station has.
 const MARKINGS_MAX: usize = 200_000;

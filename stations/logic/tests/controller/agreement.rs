@@ -4,8 +4,8 @@ use linewright_line::net::ControlMode;
 use linewright_line::{Line, OpId, StationId};
 use linewright_station_logic::{Answer, Report, Request, Restore};
 
+use super::rig::{Rig, peer_says};
 use crate::build::{arrow, line, r, station};
-use crate::rig::{Rig, peer_says};
 
 const A: StationId = StationId(0);
 const B: StationId = StationId(1);

@@ -4,8 +4,8 @@ use linewright_line::net::{ControlMode, Place};
 use linewright_line::{OpId, StationId};
 use linewright_station_logic::{Answer, Report};
 
+use super::rig::{Rig, peer_says};
 use crate::build::{actuator_bit, alone, arrow, beside, complete_bit, line, r, station};
-use crate::rig::{Rig, peer_says};
 
 /// op 0, then op 1 beside op 2, then op 3, which is home.
 fn group() -> Vec<crate::build::Op> {

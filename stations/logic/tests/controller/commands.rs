@@ -5,8 +5,8 @@ use std::time::Duration;
 use linewright_line::net::ControlMode;
 use linewright_station_logic::{Input, PanelCommand};
 
+use super::rig::Rig;
 use crate::build::{PANEL, alone, r};
-use crate::rig::Rig;
 
 fn rig() -> Rig {
     Rig::new(alone(1, &[r(6), r(6)]))

@@ -4,8 +4,8 @@ use linewright_line::net::{Block, ControlMode, Place};
 use linewright_line::{OpId, StationId};
 use linewright_station_logic::Cause;
 
+use super::rig::Rig;
 use crate::build::{alone, complete_bit, i, r};
-use crate::rig::Rig;
 
 fn running() -> Rig {
     let mut rig = Rig::new(alone(1, &[r(6), r(6)]));

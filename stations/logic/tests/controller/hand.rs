@@ -3,8 +3,8 @@
 use linewright_line::net::{ControlMode, Place};
 use linewright_line::{Hand, OpId, StationId};
 
+use super::rig::Rig;
 use crate::build::{alone, line, r, station};
-use crate::rig::Rig;
 
 fn in_hand_mode(home: usize, types: &[u8]) -> Rig {
     let ops: Vec<_> = types.iter().map(|&t| r(t)).collect();
@@ -175,7 +175,7 @@ fn a_shared_button_goes_on_if_the_arrows_hold_back_if_not_and_nowhere_if_it_is_n
     let press = |bar_says: Option<&[i32]>| {
         let mut rig = Rig::new(both.clone());
         if let Some(done) = bar_says {
-            rig.hear(StationId(1), crate::rig::peer_says(done));
+            rig.hear(StationId(1), super::rig::peer_says(done));
         }
         rig.mode(ControlMode::Hand);
         rig.hold(hand_of(&rig, 1).forward().0);

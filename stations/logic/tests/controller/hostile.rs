@@ -7,8 +7,8 @@ use linewright_line::{Line, OpId, StationId, Tick};
 use linewright_station_logic::{Answer, Controller, Input, ModeOrder, Outbox, PanelCommand, Report, Request, Restore};
 use proptest::prelude::*;
 
+use super::rig::{Rig, peer_says};
 use crate::build::{arrow, i, line, r, station};
-use crate::rig::{Rig, peer_says};
 
 fn pair() -> Line {
     let stations = vec![station("a", 2, &[r(1), i(1, &[0]), r(2)], 0, false), station("b", 1, &[r(6), r(6)], 8, false)];

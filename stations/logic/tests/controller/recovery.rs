@@ -4,8 +4,8 @@ use linewright_line::net::{ControlMode, Place};
 use linewright_line::{OpId, StationId};
 use linewright_station_logic::{Report, Request};
 
+use super::rig::{Rig, peer_says};
 use crate::build::{alone, arrow, complete_bit, i, line, r, station};
-use crate::rig::{Rig, peer_says};
 
 /// Faulted in `op`, in auto, then in manual with the fault gone.
 fn faulted(home: usize, ops: &[crate::build::Op], op: u16) -> Rig {

@@ -4,8 +4,8 @@ use linewright_line::net::{ControlMode, Place};
 use linewright_line::{OpId, StationId};
 use linewright_station_logic::{CompileError, Controller, Restore, Snapshot};
 
+use super::rig::Rig;
 use crate::build::{alone, i, r};
-use crate::rig::Rig;
 
 fn restarted(rig: &Rig) -> Rig {
     Rig::of(rig.line.clone(), rig.station, Restore::From(rig.controller.snapshot()))

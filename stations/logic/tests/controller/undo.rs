@@ -2,8 +2,8 @@
 
 use linewright_line::net::ControlMode;
 
+use super::rig::Rig;
 use crate::build::{alone, r};
-use crate::rig::Rig;
 
 type Counts = (i32, Vec<i32>, Vec<i32>);
 

@@ -4,7 +4,7 @@ use linewright_line::net::{Block, ControlMode};
 use linewright_line::{OpId, StationId};
 use linewright_station_logic::Event;
 
-use crate::world::{Key, Setting, World, bits_of};
+use super::world::{Key, Setting, World, bits_of};
 
 /// One thing that happens. `u8`s are station and link numbers.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]

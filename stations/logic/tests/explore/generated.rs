@@ -6,9 +6,9 @@
 
 use linewright_line::{Conflict, Line, OpId, Span, Station, StationId};
 
-use crate::build::{Op, arrow, beside, i, line, r, station};
-use crate::lines::without_haste;
-use crate::search::Random;
+use super::build::{Op, arrow, beside, i, line, r, station};
+use super::lines::without_haste;
+use super::search::Random;
 
 /// A line of two or three stations; the same for the same seed. `None` where the home positions contradict an arrow:
 /// an operation that counts as done at home although its cause does not. Taking such an operation back leads behind

@@ -3,7 +3,7 @@
 use linewright_line::net::{Block, Place, Stage};
 use linewright_line::{OpId, Span, StationId};
 
-use crate::world::{Setting, World};
+use super::world::{Setting, World};
 
 /// How far apart the cycles of two neighbours may be. A pair of arrows, one of lag 0 and one of lag 1, lets the one be
 /// a cycle ahead; operations listed before the arrow's end may have begun another.

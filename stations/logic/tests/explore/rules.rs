@@ -3,9 +3,9 @@
 use linewright_line::Line;
 use linewright_station_logic::Rules;
 
-use crate::lines;
-use crate::search::{breadth_first, limit};
-use crate::world::Setting;
+use super::lines;
+use super::search::{breadth_first, limit};
+use super::world::Setting;
 
 /// The shortest way to something wrong without the rule.
 fn missed(line: Line, rules: Rules) -> String {

@@ -2,9 +2,9 @@
 
 use std::collections::{HashSet, VecDeque};
 
-use crate::actions::{Action, apply, possible, text};
-use crate::oracle::violation;
-use crate::world::{Setting, World};
+use super::actions::{Action, apply, possible, text};
+use super::oracle::violation;
+use super::world::{Setting, World};
 
 /// What a search came to.
 pub struct Found {

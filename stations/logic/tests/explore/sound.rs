@@ -4,10 +4,10 @@ use linewright_line::Line;
 use linewright_line::net::ControlMode;
 use linewright_station_logic::Rules;
 
-use crate::generated::generated;
-use crate::lines;
-use crate::search::{Found, breadth_first, limit, random_walk};
-use crate::world::Setting;
+use super::generated::generated;
+use super::lines;
+use super::search::{Found, breadth_first, limit, random_walk};
+use super::world::Setting;
 
 fn nothing_is_wrong(what: &str, found: Found) -> Found {
     println!("{what}: {} states, exhausted: {}", found.states, found.exhausted);

@@ -5,7 +5,7 @@ use std::time::Duration;
 use linewright_line::net::ControlMode;
 use linewright_station_logic::{Failure, Outcome, Refusal, Reply, TaskOrder};
 
-use crate::bench::{Bench, key, order};
+use super::bench::{Bench, key, order};
 
 fn refused(m1: &mut Bench, order: &TaskOrder) -> Refusal {
     let before = (m1.marking(), m1.outputs, m1.slot());

@@ -8,7 +8,7 @@ use linewright_station_logic::{
     Controller, Failure, Input, ModeOrder, NO_DELAY, Outbox, Outcome, Refusal, Reply, Restore, TaskCommand, TaskOrder,
 };
 
-use crate::bench::{Bench, key, order};
+use super::bench::{Bench, key, order};
 
 fn ended(failure: Failure) -> Reply {
     Reply::Ended(Outcome::Failed(failure))

@@ -5,7 +5,7 @@ use std::time::Duration;
 use linewright_line::net::ControlMode;
 use linewright_station_logic::{Failure, Outcome, Reply};
 
-use crate::bench::{Bench, key, order};
+use super::bench::{Bench, key, order};
 
 #[test]
 fn a_task_is_done_from_rest_to_rest_and_then_nothing_more_happens() {

@@ -3,7 +3,7 @@
 use linewright_line::net::ControlMode;
 use linewright_station_logic::{Controller, Failure, Outcome, Refusal, Reply, Restore};
 
-use crate::bench::{Bench, MEMORY, key, order};
+use super::bench::{Bench, MEMORY, key, order};
 
 #[test]
 fn killed_in_a_motion_it_has_ended_the_order_and_says_so() {

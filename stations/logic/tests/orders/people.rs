@@ -6,7 +6,7 @@ use linewright_line::net::Place;
 use linewright_station_logic::PanelCommand::{Advance, Retract};
 use linewright_station_logic::{Failure, Outcome, Reply};
 
-use crate::bench::{Bench, key, order};
+use super::bench::{Bench, key, order};
 
 #[test]
 fn a_fault_ends_the_order_with_its_code_and_leaves_the_station_where_it_is() {

@@ -9,7 +9,7 @@ use linewright_station_logic::PanelCommand::{Advance, Retract};
 use linewright_station_logic::{OrderKey, Outcome, Reply, TaskOrder};
 use proptest::prelude::*;
 
-use crate::bench::{Bench, MEMORY, key, order};
+use super::bench::{Bench, MEMORY, key, order};
 
 #[derive(Clone, Debug)]
 enum Act {

@@ -26,7 +26,7 @@ use super::super::production::Desk;
 use super::super::question::{Answer, Dispatcher, Held, Question, Start};
 use super::super::reason::{Outlook, Reason};
 use super::super::record::{Fact, Record};
-use super::super::state::{Place, State};
+use super::super::state::State;
 use super::super::table::CellTable;
 use super::bounds::Thought;
 use super::imagined::{Ending, Imagined};
@@ -170,7 +170,7 @@ impl LookAhead {
     /// When somebody will have waited too long, if nothing moves.
     fn pressed_at(&self, now: Tick, state: &State) -> Option<Tick> {
         let patience = self.desk.rules.fairness.patience?;
-        let inside = state.parts().filter(|part| matches!(part.place, Place::On { .. })).map(|part| part.since);
+        let inside = state.waiting().map(|part| part.since);
         let outside = self.desk.rules.jobs.outside.values().map(|waiting| waiting.since);
         inside.chain(outside).map(|since| since + patience).filter(|&at| at > now && at != Tick::NEVER).min()
     }

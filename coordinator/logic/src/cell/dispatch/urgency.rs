@@ -108,7 +108,7 @@ enum Status {
 pub(super) fn urgent(facts: &Facts<'_>, patience: Duration) -> Vec<Urgent> {
     let table = facts.state.table();
     let is_over = |since: Tick| since + patience <= facts.now;
-    let inside = facts.state.parts().filter(|part| is_over(part.since)).filter_map(|part| match part.place {
+    let inside = facts.state.waiting().take_while(|part| is_over(part.since)).filter_map(|part| match part.place {
         Place::On { cell, arrival: _ } => {
             let moves = table.consumers(cell).iter().copied();
             let mut options: Vec<_> = moves.filter(|&mode| table.part_in(mode) == Some(cell)).collect();
@@ -132,6 +132,10 @@ pub(super) fn urgent(facts: &Facts<'_>, patience: Duration) -> Vec<Urgent> {
 
 /// What is done for the first of them that anything can be done for; nothing if it can start itself.
 pub(super) fn pursue(question: &Question<'_>, ways: &Ways, fairness: Fairness, all: &[Urgent]) -> Option<Pursuit> {
+    if all.is_empty() {
+        // What is in progress need not be looked at.
+        return None;
+    }
     let search = Search::new(question, ways, fairness);
     for urgent in all {
         let is_first = |&part: &PartId| urgent.part == Some(part);

@@ -3,6 +3,8 @@
 //! Who has a token is said only where the net says it: the activity in progress that will give it back, or the modes that
 //! would if they happened, with the parts that wait for them.
 
+use std::time::Duration;
+
 use linewright_line::Tick;
 
 use super::super::exception::{DownCause, Stage};
@@ -10,8 +12,9 @@ use super::super::firing::{Firing, Phase};
 use super::super::ids::{CellId, FiringId, ModeId, PartId, ResourceId};
 use super::super::plan::{ActivityKind, CellKind};
 use super::super::state::{Place, State};
+use super::super::table::CellTable;
 use super::ways::Ways;
-use super::words::{Reasons, named, reason};
+use super::words::{Reasons, called, reason};
 
 /// At most so many are named where many would do.
 const NAMED_MAX: usize = 3;
@@ -27,16 +30,29 @@ pub fn why_not(ways: &Ways, reasons: &Reasons, state: &State, now: Tick, part: P
         }
         Place::On { cell, arrival: _ } => cell,
     };
-    let waited = now.since(found.since).as_secs_f64();
-    let mut lines = vec![format!("{part} has been on `{}` for {waited} s.", table.cell_name(cell))];
+    let mut lines = vec![format!("{part} has been {} for {} s.", place(table, cell), seconds(now.since(found.since)))];
     let options: Vec<_> = table.consumers(cell).iter().copied().filter(|&m| table.part_in(m) == Some(cell)).collect();
     if options.is_empty() {
         lines.push("Nothing takes it on from there.".to_owned());
     }
     for mode in options {
-        lines.push(format!("{}: {}.", named(table, mode, None), option(ways, reasons, state, now, part, mode)));
+        lines.push(format!("{}: {}.", called(table, mode, None), option(ways, reasons, state, now, part, mode)));
     }
     lines
+}
+
+/// In tenths: nobody waits for less.
+fn seconds(span: Duration) -> f64 {
+    (span.as_secs_f64() * 10.0).round() / 10.0
+}
+
+/// Where a cell of the net is, as people say it where that is known.
+fn place(table: &CellTable, cell: CellId) -> String {
+    let handling = table.handling();
+    match handling.resources.iter().find(|resource| resource.has.contains(&cell)) {
+        Some(resource) => format!("in {}", resource.name),
+        None => format!("on `{}`", table.cell_name(cell)),
+    }
 }
 
 fn option(ways: &Ways, reasons: &Reasons, state: &State, now: Tick, part: PartId, mode: ModeId) -> String {
@@ -77,7 +93,7 @@ fn owner(ways: &Ways, state: &State, now: Tick, cell: CellId) -> String {
     }
     let waits = ways.producers(cell).iter().filter_map(|&mode| Some((mode, resting(state, mode)?)));
     let waits: Vec<_> =
-        waits.take(NAMED_MAX).map(|(mode, part)| format!("`{}` of {part}", table.mode_name(mode))).collect();
+        waits.take(NAMED_MAX).map(|(mode, part)| format!("{} of {part}", called(table, mode, None))).collect();
     match (waits.is_empty(), ways.producers(cell).is_empty()) {
         (false, _) => format!("`{name}` comes back by {}, which has not started", waits.join(", or ")),
         (true, false) => format!("there is no `{name}` yet"),
@@ -89,7 +105,7 @@ fn owner(ways: &Ways, state: &State, now: Tick, cell: CellId) -> String {
 fn left_out(state: &State, now: Tick, resource: ResourceId) -> String {
     let name = state.table().handling().resource_name(resource);
     let Some(down) = state.exceptions().is_down(resource) else { return format!("{name} is up") };
-    let since = now.since(down.since).as_secs_f64();
+    let since = seconds(now.since(down.since));
     let why = match &down.why {
         DownCause::ByHand { text } if text.is_empty() => "somebody has left it out".to_owned(),
         DownCause::ByHand { text } => format!("somebody has given alarm: {text}"),
@@ -121,12 +137,12 @@ fn resting(state: &State, mode: ModeId) -> Option<PartId> {
 
 fn progress(state: &State, firing: &Firing, now: Tick) -> String {
     let mode: ModeId = firing.mode;
-    let what = named(state.table(), mode, firing.part);
+    let what = called(state.table(), mode, firing.part);
     match (firing.phase, state.table().activity(mode).kind) {
         (Phase::Failed(_), _) => format!("{what}, which has failed and {}", waits(state, firing.id)),
         (Phase::Running, ActivityKind::Immediate) => what,
         (Phase::Running, ActivityKind::Decided { time, limit: _ }) => {
-            let left = (firing.began + time).since(now).as_secs_f64();
+            let left = seconds((firing.began + time).since(now));
             if left > 0.0 { format!("{what}, {left} s left") } else { format!("{what}, longer than it should be") }
         }
     }

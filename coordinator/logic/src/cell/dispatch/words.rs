@@ -14,9 +14,17 @@ use super::super::reason::{Gain, Ground, Lost, Outlook, Reason};
 use super::super::record::{Fact, Record};
 use super::super::table::CellTable;
 
-/// A mode, and with which part.
+/// A mode by its own name, and with which part.
 pub fn named(table: &CellTable, mode: ModeId, part: Option<PartId>) -> String {
-    let name = table.mode_name(mode);
+    with(table.mode_name(mode), part)
+}
+
+/// A mode as people call it, which does not say of which stage it is: where its part is known.
+pub fn called(table: &CellTable, mode: ModeId, part: Option<PartId>) -> String {
+    with(table.called(mode), part)
+}
+
+fn with(name: &str, part: Option<PartId>) -> String {
     part.map_or_else(|| format!("`{name}`"), |part| format!("`{name}` with {part}"))
 }
 

@@ -23,8 +23,9 @@ impl Coordination {
     fn answered(&mut self, now: Tick, alarm: AlarmId, word: &str, out: &mut Outbox) -> Result<(), Objection> {
         let about = self.state.exceptions().alarm(alarm).ok_or(Objection::NoSuchAlarm)?.about;
         match about {
-            About::Resource(_) if word != words::UP => Err(Objection::NoSuchWord),
-            About::Resource(resource) => self.try_up(now, resource, out),
+            About::Resource(resource) if word == words::UP => self.try_up(now, resource, out),
+            About::Resource(resource) if word == words::GONE => self.try_gone(now, resource, out),
+            About::Resource(_) => Err(Objection::NoSuchWord),
             About::Firing(firing) => {
                 let ruling = self.ruling(now, firing, alarm, word)?;
                 self.except(now, Step::Answered { firing, ruling, by: By::Operator }, out);
@@ -112,6 +113,19 @@ impl Coordination {
         Ok(())
     }
 
+    /// The part that a resource should have is no more, if its sensor does not see it.
+    fn try_gone(&mut self, now: Tick, resource: ResourceId, out: &mut Outbox) -> Result<(), Objection> {
+        if self.is_in_use(resource, None) {
+            return Err(Objection::Open(resource));
+        }
+        let (mode, part) = self.state.resting(resource).ok_or(Objection::NoSuchWord)?;
+        if self.presence(resource) == Presence::On {
+            return Err(Objection::HasPart(resource));
+        }
+        self.except(now, Step::Missing { resource, mode, part }, out);
+        self.try_up(now, resource, out)
+    }
+
     /// A resource is up if its station can work, nothing of it waits for an answer, and its sensor agrees.
     fn try_up(&mut self, now: Tick, resource: ResourceId, out: &mut Outbox) -> Result<(), Objection> {
         let handling = self.state.table().handling();
@@ -134,8 +148,7 @@ impl Coordination {
             self.mismatch(now, found, out);
             return Ok(());
         }
-        let says = |station| self.watch.seen(station).is_some_and(|seen| seen.heard.presence != Presence::Unknown);
-        let unchecked = is_sensed && !station.is_some_and(says);
+        let unchecked = is_sensed && self.presence(resource) == Presence::Unknown;
         self.watch.uncompared.remove(&resource);
         self.except(now, Step::Up { resource, unchecked }, out);
         Ok(())

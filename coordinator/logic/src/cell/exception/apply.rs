@@ -3,7 +3,7 @@
 use linewright_line::Tick;
 
 use super::super::firing::{Firing, Order, OrderState, Phase};
-use super::super::ids::{AlarmId, FiringId, ModeId, OrderKey, PartId, ResourceId};
+use super::super::ids::{AlarmId, CellId, FiringId, ModeId, OrderKey, PartId, ResourceId};
 use super::super::record::Failure;
 use super::super::state::{Place, State};
 use super::super::table::Tokens;
@@ -53,6 +53,7 @@ impl State {
                 About::Firing(firing) => self.restoring(*firing).map(|_| ()),
                 About::Resource(resource) => self.known(*resource),
             },
+            Step::Missing { resource, mode, part } => self.missing(*resource, *mode, *part),
             Step::Down { resource, why } => {
                 self.known(*resource)?;
                 if self.exceptions.down.contains_key(resource) {
@@ -224,7 +225,7 @@ impl State {
                         self.place(part, Place::On { cell, arrival }, at);
                     }
                     // It has not come in.
-                    (Some(part), None) => _ = self.parts.remove(&part),
+                    (Some(part), None) => self.remove(part),
                     (None, _) => (),
                 }
             }
@@ -239,10 +240,54 @@ impl State {
         Ok(())
     }
 
+    /// The one part that rests at a resource, and a mode that would take it and says what is left without it.
+    pub(super) fn resting(&self, resource: ResourceId) -> Option<(ModeId, PartId)> {
+        let has = &self.table.handling().resource(resource)?.has;
+        let mut parts = has.iter().flat_map(|&cell| self.marking.parts(cell).map(move |part| (cell, part)));
+        let (cell, part) = parts.next().filter(|_| parts.next().is_none())?;
+        let mut modes = self.table.consumers(cell).iter().copied();
+        modes.find(|&mode| self.left_without(mode, cell).is_some()).map(|mode| (mode, part))
+    }
+
+    /// What there is more of when the part is no more that a mode would take from a cell, and the mode has not begun: what it
+    /// gives back then, but for what it would have taken.
+    fn left_without(&self, mode: ModeId, cell: CellId) -> Option<Vec<Tokens>> {
+        let mut left =
+            self.table.handling().mode(mode).gone.clone().filter(|_| self.table.part_in(mode) == Some(cell))?;
+        for &(taken, weight) in self.table.takes(mode).iter().filter(|(taken, _)| *taken != cell) {
+            let (_, given) = left.iter_mut().find(|(of, _)| *of == taken)?;
+            *given = given.checked_sub(weight)?;
+        }
+        left.retain(|(_, weight)| *weight > 0);
+        Some(left)
+    }
+
+    fn missing(&mut self, resource: ResourceId, mode: ModeId, part: PartId) -> Fits {
+        self.known(resource)?;
+        let place = self.parts.get(&part).map(|part| part.place);
+        let (cell, arrival) = match place {
+            Some(Place::On { cell, arrival }) => (cell, arrival),
+            Some(Place::In(_)) | None => return Err(format!("{part} does not rest anywhere")),
+        };
+        if !self.table.handling().resource(resource).is_some_and(|of| of.has.contains(&cell)) {
+            return Err(format!("{part} does not rest at {resource}"));
+        }
+        let known = self.table.has_mode(mode).then(|| self.left_without(mode, cell)).flatten();
+        let left = known.ok_or_else(|| format!("{mode} does not say what is left without {part}"))?;
+        let table = self.table.clone();
+        self.marking.take(cell, 1);
+        self.enabling.taken(&table, self.marking.counts(), cell);
+        self.marking.pull(cell, arrival);
+        self.give_tokens(&left);
+        self.exceptions.retries.retain(|of, _| of.1 != Some(part));
+        self.scrap(mode, part);
+        Ok(())
+    }
+
     fn scrap(&mut self, mode: ModeId, part: PartId) {
         self.stay(mode, part);
         self.leave_position(mode, part);
-        self.parts.remove(&part);
+        self.remove(part);
         self.exceptions.scrapped += 1;
     }
 

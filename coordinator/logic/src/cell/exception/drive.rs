@@ -54,9 +54,25 @@ impl Coordination {
 
     /// Fails the orders of stations that were not heard for too long.
     pub(in super::super) fn miss(&mut self, now: Tick, out: &mut Outbox) {
-        while let Some((_, key)) = self.first_to_miss().filter(|(at, _)| *at <= now) {
-            self.write(now, Fact::OrderFailed { key, failure: Failure::Lost }, out);
+        while self.watch.missed_from.is_none_or(|at| at <= now) {
+            match self.first_to_miss() {
+                Some((at, key)) if at <= now => {
+                    self.write(now, Fact::OrderFailed { key, failure: Failure::Lost }, out);
+                }
+                later => {
+                    self.watch.missed_from = Some(later.map_or(Tick::NEVER, |(at, _)| at));
+                    return;
+                }
+            }
         }
+    }
+
+    /// The orders of a mode are waited for from now on.
+    pub(in super::super) fn expect(&mut self, mode: ModeId) {
+        let Some(stale) = self.state.table().handling().stale else { return };
+        let orders = self.state.table().activity(mode).orders.iter();
+        let missed = orders.map(|order| self.watch.last(order.station) + stale).min();
+        self.watch.missed_from = self.watch.missed_from.map(|at| missed.map_or(at, |missed| at.min(missed)));
     }
 
     /// The order whose station will be missed first, and when.
@@ -93,7 +109,10 @@ impl Coordination {
             Some(told) => told.at + refresh,
             None => self.state.now(),
         });
-        let missed = self.first_to_miss().map(|(at, _)| at);
+        let missed = match self.watch.missed_from {
+            Some(at) => Some(at).filter(|&at| at != Tick::NEVER),
+            None => self.first_to_miss().map(|(at, _)| at),
+        };
         limit.chain(again).chain(missed).min()
     }
 
@@ -105,8 +124,8 @@ impl Coordination {
         let strays =
             self.watch.strays.iter().filter_map(|&station| Some((station, self.watch.seen(station)?.heard.slot?)));
         let mut all: Vec<_> = strays.collect();
-        for (id, trouble) in self.state.exceptions().open().filter(|(_, trouble)| trouble.stage == Stage::Securing) {
-            let _ = trouble;
+        let open = self.state.exceptions().open();
+        for (id, _) in open.filter(|(_, trouble)| trouble.stage == Stage::Securing) {
             let Some(firing) = self.state.firing(id) else { continue };
             for order in self.state.owed(firing) {
                 // Keys reach a station rising: an older order that it has not heard would be too old for it.
@@ -237,7 +256,8 @@ impl Coordination {
     /// Compares what was answered with what sensors say, and closes the activity if they agree.
     fn restored(&mut self, now: Tick, id: FiringId, out: &mut Outbox) {
         let Some(trouble) = self.state.exceptions().trouble(id) else { return };
-        let Stage::Restoring { ruling, since } = trouble.stage.clone() else { return };
+        let Stage::Restoring { ruling, since } = &trouble.stage else { return };
+        let (ruling, since) = (ruling.clone(), *since);
         let Some((firing, cause)) = self.failed(id) else { return };
         let (mode, part) = (firing.mode, firing.part);
         match self.verdict(now, firing, &ruling, since) {
@@ -344,11 +364,17 @@ impl Coordination {
         }
     }
 
+    /// What the sensor of a resource last said, if it has one.
+    pub(super) fn presence(&self, id: ResourceId) -> Presence {
+        let sensed = self.state.table().handling().resource(id).filter(|of| of.is_sensed);
+        let seen = sensed.and_then(|of| of.station).and_then(|station| self.watch.seen(station));
+        seen.map_or(Presence::Unknown, |seen| seen.heard.presence)
+    }
+
     /// What the sensor of a resource says of a model in which nothing is under way; none if it agrees or does not say.
     pub(super) fn difference(&self, id: ResourceId) -> Option<Difference> {
-        let station = self.state.table().handling().resource(id).filter(|of| of.is_sensed)?.station?;
         let model = self.has_parts(id);
-        match self.watch.seen(station)?.heard.presence {
+        match self.presence(id) {
             Presence::On if !model => Some(Difference { resource: id, model, plant: true }),
             Presence::Off if model => Some(Difference { resource: id, model, plant: false }),
             Presence::Unknown | Presence::On | Presence::Off => None,
@@ -365,8 +391,9 @@ impl Coordination {
             }
             let station = self.state.table().handling().resource(id).and_then(|of| of.station);
             let seen = station.and_then(|station| self.watch.seen(station)).filter(|seen| seen.at >= from);
-            let Some(seen) = seen.filter(|seen| seen.heard.presence != Presence::Unknown) else { continue };
-            let _ = seen;
+            if seen.is_none_or(|seen| seen.heard.presence == Presence::Unknown) {
+                continue;
+            }
             self.watch.uncompared.remove(&id);
             self.reconsider();
             if let Some(found) = self.difference(id) {
@@ -382,9 +409,10 @@ impl Coordination {
         if self.state.exceptions().is_down(resource).is_none() {
             self.except(now, Step::Down { resource, why: DownCause::Mismatch }, out);
         }
-        let text = words::mismatch(self.state.table().handling(), &found);
+        let missing = self.state.resting(resource).map(|(_, part)| part).filter(|_| found.model);
+        let text = words::mismatch(self.state.table().handling(), &found, missing);
         let alarm = AlarmId(self.state.exceptions().last_alarm + 1);
-        let words = vec![words::UP.to_owned()];
+        let words = [words::UP].into_iter().chain(missing.map(|_| words::GONE)).map(str::to_owned).collect();
         self.except(now, Step::Alarmed { alarm, about: About::Resource(resource), text, words }, out);
     }
 

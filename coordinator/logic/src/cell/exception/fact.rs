@@ -62,6 +62,16 @@ pub enum Step {
         /// What they say.
         found: Vec<Difference>,
     },
+    /// A part that rested at a resource is no more. Of a mode that would take it from there: what that gives back if its part
+    /// is no more is given back.
+    Missing {
+        /// Where it was.
+        resource: ResourceId,
+        /// Which mode.
+        mode: ModeId,
+        /// Which part.
+        part: PartId,
+    },
     /// A resource is left out.
     Down {
         /// Which.

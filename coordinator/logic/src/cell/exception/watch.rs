@@ -95,6 +95,9 @@ pub(super) struct Told {
 pub(in super::super) struct Watch {
     began: Tick,
     seen: BTreeMap<StationId, Seen>,
+    /// Until then no station is missed that an order is waited for from; none if that has to be found out. Whoever is heard
+    /// is missed later, and what ends is not waited for: only what starts can make it sooner.
+    pub(super) missed_from: Option<Tick>,
     pub(super) told: BTreeMap<OrderKey, Told>,
     /// Stations that are at something that nobody waits for.
     pub(super) strays: BTreeSet<StationId>,

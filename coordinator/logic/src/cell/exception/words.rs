@@ -13,6 +13,8 @@ use super::handling::Handling;
 
 /// What is answered when a resource is as the model has it.
 pub(super) const UP: &str = "up";
+/// What is answered when the part that a resource should have is no more.
+pub(super) const GONE: &str = "gone";
 
 /// An alarm of an activity that has failed: what its rule has to tell, and what is known.
 pub(super) fn alarm(state: &State, firing: &Firing, cause: Cause, now: Tick) -> String {
@@ -20,7 +22,7 @@ pub(super) fn alarm(state: &State, firing: &Firing, cause: Cause, now: Tick) -> 
     let tell = handling.rule(firing.mode, cause).map(|rule| filled(&rule.tell, state, firing.mode, firing.part));
     let tell = tell.unwrap_or_else(|| {
         let of = part(firing.part).map(|part| format!(" with {part}")).unwrap_or_default();
-        format!("{}{of} has failed. Say where the part is.", activity(state, firing.mode))
+        format!("{}{of} has failed. Say where the part is.", state.table().called(firing.mode))
     });
     format!("{tell} ({})", facts(state, firing, cause, now))
 }
@@ -31,7 +33,7 @@ fn facts(state: &State, firing: &Firing, cause: Cause, now: Tick) -> String {
     let failed_after = state.exceptions().trouble(firing.id).map_or(now, |trouble| trouble.since).since(firing.began);
     let mut text = format!(
         "{}: {}, after {} s",
-        activity(state, firing.mode),
+        state.table().called(firing.mode),
         cause_of(state, firing, cause),
         failed_after.as_millis() as f64 / 1e3
     );
@@ -95,8 +97,9 @@ pub(super) fn carried(state: &State, mode: ModeId, of: Option<PartId>) -> String
 }
 
 /// A sensor that says otherwise than the model.
-pub(super) fn mismatch(handling: &Handling, found: &Difference) -> String {
-    format!("{}. Put that right, and say \"{UP}\".", difference(handling, found))
+pub(super) fn mismatch(handling: &Handling, found: &Difference, missing: Option<PartId>) -> String {
+    let or = missing.map(|part| format!("; if {part} is no more, say \"{GONE}\"")).unwrap_or_default();
+    format!("{}. Put that right, and say \"{UP}\"{or}.", difference(handling, found))
 }
 
 fn difference(handling: &Handling, found: &Difference) -> String {
@@ -105,12 +108,6 @@ fn difference(handling: &Handling, found: &Difference) -> String {
         (true, _) => format!("{name} should have a part, and its sensor says that there is none"),
         (false, _) => format!("{name} should have no part, and its sensor says that there is one"),
     }
-}
-
-/// What people call the activity of a mode.
-pub(super) fn activity(state: &State, mode: ModeId) -> String {
-    let name = &state.table().handling().mode(mode).activity;
-    if name.is_empty() { state.table().mode_name(mode).to_owned() } else { name.to_string() }
 }
 
 fn part(of: Option<PartId>) -> Option<String> {
@@ -131,7 +128,7 @@ fn filled(text: &str, state: &State, mode: ModeId, of: Option<PartId>) -> String
         match word {
             "part" => filled.push_str(&of.map_or_else(|| "?".to_owned(), |PartId(number)| number.to_string())),
             "type" => filled.push_str(&handled.part_type),
-            "activity" => filled.push_str(&activity(state, mode)),
+            "activity" => filled.push_str(state.table().called(mode)),
             "carrier" => filled.push_str(&name(handled.carrier)),
             "from" => filled.push_str(&name(handled.from)),
             "to" => filled.push_str(&name(handled.to)),

@@ -368,6 +368,9 @@ impl Production {
 
     /// Of what failed, one that has not come in counts as little as one that is no more.
     fn put_right(&mut self, step: &Step, at: Tick) -> bool {
+        if let Step::Missing { part, .. } = step {
+            return self.apply(at, &Change::Lost(*part)).is_ok();
+        }
         let Step::Closed { firing, mode, part: Some(part), ruling, .. } = step else { return false };
         self.leaving.remove(firing);
         match ruling.part {

@@ -148,7 +148,9 @@ impl Dispatcher for Foreman {
             Fact::Raised { firing, cause: _ } => self.pending = Some(Deviation::Failed(*firing)),
             Fact::Production { change: _ } => self.pending = Some(Deviation::Orders),
             Fact::Exception(Step::Down { resource, .. }) => self.pending = Some(Deviation::Down(*resource)),
-            Fact::Exception(Step::Up { .. } | Step::Closed { .. }) => self.pending = Some(Deviation::Restored),
+            Fact::Exception(Step::Up { .. } | Step::Closed { .. } | Step::Missing { .. }) => {
+                self.pending = Some(Deviation::Restored)
+            }
             Fact::Exception(
                 Step::Secured { .. }
                 | Step::Alarmed { .. }

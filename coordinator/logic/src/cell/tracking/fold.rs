@@ -230,7 +230,7 @@ impl Tracking {
                 tally.down += gone;
             } else if let Some(cause) = &tally.out {
                 tally.down += gone;
-                tally.causes.add(cause, gone);
+                tally.causes.go_on(cause, gone);
             } else if tally.running > 0 {
                 tally.busy += gone;
             }
@@ -295,9 +295,20 @@ impl Tracking {
                     }
                 }
             },
+            Step::Missing { resource: _, mode, part } => {
+                self.lets_go(*mode);
+                if self.parts.remove(part).is_some() {
+                    self.lost += u64::from(at >= self.from);
+                }
+            }
             Step::Down { resource, why } => {
-                let tally = self.resources.get_mut(resource.index());
-                tally.into_iter().for_each(|tally| tally.out = Some(out(why)));
+                if let Some(tally) = self.resources.get_mut(resource.index()) {
+                    let cause = out(why);
+                    if at >= self.from {
+                        tally.causes.add(&cause, Duration::ZERO);
+                    }
+                    tally.out = Some(cause);
+                }
             }
             Step::Up { resource, unchecked: _ } => {
                 self.resources.get_mut(resource.index()).into_iter().for_each(|tally| tally.out = None);

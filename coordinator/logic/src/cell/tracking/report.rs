@@ -15,13 +15,21 @@ use super::spread::Spread;
 pub struct Causes(BTreeMap<String, (u64, Duration)>);
 
 impl Causes {
+    /// Once more, for so long.
     pub(super) fn add(&mut self, cause: &str, down: Duration) {
-        if !self.0.contains_key(cause) {
-            self.0.insert(cause.to_owned(), (0, Duration::ZERO));
-        }
-        if let Some((times, total)) = self.0.get_mut(cause) {
-            *times += 1;
-            *total += down;
+        self.count(cause, 1, down);
+    }
+
+    /// For longer. What has begun before anything counted is once.
+    pub(super) fn go_on(&mut self, cause: &str, down: Duration) {
+        self.count(cause, 0, down);
+    }
+
+    /// Time goes by in small steps: words that are known are not copied.
+    fn count(&mut self, cause: &str, more: u64, down: Duration) {
+        match self.0.get_mut(cause) {
+            Some((times, total)) => (*times, *total) = (*times + more, *total + down),
+            None => _ = self.0.insert(cause.to_owned(), (1, down)),
         }
     }
 

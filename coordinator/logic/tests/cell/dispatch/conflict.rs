@@ -9,7 +9,7 @@ use std::time::Duration;
 use linewright_coordinator_logic::cell::dispatch::{ByRules, Rule, Window, words};
 use linewright_coordinator_logic::cell::{Fact, Ground, ModeId, Outbox, PartId, Reason};
 
-use crate::printed::conflict_state;
+use crate::cell::printed::conflict_state;
 
 /// What is decided first, and what is said of it: the timetable has these three at these times, in seconds from now.
 fn decided(times: [u64; 3], tolerance: u64) -> (String, Vec<(ModeId, Reason)>, Vec<String>) {

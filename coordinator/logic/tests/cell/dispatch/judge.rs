@@ -12,12 +12,12 @@ use linewright_line::Tick;
 use linewright_nets::Marking;
 use linewright_nets::coloured::ColouredNet;
 
-use crate::dice::Dice;
-use crate::enabled::moves;
-use crate::plans::Compiled;
-use crate::printed::{Variant, compiled};
-use crate::workcell::{self, Workcell};
-use crate::world::World;
+use crate::cell::dice::Dice;
+use crate::cell::enabled::moves;
+use crate::cell::plans::Compiled;
+use crate::cell::printed::{Variant, compiled};
+use crate::cell::workcell::{self, Workcell};
+use crate::cell::world::World;
 
 /// Asks a dispatcher and judges what it says.
 struct Judge {
@@ -64,6 +64,10 @@ impl Judge {
     }
 
     fn judge(&mut self, question: &Question<'_>, answer: &Answer) {
+        let on_cells = question.state.parts().filter(|part| matches!(part.place, Place::On { .. }));
+        let mut waiting: Vec<_> = on_cells.collect();
+        waiting.sort_by_key(|part| (part.since, part.id));
+        assert!(question.state.waiting().eq(waiting), "those that wait, the longest first");
         let has = question.state.marking().counts();
         let coloured = self.long.coloured(&Marking::from_tokens(has.iter().map(|&count| count as u32)));
         let enabled: BTreeSet<_> =

@@ -19,7 +19,7 @@ use linewright_coordinator_logic::cell::{Activity, PartId, Record};
 use linewright_line::Tick;
 
 use super::solo::{ByName, compiled, lines, play, seconds, starts};
-use crate::plans::Compiled;
+use crate::cell::plans::Compiled;
 
 const PARTS: [(char, u64, u64, u64, u64, i32); 4] =
     [('a', 1, 4, 6, 50, 0), ('b', 2, 2, 16, 30, 5), ('c', 3, 7, 1, 21, 5), ('d', 4, 5, 19, 74, 9)];
@@ -183,7 +183,7 @@ fn assembly(parts: [u32; 3]) -> Compiled {
     let [one, two, three] = parts;
     let marked = [("input.1", one), ("input.2", two), ("input.3", three), ("robot_1", 1), ("robot_2", 1), ("human", 1)];
     let time = |name: &str| -> Activity {
-        crate::plans::alone(match name {
+        crate::cell::plans::alone(match name {
             "load_1" | "unload_1" => 3000,
             "work_1" => 7500,
             "work_2" => 5000,

@@ -8,7 +8,7 @@ use linewright_line::Tick;
 use linewright_nets::NetBuilder;
 use linewright_nets::coloured::ColouredBuilder;
 
-use crate::plans::{Compiled, PARTS, TOKENS, alone};
+use crate::cell::plans::{Compiled, PARTS, TOKENS, alone};
 
 /// A net in lines: `name: taken taken -> given given`, each a name of a place, once for each token. Places whose name has a
 /// dot hold parts. Names in `marked` have tokens at the beginning. `millis` says how long a transition takes.

@@ -9,7 +9,7 @@ use linewright_line::Tick;
 
 use super::rules::{job, machine, run};
 use super::solo::{ByName, compiled, lines, play, seconds};
-use crate::plans::Compiled;
+use crate::cell::plans::Compiled;
 
 /// What was said at a time.
 fn said(it: &Compiled, records: &[Record], at: u64) -> Vec<String> {

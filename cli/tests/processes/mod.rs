@@ -7,10 +7,8 @@
 //!
 //! No test asserts a speed: the machine may be busy with other things.
 
-#[path = "../support/mod.rs"]
-mod support;
-
 mod auto_cycles;
+mod cells;
 mod device_faults;
 mod devices;
 mod estop;

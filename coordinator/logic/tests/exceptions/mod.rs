@@ -3,5 +3,6 @@
 
 mod bench;
 mod crash;
+mod missed;
 mod rows;
 mod story;

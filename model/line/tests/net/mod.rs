@@ -1,8 +1,6 @@
 //! A station's net, from the connection algorithm to its conditions: structure, exclusiveness, and every condition
 //! held to the seed's figures.
 
-#[path = "../common/mod.rs"]
-mod common;
 mod exclusive;
 mod figures;
 mod generate;

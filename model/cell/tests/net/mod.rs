@@ -1,7 +1,5 @@
 //! The nets of the two shipped cells, against the published ones and against numbers computed elsewhere.
 
-#[path = "../common/mod.rs"]
-mod common;
 mod counts;
 mod details;
 mod large;

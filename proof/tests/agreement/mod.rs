@@ -7,8 +7,6 @@
 mod actions;
 #[path = "../../../model/line/tests/common/mod.rs"]
 mod build;
-#[path = "../common/mod.rs"]
-mod common;
 #[path = "../../../stations/logic/tests/explore/lines.rs"]
 #[allow(dead_code, reason = "the shipped line takes it too long")]
 mod lines;
@@ -26,7 +24,7 @@ use linewright_proof::explore::{Explored, Grants, Verdict};
 use linewright_proof::generate::{self, Breakage, Random, Shape, break_it, breakages};
 use linewright_station_logic::Rules;
 
-use common::{HOME, auto_and_manual, explored, verdict};
+use crate::common::{self, HOME, auto_and_manual, explored, verdict};
 
 /// What both are asked.
 #[derive(Clone, Copy, Debug)]

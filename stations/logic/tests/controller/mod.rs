@@ -1,9 +1,5 @@
 //! The controller by itself: every rule of its behaviour as a short story, inputs driven by hand.
 
-#[path = "../../../../model/line/tests/common/mod.rs"]
-mod build;
-mod rig;
-
 mod agreement;
 mod auto;
 mod beside;
@@ -13,4 +9,5 @@ mod hand;
 mod hostile;
 mod recovery;
 mod restart;
+mod rig;
 mod undo;

@@ -11,8 +11,6 @@
 //! `EXPLORE_STATES` and `EXPLORE_STEPS` set how far it looks; the defaults are what a build can wait for.
 
 mod actions;
-#[path = "../../../../model/line/tests/common/mod.rs"]
-mod build;
 mod generated;
 mod lines;
 mod oracle;
@@ -20,3 +18,5 @@ mod rules;
 mod search;
 mod sound;
 mod world;
+
+use crate::build;

@@ -1,0 +1,12 @@
+//! The tests of this crate as one program: programs of their own would each be linked with all that they share.
+//!
+//! Only `real_bus` is another, because it is run whole where there is a real CAN interface.
+
+mod analyse;
+mod can;
+mod check;
+mod check_cell;
+mod processes;
+mod report;
+mod simulate;
+mod support;

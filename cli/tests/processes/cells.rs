@@ -1,0 +1,169 @@
+//! Flexible cells of real processes: seed 001's story of a failed loading, and processes killed while parts are inside.
+//!
+//! ```text
+//!   run ──▶ plant, coordinator, stations          what people see and do: `order`, `answer`, `resource`, and a panel
+//!   a part missing in the gripper ── watchdog ──▶ secured ──▶ alarm ──▶ answer ──▶ loaded again
+//!   coordinator ✝ ✝ ✝, station ✝                  every part that was ordered is made, once
+//! ```
+//!
+//! That nothing is lost or done twice wherever a coordinator is killed is shown in virtual time, at every record and every
+//! message. Here it is the signal, the file and the process.
+
+use std::time::Duration;
+
+use linewright_msgs::StationState;
+
+use crate::support::faster::faster;
+use crate::support::operator::Operator;
+use crate::support::rig::{BUS, Rig, TIMING};
+use crate::support::wait_for;
+
+const LONG: Duration = Duration::from_secs(90);
+
+/// A shipped cell, so many times as fast.
+fn cell(name: &str, times: f64) -> Rig {
+    let file = |file: &str| {
+        let path = format!("{}/../launch-config/lines/{name}/{file}", env!("CARGO_MANIFEST_DIR"));
+        std::fs::read_to_string(&path).unwrap_or_else(|error| panic!("{path}: {error}"))
+    };
+    let rig = Rig::new(&(faster(&file("line.toml"), times) + TIMING));
+    rig.file("cell.toml", &faster(&file("cell.toml"), times));
+    rig
+}
+
+/// Waits until a command says this; gives all it says then.
+fn until(rig: &Rig, words: &[&str], holds: impl Fn(&str) -> bool) -> String {
+    let mut said = String::new();
+    let came = wait_for(LONG, || {
+        said = rig.said(words, &[]).unwrap_or_else(|error| error);
+        holds(&said)
+    });
+    assert!(came, "`linewright {}` says at last: {said}", words.join(" "));
+    said
+}
+
+/// Whether this line of `order` is there with so many of so many made.
+fn is_made(said: &str, name: &str) -> bool {
+    said.lines().any(|line| line.contains(&format!(" {name} ")) && line.contains("1 of 1 "))
+}
+
+/// Seed 001, §6 (L227-229): the robot comes to the machine without the part, the watchdog fires, the resources are secured, the
+/// operator is told, puts it right and says so, the marking is restored, and the part is loaded again.
+#[test]
+fn a_part_that_was_not_grasped_is_loaded_once_somebody_has_put_it_back() {
+    let mut rig = cell("workcell-c1", 4.0);
+    // The watchdog of a loading that takes 3 s.
+    rig.change("cell.toml", &[("max_s = 24", "max_s = 8"), ("max_s = 26", "max_s = 9")]);
+    rig.start(&["--parts", "A=1", "--patience", "140"]);
+    let missed = || rig.said(&["fail"], &["robot", "miss", "--operation", "grasp for m1", "--bus", BUS]).is_ok();
+    assert!(wait_for(LONG, missed), "the gripper can be made to miss");
+
+    let alarm = until(&rig, &["answer"], |said| said.contains("alarm 1:"));
+    assert!(alarm.contains("R came to M1 without part 1. Put the part back into slot 1 of ST."), "{alarm}");
+    assert!(alarm.contains("in-store, in-machine, scrap"), "{alarm}");
+    let why = rig.said(&["why"], &["part", "1"]).expect("it is known");
+    assert!(why.contains("waits for an answer to alarm 1"), "{why}");
+    let wrong = rig.said(&["answer"], &["1", "somewhere"]).expect_err("that is no answer");
+    assert!(wrong.contains("in-store"), "{wrong}");
+    assert_eq!(rig.eye.seen().arrivals("m1", "clamp-close"), 0, "nothing was clamped");
+
+    rig.said(&["fail"], &["robot", "clear", "--operation", "grasp for m1", "--bus", BUS]).expect("the gripper works");
+    rig.said(&["answer"], &["1", "in-store"]).expect("it is believed");
+    let (code, report) = rig.ended_within(LONG);
+    assert_eq!((code, &report["parts_made"], &report["parts_wanted"]), (0, &1.into(), &1.into()), "{report}");
+    assert_eq!(rig.eye.seen().arrivals("m1", "clamp-close"), 1, "it was clamped once");
+    let report = rig.report();
+    assert!(report.contains("1 parts have left, 0 are inside, 0 were lost; 1 activities have failed"), "{report}");
+    assert!(report.contains('▒') && report.contains('█') && report.contains('░'), "planned, done, failed: {report}");
+}
+
+#[test]
+fn whoever_is_killed_every_part_that_was_ordered_is_made_once() {
+    let mut rig = cell("assembly-cell", 2.0);
+    rig.start(&["--no-auto"]);
+    let operator = Operator::join_line(&rig, "/assembly_cell", &["robot_1", "robot_2", "human"]);
+
+    // Before anything is on order.
+    coordinator_is_killed(&rig, &operator);
+    to_auto(&operator);
+    order(&rig, "1", "first");
+
+    // In the middle of an operation that is not undone.
+    rig.eye.within(LONG, "robot 2 assembles", |seen| seen.output("robot_2", "assemble"));
+    coordinator_is_killed(&rig, &operator);
+    put_right(&rig, &operator);
+    until(&rig, &["order"], |said| is_made(said, "first"));
+
+    // With parts inside that rest.
+    order(&rig, "2", "second");
+    order(&rig, "1", "third");
+    rig.eye.within(LONG, "the human works", |seen| seen.output("human", "lamp_work"));
+    operator.order("stop", StationState::MODE_HOME);
+    until(&rig, &["order"], |said| !said.starts_with("0 parts inside"));
+    coordinator_is_killed(&rig, &operator);
+    to_auto(&operator);
+    until(&rig, &["order"], |said| is_made(said, "second") && is_made(said, "third"));
+
+    // A station in the middle of its order: the others go on.
+    order(&rig, "1", "fourth");
+    let before = rig.eye.seen().starts().iter().filter(|start| start.what == "robot_2: assemble").count();
+    let begun = |seen: &crate::support::eye::Seen| {
+        seen.starts().iter().filter(|start| start.what == "robot_2: assemble").count() > before
+    };
+    rig.eye.within(LONG, "robot 2 assembles again", begun);
+    let boot = operator.station("robot_2").boot_id;
+    rig.kill(&["--station", "robot_2"]);
+    operator.wait("it comes back", |heard| heard.station("robot_2").boot_id != boot);
+    until(&rig, &["answer"], |said| said.contains("robot_2.process with part"));
+    assert_eq!(operator.heard().line.mode, StationState::MODE_AUTO, "{}", operator.picture());
+    put_right(&rig, &operator);
+    let said = until(&rig, &["order"], |said| is_made(said, "fourth"));
+
+    assert!(said.starts_with("0 parts inside, 4 have left"), "{said}");
+    assert!(!said.contains("lost") && !said.contains("alarm"), "{said}");
+    assert_eq!(rig.eye.seen().arrivals("robot_2", "assemble"), 3, "each part was assembled once");
+    rig.signal("INT");
+    let (_, report) = rig.ended_within(LONG);
+    assert_eq!(report["restarts"], 4, "{report}");
+}
+
+fn order(rig: &Rig, product: &str, name: &str) {
+    rig.said(&["order"], &["submit", product, "--name", name]).unwrap_or_else(|error| panic!("{name}: {error}"));
+}
+
+fn coordinator_is_killed(rig: &Rig, operator: &Operator) {
+    let before = operator.heard().line.clone();
+    rig.kill(&["coordinator"]);
+    operator.wait("another coordinator", |heard| heard.line.boot_id != before.boot_id);
+    operator.wait_until_connected();
+    operator.wait("everything stands", |heard| heard.all(|state| state.stopped));
+}
+
+fn to_auto(operator: &Operator) {
+    if operator.heard().line.mode == StationState::MODE_HOME {
+        operator.order("start", StationState::MODE_STANDBY);
+    }
+    operator.order("auto", StationState::MODE_AUTO);
+}
+
+/// Robot 2 has been stopped while it assembled. Somebody leads it to the end of its task by hand, and says that it is done.
+fn put_right(rig: &Rig, operator: &Operator) {
+    let said = until(rig, &["answer"], |said| said.contains("robot_2.process with part"));
+    if operator.heard().line.mode == StationState::MODE_AUTO {
+        operator.order("stop", StationState::MODE_HOME);
+    }
+    if operator.heard().line.mode == StationState::MODE_HOME {
+        operator.order("start", StationState::MODE_STANDBY);
+    }
+    operator.order("manual", StationState::MODE_MANUAL);
+    operator.complete();
+    // Its arm is still in: the last operation of the task.
+    operator.jog("robot_2", "advance");
+    operator.order("auto", StationState::MODE_AUTO);
+    let alarm = said.split_whitespace().nth(1).map(|number| number.trim_end_matches(':')).unwrap_or_default();
+    rig.said(&["answer"], &[alarm, "as-done"]).unwrap_or_else(|error| panic!("{said}: {error}"));
+    // Who could not work when the activity was closed is left out until somebody says otherwise.
+    if rig.said(&["resource"], &[]).is_ok_and(|said| said.contains("robot_2 is left out")) {
+        rig.said(&["resource"], &["robot_2", "up"]).expect("it works");
+    }
+}

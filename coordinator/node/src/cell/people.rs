@@ -1,0 +1,105 @@
+//! Who has asked the cell for something, and waits for the reply until what came of it is on disk.
+//!
+//! The player replies to production orders by tickets. To what is said of alarms and resources it only objects: whoever said
+//! it in a step that did not is believed.
+
+use linewright_coordinator_logic::cell::exception::{Asked, Objection};
+use linewright_coordinator_logic::cell::{Denied, Event, Outbox, ProductionId, State, Ticket};
+use linewright_line::Line;
+use linewright_msgs::{
+    AnswerAlarm, AnswerAlarmResponse, ChangeOrder, ChangeOrderResponse, SetResource, SetResourceResponse, SubmitOrders,
+    SubmitOrdersResponse,
+};
+use linewright_node_shell::Reply;
+
+use super::why::refused;
+
+/// Who waits for the reply to a ticket.
+pub enum Customer {
+    Submit(Reply<SubmitOrders>),
+    Change(Reply<ChangeOrder>),
+}
+
+/// Who waits to hear whether he is believed.
+pub enum Operator {
+    Answer(Reply<AnswerAlarm>),
+    Resource(Reply<SetResource>),
+}
+
+/// Everybody who waits.
+#[derive(Default)]
+pub struct People {
+    tickets: Ticket,
+    customers: Vec<(Ticket, Customer)>,
+    operators: Vec<(Asked, Operator)>,
+}
+
+impl People {
+    /// A ticket for somebody who wants something made, or not to be made.
+    pub fn ticket(&mut self, customer: Customer) -> Ticket {
+        self.tickets += 1;
+        self.customers.push((self.tickets, customer));
+        self.tickets
+    }
+
+    /// Somebody who says something in the next step.
+    pub fn expect(&mut self, asked: Asked, operator: Operator) {
+        self.operators.push((asked, operator));
+    }
+
+    /// Replies to everybody whom a step has concerned, when it is on disk.
+    pub fn reply(&mut self, line: &Line, state: &State, out: &mut Outbox) {
+        for (ticket, reply) in out.replies.drain(..) {
+            if let Some(at) = self.customers.iter().position(|(known, _)| *known == ticket) {
+                let (_, customer) = self.customers.swap_remove(at);
+                customer.hear(reply);
+            }
+        }
+        for (asked, operator) in self.operators.drain(..) {
+            let objection = out.events.iter().find_map(|event| match event {
+                Event::Objected { to, why } if *to == asked => Some(*why),
+                Event::Objected { .. } | Event::BadAnswer { .. } | Event::Superseded { .. } | Event::Busy { .. } => {
+                    None
+                }
+            });
+            operator.hear(objection.map(|why: Objection| refused(line, state, asked, why)));
+        }
+    }
+}
+
+impl Customer {
+    fn hear(self, reply: Result<Vec<ProductionId>, Denied>) {
+        match self {
+            Customer::Submit(to) => to.send(match reply {
+                Ok(ids) => SubmitOrdersResponse {
+                    accepted: true,
+                    ids: ids.into_iter().map(|id| id.0).collect(),
+                    problems: Vec::new(),
+                },
+                Err(denied) => denied_all(match denied {
+                    Denied::Request(wrongs) => wrongs.iter().map(ToString::to_string).collect(),
+                    Denied::Order(_) | Denied::Superseded => vec![denied.to_string()],
+                }),
+            }),
+            Customer::Change(to) => to.send(match reply {
+                Ok(_) => ChangeOrderResponse { done: true, reason: String::new() },
+                Err(denied) => ChangeOrderResponse { done: false, reason: denied.to_string() },
+            }),
+        }
+    }
+}
+
+/// None of the requests was taken.
+pub fn denied_all(problems: Vec<String>) -> SubmitOrdersResponse {
+    SubmitOrdersResponse { accepted: false, ids: Vec::new(), problems }
+}
+
+impl Operator {
+    fn hear(self, objection: Option<String>) {
+        let (accepted, reason) = (objection.is_none(), objection.unwrap_or_default());
+        match self {
+            Operator::Answer(to) => to.send(AnswerAlarmResponse { accepted, reason }),
+            Operator::Resource(to) => to.send(SetResourceResponse { accepted, reason }),
+        }
+    }
+}

@@ -1,0 +1,72 @@
+//! What the rest of the coordinator tells the cell: whether activities may start, and what the cell's database keeps of it.
+
+use linewright_history::Note;
+use linewright_line::net::ControlMode;
+
+/// How the line stands.
+#[derive(Clone, Debug, PartialEq, Eq)]
+pub struct Situation {
+    /// Activities may start.
+    pub starts: bool,
+    /// The mode.
+    pub mode: ControlMode,
+    /// By station: it is heard.
+    pub heard: Vec<bool>,
+    /// By station: it has its devices, as far as was heard.
+    pub devices: Vec<bool>,
+}
+
+impl Situation {
+    /// Of a line of so many stations that has just begun: nothing may start, and nobody was heard.
+    pub fn new(stations: usize) -> Self {
+        Situation {
+            starts: false,
+            mode: ControlMode::StandBy,
+            heard: vec![false; stations],
+            devices: vec![false; stations],
+        }
+    }
+
+    /// What has changed since, for the database.
+    pub fn notes_since(&self, before: &Situation) -> impl Iterator<Item = Note> {
+        let is_stopped = |of: &Situation| of.mode == ControlMode::EStop;
+        let mode = ((self.mode, self.starts) != (before.mode, before.starts))
+            .then(|| Note::Mode { name: self.mode.name().to_owned(), starts: self.starts });
+        let stop = (is_stopped(self) != is_stopped(before)).then(|| Note::EmergencyStop { on: is_stopped(self) });
+        let stations =
+            changed(&self.heard, &before.heard).map(|(station, heard)| Note::Station { station, lost: !heard });
+        let devices = changed(&self.devices, &before.devices);
+        // A station tells of its devices as a whole.
+        let devices = devices.map(|(station, there)| Note::Device { station, device: String::new(), lost: !there });
+        mode.into_iter().chain(stop).chain(stations).chain(devices)
+    }
+}
+
+/// The stations of which something else is true now, and what.
+fn changed(now: &[bool], before: &[bool]) -> impl Iterator<Item = (u16, bool)> {
+    let both = (0..).zip(now.iter().zip(before));
+    both.filter(|(_, (now, before))| now != before).map(|(station, (&now, _))| (station, now))
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn only_what_has_changed_is_noted() {
+        let before = Situation { heard: vec![true; 2], devices: vec![true; 2], ..Situation::new(2) };
+        assert_eq!(before.notes_since(&before).count(), 0);
+        let mut after = before.clone();
+        (after.mode, after.heard[1], after.devices[0]) = (ControlMode::EStop, false, false);
+        let notes: Vec<Note> = after.notes_since(&before).collect();
+        let expected = [
+            Note::Mode { name: "e-stop".to_owned(), starts: false },
+            Note::EmergencyStop { on: true },
+            Note::Station { station: 1, lost: true },
+            Note::Device { station: 0, device: String::new(), lost: true },
+        ];
+        assert_eq!(notes, expected);
+        let notes: Vec<Note> = before.notes_since(&after).collect();
+        assert!(notes.contains(&Note::Station { station: 1, lost: false }), "{notes:?}");
+    }
+}

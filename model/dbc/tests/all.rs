@@ -1,0 +1,4 @@
+//! All tests of this crate as one program: programs of their own would each be linked with all that they share.
+
+mod cantools;
+mod gauge;

@@ -1,0 +1,15 @@
+//! All tests of this crate as one program: programs of their own would each be linked with all that they share.
+
+mod analogue;
+mod common;
+mod devices;
+mod drives;
+mod fields;
+mod groups;
+mod net;
+mod never_panics;
+mod on_order;
+mod problems;
+mod report;
+mod setups;
+mod shipped;

@@ -1,0 +1,8 @@
+//! All tests of this crate as one program: programs of their own would each be linked with all that they share.
+
+mod actions;
+mod interop;
+mod log;
+mod loopback;
+mod many_participants;
+mod services;

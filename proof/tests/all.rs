@@ -1,0 +1,16 @@
+//! All tests of this crate as one program: programs of their own would each be linked with all that they share.
+
+mod agreement;
+mod broken;
+mod cells;
+mod common;
+mod generated;
+mod limits;
+mod lumped;
+mod on_order;
+mod ordered;
+mod parts;
+mod recovery;
+mod row;
+mod rules;
+mod tables;

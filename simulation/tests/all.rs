@@ -1,0 +1,9 @@
+//! All tests of this crate as one program: programs of their own would each be linked with all that they share.
+
+mod auto_cycles;
+mod cells;
+mod common;
+mod faults;
+mod one_by_one;
+mod plan;
+mod scenario;

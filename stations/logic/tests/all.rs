@@ -1,0 +1,9 @@
+//! The tests of this crate as one program: programs of their own would each be linked with all that they share.
+//!
+//! Only `allocations` is another, because it counts allocations, with an allocator for its whole program.
+
+#[path = "../../../model/line/tests/common/mod.rs"]
+mod build;
+mod controller;
+mod explore;
+mod orders;
