@@ -79,7 +79,7 @@ fn by_its_selector(operator: &Operator, station: &str) {
     operator.select(station, "manual");
     operator.wait("manual", |heard| heard.in_mode(StationState::MODE_MANUAL));
     assert!(!operator.jog("clamp_1", "return") && !operator.jog("transfer", "return"), "their selectors stand at auto");
-    assert!(operator.jog(station, "advance"), "it resumes: {}", operator.picture());
+    operator.complete();
     let refusal = operator.refused("auto");
     assert!(refusal.contains(&format!("the selector of {station} stands at manual")), "{refusal}");
     operator.select(station, "auto");

@@ -8,15 +8,15 @@
 
 use linewright_msgs::StationState;
 
-use crate::faults::counts_are_what_was_seen;
+use super::faults::counts_are_what_was_seen;
 use crate::support::operator::Operator;
 use crate::support::pause;
 use crate::support::rig::{Rig, line};
 
 #[test]
 fn a_station_and_the_coordinator_killed_come_back_and_no_count_is_lost() {
-    // Slow enough to be hit in the middle.
-    let mut rig = Rig::new(&line(0.8));
+    // Slow enough to be hit in the middle: the feed takes longer than it takes to see that the mill is gone.
+    let mut rig = Rig::new(&line(2.0));
     let operator = rig.in_stand_by();
     let counted_before = operator.counts();
     operator.order("auto", StationState::MODE_AUTO);
