@@ -8,7 +8,7 @@ use std::time::{Duration, Instant};
 use linewright_line::{Line, StationId};
 use linewright_msgs::{Flag, LineState, StationEvent, StationState, Text};
 use linewright_node_shell::{
-    Forward, NewestBySequence, Node, Participant, Publisher, RosArgs, TopicError, forward, qos,
+    Forward, NewestBySequence, Node, Participant, Publisher, RosArgs, TopicError, forward, qos, watch_middleware,
 };
 use miette::miette;
 use tokio::sync::mpsc;
@@ -48,6 +48,7 @@ pub struct Client {
     commands: Publisher<Text>,
     buttons: Publisher<Text>,
     node: Node,
+    middleware: Forward,
     domain_id: u16,
     _tasks: Vec<Forward>,
 }
@@ -93,6 +94,7 @@ impl Client {
             buttons: node.publisher("buttons", qos::command()).map_err(failed)?,
             line: line.clone(),
             domain_id,
+            middleware: watch_middleware(),
             node,
             _tasks: tasks,
         })
@@ -121,7 +123,12 @@ impl Client {
     /// Waits for something newer. Cancel safe.
     pub async fn next(&mut self) -> miette::Result<Heard> {
         loop {
-            let raw = self.from.recv().await.ok_or_else(|| miette!("the middleware has failed"))?;
+            let raw = tokio::select! {
+                raw = self.from.recv() => raw.ok_or_else(|| miette!("the middleware has failed"))?,
+                () = self.middleware.finished() => return Err(miette!(
+                    "ROS 2 is cut off; a command that was stopped for a moment (Ctrl-Z) has to be started again"
+                )),
+            };
             if let Some(heard) = self.take(raw) {
                 return Ok(heard);
             }

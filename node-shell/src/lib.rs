@@ -26,6 +26,7 @@ pub mod qos;
 mod relay;
 mod service;
 mod subscription;
+mod threads;
 
 pub use action::{Action, ActionCaller, Asked, Ended, Goal, GoalError, Outcome, Owner, serve_action};
 pub use args::{ArgsError, LogLevel, ParamValue, RosArgs};
@@ -39,3 +40,4 @@ pub use participant::{Node, OpenError, Participant, TopicError};
 pub use publisher::{Publisher, SendError};
 pub use service::{Reply, Service, serve};
 pub use subscription::{Forward, RecvError, Source, Subscription, forward};
+pub use threads::watch_middleware;

@@ -113,6 +113,14 @@ impl Forward {
     pub fn is_finished(&self) -> bool {
         self.task.is_finished()
     }
+
+    /// Waits until the task has ended. Cancel safe.
+    pub async fn finished(&mut self) {
+        // A task's end is given once only.
+        if !self.task.is_finished() {
+            let _ = (&mut self.task).await;
+        }
+    }
 }
 
 impl Drop for Forward {

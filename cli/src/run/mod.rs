@@ -313,7 +313,9 @@ impl Session {
             Phase::Stopping => match state.mode {
                 StationState::MODE_AUTO if state.master_stop => {}
                 StationState::MODE_AUTO | StationState::MODE_HAND => self.say("stop"),
-                StationState::MODE_HOME => return Ok(true),
+                // The coordinator may be heard before the states that it has decided by.
+                StationState::MODE_HOME if self.all_home() => return Ok(true),
+                StationState::MODE_HOME => {}
                 _ if self.ends() => return Err(miette!("the stop ended in {}", self.why(&state))),
                 // The operator recovers it first; a second Ctrl-C ends at once.
                 _ => {}
@@ -354,6 +356,12 @@ impl Session {
 
     fn all_ready(&self) -> bool {
         self.line.station_ids().all(|id| self.client.station(id).is_some_and(|state| state.devices_valid))
+    }
+
+    /// Whether every station that is heard has obeyed, and so has said all it did before.
+    fn all_home(&self) -> bool {
+        let is_home = |state: &StationState| state.mode == StationState::MODE_HOME;
+        self.line.station_ids().all(|id| self.client.station(id).is_none_or(is_home))
     }
 
     fn why(&self, state: &LineState) -> String {

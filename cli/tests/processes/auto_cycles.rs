@@ -45,7 +45,7 @@ fn report_is_of(report: &Value, cycles: usize) {
     assert!(times.len() == cycles && times.iter().all(|time| time.as_f64().is_some_and(|t| t > 0.0)), "{times:?}");
     for (station, operations) in [("transfer", 10), ("clamp_1", 2), ("mill_1", 5)] {
         let station = &report["stations"][station];
-        assert_eq!((&station["cycles"], &station["faults"]), (&cycles.into(), &0.into()));
+        assert_eq!((&station["cycles"], &station["faults"]), (&cycles.into(), &0.into()), "{report}");
         let listed = station["operations"].as_object().expect("an object");
         assert_eq!(listed.len(), operations);
         for (name, operation) in listed {

@@ -1,4 +1,4 @@
-//! Processes killed by SIGKILL: in the middle of a motion, while waiting, and the coordinator.
+//! Processes killed by SIGKILL: in the middle of a motion, while waiting, and the coordinator; and stopped for a moment.
 //!
 //! ```text
 //!   mill_1       ── feed ──✝  run starts it again ── "goes on from its journal" ──▶ incomplete ── advance ──▶
@@ -11,7 +11,7 @@ use linewright_msgs::StationState;
 use super::faults::counts_are_what_was_seen;
 use crate::support::operator::Operator;
 use crate::support::pause;
-use crate::support::rig::{Rig, line};
+use crate::support::rig::{Rig, line, send_signal};
 
 #[test]
 fn a_station_and_the_coordinator_killed_come_back_and_no_count_is_lost() {
@@ -34,6 +34,34 @@ fn a_station_and_the_coordinator_killed_come_back_and_no_count_is_lost() {
     let (_, report) = rig.ended();
     assert_eq!(report["restarts"], 3, "{report}");
     assert!(report["cycles"].as_u64().is_some_and(|cycles| cycles >= 3), "{report}");
+    assert_eq!(rig.eye.seen().conflicts(), [""; 0]);
+}
+
+/// The middleware does not survive a stop and a continuation; a deaf node must not stay.
+#[test]
+fn who_was_stopped_for_a_moment_is_started_again() {
+    let mut rig = Rig::new(&line(0.3));
+    let operator = rig.in_stand_by();
+    for words in [&["--station", "clamp_1"][..], &["coordinator"]] {
+        // Until it knows its threads.
+        pause(1500);
+        let before = operator.heard().boot_ids();
+        let process = rig.process(words).expect("a process");
+        send_signal("STOP", process);
+        pause(50);
+        send_signal("CONT", process);
+        operator.wait("another process", |heard| heard.boot_ids() != before);
+        operator.wait_until_connected();
+    }
+    assert!(
+        ["clamp_1", "coordinator"].iter().all(|name| rig.log(name).contains("a thread of the middleware has ended"))
+    );
+    operator.recover();
+    operator.cycles(1);
+    operator.go_home();
+    rig.signal("INT");
+    let (code, report) = rig.ended();
+    assert_eq!((code, &report["restarts"]), (0, &2.into()), "{report}");
     assert_eq!(rig.eye.seen().conflicts(), [""; 0]);
 }
 

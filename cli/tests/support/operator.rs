@@ -42,6 +42,12 @@ impl Heard {
         self.names.iter().all(|name| self.stations.get(*name).is_some_and(&what))
     }
 
+    /// Which life each node is in, the coordinator's first.
+    pub fn boot_ids(&self) -> Vec<u64> {
+        let stations = self.names.iter().map(|name| self.station(name).boot_id);
+        std::iter::once(self.line.boot_id).chain(stations).collect()
+    }
+
     /// The mode, once every station has acknowledged it.
     pub fn in_mode(&self, mode: u8) -> bool {
         self.line.mode == mode && self.line.enabled && self.all(|s| s.mode == mode && s.mode_epoch == self.line.epoch)

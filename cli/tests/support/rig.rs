@@ -252,7 +252,8 @@ impl Rig {
     }
 }
 
-fn send_signal(name: &str, id: u32) {
+/// Sends a signal to a process.
+pub fn send_signal(name: &str, id: u32) {
     let status = Command::new("kill").args([&format!("-{name}"), &id.to_string()]).stderr(Stdio::null()).status();
     assert!(status.is_ok(), "the kill command is there");
 }

@@ -2,7 +2,7 @@
 
 use linewright_line::{Bus, Line, StationId};
 use linewright_msgs::{LineState, ModeOrder, ProcessImage, StationState, Text};
-use linewright_node_shell::{Forward, Node, Publisher, TopicError, forward, qos};
+use linewright_node_shell::{Forward, Node, Publisher, TopicError, forward, qos, watch_middleware};
 use tokio::sync::mpsc;
 
 /// Something a subscription brought.
@@ -42,6 +42,7 @@ pub fn open(node: &mut Node, line: &Line) -> Result<(Says, mpsc::Receiver<Arrive
     };
     let (to, from) = mpsc::channel(QUEUE);
     let mut tasks = vec![
+        watch_middleware(),
         forward(node.subscription("mode_cmd", qos::command())?, to.clone(), |m: Text, _| {
             Some(Arrived::Command(m.data))
         }),

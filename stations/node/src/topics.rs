@@ -2,7 +2,7 @@
 
 use linewright_line::{Bus, Line, StationId};
 use linewright_msgs::{Flag, ModeOrder, ProcessImage, RunTaskGoal, StationEvent, StationState, Text};
-use linewright_node_shell::{Asked, Forward, Node, Publisher, TopicError, forward, qos};
+use linewright_node_shell::{Asked, Forward, Node, Publisher, TopicError, forward, qos, watch_middleware};
 use linewright_station_logic::OrderKey;
 use tokio::sync::mpsc;
 
@@ -61,6 +61,7 @@ pub fn open(
     };
     let (to, from) = mpsc::channel(QUEUE);
     let mut tasks = vec![
+        watch_middleware(),
         forward(node.subscription("mode", qos::command())?, to.clone(), |m, _| Some(Arrived::Order(m))),
         forward(node.subscription("~/selector", qos::command())?, to.clone(), |m: Text, _| {
             Some(Arrived::Selector(m.data))
