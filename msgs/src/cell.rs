@@ -234,7 +234,7 @@ message! {
 }
 
 service! {
-    /// Why a part, a production order or an activity does not go on.
+    /// Why a part or a production order does not go on, or a resource is left out.
     "linewright_msgs" / WhyNot = WhyNotRequest -> WhyNotResponse
 }
 

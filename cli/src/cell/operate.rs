@@ -108,7 +108,7 @@ fn moment(now: Duration, after: Option<f64>, option: &str) -> miette::Result<Tim
 fn list(state: &CellState) -> String {
     let orders = state.orders.as_slice();
     let mut lines = vec![format!(
-        "{} parts inside, {} have left; {}",
+        "parts: {} inside, {} have left; {}",
         state.parts_inside,
         state.parts_left,
         if state.starting { "activities may start" } else { "nothing starts: the cell is not in auto" }
@@ -129,12 +129,12 @@ fn list(state: &CellState) -> String {
     lines.join("\n")
 }
 
-/// Ask why a part or a production order does not go on.
+/// Ask why a part or a production order does not go on, or a resource is left out.
 #[derive(Debug, Args)]
 pub struct WhyArgs {
     /// The cell's directory.
     cell: PathBuf,
-    /// A part, by its number (7, or "part 7"), or a production order, by its name.
+    /// A part, by its number (7, or "part 7"), or a production order or a resource, by its name.
     about: Vec<String>,
 }
 
@@ -211,9 +211,12 @@ pub async fn resource(args: ResourceArgs, ros: &RosArgs) -> miette::Result<ExitC
     let (name, is) = match (args.resource, args.is) {
         (Some(name), Some(is)) => (name, is),
         (None, None) => {
-            match state.down.as_slice() {
-                [] => say!("no resource is left out"),
-                down => down.iter().for_each(|name| say!("{name} is left out")),
+            let down = state.down.clone();
+            if down.as_slice().is_empty() {
+                say!("no resource is left out");
+            }
+            for name in down.as_slice() {
+                client.why(name).await?.iter().for_each(|reason| say!("{reason}"));
             }
             return Ok(ExitCode::SUCCESS);
         }

@@ -99,7 +99,7 @@ fn whoever_is_killed_every_part_that_was_ordered_is_made_once() {
     order(&rig, "1", "third");
     rig.eye.within(LONG, "the human works", |seen| seen.output("human", "lamp_work"));
     operator.order("stop", StationState::MODE_HOME);
-    until(&rig, &["order"], |said| !said.starts_with("0 parts inside"));
+    until(&rig, &["order"], |said| !said.starts_with("parts: 0 inside"));
     coordinator_is_killed(&rig, &operator);
     to_auto(&operator);
     until(&rig, &["order"], |said| is_made(said, "second") && is_made(said, "third"));
@@ -119,7 +119,7 @@ fn whoever_is_killed_every_part_that_was_ordered_is_made_once() {
     put_right(&rig, &operator);
     let said = until(&rig, &["order"], |said| is_made(said, "fourth"));
 
-    assert!(said.starts_with("0 parts inside, 4 have left"), "{said}");
+    assert!(said.starts_with("parts: 0 inside, 4 have left"), "{said}");
     assert!(!said.contains("lost") && !said.contains("alarm"), "{said}");
     assert_eq!(rig.eye.seen().arrivals("robot_2", "assemble"), 3, "each part was assembled once");
     rig.signal("INT");
@@ -163,7 +163,7 @@ fn put_right(rig: &Rig, operator: &Operator) {
     let alarm = said.split_whitespace().nth(1).map(|number| number.trim_end_matches(':')).unwrap_or_default();
     rig.said(&["answer"], &[alarm, "as-done"]).unwrap_or_else(|error| panic!("{said}: {error}"));
     // Who could not work when the activity was closed is left out until somebody says otherwise.
-    if rig.said(&["resource"], &[]).is_ok_and(|said| said.contains("robot_2 is left out")) {
+    if rig.said(&["resource"], &[]).is_ok_and(|said| said.contains("robot_2 has been left out")) {
         rig.said(&["resource"], &["robot_2", "up"]).expect("it works");
     }
 }

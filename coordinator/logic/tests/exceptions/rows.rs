@@ -1,5 +1,8 @@
 //! What each answer does to marking and parts, and what is asked where an answer cannot be.
 
+use std::time::Duration;
+
+use linewright_coordinator_logic::cell::dispatch::why_out;
 use linewright_coordinator_logic::cell::exception::{About, Asked, By, DownCause, Objection, Standing, Step, Strategy};
 use linewright_coordinator_logic::cell::{
     Cause, Event, Fact, Failure, Firing, FiringId, Input, PartId, Phase, Presence, State, Unable,
@@ -218,8 +221,12 @@ fn while_m1_is_down_parts_go_over_m2() {
     let all = bench.sim.log.iter().filter_map(started);
     assert_eq!(all.filter(|name| *name == "load M2<A.new>").count(), 3);
     let m1 = bench.resource("M1");
+    let since = bench.state().exceptions().is_down(m1).expect("it is down").since;
+    let why = why_out(bench.state(), since + Duration::from_secs(9), m1);
+    assert_eq!(why, [format!("M1 has been left out for 9 s: the rule for {} leaves it out.", firing.id)]);
     bench.say(Input::Resource { resource: m1, up: true });
     assert_eq!(bench.steps().last(), Some(&&Step::Up { resource: m1, unchecked: false }));
+    assert_eq!(why_out(bench.state(), bench.sim.now, m1), ["M1 is counted on."]);
 }
 
 /// What needs nobody is done without, as often as the rule has it.
@@ -384,6 +391,14 @@ fn after_a_restart_a_part_too_many_is_found() {
             "M2 should have no part, and its sensor says that there is one. Put that right, and say \"up\".",
             &["up".to_owned()][..]
         )
+    );
+    let since = bench.state().exceptions().is_down(m2).expect("it is down").since;
+    assert_eq!(
+        why_out(bench.state(), since, m2),
+        [
+            "M2 has been left out for 0 s: its sensor says otherwise than the model.".to_owned(),
+            format!("{}: {}", bench.alarm().id, bench.alarm().text)
+        ]
     );
     let first = bench.alarm().id;
     bench.answer("up");

@@ -1,18 +1,19 @@
 //! Why something does not go on, whatever a person calls it.
 
 use linewright_coordinator_logic::cell::dispatch::words::Reasons;
-use linewright_coordinator_logic::cell::dispatch::{Ways, why_not};
+use linewright_coordinator_logic::cell::dispatch::{Ways, why_not, why_out};
 use linewright_coordinator_logic::cell::exception::{Asked, Objection, Unable};
 use linewright_coordinator_logic::cell::production::Status;
 use linewright_coordinator_logic::cell::{PartId, ResourceId, State};
 use linewright_line::{Line, StationId, Tick, suggestion};
 
-use super::words::names;
+use super::words::{names, parts};
 
 /// Of so many parts of one order it is said why they do not go on.
 const PARTS_MAX: usize = 5;
 
-/// Why a part (`part 7`, or `7`) or a production order, by its name, does not go on; what is not known where there is none.
+/// Why a part (`part 7`, or `7`) or a production order does not go on, or a resource is left out, these by their names; what
+/// is not known where there is none.
 pub fn why(ways: &Ways, reasons: &Reasons, state: &State, now: Tick, about: &str) -> Result<Vec<String>, String> {
     let about = about.trim();
     let production = state.production();
@@ -26,16 +27,18 @@ pub fn why(ways: &Ways, reasons: &Reasons, state: &State, now: Tick, about: &str
                 )
             }
             Status::Released => {
-                format!("`{about}` is released, and none of its {} parts has entered.", order.request.quantity)
+                format!("`{about}` is released, and none of its {} has entered.", parts(order.request.quantity))
             }
             Status::InWork { .. } => format!(
-                "`{about}`: {} of {} parts are done, {} are inside.",
+                "`{about}`: {} of {} done, {} inside.",
                 order.done,
-                order.request.quantity,
+                parts(order.request.quantity),
                 order.inside()
             ),
             Status::Done { .. } => format!("`{about}` is done."),
-            Status::Cancelled { inside, .. } => format!("`{about}` is cancelled; {inside} parts are still finished."),
+            Status::Cancelled { inside, .. } => {
+                format!("`{about}` is cancelled; {} still to be finished.", parts(inside))
+            }
             Status::Withdrawn => format!("`{about}` is withdrawn."),
         }];
         let counts = |part: &PartId| production.order_of(*part).is_some_and(|of| of.id == order.id);
@@ -43,13 +46,19 @@ pub fn why(ways: &Ways, reasons: &Reasons, state: &State, now: Tick, about: &str
         lines.extend(parts.into_iter().flat_map(|part| why_not(ways, reasons, state, now, part)));
         return Ok(lines);
     }
+    let handling = state.table().handling();
+    if let Some(resource) = handling.resource_named(about) {
+        return Ok(why_out(state, now, resource));
+    }
     let number = about.strip_prefix("part").unwrap_or(about).trim().parse().ok();
     match number.map(PartId).filter(|&part| state.part(part).is_some()) {
         Some(part) => Ok(why_not(ways, reasons, state, now, part)),
         None => {
-            let names: Vec<&str> = production.orders().map(|order| order.request.name.as_str()).collect();
+            let orders = production.orders().map(|order| order.request.name.as_str());
+            let resources = handling.resource_ids().map(|id| handling.resource_name(id));
+            let names: Vec<&str> = orders.chain(resources).collect();
             let hint = suggestion(about, names.iter().copied()).map(|hint| format!("; {hint}")).unwrap_or_default();
-            Err(format!("there is no part and no production order `{about}`{hint}"))
+            Err(format!("there is no part, no production order and no resource `{about}`{hint}"))
         }
     }
 }

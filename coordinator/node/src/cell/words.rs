@@ -106,6 +106,11 @@ pub fn names(production: &Production, ids: &[ProductionId]) -> impl Iterator<Ite
     ids.iter().filter_map(|&id| production.order(id)).map(|order| format!("`{}`", order.request.name))
 }
 
+/// So many parts.
+pub fn parts(count: u32) -> String {
+    if count == 1 { "1 part".to_owned() } else { format!("{count} parts") }
+}
+
 fn ordered(production: &Production, order: &Order, now: Tick) -> ProductionState {
     let status = production.status(order, now);
     let (number, text) = match &status {
@@ -118,7 +123,7 @@ fn ordered(production: &Production, order: &Order, now: Tick) -> ProductionState
         Status::Done { .. } => (ProductionState::STATUS_DONE, late(order)),
         Status::Cancelled { inside: 0, .. } => (ProductionState::STATUS_CANCELLED, "cancelled".to_owned()),
         Status::Cancelled { inside, .. } => {
-            (ProductionState::STATUS_CANCELLED, format!("cancelled, {inside} parts are still finished"))
+            (ProductionState::STATUS_CANCELLED, format!("cancelled, {} still to be finished", parts(*inside)))
         }
         Status::Withdrawn => (ProductionState::STATUS_WITHDRAWN, "withdrawn".to_owned()),
     };

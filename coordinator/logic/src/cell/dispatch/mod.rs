@@ -5,7 +5,8 @@
 //! - [`ByRules`]: the dispatcher.
 //! - [`Fairness`]: urgency, reservation and inheritance, with the argument in the head of `urgency.rs`.
 //! - [`Ways`]: remaining work and processing times, from the table.
-//! - [`words`], [`why_not`]: what was decided and why, and what a part waits for, in sentences.
+//! - [`words`], [`why_not`], [`why_out`]: what was decided and why, what a part waits for, and why a resource is left out, in
+//!   sentences.
 //!
 //! A dispatcher chooses among what the player has found possible, and the player looks at the answer: nothing here can
 //! make a cell do what its net forbids. What rules measure is a matter of the whole question, so a dispatcher that tries
@@ -23,4 +24,4 @@ pub use rule::{Admission, Job, Jobs, Measure, Rule, Timetable, Waiting, Window};
 pub use urgency::Fairness;
 pub use ways::Ways;
 pub(super) use ways::{shortest, time};
-pub use why::why_not;
+pub use why::{why_not, why_out};

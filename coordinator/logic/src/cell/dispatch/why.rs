@@ -1,4 +1,5 @@
-//! Why a part does not go on: what it could do next, and for each of these what it lacks and who has that.
+//! Why a part does not go on: what it could do next, and for each of these what it lacks and who has that; and why a resource
+//! is left out.
 //!
 //! Who has a token is said only where the net says it: the activity in progress that will give it back, or the modes that
 //! would if they happened, with the parts that wait for them.
@@ -7,7 +8,7 @@ use std::time::Duration;
 
 use linewright_line::Tick;
 
-use super::super::exception::{DownCause, Stage};
+use super::super::exception::{About, DownCause, Stage};
 use super::super::firing::{Firing, Phase};
 use super::super::ids::{CellId, FiringId, ModeId, PartId, ResourceId};
 use super::super::plan::{ActivityKind, CellKind};
@@ -81,6 +82,14 @@ fn option(ways: &Ways, reasons: &Reasons, state: &State, now: Tick, part: PartId
     }
 }
 
+/// Why a resource is not counted on, if it is not, and the alarm that asks about it, in sentences.
+pub fn why_out(state: &State, now: Tick, resource: ResourceId) -> Vec<String> {
+    let mut lines = vec![format!("{}.", left_out(state, now, resource))];
+    let asks = state.exceptions().alarms().find(|alarm| alarm.about == About::Resource(resource));
+    lines.extend(asks.map(|alarm| format!("{}: {}", alarm.id, alarm.text)));
+    lines
+}
+
 /// Where what a cell lacks is.
 fn owner(ways: &Ways, state: &State, now: Tick, cell: CellId) -> String {
     let table = state.table();
@@ -104,7 +113,7 @@ fn owner(ways: &Ways, state: &State, now: Tick, cell: CellId) -> String {
 /// Why a resource is not counted on.
 fn left_out(state: &State, now: Tick, resource: ResourceId) -> String {
     let name = state.table().handling().resource_name(resource);
-    let Some(down) = state.exceptions().is_down(resource) else { return format!("{name} is up") };
+    let Some(down) = state.exceptions().is_down(resource) else { return format!("{name} is counted on") };
     let since = seconds(now.since(down.since));
     let why = match &down.why {
         DownCause::ByHand { text } if text.is_empty() => "somebody has left it out".to_owned(),
@@ -113,7 +122,7 @@ fn left_out(state: &State, now: Tick, resource: ResourceId) -> String {
         DownCause::Station(firing) => format!("its station could not work after {firing}"),
         DownCause::Mismatch => "its sensor says otherwise than the model".to_owned(),
     };
-    format!("{name} is down for {since} s: {why}")
+    format!("{name} has been left out for {since} s: {why}")
 }
 
 /// What a failed activity waits for.
