@@ -14,6 +14,7 @@ set -eu
 if [ "$$" = 1 ]; then
     # Inside the guest. LW_TEST and LINEWRIGHT_PYTHON came along on the kernel's command line as environment.
     export PATH=/usr/sbin:/usr/bin:/sbin:/bin HOME=/run
+    echo "guest: begins"
     mount -t proc proc /proc
     mount -t sysfs sys /sys
     mount -t tmpfs run /run
@@ -69,4 +70,10 @@ trap 'rm -f "$out"' EXIT
 timeout 500 $first "$uml" mem=1024M rootfstype=hostfs rootflags=/ rw "init=$here/vcan_uml.sh" "LW_TEST=$test" \
     ${LINEWRIGHT_PYTHON:+"LINEWRIGHT_PYTHON=$LINEWRIGHT_PYTHON"} \
     con=null con0=fd:0,fd:1 quiet </dev/null | tee "$out" || true
+if ! grep -q 'guest: begins' "$out"; then
+    # Nothing of ours has run: Debian's user-mode Linux 6.1 panics where the processor's registers are more than it has room
+    # for (AMX), at the first program it starts.
+    echo "SKIPPED, not tested: this user-mode Linux does not start on this processor, see above" >&2
+    exit 77
+fi
 grep -q 'guest: RESULT 0' "$out"

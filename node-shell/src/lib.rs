@@ -27,6 +27,7 @@ mod relay;
 mod service;
 mod subscription;
 mod threads;
+mod watchdog;
 
 pub use action::{Action, ActionCaller, Asked, Ended, Goal, GoalError, Outcome, Owner, serve_action};
 pub use args::{ArgsError, LogLevel, ParamValue, RosArgs};
@@ -41,3 +42,4 @@ pub use publisher::{Publisher, SendError};
 pub use service::{Reply, Service, serve};
 pub use subscription::{Forward, RecvError, Source, Subscription, forward};
 pub use threads::watch_middleware;
+pub use watchdog::{STANDS_STILL, Watchdog};

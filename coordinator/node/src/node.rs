@@ -10,7 +10,8 @@ use linewright_line::net::ControlMode;
 use linewright_line::{Bus, Line, Owner, StationId, Tick};
 use linewright_msgs::{LineState, ModeOrder, Text, fitting};
 use linewright_node_shell::{
-    Forward, Journal, JournalError, NewestBySequence, OpenError, Participant, TopicError, fresh_boot_id, stamp,
+    Forward, Journal, JournalError, NewestBySequence, OpenError, Participant, TopicError, Watchdog, fresh_boot_id,
+    stamp,
 };
 use linewright_station_node::devices::{Devices, in_words};
 use linewright_station_node::{mode_to_code, quoted, report_from_message};
@@ -80,9 +81,11 @@ pub async fn run(
     participant: &Participant,
     mut stop: watch::Receiver<bool>,
 ) -> Result<(), NodeError> {
+    let watchdog = Watchdog::start("coordinator", Watchdog::LIMIT);
     let mut node = Shell::start(options, participant)?;
     node.act();
     loop {
+        watchdog.feed();
         let deadline = node.deadline();
         tokio::select! {
             biased;
@@ -99,6 +102,7 @@ pub async fn run(
             },
             failed = Playing::failure(&mut node.cell) => return Err(failed.into()),
             () = node.clock.sleep_until(Some(deadline)) => {}
+            () = tokio::time::sleep(Watchdog::FEED) => {}
         }
         node.act();
         if let Some(error) = node.failed.take() {

@@ -8,7 +8,8 @@ use linewright_line::net::Block;
 use linewright_line::{Bus, Line, OpId, Owner, StationId, Tick};
 use linewright_msgs::{ModeOrder, ProcessImage, StationEvent, StationState, fitting};
 use linewright_node_shell::{
-    Forward, Journal, JournalError, NewestBySequence, OpenError, Participant, TopicError, fresh_boot_id, stamp,
+    Forward, Journal, JournalError, NewestBySequence, OpenError, Participant, TopicError, Watchdog, fresh_boot_id,
+    stamp,
 };
 use linewright_station_logic::{
     CompileError, Controller, Event, Happening, Input, ModeOrder as Order, NO_DELAY, Outbox, PanelCommand, Restore,
@@ -79,9 +80,11 @@ pub async fn run(
     participant: &Participant,
     mut stop: watch::Receiver<bool>,
 ) -> Result<(), NodeError> {
+    let watchdog = Watchdog::start(&options.line.station(options.station).name, Watchdog::LIMIT);
     let mut node = Shell::start(options, participant)?;
     node.act();
     loop {
+        watchdog.feed();
         let deadline = node.deadline();
         tokio::select! {
             biased;
@@ -97,6 +100,7 @@ pub async fn run(
             events = next_bus_events(&mut node.driver) => node.bus_events(&events),
             asked = next_asked(&mut node.devices) => node.asked(asked),
             () = node.clock.sleep_until(deadline) => {}
+            () = tokio::time::sleep(Watchdog::FEED) => {}
         }
         node.act();
         if let Some(error) = node.failed.take() {
