@@ -127,6 +127,16 @@ impl Participant {
     pub const MAX_ON_LOCALHOST: u16 = relay::PORTS - 1;
 }
 
+/// Lets the middleware take in what was opened before the next thing is.
+///
+/// Its discovery holds the lock of its tables while it tells its event loop of what is on a topic that is new here, through a
+/// queue of 32. Is that full, the event loop wants to read the tables, and somebody here waits to write into them, then
+/// nobody goes on any more: seen where many nodes start at once, in the middle of opening one thing after the other. With
+/// the queue empty at each opening it takes an unlikely burst to fill it; for that there is the [`Watchdog`](crate::Watchdog).
+fn breathe() {
+    std::thread::sleep(std::time::Duration::from_millis(2));
+}
+
 /// A ROS 2 node.
 pub struct Node {
     inner: ros2_client::Node,
@@ -160,6 +170,7 @@ impl Node {
 
     /// Opens a topic for sending. `topic` may be absolute, relative or private (`~/…`).
     pub fn publisher<T: RosMessage>(&mut self, topic: &str, qos: QosProfile) -> Result<Publisher<T>, TopicError> {
+        breathe();
         let (dds_topic, full) = self.topic::<T>(topic, &qos)?;
         match self.inner.create_publisher(&dds_topic, Some(qos)) {
             Ok(inner) => Ok(Publisher::new(inner, full)),
@@ -169,6 +180,7 @@ impl Node {
 
     /// Opens a topic for receiving.
     pub fn subscription<T: RosMessage>(&mut self, topic: &str, qos: QosProfile) -> Result<Subscription<T>, TopicError> {
+        breathe();
         let (dds_topic, full) = self.topic::<T>(topic, &qos)?;
         match self.inner.create_subscription(&dds_topic, Some(qos)) {
             Ok(inner) => Ok(Subscription::new(inner, full)),
@@ -178,6 +190,7 @@ impl Node {
 
     /// Offers a service; the name expands as a topic's does. Hand it to [`serve`](crate::serve).
     pub fn service<S: RosService>(&mut self, name: &str) -> Result<Service<S>, TopicError> {
+        breathe();
         let (dds_name, kind, full) = self.service_name::<S>(name)?;
         // What says to whom an answer goes is seen to in `service.rs`: this one adds nothing to the data.
         let mapping = ServiceMapping::Enhanced;
@@ -189,6 +202,7 @@ impl Node {
 
     /// Prepares to ask a service.
     pub fn caller<S: RosService>(&mut self, name: &str, mapping: Mapping) -> Result<Caller<S>, TopicError> {
+        breathe();
         let (dds_name, kind, full) = self.service_name::<S>(name)?;
         match self.inner.create_client(mapping.into(), &dds_name, &kind, qos::service(), qos::service()) {
             Ok(inner) => Ok(Caller { inner, name: full }),
@@ -198,6 +212,7 @@ impl Node {
 
     /// Offers an action; the name expands as a topic's does. Hand it to [`serve_action`](crate::serve_action).
     pub fn action<A: RosAction>(&mut self, name: &str) -> Result<Action<A>, TopicError> {
+        breathe();
         let (dds_name, full) = self.parsed(name)?;
         let kind = ActionTypeName::new(A::PACKAGE, A::NAME);
         let mut server = |mapping| -> Result<RawAction<A>, TopicError> {
@@ -210,6 +225,7 @@ impl Node {
 
     /// Prepares to ask for an action.
     pub fn action_caller<A: RosAction>(&mut self, name: &str, mapping: Mapping) -> Result<ActionCaller<A>, TopicError> {
+        breathe();
         let (dds_name, full) = self.parsed(name)?;
         let kind = ActionTypeName::new(A::PACKAGE, A::NAME);
         match self.inner.create_action_client(mapping.into(), &dds_name, &kind, action::client_qos()) {

@@ -1,8 +1,8 @@
 //! A node whose loop stands still ends.
 //!
-//! The middleware is called from the loop, and a call into it that does not come back was seen: a coordinator that had
-//! opened its bus and was never heard, with nothing in its log. Such a process is alive for whoever supervises it, and of no
-//! use. Its outputs are off by then, or go off: the devices watch the heartbeat that the loop sends, stations the age
+//! The middleware is called from the loop, and a call into it may not come back: three of its locks and queues can wait for
+//! each other while many nodes start at once (see `breathe` in `participant.rs`). Such a process is alive for whoever
+//! supervises it, and of no use. Its outputs are off by then, or go off: the devices watch the heartbeat that the loop sends, stations the age
 //! of the coordinator's word. So nothing is lost by ending it, and it can be started again.
 //!
 //! Time is counted in pieces in which the loop has said nothing, each slept by itself: of a process that was stopped for an
