@@ -42,4 +42,4 @@ pub use publisher::{Publisher, SendError};
 pub use service::{Reply, Service, serve};
 pub use subscription::{Forward, RecvError, Source, Subscription, forward};
 pub use threads::watch_middleware;
-pub use watchdog::{STANDS_STILL, Watchdog};
+pub use watchdog::Watchdog;

@@ -21,6 +21,7 @@ use ros2_client::{
 use rustdds::DomainParticipantBuilder;
 use std::net::Ipv4Addr;
 use std::sync::Arc;
+use std::time::Duration;
 use thiserror::Error;
 
 /// The participant or a node could not be made.
@@ -127,15 +128,14 @@ impl Participant {
     pub const MAX_ON_LOCALHOST: u16 = relay::PORTS - 1;
 }
 
-/// Lets the middleware take in what was opened before the next thing is.
+/// How long the middleware has to take in what was opened, before the next thing is.
 ///
-/// Its discovery holds the lock of its tables while it tells its event loop of what is on a topic that is new here, through a
-/// queue of 32. Is that full, the event loop wants to read the tables, and somebody here waits to write into them, then
+/// Its discovery holds the lock of its tables while it tells its event loop of what is on a topic that is new here, through
+/// a queue of 32. Is that full, the event loop wants to read the tables, and somebody here waits to write into them, then
 /// nobody goes on any more: seen where many nodes start at once, in the middle of opening one thing after the other. With
-/// the queue empty at each opening it takes an unlikely burst to fill it; for that there is the [`Watchdog`](crate::Watchdog).
-fn breathe() {
-    std::thread::sleep(std::time::Duration::from_millis(2));
-}
+/// the queue empty at each opening it takes an unlikely burst to fill it; for that there is the
+/// [`Watchdog`](crate::Watchdog).
+const TAKE_IN: Duration = Duration::from_millis(2);
 
 /// A ROS 2 node.
 pub struct Node {
@@ -170,7 +170,6 @@ impl Node {
 
     /// Opens a topic for sending. `topic` may be absolute, relative or private (`~/…`).
     pub fn publisher<T: RosMessage>(&mut self, topic: &str, qos: QosProfile) -> Result<Publisher<T>, TopicError> {
-        breathe();
         let (dds_topic, full) = self.topic::<T>(topic, &qos)?;
         match self.inner.create_publisher(&dds_topic, Some(qos)) {
             Ok(inner) => Ok(Publisher::new(inner, full)),
@@ -180,7 +179,6 @@ impl Node {
 
     /// Opens a topic for receiving.
     pub fn subscription<T: RosMessage>(&mut self, topic: &str, qos: QosProfile) -> Result<Subscription<T>, TopicError> {
-        breathe();
         let (dds_topic, full) = self.topic::<T>(topic, &qos)?;
         match self.inner.create_subscription(&dds_topic, Some(qos)) {
             Ok(inner) => Ok(Subscription::new(inner, full)),
@@ -190,7 +188,6 @@ impl Node {
 
     /// Offers a service; the name expands as a topic's does. Hand it to [`serve`](crate::serve).
     pub fn service<S: RosService>(&mut self, name: &str) -> Result<Service<S>, TopicError> {
-        breathe();
         let (dds_name, kind, full) = self.service_name::<S>(name)?;
         // What says to whom an answer goes is seen to in `service.rs`: this one adds nothing to the data.
         let mapping = ServiceMapping::Enhanced;
@@ -202,7 +199,6 @@ impl Node {
 
     /// Prepares to ask a service.
     pub fn caller<S: RosService>(&mut self, name: &str, mapping: Mapping) -> Result<Caller<S>, TopicError> {
-        breathe();
         let (dds_name, kind, full) = self.service_name::<S>(name)?;
         match self.inner.create_client(mapping.into(), &dds_name, &kind, qos::service(), qos::service()) {
             Ok(inner) => Ok(Caller { inner, name: full }),
@@ -212,8 +208,7 @@ impl Node {
 
     /// Offers an action; the name expands as a topic's does. Hand it to [`serve_action`](crate::serve_action).
     pub fn action<A: RosAction>(&mut self, name: &str) -> Result<Action<A>, TopicError> {
-        breathe();
-        let (dds_name, full) = self.parsed(name)?;
+        let (dds_name, full) = self.opening(name)?;
         let kind = ActionTypeName::new(A::PACKAGE, A::NAME);
         let mut server = |mapping| -> Result<RawAction<A>, TopicError> {
             let created = self.inner.create_action_server(mapping, &dds_name, &kind, action::server_qos());
@@ -225,8 +220,7 @@ impl Node {
 
     /// Prepares to ask for an action.
     pub fn action_caller<A: RosAction>(&mut self, name: &str, mapping: Mapping) -> Result<ActionCaller<A>, TopicError> {
-        breathe();
-        let (dds_name, full) = self.parsed(name)?;
+        let (dds_name, full) = self.opening(name)?;
         let kind = ActionTypeName::new(A::PACKAGE, A::NAME);
         match self.inner.create_action_client(mapping.into(), &dds_name, &kind, action::client_qos()) {
             Ok(inner) => Ok(ActionCaller { inner, name: full }),
@@ -235,16 +229,19 @@ impl Node {
     }
 
     fn service_name<S: RosService>(&self, name: &str) -> Result<(Name, ServiceTypeName, String), TopicError> {
-        let (name, full) = self.parsed(name)?;
+        let (name, full) = self.opening(name)?;
         Ok((name, ServiceTypeName::new(S::PACKAGE, S::NAME), full))
     }
 
-    fn parsed(&self, name: &str) -> Result<(Name, String), TopicError> {
+    /// The name of what is about to be opened; everything that is opened comes by here.
+    fn opening(&self, name: &str) -> Result<(Name, String), TopicError> {
         let full = self.resolve(name)?;
-        match Name::parse(&full) {
-            Ok(name) => Ok((name, full)),
-            Err(e) => Err(TopicError::Middleware { topic: full, reason: e.to_string() }),
-        }
+        let name = match Name::parse(&full) {
+            Ok(name) => name,
+            Err(e) => return Err(TopicError::Middleware { topic: full, reason: e.to_string() }),
+        };
+        std::thread::sleep(TAKE_IN);
+        Ok((name, full))
     }
 
     /// Publishers now known on a topic, this process's own included. For displays and tests: a dead
@@ -259,11 +256,11 @@ impl Node {
     }
 
     fn topic<T: RosMessage>(&self, topic: &str, qos: &QosProfile) -> Result<(rustdds::Topic, String), TopicError> {
-        let full = self.resolve(topic)?;
-        let failed = |reason: String| TopicError::Middleware { topic: full.clone(), reason };
-        let name = Name::parse(&full).map_err(|e| failed(e.to_string()))?;
+        let (name, full) = self.opening(topic)?;
         let type_name = MessageTypeName::new(T::PACKAGE, T::NAME);
-        let dds_topic = self.inner.create_topic(&name, type_name, qos).map_err(|e| failed(e.to_string()))?;
-        Ok((dds_topic, full))
+        match self.inner.create_topic(&name, type_name, qos) {
+            Ok(dds_topic) => Ok((dds_topic, full)),
+            Err(e) => Err(TopicError::Middleware { topic: full, reason: e.to_string() }),
+        }
     }
 }

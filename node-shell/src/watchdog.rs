@@ -1,9 +1,9 @@
 //! A node whose loop stands still ends.
 //!
 //! The middleware is called from the loop, and a call into it may not come back: three of its locks and queues can wait for
-//! each other while many nodes start at once (see `breathe` in `participant.rs`). Such a process is alive for whoever
-//! supervises it, and of no use. Its outputs are off by then, or go off: the devices watch the heartbeat that the loop sends, stations the age
-//! of the coordinator's word. So nothing is lost by ending it, and it can be started again.
+//! each other while many nodes start at once (see `TAKE_IN` in `participant.rs`). Such a process is alive for whoever
+//! supervises it, and of no use. Its outputs are off by then, or go off: the devices watch the heartbeat that the loop
+//! sends, stations the age of the coordinator's word. So nothing is lost by ending it, and it can be started again.
 //!
 //! Time is counted in pieces in which the loop has said nothing, each slept by itself: of a process that was stopped for an
 //! hour and goes on, one piece is over.
@@ -15,7 +15,7 @@ use std::thread;
 use std::time::Duration;
 
 /// What a process ends with whose loop stands still: an internal error, as `sysexits.h` numbers it.
-pub const STANDS_STILL: i32 = 70;
+const STANDS_STILL: i32 = 70;
 /// How many pieces of the limit have to pass without a word.
 const PIECES: u32 = 10;
 

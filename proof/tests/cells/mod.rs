@@ -5,30 +5,14 @@ mod random;
 mod shipped;
 mod table;
 
-use linewright_cell::{Cell, parse};
+/// The texts of the shipped cells, and what is made of texts: those of the descriptions' own tests.
+#[path = "../../../model/cell/tests/common/mod.rs"]
+mod texts;
+
+use linewright_cell::Cell;
 use linewright_proof::cell::{Checked, Property, Setting, Verdict, check};
 
-/// Seed 001's workcell.
-pub const C1: &str = include_str!("../../../launch-config/lines/workcell-c1/cell.toml");
-/// Seed 000's cell.
-pub const ASSEMBLY: &str = include_str!("../../../launch-config/lines/assembly-cell/cell.toml");
-
-/// The cell of a sound text.
-#[track_caller]
-pub fn cell(text: &str) -> Cell {
-    parse("cell.toml", text, None).unwrap_or_else(|problems| panic!("{problems:#}\n{text}")).cell
-}
-
-/// A text with the first occurrence of each replaced.
-#[track_caller]
-pub fn edited(text: &str, edits: &[(&str, &str)]) -> String {
-    let mut text = text.to_owned();
-    for (old, new) in edits {
-        assert!(text.contains(old), "the text has no {old:?}");
-        text = text.replacen(old, new, 1);
-    }
-    text
-}
+pub use texts::{ASSEMBLY, C1, cell, edited};
 
 /// What is found of it, with any mix of parts.
 #[track_caller]

@@ -55,7 +55,7 @@ pub fn why(ways: &Ways, reasons: &Reasons, state: &State, now: Tick, about: &str
         Some(part) => Ok(why_not(ways, reasons, state, now, part)),
         None => {
             let orders = production.orders().map(|order| order.request.name.as_str());
-            let resources = handling.resource_ids().map(|id| handling.resource_name(id));
+            let resources = handling.resources.iter().map(|resource| resource.name.as_ref());
             let names: Vec<&str> = orders.chain(resources).collect();
             let hint = suggestion(about, names.iter().copied()).map(|hint| format!("; {hint}")).unwrap_or_default();
             Err(format!("there is no part, no production order and no resource `{about}`{hint}"))

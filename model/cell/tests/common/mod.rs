@@ -11,7 +11,7 @@ pub const ASSEMBLY_LINE: &str = include_str!("../../../../launch-config/lines/as
 /// The cell of a sound text without a line.
 #[track_caller]
 pub fn cell(text: &str) -> Cell {
-    parse("cell.toml", text, None).unwrap_or_else(|problems| panic!("{problems:#}")).cell
+    parse("cell.toml", text, None).unwrap_or_else(|problems| panic!("{problems:#}\n{text}")).cell
 }
 
 /// A text with the first occurrence of each replaced.
