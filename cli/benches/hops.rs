@@ -11,19 +11,22 @@
 
 use std::collections::HashMap;
 use std::fs;
-use std::path::{Path, PathBuf};
-use std::process::{Child, Command, Stdio};
+use std::path::Path;
+use std::process::Command;
 use std::time::{Duration, Instant};
 
 use linewright_fieldbus::{Bus as CanBus, Message, Options};
-use linewright_line::{Bus, InputId, Line, OutputId, Owner, StationId, TransferLine};
+use linewright_line::{Bus, InputId, Line, OutputId, Owner, StationId};
+
+#[path = "common/running.rs"]
+mod running;
+
+use running::{LINE_BUS, Running, print_samples};
 
 type Result<T> = std::result::Result<T, Box<dyn std::error::Error>>;
 
-const LINEWRIGHT: &str = env!("CARGO_BIN_EXE_linewright");
 /// Fast, so that many arrows are followed in little time; the controllers do not know.
 const TIME_SCALE: f64 = 0.1;
-const LINE_BUS: &str = "vcan0";
 
 fn main() -> Result<()> {
     let words: Vec<String> = std::env::args().skip(1).filter(|word| !word.starts_with("--")).collect();
@@ -57,112 +60,35 @@ fn ping_every(when: &str, count: &str, period_us: &str) -> Result<()> {
 async fn arrangement(own: bool, long: Duration) -> Result<()> {
     let name = if own { "devices on the stations' own buses (one hop)" } else { "behind the gateway (three hops)" };
     println!("== {name}");
-    let running = Running::start(own)?;
+    let running = Running::start("hops", own, TIME_SCALE)?;
     let mut listener = Listener::open(&running.line, &running.buses_dir)?;
     running.mode_until("start", "stand-by")?;
     // Standing still, with every lease and image refreshed.
-    let before = running.usage()?;
+    let before = usage(&running)?;
     tokio::time::sleep(Duration::from_secs(5)).await;
-    print_usage("idle", &before, &running.usage()?, Duration::from_secs(5));
+    print_usage("idle", &before, &usage(&running)?, Duration::from_secs(5));
     running.mode_until("auto", "auto")?;
-    let before = running.usage()?;
+    let before = usage(&running)?;
     let begun = Instant::now();
     listener.listen(long).await;
-    print_usage("cycling", &before, &running.usage()?, begun.elapsed());
+    print_usage("cycling", &before, &usage(&running)?, begun.elapsed());
     listener.print();
     Ok(())
 }
 
-/// The processes of a line.
-struct Running {
-    line: Line,
-    dir: PathBuf,
-    buses_dir: PathBuf,
-    domain: u16,
-    children: Vec<(String, Child)>,
-}
-
-impl Running {
-    fn start(own: bool) -> Result<Self> {
-        let dir = std::env::temp_dir().join(format!("linewright-hops-{}-{own}", std::process::id()));
-        let _ = fs::remove_dir_all(&dir);
-        fs::create_dir_all(&dir)?;
-        let mut text = TransferLine { machines: 1, time_scale: TIME_SCALE }.text();
-        if own {
-            for station in ["transfer", "clamp_1", "mill_1"] {
-                let head = format!("[[station]]\nname = \"{station}\"\n");
-                let bus = format!("{head}bus = \"can_{station}\"\n");
-                text = text.replacen(&head, &bus, 1);
-            }
-        }
-        fs::write(dir.join("line.toml"), &text)?;
-        let line = linewright_line::parse("line.toml", &text)?.line;
-        let mut running =
-            Running { line, buses_dir: dir.join("bus"), domain: if own { 92 } else { 93 }, dir, children: Vec::new() };
-        running.spawn("plant", &["plant"])?;
-        running.spawn("coordinator", &["coordinator"])?;
-        for name in ["transfer", "clamp_1", "mill_1"] {
-            running.spawn(name, &["station", "--station", name])?;
-        }
-        Ok(running)
-    }
-
-    fn command(&self, words: &[&str]) -> Command {
-        let mut command = Command::new(LINEWRIGHT);
-        command.args(words).arg(&self.dir).env("LINEWRIGHT_BUS_DIR", &self.buses_dir);
-        command.env("ROS_DOMAIN_ID", self.domain.to_string());
-        command
-    }
-
-    fn spawn(&mut self, name: &str, words: &[&str]) -> Result<()> {
-        let log = fs::File::create(self.dir.join(format!("{name}.log")))?;
-        let state = self.dir.join("state");
-        let mut command = self.command(words);
-        command.arg("--state-dir").arg(state).stdin(Stdio::null()).stdout(log.try_clone()?).stderr(log);
-        self.children.push((name.to_owned(), command.spawn()?));
-        Ok(())
-    }
-
-    /// Gives a command until the mode is there.
-    fn mode_until(&self, word: &str, mode: &str) -> Result<()> {
-        let dir = self.dir.display().to_string();
-        for _ in 0..40 {
-            let output = Command::new(LINEWRIGHT)
-                .args(["mode", &dir, word])
-                .env("LINEWRIGHT_BUS_DIR", &self.buses_dir)
-                .env("ROS_DOMAIN_ID", self.domain.to_string())
-                .output()?;
-            if String::from_utf8_lossy(&output.stdout).starts_with(mode) {
-                return Ok(());
-            }
-            std::thread::sleep(Duration::from_millis(100));
-        }
-        Err(format!("the line did not go to {mode}; logs in {dir}").into())
-    }
-
-    /// For each process: clock ticks of processor time, and resident memory in KiB.
-    fn usage(&self) -> Result<Vec<(String, u64, u64)>> {
-        self.children
-            .iter()
-            .map(|(name, child)| {
-                let stat = fs::read_to_string(format!("/proc/{}/stat", child.id()))?;
-                // Fields after the command's name, which may contain anything.
-                let fields: Vec<&str> = stat.rsplit(')').next().unwrap_or("").split_whitespace().collect();
-                let number = |at: usize| fields.get(at).and_then(|field| field.parse::<u64>().ok()).unwrap_or(0);
-                Ok((name.clone(), number(11) + number(12), number(21) * 4))
-            })
-            .collect()
-    }
-}
-
-impl Drop for Running {
-    fn drop(&mut self) {
-        for (_, child) in &mut self.children {
-            let _ = child.kill();
-            let _ = child.wait();
-        }
-        let _ = fs::remove_dir_all(&self.dir);
-    }
+/// For each process: clock ticks of processor time, and resident memory in KiB.
+fn usage(running: &Running) -> Result<Vec<(String, u64, u64)>> {
+    running
+        .children
+        .iter()
+        .map(|(name, child)| {
+            let stat = fs::read_to_string(format!("/proc/{}/stat", child.id()))?;
+            // Fields after the command's name, which may contain anything.
+            let fields: Vec<&str> = stat.rsplit(')').next().unwrap_or("").split_whitespace().collect();
+            let number = |at: usize| fields.get(at).and_then(|field| field.parse::<u64>().ok()).unwrap_or(0);
+            Ok((name.clone(), number(11) + number(12), number(21) * 4))
+        })
+        .collect()
 }
 
 fn print_usage(what: &str, before: &[(String, u64, u64)], after: &[(String, u64, u64)], long: Duration) {
@@ -225,7 +151,7 @@ impl Listener {
             let receivers =
                 self.buses.iter_mut().map(|(bus, can)| Box::pin(async move { (bus.clone(), can.recv().await) }));
             let next = futures::future::select_all(receivers);
-            let Ok(((bus, frame), _, _)) = tokio::time::timeout_at(until, next).await else { return };
+            let Ok(((bus, Ok(frame)), _, _)) = tokio::time::timeout_at(until, next).await else { return };
             let at = Instant::now();
             match Message::decode(&frame) {
                 Ok(Message::Tpdo1 { node, payload }) => self.switches(&bus, node.get(), payload.bits(), at),
@@ -278,11 +204,4 @@ impl Listener {
         }
         print_samples("all arrows", &mut all);
     }
-}
-
-fn print_samples(name: &str, samples: &mut [Duration]) {
-    samples.sort_unstable();
-    let at = |share: f64| samples.get(((samples.len() as f64 * share) as usize).min(samples.len().saturating_sub(1)));
-    let micros = |share: f64| at(share).map_or(0, |d| d.as_micros());
-    println!("{name:55} n {:5}  p50 {:6} µs  p99 {:6} µs", samples.len(), micros(0.5), micros(0.99));
 }

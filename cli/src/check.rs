@@ -5,6 +5,7 @@
 //! exploring its net, beside the line or without one. The decisions are in `linewright-proof`; this file reads, prints
 //! and picks the exit code.
 
+mod barriers;
 mod cell;
 mod explored;
 mod report;
@@ -75,7 +76,7 @@ fn of_line(args: &Args, file: &Path, with_cell: bool) -> miette::Result<(Report,
         }
         Err(error) if args.json || with_cell => {
             if !args.json {
-                eprintln!("{error:?}");
+                crate::out::complain!("{error:?}");
             }
             let report = match error.downcast_ref::<Problems>() {
                 Some(problems) => Report::of_problems(problems),
@@ -93,6 +94,6 @@ fn draw_warnings(file: &Path, warnings: Vec<linewright_line::Problem>) -> miette
         return Ok(());
     }
     let text = std::fs::read_to_string(file).into_diagnostic()?;
-    eprintln!("{:?}", miette::Report::new(Problems::new(&file.display().to_string(), &text, warnings)));
+    crate::out::complain!("{:?}", miette::Report::new(Problems::new(&file.display().to_string(), &text, warnings)));
     Ok(())
 }

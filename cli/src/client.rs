@@ -5,11 +5,13 @@
 
 use std::time::{Duration, Instant};
 
+use linewright_fieldbus::Clock;
 use linewright_line::{Line, StationId};
 use linewright_msgs::{Flag, LineState, StationEvent, StationState, Text};
 use linewright_node_shell::{
-    Forward, NewestBySequence, Node, Participant, Publisher, RosArgs, TopicError, forward, qos, watch_middleware,
+    Forward, Node, Participant, Publisher, RosArgs, TopicError, forward, qos, watch_middleware,
 };
+use linewright_station_shell::NewestBySequence;
 use miette::miette;
 use tokio::sync::mpsc;
 
@@ -43,6 +45,7 @@ pub struct Client {
     from: mpsc::Receiver<Raw>,
     line_state: Option<Aged<LineState>>,
     stations: Vec<Option<Aged<StationState>>>,
+    clock: Clock,
     newest_line: NewestBySequence,
     newest: Vec<NewestBySequence>,
     commands: Publisher<Text>,
@@ -88,8 +91,9 @@ impl Client {
             from,
             line_state: None,
             stations: vec![None; line.stations.len()],
-            newest_line: NewestBySequence::new(),
-            newest: line.stations.iter().map(|_| NewestBySequence::new()).collect(),
+            clock: Clock::start(),
+            newest_line: NewestBySequence::new(line.timing.stale),
+            newest: vec![NewestBySequence::new(line.timing.stale); line.stations.len()],
             commands: node.publisher("mode_cmd", qos::command()).map_err(failed)?,
             buttons: node.publisher("buttons", qos::command()).map_err(failed)?,
             line: line.clone(),
@@ -136,10 +140,10 @@ impl Client {
     }
 
     fn take(&mut self, raw: Raw) -> Option<Heard> {
-        let at = Instant::now();
+        let (at, now) = (Instant::now(), self.clock.now());
         match raw {
             Raw::Line(state) => {
-                if !self.newest_line.offer(state.boot_id, state.sequence).is_newest() {
+                if !self.newest_line.offer(now, state.boot_id, state.sequence) {
                     return None;
                 }
                 self.line_state = Some(Aged { state, at });
@@ -148,7 +152,7 @@ impl Client {
             Raw::Station(state) => {
                 let id = self.line.station_named(&state.station)?;
                 let fits = state.done.len() == self.line.station(id).operations.len();
-                if !fits || !self.newest[id.index()].offer(state.boot_id, state.sequence).is_newest() {
+                if !fits || !self.newest[id.index()].offer(now, state.boot_id, state.sequence) {
                     return None;
                 }
                 self.stations[id.index()] = Some(Aged { state: *state, at });
@@ -186,6 +190,12 @@ impl Client {
     /// A publisher for a station's selector.
     pub fn panel_selector(&mut self, station: StationId) -> miette::Result<Publisher<Text>> {
         let topic = format!("{}/selector", self.line.station(station).name);
+        self.node.publisher(&topic, qos::command()).map_err(|error| miette!("{error}"))
+    }
+
+    /// A publisher for the confirmation of where a station stands.
+    pub fn rejoin(&mut self, station: StationId) -> miette::Result<Publisher<Text>> {
+        let topic = format!("{}/rejoin", self.line.station(station).name);
         self.node.publisher(&topic, qos::command()).map_err(|error| miette!("{error}"))
     }
 

@@ -6,7 +6,7 @@
 use std::path::Path;
 
 use linewright_eds::{Content, Eds, NodeId, limits, read};
-use linewright_line::{Device, Line, Setting, is_the_managers};
+use linewright_line::{Device, Line, Setting, is_the_managers, keeps_an_output};
 use miette::{WrapErr, miette};
 
 use crate::load;
@@ -20,7 +20,7 @@ pub fn complete(line: &mut Line, dir: &Path, quiet: bool) -> miette::Result<()> 
         let eds = description(&path).wrap_err_with(|| format!("device `{}`", device.name))?;
         if !quiet {
             for warning in eds.warnings().iter() {
-                eprintln!("{name}:{}:{}: warning: {}", warning.line, warning.column, warning.message);
+                crate::out::complain!("{name}:{}:{}: warning: {}", warning.line, warning.column, warning.message);
             }
         }
         apply(device, &eds).map_err(|why| miette!("device `{}`, {name}: {why}", device.name))?;
@@ -69,6 +69,31 @@ fn apply(device: &mut Device, eds: &Eds) -> Result<(), String> {
     // What the description says itself comes last, and so stays.
     settings.append(&mut device.setup.settings);
     device.setup.settings = settings;
+    lets_go(device, eds)
+}
+
+/// Whether its outputs go off by themselves when the manager is gone, as far as the file says.
+fn lets_go(device: &Device, eds: &Eds) -> Result<(), String> {
+    if device.setup.without_error_values.is_some() || device.drive.is_some() {
+        return Ok(());
+    }
+    let remedy = "use a device that lets go, or say in `without_error_values` why that is safe";
+    let settings = &device.setup.settings;
+    // The last value stays.
+    let last =
+        |nth: usize| !settings[nth + 1..].iter().any(|l| (l.index, l.sub) == (settings[nth].index, settings[nth].sub));
+    let mut keeps =
+        settings.iter().enumerate().filter(|(nth, own)| last(*nth) && keeps_an_output(&device.outputs, own));
+    if let Some((_, Setting { index, sub, .. })) = keeps.next() {
+        return Err(format!("by object {index:04X}h:{sub:02X} an output stays on when the manager is gone: {remedy}"));
+    }
+    for (sub, _) in (1..).zip(device.outputs.chunks(8)).filter(|(_, byte)| byte.iter().any(Option::is_some)) {
+        if let Some(index) = [0x6206, 0x6207].into_iter().find(|index| eds.entry(*index, sub).is_none()) {
+            return Err(format!(
+                "there is no object {index:04X}h:{sub:02X}, by which its outputs go off when the manager is gone: {remedy}"
+            ));
+        }
+    }
     Ok(())
 }
 
@@ -144,6 +169,33 @@ mod tests {
         assert!(why.contains("object 1029h:01"), "{why}");
         let why = refused(setting(0x1029, 1, &[3]));
         assert!(why.contains("3 is beyond HighLimit, which is 2"), "{why}");
+    }
+
+    #[test]
+    fn outputs_that_would_stay_on_without_a_manager_are_found_in_the_file() {
+        let tried = |change: &dyn Fn(&mut Device), eds: &Eds| {
+            let mut device = device();
+            device.outputs = vec![Some(linewright_line::OutputId(0))];
+            change(&mut device);
+            apply(&mut device, eds)
+        };
+        assert_eq!(tried(&|_| {}, &eds()), Ok(()));
+        let without = String::from_utf8(IO.to_vec()).expect("ASCII").replace("[6206sub1]", "[6205sub1]");
+        let without = read("io.eds", without.as_bytes());
+        let keeps = |device: &mut Device| {
+            device.setup.settings = vec![Setting { index: 0x6206, sub: 1, data: vec![0] }];
+        };
+        let why = tried(&keeps, &eds()).expect_err("it stays as it is");
+        assert!(why.starts_with("by object 6206h:01 an output stays on when the manager is gone"), "{why}");
+        let excused = |device: &mut Device| {
+            keeps(device);
+            device.setup.without_error_values = Some("a safety relay".to_owned());
+        };
+        assert_eq!(tried(&excused, &eds()), Ok(()));
+        if let Ok(without) = without {
+            let why = tried(&|_| {}, &without).expect_err("the object is missing");
+            assert!(why.starts_with("there is no object 6206h:01") && why.contains("without_error_values"), "{why}");
+        }
     }
 
     #[test]

@@ -80,7 +80,7 @@ pub fn line(path: &Path, quiet: bool) -> miette::Result<Line> {
 /// Says on standard error what is doubtful in a description.
 pub fn warn(file: &Path, warnings: &[Problem]) {
     for warning in warnings {
-        eprintln!("{}:{}:{}: warning: {}", file.display(), warning.line, warning.column, warning.message);
+        crate::out::complain!("{}:{}:{}: warning: {}", file.display(), warning.line, warning.column, warning.message);
     }
 }
 

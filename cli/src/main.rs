@@ -3,6 +3,8 @@
 //! Each subcommand is a module. This file parses the command line, sets up what all of them share, and turns an error
 //! into words and an exit code: 0 done, 1 it could not be done, 2 the command line is wrong.
 
+#![warn(clippy::print_stdout, clippy::print_stderr)]
+
 mod analyse;
 mod can;
 mod cell;
@@ -68,6 +70,8 @@ enum Command {
     Mode(operate::ModeArgs),
     /// Hold hand-mode buttons, or a station's panel buttons, for a while.
     Press(operate::PressArgs),
+    /// Confirm where a station stands that has lost its memory: by its switches, or in a named operation.
+    Rejoin(operate::RejoinArgs),
     /// Make a simulated mechanism or device fail, or clear it.
     Fail(can::FailArgs),
     /// Order parts of a running cell, see what is on order, cancel or withdraw.
@@ -87,10 +91,16 @@ enum Command {
 }
 
 fn main() -> ExitCode {
+    let code = command();
+    linewright_node_shell::flush_stderr();
+    code
+}
+
+fn command() -> ExitCode {
     let (ros, rest) = match RosArgs::from_process() {
         Ok(parsed) => parsed,
         Err(error) => {
-            eprintln!("linewright: {error}");
+            crate::out::complain!("linewright: {error}");
             return ExitCode::from(2);
         }
     };
@@ -99,7 +109,7 @@ fn main() -> ExitCode {
     match dispatch(cli.command, ros) {
         Ok(code) => code,
         Err(error) => {
-            eprintln!("{error:?}");
+            crate::out::complain!("{error:?}");
             ExitCode::FAILURE
         }
     }
@@ -118,8 +128,9 @@ fn dispatch(command: Command, ros: RosArgs) -> miette::Result<ExitCode> {
         Command::Coordinator(args) => logged(&ros, || nodes::coordinator(args, &ros)),
         Command::Plant(args) => logged(&ros, || nodes::plant(args)),
         Command::Mode(args) => asynchronous(async move { operate::mode(args, &ros).await }),
+        Command::Rejoin(args) => asynchronous(async move { operate::rejoin(args, &ros).await }),
         Command::Press(args) => asynchronous(async move { operate::press(args, &ros).await }),
-        Command::Fail(args) => asynchronous(async move { can::fail(args).await }),
+        Command::Fail(args) => asynchronous(async move { can::fail(args, &ros).await }),
         Command::Order(args) => asynchronous(async move { cell::order(args, &ros).await }),
         Command::Why(args) => asynchronous(async move { cell::why(args, &ros).await }),
         Command::Answer(args) => asynchronous(async move { cell::answer(args, &ros).await }),

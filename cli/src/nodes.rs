@@ -1,13 +1,13 @@
 //! The long-running subcommands: `station`, `coordinator` and `plant`.
 
-use std::path::PathBuf;
+use std::path::{Path, PathBuf};
 use std::process::ExitCode;
 
 use clap::Args;
-use linewright_fieldbus::{Clock, Options as BusOptions};
-use linewright_line::StationId;
-use linewright_node_shell::{Participant, RosArgs};
-use miette::miette;
+use linewright_fieldbus::{Clock, Options as BusOptions, Transport, place};
+use linewright_line::{Bus, Line, StationId};
+use linewright_node_shell::{Claim, ClaimError, Participant, RosArgs};
+use miette::{IntoDiagnostic, WrapErr, miette};
 use tokio::sync::watch;
 
 use crate::load;
@@ -20,9 +20,20 @@ pub struct Common {
     /// Keep the journal in this directory, and go on from it after a restart.
     #[arg(long)]
     pub state_dir: Option<PathBuf>,
+    /// Use a virtual bus, between processes of this machine, where there is no CAN interface of a bus's name. Without this a
+    /// missing interface is an error.
+    #[arg(long)]
+    virtual_bus: bool,
     /// End when standard input ends: for a supervisor whose death must not leave nodes behind.
     #[arg(long, hide = true)]
     pub end_with_stdin: bool,
+}
+
+impl Common {
+    fn bus(&self) -> BusOptions {
+        let transport = if self.virtual_bus { Transport::Auto } else { Transport::SocketCan };
+        BusOptions { transport, ..BusOptions::default() }
+    }
 }
 
 /// Run the node of one or more stations.
@@ -57,6 +68,55 @@ pub struct PlantArgs {
 
 /// The CAN interface of the line's bus where nobody says otherwise.
 pub const DEFAULT_BUS: &str = "vcan0";
+
+/// What a node has to be the only one in, on this machine: its name in the ROS domain, the bus it manages, if it does, and
+/// its journal. As long as this is held, the next one who claims the same is refused.
+fn claim(
+    line: &Line,
+    ros: &RosArgs,
+    name: &str,
+    interface: Option<&str>,
+    state_dir: Option<&Path>,
+    bus: &BusOptions,
+) -> miette::Result<Vec<Claim>> {
+    let refused = |error: ClaimError| miette!("{error}");
+    let mut claims = vec![Claim::node(ros, &format!("/{}", line.name), name).map_err(refused)?];
+    if let Some(interface) = interface {
+        claims.push(Claim::bus(&place(interface, bus)).map_err(refused)?);
+    }
+    if let Some(dir) = state_dir {
+        std::fs::create_dir_all(dir).into_diagnostic().wrap_err_with(|| format!("cannot use {}", dir.display()))?;
+        claims.push(Claim::file(dir, name).map_err(refused)?);
+    }
+    Ok(claims)
+}
+
+/// The claims of a station's node.
+pub fn claim_station(
+    line: &Line,
+    ros: &RosArgs,
+    station: StationId,
+    state_dir: Option<&Path>,
+    bus: &BusOptions,
+) -> miette::Result<Vec<Claim>> {
+    let station = line.station(station);
+    let interface = match &station.bus {
+        Bus::Line => None,
+        Bus::Own(interface) => Some(interface.as_str()),
+    };
+    claim(line, ros, &station.name, interface, state_dir, bus)
+}
+
+/// The claims of the coordinator's node.
+pub fn claim_coordinator(
+    line: &Line,
+    ros: &RosArgs,
+    interface: &str,
+    state_dir: Option<&Path>,
+    bus: &BusOptions,
+) -> miette::Result<Vec<Claim>> {
+    claim(line, ros, "coordinator", Some(interface), state_dir, bus)
+}
 
 fn runtime() -> miette::Result<tokio::runtime::Runtime> {
     tokio::runtime::Builder::new_current_thread()
@@ -109,6 +169,9 @@ pub fn station(args: StationArgs, ros: &RosArgs) -> miette::Result<ExitCode> {
             stations.push(id);
         }
     }
+    let state_dir = args.common.state_dir.as_deref();
+    let claim = |&id: &StationId| claim_station(&line, ros, id, state_dir, &BusOptions::default());
+    let _claims = stations.iter().map(claim).collect::<miette::Result<Vec<_>>>()?;
     runtime()?.block_on(async {
         let stop = stop_signal(args.common.end_with_stdin);
         let clock = Clock::start();
@@ -121,7 +184,7 @@ pub fn station(args: StationArgs, ros: &RosArgs) -> miette::Result<ExitCode> {
                 line: line.clone(),
                 station,
                 state_dir: args.common.state_dir.clone(),
-                bus: BusOptions::default(),
+                bus: args.common.bus(),
                 clock,
             };
             linewright_station_node::run(options, participant, stop.clone())
@@ -142,6 +205,7 @@ pub fn coordinator(args: CoordinatorArgs, ros: &RosArgs) -> miette::Result<ExitC
         None => None,
     };
     let interface = args.bus.or(parameter).unwrap_or_else(|| DEFAULT_BUS.to_owned());
+    let _claims = claim_coordinator(&line, ros, &interface, args.common.state_dir.as_deref(), &BusOptions::default())?;
     runtime()?.block_on(async {
         let stop = stop_signal(args.common.end_with_stdin);
         let participant = Participant::open(ros).map_err(|error| miette!("{error}"))?;
@@ -150,7 +214,7 @@ pub fn coordinator(args: CoordinatorArgs, ros: &RosArgs) -> miette::Result<ExitC
             cell,
             interface,
             state_dir: args.common.state_dir.clone(),
-            bus: BusOptions::default(),
+            bus: args.common.bus(),
             clock: Clock::start(),
         };
         linewright_coordinator_node::run(options, &participant, stop).await.map_err(|error| miette!("{error}"))
@@ -165,7 +229,7 @@ pub fn plant(args: PlantArgs) -> miette::Result<ExitCode> {
         let mut stop = stop_signal(args.common.end_with_stdin);
         let options = linewright_plant::Options {
             line_bus: args.bus.clone(),
-            bus: BusOptions::default(),
+            bus: args.common.bus(),
             plant: linewright_plant::PlantOptions { people: true, ..Default::default() },
             clock: Clock::start(),
         };

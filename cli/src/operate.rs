@@ -54,7 +54,7 @@ pub async fn mode(args: ModeArgs, ros: &RosArgs) -> miette::Result<ExitCode> {
             if let Some(state) = client.coordinator()
                 && state.refusals > refusals
             {
-                eprintln!("{}", state.refusal);
+                crate::out::complain!("{}", state.refusal);
                 return Ok(ExitCode::FAILURE);
             }
         }
@@ -132,15 +132,69 @@ async fn press_panel(line: &Line, args: &PressArgs, station: &str, ros: &RosArgs
     Ok(ExitCode::SUCCESS)
 }
 
-/// Says "held" again and again, then "released", and listens to what comes of it.
+/// Confirm where a station stands.
+#[derive(Debug, Args)]
+#[command(
+    after_help = "A station that comes up without its memory moves nothing by itself. Look at the machine first: this puts its marking where its limit switches say it stands. Where it stands between two switches, name the operation it was stopped in. Then lead all stations home in manual and give auto."
+)]
+pub struct RejoinArgs {
+    /// The line's directory, or its description file.
+    line: PathBuf,
+    /// The station.
+    station: String,
+    /// The operation it was stopped in.
+    #[arg(long, value_name = "OPERATION")]
+    within: Option<String>,
+}
+
+/// `linewright rejoin`
+pub async fn rejoin(args: RejoinArgs, ros: &RosArgs) -> miette::Result<ExitCode> {
+    let line = load::line(&args.line, true)?;
+    let id = load::station(&line, &args.station)?;
+    let station = line.station(id);
+    if let Some(unknown) = args.within.as_ref().filter(|name| station.operation_named(name).is_none()) {
+        let names: Vec<&str> = station.operations.iter().map(|operation| operation.name.as_str()).collect();
+        return Err(miette!("'{unknown}' is no operation of {}; operations are {}", station.name, names.join(", ")));
+    }
+    let mut client = Client::open(&line, ros, "operator")?;
+    let publisher = client.rejoin(id)?;
+    client.until_connected(CONNECT).await?;
+    client.listen(ANSWER).await?;
+    let before = client.station(id).map(|state| (state.places.clone(), state.fault.clone()));
+    publisher.send(Text::from(args.within.as_deref().unwrap_or_default()));
+    client.listen(ANSWER).await?;
+    print_station(&client, id);
+    let after = client.station(id).map(|state| (state.places.clone(), state.fault.clone()));
+    if before == after {
+        crate::out::complain!(
+            "nothing changed: rejoin is for a station without a memory of common counts that moves nothing, and its switches \
+             must fit what is confirmed"
+        );
+        return Ok(ExitCode::FAILURE);
+    }
+    Ok(ExitCode::SUCCESS)
+}
+
+/// Sends "released", then "held" repeatedly for so many seconds, then "released", and receives what follows.
 async fn hold(client: &mut Client, seconds: f64, say: impl Fn(&Client, bool)) -> miette::Result<()> {
+    // The release of an earlier press may have been lost, and silence is no release.
+    release(client, &say).await?;
     let until = tokio::time::Instant::now() + Duration::from_secs_f64(seconds);
     while tokio::time::Instant::now() < until {
         say(client, true);
         client.listen(REPEAT.min(until - tokio::time::Instant::now())).await?;
     }
-    say(client, false);
+    release(client, &say).await?;
     client.listen(ANSWER).await
+}
+
+/// Sends "released" more than once: one message can get lost.
+async fn release(client: &mut Client, say: impl Fn(&Client, bool)) -> miette::Result<()> {
+    for _ in 0..3 {
+        say(client, false);
+        client.listen(REPEAT).await?;
+    }
+    Ok(())
 }
 
 fn print_station(client: &Client, id: StationId) {

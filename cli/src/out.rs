@@ -1,4 +1,4 @@
-//! Writing to standard output, which may be a pipe that somebody has closed.
+//! Writing to standard output and standard error, which may be a pipe that somebody has closed, or a full disk.
 
 use std::io::Write;
 
@@ -14,3 +14,9 @@ macro_rules! say {
     }};
 }
 pub(crate) use say;
+
+/// `eprintln!` for this program: an output that is closed, full or not read neither ends it nor holds it up.
+macro_rules! complain {
+    ($($text:tt)*) => { linewright_node_shell::stderr_line(format_args!($($text)*)) };
+}
+pub(crate) use complain;

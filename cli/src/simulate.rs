@@ -166,10 +166,10 @@ fn print_end(sim: &Sim, end: &End, scenario: Option<&Scenario>) {
     if let (End::Failed { step: Some(step), why }, Some(scenario)) = (end, scenario)
         && let Some(problem) = scenario.failed_at(*step, why)
     {
-        eprintln!("{:?}", miette::Report::new(problem));
+        crate::out::complain!("{:?}", miette::Report::new(problem));
         return;
     }
     if let Some(text) = report::end_text(sim, end) {
-        eprintln!("linewright: {text}");
+        crate::out::complain!("linewright: {text}");
     }
 }

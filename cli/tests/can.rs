@@ -18,7 +18,7 @@ impl Devices {
     fn new() -> Self {
         let (scratch, no_rig) = (Scratch::new(), beside_no_rig());
         let plant = Command::new(env!("CARGO_BIN_EXE_linewright"))
-            .args(["plant", "--bus", "test0", "--end-with-stdin"])
+            .args(["plant", "--bus", "test0", "--virtual-bus", "--end-with-stdin"])
             .arg(shipped())
             .env("LINEWRIGHT_BUS_DIR", scratch.path("bus"))
             .stdin(Stdio::piped())

@@ -39,6 +39,12 @@ fn the_shipped_line_passes_every_check() {
     let line_checks = found["line_checks"].as_array().unwrap();
     assert_eq!(line_checks.len(), 7, "home, causality, three of the modes, two conflicts");
     assert!(line_checks.iter().all(|check| check["ok"] == true), "{line_checks:?}");
+    let barriers = found["barriers"].as_array().unwrap();
+    let bar = serde_json::json!([
+        {"station": "transfer", "inputs": ["LS_vertical_0"]}, {"station": "clamp_1", "inputs": ["LS_open"]}
+    ]);
+    assert_eq!((barriers.len(), &barriers[0]["measured"]), (2, &bar), "{barriers:?}");
+    assert!(barriers.iter().all(|barrier| barrier["by_themselves"]["verdict"] == "holds"), "{barriers:?}");
     assert_eq!((&found["warnings"], &found["problems"]), (&Value::Array(vec![]), &Value::Array(vec![])));
 }
 
@@ -117,6 +123,22 @@ fn each_rule_switched_off_has_a_counterexample_of_its_own() {
         ("redo-round", "stations sound: one token in each branch, counts of one cycle, no output without a motion"),
     ] {
         assert_eq!(missed(&["--without", rule])["name"], name, "{rule}");
+    }
+}
+
+#[test]
+fn measured_positions_are_missed_where_nothing_looks_at_them() {
+    for rule in ["measured", "measured-stop"] {
+        let dir = shipped();
+        let output =
+            linewright(&["check", dir.to_str().unwrap(), "--json", "--mode", "auto", "--no-faults", "--without", rule]);
+        assert_eq!(output.status.code(), Some(1), "{output:?}");
+        let found = &json(&output)["barriers"][0]["by_themselves"];
+        assert_eq!(
+            (&found["verdict"], found["counterexample"].as_array().unwrap().len()),
+            (&"fails".into(), 4),
+            "{found}"
+        );
     }
 }
 

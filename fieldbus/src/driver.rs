@@ -3,12 +3,17 @@
 //! Nothing is decided here. A frame that comes in goes to the manager, a deadline that comes up polls it, what it
 //! wants sent is sent at once.
 
+use std::sync::{Arc, Mutex};
+
 use linewright_line::{Owner, Tick};
 
-use crate::bus::Bus;
+use thiserror::Error;
+
+use crate::bus::{Bus, BusError, LastWire};
 use crate::clock::Clock;
 use crate::codec::NodeId;
-use crate::manager::{Answer, Ask, Event, InputImage, Manager, Outbox};
+use crate::frame::Frame;
+use crate::manager::{Answer, Ask, Event, InputImage, MANAGER_NODE, Manager, Outbox};
 
 /// A manager at work on its bus.
 pub struct Driver {
@@ -16,6 +21,46 @@ pub struct Driver {
     manager: Manager,
     clock: Clock,
     outbox: Outbox,
+    /// What would let go of outputs now, where a device needs that.
+    last: Arc<Mutex<Vec<Frame>>>,
+}
+
+/// Lets go of outputs from another thread, when the one that drives them is stuck.
+pub struct LastFrames {
+    frames: Arc<Mutex<Vec<Frame>>>,
+    wire: Option<LastWire>,
+}
+
+impl LastFrames {
+    /// Sends, without waiting for anything, what lets go of every output of devices that would keep it; gives how many frames
+    /// were taken. The process has to end after this: its driver does not know of it.
+    pub fn send(&self) -> usize {
+        match (&self.wire, self.frames.try_lock()) {
+            (Some(wire), Ok(frames)) => wire.send(&frames),
+            _ => 0,
+        }
+    }
+}
+
+/// Why a manager cannot go on. Its node lets go of its outputs and ends.
+#[derive(Debug, Error)]
+pub enum DriverError {
+    /// The interface is gone.
+    #[error(transparent)]
+    Bus(#[from] BusError),
+    /// Another manager drives this bus.
+    #[error(
+        "{bus}: another CANopen manager (node {MANAGER_NODE}) drives this bus: its heartbeat (77Fh) was heard {}; \
+         one bus has one manager: end that one, or give this one a bus of its own",
+        if *.has_sent { "just after this one had begun, which has let go of every output" }
+        else { "before this one had sent anything" }
+    )]
+    AnotherManager {
+        /// The bus, in words.
+        bus: String,
+        /// Whether this one had already sent something.
+        has_sent: bool,
+    },
 }
 
 /// How often, and how far apart, the last orders are offered: a tenth of a second in all.
@@ -25,7 +70,12 @@ const RELEASE_PAUSE: std::time::Duration = std::time::Duration::from_millis(1);
 impl Driver {
     /// Joins a manager and its bus. Nothing is sent before [`Driver::next`] or [`Driver::set_outputs`] is called.
     pub fn new(bus: Bus, manager: Manager, clock: Clock) -> Self {
-        Driver { bus, manager, clock, outbox: Outbox::default() }
+        Driver { bus, manager, clock, outbox: Outbox::default(), last: Arc::default() }
+    }
+
+    /// What lets go of outputs when this driver gets no turn any more, for a watchdog.
+    pub fn last_frames(&self) -> LastFrames {
+        LastFrames { frames: self.last.clone(), wire: self.bus.last_wire() }
     }
 
     /// Runs the bus until there is something to report; never returns an empty list.
@@ -34,7 +84,10 @@ impl Driver {
     /// that may follow in the very next frame. Must be called again without much delay: between two calls no
     /// heartbeat is sent, and after [`heartbeat_timeout`](linewright_line::Timing::heartbeat_timeout) the devices let
     /// go of their outputs. Cancel safe.
-    pub async fn next(&mut self) -> Vec<Event> {
+    ///
+    /// # Errors
+    /// When the interface is gone, or another manager was on the bus first. The node then has to end.
+    pub async fn next(&mut self) -> Result<Vec<Event>, DriverError> {
         loop {
             // The clock first: under a flood of frames, and after this process was held up, silence still counts.
             let now = self.clock.now();
@@ -42,13 +95,16 @@ impl Driver {
                 self.manager.poll(now, &mut self.outbox);
                 self.flush();
             }
+            if let Some(has_sent) = self.manager.yields() {
+                return Err(DriverError::AnotherManager { bus: self.bus.describe(), has_sent });
+            }
             if !self.outbox.events.is_empty() {
-                return std::mem::take(&mut self.outbox.events);
+                return Ok(std::mem::take(&mut self.outbox.events));
             }
             tokio::select! {
                 biased;
                 frame = self.bus.recv() => {
-                    self.manager.handle(self.clock.now(), &frame, &mut self.outbox);
+                    self.manager.handle(self.clock.now(), &frame?, &mut self.outbox);
                     self.flush();
                 }
                 () = self.clock.sleep_until(self.manager.next_deadline()) => {}
@@ -65,7 +121,7 @@ impl Driver {
     }
 
     /// Lets go of every output, for an orderly end. Nobody gives the bus another turn after that, so what the interface
-    /// has no room for is offered again for a while, and the program waits.
+    /// has no room for is offered again for a while, and the program waits. One that came second on its bus sends nothing.
     pub fn release_outputs(&mut self) {
         self.manager.release_outputs(self.clock.now(), &mut self.outbox);
         for _ in 0..RELEASE_TRIES {
@@ -133,6 +189,12 @@ impl Driver {
     }
 
     fn flush(&mut self) {
+        if !self.outbox.frames.is_empty()
+            && let Ok(mut frames) = self.last.lock()
+        {
+            frames.clear();
+            self.manager.release_frames(&mut frames);
+        }
         let sent = self.outbox.frames.iter().take_while(|frame| self.bus.send(frame)).count();
         let refused = self.outbox.frames.split_off(sent);
         self.outbox.frames.clear();

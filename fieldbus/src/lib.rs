@@ -30,10 +30,10 @@ pub mod sdo_client;
 pub mod survey;
 pub mod tell;
 
-pub use bus::{Bus, BusError, Options, Transport};
+pub use bus::{Bus, BusError, Found, Options, OwnBuses, Transport, find_bus, place};
 pub use clock::Clock;
 pub use codec::{DecodeError, Message, NodeId};
-pub use driver::Driver;
+pub use driver::{Driver, DriverError, LastFrames};
 pub use frame::{Frame, FrameError, Kind};
 pub use manager::{
     Answer, Ask, AskError, Event, IgnoreReason, InputImage, MANAGER_NODE, Manager, ManagerError, Outbox,

@@ -5,20 +5,26 @@
 
 use thiserror::Error;
 
-use crate::bus::Bus;
+use crate::bus::{Bus, BusError};
 use crate::clock::Clock;
 use crate::codec::{Message, NodeId};
 use crate::sdo::wire::Raw;
 use crate::sdo::{Client, ObjectId, Options, Progress, TransferError};
 
 /// Why an object was not read or written.
-#[derive(Clone, Copy, Debug, Error, PartialEq, Eq)]
-#[error("node {node}, {error}")]
-pub struct SdoError {
-    /// The device.
-    pub node: NodeId,
-    /// The object, and what went wrong with it.
-    pub error: TransferError,
+#[derive(Debug, Error)]
+pub enum SdoError {
+    /// The transfer has failed.
+    #[error("node {node}, {error}")]
+    Transfer {
+        /// The device.
+        node: NodeId,
+        /// The object, and what went wrong with it.
+        error: TransferError,
+    },
+    /// The bus is gone.
+    #[error(transparent)]
+    Bus(#[from] BusError),
 }
 
 /// Reads an object of `node`, of any length up to [`Options::len_max`].
@@ -48,7 +54,7 @@ async fn transfer(bus: &mut Bus, node: NodeId, mut client: Client) -> Result<Vec
         }
         let progress = tokio::select! {
             biased;
-            frame = bus.recv() => match Message::decode(&frame) {
+            frame = bus.recv() => match Message::decode(&frame?) {
                 Ok(Message::SdoResponse { node: from, raw }) if from == node => {
                     client.handle(clock.now(), &raw, &mut out)
                 }
@@ -61,7 +67,7 @@ async fn transfer(bus: &mut Bus, node: NodeId, mut client: Client) -> Result<Vec
             for raw in out.drain(..) {
                 bus.send(&Message::SdoRequest { node, raw }.encode());
             }
-            return result.map_err(|error| SdoError { node, error });
+            return result.map_err(|error| SdoError::Transfer { node, error });
         }
     }
 }

@@ -21,10 +21,10 @@ async fn everyone_else_hears_a_frame_once_and_its_sender_does_not() {
     let dir = tempfile::tempdir().unwrap();
     let mut bus: Vec<Bus> = (0..3).map(|_| Bus::open("vcan0", &options(&dir)).unwrap()).collect();
     bus[0].send(&frame(1));
-    assert_eq!(within(bus[1].recv()).await, frame(1));
-    assert_eq!(within(bus[2].recv()).await, frame(1));
+    assert_eq!(within(bus[1].recv()).await.expect("a virtual bus stays"), frame(1));
+    assert_eq!(within(bus[2].recv()).await.expect("a virtual bus stays"), frame(1));
     bus[1].send(&frame(2));
-    assert_eq!(within(bus[0].recv()).await, frame(2));
+    assert_eq!(within(bus[0].recv()).await.expect("a virtual bus stays"), frame(2));
     assert!(tokio::time::timeout(Duration::from_millis(20), bus[0].recv()).await.is_err());
 }
 
@@ -51,7 +51,7 @@ async fn a_burst_longer_than_any_queue_arrives_complete_and_in_order() {
         sender
     });
     for number in 0..500 {
-        assert_eq!(within(reader.recv()).await, frame(number));
+        assert_eq!(within(reader.recv()).await.expect("a virtual bus stays"), frame(number));
     }
     assert_eq!(sending.await.unwrap().stats().overruns, 0);
 }
@@ -64,7 +64,7 @@ async fn a_member_that_never_reads_holds_nobody_up() {
     let mut reader = Bus::open("vcan0", &options(&dir)).unwrap();
     for number in 0..2000 {
         sender.send(&frame(number));
-        assert_eq!(within(reader.recv()).await, frame(number));
+        assert_eq!(within(reader.recv()).await.expect("a virtual bus stays"), frame(number));
     }
     assert!(sender.stats().overruns > 0, "the deaf member's loss is counted");
 }
@@ -89,7 +89,7 @@ async fn a_newcomer_is_noticed_and_a_dead_one_is_buried() {
             }
         }
     };
-    assert_eq!(within(heard).await, frame(2));
+    assert_eq!(within(heard).await.expect("a virtual bus stays"), frame(2));
     assert!(joined.elapsed() < Duration::from_millis(500), "noticed after {:?}", joined.elapsed());
 }
 
@@ -103,7 +103,7 @@ async fn datagrams_that_are_no_frames_are_counted() {
         stranger.send_to(bad, &path).unwrap();
     }
     stranger.send_to(&frame(7).to_bytes(), &path).unwrap();
-    assert_eq!(within(bus.recv()).await, frame(7));
+    assert_eq!(within(bus.recv()).await.expect("a virtual bus stays"), frame(7));
     assert_eq!(bus.stats().malformed, 4);
 }
 
@@ -122,7 +122,7 @@ async fn a_member_whose_socket_was_cleaned_away_comes_back() {
             }
         }
     };
-    assert_eq!(within(heard).await, frame(1));
+    assert_eq!(within(heard).await.expect("a virtual bus stays"), frame(1));
 }
 
 /// Not a limit but a figure, printed with `--nocapture`: a frame there and back between two threads.
@@ -137,7 +137,7 @@ async fn round_trip() {
         runtime.block_on(async move {
             let mut echo = Bus::open("vcan0", &options).unwrap();
             loop {
-                let frame = echo.recv().await;
+                let frame = echo.recv().await.expect("a virtual bus stays");
                 echo.send(&frame);
             }
         });
@@ -153,7 +153,7 @@ async fn round_trip() {
                 }
             }
         };
-        assert_eq!(within(there_and_back).await, frame(number));
+        assert_eq!(within(there_and_back).await.expect("a virtual bus stays"), frame(number));
         times.push(sent.elapsed());
     }
     times.sort();
@@ -170,7 +170,7 @@ async fn child_echoes_for_ever() {
     let options = Options { transport: Transport::Virtual, dir: Some(dir.into()) };
     let mut bus = Bus::open("vcan0", &options).unwrap();
     loop {
-        let frame = bus.recv().await;
+        let frame = bus.recv().await.expect("a virtual bus stays");
         bus.send(&frame);
     }
 }
@@ -193,7 +193,7 @@ async fn a_killed_process_leaves_nothing_behind() {
             }
         }
     };
-    assert_eq!(within(echoed).await, frame(1));
+    assert_eq!(within(echoed).await.expect("a virtual bus stays"), frame(1));
     let members = || std::fs::read_dir(dir.path().join("vcan0")).unwrap().count();
     assert_eq!(members(), 2);
     child.kill().unwrap();

@@ -2,6 +2,7 @@
 
 ros2 launch linewright line.launch.py line:=/path/to/line-directory
 ros2 launch linewright line.launch.py line:=… plant:=true          (with simulated devices)
+ros2 launch linewright line.launch.py line:=… plant:=true virtual_bus:=true      (and without CAN in the kernel)
 
 The stations are read from the description, so a new one needs no change here. Nodes are set up by the description and
 not by parameters; namespace and topics can be remapped as usual.
@@ -33,12 +34,13 @@ def nodes(context):
     file = file / "line.toml" if file.is_dir() else file
     stations = [station["name"] for station in tomllib.loads(file.read_text(encoding="utf-8"))["station"]]
 
+    virtual = ["--virtual-bus"] if LaunchConfiguration("virtual_bus").perform(context) == "true" else []
     remember = ["--state-dir", state_dir] if state_dir else []
     again = {"respawn": True, "respawn_delay": 1.0}
     return [
-        linewright(["plant", line, "--bus", bus], condition=IfCondition(LaunchConfiguration("plant"))),
-        linewright(["coordinator", line, "--bus", bus, *remember], **again),
-        *[linewright(["station", line, "--station", name, *remember], **again) for name in stations],
+        linewright(["plant", line, "--bus", bus, *virtual], condition=IfCondition(LaunchConfiguration("plant"))),
+        linewright(["coordinator", line, "--bus", bus, *virtual, *remember], **again),
+        *[linewright(["station", line, "--station", name, *virtual, *remember], **again) for name in stations],
     ]
 
 
@@ -47,6 +49,9 @@ def generate_launch_description():
         [
             DeclareLaunchArgument("line", description="the line's directory, or its description file"),
             DeclareLaunchArgument("bus", default_value="vcan0", description="the CAN interface of the line's bus"),
+            DeclareLaunchArgument(
+                "virtual_bus", default_value="false", description="use a virtual bus where there is no CAN interface"
+            ),
             DeclareLaunchArgument("plant", default_value="false", description="simulate the devices"),
             DeclareLaunchArgument("state_dir", default_value="", description="where nodes keep their journals"),
             OpaqueFunction(function=nodes),

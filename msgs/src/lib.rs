@@ -1,9 +1,9 @@
 //! The ROS 2 interfaces of a line.
 //!
 //! Each message exists twice: as a `.msg` file under `msg/` (those of an action or a service in one file under `action/` or
-//! `srv/`), from which a ROS 2 workspace generates C++ and Python, and as the Rust struct of the same name here. The struct is written once, with the
-//! `message!` macro of `macros.rs`, which also records its fields and constants; `tests/msg_files.rs`
-//! compares that record with the parsed `.msg` file, and `tests/golden.rs` compares the bytes with
+//! `srv/`), from which a ROS 2 workspace generates C++ and Python, and as the Rust struct of the same name here. The struct
+//! is written once, with the `message!` macro of `macros.rs`, which also records its fields and constants;
+//! `tests/msg_files.rs` compares that record with the parsed `.msg` file, and `tests/golden.rs` compares the bytes with
 //! checked-in ones. So the two cannot drift apart unnoticed.
 //!
 //! This crate knows nothing of DDS: it holds data, its structure and its [bounds](Invalid). What

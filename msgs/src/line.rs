@@ -31,6 +31,10 @@ message! {
         buttons: u32,
         /// A station that hears nothing for this long falls to stand-by.
         lease_ms: u32,
+        /// The generation of counts that is founded, all stations standing at home; 0 for none.
+        found_generation: u64,
+        /// For each station, in the order of the description, the boot id that was seen at home: the life it is for.
+        found_lives: Vec<u64>,
     }
     ros name "ModeOrder", meaning |m| {
         present("boot_id", m.boot_id != 0)?;

@@ -69,8 +69,12 @@ message! {
         station: String,
         /// Newest epoch heard: the acknowledgement of a mode order.
         mode_epoch: u64,
+        /// Boot id of the coordinator that gave the order it took last; 0 for none.
+        coordinator_boot_id: u64,
         /// Mode in force here (`MODE_`).
         mode: u8,
+        /// The generation its counts belong to, drawn when all stations stood at home together; 0 for none.
+        generation: u64,
         /// Cycle the station is in. Signed: undoing the home operation of a station that never ran leads below zero.
         cycle: i32,
         /// Per operation: the cycle in which it was last completed.
@@ -91,6 +95,12 @@ message! {
         selector_manual: bool,
         /// The image of the devices is fresh.
         devices_valid: bool,
+        /// Its input image: bit n is bit `n % 8` of byte `n / 8`. It counts only while `devices_valid`.
+        measured: Bounded<u8, 16>,
+        /// How old that image was when this was sent, in milliseconds.
+        measured_age_ms: u32,
+        /// A mechanism that stands still by the chart is not measured there.
+        position_lost: bool,
         /// Operations, by index, in an incomplete place.
         incomplete: Vec<u16>,
         /// What the station does, in words.
@@ -189,6 +199,9 @@ message! {
         number: u64,
         /// Inputs: the life of the station that number belongs to.
         number_boot_id: u64,
+        /// Outputs: the newest mode epoch the station had heard when it decided them. Those from before an emergency stop are
+        /// not obeyed after it.
+        mode_epoch: u64,
         /// Bit n is bit `n % 8` of byte `n / 8`.
         bits: Bounded<u8, 16>,
     }
@@ -198,16 +211,36 @@ message! {
 impl ProcessImage {
     /// The image as one number, bit n in bit n.
     pub fn word(&self) -> u128 {
-        let mut bytes = [0; 16];
-        for (to, from) in bytes.iter_mut().zip(self.bits.as_slice()) {
-            *to = *from;
-        }
-        u128::from_le_bytes(bytes)
+        word_of(&self.bits)
     }
 
     /// Sets all 128 bits.
     pub fn set_word(&mut self, word: u128) {
-        // Sixteen bytes are exactly the bound, so this cannot be refused.
-        self.bits = Bounded::new(word.to_le_bytes().to_vec()).unwrap_or_default();
+        self.bits = image_of(word);
     }
+}
+
+impl StationState {
+    /// Its input image as one number, bit n in bit n.
+    pub fn measured_word(&self) -> u128 {
+        word_of(&self.measured)
+    }
+
+    /// Sets all 128 bits of its input image.
+    pub fn set_measured(&mut self, word: u128) {
+        self.measured = image_of(word);
+    }
+}
+
+fn word_of(bits: &Bounded<u8, 16>) -> u128 {
+    let mut bytes = [0; 16];
+    for (to, from) in bytes.iter_mut().zip(bits.as_slice()) {
+        *to = *from;
+    }
+    u128::from_le_bytes(bytes)
+}
+
+/// Sixteen bytes are exactly the bound, so this cannot be refused.
+fn image_of(word: u128) -> Bounded<u8, 16> {
+    Bounded::new(word.to_le_bytes().to_vec()).unwrap_or_default()
 }

@@ -72,6 +72,10 @@ impl Journal {
                 newest = Some((number, record));
             }
         }
+        // Room for both slots is taken now: a disk that fills up later does not keep a record from being written.
+        let length = file.metadata().map_err(failed)?.len();
+        let missing = usize::try_from((2 * SLOT_BYTES as u64).saturating_sub(length)).unwrap_or(0);
+        file.write_all_at(&vec![0; missing], length).map_err(failed)?;
         let number = newest.as_ref().map_or(0, |(number, _)| *number);
         let journal = Journal { file, path: path.to_owned(), number, buffer: Vec::with_capacity(SLOT_BYTES) };
         Ok((journal, newest.map(|(_, record)| record)))
@@ -151,6 +155,18 @@ mod tests {
         assert_eq!(found, Some(vec![4; 7]));
         journal.write(b"after").expect("writes");
         assert_eq!(Journal::open(&path).expect("opens").1, Some(b"after".to_vec()));
+        std::fs::remove_file(&path).expect("removes");
+    }
+
+    #[test]
+    fn the_room_for_its_records_is_taken_when_it_is_opened() {
+        let path = scratch("room");
+        let (mut journal, _) = Journal::open(&path).expect("opens");
+        let length = || std::fs::metadata(&path).expect("it is there").len();
+        assert_eq!(length(), 2 * SLOT_BYTES as u64);
+        journal.write(&[7; 5000]).expect("writes");
+        assert_eq!(length(), 2 * SLOT_BYTES as u64);
+        assert_eq!(Journal::open(&path).expect("opens").1, Some(vec![7; 5000]));
         std::fs::remove_file(&path).expect("removes");
     }
 

@@ -3,8 +3,8 @@
 //! The client library speaks DDS; what a ROS 2 user expects around it is here: command line and
 //! environment ([`RosArgs`]), names and remaps ([`names`]), a participant that stays on this machine
 //! unless told otherwise ([`Participant`]), one named quality of service per kind of topic ([`qos`]),
-//! publishers that never wait ([`Publisher`]), subscriptions that survive anything sent to them
-//! ([`Subscription`]) and the order of whole-state messages ([`NewestBySequence`]).
+//! publishers that never wait ([`Publisher`]) and subscriptions that survive anything sent to them
+//! ([`Subscription`]).
 //!
 //! This crate knows nothing of lines and modes. It decides nothing a controller cares about: a
 //! message arrives with its source, or it does not arrive.
@@ -13,13 +13,14 @@ mod action;
 mod args;
 mod bytes;
 mod caller;
+mod claim;
 mod environment;
 mod identity;
 mod journal;
 pub mod log;
 mod logging;
+mod lossy;
 pub mod names;
-mod newest;
 mod participant;
 mod publisher;
 pub mod qos;
@@ -32,11 +33,11 @@ mod watchdog;
 pub use action::{Action, ActionCaller, Asked, Ended, Goal, GoalError, Outcome, Owner, serve_action};
 pub use args::{ArgsError, LogLevel, ParamValue, RosArgs};
 pub use caller::{CallError, Caller, Mapping};
+pub use claim::{Claim, ClaimError};
 pub use environment::{EnvironmentError, Range};
 pub use identity::{boot_id, fresh_boot_id, fresh_key, stamp};
 pub use journal::{Journal, JournalError};
-pub use logging::{LoggingError, init as init_logging};
-pub use newest::{Counts, NewestBySequence, Verdict};
+pub use logging::{LoggingError, flush_stderr, init as init_logging, stderr_line};
 pub use participant::{Node, OpenError, Participant, TopicError};
 pub use publisher::{Publisher, SendError};
 pub use service::{Reply, Service, serve};

@@ -1,9 +1,18 @@
 //! Logging to stderr.
 //!
+//! Nothing here waits for whoever reads the log, nor ends when it cannot be written (see [`LossyWriter`]); a panic's message
+//! goes the same way.
+//!
 //! `--log-level` wins over `RUST_LOG`; without either, this project logs what happens and the DDS
 //! library only its errors (it warns about kernel buffer sizes at every start).
 
 use crate::LogLevel;
+use crate::lossy::LossyWriter;
+use std::backtrace::{Backtrace, BacktraceStatus};
+use std::fmt::Arguments;
+use std::io::{self, Write};
+use std::sync::LazyLock;
+use std::time::Duration;
 use thiserror::Error;
 use tracing_subscriber::EnvFilter;
 
@@ -13,23 +22,60 @@ pub enum LoggingError {
     /// `RUST_LOG` cannot be read.
     #[error("RUST_LOG: {0}")]
     Filter(#[from] tracing_subscriber::filter::ParseError),
+    /// The operating system gives no thread for it.
+    #[error("no thread for the log: {0}")]
+    Thread(String),
     /// Somebody else has set up logging already.
     #[error("logging is set up already: {0}")]
     Twice(Box<dyn std::error::Error + Send + Sync>),
 }
 
-/// Starts logging for this process.
+/// Standard error of this process.
+static STDERR: LazyLock<io::Result<LossyWriter>> = LazyLock::new(|| LossyWriter::start(io::stderr()));
+
+/// How long the end of a process may wait for its log.
+const FLUSH_WITHIN: Duration = Duration::from_millis(500);
+
+/// Starts logging for this process. Call [`flush_stderr`] before it ends.
 pub fn init(level: Option<LogLevel>) -> Result<(), LoggingError> {
     let filter = match (level, std::env::var("RUST_LOG")) {
         (None, Ok(text)) if !text.is_empty() => EnvFilter::try_new(text)?,
         (level, _) => EnvFilter::try_new(directives(level.unwrap_or(LogLevel::Info)))?,
     };
+    let log = STDERR.as_ref().map_err(|error| LoggingError::Thread(error.to_string()))?;
     tracing_subscriber::fmt()
         .with_env_filter(filter)
-        .with_writer(std::io::stderr)
+        .with_writer(log.clone())
+        // Errors of its own it prints to stderr, and panics where that cannot be written.
+        .log_internal_errors(false)
         .with_target(false)
         .try_init()
-        .map_err(LoggingError::Twice)
+        .map_err(LoggingError::Twice)?;
+    std::panic::set_hook(Box::new(|panic| {
+        let trace = Backtrace::capture();
+        if trace.status() == BacktraceStatus::Captured {
+            tracing::error!("{panic}\n{trace}");
+        } else {
+            tracing::error!("{panic}");
+        }
+    }));
+    Ok(())
+}
+
+/// Writes a line to standard error, in order with the log, without waiting for its reader; one that cannot be written is
+/// dropped. Instead of `eprintln!`, which panics then.
+pub fn stderr_line(text: Arguments<'_>) {
+    match &*STDERR {
+        Ok(log) => log.line(format!("{text}\n").into_bytes()),
+        Err(_) => drop(writeln!(io::stderr(), "{text}")),
+    }
+}
+
+/// Waits a moment for what goes to standard error to be written: before the process ends.
+pub fn flush_stderr() {
+    if let Ok(log) = &*STDERR {
+        log.flush(FLUSH_WITHIN);
+    }
 }
 
 fn directives(level: LogLevel) -> String {

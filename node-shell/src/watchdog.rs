@@ -3,14 +3,15 @@
 //! The middleware is called from the loop, and a call into it may not come back: three of its locks and queues can wait for
 //! each other while many nodes start at once (see `TAKE_IN` in `participant.rs`). Such a process is alive for whoever
 //! supervises it, and of no use. Its outputs are off by then, or go off: the devices watch the heartbeat that the loop
-//! sends, stations the age of the coordinator's word. So nothing is lost by ending it, and it can be started again.
+//! sends, stations the age of the coordinator's word; for devices that hear no heartbeat [`Watchdog::before_the_end`] lets go.
+//! So nothing is lost by ending it, and it can be started again.
 //!
 //! Time is counted in pieces in which the loop has said nothing, each slept by itself: of a process that was stopped for an
 //! hour and goes on, one piece is over.
 
 use std::process::exit;
 use std::sync::atomic::{AtomicBool, Ordering};
-use std::sync::{Arc, Weak};
+use std::sync::{Arc, Mutex, PoisonError, Weak};
 use std::thread;
 use std::time::Duration;
 
@@ -19,10 +20,12 @@ const STANDS_STILL: i32 = 70;
 /// How many pieces of the limit have to pass without a word.
 const PIECES: u32 = 10;
 
+type Last = Mutex<Vec<Box<dyn FnOnce() + Send>>>;
+
 /// Ends the process when it is not fed. Dropping it ends the watch, and not the process.
-#[derive(Debug)]
 pub struct Watchdog {
     fed: Arc<AtomicBool>,
+    last: Arc<Last>,
 }
 
 impl Watchdog {
@@ -35,17 +38,27 @@ impl Watchdog {
     /// says so, and nobody is ended.
     pub fn start(name: &str, limit: Duration) -> Self {
         let fed = Arc::new(AtomicBool::new(true));
-        let (seen, name) = (Arc::downgrade(&fed), name.to_owned());
+        let last: Arc<Last> = Arc::default();
+        let (seen, at_the_end, name) = (Arc::downgrade(&fed), last.clone(), name.to_owned());
         let spawned = thread::Builder::new().name("watchdog".to_owned()).spawn(move || {
             if stands_still(&seen, limit / PIECES) {
+                // First of all: a log that nobody reads may hold this thread up.
+                let acts = std::mem::take(&mut *at_the_end.lock().unwrap_or_else(PoisonError::into_inner));
+                acts.into_iter().for_each(|act| act());
                 tracing::error!("{name} has stood still for {} s; it ends", limit.as_secs_f64());
+                crate::flush_stderr();
                 exit(STANDS_STILL);
             }
         });
         if let Err(error) = spawned {
             tracing::error!("nobody watches whether the node stands still: {error}");
         }
-        Watchdog { fed }
+        Watchdog { fed, last }
+    }
+
+    /// What its thread is to do before it ends the process. It must wait for nothing that the loop may hold.
+    pub fn before_the_end(&self, act: impl FnOnce() + Send + 'static) {
+        self.last.lock().unwrap_or_else(PoisonError::into_inner).push(Box::new(act));
     }
 
     /// Says that the loop goes round.
@@ -74,6 +87,7 @@ mod tests {
     /// Long for a thread that sleeps, and short for a test.
     const LIMIT: Duration = Duration::from_millis(200);
     const CHILD: &str = "LINEWRIGHT_WATCHDOG_TEST";
+    const LETS_GO: &str = "it lets go of its outputs";
 
     #[test]
     fn who_is_fed_goes_on_and_who_lets_go_is_not_ended() {
@@ -89,15 +103,18 @@ mod tests {
 
     /// Plays itself as a child: what ends is a process.
     #[test]
-    fn who_stands_still_is_ended() {
+    fn who_stands_still_is_ended_and_lets_go_before_that() {
         if std::env::var_os(CHILD).is_some() {
-            let _watchdog = Watchdog::start("a child", LIMIT);
+            let watchdog = Watchdog::start("a child", LIMIT);
+            watchdog.before_the_end(|| println!("{LETS_GO}"));
             thread::sleep(Duration::from_secs(60));
             exit(0);
         }
         let this = std::env::current_exe().expect("this program");
-        let name = "watchdog::tests::who_stands_still_is_ended";
-        let status = Command::new(this).args(["--exact", name]).env(CHILD, "1").status().expect("it starts");
-        assert_eq!(status.code(), Some(STANDS_STILL));
+        let name = "watchdog::tests::who_stands_still_is_ended_and_lets_go_before_that";
+        let output =
+            Command::new(this).args(["--exact", "--nocapture", name]).env(CHILD, "1").output().expect("it starts");
+        assert_eq!(output.status.code(), Some(STANDS_STILL));
+        assert!(String::from_utf8_lossy(&output.stdout).contains(LETS_GO), "{output:?}");
     }
 }

@@ -11,26 +11,26 @@ const IDENTITY: &[u8] = b"a cell";
 /// What stands before a record.
 const HEAD_BYTES: usize = 32;
 
-/// What a log says beside its identity, and how much was cut off.
+/// What a log holds besides its identity, and how much was cut off.
 #[derive(Debug, Default, PartialEq)]
-struct Said {
+struct Contents {
     snapshot: Option<Vec<u8>>,
     records: Vec<Vec<u8>>,
     cut: u64,
 }
 
-fn open(path: &Path) -> Result<(Log, Said), LogError> {
-    let mut said = Said::default();
+fn open(path: &Path) -> Result<(Log, Contents), LogError> {
+    let mut contents = Contents::default();
     let (log, cut) = Log::open(path, IDENTITY, |entry| {
         match entry {
             Entry::Identity(identity) => assert_eq!(identity, IDENTITY),
-            Entry::Snapshot(snapshot) => said.snapshot = Some(snapshot.to_vec()),
-            Entry::Record(record) => said.records.push(record.to_vec()),
+            Entry::Snapshot(snapshot) => contents.snapshot = Some(snapshot.to_vec()),
+            Entry::Record(record) => contents.records.push(record.to_vec()),
         }
         Ok(())
     })?;
-    said.cut = cut;
-    Ok((log, said))
+    contents.cut = cut;
+    Ok((log, contents))
 }
 
 fn scratch() -> (TempDir, PathBuf) {
@@ -60,15 +60,15 @@ const RECORDS: [&[u8]; 6] = [b"first", b"", b"a longer third record, with LWL1 i
 #[test]
 fn records_come_back_in_their_order() {
     let (_dir, path) = scratch();
-    let (mut log, said) = open(&path).expect("opens");
-    assert_eq!(said, Said::default());
+    let (mut log, contents) = open(&path).expect("opens");
+    assert_eq!(contents, Contents::default());
     append(&mut log, &RECORDS[..2]);
     append(&mut log, &RECORDS[2..]);
     append(&mut log, &[]);
     drop(log);
     for _ in 0..2 {
-        let (_, said) = open(&path).expect("opens");
-        assert_eq!(said, Said { records: RECORDS.map(<[u8]>::to_vec).to_vec(), ..Said::default() });
+        let (_, contents) = open(&path).expect("opens");
+        assert_eq!(contents, Contents { records: RECORDS.map(<[u8]>::to_vec).to_vec(), ..Contents::default() });
     }
 }
 
@@ -88,12 +88,16 @@ fn a_log_that_is_cut_off_at_any_byte_has_the_records_before_it() {
             count += 1;
         }
         let mut expected: Vec<Vec<u8>> = RECORDS[..count].iter().map(|record| record.to_vec()).collect();
-        let (mut log, said) = open(&path).expect("opens");
-        assert_eq!(said, Said { records: expected.clone(), cut: (length - end) as u64, snapshot: None }, "{length}");
+        let (mut log, contents) = open(&path).expect("opens");
+        assert_eq!(
+            contents,
+            Contents { records: expected.clone(), cut: (length - end) as u64, snapshot: None },
+            "{length}"
+        );
         append(&mut log, &[b"next"]);
         drop(log);
         expected.push(b"next".to_vec());
-        assert_eq!(open(&path).expect("opens").1, Said { records: expected, ..Said::default() }, "{length}");
+        assert_eq!(open(&path).expect("opens").1, Contents { records: expected, ..Contents::default() }, "{length}");
     }
     // In what was on the disk before the log had its name nothing can be torn.
     for length in 0..begin {
@@ -115,9 +119,9 @@ fn a_damaged_record_that_later_ones_count_on_is_found() {
         bytes[at] ^= 0x55;
         fs::write(&name, &bytes).expect("writes");
         match open(&path) {
-            Ok((_, said)) => {
+            Ok((_, contents)) => {
                 assert!(at >= last, "{at}");
-                assert_eq!((said.records.len(), said.cut), (5, (whole.len() - last) as u64));
+                assert_eq!((contents.records.len(), contents.cut), (5, (whole.len() - last) as u64));
             }
             Err(LogError::Damaged { path: file, offset }) => {
                 assert!(at < last && file == name && offset as usize <= at, "{at} {offset}");
@@ -139,8 +143,8 @@ fn a_hole_in_what_was_not_synced_ends_the_log() {
     let second = bytes.len() - all + HEAD_BYTES + RECORDS[0].len();
     bytes[second..second + HEAD_BYTES].fill(0);
     fs::write(&name, &bytes).expect("writes");
-    let (_, said) = open(&path).expect("opens");
-    assert_eq!((said.records, said.cut), (vec![RECORDS[0].to_vec()], (bytes.len() - second) as u64));
+    let (_, contents) = open(&path).expect("opens");
+    assert_eq!((contents.records, contents.cut), (vec![RECORDS[0].to_vec()], (bytes.len() - second) as u64));
 }
 
 #[test]
@@ -153,12 +157,16 @@ fn a_snapshot_stands_in_the_place_of_what_was_before() {
     assert!(!first.exists() && log.name().exists());
     append(&mut log, &[b"seventh"]);
     drop(log);
-    let expected = Said { snapshot: Some(b"all six".to_vec()), records: vec![b"seventh".to_vec()], ..Said::default() };
-    let (mut log, said) = open(&path).expect("opens");
-    assert_eq!(said, expected);
+    let expected =
+        Contents { snapshot: Some(b"all six".to_vec()), records: vec![b"seventh".to_vec()], ..Contents::default() };
+    let (mut log, contents) = open(&path).expect("opens");
+    assert_eq!(contents, expected);
     log.begin_anew(b"all seven").expect("begins anew");
     drop(log);
-    assert_eq!(open(&path).expect("opens").1, Said { snapshot: Some(b"all seven".to_vec()), ..Said::default() });
+    assert_eq!(
+        open(&path).expect("opens").1,
+        Contents { snapshot: Some(b"all seven".to_vec()), ..Contents::default() }
+    );
 }
 
 /// Killed while beginning anew: before the new file has its name the old one counts, and after that the new one.
@@ -176,8 +184,8 @@ fn killed_at_any_step_of_a_snapshot_a_log_is_the_old_or_the_new_one() {
     for length in 0..=new.len() {
         fs::write(&old_name, &old).expect("writes");
         fs::write(&unfinished, &new[..length]).expect("writes");
-        let (_, said) = open(&path).expect("opens");
-        assert_eq!((said.records.len(), said.snapshot), (6, None), "{length}");
+        let (_, contents) = open(&path).expect("opens");
+        assert_eq!((contents.records.len(), contents.snapshot), (6, None), "{length}");
         assert!(!unfinished.exists());
     }
     fs::write(&new_name, &new).expect("writes");
@@ -246,9 +254,9 @@ proptest! {
             bytes.splice(from..to, put);
         }
         fs::write(&name, &bytes).expect("writes");
-        if let Ok((mut log, said)) = open(&path) {
-            let count = said.records.len();
-            prop_assert!(said.records.iter().eq(RECORDS[..count].iter()));
+        if let Ok((mut log, contents)) = open(&path) {
+            let count = contents.records.len();
+            prop_assert!(contents.records.iter().eq(RECORDS[..count].iter()));
             append(&mut log, &[b"next"]);
             drop(log);
             prop_assert_eq!(open(&path).expect("opens").1.records.len(), count + 1);

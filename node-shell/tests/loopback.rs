@@ -103,6 +103,12 @@ async fn rubbish_is_counted_and_the_next_message_arrives() {
     let mut reader = node(2, "reader");
     let mut images = reader.subscription::<ProcessImage>("s1/inputs", qos::command()).expect("subscription");
     until_matched(&writer, "s1/inputs").await;
+    let both = async {
+        while reader.publisher_count("s1/inputs").expect("name") < 2 {
+            sleep(Duration::from_millis(5)).await;
+        }
+    };
+    timeout(PATIENCE, both).await.expect("both writers are known in time");
     // Does not decode.
     impostor.send(Impostor(1));
     sleep(Duration::from_millis(100)).await;

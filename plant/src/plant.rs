@@ -33,6 +33,8 @@ pub struct Plant {
     /// By station.
     outputs: Vec<u128>,
     lamps: u128,
+    /// The console's inputs while nobody touches it: a closed-circuit contact is on.
+    untouched: u128,
     /// By station, at its end the console: inputs held, and those of them held on.
     forced: Vec<(u128, u128)>,
     alarms: u64,
@@ -74,6 +76,7 @@ impl Plant {
             arrivals: vec![Tick::NEVER; line.stations.len()],
             outputs: vec![0; line.stations.len()],
             lamps: 0,
+            untouched: line.console.estop.filter(|contact| !contact.pressed).map_or(0, |contact| 1 << contact.input.0),
             forced: vec![(0, 0); line.stations.len() + 1],
             alarms: 0,
             parts: None,
@@ -150,7 +153,8 @@ impl Plant {
         }
     }
 
-    /// The inputs of `owner`: bit `i` is input `i`. Those no mechanism presses are off until they are forced.
+    /// The inputs of `owner`: bit `i` is input `i`. Those no mechanism presses are off until they are forced, and a
+    /// closed-circuit contact of the console on.
     pub fn inputs(&self, owner: Owner) -> u128 {
         let pressed = match owner {
             Owner::Station(id) => self.stations.get(id.index()).map(Vec::as_slice).unwrap_or_default(),
@@ -158,7 +162,8 @@ impl Plant {
         };
         let seen = match (owner, &self.parts) {
             (Owner::Station(id), Some(parts)) => parts.seen(id),
-            (Owner::Station(_), None) | (Owner::Console, _) => 0,
+            (Owner::Station(_), None) => 0,
+            (Owner::Console, _) => self.untouched,
         };
         let image = pressed.iter().fold(seen, |image, mechanism| image | mechanism.inputs(self.now));
         let (held, on) = self.forced[self.place_of(owner)];

@@ -53,7 +53,7 @@ pub fn open_plant(line: &Line, options: &Options) -> Result<Vec<RackRunner>, Bus
     names.into_iter().map(open).collect()
 }
 
-/// Runs every device of `line` until it is cancelled. Returns only if a bus cannot be opened, or there is none.
+/// Runs every device of `line` until it is cancelled. Returns only if a bus cannot be opened or is gone, or there is none.
 pub async fn run_plant(line: &Line, options: &Options) -> Result<(), BusError> {
     let mut running = JoinSet::new();
     for runner in open_plant(line, options)? {
@@ -62,10 +62,10 @@ pub async fn run_plant(line: &Line, options: &Options) -> Result<(), BusError> {
     }
     // Dropping the set, when this is cancelled, ends the runners with it.
     while let Some(ended) = running.join_next().await {
-        if let Err(error) = ended
-            && error.is_panic()
-        {
-            std::panic::resume_unwind(error.into_panic());
+        match ended {
+            Ok(gone) => return Err(gone),
+            Err(error) if error.is_panic() => std::panic::resume_unwind(error.into_panic()),
+            Err(_) => {}
         }
     }
     Ok(())
@@ -87,19 +87,24 @@ impl RackRunner {
         &mut self.rack
     }
 
-    /// Runs until it is cancelled.
-    pub async fn run(mut self) {
+    /// Runs until it is cancelled, or its bus is gone.
+    pub async fn run(mut self) -> BusError {
         loop {
-            self.step().await;
+            if let Err(gone) = self.step().await {
+                return gone;
+            }
         }
     }
 
     /// Waits for one frame or deadline and does what follows from it. Cancel safe.
-    pub async fn step(&mut self) {
+    ///
+    /// # Errors
+    /// When the bus is gone.
+    pub async fn step(&mut self) -> Result<(), BusError> {
         let mut out: Vec<Frame> = Vec::new();
         tokio::select! {
             biased;
-            frame = self.bus.recv() => self.rack.handle(self.clock.now(), &frame, &mut out),
+            frame = self.bus.recv() => self.rack.handle(self.clock.now(), &frame?, &mut out),
             () = self.clock.sleep_until(self.rack.next_deadline()) => {}
         }
         // Also after a frame: a busy bus must not keep the devices from what is due.
@@ -110,5 +115,6 @@ impl RackRunner {
         for frame in &out {
             self.bus.send(frame);
         }
+        Ok(())
     }
 }

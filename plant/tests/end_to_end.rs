@@ -43,7 +43,7 @@ async fn until(driver: &mut Driver, owner: Owner, wanted: impl Fn(InputImage) ->
     let mut seen = Vec::new();
     let reached = tokio::time::timeout(WAIT, async {
         while !wanted(driver.inputs(owner)) {
-            seen.extend(driver.next().await);
+            seen.extend(driver.next().await.expect("nobody else is there"));
         }
     });
     if reached.await.is_err() {
@@ -106,7 +106,7 @@ async fn tool_read(tool: &mut Bus, driver: &mut Driver, node: NodeId) -> Vec<u8>
     let outputs = ObjectId::new(0x6200, 1);
     tokio::select! {
         read = sdo_client::read(tool, node, outputs, sdo::Options::default()) => read.unwrap(),
-        () = async { loop { driver.next().await; } } => unreachable!(),
+        () = async { loop { driver.next().await.expect("nobody else is there"); } } => unreachable!(),
     }
 }
 

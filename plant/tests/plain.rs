@@ -103,13 +103,16 @@ impl Bench {
 
     fn with(text: &str, file: &str) -> Self {
         let (line, now) = (line(text, file), Tick::from_millis(100));
-        Bench {
+        let mut bench = Bench {
             now,
             manager: Manager::new(&line.devices, line.timing).expect("the device"),
             rack: Rack::new(now, &line, &Bus::Line, PlantOptions::default()),
             cut: false,
             events: Vec::new(),
-        }
+        };
+        // The manager listens for another one first.
+        bench.run(200);
+        bench
     }
 
     fn run(&mut self, millis: u64) {

@@ -38,7 +38,8 @@ impl Pair {
             wire: Vec::new(),
             events: Vec::new(),
         };
-        pair.run(200);
+        // Half of it the manager listens for another one.
+        pair.run(400);
         assert!(pair.manager.inputs(pair.now, OWNER).valid);
         if !watches {
             let raw = "604#2306100000000000".parse().unwrap();

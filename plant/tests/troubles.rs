@@ -163,6 +163,52 @@ fn one_that_refuses_an_object() {
 }
 
 #[test]
+fn one_that_has_no_error_values_or_keeps_others_than_it_is_told() {
+    let mut bench = Bench::up();
+    // There is no such object (06020000h), read or written.
+    bench.write(0x5F02, 5, 0x0602_0000);
+    bench.write(0x5F02, 6, 3 << 24 | 0x62_0601);
+    bench.write(0x5F00, 0, 2);
+    bench.pass(500);
+    bench.expect("not started: it cannot be configured: object 6206h:01: refused: 06020000h");
+    bench.expect("`without_error_values`");
+    assert!(!bench.manager.inputs(bench.now, Owner::Station(crate::common::PRESS)).valid);
+    bench.clear();
+    // It takes what it is told, and gives back something else.
+    bench.write(0x5F02, 3, 0x01);
+    bench.write(0x5F02, 4, 0x62_0701);
+    bench.write(0x5F00, 0, 2);
+    bench.pass(500);
+    bench.expect("not started: object 6207h:01 ");
+    bench.expect(" is 01h, not 00h as written");
+    bench.clear();
+}
+
+#[test]
+fn one_that_would_keep_its_outputs_is_told_to_let_go_and_does_when_the_manager_falls_silent() {
+    let mut bench = Bench::up();
+    let outputs = |bench: &Bench| bench.rack.plant().outputs(Owner::Station(crate::common::PRESS));
+    // Somebody has set it so that its outputs stay as they are, or go on, and where it is; then it is brought up anew.
+    for frame in ["604#2F06620100000000", "604#2F076201FF000000", "604#2F29100101000000", "000#8004"] {
+        bench.rack.handle(bench.now, &frame.parse().expect("a frame"), &mut Vec::new());
+    }
+    bench.pass(500);
+    assert!(bench.trouble().is_empty(), "{:?}", bench.trouble());
+    let mut out = Outbox::default();
+    bench.manager.set_outputs(bench.now, Owner::Station(crate::common::PRESS), 1, &mut out);
+    for frame in &out.frames {
+        bench.rack.handle(bench.now, frame, &mut Vec::new());
+    }
+    assert_eq!(outputs(&bench), 1);
+    // The manager says nothing any more.
+    for _ in 0..250 {
+        bench.now = bench.now + STEP;
+        bench.rack.poll(bench.now, &mut Vec::new());
+    }
+    assert_eq!(outputs(&bench), 0);
+}
+
+#[test]
 fn a_bad_line_is_drawn_from_its_seed() {
     let said = |seed: u32| {
         let mut bench = Bench::up();

@@ -9,4 +9,5 @@ pub mod cell;
 pub mod explore;
 pub mod generate;
 pub mod parts;
+pub mod positions;
 pub mod structure;

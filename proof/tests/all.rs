@@ -10,6 +10,7 @@ mod lumped;
 mod on_order;
 mod ordered;
 mod parts;
+mod positions;
 mod recovery;
 mod row;
 mod rules;

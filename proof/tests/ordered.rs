@@ -14,10 +14,10 @@ use linewright_coordinator_logic::cell::{
     Reply as Answer, Send, State,
 };
 use linewright_coordinator_logic::described::{Pace, described};
+use linewright_coordinator_shell::orders;
 use linewright_line::net::{Block, ControlMode, Place};
 use linewright_line::{Line, Module, Signals, StationId, Tick, parse};
 use linewright_proof::generate::Random;
-use linewright_simulation::cell::said;
 use linewright_station_logic::{Controller, Happening, Input, ModeOrder, NO_DELAY, Outbox, Restore, TaskCommand};
 
 const LINE: &str = include_str!("../../model/line/tests/descriptions/on_order.toml");
@@ -125,16 +125,7 @@ impl Served {
         if let Some((place, _)) = self.motion.take_if(|(_, at)| *at <= now) {
             self.image |= 1 << signals(line, station, place).complete.0;
         }
-        let order = ModeOrder {
-            boot_id: 1,
-            epoch: 1,
-            mode: ControlMode::Auto,
-            enabled: true,
-            master_stop: None,
-            manual_all: false,
-            buttons: 0,
-            lease: line.timing.lease,
-        };
+        let order = ModeOrder::of(1, 1, ControlMode::Auto, line.timing.lease);
         self.controller.handle(now, Input::Order(order));
         let bits = self.image;
         self.controller.handle(now, Input::Inputs { bits, valid: true, until: Tick::NEVER, under: NO_DELAY });
@@ -241,7 +232,7 @@ impl World {
             for (id, station) in [0u16, 1].into_iter().zip(0..) {
                 let report = self.stations[station as usize].controller.report().order.expect("it works on order");
                 let number = self.sent + 1;
-                self.fly(|| Flying::State(StationId(id), number, said::heard(&report)));
+                self.fly(|| Flying::State(StationId(id), number, orders::heard(&report)));
             }
         }
         let mut arrived = Vec::new();
@@ -276,7 +267,7 @@ impl World {
 
     fn deliver(&mut self, message: &OrderMessage) {
         let station = &mut self.stations[message.station.index()];
-        let order = said::order(message);
+        let order = orders::order(message);
         let known = station.controller.report().order.is_some_and(|report| {
             report.slot.is_some_and(|slot| slot.key == order.key)
                 || report.results.iter().any(|(key, _)| *key == order.key)
@@ -286,13 +277,13 @@ impl World {
         station.step(&self.line, self.now);
         let replies = std::mem::take(&mut station.out.replies);
         assert_eq!(replies.len(), 1);
-        self.fly(|| Flying::Answer(message.station, message.key, said::reply(replies[0].1)));
+        self.fly(|| Flying::Answer(message.station, message.key, orders::reply(replies[0].1)));
     }
 
     /// What it answers the coordinator hears by its state as well.
     fn secure(&mut self, to: StationId, key: Key) {
         let station = &mut self.stations[to.index()];
-        station.controller.handle(self.now, Input::Task(TaskCommand::Secure(said::key(key))));
+        station.controller.handle(self.now, Input::Task(TaskCommand::Secure(orders::key(key))));
         station.step(&self.line, self.now);
         station.out.replies.clear();
     }

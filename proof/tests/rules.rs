@@ -28,25 +28,25 @@ const BAR: &str = "the bar is off its rest while clamp 1 is not open";
 
 #[test]
 fn flags_instead_of_counts_let_the_bar_lift_under_a_closing_clamp() {
-    assert_eq!(goes_wrong(Rules { counted: false, ..Rules::default() }), BAR);
+    assert_eq!(goes_wrong(Rules { counted: false, ..Rules::COUNTS }), BAR);
 }
 
 #[test]
 fn a_count_withdrawn_late_lets_another_station_start_on_it() {
-    assert_eq!(goes_wrong(Rules { withdraw_first: false, ..Rules::default() }), BAR);
+    assert_eq!(goes_wrong(Rules { withdraw_first: false, ..Rules::COUNTS }), BAR);
 }
 
 #[test]
 fn a_count_withdrawn_without_agreement_closes_the_clamp_under_the_bar() {
-    assert_eq!(goes_wrong(Rules { ask: false, ..Rules::default() }), BAR);
+    assert_eq!(goes_wrong(Rules { ask: false, ..Rules::COUNTS }), BAR);
 }
 
 #[test]
 fn a_request_number_used_twice_makes_an_old_agreement_good_again() {
-    assert_eq!(goes_wrong(Rules { fresh_numbers: false, ..Rules::default() }), BAR);
+    assert_eq!(goes_wrong(Rules { fresh_numbers: false, ..Rules::COUNTS }), BAR);
 }
 
 #[test]
 fn going_home_without_withdrawing_the_round_counts_a_part_that_was_never_machined() {
-    assert!(goes_wrong(Rules { redo_round: false, ..Rules::default() }).contains("are of no cycle"));
+    assert!(goes_wrong(Rules { redo_round: false, ..Rules::COUNTS }).contains("are of no cycle"));
 }

@@ -14,12 +14,22 @@ fn hash(text: &str) -> u64 {
     text.bytes().fold(0xcbf2_9ce4_8422_2325, |hash, byte| (hash ^ u64::from(byte)).wrapping_mul(0x100_0000_01b3))
 }
 
+/// The text without what stands from `from` up to the next `until`, each time.
+fn without(text: String, from: &str, until: &str) -> String {
+    let mut parts = text.split(from);
+    let first = parts.next().unwrap_or_default().to_owned();
+    parts.fold(first, |kept, part| kept + part.find(until).map_or(part, |end| &part[end..]))
+}
+
 /// A line of text for each station: of which line, its name, how many bytes its tables take in words, and their hash.
 fn tables(of: &str, line: &Line, out: &mut Vec<String>) {
     for id in line.station_ids() {
         let program = Program::compile(line, id).expect("a sound station compiles");
-        // What only stations on order have is at the end, and not there.
-        let words = format!("{program:?}").replace(", on_order: None", "");
+        // What only stations on order have is at the end, and not there; the second barrier stands beside these tables.
+        let words = without(format!("{program:?}"), ", interlocks: ", ", on_order").replace(", on_order: None", "");
+        // The type of an incoming arrow had another name.
+        let words = words.replace("IncomingArrow {", "Cause {");
+        let words = without(without(words, ", starts: ", ", withdraws"), ", rest: ", ", hold");
         out.push(format!("{of} {} {} {:016x}", line.station(id).name, words.len(), hash(&words)));
     }
 }

@@ -21,6 +21,7 @@ pub mod cell;
 mod condition;
 mod critical;
 mod field;
+mod hands;
 mod idle;
 mod link;
 mod lives;
@@ -42,6 +43,7 @@ mod view;
 
 pub use condition::{Compare, Condition, OperationState, StationState};
 pub use critical::{CriticalPath, Link};
+pub use hands::{Hands, RELEASES};
 pub use log::{Entry, Log, What};
 pub use observer::Seen;
 pub use operator::{Action, Process, Way};

@@ -19,9 +19,9 @@ use linewright_station_logic::{ModeOrder, PanelCommand, Report};
 use crate::options::Network;
 use crate::rng::mix;
 
-/// What is said.
+/// What a message carries.
 #[derive(Clone, Debug)]
-pub(crate) enum Said {
+pub(crate) enum LinkPayload {
     /// The same as before, to this reader.
     Again,
     /// A station's state, to another station.
@@ -41,7 +41,7 @@ pub(crate) enum Said {
 #[derive(Clone, Debug)]
 struct Message {
     arrives: Tick,
-    said: Said,
+    said: LinkPayload,
     /// The reader must look at once.
     wakes: bool,
 }
@@ -53,6 +53,8 @@ pub(crate) struct Link {
     pub(crate) to: usize,
     /// Between stations: the operations of the writer that the reader has an arrow from. It looks at no other count.
     reads: Vec<OpId>,
+    /// The inputs of the writer that say whether the two are clear of each other.
+    measures: u128,
     /// The reader judges by the writer's cycle; see [`linewright_station_logic::Rules::counted`].
     reads_cycle: bool,
     queue: VecDeque<Message>,
@@ -64,11 +66,11 @@ pub(crate) struct Link {
     sent: u64,
     key: u64,
     /// What was said last and not lost.
-    said: Option<Said>,
+    said: Option<LinkPayload>,
     /// Which state of the writer that was.
     said_version: u64,
     /// What has arrived last.
-    pub(crate) heard: Option<Said>,
+    pub(crate) heard: Option<LinkPayload>,
     /// The reader is woken by repetitions too.
     pub(crate) wakes_always: bool,
     /// When the first message arrives that wakes the reader.
@@ -76,12 +78,19 @@ pub(crate) struct Link {
 }
 
 impl Link {
-    pub(crate) fn new(from: usize, to: usize, reads: Vec<OpId>, reads_cycle: bool, term: Duration, seed: u64) -> Self {
+    pub(crate) fn new(
+        (from, to): (usize, usize),
+        (reads, measures): (Vec<OpId>, u128),
+        reads_cycle: bool,
+        term: Duration,
+        seed: u64,
+    ) -> Self {
         let key = mix(seed ^ mix((from as u64) << 32 | to as u64));
         Link {
             from,
             to,
             reads,
+            measures,
             reads_cycle,
             queue: VecDeque::new(),
             last_arrival: Tick::ZERO,
@@ -104,35 +113,42 @@ impl Link {
 
     /// Repeats what was said last.
     pub(crate) fn say_again(&mut self, now: Tick, network: &Network) {
-        self.say_state(now, network, true, self.said_version, || Said::Again);
+        self.say_state(now, network, true, self.said_version, || LinkPayload::Again);
     }
 
     /// Says a station's state, number `version`.
     pub(crate) fn say_report(&mut self, now: Tick, network: &Network, report: &Rc<Report>, version: u64) {
         let is_known = match &self.said {
-            Some(Said::Report(before)) => self.is_same(before, report),
+            Some(LinkPayload::Report(before)) => self.is_same(before, report),
             _ => false,
         };
-        self.say_state(now, network, is_known, version, || Said::Report(Rc::clone(report)));
+        self.say_state(now, network, is_known, version, || LinkPayload::Report(Rc::clone(report)));
     }
 
     /// Says a station's state to the coordinator.
     pub(crate) fn say_heard(&mut self, now: Tick, network: &Network, heard: Heard, version: u64) {
-        let is_known = matches!(&self.said, Some(Said::Heard(before)) if *before == heard);
-        self.say_state(now, network, is_known, version, || Said::Heard(heard));
+        let is_known = matches!(&self.said, Some(LinkPayload::Heard(before)) if *before == heard);
+        self.say_state(now, network, is_known, version, || LinkPayload::Heard(heard));
     }
 
     /// Says the order.
     pub(crate) fn say_order(&mut self, now: Tick, network: &Network, order: ModeOrder, version: u64) {
-        let is_known = matches!(&self.said, Some(Said::Order(before)) if *before == order);
-        self.say_state(now, network, is_known, version, || Said::Order(order));
+        let is_known = matches!(&self.said, Some(LinkPayload::Order(before)) if *before == order);
+        self.say_state(now, network, is_known, version, || LinkPayload::Order(order));
     }
 
-    fn say_state(&mut self, now: Tick, network: &Network, is_known: bool, version: u64, what: impl Fn() -> Said) {
+    fn say_state(
+        &mut self,
+        now: Tick,
+        network: &Network,
+        is_known: bool,
+        version: u64,
+        what: impl Fn() -> LinkPayload,
+    ) {
         let before = self.last_arrival;
         let Some(arrives) = self.way(now, network) else { return };
         self.said_version = version;
-        let said = if is_known { Said::Again } else { what() };
+        let said = if is_known { LinkPayload::Again } else { what() };
         if !is_known {
             self.said = Some(said.clone());
         }
@@ -140,7 +156,7 @@ impl Link {
     }
 
     /// Says what a person says; it is not lost.
-    pub(crate) fn say_word(&mut self, now: Tick, network: &Network, said: Said) {
+    pub(crate) fn say_word(&mut self, now: Tick, network: &Network, said: LinkPayload) {
         if let Some(arrives) = self.way(now, &Network { loss_per_mille: 0, ..*network }) {
             self.push(Message { arrives, said, wakes: true });
         }
@@ -151,6 +167,9 @@ impl Link {
         let answer = |report: &Report| report.answers.iter().find(|answer| answer.to == reader).copied();
         before.boot_id == now.boot_id
             && before.request == now.request
+            && (before.generation, before.position_lost, before.devices_valid)
+                == (now.generation, now.position_lost, now.devices_valid)
+            && (before.measured ^ now.measured) & self.measures == 0
             && self.reads.iter().all(|op| before.done[op.index()] == now.done[op.index()])
             && answer(before) == answer(now)
             && (!self.reads_cycle || before.cycle == now.cycle)
@@ -202,7 +221,7 @@ impl Link {
     #[inline]
     pub(crate) fn take_repetitions(&mut self, now: Tick, number: usize, moments: &mut Vec<(Tick, usize)>) {
         let mut last = None;
-        while let Some(&Message { arrives, said: Said::Again, .. }) = self.queue.front()
+        while let Some(&Message { arrives, said: LinkPayload::Again, .. }) = self.queue.front()
             && arrives <= now
         {
             if let Some(before) = last
@@ -224,7 +243,7 @@ impl Link {
     }
 
     /// Takes the message that has arrived at `now` and says something new.
-    pub(crate) fn take_news(&mut self, now: Tick) -> Option<Said> {
+    pub(crate) fn take_news(&mut self, now: Tick) -> Option<LinkPayload> {
         if self.queue.front().is_none_or(|message| message.arrives > now) {
             return None;
         }

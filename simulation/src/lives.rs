@@ -46,7 +46,7 @@ impl Sim {
     pub(crate) fn kill_station(&mut self, at: usize) {
         let node = &mut self.stations[at];
         if node.is_up() {
-            node.journal = Some(node.controller.snapshot());
+            node.kill();
             self.record.lost(self.now, StationId::at(at));
             // What it asked for stands until the gateway or its own bus's devices miss it.
             let timing = &self.line.timing;
@@ -73,11 +73,10 @@ impl Sim {
     /// Starts a coordinator that has the journal of the one before.
     pub(crate) fn restart_coordinator(&mut self) {
         if !self.coordinator.is_up {
-            let (epoch, estopped) = (self.coordinator.coordinator.epoch(), self.coordinator.coordinator.is_estopped());
             let life = self.next_life();
-            self.coordinator = CoordinatorNode::start(&self.line, life, epoch, estopped);
-            self.mode = self.coordinator.coordinator.mode();
-            self.entered = (self.now, self.coordinator.coordinator.text());
+            self.coordinator = CoordinatorNode::start(&self.line, life, self.coordinator.journal);
+            self.mode = self.coordinator.shell.coordinator().mode();
+            self.entered = (self.now, self.coordinator.shell.coordinator().text());
             self.field.bus_read(self.now, &self.line, true);
             self.wake_fields();
             self.begin(self.coordinator_node(), life);

@@ -1,31 +1,33 @@
-//! The shells of the nodes, without sockets and clocks: a controller or the coordinator with what it has said last.
+//! The processes of the nodes: their shells, with what they have said last.
 
 use std::collections::VecDeque;
 use std::rc::Rc;
 
-use linewright_coordinator_logic::{Coordinator, Heard, Input as Told, Outbox as Orders};
+use linewright_coordinator_logic::Heard;
+use linewright_coordinator_shell::{CoordinatorArrival, CoordinatorEffect, CoordinatorShell, Remembered, heard};
 use linewright_line::{Line, StationId, Tick};
-use linewright_station_logic::{
-    CompileError, Controller, Event, Input, ModeOrder, NO_DELAY, Outbox, Report, Restore, Rules, Snapshot,
-};
+use linewright_station_logic::{CompileError, Controller, ModeOrder, Report, Restore, Rules, Snapshot};
+use linewright_station_shell::{StationArrival, StationEffect, StationShell};
 
-use crate::link::Said;
+use crate::link::LinkPayload;
 
 /// A station's process.
 pub(crate) struct StationNode {
     pub(crate) id: StationId,
-    pub(crate) controller: Controller,
+    shell: StationShell,
     /// What its disk holds while it is down.
     pub(crate) journal: Option<Snapshot>,
-    outbox: Outbox,
+    pub(crate) effects: Vec<StationEffect>,
     pub(crate) outputs: u128,
     /// The image it was told last.
     image: (u128, bool),
+    /// Links keep the order of messages, so each is newer than the one before.
+    taken: u64,
     /// Its state as reported last, and that state's number.
     pub(crate) report: Rc<Report>,
     pub(crate) version: u64,
     /// Something may differ from the report.
-    pub(crate) is_unsaid: bool,
+    is_unsaid: bool,
     /// Reports nobody may be reading any more, oldest first.
     spare: VecDeque<Rc<Report>>,
 }
@@ -41,19 +43,24 @@ impl StationNode {
         how: Restore,
         rules: Rules,
     ) -> Result<Self, CompileError> {
-        let controller = Controller::new(line, id, life, how)?.with_rules(rules);
+        let shell = StationShell::new(line, id, life, how)?.without_refresh().with_rules(rules);
         Ok(StationNode {
             id,
-            report: Rc::new(controller.report()),
-            controller,
+            report: Rc::new(shell.controller().report()),
+            shell,
             journal: None,
-            outbox: Outbox::default(),
+            effects: Vec::new(),
             outputs: 0,
             image: (0, false),
+            taken: 0,
             version: 1,
             is_unsaid: true,
             spare: VecDeque::new(),
         })
+    }
+
+    pub(crate) fn controller(&self) -> &Controller {
+        self.shell.controller()
     }
 
     pub(crate) fn is_up(&self) -> bool {
@@ -61,14 +68,16 @@ impl StationNode {
     }
 
     /// Takes a message from `from`.
-    pub(crate) fn hear(&mut self, now: Tick, from: usize, said: &Said) {
-        let input = match said {
-            Said::Report(report) => Input::View(StationId::at(from), report),
-            Said::Order(order) => Input::Order(*order),
-            Said::Panel(command) => Input::Panel(*command),
-            Said::Again | Said::Heard(_) | Said::Command(_) | Said::Buttons(_) => return,
+    pub(crate) fn hear(&mut self, now: Tick, from: usize, said: &LinkPayload) {
+        self.taken += 1;
+        let sequence = self.taken;
+        let arrival = match said {
+            LinkPayload::Report(report) => StationArrival::State { station: StationId::at(from), sequence, report },
+            LinkPayload::Order(order) => StationArrival::Order { sequence, order: *order },
+            LinkPayload::Panel(command) => StationArrival::Panel(*command),
+            LinkPayload::Again | LinkPayload::Heard(_) | LinkPayload::Command(_) | LinkPayload::Buttons(_) => return,
         };
-        self.controller.handle(now, input);
+        self.shell.handle(now, arrival, &mut self.effects);
     }
 
     /// Takes its devices' image; gives whether it differs from the last one.
@@ -79,20 +88,39 @@ impl StationNode {
         self.image = image;
         let (bits, valid) = image;
         // The image follows the outputs at once, and whoever gives it says when the devices are lost.
-        self.controller.handle(now, Input::Inputs { bits, valid, until: Tick::NEVER, under: NO_DELAY });
+        self.shell.handle(now, StationArrival::Devices { bits, valid, losses: 0 }, &mut self.effects);
         true
     }
 
-    /// Plays the controller one image further. Gives whether its state is to be said now.
+    /// Plays the station one step further; what follows is in `effects`. Gives whether its state is to be said now.
     pub(crate) fn step(&mut self, now: Tick) -> bool {
-        self.controller.step(now, &mut self.outbox);
-        self.is_unsaid |= self.outbox.changed || self.outbox.outputs != self.outputs;
-        self.outputs = self.outbox.outputs;
-        self.outbox.changed
+        self.shell.act(now, &mut self.effects);
+        let mut says = false;
+        for effect in &self.effects {
+            match effect {
+                StationEffect::Drive(image) => {
+                    self.is_unsaid |= image.bits != self.outputs;
+                    self.outputs = image.bits;
+                }
+                StationEffect::Tell { .. } => says = true,
+                // What its disk holds is asked for when it dies: it changes with the state alone.
+                StationEffect::Remember
+                | StationEffect::Reply(..)
+                | StationEffect::Happened(_)
+                | StationEffect::Ignored { .. } => {}
+            }
+        }
+        self.is_unsaid |= says;
+        says
     }
 
-    pub(crate) fn events(&mut self) -> &mut Vec<Event> {
-        &mut self.outbox.events
+    /// Ends its process.
+    pub(crate) fn kill(&mut self) {
+        self.journal = Some(self.shell.snapshot());
+    }
+
+    pub(crate) fn next_deadline(&self) -> Tick {
+        self.shell.next_deadline()
     }
 
     /// Brings the report up to date.
@@ -107,8 +135,8 @@ impl StationNode {
             None => Rc::default(),
         };
         match Rc::get_mut(&mut report) {
-            Some(free) => self.controller.report_into(free),
-            None => report = Rc::new(self.controller.report()),
+            Some(free) => self.shell.controller().report_into(free),
+            None => report = Rc::new(self.shell.controller().report()),
         }
         let before = std::mem::replace(&mut self.report, report);
         if self.spare.len() < SPARE_MAX {
@@ -118,54 +146,50 @@ impl StationNode {
 
     /// What the coordinator looks at.
     pub(crate) fn heard(&self) -> Heard {
-        let report = &self.report;
-        Heard {
-            boot_id: report.boot_id,
-            mode_epoch: report.mode_epoch,
-            at_home: report.at_home,
-            round: report.round,
-            stopped: report.stopped,
-            incomplete: !report.incomplete.is_empty(),
-            selector_manual: report.selector_manual,
-            devices_valid: report.devices_valid,
-        }
+        heard(&self.report)
     }
 }
 
 /// The coordinator's process.
 pub(crate) struct CoordinatorNode {
-    pub(crate) coordinator: Coordinator,
+    pub(crate) shell: CoordinatorShell,
     pub(crate) is_up: bool,
-    pub(crate) life: u64,
-    pub(crate) outbox: Orders,
+    pub(crate) effects: Vec<CoordinatorEffect>,
+    /// What its disk holds.
+    pub(crate) journal: Remembered,
     console: Option<(u128, bool)>,
+    /// Links keep the order of messages, so each is newer than the one before.
+    taken: u64,
     /// The number of the order it gives now.
     pub(crate) version: u64,
     order: Option<ModeOrder>,
 }
 
 impl CoordinatorNode {
-    pub(crate) fn start(line: &Line, life: u64, last_epoch: u64, estopped: bool) -> Self {
-        let coordinator = Coordinator::new(line.clone(), last_epoch);
+    pub(crate) fn start(line: &Line, life: u64, journal: Remembered) -> Self {
         CoordinatorNode {
-            coordinator: if estopped { coordinator.with_estop() } else { coordinator },
+            shell: CoordinatorShell::new(line, life, journal).without_refresh_and_gateway(),
             is_up: true,
-            life,
-            outbox: Orders::default(),
+            effects: Vec::new(),
+            journal,
             console: None,
+            taken: 0,
             version: 0,
             order: None,
         }
     }
 
-    pub(crate) fn hear(&mut self, now: Tick, from: usize, said: &Said) {
-        let told = match said {
-            Said::Heard(heard) => Told::Station(StationId::at(from), *heard),
-            Said::Command(command) => Told::Command(*command),
-            Said::Buttons(held) => Told::Buttons(*held),
-            Said::Again | Said::Report(_) | Said::Order(_) | Said::Panel(_) => return,
+    pub(crate) fn hear(&mut self, now: Tick, from: usize, said: &LinkPayload) {
+        self.taken += 1;
+        let arrival = match said {
+            LinkPayload::Heard(heard) => {
+                CoordinatorArrival::State { station: StationId::at(from), sequence: self.taken, heard: *heard }
+            }
+            LinkPayload::Command(command) => CoordinatorArrival::Command(*command),
+            LinkPayload::Buttons(held) => CoordinatorArrival::Buttons(*held),
+            LinkPayload::Again | LinkPayload::Report(_) | LinkPayload::Order(_) | LinkPayload::Panel(_) => return,
         };
-        self.coordinator.handle(now, told);
+        self.shell.handle(now, arrival);
     }
 
     /// Takes the console's image; gives whether it differs from the last one.
@@ -174,23 +198,19 @@ impl CoordinatorNode {
             return false;
         }
         self.console = Some(image);
-        self.coordinator.handle(now, Told::Console { bits: image.0, valid: image.1 });
+        self.shell.handle(now, CoordinatorArrival::Console { bits: image.0, valid: image.1 });
         true
+    }
+
+    /// Writes a record down; this disk is never full.
+    pub(crate) fn remember(&mut self, now: Tick, record: Remembered) {
+        self.journal = record;
+        self.shell.remembered(now, record, true);
     }
 
     /// The order as it stands; its number grows when it differs from the last one asked for.
     pub(crate) fn order(&mut self) -> ModeOrder {
-        let order = self.coordinator.order();
-        let order = ModeOrder {
-            boot_id: self.life,
-            epoch: order.epoch,
-            mode: order.mode,
-            enabled: order.enabled,
-            master_stop: order.master_stop,
-            manual_all: order.manual_all,
-            buttons: order.buttons,
-            lease: order.lease,
-        };
+        let order = self.shell.order();
         if self.order != Some(order) {
             self.order = Some(order);
             self.version += 1;

@@ -1,16 +1,16 @@
 //! What people, and bad luck, do to a line.
 //!
-//! Commands and buttons go by message, like those of a console or a page; held buttons are said again every refresh
-//! period, as long as they are held. Faults act on the mechanisms, the devices and the processes themselves.
-
-use std::collections::BTreeSet;
+//! Commands and buttons go by message, like those of a console or a page; held buttons are sent again every refresh
+//! period, as long as they are held, and a release a few times, since one message can get lost. Faults act on the
+//! mechanisms, the devices and the processes themselves.
 
 use linewright_coordinator_logic::Command;
 use linewright_line::{InputId, OpId, StationId};
 use linewright_plant::Fault;
 use linewright_station_logic::{CompileError, PanelCommand};
 
-use crate::link::Said;
+use crate::hands::RELEASES;
+use crate::link::LinkPayload;
 use crate::options::NetworkChange;
 use crate::sim::Sim;
 
@@ -66,13 +66,6 @@ pub enum Action {
     Network(NetworkChange),
 }
 
-/// What people hold down.
-#[derive(Clone, Debug, Default)]
-pub(crate) struct Hands {
-    panel: BTreeSet<(StationId, bool)>,
-    buttons: u32,
-}
-
 impl Sim {
     /// Does something to the line now.
     ///
@@ -85,23 +78,23 @@ impl Sim {
         // Whatever comes of it takes a moment.
         self.last_event = now;
         match action {
-            Action::Command(command) => self.say_word(self.coordinator_node(), Said::Command(command)),
+            Action::Command(command) => self.say_word(self.coordinator_node(), LinkPayload::Command(command)),
             Action::Panel { station, advance, down } => {
-                let known = if down {
-                    self.hands.panel.insert((station, advance))
+                let changes = if down {
+                    self.hands.press(station, advance)
                 } else {
-                    self.hands.panel.remove(&(station, advance))
+                    self.hands.release(station, advance, RELEASES)
                 };
-                if known {
+                if changes {
                     self.say_panel(station, advance, down);
                 }
             }
             Action::Buttons(held) => {
-                self.hands.buttons = held;
-                self.say_word(self.coordinator_node(), Said::Buttons(held));
+                self.hands.hold(held, RELEASES);
+                self.say_word(self.coordinator_node(), LinkPayload::Buttons(held));
             }
             Action::Selector(station, manual) => {
-                self.say_word(station.index(), Said::Panel(PanelCommand::Selector(manual)));
+                self.say_word(station.index(), LinkPayload::Panel(PanelCommand::Selector(manual)));
             }
             Action::Fail(op, way, fault) => {
                 if way != Way::Recovery {
@@ -139,7 +132,7 @@ impl Sim {
             Process::Coordinator => self.is_up(self.coordinator_node()),
         };
         match *action {
-            Action::Panel { station, advance, down } if down == self.hands.panel.contains(&(station, advance)) => {
+            Action::Panel { station, advance, down } if down == self.hands.holds(station, advance) => {
                 let side = if advance { "advance" } else { "return" };
                 let state = if down { "held already" } else { "not held" };
                 Some(format!("{side} of {} is {state}", line.station(station).name))
@@ -157,18 +150,16 @@ impl Sim {
 
     fn say_panel(&mut self, station: StationId, advance: bool, down: bool) {
         let command = if advance { PanelCommand::Advance(down) } else { PanelCommand::Retract(down) };
-        self.say_word(station.index(), Said::Panel(command));
+        self.say_word(station.index(), LinkPayload::Panel(command));
     }
 
-    /// Says again what is held.
+    /// Says again what is held, and what was let go of a moment ago.
     pub(crate) fn say_held(&mut self) {
-        if !self.hands.panel.is_empty() {
-            for (station, advance) in self.hands.panel.clone() {
-                self.say_panel(station, advance, true);
-            }
+        for (station, advance, down) in self.hands.panel_again() {
+            self.say_panel(station, advance, down);
         }
-        if self.hands.buttons != 0 {
-            self.say_word(self.coordinator_node(), Said::Buttons(self.hands.buttons));
+        if let Some(held) = self.hands.buttons_again() {
+            self.say_word(self.coordinator_node(), LinkPayload::Buttons(held));
         }
     }
 }

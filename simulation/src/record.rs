@@ -216,7 +216,14 @@ impl Record {
                 self.idle[station.index()].enter(now, mode);
                 self.is_disturbed |= mode != ControlMode::Auto;
             }
-            Happening::Asked(_) | Happening::NotAgreed { .. } | Happening::Refused | Happening::Devices(_) => {}
+            Happening::PositionLost(..) => self.is_disturbed = true,
+            Happening::Asked(_)
+            | Happening::NotAgreed { .. }
+            | Happening::Refused
+            | Happening::Devices(_)
+            | Happening::Founded
+            | Happening::Rejoined
+            | Happening::PositionFound => {}
             // Nobody gives orders in a simulated line.
             Happening::Ordered(_)
             | Happening::OrderRefused(_)

@@ -7,17 +7,19 @@
 use std::collections::VecDeque;
 
 use linewright_coordinator_logic::{Command, Refusal};
+use linewright_coordinator_shell::{CoordinatorEffect, Remembered};
 use linewright_line::net::ControlMode;
 use linewright_line::{Line, Tick};
 use linewright_plant::PlantOptions;
 use linewright_station_logic::{CompileError, Restore};
+use linewright_station_shell::StationEffect;
 
 use crate::field::Field;
-use crate::link::{Link, Said};
+use crate::hands::Hands;
+use crate::link::{Link, LinkPayload};
 use crate::log::{Log, What};
 use crate::node::{CoordinatorNode, StationNode};
 use crate::observer::Observer;
-use crate::operator::Hands;
 use crate::options::Options;
 use crate::record::Record;
 use crate::talk::links_of;
@@ -86,7 +88,7 @@ impl Sim {
             arrows,
             field,
             stations: Vec::with_capacity(count),
-            coordinator: CoordinatorNode::start(line, 1, 0, false),
+            coordinator: CoordinatorNode::start(line, 1, Remembered::default()),
             hands: Hands::default(),
             repeats: VecDeque::new(),
             lives: vec![1; count + 2],
@@ -109,7 +111,7 @@ impl Sim {
             sim.begin(id.index(), life);
         }
         let life = sim.next_life();
-        sim.coordinator.life = life;
+        sim.coordinator = CoordinatorNode::start(line, life, Remembered::default());
         sim.begin(sim.coordinator_node(), life);
         sim.repeats.push_back((Tick::ZERO, sim.operator_node(), 1));
         Ok(sim)
@@ -210,7 +212,7 @@ impl Sim {
             Some(station) => {
                 if let Some(said) = &said {
                     station.hear(self.now, from, said);
-                    if let Said::Report(report) = said {
+                    if let LinkPayload::Report(report) = said {
                         self.record.hear(&self.line, self.now, &self.arrows[at], report);
                     }
                 }
@@ -220,7 +222,7 @@ impl Sim {
                 if let Some(said) = &said {
                     self.coordinator.hear(self.now, from, said);
                 }
-                let command = if let Some(Said::Command(command)) = said { Some(command) } else { None };
+                let command = if let Some(LinkPayload::Command(command)) = said { Some(command) } else { None };
                 self.play_coordinator(command);
             }
         }
@@ -266,17 +268,16 @@ impl Sim {
         let before = node.outputs;
         let says = node.step(now);
         let (outputs, id) = (node.outputs, node.id);
-        if !node.events().is_empty() {
+        let mut effects = std::mem::take(&mut node.effects);
+        for effect in effects.drain(..) {
+            let StationEffect::Happened(event) = effect else { continue };
             self.last_event = now;
-            let mut events = std::mem::take(node.events());
-            for event in events.drain(..) {
-                self.record.enter(&self.line, now, id, &event);
-                if self.options.keeps_log {
-                    self.log.push(now, What::Station(id, event));
-                }
+            self.record.enter(&self.line, now, id, &event);
+            if self.options.keeps_log {
+                self.log.push(now, What::Station(id, event));
             }
-            *self.stations[at].events() = events;
         }
+        self.stations[at].effects = effects;
         if outputs != before {
             self.field.ask(now, at, outputs);
             self.observer.look(&self.line, &self.field, at);
@@ -286,37 +287,51 @@ impl Sim {
             self.attend(at);
             self.say_station(at);
         }
-        let deadline = self.stations[at].controller.next_deadline().unwrap_or(Tick::NEVER);
+        let deadline = self.stations[at].next_deadline();
         self.wake_node(at, deadline.max(now));
     }
 
     fn play_coordinator(&mut self, asked: Option<Command>) {
         let now = self.now;
-        let node = &mut self.coordinator;
-        node.coordinator.step(now, &mut node.outbox);
-        for mode in node.outbox.modes.drain(..) {
-            self.mode = mode;
-            self.entered = (now, node.coordinator.text());
-            self.last_event = now;
-            if self.options.keeps_log {
-                self.log.push(now, What::Mode(mode));
+        let mut effects = std::mem::take(&mut self.coordinator.effects);
+        self.coordinator.shell.act(now, &mut effects);
+        let (mut refusal, mut says) = (None, false);
+        for effect in effects.drain(..) {
+            match effect {
+                CoordinatorEffect::Entered(mode) => self.enter(mode),
+                CoordinatorEffect::Refused(refused) => {
+                    if self.options.keeps_log {
+                        self.log.push(now, What::Refusal(refused.text(&self.line)));
+                    }
+                    refusal = Some(refused);
+                }
+                CoordinatorEffect::Remember(record) => self.coordinator.remember(now, record),
+                CoordinatorEffect::Order { .. } => says = true,
+                // Lamps move nothing, and images travel without a gateway.
+                CoordinatorEffect::Lamps(_)
+                | CoordinatorEffect::Energise(..)
+                | CoordinatorEffect::Inputs { .. }
+                | CoordinatorEffect::Tell { .. } => {}
             }
         }
-        let mut refusal = None;
-        for refused in node.outbox.refusals.drain(..) {
-            if self.options.keeps_log {
-                self.log.push(now, What::Refusal(refused.text(&self.line)));
-            }
-            refusal = Some(refused);
-        }
+        self.coordinator.effects = effects;
         if let Some(command) = asked {
             self.answers.push(Answer { command, refusal });
         }
-        if node.outbox.changed {
+        if says {
             self.say_order();
         }
-        let deadline = self.coordinator.coordinator.next_deadline().unwrap_or(Tick::NEVER);
+        let deadline = self.coordinator.shell.next_deadline(now);
         self.wake_node(self.coordinator_node(), deadline.max(now));
+    }
+
+    fn enter(&mut self, mode: ControlMode) {
+        self.mode = mode;
+        self.entered = (self.now, self.coordinator.shell.coordinator().text());
+        self.last_event = self.now;
+        if self.options.keeps_log {
+            self.log.push(self.now, What::Mode(mode));
+        }
     }
 
     pub(crate) fn note(&mut self, what: String) {

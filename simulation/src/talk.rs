@@ -4,9 +4,10 @@
 //! its reader. What is no news the reader takes before the next thing it does, each message at its own time.
 
 use linewright_line::net::ControlMode;
-use linewright_line::{Line, OpId};
+use linewright_line::{Line, OpId, StationId};
+use linewright_station_logic::ModeOrder;
 
-use crate::link::{Link, Said};
+use crate::link::{Link, LinkPayload};
 use crate::options::Options;
 use crate::sim::Sim;
 
@@ -35,7 +36,7 @@ impl Sim {
     /// Where a person's button decides what a station does next, its controller is woken by every message: a press is
     /// looked at again in the step after the one it arrived in.
     pub(crate) fn attend(&mut self, at: usize) {
-        let mode = self.stations[at].controller.mode();
+        let mode = self.stations[at].controller().mode();
         let attends = self.options.one_by_one || matches!(mode, ControlMode::Hand | ControlMode::Manual);
         for index in 0..self.into[at].len() {
             let link = self.into[at][index];
@@ -91,6 +92,10 @@ impl Sim {
         for index in 0..self.out_of[node].len() {
             let number = self.out_of[node][index];
             if self.is_up(self.links[number].to) {
+                let order = ModeOrder {
+                    found: self.coordinator.shell.order_for(StationId::at(self.links[number].to)).found,
+                    ..order
+                };
                 self.links[number].say_order(now, &network, order, version);
                 self.timers.set(number, self.links[number].wakes());
             }
@@ -98,7 +103,7 @@ impl Sim {
     }
 
     /// Says a word of the operator's to a node.
-    pub(crate) fn say_word(&mut self, to: usize, said: Said) {
+    pub(crate) fn say_word(&mut self, to: usize, said: LinkPayload) {
         let operator = self.operator_node();
         let number = self.out_of[operator].iter().copied().find(|&at| self.links[at].to == to);
         if let Some(number) = number.filter(|_| self.is_up(to)) {
@@ -112,9 +117,9 @@ impl Sim {
 pub(crate) fn links_of(line: &Line, options: &Options) -> (Vec<Link>, Vec<Vec<usize>>) {
     let (coordinator, operator) = (line.stations.len(), line.stations.len() + 1);
     let (mut links, mut arrows) = (Vec::new(), Vec::new());
-    let mut add = |from: usize, to: usize, reads: Vec<OpId>, carried: Vec<usize>| {
+    let mut add = |from: usize, to: usize, reads: (Vec<OpId>, u128), carried: Vec<usize>| {
         let term = if from == coordinator { line.timing.lease } else { line.timing.stale };
-        let mut link = Link::new(from, to, reads, !options.rules.counted, term, options.seed);
+        let mut link = Link::new((from, to), reads, !options.rules.counted, term, options.seed);
         link.wakes_always = options.one_by_one;
         links.push(link);
         arrows.push(carried);
@@ -124,17 +129,26 @@ pub(crate) fn links_of(line: &Line, options: &Options) -> (Vec<Link>, Vec<Vec<us
             let joins = |a: &linewright_line::Arrow, x: usize, y: usize| a.from.0.index() == x && a.to.0.index() == y;
             let carried: Vec<usize> = (0..line.arrows.len()).filter(|&at| joins(&line.arrows[at], from, to)).collect();
             // A reader of whom the writer has arrows is asked for agreement, and answers.
-            if !carried.is_empty() || line.arrows.iter().any(|a| joins(a, to, from)) {
+            let measures = measured_by(line, from, to);
+            if !carried.is_empty() || measures.is_some() || line.arrows.iter().any(|a| joins(a, to, from)) {
                 let mut reads: Vec<OpId> = carried.iter().map(|&at| line.arrows[at].from.1).collect();
                 reads.sort_unstable();
                 reads.dedup();
-                add(from, to, reads, carried);
+                add(from, to, (reads, measures.unwrap_or(0)), carried);
             }
         }
-        add(from, coordinator, Vec::new(), Vec::new());
-        add(coordinator, from, Vec::new(), Vec::new());
-        add(operator, from, Vec::new(), Vec::new());
+        add(from, coordinator, (Vec::new(), 0), Vec::new());
+        add(coordinator, from, (Vec::new(), 0), Vec::new());
+        add(operator, from, (Vec::new(), 0), Vec::new());
     }
-    add(operator, coordinator, Vec::new(), Vec::new());
+    add(operator, coordinator, (Vec::new(), 0), Vec::new());
     (links, arrows)
+}
+
+/// The inputs of one station that tell another whether the two are clear of each other; none where no conflict joins them.
+fn measured_by(line: &Line, writer: usize, reader: usize) -> Option<u128> {
+    let sides = line.conflicts.iter().flat_map(|conflict| [(&conflict.a, &conflict.b), (&conflict.b, &conflict.a)]);
+    let read = sides.filter(|(of, other)| of.station.index() == writer && other.station.index() == reader);
+    let inputs: Vec<u128> = read.map(|(of, _)| line.clearance(of).unwrap_or(0)).collect();
+    (!inputs.is_empty()).then(|| inputs.iter().fold(0, |all, inputs| all | inputs))
 }

@@ -53,7 +53,7 @@ impl Sim {
     /// The controller of a station; none while its process is down.
     pub fn controller(&self, station: StationId) -> Option<&Controller> {
         let node = &self.stations[station.index()];
-        node.is_up().then_some(&node.controller)
+        node.is_up().then_some(node.controller())
     }
 
     /// The last cycle in which an operation is done.
@@ -64,7 +64,7 @@ impl Sim {
     /// A station is up, heard by the coordinator, and has its devices.
     pub fn hears(&self, station: StationId) -> bool {
         self.coordinator.is_up
-            && self.coordinator.coordinator.hears(station)
+            && self.coordinator.shell.coordinator().hears(station)
             && self.controller(station).is_some_and(|controller| controller.report().devices_valid)
     }
 

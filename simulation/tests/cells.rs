@@ -2,6 +2,8 @@
 //! plant's parts, which neither the coordinator nor any station sees: none is lost, none is made twice, each lies where it is
 //! said to lie, and each has had the work of its plan.
 
+mod expiry;
+
 use std::collections::BTreeMap;
 use std::path::Path;
 use std::sync::Arc;
@@ -282,9 +284,9 @@ fn every_resource_that_works_has_a_nest_in_the_line() {
     }
 }
 
-/// Seed 001, §6 (L227-229): the robot comes to the machine without the part, so that the clamp is never closed; the watchdog fires, both
-/// are led to a secure state, the operator is told, puts the part right and says so, the marking from before is restored, and
-/// the loading is done again.
+/// Seed 001, §6 (L227-229): the robot comes to the machine without the part, so that the clamp is never closed; the
+/// watchdog fires, both are led to a secure state, an alarm is raised, the operator puts the part right and answers it, the
+/// marking from before is restored, and the loading is done again.
 #[test]
 fn the_story_of_a_part_that_was_not_grasped_with_real_stations() {
     let of = shipped("workcell-c1", &[1, 0]);

@@ -65,6 +65,10 @@ impl Field {
         self.frames.drain(..)
     }
 
+    pub(crate) fn lose_parts(&mut self) {
+        self.observer.lose_parts();
+    }
+
     pub(crate) fn observer(&self) -> &Observer {
         &self.observer
     }

@@ -17,6 +17,8 @@ pub struct Ledger {
     /// Entries struck out, by station: documented redo.
     struck: Vec<u64>,
     errors: Vec<String>,
+    /// Stations without memory, until the next founding: their counts are not compared.
+    uncounted: Vec<bool>,
 }
 
 impl Ledger {
@@ -29,10 +31,26 @@ impl Ledger {
             entries: line.stations.iter().map(|s| vec![Vec::new(); s.operations.len()]).collect(),
             struck: vec![0; line.stations.len()],
             errors: Vec::new(),
+            uncounted: vec![false; line.stations.len()],
         }
     }
 
+    /// A station has lost its memory.
+    pub(crate) fn lose(&mut self, station: StationId) {
+        self.uncounted[station.index()] = true;
+    }
+
     pub(crate) fn enter(&mut self, line: &Line, station: StationId, event: &Event) {
+        if event.what == Happening::Founded {
+            // Counts begin anew.
+            let fresh = Ledger::new(line);
+            self.first[station.index()].clone_from(&fresh.first[station.index()]);
+            self.entries[station.index()].iter_mut().for_each(Vec::clear);
+            self.uncounted[station.index()] = false;
+        }
+        if self.uncounted[station.index()] {
+            return;
+        }
         let entries = &mut self.entries[station.index()];
         match event.what {
             Happening::Completed(op, Block::Normal) => {

@@ -2,14 +2,15 @@
 //!
 //! The middleware's promises are not relied on: a message may be late, lost, doubled or overtaken. Lost is what is
 //! said again anyway (states, orders, images, held buttons); a command is either delivered or, across a partition,
-//! gone: its sender sees no answer and asks again. What people say carries no number, so one thing is relied on for
-//! it that the middleware does give: messages of one writer on one topic arrive in their order, or not at all.
+//! gone: its sender sees no answer and asks again. What people say carries no number, and an emergency stop is obeyed
+//! whatever its number. For these one thing is relied on that the middleware does give: messages of one writer on one
+//! topic arrive in their order, or not at all. An emergency stop that overtook its own end would cost another reset.
 
 use std::collections::{BTreeMap, BTreeSet};
 use std::rc::Rc;
 
 use linewright_coordinator_logic::Command;
-use linewright_line::{StationId, Tick};
+use linewright_line::{OpId, StationId, Tick};
 use linewright_station_logic::{ModeOrder, PanelCommand, Report};
 
 use linewright_simulation::Rng;
@@ -41,6 +42,8 @@ pub struct Image {
     /// Outputs: the number of this image. Inputs: which life of the station, and which image of it, they were taken
     /// under.
     pub under: (u64, u64),
+    /// Outputs: the newest mode epoch that was heard when they were decided.
+    pub mode_epoch: u64,
 }
 
 /// What is said.
@@ -56,6 +59,8 @@ pub enum Message {
     Outputs(Image),
     /// A station's panel.
     Panel(PanelCommand),
+    /// An operator's confirmation of where a station stands.
+    Rejoin(Option<OpId>),
     /// An operator's command.
     Command(Command),
     /// Hand-mode buttons held.
@@ -66,7 +71,7 @@ impl Message {
     fn is_repeated(&self) -> bool {
         match self {
             Message::Report(..) | Message::Order(..) | Message::Inputs(_) | Message::Outputs(_) => true,
-            Message::Panel(PanelCommand::Selector(_)) | Message::Command(_) => false,
+            Message::Panel(PanelCommand::Selector(_)) | Message::Command(_) | Message::Rejoin(_) => false,
             Message::Panel(_) | Message::Buttons(_) => true,
         }
     }
@@ -102,8 +107,8 @@ pub(crate) struct Network {
     pub(crate) image_conditions: Conditions,
     /// Directed links that carry nothing.
     cut: BTreeSet<(Node, Node)>,
-    /// When the last of what people said arrives, for each listener.
-    last_word: BTreeMap<Node, Tick>,
+    /// When the last of what people said, and of the coordinator's orders, arrives, for each listener.
+    last_word: BTreeMap<(Node, Node), Tick>,
 }
 
 impl Network {
@@ -142,11 +147,17 @@ impl Network {
             return [None, None];
         }
         if from == Node::Operator {
-            let last = self.last_word.entry(to).or_insert(now);
+            let last = self.last_word.entry((from, to)).or_insert(now);
             *last = ways[0].max(*last);
             return [Some(*last), None];
         }
         let again = message.is_repeated() && rng.chance(double_per_mille);
+        if matches!(message, Message::Order(..)) {
+            let last = self.last_word.entry((from, to)).or_insert(now);
+            let first = ways[0].max(*last);
+            *last = if again { ways[1].max(first) } else { first };
+            return [Some(first), again.then_some(*last)];
+        }
         [Some(ways[0]), again.then_some(ways[1])]
     }
 }

@@ -14,6 +14,9 @@ use linewright_simulation::What;
 /// How long a person waits for something that should happen before calling for help.
 const PATIENCE: Duration = Duration::from_secs(60);
 
+/// How often a release is sent.
+const RELEASES: u8 = linewright_simulation::RELEASES + 1;
+
 impl Sim {
     /// Gives a command, by message.
     pub fn command(&mut self, command: Command) {
@@ -23,7 +26,7 @@ impl Sim {
 
     /// Gives a command and waits for the answer: obeyed, or refused in words. No answer is a refusal too.
     pub fn ask(&mut self, command: Command) -> Result<(), String> {
-        let answered = |sim: &Sim| sim.coordinator.as_ref().map(|c| (c.boot_id, c.answered));
+        let answered = |sim: &Sim| sim.coordinator.as_ref().map(|c| (c.boot_id(), c.answered));
         let before = answered(self);
         let seen = self.log.entries().len();
         self.command(command);
@@ -58,28 +61,25 @@ impl Sim {
     pub fn press(&mut self, station: StationId, advance: bool) {
         let side = if advance { "advance" } else { "return" };
         self.act(format!("{side} of {} down", self.line.station(station).name));
-        self.fingers.insert((station, advance), ());
+        self.hands.press(station, advance);
         self.say_fingers();
     }
 
     /// Lets go of a panel button.
     pub fn release(&mut self, station: StationId, advance: bool) {
-        if self.fingers.remove(&(station, advance)).is_some() {
+        if self.hands.release(station, advance, RELEASES) {
             let side = if advance { "advance" } else { "return" };
             self.act(format!("{side} of {} up", self.line.station(station).name));
-            let command = if advance { PanelCommand::Advance(false) } else { PanelCommand::Retract(false) };
-            self.say_panel(station, command);
+            self.say_fingers();
         }
     }
 
     /// Holds exactly these hand-mode buttons of the main console, by message.
     pub fn hold_buttons(&mut self, held: u32) {
-        if held != self.buttons {
+        if held != self.hands.buttons() {
             self.act(format!("hand-mode buttons {held:#b}"));
         }
-        self.buttons = held;
-        // The release too is said, once; silence would do the same a little later.
-        self.say(Node::Operator, Node::Coordinator, Message::Buttons(held));
+        self.hands.hold(held, RELEASES);
         self.say_fingers();
     }
 
@@ -131,7 +131,7 @@ impl Sim {
 
     /// Waits until everything is heard, then gives start.
     pub fn start(&mut self) {
-        self.run_until("every station is heard and at home", |s| s.all_heard());
+        self.run_until("everything is heard", |s| s.all_heard() && s.hears_console());
         // The coordinator hears of the devices a moment later.
         self.run_for(Duration::from_millis(300));
         self.order(Command::Start);
@@ -148,7 +148,13 @@ impl Sim {
         let Some(node) = &self.coordinator else { return false };
         self.line
             .station_ids()
-            .all(|id| node.coordinator.hears(id) && self.controller(id).is_some_and(|c| c.report().devices_valid))
+            .all(|id| node.coordinator().hears(id) && self.controller(id).is_some_and(|c| c.report().devices_valid))
+    }
+
+    /// The console's device is in order.
+    fn hears_console(&self) -> bool {
+        let trouble = |node: &crate::coordinator::CoordinatorProcess| node.trouble(self.now, Owner::Console);
+        self.coordinator.as_ref().is_some_and(|node| trouble(node).is_empty())
     }
 
     /// Holds a panel button until the operation under way ends, one way or another, then lets go.
@@ -186,6 +192,34 @@ impl Sim {
         if !self.jog(station, true) || self.is_incomplete(station) {
             self.give_up(&format!("{station} does not resume: {:?}", self.blocked_by(id)));
         }
+    }
+
+    /// In manual, leads every station home: forward where that goes, back where it does not, and again, since one may wait
+    /// for another to be out of the way.
+    pub fn lead_home(&mut self) {
+        let mut back = vec![false; self.line.stations.len()];
+        for _ in 0..60 {
+            let is_home = |id: &StationId| self.controller(*id).is_some_and(|c| c.is_at_home());
+            let away: Vec<StationId> = self.line.station_ids().filter(|id| !is_home(id)).collect();
+            if away.is_empty() {
+                return;
+            }
+            for id in away {
+                let name = self.line.station(id).name.clone();
+                if !self.jog(&name, !back[id.index()]) {
+                    back[id.index()] = !back[id.index()];
+                }
+            }
+        }
+        let why: Vec<_> = self.line.station_ids().map(|id| (self.marking(id), self.blocked_by(id))).collect();
+        self.give_up(&format!("not all are home: {why:?}"));
+    }
+
+    /// Whether the counts of all stations may be compared.
+    pub fn has_common_start(&self) -> bool {
+        let mut generations = self.line.station_ids().map(|id| self.controller(id).map_or(0, |c| c.generation()));
+        let first = generations.next().unwrap_or(0);
+        first != 0 && generations.all(|generation| generation == first)
     }
 
     /// Out of manual into auto, once the coordinator agrees.

@@ -2,14 +2,15 @@
 
 use std::time::Duration;
 
+use linewright_coordinator_shell::Remembered;
 use linewright_fieldbus::NodeId;
 use linewright_line::net::{ControlMode, Place};
 use linewright_line::{ButtonId, Line, OpId, OutputId, Owner, StationId, Tick, TransferLine, parse};
 use linewright_plant::{DeviceFault, Fault, FrameFaults};
-use linewright_station_logic::{Controller, Restore};
+use linewright_station_logic::{Controller, ModeOrder, Restore};
 
 use crate::ledger::Ledger;
-use crate::network::{Conditions, Node};
+use crate::network::{Conditions, Message, Node};
 use crate::observer::Observer;
 use crate::sim::{Process, Sim};
 use linewright_simulation::Log;
@@ -32,6 +33,15 @@ pub fn hand_button(line: &Line, name: &str) -> ButtonId {
 }
 
 impl Sim {
+    /// The shipped line in auto, some milliseconds into the second cycle.
+    pub fn in_second_cycle(moment: u64, seed: u64) -> Sim {
+        let mut sim = Sim::new(&transfer_line(1.0), seed);
+        sim.start_auto();
+        sim.run_until_done("clamp_1", "return clamp", 2);
+        sim.run_for(Duration::from_millis(moment));
+        sim
+    }
+
     /// The line.
     pub fn line(&self) -> &Line {
         &self.line
@@ -134,17 +144,17 @@ impl Sim {
 
     /// What the manager of the bus says is wrong with a station's devices; nothing while the coordinator is down.
     pub fn trouble(&self, station: StationId) -> Vec<String> {
-        let of = |node: &crate::coordinator::CoordinatorNode| node.trouble(self.now, Owner::Station(station));
+        let of = |node: &crate::coordinator::CoordinatorProcess| node.trouble(self.now, Owner::Station(station));
         self.coordinator.as_ref().map(of).unwrap_or_default()
     }
 
     /// The lives of the coordinator and of every station, 0 for one that is down: whoever was restarted has another.
     pub fn lives(&self) -> Vec<u64> {
         let station = |process: &Process| match process {
-            Process::Running(node) => node.boot_id,
+            Process::Running(node) => node.boot_id(),
             Process::Killed(_) => 0,
         };
-        let coordinator = self.coordinator.as_ref().map_or(0, |node| node.boot_id);
+        let coordinator = self.coordinator.as_ref().map_or(0, |node| node.boot_id());
         std::iter::once(coordinator).chain(self.stations.iter().map(station)).collect()
     }
 
@@ -177,6 +187,20 @@ impl Sim {
         matches!(self.stations[station.index()], Process::Running(_))
     }
 
+    /// Starts a killed station again without its journal: it remembers nothing, and its mechanisms stand where they stood.
+    pub fn restart_station_without_memory(&mut self, station: StationId) {
+        self.act(format!("{} restarted without memory", self.line.station(station).name));
+        self.ledger.lose(station);
+        self.field.lose_parts();
+        self.start_station(station, Restore::Fresh);
+    }
+
+    /// An operator confirms where a station stands.
+    pub fn rejoin(&mut self, station: StationId, within: Option<OpId>) {
+        self.act(format!("rejoin of {}", self.line.station(station).name));
+        self.say(Node::Operator, Node::Station(station), Message::Rejoin(within));
+    }
+
     /// Starts a killed station again, from its journal.
     pub fn restart_station(&mut self, station: StationId) {
         let Process::Killed(journal) = &self.stations[station.index()] else { return };
@@ -189,7 +213,7 @@ impl Sim {
     pub fn kill_coordinator(&mut self) {
         self.act("coordinator killed".to_owned());
         if let Some(node) = self.coordinator.take() {
-            self.journal = (self.journal.0.max(node.coordinator.epoch()), node.coordinator.is_estopped());
+            self.journal = node.journal;
         }
     }
 
@@ -197,8 +221,24 @@ impl Sim {
     pub fn restart_coordinator(&mut self, remembers: bool) {
         if self.coordinator.is_none() {
             self.act(format!("coordinator restarted, remembers its epoch: {remembers}"));
-            let (last_epoch, estopped) = if remembers { self.journal } else { (0, false) };
-            self.start_coordinator(last_epoch, estopped);
+            self.start_coordinator(if remembers { self.journal } else { Remembered::default() });
+        }
+    }
+
+    /// The coordinator's disk takes no record any more, or takes them again.
+    pub fn fill_disk(&mut self, is_full: bool) {
+        self.act(format!("the coordinator's disk is full: {is_full}"));
+        if let Some(node) = &mut self.coordinator {
+            node.disk_is_full = is_full;
+        }
+    }
+
+    /// A coordinator that nobody follows orders the emergency stop, once.
+    pub fn foreign_stop(&mut self) {
+        self.act("emergency stop of another coordinator".to_owned());
+        let order = ModeOrder::of(u64::MAX, 1, ControlMode::EStop, self.line.timing.lease);
+        for id in self.line.clone().station_ids() {
+            self.say(Node::Operator, Node::Station(id), Message::Order(1, order));
         }
     }
 
@@ -233,7 +273,7 @@ impl Sim {
     /// The controller of a station that runs.
     pub fn controller(&self, station: StationId) -> Option<&Controller> {
         match &self.stations[station.index()] {
-            Process::Running(node) => Some(&node.controller),
+            Process::Running(node) => Some(node.controller()),
             Process::Killed(_) => None,
         }
     }
@@ -250,12 +290,12 @@ impl Sim {
 
     /// The mode of the line; none while the coordinator is down.
     pub fn mode(&self) -> Option<ControlMode> {
-        self.coordinator.as_ref().map(|node| node.coordinator.mode())
+        self.coordinator.as_ref().map(|node| node.coordinator().mode())
     }
 
     /// The coordinator's epoch; 0 while it is down.
     pub fn epoch(&self) -> u64 {
-        self.coordinator.as_ref().map_or(0, |node| node.coordinator.epoch())
+        self.coordinator.as_ref().map_or(0, |node| node.coordinator().epoch())
     }
 
     /// Some operation of a station was stopped before its end.
@@ -283,6 +323,11 @@ impl Sim {
         let axes = |id: StationId| (0..self.line.station(id).axes.len()).map(move |a| (id, a));
         let all = self.line.station_ids().flat_map(axes);
         all.map(|(id, axis)| self.field.plant().position(id, linewright_line::AxisId::at(axis))).collect()
+    }
+
+    /// The fault that a station announces; empty when there is none, or it is down.
+    pub fn fault(&self, station: StationId) -> String {
+        self.controller(station).map_or_else(String::new, |controller| controller.fault_text(&self.line))
     }
 
     /// Why a station waits, in words.
@@ -313,7 +358,7 @@ impl Sim {
             ),
             None => format!("{}: down\n", self.line.station(id).name),
         };
-        let mode = self.coordinator.as_ref().map_or("down".to_owned(), |node| node.coordinator.text());
+        let mode = self.coordinator.as_ref().map_or("down".to_owned(), |node| node.coordinator().text());
         let positions = self.positions();
         let troubles: Vec<String> = self.line.station_ids().flat_map(|id| self.trouble(id)).collect();
         self.line.station_ids().map(station).collect::<String>()

@@ -4,25 +4,24 @@
 //! were made. After each event that could have moved anything the observer has looked; the loop stops at the first
 //! thing it did not like.
 
-use std::collections::BTreeMap;
 use std::time::Duration;
 
+use linewright_coordinator_shell::Remembered;
 use linewright_line::{Line, StationId, Tick};
 use linewright_plant::PlantOptions;
 use linewright_station_logic::{Happening, PanelCommand, Restore, Snapshot};
 
 use crate::bus::{FRAME_TIME, Field};
-use crate::coordinator::{self, CoordinatorNode};
+use crate::coordinator::{CoordinatorPerformed, CoordinatorProcess};
 use crate::ledger::Ledger;
 use crate::network::{Conditions, Message, Network, Node};
 use crate::queue::{Due, Queue};
-use crate::station::{self, StationNode};
-use linewright_simulation::Rng;
-use linewright_simulation::{Log, What};
+use crate::station::{StationPerformed, StationProcess};
+use linewright_simulation::{Hands, Log, Rng, What};
 
 /// A station as the simulation knows it: running, or what is left of it.
 pub(crate) enum Process {
-    Running(Box<StationNode>),
+    Running(Box<StationProcess>),
     Killed(Snapshot),
 }
 
@@ -42,22 +41,20 @@ pub struct Sim {
     station_wakes: Vec<Tick>,
     /// Who reads whose state.
     readers: Vec<Vec<Node>>,
-    pub(crate) coordinator: Option<CoordinatorNode>,
+    pub(crate) coordinator: Option<CoordinatorProcess>,
     coordinator_wake: Tick,
-    /// What a coordinator's journal holds: the highest epoch, and whether the emergency stop was on.
-    pub(crate) journal: (u64, bool),
+    /// What the coordinator's disk held when it was last killed.
+    pub(crate) journal: Remembered,
     pub(crate) next_boot: u64,
     pub(crate) log: Log,
     pub(crate) ledger: Ledger,
-    /// Panel buttons held by message.
-    pub(crate) fingers: BTreeMap<(StationId, bool), ()>,
-    /// Hand-mode buttons held by message.
-    pub(crate) buttons: u32,
+    /// Buttons held by message.
+    pub(crate) hands: Hands,
     /// Nobody says held buttons again: the operator's screen hangs.
     pub(crate) fingers_frozen: bool,
     fingers_due: bool,
-    said: station::Said,
-    ordered: coordinator::Said,
+    said: StationPerformed,
+    ordered: CoordinatorPerformed,
     events: u64,
 }
 
@@ -84,39 +81,38 @@ impl Sim {
             readers: line.station_ids().map(|station| readers_of(line, station)).collect(),
             coordinator: None,
             coordinator_wake: Tick::NEVER,
-            journal: (0, false),
+            journal: Remembered::default(),
             next_boot: 1,
             log: Log::default(),
             ledger: Ledger::new(line),
-            fingers: BTreeMap::new(),
-            buttons: 0,
+            hands: Hands::default(),
             fingers_frozen: false,
             fingers_due: false,
-            said: station::Said::default(),
-            ordered: coordinator::Said::default(),
+            said: StationPerformed::default(),
+            ordered: CoordinatorPerformed::default(),
             events: 0,
         };
         for station in line.station_ids() {
             let boot_id = sim.boot_id();
-            let node = StationNode::start(Tick::ZERO, line, station, boot_id, Restore::Fresh);
+            let node = StationProcess::start(line, station, boot_id, Restore::Fresh);
             sim.stations.push(Process::Running(Box::new(node)));
             sim.wake(Node::Station(station), Tick::ZERO);
         }
-        sim.start_coordinator(0, false);
+        sim.start_coordinator(Remembered::default());
         sim.wake_field();
         sim
     }
 
-    /// Starts a coordinator whose epochs begin above `last_epoch`, and that knows whether the line was stopped.
-    pub(crate) fn start_coordinator(&mut self, last_epoch: u64, estopped: bool) {
+    /// Starts a coordinator with what its disk holds.
+    pub(crate) fn start_coordinator(&mut self, journal: Remembered) {
         let boot_id = self.boot_id();
-        self.coordinator = Some(CoordinatorNode::start(self.now, &self.line, boot_id, last_epoch, estopped));
+        self.coordinator = Some(CoordinatorProcess::start(&self.line, boot_id, journal));
         self.wake(Node::Coordinator, self.now);
     }
 
     pub(crate) fn start_station(&mut self, station: StationId, restore: Restore) {
         let boot_id = self.boot_id();
-        let node = StationNode::start(self.now, &self.line, station, boot_id, restore);
+        let node = StationProcess::start(&self.line, station, boot_id, restore);
         self.stations[station.index()] = Process::Running(Box::new(node));
         self.wake(Node::Station(station), self.now);
     }
@@ -157,16 +153,16 @@ impl Sim {
         }
     }
 
-    /// Says held buttons, now and from now on every refresh period, as long as any is held.
+    /// Says held buttons, now and from now on every refresh period, as long as any is held; and a release a few times, since
+    /// one message can get lost and silence is no release.
     pub(crate) fn say_fingers(&mut self) {
-        let held: Vec<(StationId, bool)> = self.fingers.keys().copied().collect();
-        for (station, advance) in held {
-            self.say_panel(station, if advance { PanelCommand::Advance(true) } else { PanelCommand::Retract(true) });
+        for (station, advance, held) in self.hands.panel_again() {
+            self.say_panel(station, if advance { PanelCommand::Advance(held) } else { PanelCommand::Retract(held) });
         }
-        if self.buttons != 0 {
-            self.say(Node::Operator, Node::Coordinator, Message::Buttons(self.buttons));
+        if let Some(held) = self.hands.buttons_again() {
+            self.say(Node::Operator, Node::Coordinator, Message::Buttons(held));
         }
-        if !self.fingers_due && (self.buttons != 0 || !self.fingers.is_empty()) {
+        if !self.fingers_due && self.hands.is_busy() {
             self.fingers_due = true;
             self.queue.push(self.now + self.line.timing.refresh, Due::Fingers);
         }
@@ -383,7 +379,8 @@ fn readers_of(line: &Line, station: StationId) -> Vec<Node> {
         let joins = |a: &linewright_line::Arrow| {
             (a.from.0 == station && a.to.0 == other) || (a.to.0 == station && a.from.0 == other)
         };
-        line.arrows.iter().any(joins)
+        let between = |a: StationId, b: StationId| (a, b) == (station, other) || (b, a) == (station, other);
+        line.arrows.iter().any(joins) || line.conflicts.iter().any(|c| between(c.a.station, c.b.station))
     });
     [Node::Coordinator].into_iter().chain(peers.map(Node::Station)).collect()
 }

@@ -117,3 +117,68 @@ fn replacing_the_coordinator_is_no_way_out_of_an_emergency_stop() {
         sim.run_until_done("mill_1", "reset main slide", 2);
     }
 }
+
+#[test]
+fn a_coordinator_that_has_lost_its_journal_adopts_the_stop_the_stations_are_in() {
+    let mut sim = Sim::new(&transfer_line(1.0), 4);
+    sim.start_auto();
+    sim.run_until_done("transfer", "advance transfer", 2);
+    sim.order(Command::EStop);
+    sim.run_for(Duration::from_millis(100));
+    sim.kill_coordinator();
+    sim.run_for(Duration::from_secs(2));
+    sim.restart_coordinator(false);
+    sim.settle();
+    assert_eq!(sim.mode(), Some(ControlMode::EStop), "it has no record of it");
+    assert!(sim.ask(Command::Auto).expect_err("stopped").contains("emergency stop"));
+    sim.bring_back();
+    sim.run_until_done("mill_1", "reset main slide", 3);
+}
+
+/// Its life, its numbers and its epoch are all unknown here, and its epochs are lower than those in force.
+#[test]
+fn the_emergency_stop_of_a_second_coordinator_is_obeyed_and_there_is_no_way_out_while_it_is_given() {
+    for moment in (0..3560).step_by(300) {
+        let mut sim = Sim::in_second_cycle(moment, moment);
+        sim.foreign_stop();
+        sim.run_for(OFF_WITHIN);
+        assert!(!sim.anything_energised(), "every output is off at {moment} ms");
+        sim.run_for(Duration::from_millis(60));
+        assert_eq!(sim.mode(), Some(ControlMode::EStop), "the line's own coordinator adopts it");
+        for _ in 0..20 {
+            sim.foreign_stop();
+            sim.run_for(Duration::from_millis(50));
+            let _ = sim.ask(Command::Reset);
+            let _ = sim.ask(Command::Manual);
+            for id in sim.line().station_ids() {
+                assert_eq!(sim.mode_of(id), Some(ControlMode::EStop));
+            }
+            assert!(!sim.anything_energised());
+        }
+        sim.settle();
+        sim.bring_back();
+        sim.run_until_done("mill_1", "reset main slide", 4);
+    }
+}
+
+#[test]
+fn an_emergency_stop_that_the_disk_does_not_take_stays_until_it_does() {
+    let mut sim = Sim::new(&transfer_line(1.0), 8);
+    sim.start_auto();
+    sim.run_until_done("transfer", "advance transfer", 2);
+    sim.fill_disk(true);
+    sim.command(Command::EStop);
+    sim.run_for(OFF_WITHIN);
+    assert!(!sim.anything_energised(), "no disk delays it");
+    sim.run_for(Duration::from_secs(5));
+    assert_eq!(sim.mode(), Some(ControlMode::EStop));
+    let refusal = sim.ask(Command::Reset).expect_err("not while it is not written down");
+    assert!(refusal.contains("cannot write its journal"), "{refusal}");
+    // Killed with nothing on its disk: the stations know.
+    sim.kill_coordinator();
+    sim.restart_coordinator(true);
+    sim.settle();
+    assert_eq!(sim.mode(), Some(ControlMode::EStop));
+    sim.bring_back();
+    sim.run_until_done("mill_1", "reset main slide", 3);
+}

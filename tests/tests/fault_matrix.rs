@@ -199,6 +199,11 @@ fn at_boot() {
             && case.faults.len() == 1;
         for (device, node, station) in devices(&line).iter().filter(|device| concerns(&line, case, &device.0)) {
             let mut sim = Sim::new(&line, 1);
+            // An emergency is lost on a manager that still listens whether it is alone; with a standing error, what is
+            // read at boot is tried by a case of its own.
+            if case.said.starts_with("emergency") {
+                sim.run_for(sim.line().timing.heartbeat * 5);
+            }
             cause(&mut sim, device, case);
             let lives = sim.lives();
             sim.run_for(Duration::from_secs(2));

@@ -4,20 +4,11 @@ use std::time::Duration;
 
 use linewright_line::net::{ControlMode, Place};
 use linewright_line::{OpId, Tick};
-use linewright_station_logic::{Controller, Input, ModeOrder, Outbox, PanelCommand, Restore};
+use linewright_station_logic::{Controller, Input, ModeOrder, Outbox, PanelCommand, Restore, Rules};
 use linewright_tests::transfer_line;
 
 fn manual() -> ModeOrder {
-    ModeOrder {
-        boot_id: 1,
-        epoch: 1,
-        mode: ControlMode::Manual,
-        enabled: true,
-        master_stop: None,
-        manual_all: true,
-        buttons: 0,
-        lease: Duration::from_secs(10),
-    }
+    ModeOrder { manual_all: true, ..ModeOrder::of(1, 1, ControlMode::Manual, Duration::from_secs(10)) }
 }
 
 /// A clamp that stands half open is opened, taken back and opened again, faster than its images come. The one at hand
@@ -33,12 +24,14 @@ fn neither_off_nor_on_counts_in_an_image_from_before_the_motion() {
     let clamp = line.station_named("clamp_1").expect("a clamp");
     let described = line.station(clamp);
     let (open, advance) = (OpId(0), OpId(1));
-    let mut controller = Controller::new(&line, clamp, 1, Restore::Fresh).expect("it compiles");
+    let mut controller =
+        Controller::new(&line, clamp, 1, Restore::Fresh).expect("it compiles").with_rules(Rules::COUNTS);
     let mut snapshot = controller.snapshot();
     snapshot.marking = vec![Place::incomplete(open)];
     (snapshot.cycle, snapshot.done, snapshot.started) = (2, vec![1, 1], vec![2, 1]);
     assert_eq!(described.operations[advance.index()].name, "advance clamp");
-    controller = Controller::new(&line, clamp, 2, Restore::From(snapshot)).expect("it compiles");
+    controller =
+        Controller::new(&line, clamp, 2, Restore::From(snapshot)).expect("it compiles").with_rules(Rules::COUNTS);
 
     let is_open = 1 << described.operations[open.index()].normal.complete.0;
     let mut out = Outbox::default();
@@ -80,11 +73,13 @@ fn a_motion_of_which_only_the_end_is_seen_has_arrived() {
     let decel = OpId(1);
     // What the image at hand shows, and how many numbers before the present one it was taken.
     for (at_start, age, arrives) in [(forward, 0, true), (forward | fed, 0, false), (forward, 1, false)] {
-        let mut controller = Controller::new(&line, mill, 1, Restore::Fresh).expect("it compiles");
+        let mut controller =
+            Controller::new(&line, mill, 1, Restore::Fresh).expect("it compiles").with_rules(Rules::COUNTS);
         let mut snapshot = controller.snapshot();
         snapshot.marking = vec![Place::completed(OpId(0))];
         (snapshot.cycle, snapshot.done, snapshot.started) = (1, vec![1, 0, 0, 0, 0], vec![1, 0, 0, 0, 0]);
-        controller = Controller::new(&line, mill, 2, Restore::From(snapshot)).expect("it compiles");
+        controller =
+            Controller::new(&line, mill, 2, Restore::From(snapshot)).expect("it compiles").with_rules(Rules::COUNTS);
         let mut out = Outbox::default();
         let mut now = Tick::from_millis(1000);
         let mut tell = |input: Input<'_>| {

@@ -82,7 +82,7 @@ fn a_bar_under_a_closed_clamp_does_not_go_back_up() {
     // The clamp has finished closing; the bar has not begun to run back.
     assert!(!sim.jog("transfer", false), "it does not lift");
     let reasons = sim.blocked_by(transfer).join("; ");
-    assert!(reasons.contains("4th lower cannot be taken back: clamp_1: advance clamp has started"), "{reasons}");
+    assert!(reasons.contains("interlock: clamp_1 is not clear: LS_open"), "{reasons}");
     sim.selector("transfer", false);
     sim.run_for(Duration::from_millis(200));
     sim.back_to_auto();

@@ -32,6 +32,7 @@ fn line() -> Line {
         pages: vec![Page { selected: None, inputs: inputs.collect(), limits: Vec::new() }],
     };
     let told = ToldFrame {
+        lets_go_after: Some(Duration::from_millis(100)),
         name: "Command".to_owned(),
         id: FrameId { id: 0x321, extended: false },
         len: 4,

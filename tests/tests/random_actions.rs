@@ -195,6 +195,9 @@ impl World {
                 }
             }
         }
+        if !self.sim.has_common_start() {
+            self.sim.lead_home();
+        }
         self.sim.back_to_auto();
     }
 

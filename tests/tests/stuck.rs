@@ -55,7 +55,8 @@ fn says_where(said: &str, switch: &str, device: &str) -> bool {
 /// Runs in auto until a station stands with an operation that did not end.
 fn until_found(sim: &mut Sim, station: StationId) {
     let name = sim.line().station(station).name.clone();
-    sim.run_until("it is found", |s| s.is_incomplete(&name));
+    let is_lost = |s: &Sim| s.controller(station).is_some_and(|c| c.position_lost().is_some());
+    sim.run_until("it is found", |s| s.is_incomplete(&name) || is_lost(s));
     sim.run_until("the line stands by", |s| s.mode() == Some(ControlMode::StandBy));
     sim.settle();
     assert_eq!(sim.trouble(station), Vec::<String>::new(), "nothing is wrong with the device, as far as it knows");
@@ -91,10 +92,19 @@ fn a_switch_that_does_not_close() {
             let name = line.station(station).inputs[switch.index()].clone();
             sim.wire(Owner::Station(station), &name, Some(false));
             until_found(&mut sim, station);
-            let (stopped, cause, said) = last_stop(&sim, station).unwrap();
-            // Others may wait for the same switch.
-            let waited_for = sim.line().operation((station, stopped)).normal.complete;
-            assert_eq!((waited_for, cause), (switch, Cause::Watchdog), "{device} at {moment} ms: {said}");
+            // What moves towards it waits in vain; where an axis stands at it, its position is lost.
+            let lost = sim.controller(station).and_then(|c| c.position_lost());
+            let (found, said) = match last_stop(&sim, station) {
+                Some((stopped, Cause::Watchdog, said)) => {
+                    // Others may wait for the same switch.
+                    (sim.line().operation((station, stopped)).normal.complete, said)
+                }
+                stop => {
+                    let (_, input) = lost.unwrap_or_else(|| panic!("{device} at {moment} ms: {stop:?}"));
+                    (input, sim.fault(station))
+                }
+            };
+            assert_eq!(found, switch, "{device} at {moment} ms: {said}");
             assert!(says_where(&said, &name, &device), "{said}");
             sim.wire(Owner::Station(station), &name, None);
             goes_on(&mut sim, &lives);

@@ -5,8 +5,9 @@ use std::process::ExitCode;
 
 use clap::{Args, ValueEnum};
 use linewright_fieldbus::sdo::{ObjectId, Options};
-use linewright_fieldbus::{Bus, NodeId, Options as BusOptions, sdo_client};
+use linewright_fieldbus::{Bus, NodeId, sdo_client};
 use linewright_line::{Bus as BusName, Device, Line, Module, Owner};
+use linewright_node_shell::RosArgs;
 use linewright_plant::{CLEAR, DeviceFault, FAULT_INDEX, Fault, FrameFaults, Orders};
 use miette::{IntoDiagnostic, miette};
 
@@ -118,14 +119,15 @@ pub struct FailArgs {
 }
 
 /// `linewright fail`
-pub async fn fail(args: FailArgs) -> miette::Result<ExitCode> {
+pub async fn fail(args: FailArgs, ros: &RosArgs) -> miette::Result<ExitCode> {
     let line = load::line(&args.line, true)?;
     let (device, orders) = orders(&line, &args)?;
     let interface = match &device.bus {
         BusName::Line => &args.bus,
         BusName::Own(interface) => interface,
     };
-    let mut bus = Bus::open(interface, &BusOptions::default()).into_diagnostic()?;
+    let mut bus =
+        Bus::open(interface, &super::options(interface, Some(&super::run_of(&line, ros)?))?).into_diagnostic()?;
     let node = NodeId::new(device.node_id)
         .ok_or_else(|| miette!("{} speaks no CANopen: it cannot be told to fail", device.name))?;
     for ((index, sub), value) in orders {

@@ -106,7 +106,7 @@ pub async fn record(bus: &mut Bus, args: &RecordArgs) -> miette::Result<ExitCode
     crate::out::say!("{frames} frames in {name}");
     let overruns = bus.stats().overruns;
     if overruns > 0 {
-        eprintln!("the kernel dropped frames {overruns} times before they were recorded");
+        crate::out::complain!("the kernel dropped frames {overruns} times before they were recorded");
     }
     Ok(ExitCode::SUCCESS)
 }
@@ -156,7 +156,7 @@ pub async fn replay(bus: &mut Bus, args: &ReplayArgs) -> miette::Result<ExitCode
     crate::out::say!("{sent} of {} frames sent in {:.3} s", frames.len(), start.elapsed().as_secs_f64());
     let refused = bus.stats().send_errors;
     if refused > 0 {
-        eprintln!("{refused} of them were refused: nobody acknowledges, or the queue is full");
+        crate::out::complain!("{refused} of them were refused: nobody acknowledges, or the queue is full");
     }
     Ok(if refused == 0 && sent == frames.len() as u64 { ExitCode::SUCCESS } else { ExitCode::FAILURE })
 }
@@ -186,7 +186,7 @@ async fn each(bus: &mut Bus, count: Option<u64>, mut take: impl FnMut(&Frame) ->
     let mut left = count.unwrap_or(u64::MAX);
     while left > 0 {
         let frame = tokio::select! {
-            frame = bus.recv() => frame,
+            frame = bus.recv() => frame.into_diagnostic()?,
             () = interrupts.next() => break,
         };
         if !take(&frame) {

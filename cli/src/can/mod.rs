@@ -15,8 +15,10 @@ use std::process::ExitCode;
 use std::time::{Duration, SystemTime, UNIX_EPOCH};
 
 use clap::{Args, Subcommand};
-use linewright_fieldbus::{Bus, NodeId, Options as BusOptions};
-use miette::IntoDiagnostic;
+use linewright_fieldbus::{Bus, NodeId, Options as BusOptions, find_bus};
+use linewright_line::Line;
+use linewright_node_shell::{RosArgs, names};
+use miette::{IntoDiagnostic, miette};
 
 use crate::nodes::DEFAULT_BUS;
 
@@ -68,9 +70,37 @@ pub async fn run(args: CanArgs) -> miette::Result<ExitCode> {
 
 /// Joins a bus, and says on standard error which it is: a virtual one is a place of its own.
 fn open(name: &str) -> miette::Result<Bus> {
-    let bus = Bus::open(name, &BusOptions::default()).into_diagnostic()?;
-    eprintln!("{}", bus.describe());
+    let bus = Bus::open(name, &options(name, None)?).into_diagnostic()?;
+    crate::out::complain!("{}", bus.describe());
     Ok(bus)
+}
+
+/// Options for the virtual bus `name`: of the directory in which a process uses it; of run `run` only, if given.
+fn options(name: &str, run: Option<&str>) -> miette::Result<BusOptions> {
+    let found = find_bus(name, run);
+    if let [first, _, ..] = &*found {
+        let line = |found: &linewright_fieldbus::Found| {
+            format!(
+                "  LINEWRIGHT_BUS_DIR={}  {}",
+                found.dir.display(),
+                found.about.as_deref().unwrap_or("shared by all")
+            )
+        };
+        let lines: Vec<String> = found.iter().map(line).collect();
+        return Err(miette!(
+            "there are {} virtual buses '{name}'; say which by the environment, e.g. LINEWRIGHT_BUS_DIR={}:\n{}",
+            found.len(),
+            first.dir.display(),
+            lines.join("\n")
+        ));
+    }
+    Ok(BusOptions { dir: found.into_iter().next().map(|found| found.dir), ..BusOptions::default() })
+}
+
+/// How a run of a line is called where its buses are.
+pub fn run_of(line: &Line, ros: &RosArgs) -> miette::Result<String> {
+    let namespace = names::identify(&ros.remaps, &format!("/{}", line.name), "coordinator").into_diagnostic()?.0;
+    Ok(format!("line {namespace} in ROS domain {}", ros.domain_id))
 }
 
 fn since_epoch() -> Duration {

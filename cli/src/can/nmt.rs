@@ -7,6 +7,7 @@ use clap::{Args, ValueEnum};
 use linewright_fieldbus::codec::{NmtCommand, NmtState};
 use linewright_fieldbus::survey::state_name;
 use linewright_fieldbus::{Bus, Message, NodeId};
+use miette::IntoDiagnostic;
 use tokio::time::{Instant, timeout_at};
 
 use super::node;
@@ -80,7 +81,7 @@ pub async fn run(bus: &mut Bus, args: &NmtArgs) -> miette::Result<ExitCode> {
     let until = Instant::now() + PATIENCE;
     let mut seen = Vec::new();
     while let Ok(frame) = timeout_at(until, bus.recv()).await {
-        let Ok(Message::Heartbeat { node, state }) = Message::decode(&frame) else { continue };
+        let Ok(Message::Heartbeat { node, state }) = Message::decode(&frame.into_diagnostic()?) else { continue };
         if state != expected || addressed.is_some_and(|addressed| addressed != node) || seen.contains(&node) {
             continue;
         }
@@ -93,7 +94,7 @@ pub async fn run(bus: &mut Bus, args: &NmtArgs) -> miette::Result<ExitCode> {
     if seen.is_empty() {
         let who = addressed.map_or("no node".to_owned(), |node| format!("node {node} has not"));
         let said = if addressed.is_some() { "reported itself" } else { "has reported itself" };
-        eprintln!("{who} {said} {} within {} ms", state_name(expected), PATIENCE.as_millis());
+        crate::out::complain!("{who} {said} {} within {} ms", state_name(expected), PATIENCE.as_millis());
         return Ok(ExitCode::FAILURE);
     }
     Ok(ExitCode::SUCCESS)

@@ -13,6 +13,7 @@ use linewright_fieldbus::sdo::wire::Request;
 use linewright_fieldbus::sdo::{Mode, ObjectId, Options};
 use linewright_fieldbus::survey::state_name;
 use linewright_fieldbus::{Bus, Message, NodeId, sdo_client};
+use miette::IntoDiagnostic;
 use serde::Serialize;
 use tokio::time::{Instant, timeout_at};
 
@@ -51,7 +52,7 @@ struct Found {
 }
 
 pub async fn run(bus: &mut Bus, args: &ScanArgs) -> miette::Result<ExitCode> {
-    let states = listen_and_ask(bus, Duration::from_millis(args.wait)).await;
+    let states = listen_and_ask(bus, Duration::from_millis(args.wait)).await?;
     let mut found = Vec::new();
     for (node, state) in states {
         found.push(question(bus, node, state).await);
@@ -65,7 +66,7 @@ pub async fn run(bus: &mut Bus, args: &ScanArgs) -> miette::Result<ExitCode> {
 }
 
 /// Whoever sends anything, with the state it reports, if it does.
-async fn listen_and_ask(bus: &mut Bus, wait: Duration) -> BTreeMap<NodeId, Option<NmtState>> {
+async fn listen_and_ask(bus: &mut Bus, wait: Duration) -> miette::Result<BTreeMap<NodeId, Option<NmtState>>> {
     for node in (1..=127).filter_map(NodeId::new) {
         let raw = Request::Upload { object: ObjectId::new(0x1000, 0) }.encode();
         bus.send(&Message::SdoRequest { node, raw }.encode());
@@ -73,7 +74,7 @@ async fn listen_and_ask(bus: &mut Bus, wait: Duration) -> BTreeMap<NodeId, Optio
     let until = Instant::now() + wait;
     let mut heard = BTreeMap::new();
     while let Ok(frame) = timeout_at(until, bus.recv()).await {
-        match Message::decode(&frame) {
+        match Message::decode(&frame.into_diagnostic()?) {
             Ok(Message::Heartbeat { node, state }) => _ = heard.insert(node, Some(state)),
             Ok(Message::SdoResponse { node, .. } | Message::Tpdo1 { node, .. } | Message::Emergency { node, .. }) => {
                 heard.entry(node).or_default();
@@ -81,7 +82,7 @@ async fn listen_and_ask(bus: &mut Bus, wait: Duration) -> BTreeMap<NodeId, Optio
             _ => {}
         }
     }
-    heard
+    Ok(heard)
 }
 
 async fn question(bus: &mut Bus, node: NodeId, state: Option<NmtState>) -> Found {
@@ -122,7 +123,7 @@ fn profile(device_type: u32) -> String {
 
 fn table(found: &[Found]) {
     if found.is_empty() {
-        eprintln!("nobody answers");
+        crate::out::complain!("nobody answers");
         return;
     }
     let hex = |number: Option<u32>| number.map_or("-".to_owned(), |number| format!("{number:08X}h"));

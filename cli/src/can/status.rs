@@ -47,6 +47,7 @@ pub async fn run(bus: &mut Bus, interface: &str, args: &StatusArgs) -> miette::R
     let mut survey = Survey::default();
     let until = Instant::now() + listen;
     while let Ok(frame) = timeout_at(until, bus.recv()).await {
+        let frame = frame.into_diagnostic()?;
         survey.hear(clock.now(), &frame);
         // It takes what it hears as the line's own manager does; what it would send is not sent.
         plain.handle(clock.now(), &frame, &mut Outbox::default());

@@ -7,15 +7,15 @@ mod operate;
 
 use std::time::Duration;
 
+use linewright_fieldbus::Clock;
 use linewright_line::Line;
 use linewright_msgs::{
     AnswerAlarm, AnswerAlarmRequest, Bounded, CellState, ChangeOrder, ChangeOrderRequest, ProductionRequest,
     ProductionState, RosService, SetResource, SetResourceRequest, SubmitOrders, SubmitOrdersRequest, WhyNot,
     WhyNotRequest,
 };
-use linewright_node_shell::{
-    CallError, Caller, Forward, Mapping, NewestBySequence, Node, RosArgs, forward, fresh_key, qos,
-};
+use linewright_node_shell::{CallError, Caller, Forward, Mapping, Node, RosArgs, forward, fresh_key, qos};
+use linewright_station_shell::NewestBySequence;
 use miette::miette;
 use tokio::sync::mpsc;
 
@@ -31,10 +31,14 @@ const TRIES: u32 = 10;
 /// So long after a first state a newer one may still come: it is told ten times a second when something changes.
 const SETTLE: Duration = Duration::from_millis(250);
 
+/// A coordinator that has not told its cell's state for this long may have been replaced: twice its period, and some.
+const SILENT: Duration = Duration::from_millis(2500);
+
 /// A person's connection to a cell.
 pub struct CellClient {
     name: String,
     from: mpsc::Receiver<CellState>,
+    clock: Clock,
     newest: NewestBySequence,
     state: Option<CellState>,
     submit: Caller<SubmitOrders>,
@@ -59,7 +63,8 @@ impl CellClient {
         Ok(CellClient {
             name: line.name.clone(),
             from,
-            newest: NewestBySequence::new(),
+            clock: Clock::start(),
+            newest: NewestBySequence::new(SILENT),
             state: None,
             submit: caller(&mut node, "submit_order")?,
             cancel: caller(&mut node, "cancel_order")?,
@@ -82,7 +87,7 @@ impl CellClient {
     pub async fn next(&mut self) -> miette::Result<&CellState> {
         loop {
             let state = self.from.recv().await.ok_or_else(|| miette!("the middleware has failed"))?;
-            if self.newest.offer(state.boot_id, state.sequence).is_newest() {
+            if self.newest.offer(self.clock.now(), state.boot_id, state.sequence) {
                 return Ok(self.state.insert(state));
             }
         }

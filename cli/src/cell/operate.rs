@@ -192,7 +192,8 @@ pub struct ResourceArgs {
 
 #[derive(Debug, Subcommand)]
 enum Is {
-    /// Something is wrong: what it is doing is stopped and has failed, and it is left out.
+    /// Report a fault of the resource: its activity has failed, and the resource is left out. Its stations end the motion
+    /// under way and go back as far as they can; where that is a danger, give the emergency stop.
     Alarm {
         /// What is wrong.
         text: Vec<String>,

@@ -6,6 +6,7 @@ use std::path::Path;
 use linewright_cell::Cell;
 use linewright_cell::net::Detail;
 use linewright_line::{Line, Problems};
+use linewright_proof::cell::protocol::{ProtocolSetting, check_protocol, properties};
 use linewright_proof::cell::{Checked, Explored, Holding, Property, Setting, Story, Verdict, Waiting, check};
 use miette::miette;
 use serde::Serialize;
@@ -136,6 +137,29 @@ impl CellReport {
     }
 }
 
+impl CellReport {
+    /// Adds what is found of the order protocol, activity by activity.
+    fn follow_orders(&mut self, cell: &Cell, line: &Line, options: &Options) {
+        let mut setting = ProtocolSetting::new(cell, line);
+        setting.states = usize::try_from(options.cell_limits().states).unwrap_or(usize::MAX).min(setting.states);
+        match check_protocol(&setting) {
+            Ok(found) => {
+                let properties = properties(&found);
+                self.ok &= properties.iter().all(|property| property.verdict != Verdict::Fails);
+                self.properties.extend(properties.into_iter().map(Found::from));
+            }
+            // A cell without reserved grasps is checked, and not played.
+            Err(why) => self.properties.push(Found {
+                name: "the orders of its activities keep their rules",
+                verdict: "remark",
+                reason: why.to_string(),
+                help: None,
+                counterexample: None,
+            }),
+        }
+    }
+}
+
 /// Checks the cell of a description. Its problems are drawn on standard error for people.
 ///
 /// # Errors
@@ -145,7 +169,7 @@ pub fn judge(file: &Path, line: Option<&Line>, options: &Options, quiet: bool) -
         Ok(parsed) => parsed,
         Err(error) => {
             if !quiet {
-                eprintln!("{error:?}");
+                crate::out::complain!("{error:?}");
             }
             return Ok(of_error(&error));
         }
@@ -163,6 +187,9 @@ pub fn judge(file: &Path, line: Option<&Line>, options: &Options, quiet: bool) -
         match check(&setting(&parsed.cell, options)?) {
             Ok(found) => report.add(found),
             Err(why) => (report.ok, report.problems) = (false, vec![placeless(why.to_string())]),
+        }
+        if let Some(line) = line.filter(|_| report.ok) {
+            report.follow_orders(&parsed.cell, line, options);
         }
     }
     Ok(report)

@@ -5,6 +5,7 @@ use linewright_line::net::ControlMode;
 use linewright_line::{Conflict, Line};
 use linewright_proof::explore::{Explored, Grants, Limits, NotExplorable, Property, Setting, Story, Verdict, explore};
 use linewright_proof::parts::{Part, cyclic, on_order, parts};
+use linewright_proof::positions::PositionRules;
 use serde::Serialize;
 
 /// What is explored, and how freely.
@@ -83,6 +84,10 @@ enum Rule {
     RedoRound,
     /// The way home waits for the arrows into everything it skips.
     WayHome,
+    /// A motion starts and goes on only while the other station of a conflict is measured clear.
+    Measured,
+    /// A motion stops while the other station of a conflict is measured not to be clear.
+    MeasuredStop,
 }
 
 /// A line of more stations than this is explored in parts.
@@ -95,7 +100,8 @@ pub struct Exploration {
     pub scope: String,
     /// States seen.
     pub states: u64,
-    /// States that were kept and looked at; each stands for all that differ only in what stations come and go between by themselves.
+    /// States that were kept and looked at; each stands for all that differ only in what stations come and go between by
+    /// themselves.
     pub kept: usize,
     /// Moves from state to state.
     pub arcs: u64,
@@ -136,6 +142,13 @@ impl Options {
     /// Whether anything is to be explored at all.
     pub fn asks_to_explore(&self) -> bool {
         !self.structure
+    }
+
+    /// The rules of measured positions that are explored by themselves; none if nothing is explored.
+    pub fn measured(&self) -> Option<PositionRules> {
+        let without = |rule| self.without.contains(&rule);
+        let starts = !without(Rule::Measured);
+        self.asks_to_explore().then(|| PositionRules { starts, stops: starts && !without(Rule::MeasuredStop) })
     }
 
     /// What was asked for that only a line's stations have.
@@ -235,6 +248,8 @@ impl Options {
                 Rule::FreshNumbers => rules.fresh_numbers = false,
                 Rule::RedoRound => rules.redo_round = false,
                 Rule::WayHome => rules.home_waits = false,
+                // Of the second barrier, which is explored by itself.
+                Rule::Measured | Rule::MeasuredStop => {}
             }
         }
         setting

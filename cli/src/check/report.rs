@@ -5,6 +5,7 @@ use linewright_proof::explore::{NotExplorable, Setting};
 use linewright_proof::structure::{Check, StationReport, judge_line, judge_stations};
 use serde::Serialize;
 
+use super::barriers::{self, Barriers};
 use super::cell::{self, CellReport};
 use super::explored::{Exploration, Options};
 
@@ -33,6 +34,8 @@ pub struct Report {
     pub stations: Vec<StationReport>,
     /// What concerns the whole line.
     pub line_checks: Vec<Check>,
+    /// What holds each conflict on the machine.
+    pub barriers: Vec<Barriers>,
     /// What was found by exploring the composed line.
     pub explorations: Vec<Exploration>,
     /// What was found of the flexible cell, if the description has one.
@@ -108,6 +111,7 @@ impl Report {
             ok: false,
             stations: Vec::new(),
             line_checks: Vec::new(),
+            barriers: Vec::new(),
             explorations: Vec::new(),
             cell: None,
             not_decided: Vec::new(),
@@ -127,6 +131,7 @@ pub fn judge(parsed: &Parsed, options: &Options) -> Result<Report, NotExplorable
     let line_checks = judge_line(line);
     let sound = stations.iter().all(StationReport::ok) && line_checks.iter().all(|check| check.ok);
     let explorations = options.explore(line)?;
+    let barriers = barriers::of(line, options.measured())?;
     let mut not_decided = Vec::new();
     if !options.asks_to_explore() {
         not_decided.extend(NOT_EXPLORED);
@@ -139,9 +144,10 @@ pub fn judge(parsed: &Parsed, options: &Options) -> Result<Report, NotExplorable
     not_decided.push(DEVICES);
     Ok(Report {
         line: Some(line.name.clone()),
-        ok: sound && explorations.iter().all(Exploration::holds),
+        ok: sound && explorations.iter().all(Exploration::holds) && barriers.iter().all(Barriers::holds),
         stations,
         line_checks,
+        barriers,
         explorations,
         cell: None,
         not_decided,

@@ -55,6 +55,9 @@ fn of_line(report: &Report, out: &mut String) -> std::fmt::Result {
     for Check { name, ok, reason } in &report.line_checks {
         writeln!(out, "{} {name}: {reason}", mark(*ok))?;
     }
+    for barriers in &report.barriers {
+        writeln!(out, "- {}: {}", barriers.why, barriers.text())?;
+    }
     report.explorations.iter().try_for_each(|exploration| explored(exploration, out))
 }
 

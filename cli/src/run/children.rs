@@ -1,9 +1,11 @@
 //! The processes of a line on one machine: started, watched, started again, ended.
 //!
 //! Each child gets a pipe as its standard input and ends when it closes, so that no node outlives its supervisor,
-//! however that ends. What a child logs goes into a file of its own.
+//! however that ends. What a child logs goes into a file of its own, or nowhere where that cannot be written: a full disk
+//! costs the log and not the line.
 
 use std::fs::File;
+use std::io::{Read, Seek, SeekFrom};
 use std::path::{Path, PathBuf};
 use std::process::Stdio;
 use std::time::{Duration, Instant};
@@ -17,6 +19,9 @@ const END_WITHIN: Duration = Duration::from_secs(2);
 const SHORT_LIFE: Duration = Duration::from_secs(1);
 /// A child that never lives long is given up after this many starts in a row.
 const SHORT_LIVES_MAX: u32 = 3;
+
+/// As much of a log's end is looked at to show its last lines.
+const TAIL_BYTES: u64 = 16 * 1024;
 
 /// One process of the line.
 struct Member {
@@ -32,19 +37,21 @@ struct Member {
 pub struct Children {
     members: Vec<Member>,
     dir: PathBuf,
+    /// Where their virtual buses are, if not where everybody's are.
+    buses: Option<PathBuf>,
     restarts: u32,
 }
 
 impl Children {
-    /// No processes yet; logs go to `dir`.
-    pub fn new(dir: &Path) -> Self {
-        Children { members: Vec::new(), dir: dir.to_owned(), restarts: 0 }
+    /// No processes yet; logs go to `dir`, and the virtual buses are in `buses` if that is given.
+    pub fn new(dir: &Path, buses: Option<&Path>) -> Self {
+        Children { members: Vec::new(), dir: dir.to_owned(), buses: buses.map(Path::to_owned), restarts: 0 }
     }
 
     /// Starts this very program again, with `args`.
     pub fn start(&mut self, name: &str, args: Vec<String>) -> miette::Result<()> {
         let log = self.dir.join(format!("{name}.log"));
-        let child = spawn(&args, &log).wrap_err_with(|| format!("cannot start {name}"))?;
+        let child = spawn(&args, &log, self.buses.as_deref()).wrap_err_with(|| format!("cannot start {name}"))?;
         let started = Instant::now();
         self.members.push(Member { name: name.to_owned(), args, log, child, started, short_lives: 0 });
         Ok(())
@@ -68,7 +75,7 @@ impl Children {
             if member.short_lives >= SHORT_LIVES_MAX {
                 return Err(miette!("{} does not stay up ({status}):\n{}", member.name, tail(&member.log)));
             }
-            member.child = spawn(&member.args, &member.log)?;
+            member.child = spawn(&member.args, &member.log, self.buses.as_deref())?;
             member.started = Instant::now();
             self.restarts += 1;
             revived.push(format!("{} ({status})", member.name));
@@ -91,14 +98,20 @@ impl Children {
     }
 }
 
-fn spawn(args: &[String], log: &Path) -> miette::Result<Child> {
+fn spawn(args: &[String], log: &Path, buses: Option<&Path>) -> miette::Result<Child> {
     let program = std::env::current_exe().into_diagnostic().wrap_err("cannot find this program")?;
-    let log = File::options().create(true).append(true).open(log).into_diagnostic()?;
-    Command::new(program)
+    let mut command = Command::new(program);
+    match File::options().create(true).append(true).open(log).and_then(|log| Ok((log.try_clone()?, log))) {
+        Ok((out, err)) => command.stdout(out).stderr(err),
+        Err(error) => {
+            crate::out::complain!("linewright: nothing is logged to {}: {error}", log.display());
+            command.stdout(Stdio::null()).stderr(Stdio::null())
+        }
+    };
+    command
         .args(args)
+        .envs(buses.map(|dir| ("LINEWRIGHT_BUS_DIR", dir)))
         .stdin(Stdio::piped())
-        .stdout(log.try_clone().into_diagnostic()?)
-        .stderr(log)
         .kill_on_drop(true)
         // A Ctrl-C at the terminal goes to every process of its group; it is the supervisor's to answer.
         .process_group(0)
@@ -106,8 +119,20 @@ fn spawn(args: &[String], log: &Path) -> miette::Result<Child> {
         .into_diagnostic()
 }
 
+/// The last lines of a log.
 fn tail(log: &Path) -> String {
-    let text = std::fs::read_to_string(log).unwrap_or_default();
+    let read = || -> std::io::Result<String> {
+        // A pipe or a device in the place of a log has no end, or none that can be waited for.
+        if !std::fs::metadata(log)?.is_file() {
+            return Ok(String::new());
+        }
+        let mut file = File::open(log)?;
+        file.seek(SeekFrom::Start(file.metadata()?.len().saturating_sub(TAIL_BYTES)))?;
+        let mut bytes = Vec::new();
+        file.take(TAIL_BYTES).read_to_end(&mut bytes)?;
+        Ok(String::from_utf8_lossy(&bytes).into_owned())
+    };
+    let text = read().unwrap_or_default();
     let lines: Vec<&str> = text.lines().collect();
     lines[lines.len().saturating_sub(10)..].join("\n")
 }

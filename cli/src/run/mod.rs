@@ -16,17 +16,17 @@ use std::process::ExitCode;
 use std::time::{Duration, Instant};
 
 use clap::Args as ClapArgs;
-use linewright_fieldbus::{Bus as CanBus, Frame, Options as BusOptions};
+use linewright_fieldbus::{Bus as CanBus, BusError, Frame, Options as BusOptions, OwnBuses};
 use linewright_line::{Bus, Line};
 use linewright_msgs::{LineState, StationState};
-use linewright_node_shell::RosArgs;
-use miette::{IntoDiagnostic, miette};
+use linewright_node_shell::{Claim, RosArgs};
+use miette::{IntoDiagnostic, WrapErr, miette};
 use tokio::sync::mpsc;
 
 use crate::client::{Client, Heard};
 use crate::interrupts::Interrupts;
 use crate::load;
-use crate::nodes::DEFAULT_BUS;
+use crate::nodes::{DEFAULT_BUS, claim_coordinator, claim_station};
 use crate::watch::{PICTURE_EVERY, Screen, View};
 use cell::CellRun;
 use children::Children;
@@ -94,11 +94,17 @@ pub async fn run(args: Args, ros: RosArgs) -> miette::Result<ExitCode> {
     if args.cycles == Some(0) || args.stations_per_process == 0 {
         return Err(miette!("--cycles and --stations-per-process are at least 1"));
     }
+    let _claim = Claim::line(&ros, &format!("/{}", line.name)).map_err(|error| miette!("{error}"))?;
+    // Whose devices are its own has buses of its own; others' devices are on the buses that everybody shares.
+    let about = crate::can::run_of(&line, &ros)?;
+    let own = if args.no_plant { None } else { OwnBuses::create(&about).into_diagnostic()? };
+    let bus = BusOptions { dir: own.as_ref().map(|own| own.dir().to_owned()), ..BusOptions::default() };
     let scratch = Scratch::new(args.state_dir.as_deref())?;
-    let mut children = Children::new(&scratch.dir);
-    let mut session = Session::open(&line, &args, &ros, &scratch.dir).await?;
+    nothing_runs_yet(&line, &args, &ros, &bus)?;
+    let mut children = Children::new(&scratch.dir, own.as_ref().map(OwnBuses::dir));
+    let mut session = Session::open(&line, &args, &ros, &scratch.dir, &bus).await?;
     session.cell = cell.map(|cell| CellRun::open(&line, &cell, &args.parts, &ros)).transpose()?;
-    let outcome = match start_all(&mut children, &line, &args, &scratch.dir) {
+    let outcome = match start_all(&mut children, &line, &args, &scratch.dir, session.virtual_bus) {
         Ok(()) => session.drive(&mut children).await,
         Err(error) => Err(error),
     };
@@ -108,7 +114,18 @@ pub async fn run(args: Args, ros: RosArgs) -> miette::Result<ExitCode> {
     Ok(code)
 }
 
-fn start_all(children: &mut Children, line: &Line, args: &Args, dir: &Path) -> miette::Result<()> {
+/// Looks whether what is about to be started is there already, so that nothing is started beside it. The nodes claim the
+/// same again.
+fn nothing_runs_yet(line: &Line, args: &Args, ros: &RosArgs, bus: &BusOptions) -> miette::Result<()> {
+    let state_dir = args.state_dir.as_deref();
+    let mut claims = vec![claim_coordinator(line, ros, &args.bus, state_dir, bus)?];
+    for station in line.station_ids() {
+        claims.push(claim_station(line, ros, station, state_dir, bus)?);
+    }
+    Ok(())
+}
+
+fn start_all(children: &mut Children, line: &Line, args: &Args, dir: &Path, virtual_bus: bool) -> miette::Result<()> {
     // A cell's description lies beside its line's, so nodes are given the directory.
     let path = if args.line.is_dir() { args.line.clone() } else { load::file_of(&args.line) };
     let description = path.canonicalize().into_diagnostic()?.display().to_string();
@@ -116,6 +133,7 @@ fn start_all(children: &mut Children, line: &Line, args: &Args, dir: &Path) -> m
     let words = |more: &[&str]| -> Vec<String> {
         let mut words: Vec<String> = more.iter().map(|word| (*word).to_owned()).collect();
         words.extend(["--end-with-stdin".to_owned(), description.clone()]);
+        words.extend(virtual_bus.then(|| "--virtual-bus".to_owned()));
         words.extend(forwarded_ros_args());
         words
     };
@@ -149,13 +167,15 @@ struct Session {
     line: Line,
     client: Client,
     observer: Observer,
-    frames: mpsc::Receiver<(Bus, Frame)>,
+    frames: mpsc::Receiver<Result<(Bus, Frame), BusError>>,
     tally: Tally,
     view: View,
     phase: Phase,
     target: Option<usize>,
     cell: Option<CellRun>,
     no_auto: bool,
+    /// One of the buses is virtual at least, and so may those of the nodes be.
+    virtual_bus: bool,
     live: bool,
     said: Option<Instant>,
     progress: (usize, Instant),
@@ -163,9 +183,9 @@ struct Session {
 }
 
 impl Session {
-    async fn open(line: &Line, args: &Args, ros: &RosArgs, dir: &Path) -> miette::Result<Self> {
+    async fn open(line: &Line, args: &Args, ros: &RosArgs, dir: &Path, options: &BusOptions) -> miette::Result<Self> {
         let (to, frames) = mpsc::channel(4096);
-        let mut head = Vec::new();
+        let (mut head, mut virtual_bus) = (Vec::new(), false);
         let mut buses: Vec<&Bus> = line.devices.iter().map(|device| &device.bus).collect();
         buses.sort_by_key(|bus| bus.to_string());
         buses.dedup();
@@ -174,13 +194,15 @@ impl Session {
                 Bus::Line => &args.bus,
                 Bus::Own(interface) => interface,
             };
-            let mut listener = CanBus::open(interface, &BusOptions::default()).into_diagnostic()?;
+            let mut listener = CanBus::open(interface, options).into_diagnostic()?;
             head.push(format!("CAN: {}", listener.describe()));
+            virtual_bus |= listener.is_virtual();
             let (to, bus) = (to.clone(), bus.clone());
             tokio::spawn(async move {
                 loop {
-                    let frame = listener.recv().await;
-                    if to.send((bus.clone(), frame)).await.is_err() {
+                    let frame = listener.recv().await.map(|frame| (bus.clone(), frame));
+                    let is_gone = frame.is_err();
+                    if to.send(frame).await.is_err() || is_gone {
                         break;
                     }
                 }
@@ -204,6 +226,7 @@ impl Session {
             target: args.cycles,
             cell: None,
             no_auto: args.no_auto,
+            virtual_bus,
             live,
             said: None,
             progress: (0, Instant::now()),
@@ -222,11 +245,12 @@ impl Session {
                 heard = self.client.next() => self.take(&heard?),
                 told = next_of(&mut self.cell) => for line in told? {
                     if !self.live {
-                        eprintln!("{line}");
+                        crate::out::complain!("{line}");
                     }
                     self.view.say(line);
                 },
-                Some((bus, frame)) = self.frames.recv() => {
+                Some(frame) = self.frames.recv() => {
+                    let (bus, frame) = frame.into_diagnostic()?;
                     let before = self.observer.conflicts().len();
                     self.observer.frame(&bus, &frame);
                     for conflict in &self.observer.conflicts()[before..] {
@@ -245,7 +269,7 @@ impl Session {
                     for name in children.revive()? {
                         self.view.say(format!("started again: {name}"));
                         if !self.live {
-                            eprintln!("started again: {name}");
+                            crate::out::complain!("started again: {name}");
                         }
                     }
                     if let Some(screen) = &mut screen {
@@ -410,7 +434,7 @@ impl Session {
                 crate::out::say!("not watched, its switches are in frames this observer does not read: {conflict}");
             }
             if let Some(error) = error {
-                eprintln!("linewright: {error}");
+                crate::out::complain!("linewright: {error}");
             }
         }
         Ok(if ok { ExitCode::SUCCESS } else { ExitCode::FAILURE })
@@ -440,7 +464,7 @@ impl Scratch {
             Some(dir) => dir.to_owned(),
             None => std::env::temp_dir().join(format!("linewright-run-{}", std::process::id())),
         };
-        std::fs::create_dir_all(&dir).into_diagnostic()?;
+        std::fs::create_dir_all(&dir).into_diagnostic().wrap_err_with(|| format!("cannot use {}", dir.display()))?;
         Ok(Scratch { dir, temporary: given.is_none() })
     }
 

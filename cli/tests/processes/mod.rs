@@ -8,6 +8,7 @@
 //! No test asserts a speed: the machine may be busy with other things.
 
 mod auto_cycles;
+mod beside;
 mod cells;
 mod device_faults;
 mod devices;
@@ -16,8 +17,11 @@ mod faults;
 mod hand_mode;
 mod interrupts;
 mod kills;
+mod lost_memory;
 mod other_devices;
+mod outputs;
 mod panels;
 mod remaps;
 mod rubbish;
 mod rubbish_senders;
+mod two_coordinators;

@@ -20,7 +20,7 @@ pub mod operator;
 pub mod plan;
 pub mod rig;
 
-use std::sync::{PoisonError, RwLock, RwLockReadGuard};
+use std::sync::{PoisonError, RwLock, RwLockReadGuard, RwLockWriteGuard};
 use std::time::{Duration, Instant};
 
 /// How long to wait for something that should happen: this machine may be busy with other things.
@@ -29,6 +29,11 @@ pub const PATIENCE: Duration = Duration::from_secs(30);
 static ALONE: RwLock<()> = RwLock::new(());
 /// How often to look while waiting.
 const LOOK_EVERY: Duration = Duration::from_millis(2);
+
+/// Neither a rig nor any other command is there as long as this is held.
+pub fn alone() -> RwLockWriteGuard<'static, ()> {
+    ALONE.write().unwrap_or_else(PoisonError::into_inner)
+}
 
 /// No rig is there as long as this is held.
 pub fn beside_no_rig() -> RwLockReadGuard<'static, ()> {

@@ -9,8 +9,10 @@ use std::sync::{Arc, Mutex, MutexGuard, PoisonError};
 use std::thread::JoinHandle;
 use std::time::Duration;
 
+use linewright_line::Tick;
 use linewright_msgs::{Flag, LineState, StationEvent, StationState, Text};
-use linewright_node_shell::{Forward, NewestBySequence, Node, Participant, Publisher, RosArgs, forward, qos};
+use linewright_node_shell::{Forward, Node, Participant, Publisher, RosArgs, forward, qos};
+use linewright_station_shell::NewestBySequence;
 use tokio::sync::{mpsc, oneshot};
 
 use super::rig::Rig;
@@ -115,7 +117,7 @@ impl Operator {
         let sizes: Vec<(&str, usize)> = names.iter().map(|station| (*station, size(station))).collect();
         let thread = std::thread::spawn(move || {
             let _tasks = tasks;
-            let mut newest: HashMap<String, NewestBySequence> = HashMap::new();
+            let mut newest = Newest::new();
             runtime.block_on(async {
                 loop {
                     tokio::select! {
@@ -245,15 +247,32 @@ impl Operator {
     /// In manual: resumes what was stopped.
     pub fn complete(&self) {
         let names = self.heard().names;
-        for name in names {
-            for _ in 0..3 {
-                if self.station(name).incomplete.is_empty() {
-                    break;
-                }
+        // One may have to be out of another's way first.
+        for name in names.iter().cycle().take(3 * names.len()) {
+            if !self.station(name).incomplete.is_empty() {
                 self.jog(name, "advance");
             }
+        }
+        for name in names {
             assert!(self.station(name).incomplete.is_empty(), "{name} is recovered: {}", self.picture());
         }
+    }
+
+    /// In manual: leads every station home, one motion at a time, with whichever button moves it.
+    pub fn lead_home(&self) {
+        let names = self.heard().names;
+        let mut back = vec![false; names.len()];
+        for _ in 0..60 {
+            let away: Vec<usize> = (0..names.len()).filter(|&at| !self.station(names[at]).at_home).collect();
+            if away.is_empty() {
+                return;
+            }
+            for at in away {
+                let side = if back[at] { "return" } else { "advance" };
+                back[at] ^= !self.jog(names[at], side);
+            }
+        }
+        panic!("not all are home: {}", self.picture());
     }
 
     /// Stops at home.
@@ -289,18 +308,28 @@ fn lock(heard: &Mutex<Heard>) -> MutexGuard<'_, Heard> {
     heard.lock().unwrap_or_else(PoisonError::into_inner)
 }
 
-fn take(notes: &Mutex<Heard>, newest: &mut HashMap<String, NewestBySequence>, sizes: &[(&str, usize)], said: Said) {
+/// By writer: since when it is heard, and its newest message.
+type Newest = HashMap<String, (std::time::Instant, NewestBySequence)>;
+
+/// As the shipped lines have it.
+const STALE: Duration = Duration::from_millis(250);
+
+fn take(notes: &Mutex<Heard>, newest: &mut Newest, sizes: &[(&str, usize)], said: Said) {
     // A state of a station that is not in the description, or with another number of operations, is nobody's.
     if let Said::Station(state) = &said
         && !sizes.contains(&(&state.station, state.done.len()))
     {
         return;
     }
-    let mut offer = |who: &str, boot, sequence| newest.entry(who.to_owned()).or_default().offer(boot, sequence);
+    let mut offer = |who: &str, boot, sequence| {
+        let new = || (std::time::Instant::now(), NewestBySequence::new(STALE));
+        let (began, newest) = newest.entry(who.to_owned()).or_insert_with(new);
+        newest.offer(Tick::ZERO + began.elapsed(), boot, sequence)
+    };
     let mut heard = lock(notes);
     match said {
-        Said::Line(state) if offer("", state.boot_id, state.sequence).is_newest() => heard.line = *state,
-        Said::Station(state) if offer(&state.station, state.boot_id, state.sequence).is_newest() => {
+        Said::Line(state) if offer("", state.boot_id, state.sequence) => heard.line = *state,
+        Said::Station(state) if offer(&state.station, state.boot_id, state.sequence) => {
             heard.stations.insert(state.station.clone(), *state);
         }
         Said::Event(event) => heard.events.push(*event),

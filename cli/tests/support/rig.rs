@@ -4,11 +4,12 @@
 //! Whatever becomes of a test, no process of its rig outlives it.
 
 use std::fs::{self, File};
-use std::io::Read;
+use std::io::{Read, Write};
 use std::net::UdpSocket;
-use std::path::PathBuf;
+use std::os::unix::fs::symlink;
+use std::path::{Path, PathBuf};
 use std::process::{Child, Command, Stdio};
-use std::sync::{PoisonError, RwLockWriteGuard};
+use std::sync::RwLockWriteGuard;
 use std::time::Duration;
 
 use linewright_msgs::StationState;
@@ -19,7 +20,7 @@ use super::bus::{self, Member};
 use super::eye::Eye;
 use super::operator::Operator;
 use super::plan::Plan;
-use super::{ALONE, PATIENCE, wait_for};
+use super::{PATIENCE, wait_for};
 
 /// No CAN interface has this name, so it is a virtual bus even where the kernel has `vcan0`, or a machine on `can0`.
 pub const BUS: &str = "rig-line";
@@ -48,7 +49,7 @@ pub struct Rig {
 impl Rig {
     /// A rig for this description; nothing runs yet.
     pub fn new(text: &str) -> Self {
-        let alone = ALONE.write().unwrap_or_else(PoisonError::into_inner);
+        let alone = super::alone();
         let directory = tempfile::Builder::new().prefix("lw").tempdir().expect("a directory");
         fs::create_dir_all(directory.path().join("line")).expect("a directory");
         fs::create_dir_all(directory.path().join("state")).expect("a directory");
@@ -207,6 +208,24 @@ impl Rig {
         Member::join(vec![self.bus()], &bus::fresh_name()).expect("a place on the bus")
     }
 
+    /// What one process logs goes there instead of into its log.
+    pub fn log_into(&self, name: &str, path: &Path) {
+        symlink(path, self.state().join(format!("{name}.log"))).expect("a link");
+    }
+
+    /// What one process logs goes into a pipe that is full, and that nobody reads.
+    pub fn log_into_a_full_pipe(&self, name: &str) -> FullPipe {
+        let path = self.state().join(format!("{name}.log"));
+        let made = Command::new("mkfifo").arg(&path).status().expect("the mkfifo command is there");
+        assert!(made.success(), "{made:?}");
+        // Open for both, it opens without the other side.
+        let open = || File::options().read(true).write(true).open(&path).expect("a pipe");
+        let mut filled = open();
+        // Ends when somebody reads, or with the process.
+        std::thread::spawn(move || while filled.write_all(&[b'\n'; 512]).is_ok() {});
+        FullPipe { _open: open() }
+    }
+
     /// The log of one process.
     pub fn log(&self, name: &str) -> String {
         fs::read_to_string(self.state().join(format!("{name}.log"))).unwrap_or_default()
@@ -216,7 +235,8 @@ impl Rig {
         self.directory.path().join("bus").join(BUS)
     }
 
-    fn state(&self) -> PathBuf {
+    /// Where the line keeps what it remembers, and its logs.
+    pub fn state(&self) -> PathBuf {
         self.directory.path().join("state")
     }
 }
@@ -243,6 +263,7 @@ impl Rig {
     fn tell_what_was_said(&self) {
         let logs = fs::read_dir(self.state()).into_iter().flatten().flatten().map(|entry| entry.path());
         let logs = logs.filter(|path| path.extension().is_some_and(|extension| extension == "log"));
+        let logs = logs.filter(|path| fs::metadata(path).is_ok_and(|of| of.is_file()));
         for path in logs.chain([self.directory.path().join("run.err")]) {
             let text = fs::read_to_string(&path).unwrap_or_default();
             let lines: Vec<&str> = text.lines().collect();
@@ -250,6 +271,11 @@ impl Rig {
             eprintln!("--- {}\n{}", path.display(), last.join("\n"));
         }
     }
+}
+
+/// Keeps a pipe open that nobody reads.
+pub struct FullPipe {
+    _open: File,
 }
 
 /// Sends a signal to a process.
@@ -260,7 +286,7 @@ pub fn send_signal(name: &str, id: u32) {
 
 /// A domain in which no participant of this machine sits: the first one's port is free. Below 34 people work, above
 /// 101 Linux gives the ports to anybody.
-fn free_domain() -> u16 {
+pub fn free_domain() -> u16 {
     let first = (std::process::id() % 57) as u16;
     let domains = (0..57).map(|step| 34 + (first + step) % 57);
     let is_free = |domain: &u16| UdpSocket::bind(("0.0.0.0", 7400 + 250 * domain + 10)).is_ok();

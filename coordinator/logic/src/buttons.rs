@@ -1,24 +1,20 @@
 //! Hand-mode buttons held by message: hold-to-run across a network.
 //!
-//! A held button counts while it is refreshed. A refresh that comes late finds the motion stopped, and must not start
-//! it again: the finger never left the button, so nobody decided to. Only a release that was heard, or a silence long
-//! enough to have been one, makes the next message a new press.
+//! A held button counts while it is refreshed. A refresh that comes late finds the motion stopped, and must not start it
+//! again, however long the silence was: the finger may never have left the button. Only a release that was heard makes the
+//! next message a new press.
 
 use std::time::Duration;
 
 use linewright_line::Tick;
 
-/// A silence this many times as long as a button's term counts as its release.
-const SILENCE_IS_RELEASE: u32 = 4;
-
 /// The buttons one sender holds, a bit each.
 #[derive(Clone, Copy, Debug, Default)]
 pub(crate) struct Buttons {
     said: u32,
-    heard: Tick,
     until: Tick,
-    /// Ran out while they were held; not released since.
-    lapsed: u32,
+    /// Ran out while they were held, and not heard released since.
+    unreleased: u32,
 }
 
 impl Buttons {
@@ -26,21 +22,25 @@ impl Buttons {
     pub(crate) fn hear(&mut self, now: Tick, held: u32, term: Duration) -> bool {
         let ran_out = now >= self.until;
         let changed = held != self.said || ran_out;
-        if now.since(self.heard) >= term * SILENCE_IS_RELEASE {
-            self.lapsed = 0;
-        } else if ran_out {
-            self.lapsed |= self.said;
+        if ran_out {
+            self.unreleased |= self.said;
         }
-        self.lapsed &= held;
+        self.unreleased &= held;
         self.said = held;
-        self.heard = now;
         self.until = now + term;
         changed
     }
 
+    /// Takes what was held at a time that is not known. What it holds counts for nothing and not as released; the finger may
+    /// never have left the button.
+    pub(crate) fn hear_late(&mut self, now: Tick, held: u32, term: Duration) {
+        self.hear(now, held, term);
+        self.unreleased = held;
+    }
+
     /// The buttons in force.
     pub(crate) fn held(&self, now: Tick) -> u32 {
-        if now < self.until { self.said & !self.lapsed } else { 0 }
+        if now < self.until { self.said & !self.unreleased } else { 0 }
     }
 
     /// When they run out.
@@ -83,10 +83,15 @@ mod tests {
     }
 
     #[test]
-    fn a_long_silence_was_a_release() {
+    fn no_silence_is_a_release() {
         let mut buttons = Buttons::default();
         buttons.hear(at(1000), 1, TERM);
-        buttons.hear(at(2000), 1, TERM);
-        assert_eq!(buttons.held(at(2000)), 1);
+        for late in [2000, 4000, 3_600_000] {
+            buttons.hear(at(late), 1, TERM);
+            assert_eq!(buttons.held(at(late)), 0, "after {late} ms");
+        }
+        buttons.hear(at(3_600_100), 0, TERM);
+        buttons.hear(at(3_600_200), 1, TERM);
+        assert_eq!(buttons.held(at(3_600_200)), 1);
     }
 }

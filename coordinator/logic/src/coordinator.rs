@@ -2,93 +2,22 @@
 //!
 //! The order carries an epoch, which grows with every change of mode, and a lease. A mode that enables motion is
 //! *enabled* only when every station has acknowledged its epoch, so no station moves while another still acts on the
-//! mode before. The same holds for rest: a station that was last heard standing stands for sure only once it has
-//! acknowledged an epoch in which nothing starts by itself; master stop is of such an epoch, too. Everything unknown counts against motion: a station that is not heard is trouble, a console that was
-//! heard and is no longer counts as a pressed emergency stop.
+//! mode before. The same holds for rest: a station counts as standing only once it has acknowledged an epoch in which
+//! nothing starts by itself. A master stop begins such an epoch too. Everything unknown counts against motion: a station
+//! that is not heard is trouble, and a console that was heard and is no longer heard counts as a pressed emergency stop.
 
+mod exchange;
+mod founding;
 mod obey;
 
-use std::time::Duration;
+pub use exchange::{Heard, Input, Order, Outbox};
 
 use linewright_line::net::ControlMode;
-use linewright_line::{InputId, Line, StationId, Tick};
+use linewright_line::{InputId, Line, Owner, StationId, Tick};
 
 use crate::buttons::Buttons;
 use crate::decision::{Command, Facts, next};
 use crate::refusal::{Reason, Refusal};
-
-/// What the coordinator needs of a station's report.
-#[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
-pub struct Heard {
-    /// Which life of the station.
-    pub boot_id: u64,
-    /// The newest epoch it has heard.
-    pub mode_epoch: u64,
-    /// At its home place.
-    pub at_home: bool,
-    /// The round it is in, or at the end of which it stands at home.
-    pub round: i32,
-    /// Nothing moves.
-    pub stopped: bool,
-    /// Some operation was stopped before its end.
-    pub incomplete: bool,
-    /// Its selector stands at manual.
-    pub selector_manual: bool,
-    /// Its devices are heard and operational.
-    pub devices_valid: bool,
-}
-
-/// What the coordinator is told.
-#[derive(Clone, Copy, Debug)]
-pub enum Input {
-    /// An operator's command, by message.
-    Command(Command),
-    /// The console's input image, and whether its devices vouch for it.
-    Console {
-        /// Bit `i` is input `i` of the console.
-        bits: u128,
-        /// False when a device is lost or has not yet spoken.
-        valid: bool,
-    },
-    /// Hand-mode buttons held, by message, a bit each; replaces what was held before. Must be refreshed.
-    Buttons(u32),
-    /// A newer report of a station.
-    Station(StationId, Heard),
-}
-
-/// The order for every station.
-#[derive(Clone, Copy, Debug, PartialEq, Eq)]
-pub struct Order {
-    /// Grows with every change of mode.
-    pub epoch: u64,
-    /// The mode.
-    pub mode: ControlMode,
-    /// Every station has acknowledged the epoch.
-    pub enabled: bool,
-    /// Master stop: halt at the home place at the end of this round, the latest that any station has begun. All are at
-    /// home together then, as they were at the beginning; a station that halted at home at once could leave another
-    /// waiting for it, away from home, for ever.
-    pub master_stop: Option<i32>,
-    /// Every station's panel counts as switched to manual.
-    pub manual_all: bool,
-    /// Hand-mode buttons held.
-    pub buttons: u32,
-    /// How long the order holds after it is heard.
-    pub lease: Duration,
-}
-
-/// What a step gives.
-#[derive(Clone, Debug, Default)]
-pub struct Outbox {
-    /// Send the order and the state now.
-    pub changed: bool,
-    /// The console's output image: the lamps.
-    pub lamps: u128,
-    /// Modes entered, in order. The caller drains it.
-    pub modes: Vec<ControlMode>,
-    /// Commands refused, in order. The caller drains it.
-    pub refusals: Vec<Refusal>,
-}
 
 #[derive(Clone, Debug, Default)]
 struct Station {
@@ -96,6 +25,10 @@ struct Station {
     known_until: Tick,
     /// Came up anew while the line was in auto or hand, and nobody has looked at it since.
     restarted: bool,
+    /// Its counts are compared with others'.
+    compares: bool,
+    /// Not heard when auto or hand was left, nor since.
+    missed: bool,
     /// Works on order: it has no rounds, and is at home at any rest.
     on_order: bool,
     /// What is wrong with it is an exception of its order (see [`Coordinator::isolate`]).
@@ -103,8 +36,9 @@ struct Station {
 }
 
 impl Station {
-    fn of(described: &linewright_line::Station) -> Self {
-        Station { on_order: described.works_on_order(), ..Station::default() }
+    fn of(line: &Line, id: StationId) -> Self {
+        let compares = line.arrows.iter().any(|arrow| arrow.from.0 == id || arrow.to.0 == id);
+        Station { on_order: line.station(id).works_on_order(), compares, ..Station::default() }
     }
 
     /// Whether it is not in the latest round, or at the end of it.
@@ -117,6 +51,7 @@ impl Station {
 #[derive(Clone, Debug)]
 pub struct Coordinator {
     line: Line,
+    boot_id: u64,
     now: Tick,
     mode: ControlMode,
     epoch: u64,
@@ -126,11 +61,24 @@ pub struct Coordinator {
     /// though it was last heard at rest.
     quiet: u64,
     estop: bool,
+    founding: Option<founding::OpenFounding>,
+    /// Generations drawn in this life.
+    drawn: u64,
+    /// The epoch in which the emergency stop was left last: a station that stands in one though it has heard of that
+    /// epoch was stopped anew.
+    released: u64,
+    stopped_in: u64,
+    /// The journal cannot be written.
+    journal_lost: bool,
+    /// Another coordinator, and until when it counts as there.
+    rival: Option<(u64, Tick)>,
     /// "Manual" was commanded: as if every selector stood at manual.
     manual_all: bool,
     stations: Vec<Station>,
     console: (u128, bool),
     console_was_heard: bool,
+    /// Wired hand-mode buttons that were down when the console was heard again, and have not been up since.
+    unreleased: u32,
     buttons: Buttons,
     changed: bool,
     modes: Vec<ControlMode>,
@@ -138,12 +86,13 @@ pub struct Coordinator {
 }
 
 impl Coordinator {
-    /// A coordinator for `line` whose epochs start above `last_epoch`, the highest one its predecessor is known to
-    /// have used (0 if none). It comes up at the home place of the decision, in which nothing moves.
-    pub fn new(line: Line, last_epoch: u64) -> Self {
+    /// A coordinator for `line`. `boot_id` is unique per start. Its epochs start above `last_epoch`, the highest one that
+    /// its predecessor used (0 if none). It comes up in the home mode, in which nothing moves.
+    pub fn new(line: Line, boot_id: u64, last_epoch: u64) -> Self {
         Coordinator {
-            stations: line.stations.iter().map(Station::of).collect(),
+            stations: line.station_ids().map(|id| Station::of(&line, id)).collect(),
             line,
+            boot_id,
             now: Tick::ZERO,
             mode: ControlMode::Home,
             epoch: last_epoch.saturating_add(1),
@@ -151,9 +100,16 @@ impl Coordinator {
             stopping: false,
             quiet: last_epoch.saturating_add(1),
             estop: false,
+            founding: None,
+            drawn: 0,
+            released: 0,
+            stopped_in: 0,
+            journal_lost: false,
+            rival: None,
             manual_all: false,
             console: (0, false),
             console_was_heard: false,
+            unreleased: 0,
             buttons: Buttons::default(),
             changed: true,
             modes: Vec::new(),
@@ -180,6 +136,11 @@ impl Coordinator {
         self.mode
     }
 
+    /// The epoch in which the emergency stop was entered last; 0 if it never was. What was decided before is not acted on after.
+    pub fn stopped_in(&self) -> u64 {
+        self.stopped_in
+    }
+
     /// The epoch of that mode.
     pub fn epoch(&self) -> u64 {
         self.epoch
@@ -204,13 +165,24 @@ impl Coordinator {
         self.stations.iter().filter(|s| !s.on_order).map(|s| s.heard.round).max().unwrap_or(0)
     }
 
+    /// Rounds of different generations are not compared: what counts then is that all are at home.
     fn all_in(&self, round: i32) -> bool {
-        !self.stations.iter().any(|station| station.is_behind(round))
+        !self.is_of_one_generation() || !self.stations.iter().any(|station| station.is_behind(round))
     }
 
     fn wired_buttons(&self) -> u32 {
         let wired = self.line.console.buttons.iter().enumerate();
-        wired.fold(0, |bits, (i, input)| bits | u32::from(self.wired(*input)) << i)
+        wired.fold(0, |bits, (i, input)| bits | u32::from(self.wired(*input)) << i) & !self.unreleased
+    }
+
+    fn estop_is_pressed(&self) -> bool {
+        let (bits, valid) = self.console;
+        valid && self.line.console.estop.is_some_and(|contact| contact.is_pressed(bits))
+    }
+
+    /// A console is described and has not been heard since the start: whether its emergency stop is pressed is unknown.
+    fn console_is_unknown(&self) -> bool {
+        !self.console_was_heard && self.line.devices.iter().any(|device| device.owner == Owner::Console)
     }
 
     fn wired(&self, input: Option<InputId>) -> bool {
@@ -225,7 +197,20 @@ impl Coordinator {
             Input::Command(command) => self.command(command),
             Input::Console { bits, valid } => self.hear_console(bits, valid),
             Input::Buttons(held) => self.changed |= self.buttons.hear(self.now, held, self.line.timing.stale),
+            Input::LateButtons(held) => {
+                self.buttons.hear_late(self.now, held, self.line.timing.stale);
+                self.changed = true;
+            }
             Input::Station(id, heard) => self.hear_station(id, heard),
+            Input::Rival(life, until) => {
+                self.changed |= self.rival() != Some(life);
+                self.rival = Some((life, until));
+            }
+            Input::Journal(is_written) => {
+                self.changed |= self.journal_lost == is_written;
+                self.journal_lost = !is_written;
+                self.estop |= self.journal_lost;
+            }
         }
     }
 
@@ -259,9 +244,13 @@ impl Coordinator {
         self.changed = true;
         let console = self.line.console.clone();
         // An emergency stop that cannot be heard counts as pressed.
-        if self.wired(console.estop) || (lost && console.estop.is_some()) {
+        if self.estop_is_pressed() || (lost && console.estop.is_some()) {
             self.estop = true;
         }
+        // Hand-mode buttons that are down when the console comes back may never have been let go of.
+        let wired = |on: u32, (i, input): (usize, &Option<InputId>)| on | u32::from(self.wired(*input)) << i;
+        let down = console.buttons.iter().enumerate().fold(0, wired);
+        self.unreleased = if before.1 && valid { self.unreleased & down } else { down };
         // A button that was already down when the console came up was not pressed now.
         let first = !before.1;
         if valid && !first {
@@ -288,10 +277,16 @@ impl Coordinator {
         let rebooted = station.heard.boot_id != 0 && station.heard.boot_id != heard.boot_id;
         let news = station.heard != heard || now >= station.known_until;
         // In manual a person stands at the panel and holds every motion: there is nothing left to be looked at.
-        station.restarted |= rebooted && matches!(self.mode, ControlMode::Auto | ControlMode::Hand);
+        let moved = std::mem::take(&mut station.missed) || matches!(self.mode, ControlMode::Auto | ControlMode::Hand);
+        station.restarted |= rebooted && moved;
         station.heard = heard;
         station.known_until = now + self.line.timing.stale;
         self.changed |= news;
+        self.follow_founding();
+        // Another coordinator, or one before that left no journal, has stopped it.
+        if heard.estopped && self.mode != ControlMode::EStop && heard.mode_epoch >= self.released {
+            self.estop = true;
+        }
         // The stations have obeyed a later epoch than ours: somebody coordinated them before us. Go above it, and to
         // a mode in which nothing starts.
         if heard.mode_epoch > self.epoch {
@@ -304,6 +299,11 @@ impl Coordinator {
                 self.enter(ControlMode::StandBy);
             }
         }
+    }
+
+    /// The other coordinator that gives orders to this line, if there is one.
+    pub(super) fn rival(&self) -> Option<u64> {
+        self.rival.filter(|(_, until)| self.now < *until).map(|(life, _)| life)
     }
 
     fn is_known(&self, station: &Station) -> bool {
@@ -338,8 +338,15 @@ impl Coordinator {
     /// What speaks against motion in auto and hand.
     fn troubles(&self) -> Vec<Reason> {
         let mut reasons = Vec::new();
+        if self.journal_lost {
+            reasons.push(Reason::JournalLost);
+        }
+        reasons.extend(self.rival().map(Reason::OtherCoordinator));
         if self.console_was_heard && !self.console.1 {
             reasons.push(Reason::ConsoleLost);
+        }
+        if self.console_is_unknown() {
+            reasons.push(Reason::ConsoleNeverHeard);
         }
         for (id, station) in self.counted() {
             if !self.is_known(station) {
@@ -352,9 +359,16 @@ impl Coordinator {
             if station.heard.incomplete {
                 reasons.push(Reason::Incomplete(id));
             }
+            if station.heard.position_lost {
+                reasons.push(Reason::PositionLost(id));
+            }
             if station.restarted {
                 reasons.push(Reason::Restarted(id));
             }
+        }
+        // At home nothing moves, and the start that leads out founds what is missing.
+        if self.mode != ControlMode::Home {
+            reasons.extend(self.apart());
         }
         reasons
     }
@@ -381,6 +395,13 @@ impl Coordinator {
         self.epoch = self.epoch.saturating_add(1);
         if matches!(self.mode, ControlMode::Auto | ControlMode::Hand) {
             self.quiet = self.epoch;
+            self.stations.iter_mut().for_each(|station| station.missed |= self.now >= station.known_until);
+        }
+        if self.mode == ControlMode::EStop {
+            self.released = self.epoch;
+        }
+        if mode == ControlMode::EStop {
+            self.stopped_in = self.epoch;
         }
         self.mode = mode;
         self.enabled = false;
@@ -389,9 +410,12 @@ impl Coordinator {
         if mode != ControlMode::Auto {
             self.stopping = false;
         }
+        if matches!(mode, ControlMode::Manual | ControlMode::EStop) {
+            self.founding = None;
+        }
         if mode == ControlMode::Manual {
             for station in &mut self.stations {
-                station.restarted = false;
+                (station.restarted, station.missed) = (false, false);
             }
         }
         if mode != ControlMode::Manual && mode != ControlMode::StandBy {
@@ -403,7 +427,13 @@ impl Coordinator {
     pub fn step(&mut self, now: Tick, out: &mut Outbox) {
         self.now = self.now.max(now);
         self.decide(None);
-        if self.mode.enables_motion() && !self.enabled && self.all(|h| h.mode_epoch >= self.epoch) {
+        // In no mode, manual included, while it is not known whether the emergency stop button is pressed, or while another
+        // coordinator gives orders as well.
+        let is_alone = self.rival().is_none();
+        let enables = self.mode.enables_motion() && is_alone && !self.console_is_unknown() && self.founding.is_none();
+        self.changed |= self.enabled && !is_alone;
+        self.enabled &= is_alone;
+        if enables && !self.enabled && self.all(|h| h.acknowledges(self.boot_id, self.epoch)) {
             self.enabled = true;
             self.changed = true;
         }
@@ -416,7 +446,8 @@ impl Coordinator {
     /// When to step again if nothing arrives before.
     pub fn next_deadline(&self) -> Option<Tick> {
         let views = self.stations.iter().map(|s| s.known_until);
-        views.chain([self.buttons.until()]).filter(|&t| t > self.now).min()
+        let rival = self.rival.map_or(Tick::ZERO, |(_, until)| until);
+        views.chain([self.buttons.until(), rival]).filter(|&t| t > self.now).min()
     }
 
     fn lamps(&self) -> u128 {
@@ -437,7 +468,7 @@ impl Coordinator {
             return Vec::new();
         }
         let waits = |s: &Station| !self.is_known(s) || s.heard.mode_epoch < self.epoch;
-        self.counted().filter(|(_, s)| waits(s)).map(|(id, _)| id).collect()
+        self.counted().filter(|&(id, s)| waits(s) || !self.has_founded(id)).map(|(id, _)| id).collect()
     }
 
     /// Whether a station is heard.

@@ -22,6 +22,8 @@ pub struct OutputImage {
     pub boot_id: u64,
     /// Grows with every change of the station's outputs, in one life.
     pub number: u64,
+    /// The newest mode epoch the station had heard when it decided it.
+    pub mode_epoch: u64,
 }
 
 /// What is put on the bus for a station.
@@ -60,13 +62,16 @@ impl Gateway {
         }
     }
 
-    /// What to energise for a station whose devices have been lost `losses` times: its image, or all off.
-    pub fn in_force(&self, now: Tick, station: StationId, losses: u64) -> InForce {
+    /// What to energise for a station whose devices have been lost `losses` times: its image, or all off. `since` is the
+    /// epoch of the last emergency stop: an image from before it is not energised after it.
+    pub fn in_force(&self, now: Tick, station: StationId, losses: u64, since: u64) -> InForce {
         match self.stations.get(station.index()).copied().flatten() {
-            Some(held) if now < held.until && held.image.valid && held.image.losses == losses => {
-                InForce { bits: held.image.bits, image: Some((held.image.boot_id, held.image.number)) }
+            Some(Held { image, until })
+                if now < until && image.valid && image.losses == losses && image.mode_epoch >= since =>
+            {
+                InForce { bits: image.bits, image: Some((image.boot_id, image.number)) }
             }
-            // Silence, an image nobody vouches for, or one decided before a loss: off is the safe state.
+            // Silence, an image nobody vouches for, or one decided before a loss or an emergency stop: off is the safe state.
             Some(_) | None => InForce::default(),
         }
     }
@@ -89,24 +94,30 @@ mod tests {
         gateway
     }
 
-    const ON: OutputImage = OutputImage { bits: 5, valid: true, losses: 2, boot_id: 7, number: 4 };
+    const ON: OutputImage = OutputImage { bits: 5, valid: true, losses: 2, boot_id: 7, number: 4, mode_epoch: 6 };
 
     #[test]
     fn a_fresh_image_is_energised_and_a_stale_one_is_not() {
         let gateway = heard_at_zero(ON);
-        assert_eq!(gateway.in_force(Tick::from_millis(249), STATION, 2).bits, 5);
-        assert_eq!(gateway.in_force(Tick::from_millis(250), STATION, 2).bits, 0);
+        assert_eq!(gateway.in_force(Tick::from_millis(249), STATION, 2, 0).bits, 5);
+        assert_eq!(gateway.in_force(Tick::from_millis(250), STATION, 2, 0).bits, 0);
         assert_eq!(gateway.next_deadline(Tick::ZERO), Some(Tick::from_millis(250)));
     }
 
     #[test]
     fn an_image_decided_before_a_loss_is_not_energised_after_it() {
-        assert_eq!(heard_at_zero(ON).in_force(Tick::ZERO, STATION, 3).bits, 0);
+        assert_eq!(heard_at_zero(ON).in_force(Tick::ZERO, STATION, 3, 0).bits, 0);
+    }
+
+    #[test]
+    fn an_image_from_before_an_emergency_stop_is_not_energised_after_it() {
+        assert_eq!(heard_at_zero(ON).in_force(Tick::ZERO, STATION, 2, 6).bits, 5);
+        assert_eq!(heard_at_zero(ON).in_force(Tick::ZERO, STATION, 2, 7).bits, 0);
     }
 
     #[test]
     fn an_image_nobody_vouches_for_and_a_station_never_heard_are_off() {
-        assert_eq!(heard_at_zero(OutputImage { valid: false, ..ON }).in_force(Tick::ZERO, STATION, 2).bits, 0);
-        assert_eq!(Gateway::new(1, Duration::from_secs(1)).in_force(Tick::ZERO, STATION, 0).bits, 0);
+        assert_eq!(heard_at_zero(OutputImage { valid: false, ..ON }).in_force(Tick::ZERO, STATION, 2, 0).bits, 0);
+        assert_eq!(Gateway::new(1, Duration::from_secs(1)).in_force(Tick::ZERO, STATION, 0, 0).bits, 0);
     }
 }

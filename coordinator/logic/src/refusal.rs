@@ -18,12 +18,22 @@ pub enum Reason {
     EStopPressed,
     /// The console's devices are not heard.
     ConsoleLost,
+    /// The coordinator's journal cannot be written.
+    JournalLost,
+    /// Another coordinator gives orders to this line; its boot id.
+    OtherCoordinator(u64),
+    /// The console's devices have not been heard since the coordinator came up.
+    ConsoleNeverHeard,
     /// A station is not heard.
     NotHeard(StationId),
     /// A station has lost its devices.
     DevicesLost(StationId),
     /// A station has an operation that was stopped before its end.
     Incomplete(StationId),
+    /// A mechanism of a station is not measured where its chart has it.
+    PositionLost(StationId),
+    /// A station has no memory of counts that the others share.
+    NoCommonStart(StationId),
     /// A station was restarted and has not been looked at since.
     Restarted(StationId),
     /// A station's selector stands at manual.
@@ -60,7 +70,7 @@ impl Refusal {
         let in_words = |reason: &Reason| {
             let trouble = match reason {
                 Reason::DevicesLost(station) => trouble(Owner::Station(*station)),
-                Reason::ConsoleLost => trouble(Owner::Console),
+                Reason::ConsoleLost | Reason::ConsoleNeverHeard => trouble(Owner::Console),
                 _ => String::new(),
             };
             let text = reason.text(line);
@@ -84,9 +94,30 @@ impl Reason {
             Reason::EStop => "the emergency stop is on: reset it, then only manual leads out".to_owned(),
             Reason::EStopPressed => "the emergency stop button is pressed: pull it out first".to_owned(),
             Reason::ConsoleLost => "the console's devices are not heard".to_owned(),
+            Reason::JournalLost => {
+                "the coordinator cannot write its journal (its log names file and cause): put that right, then reset"
+                    .to_owned()
+            }
+            Reason::OtherCoordinator(life) => {
+                format!("another coordinator (boot id {life}) gives orders to this line: end one of the two")
+            }
+            Reason::ConsoleNeverHeard => {
+                "the console has not been heard yet, so its emergency stop may be pressed: see to its device's supply and bus"
+                    .to_owned()
+            }
             Reason::NotHeard(s) => format!("{} is not heard", name(s)),
             Reason::DevicesLost(s) => format!("{} has lost its devices", name(s)),
             Reason::Incomplete(s) => format!("{} has an incomplete operation: recover it in manual", name(s)),
+            Reason::PositionLost(s) => {
+                format!(
+                    "{} is not measured where its chart has it: see its fault, look at the mechanism and the switch",
+                    name(s)
+                )
+            }
+            Reason::NoCommonStart(s) => format!(
+                "{} has no memory of the counts the others share: lead all stations home in manual, then give auto",
+                name(s)
+            ),
             Reason::Restarted(s) => format!("{} was restarted: give start or go through manual first", name(s)),
             Reason::SelectorManual(s) => format!("the selector of {} stands at manual", name(s)),
             Reason::Moving(s) => format!("{} is still moving", name(s)),

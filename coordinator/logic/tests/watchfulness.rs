@@ -4,7 +4,7 @@ use std::time::Duration;
 
 use linewright_coordinator_logic::{Command, Coordinator, Heard, Input, Outbox};
 use linewright_line::net::ControlMode;
-use linewright_line::{StationId, Tick};
+use linewright_line::{Owner, StationId, Tick};
 
 use crate::common::{Bench, line};
 
@@ -121,9 +121,99 @@ fn a_console_that_is_lost_is_an_emergency_stop_and_must_be_back_before_the_reset
     assert_eq!(bench.command(Command::Manual), None);
 }
 
+/// The mushroom button's contact opens when it is pressed, and so does a broken wire.
+#[test]
+fn a_closed_circuit_contact_is_pressed_while_it_is_off() {
+    let mut described = line();
+    let contact = described.console.estop.as_mut().expect("it has one");
+    contact.pressed = false;
+    let mut bench = Bench::of(described, 0);
+    assert_eq!(bench.command(Command::Start), None);
+    assert_eq!(bench.command(Command::Auto), None);
+    assert_eq!(bench.mode(), ControlMode::Auto);
+    bench.input(console(&[]));
+    assert_eq!(bench.mode(), ControlMode::EStop);
+    let refusal = bench.command(Command::Reset).expect("the button is in");
+    assert!(refusal.ends_with("the emergency stop button is pressed: pull it out first"), "{refusal}");
+    bench.input(console(&["ES_pressed"]));
+    assert_eq!(bench.command(Command::Reset), None);
+}
+
+/// Whether its emergency stop is pressed is unknown.
+#[test]
+fn nothing_is_enabled_before_a_described_console_was_heard() {
+    for mode in [Command::Auto, Command::Hand, Command::Manual] {
+        let mut bench = Bench::of_unheard_console(line(), 0);
+        assert_eq!(bench.command(Command::Start), None);
+        let refusal = bench.command(mode).expect("the console is not heard");
+        assert!(refusal.contains("the console has not been heard yet"), "{refusal}");
+        assert!(refusal.contains("see to its device's supply and bus"), "{refusal}");
+        bench.input(Input::Console { bits: 0, valid: false });
+        assert!(bench.command(mode).is_some());
+        bench.input(console(&[]));
+        assert_eq!(bench.command(mode), None);
+        assert!(bench.coordinator.order().enabled);
+    }
+}
+
+/// A selector leads into manual without a command.
+#[test]
+fn a_selector_enables_nothing_before_a_described_console_was_heard() {
+    let mut bench = Bench::of_unheard_console(line(), 0);
+    assert_eq!(bench.command(Command::Start), None);
+    bench.heard[0].selector_manual = true;
+    bench.beat();
+    assert!(!bench.coordinator.order().enabled || !bench.mode().enables_motion(), "{}", bench.coordinator.text());
+    bench.input(console(&[]));
+    bench.beat();
+    assert_eq!((bench.mode(), bench.coordinator.order().enabled), (ControlMode::Manual, true));
+}
+
+#[test]
+fn an_emergency_stop_is_not_reset_before_a_described_console_was_heard() {
+    let mut bench = Bench::of_unheard_console(line(), 0);
+    bench.command(Command::EStop);
+    let refusal = bench.command(Command::Reset).expect("the button may be in");
+    assert!(refusal.contains("the console has not been heard yet"), "{refusal}");
+}
+
+#[test]
+fn a_line_without_a_console_is_not_kept_from_moving() {
+    let mut described = line();
+    described.devices.retain(|device| device.owner != Owner::Console);
+    described.console = linewright_line::Console::default();
+    let mut bench = Bench::of_unheard_console(described, 0);
+    assert_eq!(bench.command(Command::Start), None);
+    assert_eq!(bench.command(Command::Auto), None);
+    assert!(bench.coordinator.order().enabled);
+}
+
+/// The finger may never have left it.
+#[test]
+fn a_wired_hand_button_that_is_down_when_the_console_comes_back_counts_when_it_was_up() {
+    let mut described = line();
+    // With an emergency stop, its loss would be one.
+    described.console.estop = None;
+    let mut bench = Bench::of(described, 0);
+    let button = bench.line.buttons[0].clone();
+    bench.input(console(&[&button]));
+    assert_eq!(bench.coordinator.order().buttons, 1);
+    for _ in 0..2 {
+        bench.input(Input::Console { bits: 0, valid: false });
+        assert_eq!(bench.coordinator.order().buttons, 0);
+        bench.input(console(&[&button]));
+        assert_eq!(bench.coordinator.order().buttons, 0);
+        bench.input(console(&[&button, "PB_reset"]));
+        assert_eq!(bench.coordinator.order().buttons, 0);
+    }
+    bench.input(console(&[]));
+    bench.input(console(&[&button]));
+    assert_eq!(bench.coordinator.order().buttons, 1);
+}
+
 #[test]
 fn a_console_button_counts_when_it_is_pressed_not_when_it_is_found_down() {
-    let mut bench = Bench::new();
+    let mut bench = Bench::of_unheard_console(line(), 0);
     bench.input(console(&["PB_start"]));
     assert_eq!(bench.mode(), ControlMode::Home, "it was down when the console came up");
     bench.input(console(&[]));
@@ -155,8 +245,11 @@ fn held_buttons_run_out_and_a_late_refresh_is_no_new_press() {
     bench.out.changed = false;
     bench.wait(Duration::from_millis(250));
     assert_eq!(bench.coordinator.order().buttons, 0);
-    bench.input(Input::Buttons(0b100));
-    assert_eq!(bench.coordinator.order().buttons, 0, "nobody has decided to go on");
+    for silence in [0, 750, 5000, 3_600_000] {
+        bench.now = bench.now + Duration::from_millis(silence);
+        bench.input(Input::Buttons(0b100));
+        assert_eq!(bench.coordinator.order().buttons, 0, "nobody has decided to go on, {silence} ms later");
+    }
     bench.input(Input::Buttons(0));
     bench.input(Input::Buttons(0b100));
     assert_eq!(bench.coordinator.order().buttons, 0b100);
@@ -171,7 +264,7 @@ fn a_report_of_a_station_that_is_not_there_is_ignored() {
 
 #[test]
 fn a_coordinator_that_has_heard_nobody_stays_where_nothing_moves() {
-    let mut coordinator = Coordinator::new(line(), 0);
+    let mut coordinator = Coordinator::new(line(), 1, 0);
     let mut out = Outbox::default();
     for command in [Command::Start, Command::Auto, Command::Hand, Command::Manual] {
         coordinator.handle(Tick::from_millis(5), Input::Command(command));

@@ -4,23 +4,28 @@ use std::path::PathBuf;
 use std::time::Duration;
 
 use linewright_cell::Cell;
-use linewright_coordinator_logic::{Command, Coordinator, Gateway, Heard, InForce, Input, Outbox, OutputImage};
-use linewright_fieldbus::{Bus as CanBus, BusError, Clock, Driver, Event as BusEvent, Manager, ManagerError};
+use linewright_coordinator_logic::{Command, Heard, OutputImage, Refusal};
+use linewright_coordinator_shell::{
+    CoordinatorArrival, CoordinatorEffect, CoordinatorShell, InputsImage, Remembered, heard,
+};
+use linewright_fieldbus::{
+    Bus as CanBus, BusError, Clock, Driver, DriverError, Event as BusEvent, Manager, ManagerError,
+};
 use linewright_line::net::ControlMode;
 use linewright_line::{Bus, Line, Owner, StationId, Tick};
 use linewright_msgs::{LineState, ModeOrder, Text, fitting};
 use linewright_node_shell::{
-    Forward, Journal, JournalError, NewestBySequence, OpenError, Participant, TopicError, Watchdog, fresh_boot_id,
-    stamp,
+    Forward, Journal, JournalError, OpenError, Participant, TopicError, Watchdog, fresh_boot_id, stamp,
 };
+use linewright_station_logic::Founding;
 use linewright_station_node::devices::{Devices, in_words};
 use linewright_station_node::{mode_to_code, quoted, report_from_message};
 use thiserror::Error;
 use tokio::sync::{mpsc, watch};
 
-use crate::behind::{Behind, ToldInputs};
+use crate::behind::{Behind, inputs_message};
 use crate::cell::{CellError, CellOptions, Playing, Situation};
-use crate::remembered::{Remembered, remembered};
+use crate::remembered::{record_of, remembered};
 use crate::topics::{Arrived, Says, open};
 
 /// Why the coordinator's node cannot run, or had to end.
@@ -35,18 +40,21 @@ pub enum NodeError {
     /// The line's bus is not to be had.
     #[error(transparent)]
     Bus(#[from] BusError),
+    /// The line's bus is gone, or another manager's.
+    #[error("coordinator: {0}")]
+    Driver(#[from] DriverError),
     /// The devices cannot share a bus.
     #[error(transparent)]
     Manager(#[from] ManagerError),
     /// The journal cannot be used.
     #[error(transparent)]
     Journal(#[from] JournalError),
-    /// The journal holds something else.
-    #[error("the coordinator's journal {path} does not hold an epoch; remove it to start afresh")]
-    Record {
-        /// The journal.
-        path: PathBuf,
-    },
+    /// Another coordinator was there first.
+    #[error(
+        "another coordinator (boot id {0}) gives orders to this line, and this one came second: it ends. Give it another \
+         ROS_DOMAIN_ID or namespace, or end the other one first"
+    )]
+    Second(u64),
     /// The cell is not played any more.
     #[error(transparent)]
     Cell(#[from] CellError),
@@ -74,93 +82,64 @@ pub struct Options {
 /// Runs the coordinator until `stop` turns true, then lets go of all outputs.
 ///
 /// # Errors
-/// When it cannot start, or when the middleware or the journal fails under it. The line then falls to stand-by by its
-/// lease, and the devices on its bus let go of their outputs by their own heartbeat consumers.
-pub async fn run(
-    options: Options,
-    participant: &Participant,
-    mut stop: watch::Receiver<bool>,
-) -> Result<(), NodeError> {
+/// When it cannot start, or when the middleware or the cell fails under it. It lets go of all outputs on every way out.
+/// The line then falls to stand-by by its lease; where it has no way out left, the devices on its bus let go by their own
+/// heartbeat consumers.
+pub async fn run(options: Options, participant: &Participant, stop: watch::Receiver<bool>) -> Result<(), NodeError> {
     let watchdog = Watchdog::start("coordinator", Watchdog::LIMIT);
     let mut node = Shell::start(options, participant)?;
-    node.act();
-    loop {
-        watchdog.feed();
-        let deadline = node.deadline();
-        tokio::select! {
-            biased;
-            changed = stop.changed() => {
-                if changed.is_err() || *stop.borrow() {
-                    break;
-                }
-            }
-            events = node.driver.next() => node.bus_events(&events),
-            asked = node.devices.next() => node.devices.ask(asked, &mut node.driver),
-            arrived = node.from.recv() => match arrived {
-                Some(arrived) => node.arrived(arrived),
-                None => return Err(NodeError::Middleware),
-            },
-            failed = Playing::failure(&mut node.cell) => return Err(failed.into()),
-            () = node.clock.sleep_until(Some(deadline)) => {}
-            () = tokio::time::sleep(Watchdog::FEED) => {}
-        }
-        node.act();
-        if let Some(error) = node.failed.take() {
-            return Err(error);
-        }
-        let cut_off = node.cell.as_ref().is_some_and(Playing::is_cut_off);
-        if node.tasks.iter().any(Forward::is_finished) || node.devices.is_failed() || cut_off {
-            return Err(NodeError::Middleware);
-        }
-    }
-    node.driver.release_outputs();
-    tracing::info!("coordinator ends");
-    Ok(())
+    let last = node.driver.last_frames();
+    watchdog.before_the_end(move || {
+        last.send();
+    });
+    let outcome = node.work(&watchdog, stop).await;
+    node.end();
+    outcome
 }
 
-/// How soon a refusal may follow another one in what is sent and logged.
+/// How soon a refusal may follow another one in what is logged.
 const ANSWER_EVERY: Duration = Duration::from_millis(20);
 /// How often the mode is told in words when it does not change.
 const TEXT_EVERY: Duration = Duration::from_secs(1);
 
+/// So many messages are taken between two steps: what waits is taken in before anything is decided, and no flood of
+/// messages keeps the bus or an order to stop waiting.
+const TAKEN_AT_ONCE: usize = 256;
+
 struct Shell {
     line: Line,
     clock: Clock,
-    coordinator: Coordinator,
-    gateway: Gateway,
+    shell: CoordinatorShell,
+    /// What there is to do, in this order.
+    effects: Vec<CoordinatorEffect>,
     cell: Option<Playing>,
-    outbox: Outbox,
     driver: Driver,
     devices: Devices,
     journal: Option<Journal>,
-    journaled: Remembered,
     says: Says,
     from: mpsc::Receiver<Arrived>,
     tasks: Vec<Forward>,
     behind: Vec<Behind>,
     /// What is wrong with the devices of stations that have a bus of their own, as they tell it.
     troubles: Vec<String>,
-    states: Vec<NewestBySequence>,
-    /// Stations that say that they have lost their devices, or were stopped in the middle of something.
-    in_trouble: Vec<bool>,
     /// What the cell is told of the line.
     situation: Situation,
-    boot_id: u64,
-    order_sequence: u64,
-    state_sequence: u64,
-    image_sequence: u64,
     refusals: u64,
     refusal: String,
     text: String,
     text_due: Tick,
-    refresh_due: Tick,
-    /// When state and order were last sent.
-    told: Tick,
     refusal_log_due: Tick,
     ignored: u64,
-    failed: Option<NodeError>,
+    has_ended: bool,
     // The node must outlive its publishers and subscriptions.
     _node: linewright_node_shell::Node,
+}
+
+/// An end that nobody has planned lets go of the outputs as well.
+impl Drop for Shell {
+    fn drop(&mut self) {
+        self.end();
+    }
 }
 
 impl Shell {
@@ -170,12 +149,10 @@ impl Shell {
             Some(dir) => {
                 let path = dir.join("coordinator.journal");
                 let (journal, record) = Journal::open(&path)?;
-                (Some(journal), record.map(|record| remembered(&record, path)).transpose()?)
+                (Some(journal), record.map(|record| remembered(&record, &path)))
             }
             None => (None, None),
         };
-        let remembered = record.unwrap_or_default();
-        let coordinator = Coordinator::new(line.clone(), remembered.epoch);
         let bus = CanBus::open(&interface, &bus)?;
         tracing::info!("line devices on {}", bus.describe());
         let devices = line.devices.iter().filter(|device| device.bus == Bus::Line);
@@ -192,47 +169,67 @@ impl Shell {
         let cell = cell.map(|cell| CellOptions { cell, line: line.clone(), state_dir, boot_id });
         let cell = cell.map(|options| Playing::open(options, &mut node)).transpose()?;
         Ok(Shell {
+            shell: CoordinatorShell::new(&line, boot_id, record.unwrap_or_default()),
+            effects: Vec::new(),
             cell,
-            coordinator: if remembered.estop { coordinator.with_estop() } else { coordinator },
-            gateway: Gateway::new(line.stations.len(), line.timing.stale),
-            outbox: Outbox::default(),
             driver,
             devices,
             journal,
-            journaled: Remembered::default(),
             says,
             from,
             tasks,
             behind,
             troubles: vec![String::new(); line.stations.len()],
-            states: line.stations.iter().map(|_| NewestBySequence::new()).collect(),
-            in_trouble: vec![false; line.stations.len()],
             situation: Situation::new(line.stations.len()),
-            boot_id,
-            order_sequence: 0,
-            state_sequence: 0,
-            image_sequence: 0,
             refusals: 0,
             refusal: String::new(),
             text: String::new(),
             text_due: Tick::ZERO,
-            refresh_due: Tick::ZERO,
-            told: Tick::ZERO,
             refusal_log_due: Tick::ZERO,
             ignored: 0,
-            failed: None,
+            has_ended: false,
             clock,
             line,
             _node: node,
         })
     }
 
-    fn deadline(&self) -> Tick {
-        let now = self.clock.now();
-        [self.coordinator.next_deadline(), self.gateway.next_deadline(now)]
-            .into_iter()
-            .flatten()
-            .fold(self.refresh_due.min(self.devices.deadline()), Tick::min)
+    async fn work(&mut self, watchdog: &Watchdog, mut stop: watch::Receiver<bool>) -> Result<(), NodeError> {
+        self.act();
+        loop {
+            watchdog.feed();
+            let deadline = self.shell.next_deadline(self.clock.now()).min(self.devices.deadline());
+            tokio::select! {
+                biased;
+                changed = stop.changed() => {
+                    if changed.is_err() || *stop.borrow() {
+                        return Ok(());
+                    }
+                }
+                // On another manager's bus nothing is sent, and on one that is gone nothing arrives.
+                events = self.driver.next() => self.bus_events(&events?),
+                asked = self.devices.next() => self.devices.ask(asked, &mut self.driver),
+                arrived = self.from.recv() => match arrived {
+                    Some(arrived) => self.arrived(arrived),
+                    None => return Err(NodeError::Middleware),
+                },
+                failed = Playing::failure(&mut self.cell) => return Err(failed.into()),
+                () = self.clock.sleep_until(Some(deadline)) => {}
+                () = tokio::time::sleep(Watchdog::FEED) => {}
+            }
+            for _ in 0..TAKEN_AT_ONCE {
+                let Ok(arrived) = self.from.try_recv() else { break };
+                self.arrived(arrived);
+            }
+            self.act();
+            if let Some(other) = self.shell.gives_way_to(self.clock.now()) {
+                return Err(NodeError::Second(other));
+            }
+            let cut_off = self.cell.as_ref().is_some_and(Playing::is_cut_off);
+            if self.tasks.iter().any(Forward::is_finished) || self.devices.is_failed() || cut_off {
+                return Err(NodeError::Middleware);
+            }
+        }
     }
 
     fn ignore(&mut self, why: impl std::fmt::Display) {
@@ -242,13 +239,16 @@ impl Shell {
         }
     }
 
+    fn handle(&mut self, arrival: CoordinatorArrival) {
+        self.shell.handle(self.clock.now(), arrival);
+    }
+
     fn arrived(&mut self, arrived: Arrived) {
-        let now = self.clock.now();
         match arrived {
             Arrived::Command(word) => match Command::parse(&word) {
                 Some(command) => {
                     tracing::info!("operator: {}", command.name());
-                    self.coordinator.handle(now, Input::Command(command));
+                    self.handle(CoordinatorArrival::Command(command));
                 }
                 None => {
                     let known: Vec<&str> = Command::ALL.iter().map(|command| command.name()).collect();
@@ -256,42 +256,29 @@ impl Shell {
                 }
             },
             Arrived::Buttons(names) => match self.buttons(&names) {
-                Ok(held) => self.coordinator.handle(now, Input::Buttons(held)),
+                Ok(held) => self.handle(CoordinatorArrival::Buttons(held)),
                 Err(unknown) => self.refuse(unknown),
             },
+            Arrived::Order { boot_id, sequence } => self.handle(CoordinatorArrival::Order { boot_id, sequence }),
             Arrived::State(message) => match report_from_message(&self.line, &message) {
                 Ok((station, report)) => {
-                    if self.states[station.index()].offer(message.boot_id, message.sequence).is_newest() {
-                        self.situation.devices[station.index()] = report.devices_valid;
-                        self.in_trouble[station.index()] = !report.incomplete.is_empty() || !report.devices_valid;
-                        let heard = Heard {
-                            boot_id: report.boot_id,
-                            mode_epoch: report.mode_epoch,
-                            at_home: report.at_home,
-                            round: report.round,
-                            stopped: report.stopped,
-                            incomplete: !report.incomplete.is_empty(),
-                            selector_manual: report.selector_manual,
-                            devices_valid: report.devices_valid,
-                        };
-                        self.coordinator.handle(now, Input::Station(station, heard));
-                    }
+                    let (sequence, follows) = (message.sequence, message.coordinator_boot_id);
+                    let heard = Heard { follows, ..heard(&report) };
+                    self.handle(CoordinatorArrival::State { station, sequence, heard });
                 }
                 Err(error) => self.ignore(error),
             },
             Arrived::Trouble(station, text) => self.troubles[station.index()] = text,
             Arrived::Outputs(station, message) => {
-                let Some(behind) = self.behind.iter_mut().find(|b| b.station == station) else { return };
-                if behind.newest.offer(message.boot_id, message.sequence).is_newest() {
-                    let image = OutputImage {
-                        bits: message.word(),
-                        valid: message.valid,
-                        losses: message.lives,
-                        boot_id: message.boot_id,
-                        number: message.number,
-                    };
-                    self.gateway.hear(now, station, image);
-                }
+                let image = OutputImage {
+                    bits: message.word(),
+                    valid: message.valid,
+                    losses: message.lives,
+                    boot_id: message.boot_id,
+                    number: message.number,
+                    mode_epoch: message.mode_epoch,
+                };
+                self.handle(CoordinatorArrival::Outputs { station, sequence: message.sequence, image });
             }
         }
     }
@@ -316,8 +303,7 @@ impl Shell {
         }
         // With many devices lost there is more to say than a message carries.
         self.refusal = fitting(text);
-        // Tell it now, but a flood of foolish commands no faster than reliable topics can bear.
-        self.refresh_due = self.refresh_due.min(self.told + ANSWER_EVERY);
+        self.shell.answer_soon();
     }
 
     fn bus_events(&mut self, events: &[BusEvent]) {
@@ -329,101 +315,112 @@ impl Shell {
             }
         }
         self.devices.bus_events(events, &mut self.driver);
-        let image = self.driver.inputs(Owner::Console);
-        self.coordinator.handle(self.clock.now(), Input::Console { bits: image.bits, valid: image.valid });
     }
 
-    /// Steps the logic and performs what it gives: the journal first, then outputs, then what is told.
+    /// What the bus knows of inputs now.
+    fn look(&mut self) {
+        let image = self.driver.inputs(Owner::Console);
+        self.handle(CoordinatorArrival::Console { bits: image.bits, valid: image.valid });
+        for at in 0..self.behind.len() {
+            let station = self.behind[at].station;
+            let image = self.driver.inputs(Owner::Station(station));
+            let (bits, valid, losses) = (image.bits, image.valid, u64::from(image.losses));
+            self.handle(CoordinatorArrival::Devices { station, bits, valid, losses });
+        }
+    }
+
+    /// Performs what follows from what has arrived and from the time. After a record that could not be written there is
+    /// more to do: the emergency stop.
     fn act(&mut self) {
         let now = self.clock.now();
-        self.isolate();
-        self.coordinator.step(now, &mut self.outbox);
-        let changed = std::mem::take(&mut self.outbox.changed);
-        if let Err(error) = self.remember() {
-            self.failed = Some(error);
-            return;
-        }
-        self.driver.set_outputs(Owner::Console, self.outbox.lamps);
-        self.devices.act(now, &self.driver);
-        let due = now >= self.refresh_due;
-        if due {
-            self.refresh_due = now + self.line.timing.refresh;
-        }
-        self.gate(now, due);
-        for mode in std::mem::take(&mut self.outbox.modes) {
-            tracing::info!(epoch = self.coordinator.epoch(), "mode {mode}");
-        }
-        for refusal in std::mem::take(&mut self.outbox.refusals) {
-            let text = refusal.text_with(&self.line, |owner| match owner {
-                Owner::Station(id) if !self.troubles[id.index()].is_empty() => self.troubles[id.index()].clone(),
-                owner => in_words(&self.driver, owner),
-            });
-            self.refuse(text);
-        }
+        self.look();
         if let Some(cell) = &self.cell {
-            let order = self.coordinator.order();
-            let (now, ids) = (&mut self.situation, self.line.station_ids());
-            now.starts = order.mode == ControlMode::Auto && order.enabled && order.master_stop.is_none();
-            now.mode = order.mode;
-            now.heard.iter_mut().zip(ids).for_each(|(heard, id)| *heard = self.coordinator.hears(id));
-            cell.tell(now);
+            self.shell.plays_cell(cell.isolated().iter().copied());
         }
-        if changed || due {
-            self.tell(now);
-        }
+        self.devices.act(now, &self.driver);
+        // The reason first, so that a station that sees the loss can say why.
+        self.behind.iter_mut().for_each(|behind| behind.trouble.act(now, &self.driver));
+        let mut effects = std::mem::take(&mut self.effects);
+        self.shell.act(now, &mut effects);
+        // After a record that failed or took long the rest is dropped. It is to act again at once, and takes in first what
+        // has waited meanwhile.
+        let _ = effects.drain(..).all(|effect| self.perform(now, effect));
+        self.effects = effects;
+        self.tell_cell();
     }
 
-    /// In a cell trouble of a station on order is an exception of its order, and the others work on: what has come to be one,
-    /// and in auto also what is about to, since a station tells of its trouble here and there at once.
-    fn isolate(&mut self) {
-        let Some(cell) = &self.cell else { return };
-        let in_auto = self.coordinator.order().mode == ControlMode::Auto;
-        let isolated = cell.isolated();
-        let in_trouble = |id: StationId, is_heard: bool| in_auto && (self.in_trouble[id.index()] || !is_heard);
-        self.coordinator.isolate(|id, is_heard| isolated.contains(&id) || in_trouble(id, is_heard));
-    }
-
-    fn remember(&mut self) -> Result<(), NodeError> {
-        let now = Remembered { epoch: self.coordinator.epoch(), estop: self.coordinator.is_estopped() };
-        if let Some(journal) = &mut self.journal
-            && self.journaled != now
-        {
-            journal.write(format!("epoch {} {}", now.epoch, if now.estop { "estop" } else { "-" }).as_bytes())?;
-            self.journaled = now;
-        }
-        Ok(())
-    }
-
-    /// The gateway: outputs to the bus, inputs to the stations.
-    fn gate(&mut self, now: Tick, due: bool) {
-        // The emergency stop does not wait for the stations to take their outputs back.
-        let stopped = self.coordinator.mode() == ControlMode::EStop;
-        for behind in &mut self.behind {
-            let station = behind.station;
-            // The reason first, so that a station that sees the loss can say why.
-            behind.trouble.act(now, &self.driver);
-            let image = self.driver.inputs(Owner::Station(station));
-            let lives = self.boot_id.wrapping_add(u64::from(image.losses));
-            let in_force = if stopped { InForce::default() } else { self.gateway.in_force(now, station, lives) };
-            behind.put_out(&mut self.driver, in_force.bits, lives);
-            let news = ToldInputs { bits: image.bits, valid: image.valid, lives, under: in_force.image };
-            if behind.is_news(news, due)
-                && let Some(publisher) = &self.says.inputs[station.index()]
-            {
-                self.image_sequence += 1;
-                publisher.send(news.message(self.boot_id, self.image_sequence));
+    /// False if it was a record after which it has to be decided again.
+    fn perform(&mut self, now: Tick, effect: CoordinatorEffect) -> bool {
+        match effect {
+            CoordinatorEffect::Refused(refusal) => self.refused(&refusal),
+            CoordinatorEffect::Entered(mode) => {
+                tracing::info!(epoch = self.shell.coordinator().epoch(), "mode {mode}");
             }
+            CoordinatorEffect::Remember(record) => {
+                let is_written = self.remember(record);
+                return self.shell.remembered(self.clock.now(), record, is_written);
+            }
+            CoordinatorEffect::Lamps(bits) => self.driver.set_outputs(Owner::Console, bits),
+            CoordinatorEffect::Energise(station, bits) => self.driver.set_outputs(Owner::Station(station), bits),
+            CoordinatorEffect::Inputs { station, sequence, image } => self.send_inputs(station, sequence, image),
+            CoordinatorEffect::Order { sequence } => self.send_order(sequence),
+            CoordinatorEffect::Tell { sequence } => self.tell(now, sequence),
+        }
+        true
+    }
+
+    fn refused(&mut self, refusal: &Refusal) {
+        let text = refusal.text_with(&self.line, |owner| match owner {
+            Owner::Station(id) if !self.troubles[id.index()].is_empty() => self.troubles[id.index()].clone(),
+            owner => in_words(&self.driver, owner),
+        });
+        self.refuse(text);
+    }
+
+    fn remember(&mut self, record: Remembered) -> bool {
+        let Some(journal) = &mut self.journal else { return true };
+        let written = journal.write(&record_of(record));
+        if let Err(error) = &written {
+            tracing::error!("{error}; emergency stop until it can be written");
+        }
+        written.is_ok()
+    }
+
+    fn tell_cell(&mut self) {
+        let Some(cell) = &self.cell else { return };
+        let coordinator = self.shell.coordinator();
+        let order = coordinator.order();
+        let now = &mut self.situation;
+        now.starts = order.mode == ControlMode::Auto && order.enabled && order.master_stop.is_none();
+        now.mode = order.mode;
+        for id in self.line.station_ids() {
+            now.heard[id.index()] = coordinator.hears(id);
+            now.devices[id.index()] = self.shell.has_devices(id);
+        }
+        cell.tell(now);
+    }
+
+    fn send_inputs(&mut self, station: StationId, sequence: u64, image: InputsImage) {
+        if let Some(publisher) = &self.says.inputs[station.index()] {
+            publisher.send(inputs_message(image, self.shell.boot_id(), sequence));
         }
     }
 
-    fn tell(&mut self, now: Tick) {
-        self.told = now;
-        let order = self.coordinator.order();
-        self.order_sequence += 1;
+    /// Lets go of all outputs.
+    fn end(&mut self) {
+        if !std::mem::replace(&mut self.has_ended, true) {
+            self.driver.release_outputs();
+            tracing::info!("coordinator ends");
+        }
+    }
+
+    fn send_order(&mut self, sequence: u64) {
+        let order = self.shell.order();
+        let found: Vec<Founding> = self.line.station_ids().filter_map(|id| self.shell.order_for(id).found).collect();
         self.says.order.send(ModeOrder {
             header: stamp(),
-            boot_id: self.boot_id,
-            sequence: self.order_sequence,
+            boot_id: order.boot_id,
+            sequence,
             epoch: order.epoch,
             mode: mode_to_code(order.mode),
             enabled: order.enabled,
@@ -432,20 +429,31 @@ impl Shell {
             manual_all: order.manual_all,
             buttons: order.buttons,
             lease_ms: u32::try_from(order.lease.as_millis()).unwrap_or(u32::MAX),
+            found_generation: found.first().map_or(0, |founding| founding.generation),
+            found_lives: found.iter().map(|founding| founding.boot_id).collect(),
         });
-        let text = self.coordinator.text();
+    }
+
+    fn tell(&mut self, now: Tick, sequence: u64) {
+        let coordinator = self.shell.coordinator();
+        let order = coordinator.order();
+        let text = coordinator.text();
         // Latched for readers that ask for it, and repeated for those that do not, as `ros2 topic echo` may not.
         if text != self.text || now >= self.text_due {
             self.text_due = now + TEXT_EVERY;
             self.text.clone_from(&text);
             self.says.mode_text.send(Text { data: text.clone() });
         }
-        self.state_sequence += 1;
         let names = |ids: Vec<StationId>| ids.iter().map(|&id| self.line.station(id).name.clone()).collect();
+        let heard = |id| match (coordinator.hears(id), self.shell.has_heard(id)) {
+            (true, _) => LineState::HEARD_FRESH,
+            (false, true) => LineState::HEARD_STALE,
+            (false, false) => LineState::HEARD_UNKNOWN,
+        };
         self.says.state.send(LineState {
             header: stamp(),
-            boot_id: self.boot_id,
-            sequence: self.state_sequence,
+            boot_id: self.shell.boot_id(),
+            sequence,
             epoch: order.epoch,
             mode: mode_to_code(order.mode),
             enabled: order.enabled,
@@ -454,16 +462,8 @@ impl Shell {
             refusal: self.refusal.clone(),
             refusals: self.refusals,
             stations: self.line.stations.iter().map(|station| station.name.clone()).collect(),
-            station_heard: self
-                .line
-                .station_ids()
-                .map(|id| match (self.coordinator.hears(id), self.states[id.index()].current()) {
-                    (true, _) => LineState::HEARD_FRESH,
-                    (false, Some(_)) => LineState::HEARD_STALE,
-                    (false, None) => LineState::HEARD_UNKNOWN,
-                })
-                .collect(),
-            waiting_for: names(self.coordinator.waiting_for()),
+            station_heard: self.line.station_ids().map(heard).collect(),
+            waiting_for: names(coordinator.waiting_for()),
         });
     }
 }

@@ -1,26 +1,48 @@
 //! What the coordinator of a line keeps over its own restarts: a line of text in its journal.
 
-use std::path::PathBuf;
+use std::path::Path;
 
-use crate::node::NodeError;
+use linewright_coordinator_shell::Remembered;
 
-/// What the coordinator's journal holds.
-#[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
-pub struct Remembered {
-    /// The highest epoch used.
-    pub epoch: u64,
-    /// The emergency stop was on.
-    pub estop: bool,
+/// The record.
+pub fn record_of(remembered: Remembered) -> Vec<u8> {
+    format!("epoch {} {}", remembered.epoch, if remembered.estop { "estop" } else { "-" }).into_bytes()
 }
 
-/// Reads what a journal holds.
-pub fn remembered(record: &[u8], path: PathBuf) -> Result<Remembered, NodeError> {
-    let words: Option<Vec<&str>> = std::str::from_utf8(record).ok().map(|text| text.split(' ').collect());
-    match words.as_deref() {
-        Some(["epoch", number, latch @ ("estop" | "-")]) => {
-            let epoch = number.parse().map_err(|_| NodeError::Record { path })?;
-            Ok(Remembered { epoch, estop: *latch == "estop" })
+/// What a journal holds. One that holds something else may have held an emergency stop: that is in force then.
+pub fn remembered(record: &[u8], path: &Path) -> Remembered {
+    read(record).unwrap_or_else(|| {
+        let path = path.display();
+        tracing::warn!(
+            "the journal {path} does not hold an epoch: emergency stop, as it may have held one; give reset"
+        );
+        Remembered { epoch: 0, estop: true }
+    })
+}
+
+fn read(record: &[u8]) -> Option<Remembered> {
+    let words: Vec<&str> = std::str::from_utf8(record).ok()?.split(' ').collect();
+    match words[..] {
+        ["epoch", number, latch @ ("estop" | "-")] => {
+            Some(Remembered { epoch: number.parse().ok()?, estop: latch == "estop" })
         }
-        _ => Err(NodeError::Record { path }),
+        _ => None,
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn a_journal_that_holds_something_else_is_an_emergency_stop() {
+        let path = Path::new("coordinator.journal");
+        for estop in [false, true] {
+            let kept = Remembered { epoch: 7, estop };
+            assert_eq!(remembered(&record_of(kept), path), kept);
+        }
+        for other in [&b"epoch x -"[..], b"epoch 7", b"epoch 7 maybe", b"\xff", b"", b"epoch 18446744073709551616 -"] {
+            assert_eq!(remembered(other, path), Remembered { epoch: 0, estop: true }, "{other:?}");
+        }
     }
 }

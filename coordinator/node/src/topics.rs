@@ -12,6 +12,8 @@ pub enum Arrived {
     Command(String),
     /// Hand-mode buttons held, by name, separated by blanks.
     Buttons(String),
+    /// An order that was given on this line: the coordinator's life, and its number there.
+    Order { boot_id: u64, sequence: u64 },
     /// A station's state.
     State(Box<StationState>),
     /// What is wrong with the devices of a station with a bus of its own.
@@ -43,8 +45,10 @@ pub fn open(node: &mut Node, line: &Line) -> Result<(Says, mpsc::Receiver<Arrive
     let (to, from) = mpsc::channel(QUEUE);
     let mut tasks = vec![
         watch_middleware(),
-        forward(node.subscription("mode_cmd", qos::command())?, to.clone(), |m: Text, _| {
-            Some(Arrived::Command(m.data))
+        forward(node.subscription("mode_cmd", qos::event())?, to.clone(), |m: Text, _| Some(Arrived::Command(m.data))),
+        // Another coordinator's; what this one says itself does not come back from the loopback address.
+        forward(node.subscription("mode", qos::command())?, to.clone(), |m: ModeOrder, _| {
+            Some(Arrived::Order { boot_id: m.boot_id, sequence: m.sequence })
         }),
         forward(node.subscription("buttons", qos::command())?, to.clone(), |m: Text, _| Some(Arrived::Buttons(m.data))),
     ];

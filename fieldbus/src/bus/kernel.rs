@@ -12,7 +12,7 @@ use socketcan::{CanDataFrame, CanFrame, CanRemoteFrame, SocketOptions};
 use super::BusStats;
 use crate::frame::{Frame, Kind};
 
-/// After a failed read: an interface that is down fails at once, and again at once.
+/// After a failed read, so that one that fails again and again does not take the whole processor.
 const READ_PAUSE: Duration = Duration::from_millis(50);
 
 /// In bytes, of which the kernel takes some 800 for a frame: more than a thousand frames, a quarter of a second of a full
@@ -24,6 +24,8 @@ pub(super) struct KernelBus {
     socket: CanSocket,
     /// The last read failed: said once, not every time it is tried again.
     failing: bool,
+    /// The kernel's number for why the interface is gone. It reports that once, to whatever is tried next.
+    gone: Option<i32>,
 }
 
 impl KernelBus {
@@ -34,7 +36,7 @@ impl KernelBus {
         // A program that is held up finds what came meanwhile here, and what did not fit is lost. Not every system gives
         // more than its default, and none has to.
         let _ = socket.set_socket_option_int(libc::SOL_SOCKET, libc::SO_RCVBUF, RECEIVE_BUFFER);
-        Ok(KernelBus { name: name.to_owned(), socket, failing: false })
+        Ok(KernelBus { name: name.to_owned(), socket, failing: false, gone: None })
     }
 
     /// False if the interface takes nothing more at present.
@@ -53,20 +55,29 @@ impl KernelBus {
             Err(error) => {
                 tracing::debug!(%error, "CAN frame not sent");
                 stats.send_errors += 1;
+                self.gone = self.gone.or(means_gone(&error));
             }
         }
         true
     }
 
-    pub(super) async fn recv(&mut self, stats: &mut BusStats) -> Frame {
+    /// The next frame; an error if the interface is down or gone.
+    pub(super) async fn recv(&mut self, stats: &mut BusStats) -> io::Result<Frame> {
         loop {
+            if let Some(code) = self.gone {
+                return Err(io::Error::from_raw_os_error(code));
+            }
             match self.socket.read_frame().await {
                 Ok(frame) => {
                     self.failing = false;
                     match from_kernel(&frame) {
-                        Some(frame) => return frame,
+                        Some(frame) => return Ok(frame),
                         None => stats.malformed += 1,
                     }
+                }
+                Err(error) if means_gone(&error).is_some() => {
+                    stats.receive_errors += 1;
+                    self.gone = means_gone(&error);
                 }
                 Err(error) => {
                     if !std::mem::replace(&mut self.failing, true) {
@@ -80,6 +91,12 @@ impl KernelBus {
     }
 }
 
+/// The kernel's number for an interface that is down (`ip link set … down`), or no more (unplugged, its driver unloaded);
+/// `None` for anything else.
+fn means_gone(error: &io::Error) -> Option<i32> {
+    error.raw_os_error().filter(|code| [libc::ENETDOWN, libc::ENODEV, libc::ENXIO].contains(code))
+}
+
 /// Whether opening failed because there is no CAN interface of that name, or no CAN in the kernel at all.
 pub(super) fn means_no_interface(error: &io::Error) -> bool {
     let absent = [libc::ENODEV, libc::ENXIO, libc::EAFNOSUPPORT, libc::EPROTONOSUPPORT, libc::ESOCKTNOSUPPORT];
@@ -91,7 +108,7 @@ pub(super) fn has_can() -> bool {
     Path::new("/proc/net/can").exists()
 }
 
-fn to_kernel(frame: &Frame) -> Option<CanFrame> {
+pub(super) fn to_kernel(frame: &Frame) -> Option<CanFrame> {
     let id = embedded_can::Frame::id(frame);
     match frame.kind() {
         Kind::Data => CanDataFrame::new(id, frame.data()).map(CanFrame::Data),
@@ -106,5 +123,18 @@ fn from_kernel(frame: &CanFrame) -> Option<Frame> {
         CanFrame::Data(f) => Frame::from_word(f.id_word(), f.data()).ok(),
         CanFrame::Remote(f) => Frame::remote_from_word(f.id_word(), u8::try_from(f.dlc()).ok()?).ok(),
         CanFrame::Error(f) => Frame::from_word(f.id_word(), f.data()).ok(),
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn an_interface_that_is_down_or_no_more_is_gone_and_a_full_queue_is_not() {
+        let gone = |code| means_gone(&io::Error::from_raw_os_error(code)).is_some();
+        assert!([libc::ENETDOWN, libc::ENODEV, libc::ENXIO].into_iter().all(gone));
+        assert!(![libc::ENOBUFS, libc::EAGAIN, libc::EINTR, libc::ENOMEM].into_iter().any(gone));
+        assert_eq!(means_gone(&io::Error::other("no number")), None);
     }
 }

@@ -76,7 +76,7 @@ impl Members {
     }
 }
 
-fn scan(dir: &Path) -> io::Result<Vec<PathBuf>> {
+pub(super) fn scan(dir: &Path) -> io::Result<Vec<PathBuf>> {
     let mut found = Vec::new();
     for entry in fs::read_dir(dir)? {
         let path = entry?.path();
@@ -96,26 +96,39 @@ pub(super) fn fresh_name() -> String {
     format!("{:x}-{nanos:x}-{count:x}.can", std::process::id())
 }
 
-/// Makes sure the bus's directory exists, and that nobody else can listen in where the place was not chosen by the
-/// user.
+/// Makes sure the bus's directory exists.
 pub(super) fn prepare(name: &str, dir: Option<&Path>) -> io::Result<PathBuf> {
-    let (base, chosen) = match dir.map(Path::to_owned).or_else(|| from_env("LINEWRIGHT_BUS_DIR")) {
-        Some(base) => (base, true),
-        None => (default_base()?, false),
-    };
-    let dir = base.join(name);
-    fs::DirBuilder::new().recursive(true).mode(0o700).create(&dir)?;
-    if !chosen {
-        // In a shared directory for temporary files somebody else may have been there first.
-        let meta = fs::symlink_metadata(&base)?;
-        if !meta.is_dir() || meta.uid() != own_uid()? || meta.mode() & 0o022 != 0 {
-            return Err(io::Error::new(
-                io::ErrorKind::PermissionDenied,
-                format!("{} belongs to someone else or is writable by others", base.display()),
-            ));
-        }
-    }
+    let dir = base(dir)?.join(name);
+    prepare_again(&dir)?;
     Ok(dir)
+}
+
+/// Where buses live: in this directory, if one is given.
+pub(super) fn base(dir: Option<&Path>) -> io::Result<PathBuf> {
+    match dir.map(Path::to_owned).or_else(chosen_base) {
+        Some(base) => Ok(base),
+        None => checked_base(),
+    }
+}
+
+/// The directory for all buses that the environment names.
+pub(super) fn chosen_base() -> Option<PathBuf> {
+    from_env("LINEWRIGHT_BUS_DIR")
+}
+
+/// The directory for buses where the user has chosen none; it exists, and nobody else can listen in.
+pub(super) fn checked_base() -> io::Result<PathBuf> {
+    let base = default_base()?;
+    prepare_again(&base)?;
+    // In a shared directory for temporary files somebody else may have been there first.
+    let meta = fs::symlink_metadata(&base)?;
+    if !meta.is_dir() || meta.uid() != own_uid()? || meta.mode() & 0o022 != 0 {
+        return Err(io::Error::new(
+            io::ErrorKind::PermissionDenied,
+            format!("{} belongs to someone else or is writable by others", base.display()),
+        ));
+    }
+    Ok(base)
 }
 
 fn default_base() -> io::Result<PathBuf> {
@@ -134,7 +147,7 @@ fn own_uid() -> io::Result<u32> {
     fs::metadata("/proc/self").map(|m| m.uid())
 }
 
-/// Makes the directory anew after somebody removed it.
+/// Makes the directory, anew after somebody removed it.
 pub(super) fn prepare_again(dir: &Path) -> io::Result<()> {
     fs::DirBuilder::new().recursive(true).mode(0o700).create(dir)
 }

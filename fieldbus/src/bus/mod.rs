@@ -7,11 +7,13 @@
 //! This module knows sockets and directories; it does not look into frames.
 
 mod kernel;
+mod last;
 mod members;
+mod own;
 mod virtual_bus;
 
 use std::io;
-use std::path::PathBuf;
+use std::path::{Path, PathBuf};
 use std::time::SystemTime;
 
 use thiserror::Error;
@@ -19,6 +21,8 @@ use thiserror::Error;
 use crate::candump::Recorder;
 use crate::frame::Frame;
 use kernel::KernelBus;
+pub(crate) use last::LastWire;
+pub use own::{Found, OwnBuses, find as find_bus};
 use virtual_bus::VirtualBus;
 
 /// Where to look for the bus.
@@ -55,6 +59,28 @@ pub enum BusError {
     /// The kernel refuses the interface.
     #[error("cannot open CAN interface {name}: {error}")]
     Kernel {
+        /// The interface.
+        name: String,
+        /// The kernel's reason.
+        error: io::Error,
+    },
+    /// There is no such interface, and the virtual bus was not asked for.
+    #[error(
+        "there is no CAN interface {name} ({error}): see `ip link show {name}` and the name given; \
+         without CAN hardware `linewright run` and nodes started with --virtual-bus use a virtual bus"
+    )]
+    Missing {
+        /// The interface.
+        name: String,
+        /// The kernel's reason.
+        error: io::Error,
+    },
+    /// The interface was there, and is down or gone.
+    #[error(
+        "CAN interface {name} is gone ({error}): nothing can be sent or heard; bring it up again \
+         (`ip link set {name} up`) and start this again"
+    )]
+    Gone {
         /// The interface.
         name: String,
         /// The kernel's reason.
@@ -112,6 +138,9 @@ impl Bus {
             Transport::Virtual => Wire::Virtual(VirtualBus::open(name, options.dir.as_deref())?),
             Transport::SocketCan => match KernelBus::open(name) {
                 Ok(bus) => Wire::Kernel(bus),
+                Err(error) if kernel::means_no_interface(&error) => {
+                    return Err(BusError::Missing { name: name.to_owned(), error });
+                }
                 Err(error) => return Err(BusError::Kernel { name: name.to_owned(), error }),
             },
             Transport::Auto => match KernelBus::open(name) {
@@ -149,6 +178,15 @@ impl Bus {
         matches!(self.wire, Wire::Virtual(_))
     }
 
+    /// A second way onto this bus, for another thread. None where the system gives no more sockets.
+    pub(crate) fn last_wire(&self) -> Option<LastWire> {
+        let opened = match &self.wire {
+            Wire::Kernel(_) => LastWire::kernel(&self.name),
+            Wire::Virtual(bus) => LastWire::of_directory(bus.dir().to_owned()),
+        };
+        opened.map_err(|error| tracing::warn!("{}: no way to let go of outputs when stuck: {error}", self.name)).ok()
+    }
+
     /// Records every frame sent and received from here on.
     pub fn record(&mut self, recorder: Recorder) {
         self.recorder = Some(recorder);
@@ -172,16 +210,21 @@ impl Bus {
         taken
     }
 
-    /// The next frame somebody else has sent. Cancel safe: a frame is either returned or still to come. Failures of
-    /// the system are counted and waited out; a bus that has come down never answers.
-    pub async fn recv(&mut self) -> Frame {
+    /// The next frame somebody else has sent. Cancel safe: a frame is either returned or still to come. Other failures of
+    /// the system are counted and waited out.
+    ///
+    /// # Errors
+    /// The CAN interface is down or gone. What was sent last may not have left, and nothing is heard any more: a node ends.
+    pub async fn recv(&mut self) -> Result<Frame, BusError> {
         let frame = match &mut self.wire {
-            Wire::Kernel(bus) => bus.recv(&mut self.stats).await,
+            Wire::Kernel(bus) => {
+                bus.recv(&mut self.stats).await.map_err(|error| BusError::Gone { name: self.name.clone(), error })?
+            }
             Wire::Virtual(bus) => bus.recv(&mut self.stats).await,
         };
         self.stats.received += 1;
         self.note(&frame);
-        frame
+        Ok(frame)
     }
 
     /// What went wrong so far, and what did not.
@@ -197,6 +240,18 @@ impl Bus {
     }
 }
 
+/// Where a bus is, without opening it: its interface's name, or the directory of a virtual one. Two programs that open
+/// buses of one place are on one bus.
+pub fn place(name: &str, options: &Options) -> String {
+    let is_interface = is_bus_name(name) && Path::new("/sys/class/net").join(name).exists();
+    if options.transport == Transport::SocketCan || (options.transport == Transport::Auto && is_interface) {
+        return name.to_owned();
+    }
+    let Ok(directory) = members::base(options.dir.as_deref()) else { return name.to_owned() };
+    let directory = std::fs::canonicalize(&directory).or_else(|_| std::path::absolute(&directory)).unwrap_or(directory);
+    directory.join(name).display().to_string()
+}
+
 /// What Linux takes as an interface name, narrowed to what is harmless as a directory name.
 fn is_bus_name(name: &str) -> bool {
     let plain = |b: u8| b.is_ascii_alphanumeric() || matches!(b, b'.' | b'_' | b'-');
@@ -206,6 +261,15 @@ fn is_bus_name(name: &str) -> bool {
 #[cfg(test)]
 mod tests {
     use super::*;
+
+    #[tokio::test]
+    async fn an_interface_that_is_missing_is_an_error_where_the_virtual_bus_was_not_asked_for() {
+        let options = Options { transport: Transport::SocketCan, ..Options::default() };
+        let error = Bus::open("lw-absent", &options).err().expect("there is no such interface");
+        assert!(matches!(&error, BusError::Missing { name, .. } if name == "lw-absent"), "{error:?}");
+        let text = error.to_string();
+        assert!(text.starts_with("there is no CAN interface lw-absent (") && text.contains("--virtual-bus"), "{text}");
+    }
 
     #[test]
     fn names_that_leave_the_directory_are_refused() {

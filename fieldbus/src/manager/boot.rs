@@ -1,9 +1,9 @@
 //! Bringing one device up: who it is, and what it is to be told, before it may be started.
 //!
 //! As in the boot process of CiA 302-2: the device type and the identity are read and compared with what is expected;
-//! only then are objects written, in the order given; only when all are written may the device be started. Last it is
-//! asked whether an error stands (1001h), which its owner has to know before it trusts it. A device
-//! that is somebody else is told nothing: what the line's outputs would do to it nobody knows.
+//! only then are objects written, in the order given, and those read back on which safety rests (`on_error.rs`); only
+//! when all are as required may the device be started. Last, object 1001h is read: the owner must know of a standing
+//! error before it relies on the device. A device with another identity than described is not written to.
 //!
 //! Every step is one SDO transfer, so what a boot waits for is always one object. Nothing here knows of heartbeats or
 //! of the other devices: all of them boot side by side, and one that does not answer holds up nobody.
@@ -15,6 +15,7 @@ use linewright_line::{Device, Identity, Tick, Timing};
 
 use super::errors::ERROR_REGISTER;
 use super::event::{Event, Outbox};
+use super::on_error::{is_one, judged};
 use super::peer::{Peer, Phase};
 use super::process::Process;
 use super::transfer::Transfer;
@@ -22,7 +23,7 @@ use super::{MANAGER_NODE, RETRY};
 use crate::codec::{NmtCommand, NodeId};
 use crate::frame::Frame;
 use crate::sdo::wire::Raw;
-use crate::sdo::{Cause, ObjectId, Progress, Setting, TransferError};
+use crate::sdo::{Abort, Cause, ObjectId, Progress, Setting, TransferError};
 
 /// How soon a refused device is looked at again. Seldom enough that a person reads the reason in peace, often enough
 /// that whoever has mended it need not do anything else.
@@ -56,6 +57,17 @@ pub enum BootError {
         /// Its bytes; a number has four.
         bytes: usize,
     },
+    /// It has taken a setting, and gives back something else.
+    NotKept {
+        /// The object.
+        object: ObjectId,
+        /// What was written, as a number.
+        written: u32,
+        /// What was read back.
+        found: u32,
+    },
+    /// It does not say whether it has kept a setting.
+    NotReadBack(TransferError),
     /// It is who it should be, but loses SYNC, which its outputs wait for.
     NoSync {
         /// How often in a row.
@@ -80,13 +92,37 @@ impl fmt::Display for BootError {
             BootError::NotANumber { object, bytes } => {
                 write!(f, "its {} (object {object}) has {bytes} bytes, not 4", what(*object))
             }
+            BootError::NotKept { object, written, found } => {
+                write!(f, "object {object}{} is {found:02X}h, not {written:02X}h as written", remedied(object.index))
+            }
+            BootError::NotReadBack(error) => {
+                write!(
+                    f,
+                    "object {}{} cannot be read back: {}",
+                    error.object,
+                    remedied(error.object.index),
+                    error.cause
+                )
+            }
             BootError::NoSync { times } => write!(f, "it has lost SYNC (080h) {times} times in a row"),
-            BootError::Transfer { writing: true, error } => write!(f, "it cannot be configured: {error}"),
+            BootError::Transfer { writing: true, error } => {
+                write!(f, "it cannot be configured: {error}{}", remedied(error.object.index))
+            }
             BootError::Transfer { writing: false, error } if error.object == ERROR_REGISTER => {
                 write!(f, "it does not say whether an error stands: {error}")
             }
             BootError::Transfer { writing: false, error } => write!(f, "it cannot be identified: {error}"),
         }
+    }
+}
+
+/// For objects by which outputs go off without a manager: what they are for, and what to do if a device lacks one.
+fn remedied(index: u16) -> &'static str {
+    if is_one(index) {
+        " (it turns the outputs off when the manager is gone; without it they may stay on. Use or set up a device that \
+         keeps it, or give the reason in `without_error_values` why that is safe)"
+    } else {
+        ""
     }
 }
 
@@ -117,6 +153,8 @@ pub(super) struct Boot {
     node: NodeId,
     /// Transfers done: first what is read, then what is written.
     at: usize,
+    /// The last setting is being read back.
+    reads_back: bool,
     transfer: Transfer,
 }
 
@@ -150,10 +188,24 @@ fn compare(identity: &Identity, nth: usize, bytes: &[u8]) -> Result<(), BootErro
     if same { Ok(()) } else { Err(BootError::Identity { object, expected, found }) }
 }
 
+/// What has come of reading a setting back.
+fn read_back(setting: &Setting, result: Result<Vec<u8>, TransferError>) -> Result<(), BootError> {
+    let number = |bytes: &[u8]| bytes.iter().take(4).rev().fold(0, |all, byte| all << 8 | u32::from(*byte));
+    match result {
+        Ok(bytes) if setting.excused || setting.is_kept(&bytes) => Ok(()),
+        Ok(bytes) => {
+            let (written, found) = (number(&setting.data), number(&bytes));
+            Err(BootError::NotKept { object: setting.object, written, found })
+        }
+        Err(TransferError { cause: Cause::Refused(code), .. }) if setting.may_be_refused(code) => Ok(()),
+        Err(error) => Err(BootError::NotReadBack(error)),
+    }
+}
+
 impl Boot {
     /// Begins: asks for the device type.
     pub fn start(now: Tick, node: NodeId, out: &mut Vec<Frame>) -> Self {
-        Boot { node, at: 0, transfer: Transfer::read(now, node, DEVICE_TYPE, out) }
+        Boot { node, at: 0, reads_back: false, transfer: Transfer::read(now, node, DEVICE_TYPE, out) }
     }
 
     /// Takes eight bytes of the device's SDO server.
@@ -192,7 +244,8 @@ impl Boot {
                 format!("configured, and asked whether an error stands (object {object})")
             }
             Some(nth) => {
-                format!("being configured: object {object} is written, {} of {}", nth + 1, plan.settings.len())
+                let does = if self.reads_back { "read back" } else { "written" };
+                format!("being configured: object {object} is {does}, {} of {}", nth + 1, plan.settings.len())
             }
         }
     }
@@ -206,16 +259,45 @@ impl Boot {
                 Err(TransferError { cause: Cause::Refused(_), .. }) => Step::Done(None),
                 Err(error) => Step::Failed(BootError::Transfer { writing: false, error }),
             },
-            Progress::Done(Err(error)) if self.may_pass_over(plan, error) => self.done(now, plan, &[], out),
-            Progress::Done(Err(error)) => Step::Failed(BootError::Transfer { writing: self.at >= READ.len(), error }),
-            Progress::Done(Ok(bytes)) => self.done(now, plan, &bytes, out),
+            Progress::Done(result) => match self.setting(plan) {
+                None => match result {
+                    Ok(bytes) => self.done(now, plan, &bytes, out),
+                    Err(error) => Step::Failed(BootError::Transfer { writing: false, error }),
+                },
+                Some(setting) if self.reads_back => match read_back(setting, result) {
+                    Ok(()) => self.done(now, plan, &[], out),
+                    Err(why) => Step::Failed(why),
+                },
+                Some(setting) => self.written(now, plan, setting, result.err(), out),
+            },
         }
     }
 
-    /// Whether the device may do without what it has just refused.
-    fn may_pass_over(&self, plan: &Plan, error: TransferError) -> bool {
-        let setting = self.at.checked_sub(READ.len()).and_then(|nth| plan.settings.get(nth));
-        matches!(error.cause, Cause::Refused(code) if setting.is_some_and(|setting| setting.may_be_refused(code)))
+    /// The setting that is being written or read back.
+    fn setting<'a>(&self, plan: &'a Plan) -> Option<&'a Setting> {
+        self.at.checked_sub(READ.len()).and_then(|nth| plan.settings.get(nth))
+    }
+
+    /// A setting is written, or not.
+    fn written(
+        &mut self,
+        now: Tick,
+        plan: &Plan,
+        setting: &Setting,
+        error: Option<TransferError>,
+        out: &mut Vec<Frame>,
+    ) -> Step {
+        match error.map(|error| (error, error.cause)) {
+            // One that cannot be changed may be as it has to be.
+            None | Some((_, Cause::Refused(Abort::READ_ONLY))) if setting.compared.is_some() => {
+                self.reads_back = true;
+                self.transfer = Transfer::read(now, self.node, setting.object, out);
+                Step::Busy
+            }
+            None => self.done(now, plan, &[], out),
+            Some((_, Cause::Refused(code))) if setting.may_be_refused(code) => self.done(now, plan, &[], out),
+            Some((error, _)) => Step::Failed(BootError::Transfer { writing: true, error }),
+        }
     }
 
     /// One transfer is done; the next begins.
@@ -226,6 +308,7 @@ impl Boot {
             return Step::Failed(error);
         }
         self.at += 1;
+        self.reads_back = false;
         // What is not compared need not be there.
         while self.at < READ.len() && expected(&plan.identity, self.at).is_none() {
             self.at += 1;
@@ -275,7 +358,10 @@ impl Peer {
             self.refusal = Some(why);
             out.events.push(Event::BootFailed { node: self.node, why });
         }
-        let silent = matches!(why, BootError::Transfer { error, .. } if matches!(error.cause, Cause::Silent { .. }));
+        let silent = matches!(
+            why,
+            BootError::Transfer { error, .. } | BootError::NotReadBack(error) if matches!(error.cause, Cause::Silent { .. })
+        );
         self.phase = if silent && self.heard + self.timeout <= now {
             Phase::Absent { probe: now + RETRY }
         } else {
@@ -297,5 +383,5 @@ pub(super) fn plan(node: NodeId, device: &Device, process: &Process, timing: &Ti
     let described = device.setup.settings.iter().map(|own| Setting::new(own.index, own.sub, own.data.clone()));
     let described = described.chain(super::sync::settings(device, timing));
     let settings = described.chain([produce]).chain(consume).chain(process.settings(node, &device.setup.settings));
-    Plan { identity: device.setup.identity, settings: settings.collect() }
+    Plan { identity: device.setup.identity, settings: judged(device, settings) }
 }

@@ -3,11 +3,11 @@
 use linewright_line::{Device, FrameId, Tick, Timing};
 use thiserror::Error;
 
-use super::ANOTHER_MANAGER;
 use super::event::IGNORE_REASONS;
 use super::pace::Pace;
 use super::peer::Peer;
 use super::request::Requests;
+use super::rival::Rival;
 use super::status::Record;
 use super::{Image, InputImage, MANAGER_NODE, Manager, TOLD};
 use crate::codec::NodeId;
@@ -102,7 +102,8 @@ impl Manager {
             next_sync: None,
             off: None,
             ignored: [0; IGNORE_REASONS],
-            told: [TOLD; ANOTHER_MANAGER + 1],
+            told: [TOLD; IGNORE_REASONS + 1],
+            rival: Rival::new(&timing),
             pace: Pace::new(),
             turn: 0,
         };

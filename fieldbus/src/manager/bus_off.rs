@@ -9,7 +9,7 @@
 
 use linewright_line::Tick;
 
-use super::peer::{Outcome, Peer, Phase};
+use super::peer::{Peer, Phase};
 use super::trouble::Why;
 use super::{Manager, Outbox, RETRY};
 
@@ -31,14 +31,7 @@ impl Manager {
                 return;
             }
             self.off = Some(now);
-            for at in 0..self.peers.len() {
-                let outcome = self.peers[at].cut_off(now);
-                self.settle(now, at, outcome, out);
-            }
-            // Also those whose devices all speak no CANopen, which may be silent for longer than the bus was off.
-            for owner in self.images.iter().map(|image| image.owner).collect::<Vec<_>>() {
-                self.let_go(now, owner, out);
-            }
+            self.cut_off_all(now, out);
         }
         if class & RESTARTED != 0 {
             self.back_on_the_bus(now, out);
@@ -47,23 +40,40 @@ impl Manager {
 
     /// The interface is on the bus: something has been heard.
     pub(super) fn back_on_the_bus(&mut self, now: Tick, out: &mut Outbox) {
-        if self.off.take().is_none() {
+        if self.off.take().is_none() || self.rival.is_mute() {
             return;
         }
+        self.bring_back(now, out);
+    }
+
+    /// From here on nothing is known of any device, and every output is let go.
+    pub(super) fn cut_off_all(&mut self, now: Tick, out: &mut Outbox) {
+        let why = if self.off.is_some() { Why::BusOff } else { Why::Contested };
+        for at in 0..self.peers.len() {
+            let outcome = self.peers[at].leave(now, Phase::Absent { probe: now + RETRY }, why);
+            self.settle(now, at, outcome, out);
+        }
+        // Also those whose devices all speak no CANopen, which may be silent for longer than the bus was off.
+        for owner in self.images.iter().map(|image| image.owner).collect::<Vec<_>>() {
+            self.let_go(now, owner, out);
+            self.gather(now, owner, out);
+        }
+    }
+
+    /// Every output is let go, and every device brought up as one that was lost.
+    pub(super) fn bring_back(&mut self, now: Tick, out: &mut Outbox) {
         self.next_heartbeat = Some(now);
         for peer in &mut self.peers {
             peer.send_rest(out);
             peer.ask_soon(now);
         }
+        for owner in self.images.iter().map(|image| image.owner).collect::<Vec<_>>() {
+            self.gather(now, owner, out);
+        }
     }
 }
 
 impl Peer {
-    /// The interface has left the bus: nothing of the device can be heard.
-    pub(super) fn cut_off(&mut self, now: Tick) -> Outcome {
-        self.leave(now, Phase::Absent { probe: now + RETRY }, Why::BusOff)
-    }
-
     /// Asks for it at once, if it is absent.
     pub(super) fn ask_soon(&mut self, now: Tick) {
         if let Phase::Absent { probe } = &mut self.phase {

@@ -18,8 +18,8 @@
 //! # What the device is told
 //!
 //! That it may send by itself (6423h, by default it may not), on a change and ten times a second; which errors make its
-//! outputs rest (6443h: each), and at what (6444h). A device that refuses one of these is not started. How large a change
-//! is one (6426h), the device's settings may say.
+//! outputs rest (6443h: each), and at what (6444h), both read back (`on_error.rs`). A device that refuses one of these is
+//! not started. How large a change is one (6426h), the device's settings may say.
 
 use std::fmt;
 use std::time::Duration;

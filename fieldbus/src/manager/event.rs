@@ -5,6 +5,7 @@ use std::time::Duration;
 
 use linewright_line::{FrameId, Owner};
 
+use super::MANAGER_NODE;
 use super::boot::BootError;
 use super::bus_off::{BUS_OFF, RESTARTED};
 use super::channels::ChannelFault;
@@ -121,8 +122,10 @@ pub enum Event {
         /// The request's number.
         number: u64,
     },
-    /// Somebody else sends the manager's heartbeat: two managers drive this bus.
+    /// Somebody else sends the manager's heartbeat: two managers are on this bus. Reported every few seconds.
     AnotherManager,
+    /// The other manager is silent; the devices are brought up anew.
+    AloneAgain,
     /// The kernel reports trouble on the bus.
     BusError {
         /// Class bits of `linux/can/error.h`; 0x40 is bus-off, 0x100 that the interface is on the bus again.
@@ -234,7 +237,12 @@ impl fmt::Display for Event {
             Event::InputsChanged { owner: Owner::Station(id) } => write!(f, "inputs of station {} changed", id.0),
             Event::InputsChanged { owner: Owner::Console } => f.write_str("inputs of the console changed"),
             Event::Answered { number } => write!(f, "request {number} is answered"),
-            Event::AnotherManager => f.write_str("another manager (node 127) drives this bus"),
+            Event::AnotherManager => {
+                write!(f, "another CANopen manager (node {MANAGER_NODE}, heartbeat 77Fh) is on this bus: nothing moves")
+            }
+            Event::AloneAgain => {
+                write!(f, "the other CANopen manager (node {MANAGER_NODE}) is silent: the devices are brought up")
+            }
             Event::BusError { class } if class & BUS_OFF != 0 => f.write_str("the bus is off"),
             Event::BusError { class } if class & RESTARTED != 0 => f.write_str("the bus is on again"),
             Event::BusError { class } => write!(f, "bus error, classes {class:#X}"),

@@ -19,11 +19,13 @@ mod event;
 mod flood;
 mod guard;
 mod image;
+mod on_error;
 mod pace;
 mod peer;
 mod plain;
 mod process;
 mod request;
+mod rival;
 mod status;
 mod sync;
 mod transfer;
@@ -49,6 +51,7 @@ use pace::Pace;
 use peer::{Outcome, Peer};
 use plain::Plain;
 use request::Requests;
+use rival::Rival;
 use status::Record;
 
 /// The manager's own node id: the highest one, so that every device's traffic wins arbitration against it except its
@@ -100,8 +103,9 @@ pub struct Manager {
     pace: Pace,
     /// Whose turn it is to send a segment of a block.
     turn: usize,
-    /// How much is said of ignored frames, by reason, and at the end of errors of the bus and of another manager.
-    told: [Budget; ANOTHER_MANAGER + 1],
+    /// How much is said of ignored frames, by reason, and at the end of errors of the bus.
+    told: [Budget; IGNORE_REASONS + 1],
+    rival: Rival,
 }
 
 impl Manager {
@@ -109,6 +113,10 @@ impl Manager {
     pub fn handle(&mut self, now: Tick, frame: &Frame, out: &mut Outbox) {
         let (start, told) = (out.frames.len(), out.events.len());
         self.pace.heard(now);
+        if self.rival.is_mute() {
+            self.listen(now, frame, out);
+            return self.pass(now, start, out);
+        }
         self.take(now, frame, out);
         self.requests.poll(now, &mut self.peers, out);
         self.record(now, &out.events[told..]);
@@ -127,11 +135,9 @@ impl Manager {
             Err(error) => return self.undecodable(now, error, *frame, out),
         };
         match message {
-            Message::Heartbeat { node, .. } if node == MANAGER_NODE => {
-                if self.told[ANOTHER_MANAGER].take(now) {
-                    out.events.push(Event::AnotherManager);
-                }
-            }
+            Message::Heartbeat { node, .. } if node == MANAGER_NODE => self.hear_rival(now, out),
+            // It may be what the other has brought about: nothing follows from it until this one is alone.
+            _ if self.rival.since().is_some() => self.ignored[IgnoreReason::NotForManager as usize] += 1,
             Message::Heartbeat { node, state } => {
                 if let Some(record) = self.record_of(node.get()) {
                     record.nmt = Some(state);
@@ -165,9 +171,13 @@ impl Manager {
         }
     }
 
-    /// Does what is due at `now`: own heartbeat, probing, retries, refreshing outputs, noticing silence.
+    /// Does what is due at `now`: own heartbeat, probing, retries, refreshing outputs, noticing silence. For the first
+    /// four periods of its heartbeat that is listening alone.
     pub fn poll(&mut self, now: Tick, out: &mut Outbox) {
         let (start, told) = (out.frames.len(), out.events.len());
+        if !self.may_send(now, out) {
+            return;
+        }
         if self.next_heartbeat.is_none() {
             self.first_poll(out);
         }
@@ -178,9 +188,11 @@ impl Manager {
             self.next_heartbeat = Some(now + self.timing.heartbeat);
         }
         self.send_sync(now, out);
-        for at in 0..self.peers.len() {
-            let outcome = self.peers[at].poll(now, out);
-            self.settle(now, at, outcome, out);
+        if self.rival.since().is_none() {
+            for at in 0..self.peers.len() {
+                let outcome = self.peers[at].poll(now, out);
+                self.settle(now, at, outcome, out);
+            }
         }
         self.poll_plain(now, out);
         self.requests.poll(now, &mut self.peers, out);
@@ -191,10 +203,17 @@ impl Manager {
 
     /// When [`Manager::poll`] has something to do next. `None` before the first poll, which is due at once.
     pub fn next_deadline(&self) -> Option<Tick> {
+        let rival = self.rival.deadline()?;
+        if self.rival.is_mute() {
+            return Some(rival);
+        }
         let heartbeat = self.next_heartbeat?;
         let pace = self.pace.deadline(self.peers.iter().any(Peer::streams) || self.requests.streaming(0).is_some());
         let first = heartbeat.min(pace).min(self.requests.deadline());
-        let first = first.min(self.next_sync.unwrap_or(Tick::NEVER)).min(self.plain_deadline());
+        let first = first.min(self.next_sync.unwrap_or(Tick::NEVER)).min(self.plain_deadline()).min(rival);
+        if self.rival.since().is_some() {
+            return Some(first);
+        }
         Some(self.peers.iter().map(Peer::deadline).fold(first, Tick::min))
     }
 
@@ -211,6 +230,8 @@ impl Manager {
 
     fn give_image(&mut self, now: Tick, owner: Owner, outputs: u128, out: &mut Outbox) {
         let Some(image) = self.images.iter_mut().find(|i| i.owner == owner) else { return };
+        // With another manager on the bus nothing is energised, also later: what is set then is set anew.
+        let outputs = if self.rival.since().is_some() { 0 } else { outputs };
         image.outputs = outputs;
         for peer in self.peers.iter_mut().filter(|p| p.owner == owner) {
             peer.set_image(now, outputs, out);
@@ -228,7 +249,12 @@ impl Manager {
 
     /// Lets go of every output of every device: for an orderly end, so nothing waits, and what waited is not sent. (After
     /// any other end the devices' own heartbeat consumers do it; those that speak no CANopen have none and come first.)
+    ///
+    /// A manager that has never sent anything, because another one was there first, disturbs nothing by ending either.
     pub fn release_outputs(&mut self, now: Tick, out: &mut Outbox) {
+        if !self.rival.has_sent() {
+            return;
+        }
         self.pace.forget_all();
         for image in &mut self.images {
             image.outputs = 0;
@@ -254,7 +280,8 @@ impl Manager {
 
     /// Whether every device of an owner that may not be lost can be acted upon.
     fn are_trusted(&self, now: Tick, owner: Owner) -> bool {
-        self.peers.iter().filter(|p| p.owner == owner && p.is_vital).all(|p| p.trusted(now))
+        self.rival.since().is_none()
+            && self.peers.iter().filter(|p| p.owner == owner && p.is_vital).all(|p| p.trusted(now))
             && self.plains.iter().filter(|p| p.owner == owner).all(|p| p.trusted(now))
     }
 
@@ -421,9 +448,6 @@ impl Manager {
         }
     }
 }
-
-/// Where the budget for telling of another manager is.
-const ANOTHER_MANAGER: usize = IGNORE_REASONS + 1;
 
 /// How much is told of what comes again and again.
 const TOLD: Budget = Budget::new(20, Duration::from_millis(100));

@@ -7,9 +7,10 @@
 //! ```
 //!
 //! There is no boot, no state to ask for and no heartbeat: that the device is alive shows by its messages alone. A frame
-//! that is too short, has a wrong checksum, the counter of the one before it or a number that is none is none itself. What it is sent goes out again
-//! and again from the beginning, with every output off until the device is live, and at once when something changes. The
-//! device hears no heartbeat of the manager either: that its outputs go off when these frames stop is for the device.
+//! that is too short, or has a wrong checksum, the counter of the one before it, or a value that is no number, is ignored. What
+//! it is sent goes out again and again from the beginning, with every output off until the device is live, and at once when
+//! something changes. The device hears no heartbeat of the manager either: that its outputs go off when these frames stop
+//! is for the device.
 
 use std::collections::BTreeMap;
 use std::fmt;
@@ -222,6 +223,16 @@ impl Plain {
         }
     }
 
+    /// What [`Plain::release`] would send now.
+    fn release_frames(&self, frames: &mut Vec<Frame>) {
+        for (nth, told) in self.told.iter().enumerate() {
+            // Forms of one message that come before it in the same go are counted as well.
+            let before = self.told[..nth].iter().filter(|other| other.frame.id == told.frame.id).count() as u64;
+            let count = self.counts.get(&told.frame.id).copied().unwrap_or_default();
+            frames.extend(told.frame_of(0, count.wrapping_add(before)));
+        }
+    }
+
     fn send_changes(&mut self, now: Tick, out: &mut Outbox) {
         let image = self.vouched();
         for told in &mut self.told {
@@ -293,17 +304,29 @@ impl Heard {
 impl Told {
     fn send(&mut self, now: Tick, image: u128, counts: &mut BTreeMap<FrameId, u64>, out: &mut Outbox) {
         let count = counts.entry(self.frame.id).or_default();
-        let data = self.frame.bytes(image, *count);
-        let len = usize::from(self.frame.len.min(8));
-        // By construction of the binding neither is too long.
-        out.frames.extend(Frame::of_id(self.frame.id, &data[..len]));
+        let frame = self.frame_of(image, *count);
+        out.frames.extend(frame);
         *count = count.wrapping_add(1);
         self.sent = Some(self.frame.bytes(image, 0));
         self.due = now + self.frame.every;
     }
+
+    /// By construction of the binding there is one.
+    fn frame_of(&self, image: u128, count: u64) -> Option<Frame> {
+        let data = self.frame.bytes(image, count);
+        Frame::of_id(self.frame.id, &data[..usize::from(self.frame.len.min(8))])
+    }
 }
 
 impl Manager {
+    /// The frames that turn off every output of the plain CAN devices, as they would be sent now. CANopen devices turn theirs
+    /// off when the manager's heartbeat is missing. Empty while this manager has not sent anything yet.
+    pub fn release_frames(&self, frames: &mut Vec<Frame>) {
+        if self.rival.has_sent() {
+            self.plains.iter().for_each(|plain| plain.release_frames(frames));
+        }
+    }
+
     /// Adds a device that speaks no CANopen.
     pub(super) fn add_plain(&mut self, device: &Device, binding: &FrameBinding) {
         let plain = Plain::new(device, binding);

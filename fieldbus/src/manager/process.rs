@@ -7,7 +7,7 @@ use linewright_line::{Device, InputId, OutputId, Tick, Timing};
 
 use super::channels::{ChannelFault, Channels};
 use super::event::IgnoreReason;
-use super::image;
+use super::{image, on_error};
 use crate::codec::{NodeId, Payload, Profile};
 use crate::profile::drive::{Drive, DriveBinding};
 use crate::sdo::Abort;
@@ -57,7 +57,11 @@ impl Process {
     /// What it is told before it is started.
     pub fn settings(&self, node: NodeId, own: &[linewright_line::Setting]) -> Vec<Setting> {
         match self {
-            Process::Io(_, channels) => channels.settings(node, own),
+            Process::Io(bits, channels) => {
+                let mut settings = on_error::settings(&bits.outputs, channels.has_outputs(), own);
+                settings.extend(channels.settings(node, own));
+                settings
+            }
             Process::Drive(drive) => drive.settings(node),
         }
     }

@@ -353,7 +353,9 @@ impl Manager {
             tell(number, Err(AskError::UnknownNode { node }), out);
             return number;
         };
-        if let Ask::Write { object, .. } = ask
+        if let Some(why) = self.rival.keeps_off(now) {
+            tell(number, Err(AskError::NotReady(format!("is not asked: {why}"))), out);
+        } else if let Ask::Write { object, .. } = ask
             && let Some(why) = guarded(object, &peer.plan.settings)
         {
             tell(number, Err(AskError::Guarded { object, why }), out);
@@ -369,8 +371,11 @@ impl Manager {
     }
 
     /// Resets a device (NMT 81h), whatever it does: it lets go of its outputs, its owner loses it, and it is booted
-    /// again. That fails safe, so it is allowed at any time.
+    /// again. That fails safe, so it is allowed at any time; only not where another manager may drive the bus.
     pub fn reset_node(&mut self, now: Tick, node: NodeId, out: &mut Outbox) {
+        if self.rival.keeps_off(now).is_some() {
+            return;
+        }
         if let Some(peer) = self.peers.iter().find(|peer| peer.node == node) {
             let start = out.frames.len();
             peer.order(NmtCommand::ResetNode, out);
@@ -384,6 +389,9 @@ impl Manager {
     /// # Errors
     /// In words, why it is not started now.
     pub fn start_node(&mut self, now: Tick, node: NodeId, out: &mut Outbox) -> Result<String, String> {
+        if let Some(why) = self.rival.keeps_off(now) {
+            return Err(why);
+        }
         let start = out.frames.len();
         let said = match self.peers.iter_mut().find(|peer| peer.node == node) {
             Some(peer) => peer.start_by_request(now, out),

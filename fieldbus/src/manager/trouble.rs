@@ -27,6 +27,8 @@ pub(super) enum Why {
     Reported(Emergency),
     /// The manager's interface has left the bus.
     BusOff,
+    /// Another manager was on the bus.
+    Contested,
     /// It sent too much.
     Babbled,
 }
@@ -42,6 +44,9 @@ impl Manager {
     pub fn trouble_of(&self, now: Tick, node: NodeId) -> Option<String> {
         let peer = self.peers.iter().find(|peer| peer.node == node && peer.is_vital)?;
         let what = peer.trouble(now)?;
+        if let Some(rival) = self.rival.explain(now) {
+            return Some(rival);
+        }
         Some(match self.off_the_bus() {
             Some(off) => format!("the bus is off since {} ms: nothing is heard from it", now.since(off).as_millis()),
             None => what,
@@ -49,9 +54,18 @@ impl Manager {
     }
 
     /// What keeps the inputs of `owner` from being valid at `now`: one sentence for each of its devices that is in the
-    /// way, with the device's name, its node id, the object or frame concerned, and the cause. Nothing while they are
-    /// valid, and for an owner without devices on this bus.
+    /// way, with the device's name, its node id, the object or frame concerned, and the cause; or one for all of them, if
+    /// another manager is there. Nothing while they are valid, and for an owner without devices on this bus.
     pub fn trouble(&self, now: Tick, owner: Owner) -> impl Iterator<Item = String> {
+        let rival = self.rival.explain(now).filter(|_| self.images.iter().any(|image| image.owner == owner));
+        let each = self.trouble_of_each(now, owner).filter({
+            let contested = rival.is_some();
+            move |_| !contested
+        });
+        rival.into_iter().chain(each)
+    }
+
+    fn trouble_of_each(&self, now: Tick, owner: Owner) -> impl Iterator<Item = String> {
         let own = self.peers.iter().filter(move |peer| peer.owner == owner && peer.is_vital);
         let of_peers = own.filter_map(move |peer| {
             let what = self.trouble_of(now, peer.node)?;
@@ -123,6 +137,7 @@ impl Peer {
             Some(Why::NoSync) if matches!(self.phase, Phase::Refused { .. }) => now_is,
             Some(Why::NoSync) => format!("it hears no SYNC (080h): TPDO1 has stopped; {now_is}"),
             Some(Why::Babbled) => format!("it babbled; {now_is}"),
+            Some(Why::Contested) => format!("another manager was on the bus; {now_is}"),
             Some(Why::BusOff) => format!("the bus was off; {now_is}"),
             Some(Why::Booted) => format!("it has booted (boot-up, {}); {now_is}", self.beat_id()),
             Some(Why::Left(state)) => {

@@ -11,11 +11,21 @@ pub struct Setting {
     pub data: Vec<u8>,
     /// Whether a device may do without the object. One that refuses any other setting is not to be started.
     pub optional: bool,
+    /// Which bits of it must be read back as written, byte by byte; `None`: it is not read back.
+    pub compared: Option<Vec<u8>>,
+    /// Whether the device may be started whatever it makes of it: the description says why.
+    pub excused: bool,
 }
 
 impl Setting {
     pub(crate) fn new(index: u16, sub: u8, data: impl Into<Vec<u8>>) -> Self {
-        Setting { object: ObjectId::new(index, sub), data: data.into(), optional: false }
+        Setting {
+            object: ObjectId::new(index, sub),
+            data: data.into(),
+            optional: false,
+            compared: None,
+            excused: false,
+        }
     }
 
     pub(crate) fn u8(index: u16, sub: u8, value: u8) -> Self {
@@ -38,8 +48,25 @@ impl Setting {
         Setting { optional: true, ..self }
     }
 
+    /// To be read back after it is written, all of it.
+    pub(crate) fn read_back(self) -> Self {
+        Setting { compared: Some(vec![0xFF; self.data.len()]), ..self }
+    }
+
+    /// To be read back, these bits of its one byte.
+    pub(crate) fn read_back_bits(self, mask: u8) -> Self {
+        Setting { compared: Some(vec![mask]), ..self }
+    }
+
+    /// Whether what is read back is what was written, as far as it is compared.
+    pub fn is_kept(&self, found: &[u8]) -> bool {
+        let Some(mask) = &self.compared else { return true };
+        let mut bytes = found.iter().zip(&self.data).zip(mask);
+        found.len() == self.data.len() && bytes.all(|((found, written), mask)| (found ^ written) & mask == 0)
+    }
+
     /// Whether this answer may be passed over: the device does not have the object, and can do without it.
     pub fn may_be_refused(&self, code: Abort) -> bool {
-        self.optional && matches!(code, Abort::NO_OBJECT | Abort::NO_SUBINDEX)
+        self.excused || self.optional && matches!(code, Abort::NO_OBJECT | Abort::NO_SUBINDEX)
     }
 }

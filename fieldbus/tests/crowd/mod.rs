@@ -63,7 +63,11 @@ pub fn answer(frame: &Frame) -> Option<Frame> {
 fn answer_raw(raw: &Raw) -> Option<Raw> {
     let [_, low, high, sub, ..] = *raw;
     match Request::decode(raw)? {
-        Request::Upload { object: ObjectId { index: 0x1001, .. } } => Some([0x4F, low, high, sub, 0, 0, 0, 0]),
+        // No error, and what lets its outputs go is as it was told.
+        Request::Upload { object: ObjectId { index: 0x1001 | 0x1029 | 0x6207, .. } } => {
+            Some([0x4F, low, high, sub, 0, 0, 0, 0])
+        }
+        Request::Upload { object: ObjectId { index: 0x6206, .. } } => Some([0x4F, low, high, sub, 0xFF, 0, 0, 0]),
         Request::Upload { .. } => Some([0x43, low, high, sub, 0x91, 0x01, 0x03, 0]),
         Request::Download { .. } => Some([0x60, low, high, sub, 0, 0, 0, 0]),
         _ => None,

@@ -108,7 +108,7 @@ fn play_devices(shared: &Shared) -> u32 {
         let mut beat = tokio::time::interval(Duration::from_millis(50));
         while !shared.stopped() {
             let frame = tokio::select! {
-                frame = bus.recv() => frame,
+                frame = bus.recv() => frame.expect("the interface is there"),
                 _ = beat.tick() => {
                     (1..=DEVICES).for_each(|id| _ = bus.send(&crowd::heartbeat(id)));
                     continue;
@@ -146,7 +146,7 @@ impl Exchange {
     /// Goes on for a moment.
     async fn go_on(&mut self) {
         let events = tokio::time::timeout(Duration::from_millis(5), self.driver.next()).await;
-        for event in events.unwrap_or_default() {
+        for event in events.map(|events| events.expect("nobody else is there")).unwrap_or_default() {
             match event {
                 Event::DeviceUp { .. } => self.up += 1,
                 Event::DeviceLost { .. } | Event::DeviceLeft { .. } | Event::BootFailed { .. } => self.lost += 1,

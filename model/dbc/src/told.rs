@@ -75,8 +75,8 @@ impl<'a> Binder<'a> {
         }
         self.signals_are_apart(message, send, given.iter().any(|(_, signal)| matches!(signal.mux, Mux::Selected(_))));
         let (name, id, len) = (message.name.clone(), message.id, message.len as u8);
-        let (every, counter, checksum) = (send.every, counter?, checksum?);
-        Some((message, ToldFrame { name, id, len, every, counter, checksum, rest, outputs }))
+        let (every, lets_go_after, counter, checksum) = (send.every, send.lets_go_after, counter?, checksum?);
+        Some((message, ToldFrame { name, id, len, every, lets_go_after, counter, checksum, rest, outputs }))
     }
 
     /// What is multiplexed is there because of the selector's value, which then is for nothing else.

@@ -28,7 +28,15 @@ fn receive(message: &str, inputs: Vec<SignalInput>) -> Receive {
 
 fn send(outputs: Vec<SignalOutput>) -> Send {
     let every = Duration::from_millis(20);
-    Send { message: named("GaugeCommand"), every, counter: None, checksum: None, outputs, set: Vec::new() }
+    Send {
+        message: named("GaugeCommand"),
+        every,
+        lets_go_after: None,
+        counter: None,
+        checksum: None,
+        outputs,
+        set: Vec::new(),
+    }
 }
 
 fn output(id: u16, signal: &str, on: f64) -> SignalOutput {

@@ -99,6 +99,25 @@ pub fn is_the_managers(index: u16) -> bool {
     matches!(index, 0x1016 | 0x1017)
 }
 
+/// The bits of a byte of outputs that something is wired to.
+pub fn wired_bits<T>(byte: &[Option<T>]) -> u8 {
+    byte.iter().enumerate().filter(|(_, output)| output.is_some()).fold(0, |mask, (bit, _)| mask | 1 << bit)
+}
+
+/// Whether a device that is told this would not turn off one of these outputs by itself when its manager is gone: it stays
+/// as it is or goes on (CiA 401 6206h, 6207h), or nothing becomes of the loss (CiA 301 1029h).
+pub fn keeps_an_output<T>(outputs: &[Option<T>], setting: &Setting) -> bool {
+    let value = setting.data.first().copied().unwrap_or(0);
+    let byte = usize::from(setting.sub).checked_sub(1).and_then(|nth| outputs.chunks(8).nth(nth)).unwrap_or(&[]);
+    let wired = wired_bits(byte);
+    match (setting.index, setting.sub) {
+        (0x1029, 1) => value == 1,
+        (0x6206, _) => value & wired != wired,
+        (0x6207, _) => value & wired != 0,
+        _ => false,
+    }
+}
+
 /// What trouble with a device does to its owner.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Hash)]
 pub enum Reaction {
@@ -119,6 +138,9 @@ pub struct Setup {
     pub identity: Identity,
     /// What is written, in this order.
     pub settings: Vec<Setting>,
+    /// Why it may be without error values for its outputs (objects 1029h, 6206h, 6207h, 6443h, 6444h): what else lets them
+    /// go when the manager is gone. `None`: it may not.
+    pub without_error_values: Option<String>,
     /// When its process data are sent and taken.
     pub transmission: Transmission,
     /// What an emergency of the device does to its owner; `None` where the description leaves it open, see

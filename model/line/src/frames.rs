@@ -90,6 +90,8 @@ pub struct Send {
     pub message: Named,
     /// How often, when nothing changes.
     pub every: Duration,
+    /// How long after the last one the device turns its outputs off by itself; `None`: nothing is said of it.
+    pub lets_go_after: Option<Duration>,
     /// A signal that counts the frames.
     pub counter: Option<Named>,
     /// A signal for what its bytes add up to.
@@ -341,6 +343,8 @@ pub struct ToldFrame {
     pub len: u8,
     /// How often it is sent.
     pub every: Duration,
+    /// How long after the last one the device turns its outputs off by itself, where the description says so.
+    pub lets_go_after: Option<Duration>,
     /// Counts the frames.
     pub counter: Option<Field>,
     /// The byte that holds a checksum.

@@ -4,6 +4,7 @@
 //! devices beyond their names and numbers: those are the business of the crates that take a [`Line`].
 
 mod analogue;
+mod console;
 mod device;
 mod drive;
 mod frames;
@@ -11,13 +12,17 @@ mod handling;
 mod line;
 pub mod net;
 mod parse;
+mod position;
 mod task;
 mod time;
 mod transfer_line;
 mod whereabouts;
 
 pub use analogue::{Analogue, AnalogueInput, AnalogueOutput, CHANNELS_MAX, Channel, Follows, Lag};
-pub use device::{Device, Identity, Owner, Reaction, Setting, Setup, Transmission, is_the_managers};
+pub use console::{Console, StopContact};
+pub use device::{
+    Device, Identity, Owner, Reaction, Setting, Setup, Transmission, is_the_managers, keeps_an_output, wired_bits,
+};
 pub use drive::{AtRest, Drive, DriveMode, DriveTarget, Homing};
 pub use frames::{
     Checksum, Coding, Field, FrameBinding, FrameId, Frames, HeardFrame, Named, Page, Receive, Send, SignalInput,
@@ -26,6 +31,7 @@ pub use frames::{
 pub use handling::{Grip, Handling, Holder, HolderId, Reach, Sensor, Sign, Stand};
 pub use line::*;
 pub use parse::{Parsed, Problem, Problems, parse, suggestion};
+pub use position::NoClearance;
 pub use task::{
     CODE_MAX, PARAMETER_BITS_MAX, PARAMETERS_MAX, Parameter, RESTS_MAX, Rest, RestId, TASKS_MAX, Task, TaskId,
 };

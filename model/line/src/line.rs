@@ -10,7 +10,7 @@ use std::time::Duration;
 
 use linewright_text::index_id;
 
-use crate::{Device, Handling, Owner, Rest, Task};
+use crate::{Console, Device, Handling, Owner, Rest, Task};
 
 index_id! {
     /// A station, by its place in [`Line::stations`].
@@ -355,31 +355,6 @@ pub struct Span {
     pub from: OpId,
     /// Its last operation; it may lie before `from` in the chart: the stretch then crosses the cycle boundary.
     pub until: OpId,
-}
-
-/// The main console (seed 002 §5.4, Figures 18 and 23). Its image has its own input and output numbering.
-#[derive(Clone, Debug, Default, PartialEq, Eq)]
-pub struct Console {
-    /// Names of its inputs: bit `i` of the console's input image.
-    pub inputs: Vec<String>,
-    /// Names of its outputs: bit `i` of the console's output image.
-    pub outputs: Vec<String>,
-    /// Master start push button.
-    pub start: Option<InputId>,
-    /// Master stop push button.
-    pub stop: Option<InputId>,
-    /// Auto push button.
-    pub auto: Option<InputId>,
-    /// Hand push button.
-    pub hand: Option<InputId>,
-    /// Emergency stop, latching mushroom button: on is pressed.
-    pub estop: Option<InputId>,
-    /// Reset push button.
-    pub reset: Option<InputId>,
-    /// For each of [`Line::buttons`], its input; `None` for a button that exists on ROS topics alone.
-    pub buttons: Vec<Option<InputId>>,
-    /// Lamps: on while the line is in that mode, in the order auto, hand, manual, fault (any incomplete operation).
-    pub lamps: [Option<OutputId>; 4],
 }
 
 /// How long things may take, for the whole line.

@@ -53,7 +53,7 @@ file = "box.dbc"
 receive = [{ message = "State", timeout_ms = 40, counter = "Alive", inputs = [
     { input = "rear", signal = "Place", below = 0.5, hysteresis = 0.1 },
 ] }]
-send = [{ message = "Command", every_ms = 10, checksum = { signal = "Check", kind = "sum" }, outputs = [
+send = [{ message = "Command", every_ms = 10, lets_go_after_ms = 30, checksum = { signal = "Check", kind = "sum" }, outputs = [
     { output = "back", signal = "Back", on = 3 },
 ] }]
 "#;
@@ -128,6 +128,35 @@ fn a_device_without_canopen_is_described_by_its_frames_alone() {
     raises("file = \"box.dbc\"\n", "", "`dbc` needs `file`", "[device.dbc]");
     raises("timeout_ms = 40, ", "", "a message received needs `timeout_ms`", "{ message");
     raises("kind = \"sum\"", "kind = \"crc\"", "unknown kind `crc`", "\"crc\"");
+}
+
+#[test]
+fn outputs_of_a_device_without_canopen_need_a_time_out_or_are_reported() {
+    let warnings = |text: &str| {
+        let parsed = parse("line.toml", text).unwrap_or_else(|problems| panic!("{problems:#}"));
+        parsed
+            .warnings
+            .into_iter()
+            .map(|warning| warning.message)
+            .filter(|text| text.contains("time-out"))
+            .collect::<Vec<_>>()
+    };
+    let silent = LINE.replace("lets_go_after_ms = 30, ", "");
+    assert_eq!(warnings(&silent), ["`back` has no time-out: it may stay on without a manager"]);
+    assert_eq!(warnings(LINE), [""; 0]);
+    raises(
+        "lets_go_after_ms = 30",
+        "lets_go_after_ms = 10",
+        "this device lets go of its outputs before the next message comes",
+        "10",
+    );
+    let with = "name = \"box\"\nstation = \"press\"\nwithout_error_values = \"none\"\n";
+    raises(
+        "name = \"box\"\nstation = \"press\"\n",
+        with,
+        "a device with a `dbc` table has no `without_error_values`",
+        "\"none\"",
+    );
 }
 
 #[test]

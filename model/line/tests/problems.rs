@@ -556,6 +556,19 @@ fn console() {
     let without_console = CELL.split("[console]").next().expect("a split has a first part");
     let parsed = parse("cell.toml", without_console).expect("a console is not needed");
     assert!(parsed.warnings.iter().any(|w| w.message == "the line has no `[console]`" && (w.line, w.column) == (1, 1)));
+    let contact = |text: &str| {
+        let line =
+            parse("cell.toml", &CELL.replacen("estop = \"ES\"", text, 1)).unwrap_or_else(|e| panic!("{e:?}")).line;
+        line.console.estop.expect("it has one").pressed
+    };
+    assert!(contact("estop = \"ES\""));
+    assert!(contact("estop = { input = \"ES\", pressed = \"on\" }"));
+    assert!(!contact("estop = { input = \"ES\", pressed = \"off\" }"));
+    errors(&[
+        (&[("estop = \"ES\"", "estop = «{ input = \"ES\" }")], "`estop` needs `pressed`", ""),
+        (&[("estop = \"ES\"", "estop = «{ pressed = \"off\" }")], "`estop` needs `input`", ""),
+        (&[("estop = \"ES\"", "estop = { input = \"ES\", pressed = «\"offf\" }")], "unknown pressed `offf`", "off"),
+    ]);
     warnings(&[
         (&[("estop = \"ES\"\n", ""), ("[console]", "«[console]")], "the console has no `estop`", ""),
         (&[("\"B7\"]", "\"B7\", «\"B8\"]")], "no operation uses button `B8`", ""),

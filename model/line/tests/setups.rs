@@ -88,3 +88,25 @@ fn what_cannot_be_sent_is_refused_in_place() {
     let twice = "settings = [{ object = \"2000\", value = 1 }, { object = \"2000:0\", value = 2 }]";
     assert_eq!(problem(twice), "object 2000h:00 is written twice");
 }
+
+#[test]
+fn what_keeps_an_output_on_without_a_manager_needs_a_reason() {
+    let keeps = "an output of this device stays on when the manager is gone";
+    for (object, value) in [("6206:01", 0), ("6206:01", 0xFE), ("6207:01", 2), ("1029:01", 1)] {
+        let setting = format!("settings = [{{ object = \"{object}\", type = \"u8\", value = {value} }}]");
+        assert_eq!(problem(&setting), keeps, "{object} = {value}");
+        let excused = with(&format!("{setting}\nwithout_error_values = \"the safety relay cuts its supply\""));
+        let parsed = parse("line.toml", &excused).unwrap_or_else(|problems| panic!("{problems:#}"));
+        let why = parsed.line.devices[0].setup.without_error_values.as_deref();
+        assert_eq!(why, Some("the safety relay cuts its supply"));
+    }
+    // What no output hangs on, and what lets go.
+    for (object, value) in [("6206:01", 3), ("6207:01", 0xFC), ("6206:02", 0), ("1029:01", 2)] {
+        let text = with(&format!("settings = [{{ object = \"{object}\", type = \"u8\", value = {value} }}]"));
+        assert!(parse("line.toml", &text).is_ok(), "{object} = {value}");
+    }
+    assert_eq!(problem("without_error_values = \" \""), "no reason is given");
+    let drive = LINE.replace("node = 3\n", "node = 3\nwithout_error_values = \"a brake\"\n");
+    let problems = parse("line.toml", &drive).expect_err("a drive has others");
+    assert!(problems.iter().any(|p| p.message == "this device has no error values to be without"), "{problems:#}");
+}

@@ -147,7 +147,8 @@ fn arrows_conflicts_devices_and_console_are_resolved() {
     assert_eq!(slides, [None, None, None, None, Some(0), Some(1)]);
     assert_eq!(line.devices[0].inputs[4..8], [Some(InputId(4)), None, Some(InputId(5)), Some(InputId(6))]);
     assert!(line.console.buttons.iter().all(Option::is_some) && line.console.lamps.iter().all(Option::is_some));
-    assert_eq!(line.console.estop.map(|id| line.console.inputs[id.index()].as_str()), Some("ES_pressed"));
+    let estop = line.console.estop.expect("it has one");
+    assert_eq!((line.console.inputs[estop.input.index()].as_str(), estop.pressed), ("ES_pressed", true));
 }
 
 /// Along the longest chain of waiting: the clamp opens, the bar lifts, advances and lowers, the clamp closes, the mill

@@ -60,6 +60,11 @@ impl<'a> Fields<'a> {
         self.table.get(key).is_some_and(|item| !item.is_none())
     }
 
+    /// Whether a table is written at `key`, for what may be a table or something shorter.
+    pub fn is_table(&self, key: &str) -> bool {
+        self.table.get(key).is_some_and(Item::is_table_like)
+    }
+
     /// The item at `key` with its place.
     fn item(&mut self, key: &'static str) -> Option<(&'a Item, Where)> {
         self.asked.push(key);

@@ -32,7 +32,9 @@ pub fn station_state() -> StationState {
         sequence: 9,
         station: "s1".into(),
         mode_epoch: 10,
+        coordinator_boot_id: 0x0BAD_CAFE_0BAD_CAFE,
         mode: StationState::MODE_HAND,
+        generation: 0x1234_5678_9ABC_DEF0,
         cycle: 3,
         done: vec![3, 2, 2],
         started: vec![3, 3, 2],
@@ -43,6 +45,9 @@ pub fn station_state() -> StationState {
         stopped: true,
         selector_manual: false,
         devices_valid: true,
+        measured: Bounded::new(vec![5, 0, 128]).expect("three fit"),
+        measured_age_ms: 12,
+        position_lost: true,
         incomplete: vec![1],
         operation: "drill".into(),
         fault: "drill: not down after 2 s".into(),
@@ -73,6 +78,7 @@ pub fn process_image() -> ProcessImage {
         lives: 3,
         number: 9,
         number_boot_id: 10,
+        mode_epoch: 11,
         valid: true,
         bits: Bounded::new((0..16).collect()).expect("sixteen fit"),
     }
@@ -91,6 +97,8 @@ pub fn mode_order() -> ModeOrder {
         manual_all: true,
         buttons: 0x8000_0001,
         lease_ms: 500,
+        found_generation: 9,
+        found_lives: vec![3, 4],
     }
 }
 

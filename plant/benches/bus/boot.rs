@@ -65,7 +65,7 @@ async fn bring_up(place: &Place, groups: Vec<Vec<Device>>) -> Duration {
             Driver::new(bus, Manager::new(&group, line().timing).expect("their ids are right"), Clock::start());
         let mut up = 0;
         while up < group.len() {
-            for event in driver.next().await {
+            for event in driver.next().await.expect("nobody else is there") {
                 match event {
                     Event::DeviceUp { .. } => up += 1,
                     Event::BootFailed { .. } => println!("  {event}"),

@@ -30,7 +30,7 @@ fn device(place: &Place, shared: &Shared) {
         let mut beat = tokio::time::interval(Duration::from_millis(50));
         while !shared.stop.load(Ordering::Relaxed) {
             let frame = tokio::select! {
-                frame = bus.recv() => frame,
+                frame = bus.recv() => frame.expect("the bus is there"),
                 _ = beat.tick() => {
                     bus.send(&crowd::heartbeat(1));
                     continue;
@@ -74,7 +74,7 @@ async fn bare(place: &Place, shared: &Shared) {
     for number in 0..ROUNDS {
         let sent = shared.began.elapsed();
         bus.send(&Frame::data_frame(0x010, &number.to_le_bytes()).expect("a frame"));
-        while bus.recv().await.cob_id() != Some(0x011) {}
+        while bus.recv().await.expect("the bus is there").cob_id() != Some(0x011) {}
         note(&mut ways, shared, sent);
         thread::sleep(PAUSE);
     }
@@ -86,7 +86,13 @@ async fn managed(place: &Place, shared: &Shared) {
     let manager = Manager::new(&crowd::devices(1), Timing::default()).expect("its id is right");
     let bus = Bus::open(place.interface, &place.options).expect("the bus is there");
     let mut driver = Driver::new(bus, manager, Clock::start());
-    while !driver.next().await.iter().any(|event| matches!(event, Event::DeviceUp { .. })) {}
+    while !driver
+        .next()
+        .await
+        .expect("nobody else is there")
+        .iter()
+        .any(|event| matches!(event, Event::DeviceUp { .. }))
+    {}
     let owner = crowd::owner(1);
     let mut ways = [Vec::new(), Vec::new()];
     for number in 1..=ROUNDS {
@@ -102,7 +108,7 @@ async fn managed(place: &Place, shared: &Shared) {
         let set = shared.began.elapsed();
         driver.set_outputs(owner, number.into());
         while driver.inputs(owner).bits != number.into() {
-            driver.next().await;
+            driver.next().await.expect("nobody else is there");
         }
         note(&mut ways, shared, set);
     }

@@ -32,7 +32,7 @@ fn devices(place: &Place, shared: &Shared) {
         let mut quiet = Instant::now();
         let mut beat = Instant::now();
         while quiet.elapsed() < Duration::from_millis(600) {
-            if let Ok(frame) = tokio::time::timeout(Duration::from_millis(5), bus.recv()).await
+            if let Ok(Ok(frame)) = tokio::time::timeout(Duration::from_millis(5), bus.recv()).await
                 && let Some(answer) = crowd::answer(&frame)
             {
                 quiet = Instant::now();
@@ -97,7 +97,7 @@ async fn listener(place: &Place, shared: &Shared) -> Vec<(f64, u64)> {
     while meter.costs.len() < REPEATS {
         _ = tokio::time::timeout(Duration::from_millis(5), async {
             for _ in 0..50 {
-                bus.recv().await;
+                bus.recv().await.expect("the bus is there");
             }
         })
         .await;
@@ -115,7 +115,7 @@ async fn manager(place: &Place, shared: &Shared) -> Vec<(f64, u64)> {
     while meter.costs.len() < REPEATS {
         _ = tokio::time::timeout(Duration::from_millis(5), async {
             for _ in 0..50 {
-                driver.next().await;
+                driver.next().await.expect("nobody else is there");
             }
         })
         .await;

@@ -55,7 +55,7 @@ async fn serve(place: &Place) {
     loop {
         tokio::select! {
             biased;
-            frame = bus.recv() => if let Ok(Message::SdoRequest { node: asked, raw }) = Message::decode(&frame)
+            frame = bus.recv() => if let Ok(Message::SdoRequest { node: asked, raw }) = Message::decode(&frame.expect("the bus is there"))
                 && asked == node()
             {
                 server.handle(clock.now(), &raw, &mut store, &mut out);

@@ -3,7 +3,8 @@
 //! It sends each message four times within the time in which it is missed, and at once when something changes; of a
 //! multiplexed one all pages in turn. Signals have a value that makes the inputs what the plant has them: nothing else of
 //! them is simulated. It does what a device of this kind has to do by itself: when a message it is sent has not come for
-//! three of its periods, or comes with the counter standing still, **its outputs go off**.
+//! the time that its description says, or three of its periods, or comes with the counter standing still, **its outputs go
+//! off**.
 
 use std::collections::BTreeMap;
 use std::time::Duration;
@@ -16,7 +17,7 @@ use crate::fault::DeviceFault;
 
 /// So many of its own messages within the time in which they are missed.
 const PER_TIMEOUT: u32 = 4;
-/// So many periods without a message it is sent, and its outputs go off.
+/// So many periods without a message it is sent, and its outputs go off, where the description gives no time.
 const PERIODS: u32 = 3;
 
 #[derive(Debug)]
@@ -224,7 +225,7 @@ impl Taken {
     }
 
     fn obey(&mut self, now: Tick, data: &[u8; 8]) {
-        self.missed = Some(now + self.frame.every * PERIODS);
+        self.missed = Some(now + self.frame.lets_go_after.unwrap_or(self.frame.every * PERIODS));
         let on = self.frame.outputs.iter().filter(|(_, field, on)| field.get(data) == *on);
         self.outputs = on.fold(0, |outputs, (output, _, _)| outputs | output.bit());
     }

@@ -39,8 +39,13 @@ impl<D: Device> Dictionary for Objects<'_, D> {
         if object.index == TROUBLE_INDEX {
             return Err(Abort::WRITE_ONLY);
         }
-        let instead = self.device.comm().trouble.read(object);
-        instead.unwrap_or_else(|| self.device.read(self.now, object)).map(Cow::Owned)
+        let own = self.device.read(self.now, object);
+        // Of another number as many bytes as the object has.
+        let instead = self.device.comm().trouble.read(object).map(|answer| match (answer, &own) {
+            (Ok(number), Ok(own)) => Ok(number.into_iter().chain(std::iter::repeat(0)).take(own.len()).collect()),
+            (answer, _) => answer,
+        });
+        instead.unwrap_or(own).map(Cow::Owned)
     }
 
     fn write(&mut self, object: ObjectId, data: &[u8]) -> Result<(), Abort> {

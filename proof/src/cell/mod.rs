@@ -21,6 +21,7 @@
 
 mod group;
 mod play;
+pub mod protocol;
 mod story;
 mod verdict;
 mod words;

@@ -30,6 +30,7 @@ mod verdict;
 mod way;
 mod word;
 
+pub(crate) use facts::{actuator, bits_of};
 pub use search::Limits;
 pub use setting::{Grants, Setting};
 pub use story::Story;

@@ -76,7 +76,7 @@ impl Setting {
         let links = links_of(&line);
         Setting {
             line,
-            rules: Rules::default(),
+            rules: Rules::COUNTS,
             modes: vec![ControlMode::Auto, ControlMode::Hand, ControlMode::Manual],
             grants: Grants::InEpochs,
             lag: 1,

@@ -312,14 +312,9 @@ impl Situation {
     fn order(&mut self, setting: &Setting, events: &mut Vec<Event>) {
         self.epoch += 1;
         let order = ModeOrder {
-            boot_id: 1,
-            epoch: self.epoch,
-            mode: self.mode,
-            enabled: true,
-            master_stop: None,
             manual_all: true,
             buttons: self.button.map_or(0, |button| 1 << button),
-            lease: setting.line.timing.lease,
+            ..ModeOrder::of(1, self.epoch, self.mode, setting.line.timing.lease)
         };
         self.controller.handle(self.now, Input::Order(order));
         self.step(events);

@@ -112,10 +112,10 @@ pub(super) mod tests {
 
     #[test]
     fn a_way_through_kept_states_is_a_way_of_the_line() {
-        leads_to_what_is_wrong(Rules { counted: false, ..Rules::default() });
-        leads_to_what_is_wrong(Rules { withdraw_first: false, ..Rules::default() });
-        leads_to_what_is_wrong(Rules { ask: false, ..Rules::default() });
-        leads_to_what_is_wrong(Rules { fresh_numbers: false, ..Rules::default() });
-        leads_to_what_is_wrong(Rules { redo_round: false, ..Rules::default() });
+        leads_to_what_is_wrong(Rules { counted: false, ..Rules::COUNTS });
+        leads_to_what_is_wrong(Rules { withdraw_first: false, ..Rules::COUNTS });
+        leads_to_what_is_wrong(Rules { ask: false, ..Rules::COUNTS });
+        leads_to_what_is_wrong(Rules { fresh_numbers: false, ..Rules::COUNTS });
+        leads_to_what_is_wrong(Rules { redo_round: false, ..Rules::COUNTS });
     }
 }

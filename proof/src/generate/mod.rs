@@ -1,9 +1,9 @@
 //! Lines nobody has thought of: random, well formed, and the same again for the same seed.
 //!
-//! What is generated is what [`linewright_line::parse`] accepts, and [`text`] writes it the way it is read: motions chain along their axes and lead home, hand-mode types form sequences, recovery paths take back what
-//! has been done since home, neighbours in one another's way have the arrows that keep them apart. [`break_it`] then
-//! spoils a line in one known way. A check is worth believing if it accepts all of the first and sees through the
-//! second.
+//! What is generated is what [`linewright_line::parse`] accepts, and [`text`] writes it the way it is read: motions chain
+//! along their axes and lead home, hand-mode types form sequences, recovery paths take back what has been done since home,
+//! neighbours in one another's way have the arrows that keep them apart. [`break_it`] then spoils a line in one known way.
+//! A check is worth believing if it accepts all of the first and sees through the second.
 //!
 //! Nothing here knows how a line is judged: that the generated lines are sound is for tests to find out.
 

@@ -77,7 +77,6 @@ fn write_console(out: &mut String, line: &Line) -> fmt::Result {
         ("stop", console.stop),
         ("auto", console.auto),
         ("hand", console.hand),
-        ("estop", console.estop),
         ("reset", console.reset),
     ];
     let lamps: Vec<String> = ["auto", "hand", "manual", "fault"]
@@ -85,7 +84,7 @@ fn write_console(out: &mut String, line: &Line) -> fmt::Result {
         .zip(console.lamps)
         .filter_map(|(key, lamp)| Some(format!("{key} = {}", quoted(&console.outputs[lamp?.index()]))))
         .collect();
-    if keys.iter().all(|(_, id)| id.is_none()) && lamps.is_empty() {
+    if keys.iter().all(|(_, id)| id.is_none()) && console.estop.is_none() && lamps.is_empty() {
         return Ok(());
     }
     writeln!(out, "\n[console]")?;
@@ -93,6 +92,11 @@ fn write_console(out: &mut String, line: &Line) -> fmt::Result {
         if let Some(id) = id {
             writeln!(out, "{key} = {}", input(id))?;
         }
+    }
+    match console.estop {
+        Some(contact) if contact.pressed => writeln!(out, "estop = {}", input(contact.input))?,
+        Some(contact) => writeln!(out, "estop = {{ input = {}, pressed = \"off\" }}", input(contact.input))?,
+        None => {}
     }
     if lamps.is_empty() { Ok(()) } else { writeln!(out, "lamps = {{ {} }}", lamps.join(", ")) }
 }

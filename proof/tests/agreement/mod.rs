@@ -45,7 +45,7 @@ enum Said {
 }
 
 fn older(line: &Line, freedom: Freedom, states: usize) -> Said {
-    let mut setting = world::Setting::new(lines::without_haste(line.clone()), Rules::default());
+    let mut setting = world::Setting::new(lines::without_haste(line.clone()), Rules::COUNTS);
     (setting.reports_max, setting.tidy_hands) = (freedom.lag, freedom.tidy);
     if freedom.hand {
         setting.modes = vec![ControlMode::Auto, ControlMode::Hand];

@@ -1,6 +1,7 @@
 //! Cells: what is found wrong with them and what is not, against players that know nothing of the check.
 
 mod oracle;
+mod protocol;
 mod random;
 mod shipped;
 mod table;

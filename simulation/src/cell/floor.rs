@@ -11,6 +11,7 @@ use std::time::Duration;
 use linewright_coordinator_logic::cell::{
     CellTable, Fact, FiringId, Heard, ModeId, OrderKey, OrderMessage, PartId, Place, Record, Reply, State,
 };
+use linewright_coordinator_shell::orders;
 use linewright_line::net::ControlMode;
 use linewright_line::{HolderId, Line, OpId, Owner, StationId, Tick};
 use linewright_plant::{PartNo, Plant, PlantOptions, Spot};
@@ -18,10 +19,6 @@ use linewright_station_logic::{
     self as station, CompileError, Controller, Input, ModeOrder, NO_DELAY, OrderReport, Restore, Snapshot, TaskCommand,
 };
 
-use super::said;
-
-/// Whoever gives the mode says so once and for all.
-const FOR_GOOD: Duration = Duration::from_secs(365 * 24 * 3600);
 /// Stations answer each other's motions so often at one moment at most.
 const PASSES_MAX: usize = 100;
 
@@ -63,6 +60,8 @@ pub struct Floor {
     nests: BTreeMap<String, HolderId>,
     firings: BTreeMap<FiringId, (ModeId, Option<PartId>)>,
     watched: Vec<(StationId, OpId, HolderId, bool)>,
+    /// By so much the time of an order is over sooner than it was given: the clocks of stations run fast.
+    pub fast: Duration,
     /// What was done to parts, in order.
     pub done: Vec<Work>,
     /// The parts that people have taken out, in order.
@@ -91,6 +90,7 @@ impl Floor {
             nests: nests.iter().map(|(name, nest)| ((*name).to_owned(), *nest)).collect(),
             firings: BTreeMap::new(),
             watched: Vec::new(),
+            fast: Duration::ZERO,
             done: Vec::new(),
             left: Vec::new(),
             trouble: Vec::new(),
@@ -147,16 +147,7 @@ impl Floor {
     fn started(&mut self, id: StationId, restore: Restore) -> Result<Process, CompileError> {
         self.lives += 1;
         let mut controller = Controller::new(&self.line, id, self.lives, restore)?;
-        let auto = ModeOrder {
-            boot_id: 1,
-            epoch: 1,
-            mode: ControlMode::Auto,
-            enabled: true,
-            master_stop: None,
-            manual_all: false,
-            buttons: 0,
-            lease: FOR_GOOD,
-        };
+        let auto = ModeOrder::of(1, 1, ControlMode::Auto, ModeOrder::FOR_GOOD);
         controller.handle(self.now, Input::Order(auto));
         let (out, said) = (station::Outbox::default(), OrderReport::default());
         Ok(Process { controller, out, image: None, said, down: None })
@@ -239,17 +230,19 @@ impl Floor {
     /// What a station says of itself; nothing while it is down.
     pub(super) fn heard(&self, index: usize) -> Option<Heard> {
         let process = self.processes.get(index).filter(|process| process.down.is_none())?;
-        process.controller.report().order.as_ref().map(said::heard)
+        process.controller.report().order.as_ref().map(orders::heard)
     }
 
     /// What a station answers to an order.
     pub(super) fn told(&mut self, now: Tick, message: &OrderMessage) -> Option<Reply> {
-        self.command(now, message.station, TaskCommand::Run(&said::order(message)))
+        let mut order = orders::order(message);
+        order.limit = order.limit.saturating_sub(self.fast);
+        self.command(now, message.station, TaskCommand::Run(&order))
     }
 
     /// What a station answers when it is told to leave an order.
     pub(super) fn told_to_leave(&mut self, now: Tick, to: StationId, key: OrderKey) -> Option<Reply> {
-        self.command(now, to, TaskCommand::Secure(said::key(key)))
+        self.command(now, to, TaskCommand::Secure(orders::key(key)))
     }
 
     fn command(&mut self, now: Tick, to: StationId, command: TaskCommand<'_>) -> Option<Reply> {
@@ -257,7 +250,7 @@ impl Floor {
         let process = self.processes.get_mut(to.index()).filter(|process| process.down.is_none())?;
         process.controller.handle(now, Input::Task(command));
         let outputs = process.step(now, self.plant.inputs(Owner::Station(to)));
-        let reply = process.out.replies.pop().map(|(_, reply)| said::reply(reply));
+        let reply = process.out.replies.pop().map(|(_, reply)| orders::reply(reply));
         process.out.replies.clear();
         self.plant.set_outputs(now, Owner::Station(to), outputs);
         self.settle();

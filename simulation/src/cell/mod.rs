@@ -15,7 +15,6 @@
 
 mod floor;
 mod operator;
-pub mod said;
 mod sim;
 mod station;
 mod store;

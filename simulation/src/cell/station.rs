@@ -18,7 +18,9 @@ use crate::rng::Rng;
 const RESULTS_MAX: usize = 16;
 /// The code of those orders that fail by chance.
 const CODE: u16 = 7;
-/// The codes that real stations have for what was stopped by a person, what was left, and what was left half-way.
+/// The codes that real stations have for what was not done in time, what was stopped by a person, what was left, and what
+/// was left half-way.
+const OUT_OF_TIME: u16 = 1000;
 const INTERRUPTED: u16 = 1002;
 const CANCELLED: u16 = 1004;
 const HELD: u16 = 1005;
@@ -45,8 +47,10 @@ pub struct Done {
 pub struct Station {
     heard: Heard,
     doing: Option<(OrderKey, Tick)>,
-    /// It is on its way back from what it is doing.
-    is_securing: bool,
+    /// It is on its way back from what it is doing, and this is why.
+    is_securing: Option<u16>,
+    /// When the time of what it is doing is over.
+    limit: Tick,
     last: u64,
     /// All it has really done, each time it did it.
     pub done: Vec<Done>,
@@ -62,6 +66,10 @@ pub struct Station {
     pub is_away: bool,
     /// What it is doing does not end. It can be left nevertheless.
     pub is_stuck: bool,
+    /// What an order waits for that does not end.
+    pub waits_code: Option<u16>,
+    /// By so much the time of its orders is over sooner than it was given.
+    pub fast: Duration,
     /// Told to leave an order it stays where it is, between rests.
     pub holds: bool,
     /// It stands between rests.
@@ -96,13 +104,15 @@ impl Station {
 
     /// When it will have done what it is doing.
     pub fn ends(&self) -> Option<Tick> {
-        self.doing.filter(|_| self.is_securing || !self.is_stuck).map(|(_, until)| until)
+        let (_, until) = self.doing?;
+        let goes_on = self.is_securing.is_some() || (!self.is_stuck && until <= self.limit);
+        Some(if goes_on { until } else { self.limit })
     }
 
     /// It remembers nothing of what it was told, and is doing nothing.
     pub fn forget(&mut self) {
         self.heard = Heard { memory: self.heard.memory + 1, ..Heard::default() };
-        (self.doing, self.is_securing, self.last) = (None, false, 0);
+        (self.doing, self.is_securing, self.last) = (None, None, 0);
     }
 
     /// What it answers to an order, which takes so long; none if it does not hear it.
@@ -140,6 +150,7 @@ impl Station {
         } else {
             (self.heard.epoch, self.last, self.heard.slot) = (key.epoch, key.id, Some(key));
             self.doing = Some((key, now + takes));
+            self.limit = now + order.limit.saturating_sub(self.fast);
             let (task, parameters) = (order.task.clone(), order.parameters.clone());
             self.done.push(Done { key, task, parameters, part: order.part, began: now });
             return Some(Reply::Running);
@@ -151,9 +162,15 @@ impl Station {
     /// Ends what it is doing when the time has come.
     pub(super) fn tick(&mut self, now: Tick, rng: &mut Rng) -> Option<(OrderKey, Reply)> {
         self.ends().filter(|&until| until <= now)?;
-        let (key, _) = self.doing.take()?;
-        if std::mem::take(&mut self.is_securing) {
-            return Some((key, self.end(now, key, Outcome::Failed(CANCELLED))));
+        let (key, until) = self.doing.take()?;
+        if let Some(code) = self.is_securing.take() {
+            return Some((key, self.end(now, key, Outcome::Failed(code))));
+        }
+        if self.is_stuck || until > now {
+            // Its time is over.
+            (self.doing, self.is_securing) =
+                (Some((key, now + WAY_BACK)), Some(self.waits_code.unwrap_or(OUT_OF_TIME)));
+            return None;
         }
         let by_chance = self.failing > 0 && rng.below(self.failing) == 0;
         let code = self.fails_with.take().or(by_chance.then_some(CODE));
@@ -162,7 +179,7 @@ impl Station {
     }
 
     fn end(&mut self, now: Tick, key: OrderKey, outcome: Outcome) -> Reply {
-        (self.heard.slot, self.is_securing) = (None, false);
+        (self.heard.slot, self.is_securing) = (None, None);
         self.ended.push((key, outcome, now));
         self.remember(key, outcome)
     }
@@ -185,8 +202,9 @@ impl Station {
                 (self.doing, self.is_held) = (None, true);
                 return Some(self.end(now, key, Outcome::Failed(HELD)));
             }
-            if !std::mem::replace(&mut self.is_securing, true) {
-                self.doing = Some((key, now + WAY_BACK));
+            if self.is_securing.is_none() {
+                let code = self.waits_code.filter(|_| self.is_stuck).unwrap_or(CANCELLED);
+                (self.doing, self.is_securing) = (Some((key, now + WAY_BACK)), Some(code));
             }
             return Some(Reply::Running);
         }

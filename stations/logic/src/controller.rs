@@ -13,7 +13,7 @@ use std::time::Duration;
 
 use crate::event::{Cause, Event, Happening};
 use crate::order::{OrderKey, Reply, TaskCommand};
-use crate::panel::{Commands, ModeOrder, PanelCommand};
+use crate::panel::{Commands, Contest, ModeOrder, PanelCommand};
 use crate::program::{CompileError, Program, bit};
 use crate::report::{Report, Restore};
 use crate::rules::Rules;
@@ -40,10 +40,21 @@ pub enum Input<'a> {
     },
     /// The coordinator's order.
     Order(ModeOrder),
+    /// An emergency stop that is no newer order, given by this life of a coordinator: by another one than is followed, or
+    /// in a message that came late or twice. In force while it is heard, and until the coordinator that is followed has
+    /// ordered the emergency stop too and ended it.
+    EmergencyStop(u64),
+    /// Another coordinator gives orders beside the one that is followed, or no longer does.
+    Contest(Option<Contest>),
+    /// The caller stood still for longer than a message lasts: the order's lease has ended.
+    Gap,
     /// A newer report of another station.
     View(StationId, &'a Report),
     /// The station's panel, by message.
     Panel(PanelCommand),
+    /// An operator's confirmation that the station stands where its switches say (see [`Controller::read_off`]), or was
+    /// stopped in this operation.
+    Rejoin(Option<OpId>),
     /// An order for a task, or about one; for a station that works on order.
     Task(TaskCommand<'a>),
 }
@@ -113,7 +124,7 @@ pub struct Controller {
     pub(crate) done: Vec<i32>,
     pub(crate) started: Vec<i32>,
     pub(crate) home_counts: Vec<i32>,
-    initial_round: i32,
+    pub(crate) initial_round: i32,
     pub(crate) path: Option<OpId>,
     pub(crate) causes_of_stop: Vec<Cause>,
     pub(crate) views: Views,
@@ -138,8 +149,13 @@ pub struct Controller {
     pub(crate) next_request: u64,
     /// The last refusal, for the operator: who, its operation in the way, our operations that stay.
     pub(crate) refusal: Option<(StationId, OpId, u64)>,
+    /// As it was noted last (see `interlock`).
+    pub(crate) lost_before: Option<(OpId, InputId)>,
     /// Fresh from the start: the home position is still to be confirmed by the devices.
     pub(crate) unconfirmed: bool,
+    /// The marking was read off the switches, or follows from a marking that was. False after a start away from home, and with
+    /// a record that may be older than the mechanism's place.
+    pub(crate) placed: bool,
     pub(crate) outputs: u128,
     pub(crate) output_number: u64,
     pub(crate) dirty: bool,
@@ -208,7 +224,9 @@ impl Controller {
             orders: program.on_order.as_ref().map(|_| Box::new(Orders::new(boot_id))),
             next_request: 1,
             refusal: None,
+            lost_before: None,
             unconfirmed: restore == Restore::Fresh,
+            placed: restore == Restore::Fresh,
             outputs: 0,
             output_number: 0,
             dirty: true,
@@ -228,7 +246,7 @@ impl Controller {
     #[must_use]
     pub fn with_rules(mut self, rules: Rules) -> Self {
         self.rules = rules;
-        self.views.counted = rules.counted;
+        self.views.rules = rules;
         self
     }
 
@@ -258,6 +276,11 @@ impl Controller {
     /// The mode it acts on.
     pub fn mode(&self) -> ControlMode {
         self.commands.mode()
+    }
+
+    /// The newest mode epoch it has heard.
+    pub fn mode_epoch(&self) -> u64 {
+        self.commands.epoch()
     }
 
     /// The cycle it is in.
@@ -306,9 +329,25 @@ impl Controller {
             Input::Inputs { .. } => true,
             Input::Order(order) => {
                 let epoch = self.commands.epoch();
-                let taken = self.commands.order(now, order);
+                let taken = self.commands.order(now, order, self.stale);
+                if taken && let Some(founding) = order.found {
+                    self.found(founding);
+                }
                 self.changed |= self.commands.epoch() != epoch;
                 taken
+            }
+            Input::EmergencyStop(life) => {
+                self.commands.stop(now, life, self.stale);
+                true
+            }
+            Input::Contest(contest) => {
+                self.commands.contest(contest);
+                self.changed = true;
+                true
+            }
+            Input::Gap => {
+                self.commands.end_lease(now);
+                true
             }
             Input::View(station, report) => {
                 let me = (self.program.station, self.boot_id);
@@ -319,6 +358,7 @@ impl Controller {
                 taken
             }
             Input::Task(command) => self.command(command),
+            Input::Rejoin(within) => self.rejoin(within),
             Input::Panel(command) => {
                 let before = self.commands.selector_manual();
                 self.commands.panel(now, command, self.stale);
@@ -341,6 +381,8 @@ impl Controller {
     fn take_watched(&mut self, differing: u128, valid: bool) {
         let bits = self.inputs;
         self.settled = false;
+        // Others hold their motions by these.
+        self.changed |= differing & self.program.interlocks.read_by_others != 0;
         if differing & self.panel_inputs == 0 && valid == self.devices_valid {
             return;
         }
@@ -368,15 +410,26 @@ impl Controller {
     fn confirm_home(&mut self) {
         self.unconfirmed = false;
         let home = self.program.home;
-        let operating = self.program.index_of(Place::operating(home));
-        if self.inputs & self.program.places[operating as usize].complete == 0 {
+        let at_rest =
+            if self.rules.positions { self.program.places[usize::from(self.program.home_place)].rest } else { 0 };
+        let needed = self.home_switch() | at_rest;
+        if self.inputs & needed != needed {
             self.tokens[0].place = self.program.index_of(Place::incomplete(home));
+            self.placed = false;
             self.done[home.index()] -= 1;
             self.causes_of_stop[home.index()] = Cause::NotAtHome;
             self.note(Happening::Stopped(home, Block::Normal, Cause::NotAtHome));
             self.dirty = true;
             self.changed = true;
         }
+    }
+
+    /// How long ago the input image was taken, as far as this station can tell.
+    pub(crate) fn image_age(&self) -> Duration {
+        if self.inputs_until == Tick::NEVER {
+            return Duration::ZERO;
+        }
+        self.stale.saturating_sub(self.inputs_until.since(self.now))
     }
 
     pub(crate) fn note(&mut self, what: Happening) {

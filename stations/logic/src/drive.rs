@@ -8,13 +8,12 @@ use crate::report::Report;
 impl Controller {
     /// Works out the outputs and the deadline.
     ///
-    /// Why an actuator may be energised: its place is operating, which is left on any fault; the devices vouch for
-    /// the image that place was judged by; the mode is not the emergency stop, in which no place is operating; and a
-    /// motion that a person holds is driven only while the button is down. Everything else is off, so a controller
-    /// that has nothing to say says "off". The numbers that come with an order drive nothing: they are on while it is done.
+    /// An actuator is on only if: its place is operating; the image by which that was judged is valid; the mode is not the
+    /// emergency stop; a motion that a person holds has its button down; and the measured positions allow the motion.
+    /// Everything else is off. Parameters of a task are on while it runs.
     pub(crate) fn drive(&mut self) {
         let mut outputs = 0;
-        self.watched = self.panel_inputs;
+        self.watched = self.panel_inputs | self.program.interlocks.read_by_others;
         let mut deadline = self.commands.deadline(self.now).min(self.views.deadline(self.now));
         if self.devices_valid {
             deadline = deadline.min(self.inputs_until);
@@ -26,10 +25,14 @@ impl Controller {
         let number = self.output_number + 1;
         let mut begun = false;
         for index in 0..self.token_count {
+            // A motion that a person lets go of and takes up again starts once more: what is not measured blocks it.
+            let paused = self.tokens[index];
+            let place = self.place(&paused);
+            let blocked = place.is_operating() && !paused.driven && self.violated(place, self.path).is_some();
             let token = &mut self.tokens[index];
             let table = &self.program.places[token.place as usize];
             let held = token.run != Run::Hand || (table.hold != 0 && self.levels & table.hold == table.hold);
-            let driven = table.actuator != 0 && self.devices_valid && held && mode != ControlMode::EStop;
+            let driven = table.actuator != 0 && self.devices_valid && held && !blocked && mode != ControlMode::EStop;
             match (token.driven, driven) {
                 (false, true) => {
                     token.deadline = self.now + token.remaining;
@@ -45,7 +48,7 @@ impl Controller {
                 deadline = deadline.min(token.deadline);
             }
             outputs |= table.lamp;
-            self.watched |= table.complete | table.fault;
+            self.watched |= table.complete | table.fault | table.rest;
         }
         // A motion that begins is a new image even if it drives what was driven before: inputs are asked for under it.
         if begun || outputs != self.outputs {
@@ -68,6 +71,10 @@ impl Controller {
         report.boot_id = self.boot_id;
         report.mode_epoch = self.commands.epoch();
         report.mode = Some(self.commands.mode());
+        report.generation = self.views.generation;
+        report.measured = self.inputs;
+        report.measured_age = self.image_age();
+        report.position_lost = self.position_lost();
         report.cycle = self.cycle;
         report.done.clone_from(&self.done);
         report.started.clone_from(&self.started);

@@ -1,7 +1,7 @@
 //! What happened in a step, as values: the node logs and publishes them, a test compares them.
 
 use linewright_line::net::{Block, ControlMode};
-use linewright_line::{OpId, StationId, TaskId};
+use linewright_line::{InputId, OpId, StationId, TaskId};
 
 use crate::order::{Failure, Refusal};
 
@@ -24,6 +24,20 @@ pub enum Cause {
     Restart,
     /// The station was switched on away from its home position.
     NotAtHome,
+    /// Another station is not measured to be where this motion needs it.
+    Interlock {
+        /// The other station.
+        station: StationId,
+        /// Its switch that is off; none where its image is not known.
+        input: Option<InputId>,
+    },
+    /// An axis that should stand still is not measured where it should be.
+    PositionLost {
+        /// The operation whose place requires it.
+        op: OpId,
+        /// The switch that is off.
+        input: InputId,
+    },
     /// Two exclusive transitions were both allowed: a bug of the controller, stopped rather than guessed at.
     Ambiguous,
 }
@@ -45,6 +59,8 @@ impl Cause {
             Cause::EStop => "emergency stop",
             Cause::Restart => "controller restarted",
             Cause::NotAtHome => "not at home when switched on",
+            Cause::Interlock { .. } => "interlock: another station is in the way",
+            Cause::PositionLost { .. } => "position lost",
             Cause::Ambiguous => "controller stopped itself: two exclusive transitions were both allowed",
         }
     }
@@ -63,6 +79,14 @@ pub enum Happening {
     Withdrawn(u64),
     /// The station is home after a recovery path: at the end of the previous cycle; on order, where the task began.
     HomeAgain,
+    /// A generation was founded: the station counts anew from home, together with the others.
+    Founded,
+    /// The marking was read off the switches, on an operator's confirmation.
+    Rejoined,
+    /// An axis that stands still by the chart is not measured there: the operation at whose place, and the switch.
+    PositionLost(OpId, InputId),
+    /// All axes are measured where the chart has them again.
+    PositionFound,
     /// Agreement to take counts back was asked for, under this number.
     Asked(u64),
     /// A station did not agree, because this operation of its own has started.

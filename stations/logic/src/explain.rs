@@ -7,9 +7,10 @@ use linewright_line::net::{Block, ControlMode, Place, Stage};
 use linewright_line::{Line, OpId, StationId, Tick};
 
 use crate::controller::Controller;
-use crate::event::{Cause as StopCause, Event, Happening};
+use crate::event::{Cause, Event, Happening};
 use crate::order_words::task_name;
-use crate::program::Cause;
+use crate::program::IncomingArrow as Arrow;
+use crate::views::Standing;
 
 /// What a station waits for whose devices cannot be trusted. Which device and why, their manager knows.
 pub const DEVICES_INVALID: &str = "its devices: not heard, or not operational";
@@ -43,15 +44,25 @@ impl Controller {
                 parts.push(format!("{}: {text}", self.op_name(line, place.op)));
             }
         }
+        if let Some((op, input)) = self.position_lost() {
+            parts.push(Cause::PositionLost { op, input }.detail(line, self.program.station));
+        }
         parts.join("; ")
     }
 
     /// What the station waits for. Empty while something moves.
     pub fn blocked_by(&self, line: &Line, now: Tick) -> Vec<String> {
         let mut reasons = Vec::new();
+        if let Some((followed, other)) = self.commands.contested(now) {
+            reasons.push(format!("two coordinators give orders (boot ids {followed} and {other}): end one of them"));
+        }
         if !self.devices_valid {
             reasons.push(DEVICES_INVALID.to_owned());
         }
+        if let Some((op, input)) = self.position_lost() {
+            reasons.push(Cause::PositionLost { op, input }.detail(line, self.program.station));
+        }
+        self.explain_generation(line, &mut reasons);
         for place in self.marking() {
             self.explain_place(line, place, now, &mut reasons);
         }
@@ -70,15 +81,43 @@ impl Controller {
         reasons
     }
 
+    /// The way back of a station that has lost its memory, or an axis of which is not where its chart has it.
+    fn explain_generation(&self, line: &Line, reasons: &mut Vec<String>) {
+        let compares = self.rules.generations && self.program.on_order.is_none() && !self.program.peers.is_empty();
+        let is_lost = self.position_lost().is_some();
+        let forgot = self.views.generation == 0;
+        if !compares || !(is_lost || (forgot && !self.is_at_home())) {
+            return;
+        }
+        let not_home = |place: Place| self.causes_of_stop[place.op.index()] == Cause::NotAtHome;
+        let why =
+            if forgot { "it has no memory of where it stands" } else { "its axes are not where its chart has them" };
+        reasons.push(match self.read_off() {
+            Some(step) if is_lost || self.marking().any(not_home) => format!(
+                "rejoin: {why}; by its switches `{}` is complete: confirm that with rejoin",
+                self.op_names(line, self.ops_of_step(step).fold(0, |bits, op| bits | 1 << op.0))
+            ),
+            None if is_lost => format!(
+                "rejoin: {why}, and its switches fit no place of the chart: bring the axis back to its switch by hand, \
+                 or name with rejoin the operation that it stands within"
+            ),
+            _ => "a common start: it has no memory of the others' counts; lead all stations home in manual, then give auto"
+                .to_owned(),
+        });
+    }
+
     fn explain_place(&self, line: &Line, place: Place, now: Tick, reasons: &mut Vec<String>) {
         let name = self.op_name(line, place.op);
         match place.stage {
             Stage::Operating => self.explain_motion(line, place, reasons),
             Stage::Incomplete => {
                 reasons.push(match self.causes_of_stop[place.op.index()] {
-                    StopCause::Released => format!("{name} to be finished or taken back in manual"),
+                    Cause::Released => format!("{name} to be finished or taken back in manual"),
                     cause => format!("recovery of {name} in manual ({})", cause.text()),
                 });
+                if self.mode() == ControlMode::Manual {
+                    self.explain_guard(line, Place { stage: Stage::Operating, ..place }, reasons);
+                }
                 self.explain_way_home(line, place, now, reasons);
             }
             Stage::Completed => self.explain_next(line, place, now, reasons),
@@ -96,6 +135,7 @@ impl Controller {
             if let Some(button) = button {
                 reasons.push(format!("{} to be held", line.buttons[usize::from(button.0)]));
             }
+            self.explain_guard(line, place, reasons);
         }
     }
 
@@ -122,11 +162,13 @@ impl Controller {
             }
             ControlMode::Hand => {
                 reasons.push(format!("a button: {}", self.hand_choices(line, place)));
+                self.explain_positions(line, step, Place::undoing, reasons);
                 self.explain_causes(line, next, now, reasons);
             }
             ControlMode::Manual => {
                 if self.panel_is_live() {
                     reasons.push("advance or return at its panel".to_owned());
+                    self.explain_positions(line, step, Place::undoing, reasons);
                     self.explain_causes(line, next, now, reasons);
                 } else {
                     reasons.push("its selector to be switched to manual".to_owned());
@@ -168,7 +210,7 @@ impl Controller {
             let cycle = self.cycle + ahead;
             let causes =
                 self.program.causes[usize::from(step)].iter().filter(|c| c.modes[ControlMode::Manual as usize]);
-            for cause in causes.filter(|cause| !self.views.holds(cause, cycle, now)) {
+            for cause in causes.filter(|cause| !self.views.holds(cause, ControlMode::Manual, cycle, now)) {
                 reasons.push(format!("{}, which going home includes", self.cause_text(line, cause, cycle, now)));
             }
         }
@@ -176,21 +218,50 @@ impl Controller {
 
     fn explain_causes(&self, line: &Line, step: usize, now: Tick, reasons: &mut Vec<String>) {
         let cycle = self.cycle_of_start(step as u8);
-        let mode = self.mode() as usize;
-        for cause in self.program.causes[step].iter().filter(|c| c.modes[mode]) {
-            if !self.views.holds(cause, cycle, now) {
+        let mode = self.mode();
+        for cause in self.program.causes[step].iter().filter(|c| c.modes[mode as usize]) {
+            if !self.views.holds(cause, mode, cycle, now) {
                 reasons.push(self.cause_text(line, cause, cycle, now));
             }
         }
+        self.explain_positions(line, step, Place::operating, reasons);
     }
 
-    fn cause_text(&self, line: &Line, cause: &Cause, cycle: i32, now: Tick) -> String {
+    /// What the second barrier keeps from starting.
+    fn explain_positions(&self, line: &Line, step: usize, moves: fn(OpId) -> Place, reasons: &mut Vec<String>) {
+        let ops = self.program.step_of.iter().enumerate().filter(|&(_, &at)| usize::from(at) == step);
+        for op in ops.map(|(op, _)| OpId::at(op)) {
+            self.explain_guard(line, moves(op), reasons);
+        }
+    }
+
+    fn explain_guard(&self, line: &Line, place: Place, reasons: &mut Vec<String>) {
+        if let Some(guard) = self.violated(place, self.path) {
+            let text = self.interlock(&guard).detail(line, self.program.station);
+            reasons.push(format!("{text}, for {}", self.op_name(line, place.op)));
+        }
+    }
+
+    fn cause_text(&self, line: &Line, cause: &Arrow, cycle: i32, now: Tick) -> String {
         let peer = self.program.peers[cause.peer as usize];
         let (station, op) = (&line.station(peer).name, &line.operation((peer, cause.from)).name);
         let own = self.op_name(line, cause.to);
         let view = &self.views.peers[cause.peer as usize];
-        if now >= view.known_until {
-            return format!("{station} to be heard, for {own}");
+        match self.views.standing(cause.peer as usize, cycle, now) {
+            Standing::Comparable => {}
+            Standing::NotHeard => return format!("{station} to be heard, for {own}"),
+            Standing::OtherGeneration if self.views.generation == 0 => {
+                return format!("a common start, for {own}: this station has no memory of the others' counts");
+            }
+            Standing::OtherGeneration => {
+                return format!("a common start with {station}, for {own}: it has no memory of these counts");
+            }
+            Standing::PositionLost => {
+                return format!("{station} to be where its chart has it (position lost), for {own}");
+            }
+            Standing::TooFarAhead => {
+                return format!("{station} to report a cycle that can be (it reports {}), for {own}", view.cycle);
+            }
         }
         if view.request.is_some_and(|request| request.ops & (1 << cause.from.0) != 0) {
             return format!("{station}: {op}, which is being taken back, for {own}");
@@ -249,6 +320,10 @@ impl Event {
             Happening::Withdrawn(ops) => format!("takes back {}", op_names(line, station, ops)),
             Happening::HomeAgain if line.station(station).works_on_order() => "is back where the task began".to_owned(),
             Happening::HomeAgain => "is home; the cycle will be done again".to_owned(),
+            Happening::Founded => "is at home with the others: counts begin anew".to_owned(),
+            Happening::Rejoined => "stands where its switches say, by an operator's confirmation".to_owned(),
+            Happening::PositionLost(op, input) => Cause::PositionLost { op, input }.detail(line, station),
+            Happening::PositionFound => "is measured where its chart has it again".to_owned(),
             Happening::Asked(number) => format!("asks to go back (request {number})"),
             Happening::NotAgreed { by, in_the_way } => {
                 format!(

@@ -160,6 +160,8 @@ impl Controller {
     fn completed(&mut self, op: OpId) {
         let index = self.token_of(op);
         self.arrive(index, Place::completed(op));
+        // Its switch has come on. Other axes are measured by the places' own switches.
+        self.placed |= op == self.program.home;
         match self.path.take() {
             Some(failed) => self.home_again(failed),
             None => {
@@ -260,6 +262,8 @@ impl Controller {
             Cause::Devices
         } else if self.inputs & table.fault != 0 {
             Cause::Signal
+        } else if let Some(cause) = self.unsafe_motion(index) {
+            cause
         } else if token.driven && self.now >= token.deadline {
             if token.left_start { Cause::Watchdog } else { Cause::SwitchStuck }
         } else {

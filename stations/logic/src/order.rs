@@ -10,6 +10,10 @@ use std::time::Duration;
 
 use linewright_line::{RestId, TaskId};
 
+/// A coordinator's life is numbered by the time of day at its start, in seconds, or by one more than the life before. An
+/// order from further ahead of the one that was followed, 34 years, is nobody's.
+pub const EPOCH_AHEAD_MAX: u64 = 1 << 30;
+
 /// A station remembers so many orders.
 pub const RESULTS_MAX: usize = 16;
 
@@ -151,6 +155,8 @@ pub struct OrderMemory {
     pub slot: Option<OrderKey>,
     /// What it says to those before, the newest last.
     pub results: Vec<(OrderKey, Reply)>,
+    /// The order that it was told to leave last, once it had ended or was given up: told again, it does not move.
+    pub secured: Option<OrderKey>,
 }
 
 impl Failure {

@@ -9,6 +9,7 @@ use std::time::Duration;
 use linewright_line::Tick;
 use linewright_line::net::ControlMode;
 
+use crate::generation::Founding;
 use crate::program::bit;
 
 /// The coordinator's order of the mode.
@@ -31,6 +32,37 @@ pub struct ModeOrder {
     pub buttons: u32,
     /// The order holds for this long after it was heard.
     pub lease: Duration,
+    /// A generation is founded: a station at home counts anew.
+    pub found: Option<Founding>,
+}
+
+impl ModeOrder {
+    /// A lease that no exploration and no simulation outlives.
+    pub const FOR_GOOD: Duration = Duration::from_secs(365 * 24 * 3600);
+
+    /// An enabled order of this mode, with nothing else in it.
+    pub fn of(boot_id: u64, epoch: u64, mode: ControlMode, lease: Duration) -> Self {
+        ModeOrder {
+            boot_id,
+            epoch,
+            mode,
+            enabled: true,
+            master_stop: None,
+            manual_all: false,
+            buttons: 0,
+            lease,
+            found: None,
+        }
+    }
+}
+
+/// Two coordinators give orders: none is in force, except an emergency stop.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub struct Contest {
+    /// Boot ids of the one that is followed and of the other one.
+    pub lives: (u64, u64),
+    /// Until then, if the other one is not heard again.
+    pub until: Tick,
 }
 
 /// A command of the station's panel that came by message instead of by wire.
@@ -46,32 +78,35 @@ pub enum PanelCommand {
 
 /// A button held by message: it counts while it is refreshed.
 ///
-/// A refresh that comes late finds the motion stopped. It must not start it again: the finger never left the button,
-/// so nobody decided to. Only a release that was heard, or a silence long enough to have been one, makes the next
-/// message a new press.
+/// A refresh that comes late finds the motion stopped. It must not start it again, however long the silence was: the finger
+/// may never have left the button. Only a release that was heard makes the next message a new press.
 #[derive(Clone, Copy, Debug, Default)]
 struct Hold {
     until: Tick,
-    heard: Tick,
-    /// Ran out while it was held; not released since.
-    lapsed: bool,
+    /// Ran out while it was held, and not heard released since.
+    unreleased: bool,
 }
-
-/// A silence this many times as long as a button's term counts as its release.
-const SILENCE_IS_RELEASE: u32 = 4;
 
 impl Hold {
     fn hear(&mut self, now: Tick, held: bool, term: Duration) {
-        let was_held = self.until != Tick::ZERO;
-        let silence = now.since(self.heard);
-        self.lapsed = held && (self.lapsed || (was_held && now >= self.until)) && silence < term * SILENCE_IS_RELEASE;
-        self.heard = now;
+        let ran_out = self.until != Tick::ZERO && now >= self.until;
+        self.unreleased = held && (self.unreleased || ran_out);
         self.until = if held { now + term } else { Tick::ZERO };
     }
 
     fn is_held(&self, now: Tick) -> bool {
-        now < self.until && !self.lapsed
+        now < self.until && !self.unreleased
     }
+}
+
+/// An emergency stop in force.
+#[derive(Clone, Copy, Debug, Default)]
+struct Stop {
+    /// Life and epoch in which the coordinator that is followed has ordered it. Only a later epoch of that life ends it:
+    /// no other coordinator is known to have heard of it.
+    ordered: Option<(u64, u64)>,
+    /// Heard from a coordinator that is not followed; it counts as still given until then.
+    other_until: Tick,
 }
 
 /// The commands in force.
@@ -79,6 +114,8 @@ impl Hold {
 pub(crate) struct Commands {
     order: Option<ModeOrder>,
     order_until: Tick,
+    contest: Option<Contest>,
+    stop: Option<Stop>,
     advance: Hold,
     retract: Hold,
     selector: bool,
@@ -95,6 +132,8 @@ impl Commands {
         Commands {
             order: None,
             order_until: Tick::ZERO,
+            contest: None,
+            stop: None,
             advance: Hold::default(),
             retract: Hold::default(),
             selector: false,
@@ -106,18 +145,61 @@ impl Commands {
     }
 
     /// Takes an order unless it is older than the one in force. A new coordinator's epochs start above all it heard,
-    /// so the epoch alone decides.
-    pub(crate) fn order(&mut self, now: Tick, order: ModeOrder) -> bool {
+    /// so the epoch alone decides. An emergency stop is obeyed in any epoch; one that is not followed lasts for `term`.
+    pub(crate) fn order(&mut self, now: Tick, order: ModeOrder, term: Duration) -> bool {
+        let is_stop = order.mode == ControlMode::EStop;
         if self.order.is_some_and(|current| order.epoch < current.epoch) {
-            return false;
+            if is_stop {
+                self.stop(now, order.boot_id, term);
+            }
+            return is_stop;
         }
         // What another coordinator holds down was not pressed now.
         if self.order.is_some_and(|current| order.boot_id != current.boot_id) {
             self.disarm(bit::HELD);
         }
+        let given = (order.boot_id, order.epoch);
+        if is_stop {
+            self.stop.get_or_insert_default().ordered = Some(given);
+        } else if self.stop.is_some_and(|stop| {
+            stop.ordered.is_some_and(|(life, epoch)| life == given.0 && epoch < given.1) && stop.other_until <= now
+        }) {
+            self.stop = None;
+        }
         self.order = Some(order);
         self.order_until = now + order.lease;
         true
+    }
+
+    /// An emergency stop that is no newer order, of this life of a coordinator.
+    pub(crate) fn stop(&mut self, now: Tick, life: u64, term: Duration) {
+        let stop = self.stop.get_or_insert_default();
+        if self.order.is_none_or(|order| order.boot_id != life) {
+            stop.other_until = now + term;
+        }
+    }
+
+    /// The order in force counts as not renewed. An emergency stop does not end by this.
+    pub(crate) fn end_lease(&mut self, now: Tick) {
+        self.order_until = self.order_until.min(now);
+    }
+
+    pub(crate) fn contest(&mut self, contest: Option<Contest>) {
+        self.contest = contest;
+    }
+
+    /// The two coordinators that give orders, if there are two.
+    pub(crate) fn contested(&self, now: Tick) -> Option<(u64, u64)> {
+        self.contest.filter(|contest| now < contest.until).map(|contest| contest.lives)
+    }
+
+    /// Whether the order in force holds: its lease runs, and no other coordinator gives orders.
+    fn is_live(&self, now: Tick) -> bool {
+        now < self.order_until && self.contested(now).is_none()
+    }
+
+    pub(crate) fn followed(&self) -> u64 {
+        self.order.map_or(0, |order| order.boot_id)
     }
 
     pub(crate) fn epoch(&self) -> u64 {
@@ -161,17 +243,19 @@ impl Commands {
 
     /// Whether a lease is running, and the mode it grants.
     pub(crate) fn granted(&self, now: Tick) -> ControlMode {
+        if self.stop.is_some() {
+            // It outlives its lease: it ends by order only.
+            return ControlMode::EStop;
+        }
         match self.order {
-            Some(order) if now < self.order_until => {
+            Some(order) if self.is_live(now) => {
                 if order.mode.enables_motion() && !order.enabled {
                     ControlMode::StandBy
                 } else {
                     order.mode
                 }
             }
-            // The lease has run out, or no coordinator was ever heard: finish what runs, start nothing. An emergency
-            // stop outlives its lease: it ends by order only.
-            Some(order) if order.mode == ControlMode::EStop => ControlMode::EStop,
+            // The lease has run out, no coordinator was ever heard, or two are: finish what runs, start nothing.
             Some(_) | None => ControlMode::StandBy,
         }
     }
@@ -184,7 +268,7 @@ impl Commands {
     /// Brings mode and levels up to `now`; gives the word of command levels.
     pub(crate) fn refresh(&mut self, now: Tick) -> u128 {
         let mode = self.granted(now);
-        let live = now < self.order_until;
+        let live = self.is_live(now);
         let panel_is_live =
             mode == ControlMode::Manual && (self.selector_manual() || self.order.is_some_and(|o| o.manual_all));
         // Nothing new starts in a mode that enables no motion, so what was armed may stay: a motion of hand mode that
@@ -215,10 +299,12 @@ impl Commands {
 
     /// See [`crate::Controller::situation`].
     pub(crate) fn situation(&self, now: Tick, out: &mut Vec<i64>) {
-        let live = now < self.order_until;
+        let live = self.is_live(now);
         let order = self.order.map(|o| (o.mode as i64, o.enabled, o.manual_all, o.buttons, o.master_stop));
         let (mode, enabled, manual_all, buttons, stop) = order.unwrap_or((-1, false, false, 0, None));
         out.extend([mode, i64::from(buttons), stop.map_or(i64::MIN, i64::from)]);
+        let stop = self.stop.map(|stop| (stop.ordered.is_some(), now < stop.other_until));
+        out.push(stop.map_or(-1, |(ordered, other)| i64::from(ordered) * 2 + i64::from(other)));
         out.extend([live, enabled, manual_all, self.panel_is_live, self.selector_manual()].map(i64::from));
         let levels = [self.wired.1, self.wired.2, self.advance.is_held(now), self.retract.is_held(now)];
         out.extend(levels.map(i64::from));
@@ -227,7 +313,8 @@ impl Commands {
 
     /// When something in here runs out, if nothing is heard until then.
     pub(crate) fn deadline(&self, now: Tick) -> Tick {
-        [self.order_until, self.advance.until, self.retract.until]
+        let contest = self.contest.map_or(Tick::ZERO, |contest| contest.until);
+        [self.order_until, contest, self.advance.until, self.retract.until]
             .into_iter()
             .filter(|&t| t > now)
             .min()

@@ -11,6 +11,7 @@ use std::time::Duration;
 use linewright_line::net::{Block, ControlMode, Kind, Literal, Place, StationNet, Term, Var};
 use linewright_line::{ButtonId, Line, Module, OpId, Signals, StationId, TaskId};
 
+use crate::interlock::{Interlocks, partners};
 use crate::tasks::OnOrder;
 
 /// The bits of the word of condition variables.
@@ -75,6 +76,8 @@ pub(crate) struct Row {
     pub causal: Causal,
     /// Fires only when every token of the station stands in the same stage and block (a join).
     pub join: bool,
+    /// It starts a motion, so measured positions are checked.
+    pub starts: bool,
     /// Takes counts back: needs the agreement of the stations that build on them.
     pub withdraws: bool,
 }
@@ -95,13 +98,15 @@ pub(crate) struct PlaceTable {
     pub fault: u128,
     /// How long the motion may take.
     pub watchdog: Duration,
+    /// The switches that are on while this place is marked: the axes that stand still there.
+    pub rest: u128,
     /// The hand-mode button that must be held for the actuator to be driven in hand mode; 0 where no type has one.
     pub hold: u128,
 }
 
 /// An arrow into an operation of this station.
 #[derive(Clone, Copy, Debug)]
-pub(crate) struct Cause {
+pub(crate) struct IncomingArrow {
     pub peer: u16,
     pub from: OpId,
     pub to: OpId,
@@ -120,6 +125,11 @@ pub(crate) struct Action {
     pub to: Vec<u16>,
 }
 
+/// How far apart the cycles of neighbours may be, for each station of the line: a pair of arrows, one of lag 0 and one of
+/// lag 1, lets the one be a cycle ahead, and operations listed before the arrow's end may have begun another. `check` finds a
+/// line whose arrows allow more.
+const CYCLES_APART_MAX: i32 = 2;
+
 /// Why a controller cannot be set up.
 #[derive(Clone, Debug, PartialEq, Eq)]
 pub enum CompileError {
@@ -131,6 +141,13 @@ pub enum CompileError {
         has: usize,
         /// How many there may be.
         most: usize,
+    },
+    /// More stations that it exchanges counts or positions with than a set of peers has room for.
+    TooManyPeers {
+        /// The station.
+        station: String,
+        /// How many it has.
+        has: usize,
     },
     /// The snapshot to start from is not one of this station's: the description has changed, or the file is damaged.
     SnapshotDoesNotFit {
@@ -145,12 +162,21 @@ impl fmt::Display for CompileError {
             CompileError::TooManyPaths { station, has, most } => {
                 write!(f, "station {station} has {has} irreversible operations; a controller holds {most} at most")
             }
+            CompileError::TooManyPeers { station, has } => {
+                write!(
+                    f,
+                    "arrows and conflicts join station {station} with {has} others; a controller holds {PEERS_MAX} at most"
+                )
+            }
             CompileError::SnapshotDoesNotFit { why } => write!(f, "the kept state is not of this station: {why}"),
         }
     }
 }
 
 impl std::error::Error for CompileError {}
+
+/// Stations that one exchanges counts or positions with: sets of them are a bit each of a `u64`.
+const PEERS_MAX: usize = 64;
 
 /// The compiled controller of one station. Immutable; a [`crate::Controller`] plays it.
 #[derive(Clone, Debug)]
@@ -160,7 +186,7 @@ pub struct Program {
     pub(crate) rows: Vec<Row>,
     pub(crate) actions: Vec<Action>,
     /// Arrows into the operations of each step.
-    pub(crate) causes: Vec<Vec<Cause>>,
+    pub(crate) causes: Vec<Vec<IncomingArrow>>,
     /// For each operation, the peers with an arrow from it, a bit per entry of `peers`.
     pub(crate) dependents: Vec<u64>,
     /// Stations this one reads or is read by, in chart order.
@@ -178,6 +204,16 @@ pub struct Program {
     place_of: Vec<[u16; 7]>,
     /// The hand-mode buttons that mean anything to this station.
     pub(crate) buttons: u128,
+    /// What must be measured for its motions.
+    pub(crate) interlocks: Interlocks,
+    /// All switches of its axes.
+    pub(crate) switches: u128,
+    /// For each step, what of them is on when it is complete; none where a place has no switch, or several.
+    pub(crate) measured_after: Vec<Option<u128>>,
+    /// For each operation, what of them is on while its axis is on its way; none as above, for the other axes.
+    pub(crate) measured_within: Vec<Option<u128>>,
+    /// How many cycles ahead a peer can be on a checked line; counts further ahead are treated as unknown.
+    pub(crate) ahead_max: i32,
     /// What only a station on order has.
     pub(crate) on_order: Option<OnOrder>,
 }
@@ -186,7 +222,7 @@ impl Program {
     /// Compiles the controller of `station`.
     ///
     /// # Errors
-    /// When the station has more irreversible operations than fit.
+    /// When the station has more irreversible operations, or more peers, than fit.
     pub fn compile(line: &Line, station: StationId) -> Result<Self, CompileError> {
         let described = line.station(station);
         let net = StationNet::of(line, station);
@@ -199,6 +235,9 @@ impl Program {
             });
         }
         let peers = peers_of(line, station);
+        if peers.len() > PEERS_MAX {
+            return Err(CompileError::TooManyPeers { station: described.name.clone(), has: peers.len() });
+        }
         let index_of = |place: Place| {
             let index = net.place_index(place).expect("a net's transitions join its own places");
             u16::try_from(index).expect("OPERATIONS_MAX keeps places far below u16::MAX")
@@ -240,6 +279,11 @@ impl Program {
                 let all = [Some(hand.forward()), hand.back(), hand.next()];
                 all.into_iter().flatten().fold(bits, |bits, button| bits | held(button))
             }),
+            interlocks: Interlocks::of(line, station, &peers, &paths),
+            switches: described.all_switches(),
+            measured_after: (0..described.steps.len()).map(|step| described.measured_after(step)).collect(),
+            measured_within: described.op_ids().map(|op| described.measured_within(op)).collect(),
+            ahead_max: CYCLES_APART_MAX.saturating_mul(line.stations.len() as i32),
             peers,
             paths,
             on_order: OnOrder::of(described),
@@ -251,7 +295,7 @@ impl Program {
         self.station
     }
 
-    /// The stations whose state this one needs to hear: those with an arrow to or from it.
+    /// The stations whose state this one needs to hear: those with an arrow to or from it, or a conflict with it.
     pub fn peers(&self) -> &[StationId] {
         &self.peers
     }
@@ -278,6 +322,7 @@ fn peers_of(line: &Line, station: StationId) -> Vec<StationId> {
             (false, true) => Some(arrow.from.0),
             (true, true) | (false, false) => None,
         })
+        .chain(partners(line, station))
         .collect();
     peers.sort_unstable();
     peers.dedup();
@@ -288,7 +333,7 @@ fn peer_index(peers: &[StationId], station: StationId) -> u16 {
     peers.iter().position(|&p| p == station).expect("both ends of an arrow are peers") as u16
 }
 
-fn causes_of(line: &Line, station: StationId, step: &[OpId], peers: &[StationId]) -> Vec<Cause> {
+fn causes_of(line: &Line, station: StationId, step: &[OpId], peers: &[StationId]) -> Vec<IncomingArrow> {
     let into = line.arrows.iter().filter(|a| a.to.0 == station && step.contains(&a.to.1));
     into.map(|arrow| {
         let mut modes = [false; 6];
@@ -296,7 +341,7 @@ fn causes_of(line: &Line, station: StationId, step: &[OpId], peers: &[StationId]
         modes[ControlMode::Manual as usize] = arrow.manual;
         // The steps of hand mode satisfy the conditions of both other modes (seed 002 §5.5.2).
         modes[ControlMode::Hand as usize] = true;
-        Cause {
+        IncomingArrow {
             peer: peer_index(peers, arrow.from.0),
             from: arrow.from.1,
             to: arrow.to.1,
@@ -334,9 +379,10 @@ fn compile_place(
             // A join is looked at from its first place alone.
             if transition.from.first() == Some(&place) {
                 let join = transition.from.len() > 1;
-                rows.extend(
-                    transition.terms(mode).iter().map(|t| compile_term(t, number, transition.kind, join, paths)),
-                );
+                rows.extend(transition.terms(mode).iter().map(|t| {
+                    let starts = transition.to.iter().any(|place| place.is_operating());
+                    compile_term(t, number, transition.kind, (join, starts), paths)
+                }));
             }
         }
         (start, rows.len() as u16)
@@ -350,6 +396,7 @@ fn compile_place(
         complete: operating(1 << signals.complete.0),
         fault: operating(signals.fault.map_or(0, |fault| 1 << fault.0)),
         watchdog,
+        rest: line.station(station).rest_inputs(place),
         hold: operating(hold.map_or(0, held)),
     }
 }
@@ -362,7 +409,7 @@ pub(crate) fn held(button: ButtonId) -> u128 {
     1 << (bit::HELD_0 + u32::from(button.0))
 }
 
-fn compile_term(term: &Term, transition: usize, kind: Kind, join: bool, paths: &[OpId]) -> Row {
+fn compile_term(term: &Term, transition: usize, kind: Kind, (join, starts): (bool, bool), paths: &[OpId]) -> Row {
     let mut row = Row {
         need: 0,
         forbid: 0,
@@ -370,6 +417,7 @@ fn compile_term(term: &Term, transition: usize, kind: Kind, join: bool, paths: &
         transition: transition as u16,
         causal: Causal::Free,
         join,
+        starts,
         withdraws: matches!(kind, Kind::Undo(_) | Kind::Back { .. } | Kind::EnterPath(_)),
     };
     for &Literal { var, on } in term {

@@ -3,7 +3,8 @@
 //! The whole state goes out each time, never a difference: a lost message then costs one period and nothing else.
 
 use linewright_line::net::{ControlMode, Place};
-use linewright_line::{OpId, StationId};
+use linewright_line::{InputId, OpId, StationId};
+use std::time::Duration;
 
 use crate::event::Cause;
 use crate::order::{OrderMemory, OrderReport};
@@ -17,6 +18,8 @@ pub struct Report {
     pub mode_epoch: u64,
     /// The mode it acts on.
     pub mode: Option<ControlMode>,
+    /// The generation its counts belong to; 0 for none. See `generation`.
+    pub generation: u64,
     /// The cycle it is in.
     pub cycle: i32,
     /// For each operation, the cycle in which it was last completed.
@@ -38,6 +41,12 @@ pub struct Report {
     pub selector_manual: bool,
     /// Its devices are heard and operational.
     pub devices_valid: bool,
+    /// Its input image, whose limit switches say where its mechanisms stand. It means nothing without valid devices.
+    pub measured: u128,
+    /// How old that image was when this was reported.
+    pub measured_age: Duration,
+    /// An axis that stands still by the chart and is not measured there: the operation at whose place, and the switch.
+    pub position_lost: Option<(OpId, InputId)>,
     /// Operations stopped before their end, with the cause.
     pub incomplete: Vec<(OpId, Cause)>,
     /// The request to take counts back that is open.
@@ -75,6 +84,11 @@ pub struct Answer {
 pub struct Snapshot {
     /// The marked places.
     pub marking: Vec<Place>,
+    /// The generation of the counts; 0 for none. The node restores 0 when the record was written before the last start of the
+    /// host, as it may be older than what was reported.
+    pub generation: u64,
+    /// The marking says where the mechanisms stand. The node restores false with a generation of 0 for the same reason.
+    pub placed: bool,
     /// The cycle.
     pub cycle: i32,
     /// Counts of completion, per operation.

@@ -25,6 +25,8 @@ impl Controller {
             }
             token.place = self.program.index_of(place);
         }
+        self.views.generation = snapshot.generation;
+        self.placed = snapshot.placed;
         self.cycle = snapshot.cycle;
         self.done = snapshot.done;
         self.started = snapshot.started;
@@ -78,6 +80,8 @@ impl Controller {
     pub fn snapshot(&self) -> Snapshot {
         Snapshot {
             marking: self.marking().collect(),
+            generation: self.views.generation,
+            placed: self.placed,
             cycle: self.cycle,
             done: self.done.clone(),
             started: self.started.clone(),

@@ -3,6 +3,8 @@
 //! They exist for the checker: an explorer that finds nothing wrong is worth believing only if it finds a collision
 //! as soon as one rule is off. A controller runs with all of them; nothing in a description can turn one off.
 
+use crate::controller::Controller;
+
 /// Which rules hold. The default is all of them, and the only choice for a machine.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub struct Rules {
@@ -21,17 +23,64 @@ pub struct Rules {
     /// A recovery path is entered only if the arrows hold into everything it skips, and they go on holding until the
     /// station is home. Off: the home motion starts whatever the neighbours do.
     pub home_waits: bool,
+    /// Counts of another generation, of a station whose position is lost, and of one further ahead than the arrows allow, are
+    /// unknown. Off: counts are compared whatever becomes of a memory.
+    pub generations: bool,
+    /// Measured positions are the second barrier (see `interlock`). Off: counts alone.
+    pub positions: bool,
+    /// Arrows are observed. Off, the second barrier stands alone: what an arrow waits for is not waited for, and a count is
+    /// taken back without asking.
+    pub arrows: bool,
+}
+
+impl Rules {
+    /// The counts by themselves, within one generation: the first barrier without what keeps it from lost memories.
+    pub const COUNTS: Rules = Rules { generations: false, positions: false, ..Rules::ALL };
+
+    /// All of them.
+    pub const ALL: Rules = Rules {
+        counted: true,
+        withdraw_first: true,
+        ask: true,
+        fresh_numbers: true,
+        redo_round: true,
+        home_waits: true,
+        generations: true,
+        positions: true,
+        arrows: true,
+    };
+}
+
+/// Which rules of orders hold, of a station on order. As with [`Rules`].
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub struct OrderRules {
+    /// An order whose time is over has not ended before the station stands. Off: it ends at once, and the station goes back.
+    pub ends_standing: bool,
+    /// A station goes back from an ended order once. Off: with every copy of the message.
+    pub secures_once: bool,
+    /// No key is done twice, and none that is older than the newest. Off: every order is done.
+    pub does_once: bool,
+    /// An order that is meant for another memory is refused. Off: it is done.
+    pub own_memory: bool,
+}
+
+impl Default for OrderRules {
+    fn default() -> Self {
+        OrderRules { ends_standing: true, secures_once: true, does_once: true, own_memory: true }
+    }
+}
+
+impl Controller {
+    /// The same controller with some rules of orders switched off.
+    #[must_use]
+    pub fn with_order_rules(mut self, rules: OrderRules) -> Self {
+        self.orders.iter_mut().for_each(|orders| orders.rules = rules);
+        self
+    }
 }
 
 impl Default for Rules {
     fn default() -> Self {
-        Rules {
-            counted: true,
-            withdraw_first: true,
-            ask: true,
-            fresh_numbers: true,
-            redo_round: true,
-            home_waits: true,
-        }
+        Rules::ALL
     }
 }

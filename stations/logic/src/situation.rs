@@ -93,6 +93,8 @@ impl Controller {
             out.extend(word(bits));
         }
         out.extend([i64::from(self.devices_valid), self.mode_before as i64, i64::from(self.unconfirmed)]);
+        out.push(i64::from(self.placed));
+        out.push(i64::from(self.views.generation != 0));
         self.commands.situation(self.now, out);
         match &self.pending {
             None => out.push(-1),
@@ -105,10 +107,18 @@ impl Controller {
         for (peer, view) in self.views.peers.iter().enumerate() {
             let writer = writers(view.station);
             out.extend([
-                i64::from(self.views.is_known(peer, self.now)),
+                i64::from(self.views.is_heard(peer, self.now)),
                 i64::from(writer.boot_id == view.boot_id),
                 if self.rules.counted { 0 } else { relative(view.cycle) },
             ]);
+            if self.rules.generations {
+                let same = view.generation == self.views.generation;
+                out.extend([same, view.position_lost].map(i64::from));
+            }
+            if self.rules.positions {
+                out.extend([self.now < view.measured_until, view.stopped].map(i64::from));
+                out.extend(word(view.measured & self.program.interlocks.read_of(peer)));
+            }
             let read = self.program.causes.iter().flatten().filter(|c| usize::from(c.peer) == peer);
             out.extend(read.map(|cause| relative(view.done[cause.from.index()])));
             match view.request {

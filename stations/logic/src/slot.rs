@@ -5,15 +5,25 @@
 //!   no order ────────▶ running ────────────────────────────────────────────▶ done
 //!                       │   │ a fault, another mode, a restart
 //!                       │   └──────────────────────────────────────────────▶ failed: stands where it is
-//!                       │ its time is over: failed at once ┐
-//!                       │ told to secure                   ├─▶ securing ───▶ back where the task began, or as far as it
-//!                       └──────────────────────────────────┘                 goes by itself (failed, if that was open)
+//!                       │ its time is over ┐
+//!                       │ told to secure   ├─▶ securing ──it stands: where the task began, or as far as it goes──▶ failed
+//!                       └──────────────────┘                                                   by itself
 //! ```
+//!
+//! An order that is given up has not ended before the station stands: until then it is in the slot, and no result says
+//! otherwise. Both ways to give it up mean the same: it fails with the code of the inputs that it waited for, if it did;
+//! else because its time was over, or because it was told to leave it. One that a fault has ended may be told to secure
+//! once; it is in the slot again until it stands, and copies of that message start nothing later.
 //!
 //! What it refuses for good it remembers: a copy of the message that comes late, when the reason has gone, is refused all
 //! the same. What it refuses for now it forgets. All that it remembers is in its snapshot, which is kept before anything is
 //! driven or told. A station that comes up has ended whatever it was doing: its outputs went off, and a person should look.
 //! One that comes up without its memory draws a new number for it, and orders say which memory they are meant for.
+//!
+//! The message to leave an order says neither that nor who sends it. So it ends nothing but the order that it names, and is
+//! no word of a later life of the coordinator.
+
+mod report;
 
 use std::cmp::Ordering;
 
@@ -23,10 +33,10 @@ use linewright_line::{OpId, RestId, TaskId, Tick};
 use crate::controller::Controller;
 use crate::event::{Cause, Happening};
 use crate::order::{
-    Failure, OrderKey, OrderMemory, OrderReport, Outcome, RESULTS_MAX, Refusal, Reply, SlotReport, TaskCommand,
-    TaskOrder,
+    EPOCH_AHEAD_MAX, Failure, OrderKey, OrderMemory, Outcome, RESULTS_MAX, Refusal, Reply, TaskCommand, TaskOrder,
 };
 use crate::program::{bit, task_bit};
+use crate::rules::OrderRules;
 
 /// The orders of a station on order.
 #[derive(Clone, Debug, Default)]
@@ -36,6 +46,9 @@ pub(crate) struct Orders {
     last: u64,
     slot: Option<Slot>,
     results: Vec<(OrderKey, Reply)>,
+    /// The ended order that it has been told to secure.
+    secured: Option<OrderKey>,
+    pub rules: OrderRules,
     /// What has been answered since the last step.
     pub replies: Vec<(OrderKey, Reply)>,
 }
@@ -55,11 +68,18 @@ struct Slot {
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 enum Phase {
     Running,
-    /// On its way back.
+    /// On its way back; the order ends where that ends.
     Securing {
-        /// How the order has ended has been said.
-        told: bool,
+        /// Why it was given up; none if it was told to leave it and waited for nothing.
+        failure: Option<Failure>,
     },
+    /// On its way back from an order that had ended before.
+    Returning,
+}
+
+/// The newest epoch that may follow this one; any may be the first.
+const fn ahead_of(epoch: u64) -> u64 {
+    if epoch == 0 { u64::MAX } else { epoch.saturating_add(EPOCH_AHEAD_MAX) }
 }
 
 impl Orders {
@@ -99,14 +119,15 @@ impl Orders {
 
     /// What decides what the station will do, as numbers (see [`Controller::situation`]).
     pub fn situation(&self, out: &mut Vec<i64>) {
-        out.push(i64::from(self.last_has_failed().is_some()));
+        let failed = self.last_has_failed();
+        out.push(i64::from(failed.is_some()) + i64::from(failed.is_some() && failed == self.secured));
         match self.slot {
             None => out.push(-1),
             Some(slot) => {
                 let phase = match slot.phase {
                     Phase::Running => 0,
-                    Phase::Securing { told: false } => 1,
-                    Phase::Securing { told: true } => 2,
+                    Phase::Securing { failure: _ } => 1,
+                    Phase::Returning => 2,
                 };
                 out.extend([i64::from(slot.task.0), i64::from(slot.begun), phase]);
                 out.extend([(slot.image >> 64) as i64, slot.image as i64]);
@@ -116,13 +137,15 @@ impl Orders {
 
     /// What to keep.
     pub fn memory(&self) -> OrderMemory {
-        let open = self.slot.filter(|slot| slot.phase != Phase::Securing { told: true });
+        let open = self.slot.filter(|slot| slot.phase != Phase::Returning);
+        let left = open.filter(|slot| slot.phase != Phase::Running).map(|slot| slot.key);
         OrderMemory {
             memory: self.memory,
             epoch: self.epoch,
             last: self.last,
             slot: open.map(|slot| slot.key),
             results: self.results.clone(),
+            secured: left.or(self.secured),
         }
     }
 
@@ -133,6 +156,7 @@ impl Orders {
             epoch: kept.epoch,
             last: kept.last,
             results: kept.results,
+            secured: kept.secured,
             ..Orders::default()
         };
         let surplus = orders.results.len().saturating_sub(RESULTS_MAX);
@@ -148,8 +172,9 @@ impl Controller {
     /// Takes a command. Gives false at a station that does not work on order.
     pub(crate) fn command(&mut self, command: TaskCommand<'_>) -> bool {
         let Some(orders) = &self.orders else { return false };
+        let epoch = orders.epoch;
         let (key, known) = match command {
-            TaskCommand::Run(order) => (order.key, orders.known(order.key)),
+            TaskCommand::Run(order) => (order.key, orders.known(order.key).filter(|_| orders.rules.does_once)),
             TaskCommand::Secure(key) => (key, None),
         };
         let reply = match (known, command) {
@@ -161,17 +186,18 @@ impl Controller {
             orders.replies.push((key, reply));
         }
         self.settled = false;
-        true
+        key.epoch <= ahead_of(epoch)
     }
 
     fn run(&mut self, order: &TaskOrder) -> Reply {
         let now = self.now;
         let may_start = self.commands.granted(now) == ControlMode::Auto && !self.commands.is_stopping();
         let Some(orders) = &mut self.orders else { return Reply::Refused(Refusal::Unknown) };
-        if order.memory != orders.memory {
+        let is_of_another = order.memory != orders.memory || order.key.epoch > ahead_of(orders.epoch);
+        if is_of_another && orders.rules.own_memory {
             return Reply::Refused(Refusal::OtherMemory);
         }
-        if let Some(refusal) = orders.too_old(order.key) {
+        if let Some(refusal) = orders.too_old(order.key).filter(|_| orders.rules.does_once) {
             return Reply::Refused(refusal);
         }
         if orders.epoch != order.key.epoch {
@@ -243,22 +269,18 @@ impl Controller {
         let place = self.marking().next().filter(|_| by_itself && self.rest().is_none());
         let leads_back = place.filter(|&place| place.is_operating() || self.goes_back_from(place));
         let task = leads_back.and_then(|place| self.task_of(place.op));
+        let failure = self.waited_for().map(Failure::Waiting);
         let Some(orders) = &mut self.orders else { return Reply::Refused(Refusal::Unknown) };
         if let Some(slot) = orders.slot.as_mut().filter(|slot| slot.key == key) {
             if slot.phase == Phase::Running {
-                slot.phase = Phase::Securing { told: false };
-                let task = slot.task;
-                if slot.begun {
-                    self.changed = true;
-                    self.note(Happening::Securing(task));
-                } else {
-                    self.conclude(Outcome::Failed(Failure::Cancelled));
-                }
+                self.give_up(failure);
             }
         } else if orders.last_has_failed() == Some(key) && orders.slot.is_none() {
+            // Copies of the message come late, when it is known that the station stands.
+            let is_first = orders.secured.replace(key) != Some(key) || !orders.rules.secures_once;
             // It may stand where a person has left it since.
-            if let Some(task) = task {
-                let phase = Phase::Securing { told: true };
+            if let Some(task) = task.filter(|_| is_first) {
+                let phase = Phase::Returning;
                 orders.slot = Some(Slot { key, task, image: 0, limit: Tick::NEVER, begun: true, phase });
                 self.changed = true;
                 self.note(Happening::Securing(task));
@@ -268,7 +290,9 @@ impl Controller {
                 return Reply::Refused(refusal);
             }
             // Not heard of yet, and not to be done when it is.
-            (orders.epoch, orders.last) = (key.epoch, key.id);
+            if orders.epoch == key.epoch {
+                orders.last = key.id;
+            }
             orders.remember(key, Reply::Ended(Outcome::Failed(Failure::Cancelled)));
             self.changed = true;
         }
@@ -295,8 +319,8 @@ impl Controller {
     pub(crate) fn order_bits(&self) -> u128 {
         match self.slot() {
             Some(Slot { phase: Phase::Running, task, .. }) => task_bit(task),
-            Some(Slot { phase: Phase::Securing { .. }, .. }) if self.devices_valid => bit::SECURE,
-            Some(Slot { phase: Phase::Securing { .. }, .. }) | None => 0,
+            Some(Slot { phase: Phase::Securing { .. } | Phase::Returning, .. }) if self.devices_valid => bit::SECURE,
+            Some(Slot { phase: Phase::Securing { .. } | Phase::Returning, .. }) | None => 0,
         }
     }
 
@@ -338,7 +362,6 @@ impl Controller {
     /// An operation was stopped: nothing goes on by itself.
     pub(crate) fn order_stops(&mut self, cause: Cause) {
         if let Some(slot) = self.slot() {
-            let restoring = slot.phase != Phase::Running;
             let failure = match cause {
                 Cause::EStop | Cause::Released => Failure::Interrupted,
                 Cause::Restart => Failure::Restarted,
@@ -347,9 +370,15 @@ impl Controller {
                 | Cause::SwitchStuck
                 | Cause::Devices
                 | Cause::NotAtHome
+                | Cause::Interlock { .. }
+                | Cause::PositionLost { .. }
                 | Cause::Ambiguous => Failure::Fault,
             };
-            self.conclude(Outcome::Failed(if restoring { Failure::Held } else { failure }));
+            self.conclude(Outcome::Failed(match slot.phase {
+                Phase::Running => failure,
+                Phase::Securing { failure } => failure.unwrap_or(Failure::Held),
+                Phase::Returning => Failure::Held,
+            }));
         }
     }
 
@@ -358,9 +387,12 @@ impl Controller {
         match mode {
             ControlMode::Home | ControlMode::StandBy | ControlMode::Auto => {}
             ControlMode::Hand | ControlMode::Manual | ControlMode::EStop => {
-                if self.slot().is_some() {
-                    self.conclude(Outcome::Failed(Failure::Interrupted));
-                }
+                let failure = match self.slot().map(|slot| slot.phase) {
+                    Some(Phase::Securing { failure: Some(failure) }) => failure,
+                    Some(Phase::Running | Phase::Securing { failure: None } | Phase::Returning) => Failure::Interrupted,
+                    None => return,
+                };
+                self.conclude(Outcome::Failed(failure));
             }
         }
     }
@@ -370,18 +402,24 @@ impl Controller {
         if self.now < self.order_limit() {
             return;
         }
-        let failure = self.waited_for().map_or(Failure::TimedOut, Failure::Waiting);
-        let Some(slot) = self.slot() else { return };
+        self.give_up(Some(self.waited_for().map_or(Failure::TimedOut, Failure::Waiting)));
+    }
+
+    /// The order is not done any more: the station goes back if it has begun.
+    fn give_up(&mut self, failure: Option<Failure>) {
+        let Some(orders) = &mut self.orders else { return };
+        let Some(slot) = &mut orders.slot else { return };
         if !slot.begun {
-            return self.conclude(Outcome::Failed(failure));
+            return self.conclude(Outcome::Failed(failure.unwrap_or(Failure::Cancelled)));
         }
-        if let Some(orders) = &mut self.orders {
-            orders.remember(slot.key, Reply::Ended(Outcome::Failed(failure)));
-            orders.slot = Some(Slot { phase: Phase::Securing { told: true }, ..slot });
+        slot.phase = Phase::Securing { failure };
+        let (key, task) = (slot.key, slot.task);
+        if let Some(failure) = failure.filter(|_| !orders.rules.ends_standing) {
+            slot.phase = Phase::Returning;
+            orders.remember(key, Reply::Ended(Outcome::Failed(failure)));
         }
         self.changed = true;
-        self.note(Happening::OrderFailed(slot.task, failure));
-        self.note(Happening::Securing(slot.task));
+        self.note(Happening::Securing(task));
     }
 
     /// The step that the order would go on with, where the station stands between two.
@@ -403,14 +441,18 @@ impl Controller {
 
     /// Looks whether a station that goes back has come as far as it can.
     pub(crate) fn follow_securing(&mut self) {
-        let Some(Slot { phase: Phase::Securing { .. }, .. }) = self.slot() else { return };
+        let given_up = match self.slot().map(|slot| slot.phase) {
+            Some(Phase::Securing { failure }) => failure,
+            Some(Phase::Returning) => None,
+            Some(Phase::Running) | None => return,
+        };
         let Some(place) = self.marking().next() else { return };
         if place.is_operating() || (self.rest().is_none() && self.goes_back_from(place)) {
             return;
         }
         // At the first operation's beginning the token goes on to the rest; that is no way.
-        let failure = if self.rest().is_some() { Failure::Cancelled } else { Failure::Held };
-        self.conclude(Outcome::Failed(failure));
+        let left = if self.rest().is_some() { Failure::Cancelled } else { Failure::Held };
+        self.conclude(Outcome::Failed(given_up.unwrap_or(left)));
     }
 
     /// Whether something leads back from a place in auto.
@@ -427,7 +469,10 @@ impl Controller {
     fn conclude(&mut self, outcome: Outcome) {
         let Some(orders) = &mut self.orders else { return };
         let Some(slot) = orders.slot.take() else { return };
-        if slot.phase != (Phase::Securing { told: true }) {
+        if slot.phase != Phase::Running {
+            orders.secured = Some(slot.key);
+        }
+        if slot.phase != Phase::Returning {
             orders.remember(slot.key, Reply::Ended(outcome));
             self.note(match outcome {
                 Outcome::Done => Happening::OrderDone(slot.task),
@@ -437,32 +482,5 @@ impl Controller {
         self.changed = true;
         self.dirty = true;
         self.refresh_orders();
-    }
-
-    /// What it says of its orders, over what is in `report`.
-    pub(crate) fn report_orders(&self, report: &mut Option<OrderReport>) {
-        let Some(orders) = &self.orders else {
-            *report = None;
-            return;
-        };
-        let report = report.get_or_insert_with(OrderReport::default);
-        report.memory = orders.memory;
-        report.epoch = orders.epoch;
-        report.slot = orders.slot.map(|slot| SlotReport {
-            key: slot.key,
-            task: slot.task,
-            is_securing: slot.phase != Phase::Running,
-        });
-        report.results.clear();
-        report.results.extend(orders.results.iter().filter_map(|(key, reply)| match reply {
-            Reply::Ended(outcome) => Some((*key, *outcome)),
-            Reply::Running | Reply::Refused(_) => None,
-        }));
-        report.refused.clear();
-        report.refused.extend(orders.results.iter().filter_map(|(key, reply)| match reply {
-            Reply::Refused(refusal) => Some((*key, *refusal)),
-            Reply::Running | Reply::Ended(_) => None,
-        }));
-        report.rest = self.rest();
     }
 }

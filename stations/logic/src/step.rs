@@ -34,6 +34,16 @@ impl Controller {
         self.play(out);
     }
 
+    /// When it was stepped or told something last.
+    pub fn stepped(&self) -> Tick {
+        self.now
+    }
+
+    /// The coordinator's life whose order it took last; 0 for none.
+    pub fn followed(&self) -> u64 {
+        self.commands.followed()
+    }
+
     fn play(&mut self, out: &mut Outbox) {
         self.look();
         out.outputs = self.outputs;
@@ -44,6 +54,16 @@ impl Controller {
         }
         if let Some(orders) = self.orders.as_mut().filter(|orders| !orders.replies.is_empty()) {
             out.replies.append(&mut orders.replies);
+        }
+    }
+
+    /// Notes that a position is lost, or measured again.
+    fn follow_position(&mut self) {
+        let lost = self.position_lost();
+        if lost != self.lost_before {
+            self.lost_before = lost;
+            self.changed = true;
+            self.note(lost.map_or(Happening::PositionFound, |(op, input)| Happening::PositionLost(op, input)));
         }
     }
 
@@ -64,6 +84,7 @@ impl Controller {
             self.refusal = None;
         }
         self.follow_securing();
+        self.follow_position();
         if fired || self.dirty {
             self.drive();
         }
@@ -204,6 +225,7 @@ impl Controller {
     /// Fault, arrival and loss of hold of an operating token.
     #[inline]
     fn motion_bits(&mut self, index: usize) -> u128 {
+        let is_unsafe = self.unsafe_motion(index).is_some();
         let token = &mut self.tokens[index];
         let table = &self.program.places[token.place as usize];
         let on = self.inputs & table.complete != 0;
@@ -215,7 +237,7 @@ impl Controller {
         }
         let mut bits = if on && own && token.left_start { bit::ARRIVED } else { 0 };
         let late = token.driven && self.now >= token.deadline;
-        if !self.devices_valid || late || self.inputs & table.fault != 0 {
+        if is_unsafe || !self.devices_valid || late || self.inputs & table.fault != 0 {
             bits |= bit::FAULT;
         }
         if token.run == Run::Manual && self.commands.mode() != ControlMode::Manual {
@@ -226,7 +248,7 @@ impl Controller {
 
     #[inline]
     fn allows(&self, row: &Row, mode: ControlMode) -> bool {
-        if row.causal == Causal::Free && row.settled == 0 && !row.join {
+        if row.causal == Causal::Free && row.settled == 0 && !row.join && !row.starts {
             return true;
         }
         let causal = match row.causal {
@@ -235,7 +257,10 @@ impl Controller {
             Causal::WayHome(path) => !self.rules.home_waits || self.way_home_is_free(path, mode),
             Causal::Fails(step) => self.causes_known(step, mode) && !self.causes_hold(step, mode),
         };
-        causal && self.neighbours_settled(row.settled) && (!row.join || self.joined())
+        causal
+            && self.neighbours_settled(row.settled)
+            && (!row.join || self.joined())
+            && (!row.starts || self.unsafe_start(&self.program.actions[usize::from(row.transition)], mode).is_none())
     }
 
     fn causes_hold(&self, step: u8, mode: ControlMode) -> bool {
@@ -252,7 +277,7 @@ impl Controller {
     }
 
     fn causes_known(&self, step: u8, mode: ControlMode) -> bool {
-        self.views.all_known(&self.program.causes[step as usize], mode, self.now)
+        self.views.all_known(&self.program.causes[step as usize], mode, self.cycle_of_start(step), self.now)
     }
 
     /// The inputs that a step waits for and that are off.
@@ -300,7 +325,7 @@ impl Controller {
     /// Fires the transitions of these rows, or asks for the agreement they need. Neighbours that go back together are
     /// one request: none of them moves before all may.
     fn act(&mut self, rows: &[u16], mode: ControlMode) -> bool {
-        let must_ask = self.rules.ask && self.need_agreement(rows);
+        let must_ask = self.rules.ask && self.rules.arrows && self.need_agreement(rows, mode);
         let mut fired = false;
         for &row in rows {
             let row = self.program.rows[row as usize];
@@ -316,9 +341,10 @@ impl Controller {
         fired
     }
 
-    fn need_agreement(&self, rows: &[u16]) -> bool {
+    fn need_agreement(&self, rows: &[u16], mode: ControlMode) -> bool {
         rows.iter().map(|&row| &self.program.rows[row as usize]).any(|row| {
-            row.withdraws && self.dependents(self.taken_back(self.program.actions[row.transition as usize].kind)) != 0
+            row.withdraws
+                && self.dependents(self.taken_back(self.program.actions[row.transition as usize].kind), mode) != 0
         })
     }
 

@@ -15,8 +15,9 @@ use std::time::Duration;
 use linewright_line::net::ControlMode;
 use linewright_line::{OpId, StationId, Tick};
 
-use crate::program::{Cause, Program};
+use crate::program::{IncomingArrow as Cause, Program};
 use crate::report::{Answer, Report, Request};
+use crate::rules::Rules;
 
 /// The newest that was heard of one other station.
 #[derive(Clone, Debug)]
@@ -25,6 +26,16 @@ pub(crate) struct View {
     pub boot_id: u64,
     /// Unknown from then on.
     pub known_until: Tick,
+    /// Its generation; 0 for none.
+    pub generation: u64,
+    /// An axis of it is not where its chart has it: nothing builds on its counts.
+    pub position_lost: bool,
+    /// Nothing of it is driven.
+    pub stopped: bool,
+    /// Its input image.
+    pub measured: u128,
+    /// That image is unknown from then on.
+    pub measured_until: Tick,
     pub done: Vec<i32>,
     pub cycle: i32,
     pub request: Option<Request>,
@@ -39,8 +50,26 @@ pub(crate) struct View {
 pub(crate) struct Views {
     pub peers: Vec<View>,
     stale: Duration,
-    /// See [`crate::Rules::counted`].
-    pub counted: bool,
+    /// The generation of this station's own counts; 0 for none.
+    pub generation: u64,
+    ahead_max: i32,
+    /// The second barrier stands for every conflict of this station.
+    covers: bool,
+    pub rules: Rules,
+}
+
+/// Why a peer's counts may be compared, or not.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub(crate) enum Standing {
+    Comparable,
+    /// Not heard, or not for too long.
+    NotHeard,
+    /// This station or the peer has no generation, or they have different ones.
+    OtherGeneration,
+    /// An axis of the peer is not where its chart has it.
+    PositionLost,
+    /// Further ahead than the arrows allow.
+    TooFarAhead,
 }
 
 impl Views {
@@ -50,13 +79,25 @@ impl Views {
             station,
             boot_id: 0,
             known_until: Tick::ZERO,
+            generation: 0,
+            position_lost: false,
+            stopped: false,
+            measured: 0,
+            measured_until: Tick::ZERO,
             done: vec![i32::MIN; operations],
             cycle: 0,
             request: None,
             answer: None,
             verdict: None,
         };
-        Views { peers: program.peers.iter().zip(operations_of).map(view).collect(), stale, counted: true }
+        Views {
+            peers: program.peers.iter().zip(operations_of).map(view).collect(),
+            stale,
+            generation: 0,
+            ahead_max: program.ahead_max,
+            covers: program.interlocks.covers,
+            rules: Rules::default(),
+        }
     }
 
     /// Takes a report that is newer than the last one of that station. Gives false, and changes nothing, if it is not
@@ -79,6 +120,14 @@ impl Views {
             return false;
         }
         view.known_until = now + self.stale;
+        view.generation = report.generation;
+        view.position_lost = report.position_lost.is_some();
+        view.stopped = report.stopped;
+        view.measured = report.measured;
+        // The image was some time old when it was sent; how long the message took is not known, and counts as nothing.
+        let left = self.stale.saturating_sub(report.measured_age);
+        view.measured_until = if report.devices_valid { now + left } else { Tick::ZERO };
+        let comparable = !self.rules.generations || (report.generation == self.generation && self.generation != 0);
         view.done.copy_from_slice(&report.done);
         view.cycle = report.cycle;
         view.verdict = report.answers.iter().find(|a| a.to == me.0).map(|a| (a.boot_id, a.number, a.in_the_way));
@@ -86,7 +135,8 @@ impl Views {
         view.boot_id = report.boot_id;
         view.request = report.request;
         if !same {
-            let answer = report.request.map(|request| Answer {
+            // To agree is to have compared counts.
+            let answer = report.request.filter(|_| comparable).map(|request| Answer {
                 to: from,
                 boot_id: report.boot_id,
                 number: request.number,
@@ -97,8 +147,55 @@ impl Views {
         true
     }
 
-    pub(crate) fn is_known(&self, peer: usize, now: Tick) -> bool {
+    /// Whether a report of the peer is there that is not too old.
+    pub(crate) fn is_heard(&self, peer: usize, now: Tick) -> bool {
         now < self.peers[peer].known_until
+    }
+
+    /// The input image of a peer that is not too old and that its devices vouch for.
+    #[inline]
+    pub(crate) fn measured(&self, peer: usize, now: Tick) -> Option<u128> {
+        let view = &self.peers[peer];
+        (now < view.measured_until).then_some(view.measured)
+    }
+
+    /// Whether a peer reports that nothing of it is driven, and that its devices are in order.
+    pub(crate) fn stands(&self, peer: usize, now: Tick) -> bool {
+        let view = &self.peers[peer];
+        view.stopped && now < view.measured_until && self.is_heard(peer, now)
+    }
+
+    /// Whether a peer's counts may be compared with those of this station, which is in `cycle`.
+    pub(crate) fn standing(&self, peer: usize, cycle: i32, now: Tick) -> Standing {
+        let view = &self.peers[peer];
+        if now >= view.known_until {
+            return Standing::NotHeard;
+        }
+        if !self.rules.generations {
+            return Standing::Comparable;
+        }
+        if view.generation != self.generation || self.generation == 0 {
+            Standing::OtherGeneration
+        } else if view.position_lost {
+            Standing::PositionLost
+        } else if view.cycle > cycle.saturating_add(self.ahead_max) {
+            Standing::TooFarAhead
+        } else {
+            Standing::Comparable
+        }
+    }
+
+    /// Whether in this mode the second barrier stands in for the counts of a peer. It does in manual mode, where a person
+    /// watches the motion and holds it, for a peer whose counts are of another generation: that is how a line whose memory is
+    /// lost comes home. Where any conflict of this station has no measured positions it does not, and the motion is blocked: an
+    /// arrow may keep apart more than the two stations that it joins.
+    pub(crate) fn positions_stand_in(&self, peer: usize, mode: ControlMode, now: Tick) -> bool {
+        self.rules.positions
+            && mode == ControlMode::Manual
+            && self.covers
+            && self.is_heard(peer, now)
+            && self.rules.generations
+            && (self.generation == 0 || self.peers[peer].generation != self.generation)
     }
 
     /// The count of a peer's operation as it may be relied on: one less while it is being taken back.
@@ -109,26 +206,34 @@ impl Views {
     }
 
     /// Whether one arrow holds for an operation that would start in `cycle`.
-    pub(crate) fn holds(&self, cause: &Cause, cycle: i32, now: Tick) -> bool {
+    pub(crate) fn holds(&self, cause: &Cause, mode: ControlMode, cycle: i32, now: Tick) -> bool {
         let peer = cause.peer as usize;
-        let enough = if self.counted { cycle.saturating_sub(cause.lag) } else { self.peers[peer].cycle };
-        self.is_known(peer, now) && self.count(cause) >= enough
+        if !self.rules.arrows {
+            return true;
+        }
+        if self.positions_stand_in(peer, mode, now) {
+            return true;
+        }
+        let enough = if self.rules.counted { cycle.saturating_sub(cause.lag) } else { self.peers[peer].cycle };
+        self.standing(peer, cycle, now) == Standing::Comparable && self.count(cause) >= enough
     }
 
     /// Whether all arrows observed in `mode` hold for a step that would start in `cycle`.
     #[inline]
     pub(crate) fn all_hold(&self, causes: &[Cause], mode: ControlMode, cycle: i32, now: Tick) -> bool {
-        causes.iter().all(|cause| !cause.modes[mode as usize] || self.holds(cause, cycle, now))
+        causes.iter().all(|cause| !cause.modes[mode as usize] || self.holds(cause, mode, cycle, now))
     }
 
     /// Whether every view is known that the arrows observed in `mode` read.
-    pub(crate) fn all_known(&self, causes: &[Cause], mode: ControlMode, now: Tick) -> bool {
-        causes.iter().all(|cause| !cause.modes[mode as usize] || self.is_known(cause.peer as usize, now))
+    pub(crate) fn all_known(&self, causes: &[Cause], mode: ControlMode, cycle: i32, now: Tick) -> bool {
+        let known = |cause: &Cause| self.standing(cause.peer as usize, cycle, now) == Standing::Comparable;
+        !self.rules.arrows || causes.iter().all(|cause| !cause.modes[mode as usize] || known(cause))
     }
 
     /// When the next view becomes unknown.
     pub(crate) fn deadline(&self, now: Tick) -> Tick {
-        self.peers.iter().map(|v| v.known_until).filter(|&t| t > now).min().unwrap_or(Tick::NEVER)
+        let ends = self.peers.iter().flat_map(|v| [v.known_until, v.measured_until]);
+        ends.filter(|&t| t > now).min().unwrap_or(Tick::NEVER)
     }
 }
 

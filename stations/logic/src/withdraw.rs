@@ -47,14 +47,18 @@ pub(crate) enum Standing {
 }
 
 impl Controller {
-    /// The peers that could build on one of these operations.
-    pub(crate) fn dependents(&self, ops: u64) -> u64 {
+    /// The peers that could build on one of these operations. A peer of another generation builds on none of them; where the
+    /// second barrier stands between the two, it is not asked.
+    pub(crate) fn dependents(&self, ops: u64, mode: ControlMode) -> u64 {
         let program = &self.program;
-        program
+        let apart = (0..self.views.peers.len()).filter(|&peer| self.views.positions_stand_in(peer, mode, self.now));
+        let apart = apart.fold(0u64, |bits, peer| bits | 1 << peer);
+        let all = program
             .dependents
             .iter()
             .enumerate()
-            .fold(0, |all, (op, &peers)| if ops & (1 << op) != 0 { all | peers } else { all })
+            .fold(0, |all, (op, &peers)| if ops & (1 << op) != 0 { all | peers } else { all });
+        all & !apart
     }
 
     /// Opens a request for the rows that take counts back. Those of one step (concurrent neighbours) are one request.
@@ -74,7 +78,7 @@ impl Controller {
                 pending.hold |= crate::program::bit::levels(row.need);
             }
         }
-        pending.needs = self.dependents(pending.request.ops);
+        pending.needs = self.dependents(pending.request.ops, mode);
         self.pending = Some(pending);
         self.changed = true;
         self.note(Happening::Asked(number));

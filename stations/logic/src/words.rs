@@ -6,6 +6,29 @@ use linewright_line::{Line, Module, OpId, Owner, StationId, duration_text};
 use crate::event::Cause;
 
 impl Cause {
+    /// What the second barrier found, with the station, the switch and where it is wired.
+    pub fn detail(self, line: &Line, own: StationId) -> String {
+        match self {
+            Cause::Interlock { station, input: Some(input) } => format!(
+                "interlock: {} is not clear: {} is off",
+                line.station(station).name,
+                line.input_text(Owner::Station(station), input)
+            ),
+            Cause::Interlock { station, input: None } => {
+                format!(
+                    "interlock: the position of {} is not known: no valid image of its switches",
+                    line.station(station).name
+                )
+            }
+            Cause::PositionLost { op, input } => format!(
+                "position lost: {} is off where `{}` needs it on: look at the mechanism and the switch",
+                line.input_text(Owner::Station(own), input),
+                line.operation((own, op)).name
+            ),
+            _ => self.text().to_owned(),
+        }
+    }
+
     /// The cause of a stop of this operation, e.g. `took too long: LS_closed (clamp 1 io, node 21h, 6000h:01 bit 1) did
     /// not come within 1 s`.
     pub fn text_of(self, line: &Line, station: StationId, op: OpId, block: Block) -> String {
@@ -20,6 +43,7 @@ impl Cause {
                 let within = duration_text(operation.watchdog);
                 format!("{}: {} did not come within {within}", self.text(), input(signals.complete))
             }
+            (Cause::Interlock { .. } | Cause::PositionLost { .. }, _) => self.detail(line, station),
             (Cause::SwitchStuck, _) => format!("{}: {}", self.text(), input(signals.complete)),
             (Cause::Signal, Some(fault)) => format!("{}: {} is on", self.text(), input(fault)),
             _ => self.text().to_owned(),

@@ -3,10 +3,12 @@
 //! The two are kept apart on purpose: the wire format can grow without touching the core. A message that does not
 //! fit the description is an error with the field that does not, never a guess.
 
-use linewright_line::net::ControlMode;
-use linewright_line::{Line, OpId, StationId};
-use linewright_msgs::{Answer as AnswerMessage, StationState};
-use linewright_station_logic::{Answer, Controller, Report, Request};
+use std::time::Duration;
+
+use linewright_line::net::{Block, ControlMode};
+use linewright_line::{InputId, Line, OpId, StationId};
+use linewright_msgs::{Answer as AnswerMessage, StationEvent, StationState};
+use linewright_station_logic::{Answer, Controller, Event, Happening, Report, Request};
 use thiserror::Error;
 
 use crate::foreign::quoted;
@@ -73,7 +75,14 @@ pub fn report_to_message(line: &Line, controller: &Controller, now: linewright_l
     let described = line.station(station);
     message.station.clone_from(&described.name);
     message.mode_epoch = report.mode_epoch;
+    message.coordinator_boot_id = controller.followed();
     message.mode = report.mode.map_or(StationState::MODE_STANDBY, mode_to_code);
+    message.generation = report.generation;
+    message.set_measured(report.measured);
+    // A slow record may lie between the step and this.
+    let age = report.measured_age + now.since(controller.stepped());
+    message.measured_age_ms = u32::try_from(age.as_micros().div_ceil(1000)).unwrap_or(u32::MAX);
+    message.position_lost = report.position_lost.is_some();
     message.cycle = report.cycle;
     message.done = report.done;
     message.started = report.started;
@@ -139,6 +148,11 @@ pub fn report_from_message(line: &Line, message: &StationState) -> Result<(Stati
         boot_id: message.boot_id,
         mode_epoch: message.mode_epoch,
         mode: Some(mode_from_code(message.mode)?),
+        generation: message.generation,
+        measured: message.measured_word(),
+        measured_age: Duration::from_millis(message.measured_age_ms.into()),
+        // Which of its switches is off is in its own fault text; here it matters that one is.
+        position_lost: message.position_lost.then_some((OpId(0), InputId(0))),
         cycle: message.cycle,
         done: message.done.clone(),
         started: message.started.clone(),
@@ -167,4 +181,49 @@ fn answer_from_message(line: &Line, from: StationId, message: &AnswerMessage) ->
         number: message.request_number,
         in_the_way,
     })
+}
+
+/// What kind of event it is in a message, and of which operation.
+pub(crate) fn kind_of(event: &Event) -> (u8, Option<OpId>) {
+    match event.what {
+        Happening::Started(op, Block::Normal) => (StationEvent::KIND_STARTED, Some(op)),
+        Happening::Started(op, Block::Recovery) => (StationEvent::KIND_UNDO_STARTED, Some(op)),
+        Happening::Completed(op, Block::Normal) => (StationEvent::KIND_COMPLETED, Some(op)),
+        Happening::Completed(op, Block::Recovery) => (StationEvent::KIND_UNDONE, Some(op)),
+        Happening::Stopped(op, _, cause) if cause.is_fault() => (StationEvent::KIND_FAULT, Some(op)),
+        Happening::Stopped(op, _, _) => (StationEvent::KIND_STOPPED, Some(op)),
+        Happening::Withdrawn(_) | Happening::HomeAgain | Happening::Asked(_) => (StationEvent::KIND_WITHDRAWN, None),
+        Happening::NotAgreed { .. } | Happening::Refused => (StationEvent::KIND_REFUSED, None),
+        Happening::Founded | Happening::Rejoined | Happening::PositionFound => (StationEvent::KIND_COMPLETED, None),
+        Happening::PositionLost(op, _) => (StationEvent::KIND_FAULT, Some(op)),
+        Happening::Mode(_) => (StationEvent::KIND_MODE, None),
+        Happening::Devices(_) => (StationEvent::KIND_DEVICES, None),
+        Happening::Ordered(_) | Happening::Securing(_) => (StationEvent::KIND_STARTED, None),
+        Happening::OrderDone(_) => (StationEvent::KIND_COMPLETED, None),
+        Happening::OrderFailed(..) => (StationEvent::KIND_STOPPED, None),
+        Happening::OrderRefused(_) => (StationEvent::KIND_REFUSED, None),
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use linewright_line::{Tick, parse};
+    use linewright_station_logic::{Input, Outbox, Restore};
+
+    use super::*;
+
+    #[test]
+    fn the_age_of_an_image_counts_the_time_since_the_step() {
+        let line = parse("line.toml", include_str!("../../../model/line/tests/descriptions/cell.toml"));
+        let line = line.unwrap_or_else(|problems| panic!("{problems:#}")).line;
+        let mut controller = Controller::new(&line, StationId(0), 7, Restore::Fresh).expect("it compiles");
+        let (now, mut message) = (Tick::from_millis(1000), StationState::default());
+        let (until, under) = (now + line.timing.stale, 0);
+        controller.handle(now, Input::Inputs { bits: 0, valid: true, until, under });
+        controller.step(now, &mut Outbox::default());
+        for waited in [0, 400] {
+            report_to_message(&line, &controller, now + Duration::from_millis(waited), &mut message);
+            assert_eq!(u64::from(message.measured_age_ms), waited);
+        }
+    }
 }

@@ -1,11 +1,14 @@
 //! The station's snapshot as a journal record.
 //!
 //! Text, so that a person can read what a station remembers (`strings`). A record that does not fit the description —
-//! another line, an edited one — is refused with the reason; the station then starts afresh only if told to.
+//! another line, an edited one — gives no snapshot but the reason; the station then comes up without memory, and without a
+//! generation.
 
 use linewright_line::net::Place;
 use linewright_line::{Line, OpId, StationId};
-use linewright_station_logic::{Failure, OrderKey, OrderMemory, Outcome, Refusal, Reply, Snapshot};
+use linewright_station_logic::{
+    CompileError, Controller, Failure, OrderKey, OrderMemory, Outcome, Refusal, Reply, Restore, Snapshot,
+};
 use serde::{Deserialize, Serialize};
 use thiserror::Error;
 
@@ -21,14 +24,20 @@ pub enum RecordError {
         error: serde_json::Error,
     },
     /// It belongs to another description.
-    #[error("the journal of {station} belongs to another description ({what}); remove {hint} to start afresh")]
+    #[error("the journal of {station} belongs to another description ({what})")]
     OtherDescription {
         /// The station.
         station: String,
         /// What differs.
         what: &'static str,
-        /// What to remove.
-        hint: String,
+    },
+    /// What it says cannot be.
+    #[error("the journal of {station} cannot be used: {error}")]
+    Contradicts {
+        /// The station.
+        station: String,
+        /// What is wrong.
+        error: CompileError,
     },
 }
 
@@ -43,6 +52,15 @@ struct Record {
     started: Vec<i32>,
     path: Option<u16>,
     next_request: u64,
+    /// The generation of the counts; 0 for none.
+    #[serde(default)]
+    generation: u64,
+    /// The marking says where the mechanisms stand.
+    #[serde(default)]
+    placed: bool,
+    /// Which start of the host it was written in.
+    #[serde(default)]
+    host: String,
     /// Stations on order alone have it, so that the records of all others are what they were before there were any.
     #[serde(default, skip_serializing_if = "Option::is_none")]
     order: Option<OrderRecord>,
@@ -57,6 +75,8 @@ struct OrderRecord {
     slot: Option<(u64, u64)>,
     /// Epoch, id, and how it ended: `done`, a code, or why it was refused.
     results: Vec<(u64, u64, String)>,
+    #[serde(default)]
+    secured: Option<(u64, u64)>,
 }
 
 /// Why an order was refused for good, in the words of the record.
@@ -76,6 +96,7 @@ impl OrderRecord {
             last: memory.last,
             slot: memory.slot.map(|key| (key.epoch, key.id)),
             results: memory.results.iter().filter_map(|&(key, r)| Some((key.epoch, key.id, word(r)?))).collect(),
+            secured: memory.secured.map(|key| (key.epoch, key.id)),
         }
     }
 
@@ -87,6 +108,7 @@ impl OrderRecord {
             last: self.last,
             slot: self.slot.map(|(epoch, id)| OrderKey { epoch, id }),
             results: self.results.iter().map(result).collect::<Option<_>>()?,
+            secured: self.secured.map(|(epoch, id)| OrderKey { epoch, id }),
         })
     }
 }
@@ -113,8 +135,8 @@ fn reply(word: &str) -> Option<Reply> {
     word.parse().ok().and_then(Failure::from_code).map(|failure| Reply::Ended(Outcome::Failed(failure)))
 }
 
-/// The record of a snapshot.
-pub fn to_record(line: &Line, station: StationId, snapshot: &Snapshot) -> Vec<u8> {
+/// The record of a snapshot, written in this start of the host.
+pub fn to_record(line: &Line, station: StationId, snapshot: &Snapshot, host: &str) -> Vec<u8> {
     let described = line.station(station);
     let record = Record {
         station: described.name.clone(),
@@ -125,6 +147,9 @@ pub fn to_record(line: &Line, station: StationId, snapshot: &Snapshot) -> Vec<u8
         started: snapshot.started.clone(),
         path: snapshot.path.map(|op| op.0),
         next_request: snapshot.next_request,
+        generation: snapshot.generation,
+        placed: snapshot.placed,
+        host: host.to_owned(),
         order: snapshot.order.as_ref().map(OrderRecord::of),
     };
     serde_json::to_vec(&record).unwrap_or_default()
@@ -134,12 +159,12 @@ pub fn to_record(line: &Line, station: StationId, snapshot: &Snapshot) -> Vec<u8
 ///
 /// # Errors
 /// When the record cannot be read or belongs to another description.
-pub fn from_record(line: &Line, station: StationId, record: &[u8], path: &str) -> Result<Snapshot, RecordError> {
+pub fn from_record(line: &Line, station: StationId, record: &[u8], host: &str) -> Result<Snapshot, RecordError> {
     let described = line.station(station);
     let name = || described.name.clone();
     let record: Record =
         serde_json::from_slice(record).map_err(|error| RecordError::Unreadable { station: name(), error })?;
-    let other = |what| RecordError::OtherDescription { station: name(), what, hint: path.to_owned() };
+    let other = |what| RecordError::OtherDescription { station: name(), what };
     let operations = described.operations.len();
     if record.station != described.name {
         return Err(other("station"));
@@ -163,19 +188,28 @@ pub fn from_record(line: &Line, station: StationId, record: &[u8], path: &str) -
         Some(op) if usize::from(op) >= operations => return Err(other("recovery path")),
         path => path.map(OpId),
     };
+    // A record is not flushed: from before the host's last start it may be older than what the station has reported since.
+    let is_newest = record.host == host && !host.is_empty();
+    let generation = if is_newest { record.generation } else { 0 };
     let order = record.order.map(|order| order.memory().ok_or_else(|| other("orders"))).transpose()?;
     if order.is_some() != described.works_on_order() {
         return Err(other("orders"));
     }
-    Ok(Snapshot {
+    let snapshot = Snapshot {
         marking,
         cycle: record.cycle,
         done: record.done,
         started: record.started,
         path,
         next_request: record.next_request,
+        generation,
+        placed: is_newest && record.placed,
         order,
-    })
+    };
+    // What the controller refuses must not keep the node from starting.
+    Controller::new(line, station, 1, Restore::From(snapshot.clone()))
+        .map_err(|error| RecordError::Contradicts { station: name(), error })?;
+    Ok(snapshot)
 }
 
 /// The marking holds one token for each operation of exactly one step.
@@ -188,7 +222,7 @@ fn is_one_step(station: &linewright_line::Station, marking: &[Place]) -> bool {
 #[cfg(test)]
 mod tests {
     use linewright_line::parse;
-    use linewright_station_logic::{Controller, Restore, TaskCommand, TaskOrder};
+    use linewright_station_logic::{TaskCommand, TaskOrder};
 
     use super::*;
 
@@ -222,14 +256,15 @@ mod tests {
         let orders = kept.order.as_mut().expect("it works on order");
         assert_eq!((orders.memory, orders.epoch, orders.last, orders.results.len()), (7, 2, 5, 1));
         orders.slot = Some(OrderKey { epoch: 2, id: 6 });
+        orders.secured = Some(OrderKey { epoch: 2, id: 4 });
         let failures =
             [1, 999, 1000, 1001, 1002, 1003, 1004, 1005].map(|code| Failure::from_code(code).expect("known"));
         let ends = failures.map(|failure| Reply::Ended(Outcome::Failed(failure)));
         let replies = [Reply::Ended(Outcome::Done)].into_iter().chain(ends);
         let replies = replies.chain(REFUSALS.map(|(_, refusal)| Reply::Refused(refusal)));
         orders.results = replies.enumerate().map(|(id, reply)| (OrderKey { epoch: 2, id: id as u64 }, reply)).collect();
-        let record = to_record(&line, StationId(0), &kept);
-        assert_eq!(from_record(&line, StationId(0), &record, "path").expect("its own record"), kept);
+        let record = to_record(&line, StationId(0), &kept, "host");
+        assert_eq!(from_record(&line, StationId(0), &record, "host").expect("its own record"), kept);
         for (_, refusal) in REFUSALS {
             assert!(!refusal.is_passing(), "{refusal:?} is not kept");
         }
@@ -239,23 +274,51 @@ mod tests {
     fn the_records_of_other_stations_are_what_they_were_before_there_were_orders() {
         let line = line(CYCLIC);
         let kept = snapshot(&line);
-        let record = String::from_utf8(to_record(&line, StationId(0), &kept)).expect("text");
+        let record = String::from_utf8(to_record(&line, StationId(0), &kept, "host")).expect("text");
         assert_eq!(
             record,
-            r#"{"station":"feeder","operations":["push","pull back"],"marking":[[1,3]],"cycle":0,"done":[0,0],"started":[0,0],"path":null,"next_request":1}"#
+            r#"{"station":"feeder","operations":["push","pull back"],"marking":[[1,3]],"cycle":0,"done":[0,0],"started":[0,0],"path":null,"next_request":1,"generation":0,"placed":true,"host":"host"}"#
         );
-        assert_eq!(from_record(&line, StationId(0), record.as_bytes(), "path").expect("its own record"), kept);
+        assert_eq!(from_record(&line, StationId(0), record.as_bytes(), "host").expect("its own record"), kept);
+    }
+
+    #[test]
+    fn a_record_that_contradicts_itself_is_refused_as_a_record() {
+        let line = line(CYCLIC);
+        let record = String::from_utf8(to_record(&line, StationId(0), &snapshot(&line), "host")).expect("text");
+        for (from, to) in [(r#""started":[0,0]"#, r#""started":[-3,0]"#), (r#""cycle":0"#, r#""cycle":2147483647"#)] {
+            let text = record.replace(from, to);
+            assert_ne!(text, record);
+            let error = from_record(&line, StationId(0), text.as_bytes(), "host").expect_err("refused").to_string();
+            assert!(error.contains("feeder") && error.contains("its counts contradict each other"), "{error}");
+        }
+    }
+
+    #[test]
+    fn a_record_from_before_the_hosts_last_start_has_no_generation() {
+        let line = line(CYCLIC);
+        let mut kept = snapshot(&line);
+        kept.generation = 9;
+        let record = to_record(&line, StationId(0), &kept, "this start");
+        let read = |host: &str| {
+            let read = from_record(&line, StationId(0), &record, host).expect("its own record");
+            (read.generation, read.placed)
+        };
+        assert_eq!([read("this start"), read("another start"), read("")], [(9, true), (0, false), (0, false)]);
+        // One written before there were generations.
+        let old = r#"{"station":"feeder","operations":["push","pull back"],"marking":[[1,3]],"cycle":0,"done":[0,0],"started":[0,0],"path":null,"next_request":1}"#;
+        assert_eq!(from_record(&line, StationId(0), old.as_bytes(), "this start").expect("it fits").generation, 0);
     }
 
     #[test]
     fn a_record_without_orders_is_not_one_of_a_station_on_order_nor_the_other_way_round() {
         let line = line(ON_ORDER);
         let mut kept = snapshot(&line);
-        let with = String::from_utf8(to_record(&line, StationId(0), &kept)).expect("text");
+        let with = String::from_utf8(to_record(&line, StationId(0), &kept, "host")).expect("text");
         kept.order = None;
-        let without = to_record(&line, StationId(0), &kept);
+        let without = to_record(&line, StationId(0), &kept, "host");
         let refused =
-            |record: &[u8]| from_record(&line, StationId(0), record, "path").expect_err("refused").to_string();
+            |record: &[u8]| from_record(&line, StationId(0), record, "host").expect_err("refused").to_string();
         assert!(refused(&without).contains("belongs to another description (orders)"));
         for odd in ["1006", "-1", "fine", ""] {
             let text = with.replace("\"1004\"", &format!("\"{odd}\""));

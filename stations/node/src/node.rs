@@ -3,24 +3,23 @@
 use std::path::PathBuf;
 use std::time::Duration;
 
-use linewright_fieldbus::{Bus as CanBus, BusError, Clock, Driver, Event as BusEvent, Manager, ManagerError};
-use linewright_line::net::Block;
+use linewright_fieldbus::{
+    Bus as CanBus, BusError, Clock, Driver, DriverError, Event as BusEvent, Manager, ManagerError,
+};
 use linewright_line::{Bus, Line, OpId, Owner, StationId, Tick};
 use linewright_msgs::{ModeOrder, ProcessImage, StationEvent, StationState, fitting};
 use linewright_node_shell::{
-    Forward, Journal, JournalError, NewestBySequence, OpenError, Participant, TopicError, Watchdog, fresh_boot_id,
-    stamp,
+    Forward, Journal, JournalError, OpenError, Participant, TopicError, Watchdog, fresh_boot_id, stamp,
 };
-use linewright_station_logic::{
-    CompileError, Controller, Event, Happening, Input, ModeOrder as Order, NO_DELAY, Outbox, PanelCommand, Restore,
-};
+use linewright_station_logic::{CompileError, Event, Founding, Happening, ModeOrder as Order, PanelCommand, Restore};
+use linewright_station_shell::{Driven, InputsMessage, StationArrival, StationEffect, StationShell};
 use thiserror::Error;
 use tokio::sync::{mpsc, watch};
 
-use crate::convert::{mode_from_code, report_from_message, report_to_message};
+use crate::convert::{kind_of, mode_from_code, report_from_message, report_to_message};
 use crate::devices::{Asked, Devices, Trouble};
 use crate::foreign::quoted;
-use crate::journal::{RecordError, from_record, to_record};
+use crate::journal::{from_record, to_record};
 use crate::topics::{Arrived, Says, open};
 use crate::words::Words;
 
@@ -39,15 +38,20 @@ pub enum NodeError {
     /// The station's own bus is not to be had.
     #[error(transparent)]
     Bus(#[from] BusError),
+    /// The station's own bus is gone, or another manager's.
+    #[error("station {station}: {error}")]
+    Driver {
+        /// The station.
+        station: String,
+        /// Which, and what to do.
+        error: DriverError,
+    },
     /// The station's devices cannot share a bus.
     #[error(transparent)]
     Manager(#[from] ManagerError),
     /// The journal cannot be used.
     #[error(transparent)]
     Journal(#[from] JournalError),
-    /// The journal's record cannot be used.
-    #[error(transparent)]
-    Record(#[from] RecordError),
     /// A subscription has ended; the middleware has failed.
     #[error("{station}: the middleware has failed; see the log")]
     Middleware {
@@ -73,48 +77,22 @@ pub struct Options {
 /// Runs the station until `stop` turns true, then lets go of its outputs.
 ///
 /// # Errors
-/// When it cannot start, or when the middleware or the journal fails under it. Its outputs go off by themselves then:
-/// the devices watch the heartbeat of whoever drives them, and the gateway the age of the image.
-pub async fn run(
-    options: Options,
-    participant: &Participant,
-    mut stop: watch::Receiver<bool>,
-) -> Result<(), NodeError> {
+/// When it cannot start, or when the middleware or the journal fails under it. It lets go of its outputs on every way out;
+/// where it has none left, the devices watch the heartbeat of whoever drives them, and the gateway the age of the image.
+pub async fn run(options: Options, participant: &Participant, stop: watch::Receiver<bool>) -> Result<(), NodeError> {
     let watchdog = Watchdog::start(&options.line.station(options.station).name, Watchdog::LIMIT);
     let mut node = Shell::start(options, participant)?;
-    node.act();
-    loop {
-        watchdog.feed();
-        let deadline = node.deadline();
-        tokio::select! {
-            biased;
-            changed = stop.changed() => {
-                if changed.is_err() || *stop.borrow() {
-                    break;
-                }
-            }
-            arrived = node.from.recv() => match arrived {
-                Some(arrived) => node.arrived(arrived),
-                None => return Err(NodeError::Middleware { station: node.name.clone() }),
-            },
-            events = next_bus_events(&mut node.driver) => node.bus_events(&events),
-            asked = next_asked(&mut node.devices) => node.asked(asked),
-            () = node.clock.sleep_until(deadline) => {}
-            () = tokio::time::sleep(Watchdog::FEED) => {}
-        }
-        node.act();
-        if let Some(error) = node.failed.take() {
-            return Err(error);
-        }
-        if node.tasks.iter().any(Forward::is_finished) || node.devices.as_ref().is_some_and(Devices::is_failed) {
-            return Err(NodeError::Middleware { station: node.name.clone() });
-        }
+    if let Some(last) = node.driver.as_ref().map(Driver::last_frames) {
+        watchdog.before_the_end(move || {
+            last.send();
+        });
     }
+    let outcome = node.work(&watchdog, stop).await;
     node.end();
-    Ok(())
+    outcome
 }
 
-async fn next_bus_events(driver: &mut Option<Driver>) -> Vec<BusEvent> {
+async fn next_bus_events(driver: &mut Option<Driver>) -> Result<Vec<BusEvent>, DriverError> {
     match driver {
         Some(driver) => driver.next().await,
         None => std::future::pending().await,
@@ -128,42 +106,41 @@ async fn next_asked(devices: &mut Option<Devices>) -> Asked {
     }
 }
 
+/// So many messages are taken between two steps: what waits is taken in before anything is decided, and no flood of
+/// messages keeps the bus or an order to stop waiting.
+const TAKEN_AT_ONCE: usize = 64;
+
 struct Shell {
     line: Line,
     station: StationId,
     name: String,
     clock: Clock,
-    controller: Controller,
-    outbox: Outbox,
-    unperformed: bool,
-    /// Which outputs were last sent: their number, and the life of the devices.
-    driven: Option<(u64, u64)>,
+    shell: StationShell,
+    /// What there is to do, in this order.
+    effects: Vec<StationEffect>,
     driver: Option<Driver>,
     /// What ROS 2 sees of the devices on its own bus.
     devices: Option<Devices>,
     trouble: Option<Trouble>,
     words: Words,
     journal: Option<Journal>,
+    /// Which start of the host this is.
+    host: String,
     says: Says,
     from: mpsc::Receiver<Arrived>,
     tasks: Vec<Forward>,
-    boot_id: u64,
-    state_sequence: u64,
-    image_sequence: u64,
     event_sequence: u64,
-    orders: NewestBySequence,
-    images: NewestBySequence,
-    states: Vec<NewestBySequence>,
-    /// Changes when the devices are lost: of the input image the controller last saw, told with the outputs.
-    lives: u64,
-    /// The input image the controller last saw.
-    inputs: u128,
-    refresh_due: Tick,
     message: StationState,
-    ignored: u64,
-    failed: Option<NodeError>,
+    has_ended: bool,
     // The node must outlive its publishers and subscriptions.
     _node: linewright_node_shell::Node,
+}
+
+/// An end that nobody has planned lets go of the outputs as well.
+impl Drop for Shell {
+    fn drop(&mut self) {
+        self.end();
+    }
 }
 
 impl Shell {
@@ -172,17 +149,25 @@ impl Shell {
         let name = line.station(station).name.clone();
         let mut journal = None;
         let mut restore = Restore::Fresh;
+        let host = host_start();
         if let Some(dir) = state_dir {
             let path = dir.join(format!("{name}.journal"));
             let (opened, record) = Journal::open(&path)?;
             if let Some(record) = record {
-                restore = Restore::From(from_record(&line, station, &record, &path.display().to_string())?);
-                tracing::info!(station = name, "goes on from its journal");
+                match from_record(&line, station, &record, &host) {
+                    Ok(snapshot) => {
+                        let lost = if snapshot.generation == 0 { ", without a memory of common counts" } else { "" };
+                        tracing::info!(station = name, "goes on from its journal{lost}");
+                        restore = Restore::From(snapshot);
+                    }
+                    // Without memory it has no generation, so no other station builds on it, and it on none.
+                    Err(error) => tracing::warn!(station = name, "comes up without memory: {error}"),
+                }
             }
             journal = Some(opened);
         }
         let boot_id = fresh_boot_id();
-        let controller = Controller::new(&line, station, boot_id, restore)?;
+        let shell = StationShell::new(&line, station, boot_id, restore)?;
         let driver = match &line.station(station).bus {
             Bus::Line => None,
             Bus::Own(interface) => {
@@ -193,121 +178,141 @@ impl Shell {
             }
         };
         let mut node = participant.node(&format!("/{}", line.name), &name)?;
-        let (says, from, tasks) = open(&mut node, &line, station, boot_id, controller.peers())?;
+        let (says, from, tasks) = open(&mut node, &line, station, boot_id, shell.controller().peers())?;
         let own = line.devices_of(Owner::Station(station));
         let devices = driver.as_ref().map(|_| Devices::open(&mut node, &line, own)).transpose()?;
         let owner = Owner::Station(station);
         let trouble = driver.as_ref().map(|_| Trouble::open(&mut node, "~/trouble", owner)).transpose()?;
-        let states = line.stations.iter().map(|_| NewestBySequence::new()).collect();
         Ok(Shell {
             line,
             station,
             name,
             clock,
-            controller,
-            outbox: Outbox::default(),
-            unperformed: false,
-            driven: None,
+            shell,
+            effects: Vec::new(),
             driver,
             devices,
             trouble,
             words: Words::default(),
             journal,
+            host,
             says,
             from,
             tasks,
-            boot_id,
-            state_sequence: 0,
-            image_sequence: 0,
             event_sequence: 0,
-            orders: NewestBySequence::new(),
-            images: NewestBySequence::new(),
-            states,
-            lives: 0,
-            inputs: 0,
-            refresh_due: Tick::ZERO,
             message: StationState::default(),
-            ignored: 0,
-            failed: None,
+            has_ended: false,
             _node: node,
         })
     }
 
-    fn deadline(&self) -> Option<Tick> {
-        let devices = self.devices.as_ref().map_or(Tick::NEVER, Devices::deadline);
-        Some(self.controller.next_deadline().unwrap_or(Tick::NEVER).min(self.refresh_due).min(devices))
-    }
-
-    fn handle(&mut self, input: Input<'_>) {
-        let now = self.clock.now();
-        if !self.controller.handle(now, input) {
-            self.ignore("it does not apply here");
+    async fn work(&mut self, watchdog: &Watchdog, mut stop: watch::Receiver<bool>) -> Result<(), NodeError> {
+        self.act()?;
+        loop {
+            watchdog.feed();
+            let deadline = self.deadline();
+            tokio::select! {
+                biased;
+                changed = stop.changed() => {
+                    if changed.is_err() || *stop.borrow() {
+                        return Ok(());
+                    }
+                }
+                events = next_bus_events(&mut self.driver) => match events {
+                    Ok(events) => self.bus_events(&events),
+                    // On another manager's bus nothing is sent, and on one that is gone nothing arrives.
+                    Err(error) => return Err(NodeError::Driver { station: self.name.clone(), error }),
+                },
+                arrived = self.from.recv() => match arrived {
+                    Some(arrived) => self.arrived(arrived),
+                    None => return Err(self.cut_off()),
+                },
+                asked = next_asked(&mut self.devices) => self.asked(asked),
+                () = self.clock.sleep_until(Some(deadline)) => {}
+                () = tokio::time::sleep(Watchdog::FEED) => {}
+            }
+            for _ in 0..TAKEN_AT_ONCE {
+                let Ok(arrived) = self.from.try_recv() else { break };
+                self.arrived(arrived);
+            }
+            self.act()?;
+            if self.tasks.iter().any(Forward::is_finished) || self.devices.as_ref().is_some_and(Devices::is_failed) {
+                return Err(self.cut_off());
+            }
         }
     }
 
-    /// Counted, and said for the 1st, 2nd, 4th, 8th …: a sender of rubbish must not fill a disk.
+    fn cut_off(&self) -> NodeError {
+        NodeError::Middleware { station: self.name.clone() }
+    }
+
+    fn deadline(&self) -> Tick {
+        self.shell.next_deadline().min(self.devices.as_ref().map_or(Tick::NEVER, Devices::deadline))
+    }
+
+    fn handle(&mut self, arrival: StationArrival<'_>) {
+        self.shell.handle(self.clock.now(), arrival, &mut self.effects);
+    }
+
     fn ignore(&mut self, why: impl std::fmt::Display) {
-        self.ignored += 1;
-        if self.ignored.is_power_of_two() {
-            tracing::warn!(station = self.name, ignored = self.ignored, "ignored a message: {why}");
-            self.event_sequence += 1;
-            self.says.event.send(StationEvent {
-                header: stamp(),
-                station: self.name.clone(),
-                sequence: self.event_sequence,
-                kind: StationEvent::KIND_IGNORED,
-                operation: String::new(),
-                cycle: self.controller.cycle(),
-                text: format!("ignored {} so far: {why}", self.ignored),
-            });
-        }
+        self.shell.ignore(why, &mut self.effects);
     }
 
     fn arrived(&mut self, arrived: Arrived) {
-        let stale = self.line.timing.stale;
         match arrived {
-            Arrived::Order(message) => {
-                if self.orders.offer(message.boot_id, message.sequence).is_newest() {
-                    match order_from_message(&message) {
-                        Ok(order) => self.handle(Input::Order(order)),
-                        Err(error) => self.ignore(error),
-                    }
-                }
-            }
+            Arrived::Order(message) => match order_from_message(&message, self.station) {
+                Ok(order) => self.handle(StationArrival::Order { sequence: message.sequence, order }),
+                Err(error) => self.ignore(error),
+            },
             Arrived::State(message) => match report_from_message(&self.line, &message) {
                 Ok((station, report)) => {
-                    if self.states[station.index()].offer(message.boot_id, message.sequence).is_newest() {
-                        self.handle(Input::View(station, &report));
-                    }
+                    self.handle(StationArrival::State { station, sequence: message.sequence, report: &report });
                 }
                 Err(error) => self.ignore(error),
             },
-            Arrived::Inputs(message) => {
-                if self.images.offer(message.boot_id, message.sequence).is_newest() {
-                    let until = self.clock.now() + stale;
-                    let under = if message.number_boot_id == self.boot_id { message.number } else { 0 };
-                    self.image(message.word(), message.valid, message.lives, until, under);
-                }
-            }
+            Arrived::Inputs(message) => self.handle(StationArrival::Inputs(InputsMessage {
+                boot_id: message.boot_id,
+                sequence: message.sequence,
+                bits: message.word(),
+                valid: message.valid,
+                lives: message.lives,
+                under: (message.number_boot_id, message.number),
+            })),
             Arrived::Trouble(text) => self.words.trouble(&text),
             Arrived::Selector(text) => match text.trim() {
-                "manual" => self.handle(Input::Panel(PanelCommand::Selector(true))),
-                "auto" => self.handle(Input::Panel(PanelCommand::Selector(false))),
+                "manual" => self.panel(PanelCommand::Selector(true)),
+                "auto" => self.panel(PanelCommand::Selector(false)),
                 other => self.ignore(format!("selector '{}': expected auto or manual", quoted(other))),
             },
             Arrived::Goal(asked) => {
                 if let Some(told) = self.says.orders.as_mut().and_then(|orders| orders.asked(asked)) {
-                    self.handle(Input::Task(told.command()));
+                    self.handle(StationArrival::Task(told.command()));
                 }
             }
             Arrived::Secure(key) => {
                 if let Some(told) = self.says.orders.as_mut().map(|orders| orders.secure(key)) {
-                    self.handle(Input::Task(told.command()));
+                    self.handle(StationArrival::Task(told.command()));
                 }
             }
-            Arrived::Advance(held) => self.handle(Input::Panel(PanelCommand::Advance(held))),
-            Arrived::Retract(held) => self.handle(Input::Panel(PanelCommand::Retract(held))),
+            Arrived::Rejoin(text) => self.rejoin(text.trim()),
+            Arrived::Advance(held) => self.panel(PanelCommand::Advance(held)),
+            Arrived::Retract(held) => self.panel(PanelCommand::Retract(held)),
         }
+    }
+
+    fn rejoin(&mut self, within: &str) {
+        let station = self.line.station(self.station);
+        let op = station.operation_named(within);
+        if op.is_none() && !within.is_empty() {
+            let names: Vec<&str> = station.operations.iter().map(|operation| operation.name.as_str()).collect();
+            let known = names.join(", ");
+            return self.ignore(format!("rejoin: '{}' is no operation here; operations are {known}", quoted(within)));
+        }
+        self.handle(StationArrival::Rejoin(op));
+    }
+
+    fn panel(&mut self, command: PanelCommand) {
+        self.handle(StationArrival::Panel(command));
     }
 
     fn bus_events(&mut self, events: &[BusEvent]) {
@@ -326,7 +331,8 @@ impl Shell {
         self.tell_trouble(self.clock.now());
         if let Some(driver) = &self.driver {
             let image = driver.inputs(owner);
-            self.image(image.bits, image.valid, u64::from(image.losses), Tick::NEVER, NO_DELAY);
+            let losses = u64::from(image.losses);
+            self.handle(StationArrival::Devices { bits: image.bits, valid: image.valid, losses });
         }
     }
 
@@ -344,120 +350,127 @@ impl Shell {
         }
     }
 
-    fn image(&mut self, bits: u128, valid: bool, lives: u64, until: Tick, under: u64) {
-        if self.lives != lives {
-            // A loss shorter than our scan: the devices have started over, so the controller must see it.
-            self.lives = lives;
-            self.handle(Input::Inputs { bits: 0, valid: false, until: Tick::NEVER, under });
-            let now = self.clock.now();
-            self.controller.step(now, &mut self.outbox);
-            // What this step has changed is performed after the one that follows.
-            self.unperformed |= self.outbox.changed;
-        }
-        self.inputs = bits;
-        self.handle(Input::Inputs { bits, valid, until, under });
-    }
-
-    /// Steps the controller and performs its outbox: remember, drive, tell.
-    fn act(&mut self) {
+    /// Performs what follows from what has arrived and from the time.
+    ///
+    /// # Errors
+    /// When the journal cannot be written. A station restarted without its journal would tell a past state: better to
+    /// end now, with the outputs off.
+    fn act(&mut self) -> Result<(), NodeError> {
         let now = self.clock.now();
-        self.controller.step(now, &mut self.outbox);
-        let changed = std::mem::take(&mut self.outbox.changed) | std::mem::take(&mut self.unperformed);
-        if changed && let Some(journal) = &mut self.journal {
-            let record = to_record(&self.line, self.station, &self.controller.snapshot());
-            if let Err(error) = journal.write(&record) {
-                // Without its journal a restarted station would tell a past state. Better to end now, outputs off.
-                self.failed = Some(error.into());
-                self.drive(0, true);
-                return;
-            }
-        }
         if let (Some(devices), Some(driver)) = (&mut self.devices, &self.driver) {
             devices.act(now, driver);
         }
         self.tell_trouble(now);
-        let due = now >= self.refresh_due;
-        let outputs = self.outbox.outputs;
-        self.drive(outputs, due || self.driven != Some((self.outbox.number, self.lives)));
-        if changed || due {
-            self.tell_state(now);
+        let mut effects = std::mem::take(&mut self.effects);
+        self.shell.act(now, &mut effects);
+        let (mut is_late, mut is_told, mut replies) = (false, false, Vec::new());
+        for effect in effects.drain(..) {
+            match effect {
+                StationEffect::Remember => {
+                    self.remember()?;
+                    is_late = !self.shell.remembered(self.clock.now());
+                }
+                // Decided before a record that took long: the loop goes round and decides again.
+                StationEffect::Drive(_) if is_late => {}
+                StationEffect::Drive(image) => self.drive(image),
+                StationEffect::Tell { sequence } => {
+                    is_told = true;
+                    self.tell_state(self.clock.now(), sequence);
+                }
+                StationEffect::Reply(key, reply) => replies.push((key, reply)),
+                StationEffect::Happened(event) => self.tell_event(&event),
+                StationEffect::Ignored { count, why } => self.tell_ignored(count, &why),
+            }
         }
+        self.effects = effects;
         if let Some(orders) = &mut self.says.orders {
-            orders.tell(&self.line, &self.controller, self.outbox.replies.drain(..), self.inputs, changed || due);
+            let (controller, inputs) = (self.shell.controller(), self.shell.inputs());
+            orders.tell(&self.line, controller, replies.into_iter(), inputs, is_told);
         }
-        if due {
-            self.refresh_due = now + self.line.timing.refresh;
-        }
-        let events: Vec<Event> = self.outbox.events.drain(..).collect();
-        for event in events {
-            self.tell_event(&event);
-        }
+        Ok(())
     }
 
-    fn drive(&mut self, outputs: u128, send: bool) {
-        if !send {
-            return;
+    fn remember(&mut self) -> Result<(), NodeError> {
+        if let Some(journal) = &mut self.journal {
+            journal.write(&to_record(&self.line, self.station, &self.shell.snapshot(), &self.host))?;
         }
-        self.driven = Some((self.outbox.number, self.lives));
+        Ok(())
+    }
+
+    fn drive(&mut self, image: Driven) {
         if let Some(driver) = &mut self.driver {
-            driver.set_outputs(Owner::Station(self.station), outputs);
+            driver.set_outputs(Owner::Station(self.station), image.bits);
         }
         if let Some(publisher) = &self.says.outputs {
-            self.image_sequence += 1;
-            let mut image = ProcessImage {
+            let mut message = ProcessImage {
                 header: stamp(),
-                boot_id: self.boot_id,
-                sequence: self.image_sequence,
+                boot_id: self.shell.boot_id(),
+                sequence: image.sequence,
                 valid: true,
-                lives: self.lives,
-                number: self.outbox.number,
+                lives: image.lives,
+                number: image.number,
+                mode_epoch: image.mode_epoch,
                 ..ProcessImage::default()
             };
-            image.set_word(outputs);
-            publisher.send(image);
+            message.set_word(image.bits);
+            publisher.send(message);
         }
     }
 
-    fn tell_state(&mut self, now: Tick) {
-        self.state_sequence += 1;
-        report_to_message(&self.line, &self.controller, now, &mut self.message);
+    fn tell_state(&mut self, now: Tick, sequence: u64) {
+        report_to_message(&self.line, self.shell.controller(), now, &mut self.message);
         let StationState { devices_valid, fault, blocked_by, .. } = &mut self.message;
         self.words.complete(*devices_valid, fault, blocked_by);
         self.message.header = stamp();
-        self.message.boot_id = self.boot_id;
-        self.message.sequence = self.state_sequence;
+        self.message.boot_id = self.shell.boot_id();
+        self.message.sequence = sequence;
         self.says.state.send(self.message.clone());
+    }
+
+    fn tell_ignored(&mut self, count: u64, why: &str) {
+        tracing::warn!(station = self.name, ignored = count, "ignored a message: {why}");
+        let cycle = self.shell.controller().cycle();
+        self.send_event(StationEvent::KIND_IGNORED, None, cycle, format!("ignored {count} so far: {why}"));
     }
 
     fn tell_event(&mut self, event: &Event) {
         let text = self.text_of(event);
         tracing::info!(station = self.name, cycle = event.cycle, "{text}");
-        self.event_sequence += 1;
         let (kind, op) = kind_of(event);
+        self.send_event(kind, op, event.cycle, text);
+    }
+
+    fn send_event(&mut self, kind: u8, op: Option<OpId>, cycle: i32, text: String) {
+        self.event_sequence += 1;
         self.says.event.send(StationEvent {
             header: stamp(),
             station: self.name.clone(),
             sequence: self.event_sequence,
             kind,
             operation: op.map(|op| self.line.operation((self.station, op)).name.clone()).unwrap_or_default(),
-            cycle: event.cycle,
+            cycle,
             text: fitting(text),
         });
     }
 
     fn text_of(&self, event: &Event) -> String {
-        let text = self.words.event(event, self.controller.event_text(&self.line, event));
+        let text = self.words.event(event, self.shell.controller().event_text(&self.line, event));
         if event.what == Happening::Refused {
             // The reasons are those of the state it was refused in, which is still the present one.
-            let reasons = self.controller.blocked_by(&self.line, self.clock.now());
+            let reasons = self.shell.controller().blocked_by(&self.line, self.clock.now());
             format!("{text}: waits for {}", reasons.join("; "))
         } else {
             text
         }
     }
 
+    /// Lets go of the outputs, on the own bus or by way of the gateway.
     fn end(&mut self) {
-        self.drive(0, true);
+        if std::mem::replace(&mut self.has_ended, true) {
+            return;
+        }
+        let off = self.shell.off();
+        self.drive(off);
         if let Some(driver) = &mut self.driver {
             driver.release_outputs();
         }
@@ -465,7 +478,14 @@ impl Shell {
     }
 }
 
-fn order_from_message(message: &ModeOrder) -> Result<Order, crate::ConvertError> {
+/// Which start of the host this is, as the kernel numbers it; empty where it cannot be read, which matches no record.
+fn host_start() -> String {
+    let id = std::fs::read_to_string("/proc/sys/kernel/random/boot_id").unwrap_or_default();
+    id.trim().to_owned()
+}
+
+fn order_from_message(message: &ModeOrder, own: StationId) -> Result<Order, crate::ConvertError> {
+    let life = message.found_lives.get(own.index()).copied().filter(|_| message.found_generation != 0);
     Ok(Order {
         boot_id: message.boot_id,
         epoch: message.epoch,
@@ -475,24 +495,6 @@ fn order_from_message(message: &ModeOrder) -> Result<Order, crate::ConvertError>
         manual_all: message.manual_all,
         buttons: message.buttons,
         lease: Duration::from_millis(message.lease_ms.into()),
+        found: life.map(|boot_id| Founding { generation: message.found_generation, boot_id }),
     })
-}
-
-fn kind_of(event: &Event) -> (u8, Option<OpId>) {
-    match event.what {
-        Happening::Started(op, Block::Normal) => (StationEvent::KIND_STARTED, Some(op)),
-        Happening::Started(op, Block::Recovery) => (StationEvent::KIND_UNDO_STARTED, Some(op)),
-        Happening::Completed(op, Block::Normal) => (StationEvent::KIND_COMPLETED, Some(op)),
-        Happening::Completed(op, Block::Recovery) => (StationEvent::KIND_UNDONE, Some(op)),
-        Happening::Stopped(op, _, cause) if cause.is_fault() => (StationEvent::KIND_FAULT, Some(op)),
-        Happening::Stopped(op, _, _) => (StationEvent::KIND_STOPPED, Some(op)),
-        Happening::Withdrawn(_) | Happening::HomeAgain | Happening::Asked(_) => (StationEvent::KIND_WITHDRAWN, None),
-        Happening::NotAgreed { .. } | Happening::Refused => (StationEvent::KIND_REFUSED, None),
-        Happening::Mode(_) => (StationEvent::KIND_MODE, None),
-        Happening::Devices(_) => (StationEvent::KIND_DEVICES, None),
-        Happening::Ordered(_) | Happening::Securing(_) => (StationEvent::KIND_STARTED, None),
-        Happening::OrderDone(_) => (StationEvent::KIND_COMPLETED, None),
-        Happening::OrderFailed(..) => (StationEvent::KIND_STOPPED, None),
-        Happening::OrderRefused(_) => (StationEvent::KIND_REFUSED, None),
-    }
 }

@@ -21,6 +21,9 @@ pub enum Arrived {
     Trouble(String),
     /// The panel's selector: `auto` or `manual`.
     Selector(String),
+    /// An operator confirms where the station stands: the name of the operation it was stopped in, or nothing where its
+    /// switches tell.
+    Rejoin(String),
     /// The panel's advance.
     Advance(bool),
     /// The panel's return.
@@ -66,6 +69,7 @@ pub fn open(
         forward(node.subscription("~/selector", qos::command())?, to.clone(), |m: Text, _| {
             Some(Arrived::Selector(m.data))
         }),
+        forward(node.subscription("~/rejoin", qos::command())?, to.clone(), |m: Text, _| Some(Arrived::Rejoin(m.data))),
         forward(node.subscription("~/advance", qos::command())?, to.clone(), |m: Flag, _| {
             Some(Arrived::Advance(m.data))
         }),

@@ -6,7 +6,7 @@ use super::Member;
 use crate::part::{Stream, cargo, lines};
 
 /// Crates that decide and never act: called with the time and their inputs, they return outputs.
-pub const PURE: [&str; 12] = [
+pub const PURE: [&str; 14] = [
     "linewright-nets",
     "linewright-problems",
     "linewright-text",
@@ -16,7 +16,9 @@ pub const PURE: [&str; 12] = [
     "linewright-cell",
     "linewright-dbc",
     "linewright-station-logic",
+    "linewright-station-shell",
     "linewright-coordinator-logic",
+    "linewright-coordinator-shell",
     "linewright-proof",
     "linewright-simulation",
 ];
@@ -39,7 +41,7 @@ const FORBIDDEN: [&str; 9] = [
 ];
 
 /// For each crate, those of the workspace it may build on. Dependencies point one way; a new crate gets a row here.
-const MAY_USE: [(&str, &[&str]); 22] = [
+const MAY_USE: [(&str, &[&str]); 24] = [
     ("linewright-nets", &[]),
     ("linewright-problems", &[]),
     ("linewright-text", &[]),
@@ -49,7 +51,18 @@ const MAY_USE: [(&str, &[&str]); 22] = [
     ("linewright-cell", &["linewright-nets", "linewright-text", "linewright-line"]),
     ("linewright-dbc", &["linewright-line"]),
     ("linewright-station-logic", &["linewright-nets", "linewright-line"]),
+    ("linewright-station-shell", &["linewright-line", "linewright-station-logic"]),
     ("linewright-coordinator-logic", &["linewright-nets", "linewright-line", "linewright-cell"]),
+    (
+        "linewright-coordinator-shell",
+        &[
+            "linewright-line",
+            "linewright-station-logic",
+            // Which of two messages is the newer one is decided once, there.
+            "linewright-station-shell",
+            "linewright-coordinator-logic",
+        ],
+    ),
     ("linewright-history", &["linewright-line", "linewright-coordinator-logic"]),
     ("linewright-msgs", &[]),
     ("linewright-node-shell", &["linewright-msgs"]),
@@ -63,6 +76,8 @@ const MAY_USE: [(&str, &[&str]); 22] = [
             "linewright-cell",
             "linewright-station-logic",
             "linewright-coordinator-logic",
+            // Orders between controllers and the token player are translated once, there.
+            "linewright-coordinator-shell",
         ],
     ),
     (
@@ -71,7 +86,9 @@ const MAY_USE: [(&str, &[&str]); 22] = [
             "linewright-text",
             "linewright-line",
             "linewright-station-logic",
+            "linewright-station-shell",
             "linewright-coordinator-logic",
+            "linewright-coordinator-shell",
             "linewright-plant",
         ],
     ),
@@ -80,6 +97,7 @@ const MAY_USE: [(&str, &[&str]); 22] = [
         &[
             "linewright-line",
             "linewright-station-logic",
+            "linewright-station-shell",
             "linewright-msgs",
             "linewright-node-shell",
             "linewright-fieldbus",
@@ -91,10 +109,12 @@ const MAY_USE: [(&str, &[&str]); 22] = [
             "linewright-line",
             "linewright-cell",
             "linewright-coordinator-logic",
+            "linewright-coordinator-shell",
             "linewright-history",
             // How a station's report looks as a message is written once, there.
             "linewright-station-node",
             "linewright-station-logic",
+            "linewright-station-shell",
             "linewright-msgs",
             "linewright-node-shell",
             "linewright-fieldbus",
@@ -116,7 +136,9 @@ const EVERYTHING: &[&str] = &[
     "linewright-cell",
     "linewright-dbc",
     "linewright-station-logic",
+    "linewright-station-shell",
     "linewright-coordinator-logic",
+    "linewright-coordinator-shell",
     "linewright-history",
     "linewright-msgs",
     "linewright-node-shell",

@@ -110,7 +110,7 @@ pub fn run(args: &Args, file: &Path) -> miette::Result<ExitCode> {
         }
         say!("{}", show::text(&cell, &made, asked).trim_end());
         if let Some(error) = &error {
-            eprintln!("linewright: {error}");
+            crate::out::complain!("linewright: {error}");
         }
     }
     Ok(if error.is_none() { ExitCode::SUCCESS } else { ExitCode::FAILURE })

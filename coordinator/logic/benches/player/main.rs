@@ -2,8 +2,9 @@
 //! 10 to 1,000 resources. Then what a state takes in memory.
 //!
 //! `cargo bench -p linewright-coordinator-logic --bench player [FIRINGS [RESOURCES]...]`. A firing is an activity from its
-//! start to its end, with the orders of its stations, the records, and the stations played here; so many are one sample. All that is compared
-//! is played in turns, so that what else the machine does hits all of it. Times are of this machine, best and median.
+//! start to its end, with the orders of its stations, the records, and the stations played here; so many are one sample.
+//! All that is compared is played in turns, so that what else the machine does hits all of it. Times are of this machine,
+//! best and median.
 
 mod bays;
 #[path = "../common/dice.rs"]

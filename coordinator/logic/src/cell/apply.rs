@@ -139,10 +139,17 @@ impl State {
         let (id, position, Order { station, state, .. }) = self.open(key)?;
         match state {
             OrderState::Written | OrderState::Running => (),
+            OrderState::Failed(Failure::TimedOut) if failure.is_expiry() && self.exceptions.is_securing(id) => (),
             OrderState::Ended | OrderState::Failed(_) => return Err(format!("{key} fails, but is {state:?}")),
         }
         self.answered(station, key);
-        self.change(id, |firing| firing.orders[position].state = OrderState::Failed(failure));
+        self.change(id, |firing| {
+            firing.orders[position].state = OrderState::Failed(failure);
+            // The same, said more exactly.
+            if firing.phase == Phase::Failed(Cause::Order { key, failure: Failure::TimedOut }) {
+                firing.phase = Phase::Failed(Cause::Order { key, failure });
+            }
+        });
         Ok(())
     }
 

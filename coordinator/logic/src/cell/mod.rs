@@ -32,6 +32,7 @@ mod plan;
 mod player;
 mod positions;
 pub mod production;
+mod protocol;
 mod question;
 mod reason;
 mod record;
@@ -53,6 +54,7 @@ pub use orders::{
 };
 pub use plan::{Activity, ActivityKind, CellKind, OrderTemplate, Pick, Plan, Product, Store, Value};
 pub use player::{Coordination, OldEpoch};
+pub use protocol::ProtocolRules;
 pub use question::{Answer, BadAnswer, Candidate, Dispatcher, Group, Held, Question, Start, check};
 pub use reason::{Gain, Ground, Lost, Outlook, Reason};
 pub use record::{Cause, Fact, Failure, Record, Refusal};

@@ -39,6 +39,7 @@ use super::orders::{
 };
 use super::plan::Value;
 use super::production::Change;
+use super::protocol::ProtocolRules;
 use super::question::{Answer, Candidate, Dispatcher, Question, Reason, check, pose};
 use super::record::{Cause, Fact, Failure, Record};
 use super::state::State;
@@ -61,13 +62,14 @@ pub struct OldEpoch {
 #[derive(Clone, Debug)]
 pub struct Coordination {
     pub(super) state: State,
-    starts: bool,
+    pub(super) starts: bool,
     /// The stations that were heard in this life.
-    heard: BTreeSet<StationId>,
+    pub(super) heard: BTreeSet<StationId>,
     /// What was sent in this life, of orders that nobody has taken on: how often, and when last.
-    sent: BTreeMap<OrderKey, (u32, Tick)>,
-    superseded: bool,
+    pub(super) sent: BTreeMap<OrderKey, (u32, Tick)>,
+    pub(super) superseded: bool,
     pub(super) watch: Watch,
+    pub(super) rules: ProtocolRules,
     /// When the dispatcher wants to be asked again.
     ask_again: Option<Tick>,
     /// How many records there were when he had answered, and how many stations had been heard.
@@ -97,6 +99,7 @@ impl Coordination {
             heard: BTreeSet::new(),
             sent: BTreeMap::new(),
             superseded: false,
+            rules: ProtocolRules::default(),
             ask_again: None,
             answered: None,
             cut_short: false,
@@ -128,7 +131,13 @@ impl Coordination {
         for input in inputs {
             match *input {
                 Input::Station(station, heard) => self.hear(now, station, heard, out),
-                Input::Reply(station, key, reply) => self.reply(now, station, key, reply, out),
+                Input::Reply(station, key, reply) => {
+                    // What has failed may be gone back from: its end says nothing of where the station is.
+                    if reply == Reply::Ended(Outcome::Done) {
+                        self.watch.done(station, key);
+                    }
+                    self.reply(now, station, key, reply, out);
+                }
                 Input::Secured(_, key, reply) => self.watch.answered(now, key, reply),
                 Input::Starts(may) => self.starts = may,
                 Input::Production(ticket, command) => {
@@ -224,20 +233,24 @@ impl Coordination {
     }
 
     fn reply(&mut self, now: Tick, station: StationId, key: OrderKey, reply: Reply, out: &mut Outbox) {
-        if let Reply::Ended(_) = reply {
-            self.watch.ended(station, key);
-        }
         // Of orders that are over, or another station's, nothing need be known.
         let known = self.state.order(key).filter(|(_, order)| order.station == station);
         let Some((firing, order)) = known else { return };
         let has_failed = firing.phase != Phase::Running;
+        let is_expiry = |code| Failure::of_code(code).is_expiry() && Failure::of_code(code) != Failure::TimedOut;
         let fact = match (reply, order.state) {
             (Reply::Running, OrderState::Written) => Fact::Acknowledged { key },
             (Reply::Ended(Outcome::Done), OrderState::Written | OrderState::Running) => Fact::OrderEnded { key },
             // Known to whoever has to find out what is true.
             (Reply::Ended(Outcome::Done), OrderState::Failed(_)) if has_failed => Fact::OrderEnded { key },
             (Reply::Ended(Outcome::Failed(code)), OrderState::Written | OrderState::Running) => {
-                Fact::OrderFailed { key, failure: Failure::Code(code) }
+                Fact::OrderFailed { key, failure: Failure::of_code(code) }
+            }
+            // Its time was over here first. What it waited for, the station says when it stands.
+            (Reply::Ended(Outcome::Failed(code)), OrderState::Failed(Failure::TimedOut))
+                if is_expiry(code) && self.state.exceptions().is_securing(firing.id) =>
+            {
+                Fact::OrderFailed { key, failure: Failure::of_code(code) }
             }
             (Reply::Refused(refusal), OrderState::Written) if !refusal.is_passing() => {
                 Fact::OrderFailed { key, failure: Failure::Refused(refusal) }
@@ -374,7 +387,9 @@ impl Coordination {
     /// the model. Until then it waits; it is not an exception.
     pub(super) fn is_heard(&self, now: Tick, mode: ModeId) -> bool {
         let (table, stale) = (&self.state.table, self.state.table.handling().stale);
-        let can_work = |station| self.heard.contains(&station) && self.watch.can_work(station, now, stale);
+        let can_work = |station| {
+            self.heard.contains(&station) && self.watch.can_work(station, now, stale) && !self.moves(now, station)
+        };
         table.activity(mode).orders.iter().all(|order| can_work(order.station))
             && !table.handling().mode(mode).resources().any(|id| self.watch.is_to_be_compared(&self.state, id))
     }

@@ -192,6 +192,38 @@ pub enum Cause {
     },
 }
 
+/// Up to here codes say what a station waited for until its time was over; above, they are the station's own.
+const WAITED_MAX: u16 = 999;
+/// The station's own for an order whose time was over while it waited for nothing.
+const OUT_OF_TIME: u16 = 1000;
+
+impl Failure {
+    /// What a code of a station says. Its clock means the same as the coordinator's.
+    pub fn of_code(code: u16) -> Self {
+        if code == OUT_OF_TIME { Failure::TimedOut } else { Failure::Code(code) }
+    }
+
+    /// Its time was over, whether the station's clock or the coordinator's was first.
+    pub fn is_expiry(self) -> bool {
+        match self {
+            Failure::TimedOut => true,
+            Failure::Code(code) => (1..=WAITED_MAX).contains(&code),
+            Failure::Refused(_) | Failure::Forgotten | Failure::Lost | Failure::DevicesLost => false,
+        }
+    }
+}
+
+impl Cause {
+    /// Some time was over.
+    pub fn is_expiry(self) -> bool {
+        match self {
+            Cause::TimedOut => true,
+            Cause::Order { key: _, failure } => failure.is_expiry(),
+            Cause::ByHand { .. } => false,
+        }
+    }
+}
+
 impl fmt::Display for Failure {
     fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
         match self {

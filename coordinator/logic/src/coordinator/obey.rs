@@ -29,12 +29,17 @@ impl Coordinator {
             (M::EStop, C::Manual) if self.estop => vec![Reason::EStop],
             (M::EStop, C::Manual) | (M::StandBy, C::Manual) => self.go_manual(),
             (M::EStop, C::Start | C::Stop | C::Auto | C::Hand) => vec![Reason::EStop],
-            (M::Home, C::Start) => self.ask(command, Vec::new()),
+            (M::Home, C::Start) => {
+                self.found();
+                self.ask(command, Vec::new())
+            }
             (M::Home, C::Stop) => vec![Reason::Already],
             (M::Home, C::Auto | C::Hand | C::Manual | C::Reset) => vec![Reason::WrongMode(vec![C::Start])],
             (M::StandBy, C::Start) => {
                 // Start in stand-by is the operator's word that a restarted station has been looked at.
-                self.acknowledge_restarts()
+                let founds = self.found();
+                let reasons = self.acknowledge_restarts();
+                if founds { Vec::new() } else { reasons }
             }
             (M::StandBy, C::Stop) => {
                 let mut reasons = self.unheard();
@@ -47,8 +52,12 @@ impl Coordinator {
                 reasons.extend(self.which(|h| h.selector_manual, Reason::SelectorManual));
                 self.ask(command, reasons)
             }
-            (M::StandBy | M::Hand, C::Auto) => self.ask(command, self.against_motion()),
+            (M::StandBy | M::Hand, C::Auto) => {
+                self.found();
+                self.ask(command, self.against_motion())
+            }
             (M::StandBy, C::Hand) => {
+                self.found();
                 let mut reasons = self.against_motion();
                 reasons.extend(self.against_rest());
                 self.ask(command, reasons)
@@ -100,11 +109,17 @@ impl Coordinator {
     }
 
     fn reset(&mut self) -> Vec<Reason> {
-        if self.wired(self.line.console.estop) {
+        if self.journal_lost {
+            return vec![Reason::JournalLost];
+        }
+        if self.estop_is_pressed() {
             return vec![Reason::EStopPressed];
         }
         if self.line.console.estop.is_some() && self.console_was_heard && !self.console.1 {
             return vec![Reason::ConsoleLost];
+        }
+        if self.line.console.estop.is_some() && self.console_is_unknown() {
+            return vec![Reason::ConsoleNeverHeard];
         }
         self.estop = false;
         self.decide(None);
@@ -114,6 +129,10 @@ impl Coordinator {
     fn go_manual(&mut self) -> Vec<Reason> {
         let mut reasons = self.which(|h| !h.stopped, Reason::Moving);
         reasons.extend(self.unheard());
+        reasons.extend(self.rival().map(Reason::OtherCoordinator));
+        if self.console_is_unknown() {
+            reasons.push(Reason::ConsoleNeverHeard);
+        }
         if reasons.is_empty() {
             // Who has not acknowledged stand-by yet does so in a moment, and the mode follows then.
             self.manual_all = true;
@@ -129,6 +148,7 @@ impl Coordinator {
             return selectors;
         }
         if matches!(command, Command::Auto | Command::Hand) {
+            self.found();
             let reasons = self.against_motion();
             if !reasons.is_empty() {
                 return reasons;

@@ -34,9 +34,19 @@ impl Bench {
     }
 
     pub fn of(line: Line, last_epoch: u64) -> Self {
-        let heard = Heard { boot_id: 7, at_home: true, stopped: true, devices_valid: true, ..Heard::default() };
+        let mut bench = Bench::of_unheard_console(line, last_epoch);
+        let untouched = bench.line.console.estop.filter(|contact| !contact.pressed);
+        let bits = untouched.map_or(0, |contact| 1 << contact.input.0);
+        bench.input(Input::Console { bits, valid: true });
+        bench
+    }
+
+    /// The console's devices are not up yet.
+    pub fn of_unheard_console(line: Line, last_epoch: u64) -> Self {
+        let heard =
+            Heard { boot_id: 7, at_home: true, stopped: true, devices_valid: true, generation: 1, ..Heard::default() };
         let mut bench = Bench {
-            coordinator: Coordinator::new(line.clone(), last_epoch),
+            coordinator: Coordinator::new(line.clone(), 1, last_epoch),
             heard: vec![heard; line.stations.len()],
             line,
             now: Tick::from_millis(1000),

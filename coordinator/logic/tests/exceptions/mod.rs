@@ -4,5 +4,6 @@
 mod bench;
 mod crash;
 mod missed;
+mod moves;
 mod rows;
 mod story;

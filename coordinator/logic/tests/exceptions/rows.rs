@@ -60,7 +60,7 @@ impl Bench {
         assert_eq!(self.state().parts().len(), 0);
     }
 
-    fn objections(&self) -> Vec<(Asked, Objection)> {
+    pub fn objections(&self) -> Vec<(Asked, Objection)> {
         let objected = |(_, event): &(_, Event)| match event {
             Event::Objected { to, why } => Some((*to, *why)),
             Event::BadAnswer { .. } | Event::Superseded { .. } | Event::Busy { .. } => None,
@@ -148,7 +148,8 @@ fn a_part_that_breaks_while_it_is_worked_on_is_gone() {
     let firing = bench.firing("M1.process<A.new>").expect("it has failed").clone();
     assert_eq!(bench.alarm().words, ["as-before", "as-done", "gone"]);
     assert!(bench.alarm().text.starts_with(
-        "M1.process with part 1 has failed. Say where the part is. (M1.process: m1 has ended with code 7,"
+        "M1.process with part 1 has failed. Say where the part is. (M1.process: m1 has not ended in time, what it \
+         waited for did not come (code 7),"
     ));
     bench.sim.truth.put(PART, None);
     bench.until(bench.sim.now.as_micros() as f64 / 1e6 + 1.0);

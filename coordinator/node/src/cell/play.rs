@@ -24,8 +24,9 @@ use linewright_coordinator_logic::described::{Pace, Unplayable, described, forem
 use linewright_history::Note;
 use linewright_line::{InputId, Line, StationId, Tick};
 use linewright_msgs::{CellState, SetResourceRequest, SetResourceResponse, SubmitOrders, WhyNotResponse};
-use linewright_node_shell::{Forward, NewestBySequence, Node, Reply, TopicError, fresh_key, stamp};
+use linewright_node_shell::{Forward, Node, Reply, TopicError, fresh_key, stamp};
 use linewright_station_node::quoted;
+use linewright_station_shell::NewestBySequence;
 use thiserror::Error;
 use tokio::sync::{mpsc, oneshot, watch};
 
@@ -268,7 +269,7 @@ impl Player {
             says,
             from,
             situation,
-            states: line.stations.iter().map(|_| NewestBySequence::new()).collect(),
+            states: vec![NewestBySequence::new(line.timing.stale); line.stations.len()],
             origin,
             began: tokio::time::Instant::now(),
             told: Vec::new(),
@@ -319,8 +320,8 @@ impl Player {
     fn take(&mut self, news: News) {
         match news {
             News::Heard(station, message) => {
-                let known = self.states.get_mut(station.index());
-                let newest = known.is_some_and(|known| known.offer(message.boot_id, message.sequence).is_newest());
+                let (now, known) = (self.now(), self.states.get_mut(station.index()));
+                let newest = known.is_some_and(|known| known.offer(now, message.boot_id, message.sequence));
                 if newest && message.station == self.line.station(station).name {
                     let (unable, sensor) = (self.unable[station.index()], self.sensors[station.index()]);
                     let (heard, refused) = wire::heard(&message, unable, sensor);

@@ -76,7 +76,9 @@ pub fn refused(line: &Line, state: &State, asked: Asked, why: Objection) -> Stri
         }
         Objection::NoSuchResource => "there is no such resource".to_owned(),
         Objection::AlreadySo => "it is so already".to_owned(),
-        Objection::Moves(id) => format!("{} is still at it", station(id)),
+        Objection::Moves(id) => {
+            format!("{} still moves; wait until it stands, look again where the part is, then answer", station(id))
+        }
         Objection::HasPart(id) => {
             format!("the sensor of {} sees a part, where by this answer there is none", resource(id))
         }

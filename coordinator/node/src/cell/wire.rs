@@ -72,8 +72,9 @@ pub fn secured(message: &OrderState) -> Option<(OrderKey, Reply)> {
     let doing = OrderKey { epoch: message.doing_epoch, id: message.doing_id };
     let end = message.ended.as_slice().iter().find(|end| self::key(end) == key);
     let reply = match end {
+        // What had ended before it was told may be gone back from.
+        _ if key == doing => Reply::Running,
         Some(end) => Reply::Ended(outcome(end)),
-        None if key == doing => Reply::Running,
         // It was too old for it, and is left all the same.
         None => Reply::Refused(Refusal::Old),
     };
@@ -220,7 +221,11 @@ mod tests {
         message.ended = Bounded::new(vec![end]).expect("one");
         assert_eq!(secured(&message), Some((key(5), Reply::Ended(Outcome::Failed(1005)))));
         (message.doing_epoch, message.doing_id, message.phase) = (2, 5, 2);
-        assert!(matches!(secured(&message), Some((_, Reply::Ended(_)))), "said already, and still on its way back");
+        assert_eq!(
+            secured(&message),
+            Some((key(5), Reply::Running)),
+            "in the slot it has not ended, whatever its results are"
+        );
         (message.ended, message.doing_epoch, message.doing_id, message.phase) = (Bounded::default(), 0, 0, 0);
         assert_eq!(secured(&message), Some((key(5), Reply::Refused(Refusal::Old))));
     }

@@ -25,10 +25,7 @@ fn output(number: u8, outputs: &[(u16, f64)]) -> AnalogueOutput {
 fn bench(analogue: Analogue) -> Bench {
     let mut devices = devices();
     devices[0].analogue = analogue;
-    let manager = Manager::new(&devices[..2], Timing::default()).unwrap();
-    let mut bench = Bench { manager, now: Tick::from_millis(1000), out: Outbox::default() };
-    bench.poll();
-    bench
+    Bench::of(&devices[..2])
 }
 
 /// Operational, and its channels have not come yet.
@@ -37,18 +34,7 @@ fn started(analogue: Analogue) -> Bench {
     bench.bring_up(5);
     bench.hear("704#00");
     bench.hear("584#4300100091010300");
-    // It takes whatever it is told.
-    for _ in 0..40 {
-        let asked: Vec<Frame> = bench.out.frames.drain(..).collect();
-        for frame in asked.iter().filter(|frame| frame.cob_id() == Some(0x604)) {
-            let answer = match frame.data() {
-                [0x40, low, high, sub, ..] => format!("584#4F{low:02X}{high:02X}{sub:02X}00000000"),
-                [_, low, high, sub, ..] => format!("584#60{low:02X}{high:02X}{sub:02X}00000000"),
-                _ => unreachable!("SDO frames have eight bytes"),
-            };
-            bench.hear(&answer);
-        }
-    }
+    bench.keeps_what_it_is_told(4);
     bench.hear("704#05");
     bench.hear("184#00");
     bench
@@ -100,20 +86,13 @@ impl Bench {
 fn the_device_is_told_to_send_by_itself_and_to_rest_without_a_manager() {
     let mut bench = bench(usual());
     bench.hear("704#00");
-    let mut told = Vec::new();
     bench.hear("584#4300100091010300");
-    for _ in 0..20 {
-        let asked: Vec<Frame> = bench.out.frames.drain(..).collect();
-        for frame in asked.iter().filter(|frame| frame.cob_id() == Some(0x604)) {
-            let [_, low, high, sub, ..] = frame.data() else { unreachable!("eight bytes") };
-            let answer = format!("584#60{low:02X}{high:02X}{sub:02X}00000000");
-            told.push(frame.to_string());
-            bench.hear(&answer);
-        }
-    }
+    let told = bench.keeps_what_it_is_told(4);
     let expected = [
         "604#2F43640101000000", // 6443h:01 = 1: takes its error value
+        "604#4043640100000000", // and is it so?
         "604#2344640132000000", // 6444h:01 = 50: 0.50 bar
+        "604#4044640100000000",
         "604#23011801840200C0", // 1801h:01: off
         "604#2F011802FF000000", // by event
         "604#2B01180332000000", // at most every 5 ms

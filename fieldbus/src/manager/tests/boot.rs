@@ -11,9 +11,7 @@ fn particular() -> Bench {
     let setup = &mut devices[2].setup;
     setup.identity = Identity { vendor: Some(0x123), revision: Some(0x0001_0002), ..Identity::default() };
     setup.settings = vec![Setting { index: 0x6206, sub: 1, data: vec![0xFF] }];
-    let manager = Manager::new(&devices, Timing::default()).unwrap();
-    let mut bench = Bench { manager, now: Tick::from_millis(1000), out: Outbox::default() };
-    bench.poll();
+    let mut bench = Bench::of(&devices);
     bench.hear("706#00");
     bench.hear("586#4300100091010300");
     bench.take();
@@ -57,6 +55,7 @@ fn unanswered_questions_and_orders_are_repeated() {
     assert!(alive(&mut bench).contains(&"606#2B17100032000000".to_owned()));
     bench.hear("586#6017100000000000");
     bench.hear("586#6016100100000000");
+    bench.takes_error_values(6);
     bench.take();
     assert!(alive(&mut bench).contains(&"606#4001100000000000".to_owned()));
     bench.hear("586#4F01100000000000");
@@ -119,12 +118,15 @@ fn the_device_that_is_expected_is_told_everything_in_order() {
     bench.hear("586#4318100305000100");
     assert_eq!(bench.frames(), ["606#2F066201FF000000"], "a newer minor revision serves");
     let is = bench.manager.explain(bench.now, node(6)).unwrap();
-    assert_eq!(is, "being configured: object 6206h:01 is written, 1 of 3");
+    assert_eq!(is, "being configured: object 6206h:01 is written, 1 of 5");
     bench.hear("586#6006620100000000");
+    assert_eq!(bench.frames(), ["606#4006620100000000"], "what the description says of it is read back as well");
+    bench.hear("586#4F066201FF000000");
     assert_eq!(bench.frames(), ["606#2B17100032000000"]);
     bench.hear("586#6017100000000000");
     bench.take();
     bench.hear("586#6016100100000000");
+    bench.takes_error_values(6);
     bench.take();
     bench.hear("586#4F01100000000000");
     assert_eq!(bench.frames(), ["000#0106"]);
@@ -155,4 +157,102 @@ fn devices_boot_side_by_side() {
     }
     let up: Vec<Event> = bench.take().1.into_iter().filter(|e| matches!(e, Event::DeviceUp { .. })).collect();
     assert_eq!(up, [Event::DeviceUp { node: node(5) }, Event::DeviceUp { node: node(6) }]);
+}
+
+/// The clamp's device has been identified, told its heartbeats, and asked to go to pre-operational without a manager.
+fn asked_for_error_values(setup: linewright_line::Setup) -> Bench {
+    let mut devices = devices();
+    devices[2].setup = setup;
+    let mut bench = Bench::of(&devices);
+    for text in ["706#00", "586#4300100091010300", "586#6017100000000000", "586#6016100100000000"] {
+        bench.hear(text);
+    }
+    bench.take();
+    bench
+}
+
+fn said(bench: &mut Bench) -> String {
+    let (frames, events) = bench.take();
+    assert!(!frames.contains(&"000#0106".to_owned()), "{frames:?}");
+    let [event @ Event::BootFailed { .. }] = &events[..] else { panic!("{events:?}") };
+    event.to_string()
+}
+
+/// The way out, as every one of these sentences names it.
+const REMEDY: &str = "(it turns the outputs off when the manager is gone; without it they may stay on. Use or set up a device \
+                      that keeps it, or give the reason in `without_error_values` why that is safe)";
+
+#[test]
+fn a_device_without_error_values_is_not_started() {
+    let mut bench = asked_for_error_values(Default::default());
+    // Without 1029h it goes to pre-operational anyway (CiA 301).
+    bench.hear("586#8029100100000206");
+    assert_eq!(bench.frames(), ["606#2F066201FF000000"]);
+    bench.hear("586#8006620100000206");
+    let text = said(&mut bench);
+    assert_eq!(
+        text,
+        format!(
+            "node 6 is not started: it cannot be configured: object 6206h:01: refused: 06020000h (no such object) {REMEDY}"
+        )
+    );
+    let is = bench.manager.explain(bench.now, node(6)).unwrap();
+    assert!(is.contains("6206h:01") && is.contains("without_error_values"), "{is}");
+    bench.hear("706#05");
+    bench.hear("186#01");
+    assert!(!bench.inputs(CLAMP).valid);
+}
+
+#[test]
+fn a_device_that_takes_its_error_values_and_keeps_others_is_not_started() {
+    for (answers, object, found, written) in [
+        (&["586#6029100100000000", "586#4F29100101000000"][..], "1029h:01", "01h", "00h"),
+        (&["586#8029100100000206", "586#6006620100000000", "586#4F066201FE000000"], "6206h:01", "FEh", "FFh"),
+        (
+            &[
+                "586#8029100100000206",
+                "586#8006620102000106",
+                "586#4F066201FF000000",
+                "586#6007620100000000",
+                "586#4F07620103000000",
+            ],
+            "6207h:01",
+            "03h",
+            "00h",
+        ),
+    ] {
+        let mut bench = asked_for_error_values(Default::default());
+        answers.iter().for_each(|text| bench.hear(text));
+        let expected = format!("node 6 is not started: object {object} {REMEDY} is {found}, not {written} as written");
+        assert_eq!(said(&mut bench), expected);
+    }
+}
+
+#[test]
+fn a_device_that_the_description_excuses_is_told_all_the_same_and_started() {
+    let why = Some("its supply is cut by the safety relay".to_owned());
+    let mut bench = asked_for_error_values(linewright_line::Setup { without_error_values: why, ..Default::default() });
+    bench.hear("586#8029100100000206");
+    bench.hear("586#8006620100000206");
+    assert_eq!(bench.frames(), ["606#2F066201FF000000", "606#2F07620100000000"]);
+    bench.hear("586#6007620100000000");
+    bench.hear("586#4F07620101000000");
+    bench.hear("586#4F01100000000000");
+    assert_eq!(bench.frames().last().map(String::as_str), Some("000#0106"));
+}
+
+#[test]
+fn the_error_values_of_every_byte_with_wired_outputs_are_told() {
+    let mut devices = devices();
+    let wired = |bit: u16| (bit != 3 && !(8..16).contains(&bit)).then_some(OutputId(bit));
+    devices[2].outputs = (0..20).map(wired).collect();
+    let mut bench = Bench::of(&devices);
+    bench.hear("706#00");
+    let asked = bench.keeps_what_it_is_told(6);
+    let told = asked.iter().filter(|text| text[4..].starts_with("2F"));
+    let expected = ["2F29100100000000", "2F066201FF000000", "2F07620100000000", "2F066203FF000000", "2F07620300000000"];
+    assert_eq!(told.map(|text| &text[4..]).collect::<Vec<_>>(), expected);
+    assert!(
+        bench.out.frames.is_empty() && bench.manager.explain(bench.now, node(6)).unwrap().contains("ordered to start")
+    );
 }

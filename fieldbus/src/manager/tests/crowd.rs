@@ -20,6 +20,7 @@ const DOMAIN: usize = 1024;
 #[derive(Default)]
 struct Objects {
     domain: Vec<u8>,
+    bytes: std::collections::BTreeMap<ObjectId, Vec<u8>>,
 }
 
 impl Dictionary for Objects {
@@ -27,7 +28,7 @@ impl Dictionary for Objects {
         match object.index {
             0x1000 => Ok(vec![0x91, 1, 3, 0].into()),
             0x2000 => Ok(self.domain.clone().into()),
-            _ => Err(Abort::NO_OBJECT),
+            _ => self.bytes.get(&object).map(|bytes| bytes.clone().into()).ok_or(Abort::NO_OBJECT),
         }
     }
 
@@ -35,6 +36,7 @@ impl Dictionary for Objects {
         if object.index == 0x2000 {
             self.domain = data.to_vec();
         }
+        self.bytes.insert(object, data.to_vec());
         Ok(())
     }
 
@@ -111,7 +113,7 @@ impl Crowd {
         };
         Crowd {
             manager: Manager::new(&devices, Timing::default()).unwrap(),
-            now: Tick::from_millis(1000),
+            now: Tick::from_millis(800),
             queue: VecDeque::new(),
             refused: 0,
             stations: (1..=count).map(station).collect(),
@@ -175,7 +177,8 @@ impl Crowd {
 
     /// How long it takes until all of them are up.
     fn boot(&mut self) -> Duration {
-        let began = self.now;
+        // It has listened for another manager first.
+        let began = Tick::from_millis(1000);
         while self.up.len() < self.stations.len() {
             assert!(self.now.since(began) < Duration::from_secs(10), "{} are up", self.up.len());
             self.step();

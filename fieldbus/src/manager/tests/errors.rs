@@ -9,9 +9,7 @@ fn with(on_emergency: Option<Reaction>, when_lost: Reaction) -> Bench {
     let mut devices = devices();
     devices[2].setup.on_emergency = on_emergency;
     devices[2].setup.when_lost = when_lost;
-    let manager = Manager::new(&devices, Timing::default()).unwrap();
-    let mut bench = Bench { manager, now: Tick::from_millis(1000), out: Outbox::default() };
-    bench.poll();
+    let mut bench = Bench::of(&devices);
     for node in [4, 5, 6] {
         bench.bring_up(node);
     }
@@ -93,6 +91,7 @@ fn a_device_that_comes_up_in_error_is_not_trusted() {
     bench.hear("586#4300100091010300");
     bench.hear("586#6017100000000000");
     bench.hear("586#6016100100000000");
+    bench.takes_error_values(6);
     bench.hear("586#4F01100009000000");
     bench.hear("706#05");
     bench.hear("186#00");
@@ -134,9 +133,7 @@ fn a_device_that_may_be_lost_takes_nobody_along() {
     // The clamp's owner has two devices here, one of which may be lost.
     let mut devices = devices();
     devices[1].setup.when_lost = Reaction::Report;
-    let manager = Manager::new(&devices, Timing::default()).unwrap();
-    let mut bench = Bench { manager, now: Tick::from_millis(1000), out: Outbox::default() };
-    bench.poll();
+    let mut bench = Bench::of(&devices);
     bench.bring_up(4);
     assert!(bench.inputs(DRILL).valid, "it need not even be there");
     bench.bring_up(5);
@@ -303,6 +300,7 @@ fn a_boot_ends_an_error_also_of_a_device_that_was_away_and_has_no_register() {
     bench.hear("586#4300100091010300");
     bench.hear("586#6017100000000000");
     bench.hear("586#6016100100000000");
+    bench.takes_error_values(6);
     bench.hear("586#8001100000000206");
     bench.hear("186#00");
     assert!(bench.inputs(CLAMP).valid, "{:?}", trouble(&bench, CLAMP));

@@ -31,6 +31,7 @@ fn gauge() -> Device {
         id: FrameId { id: 0x123, extended: false },
         len: 3,
         every: Duration::from_millis(20),
+        lets_go_after: None,
         counter: Some(field(8, 8)),
         checksum: Some((2, Checksum::Sum)),
         rest: [0; 8],
@@ -52,9 +53,7 @@ fn gauge() -> Device {
 /// The clamp's device is up; the gauge has not been heard.
 fn bench() -> Bench {
     let devices = [devices().remove(2), gauge()];
-    let manager = Manager::new(&devices, Timing::default()).unwrap();
-    let mut bench = Bench { manager, now: Tick::from_millis(1000), out: Outbox::default() };
-    bench.poll();
+    let mut bench = Bench::of(&devices);
     bench.bring_up(6);
     bench.take();
     bench
@@ -104,8 +103,7 @@ fn one_counter_runs_through_all_forms_of_a_message() {
     other.rest[0] = 0x80;
     other.outputs.clear();
     bound.told.push(other);
-    let manager = Manager::new(&[gauge], Timing::default()).unwrap();
-    let mut bench = Bench { manager, now: Tick::from_millis(1000), out: Outbox::default() };
+    let mut bench = Bench::of(&[gauge]);
     for _ in 0..3 {
         bench.poll();
         bench.pass(20);
@@ -139,9 +137,7 @@ fn a_value_that_is_none_makes_its_frame_none() {
         let mut gauge = gauge();
         let heard = &mut gauge.frames.as_mut().and_then(|frames| frames.bound.as_mut()).unwrap().heard[0];
         (heard.len, heard.pages[0].inputs) = (6, vec![(InputId(1), number, when)]);
-        let manager = Manager::new(&[gauge], Timing::default()).unwrap();
-        let mut bench = Bench { manager, now: Tick::from_millis(1000), out: Outbox::default() };
-        bench.poll();
+        let mut bench = Bench::of(&[gauge]);
         for value in [f32::NAN, f32::INFINITY, f32::NEG_INFINITY] {
             bench.hear(&format!("18FEF100#0000{:08X}", value.to_bits().swap_bytes()));
             assert!(!bench.inputs(CLAMP).valid, "{when:?} {value}");
@@ -226,4 +222,25 @@ fn identifiers_have_one_meaning() {
     unread.frames.as_mut().unwrap().bound = None;
     let error = Manager::new(&[unread], Timing::default()).map(|_| ()).unwrap_err();
     assert_eq!(error.to_string(), "device `gauge`: its file gauge.dbc has not been read");
+}
+
+/// For the end of a process that is stuck: it is sent what an orderly end sends, with the counter that comes next.
+#[test]
+fn what_would_let_go_of_its_outputs_is_known_all_the_time() {
+    let mut bench = bench();
+    bench.hear("18FEF100#2800");
+    bench.set(CLAMP, 0b10);
+    bench.take();
+    for _ in 0..3 {
+        let mut frames = Vec::new();
+        bench.manager.release_frames(&mut frames);
+        let mut out = Outbox::default();
+        bench.manager.release_outputs(bench.now, &mut out);
+        let ended: Vec<Frame> = out.frames.into_iter().filter(|frame| frame.id_word() == 0x123).collect();
+        assert!(!frames.is_empty() && frames.iter().all(|frame| frame.data()[0] == 0), "{frames:?}");
+        assert_eq!(frames, ended);
+    }
+    let mut frames = Vec::new();
+    Bench::listening(&[gauge()]).manager.release_frames(&mut frames);
+    assert_eq!(frames, [], "one that may have come second on its bus sends nothing");
 }

@@ -129,13 +129,12 @@ fn what_the_process_rests_on_is_not_written_in_any_state() {
 fn what_the_description_sets_is_not_written_by_others() {
     let mut devices = devices();
     devices[2].setup.settings = vec![Setting { index: 0x2001, sub: 0, data: vec![1] }];
-    let manager = Manager::new(&devices, Timing::default()).unwrap();
-    let mut bench = Bench { manager, now: Tick::from_millis(1000), out: Outbox::default() };
-    bench.poll();
+    let mut bench = Bench::of(&devices);
     for text in ["706#00", "586#4300100091010300", "586#6001200000000000", "586#6017100000000000"] {
         bench.hear(text);
     }
     bench.hear("586#6016100100000000");
+    bench.takes_error_values(6);
     bench.hear("586#4F01100000000000");
     bench.hear("186#00");
     bench.told();
@@ -154,6 +153,7 @@ fn a_boot_comes_first_and_requests_wait_for_its_end() {
     bench.hear("586#4300100091010300");
     bench.hear("586#6017100000000000");
     bench.hear("586#6016100100000000");
+    bench.takes_error_values(6);
     bench.told();
     bench.hear("586#4F01100000000000");
     assert_eq!(bench.told().0, ["000#0106", "606#4018100100000000"], "started, and then the first request");
@@ -176,6 +176,7 @@ fn a_device_that_boots_in_the_middle_overtakes_the_request() {
     bench.hear("586#4300100091010300");
     bench.hear("586#6017100000000000");
     bench.hear("586#6016100100000000");
+    bench.takes_error_values(6);
     bench.hear("586#4F01100000000000");
     bench.hear("186#01");
     assert!(bench.manager.inputs(bench.now, CLAMP).valid);

@@ -6,11 +6,13 @@
 use linewright_text::{At, or};
 
 use super::draft::{Draft, DraftConsole, DraftOperation, DraftSignals, DraftStation};
-use super::raw::{Kind, RawTiming};
+use super::raw::{Kind, RawConsole, RawTiming};
 use super::rules::node_id;
 use super::setup;
 use super::{analogue, drive, frames, handling, task};
-use crate::{Arrow, Conflict, Console, Device, InputId, Line, Module, Operation, Panel, Signals, Station, Timing};
+use crate::{
+    Arrow, Conflict, Console, Device, InputId, Line, Module, Operation, Panel, Signals, Station, StopContact, Timing,
+};
 
 /// The line a draft describes; `None` if a part is missing.
 pub(super) fn finish(draft: &Draft<'_>) -> Option<Line> {
@@ -39,7 +41,7 @@ pub(super) fn finish(draft: &Draft<'_>) -> Option<Line> {
             .collect::<Option<_>>()?,
         devices: devices(draft)?,
         buttons: raw.buttons.iter().map(|button| button.value.clone()).collect(),
-        console: console(&draft.console),
+        console: console(&draft.console, draft.raw.console.as_ref()),
         timing: timing(&raw.timing),
         handling: handling::finish(&draft.handling)?,
     })
@@ -133,7 +135,7 @@ fn devices(draft: &Draft<'_>) -> Option<Vec<Device>> {
     devices.collect()
 }
 
-fn console(draft: &DraftConsole) -> Console {
+fn console(draft: &DraftConsole, raw: Option<&RawConsole>) -> Console {
     let [start, stop, auto, hand, estop, reset]: [Option<InputId>; 6] =
         draft.inputs.each_ref().map(|input| input.as_ref().map(|i| i.value));
     Console {
@@ -143,7 +145,7 @@ fn console(draft: &DraftConsole) -> Console {
         stop,
         auto,
         hand,
-        estop,
+        estop: estop.map(|input| StopContact { input, pressed: raw.is_none_or(|raw| raw.estop_pressed) }),
         reset,
         buttons: draft.buttons.clone(),
         lamps: draft.lamps.each_ref().map(|lamp| lamp.as_ref().map(|l| l.value)),

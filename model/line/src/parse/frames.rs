@@ -78,6 +78,7 @@ fn send(raw: &RawTold, bound: &[Option<crate::OutputId>]) -> Option<Send> {
     Some(Send {
         message: named(raw.message.as_ref()?),
         every: raw.every.as_ref()?.value,
+        lets_go_after: raw.lets_go_after.as_ref().map(|time| time.value),
         counter: raw.counter.as_ref().map(named),
         checksum: raw.checksum.as_ref().map(|(signal, kind)| (named(signal), *kind)),
         outputs: outputs.collect::<Option<_>>()?,

@@ -220,6 +220,7 @@ pub(super) struct RawDevice {
     pub file: Option<Name>,
     pub identity: Option<RawIdentity>,
     pub settings: Vec<RawSetting>,
+    pub without_error_values: Option<Name>,
     /// With its place.
     pub transmission: Option<(RawTransmission, Where)>,
     pub on_emergency: Option<At<Reaction>>,
@@ -379,8 +380,10 @@ pub(super) struct RawSignalInput {
 
 #[derive(Debug)]
 pub(super) struct RawTold {
+    pub at: Where,
     pub message: Option<Name>,
     pub every: Option<At<Duration>>,
+    pub lets_go_after: Option<At<Duration>>,
     pub counter: Option<Name>,
     pub checksum: Option<(Name, Checksum)>,
     pub outputs: Vec<RawSignalOutput>,
@@ -409,6 +412,8 @@ pub(super) struct RawConsole {
     pub auto: Option<Name>,
     pub hand: Option<Name>,
     pub estop: Option<Name>,
+    /// What `estop` reads while it is pressed.
+    pub estop_pressed: bool,
     pub reset: Option<Name>,
     /// In the order of [`crate::Console::lamps`].
     pub lamps: [Option<Name>; 4],

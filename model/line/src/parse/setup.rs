@@ -45,6 +45,7 @@ pub(super) fn finish(raw: &RawDevice) -> Option<Setup> {
         file: raw.file.as_ref().map(|file| file.value.clone()),
         identity,
         settings,
+        without_error_values: raw.without_error_values.as_ref().map(|why| why.value.clone()),
         transmission,
         on_emergency: raw.on_emergency.as_ref().map(|reaction| reaction.value),
         when_lost: raw.when_lost.as_ref().map(|reaction| reaction.value).unwrap_or_default(),
@@ -77,7 +78,7 @@ fn identity(RawIdentity(parts): &RawIdentity) -> Option<Identity> {
     Some(Identity { device_type, vendor, product, revision, serial })
 }
 
-fn setting(raw: &RawSetting) -> Option<Setting> {
+pub(super) fn setting(raw: &RawSetting) -> Option<Setting> {
     let (index, sub) = object(&raw.object.as_ref()?.value)?;
     Some(Setting { index, sub, data: raw.width.bytes_of(raw.value.as_ref()?.value)? })
 }

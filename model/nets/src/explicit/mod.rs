@@ -3,8 +3,8 @@
 //! [`decide`] plays a net out and says all there is to say without a question: how many markings and arcs, deadlocks,
 //! bounds, which transitions are live, whether the net is reversible and which markings are home. [`find`] looks for
 //! one marking and the shortest way to it, [`find_deadlock`] for a marking at which nothing is enabled, leaving out what
-//! cannot matter to that; [`walk`] shows the whole graph to whoever wants to write it down. All answer exactly or say that they do not know; none ever guesses, and
-//! no comparison of markings relies on a hash.
+//! cannot matter to that; [`walk`] gives the whole graph, for example to write it to a file. All answer exactly or say that
+//! they do not know; none ever guesses, and no comparison of markings relies on a hash.
 //!
 //! It works in layers, each in a module and each knowing only those before it: conserved sums of tokens
 //! (`invariants`), the numbers that a marking is written with (`encoding`), when transitions fire, said about those

@@ -16,7 +16,8 @@
 //! that cannot take part is left out; its source fires all the same (seed 003, L362: it "is also fired … because the
 //! event happens and the transition is enabled"). Where forced transitions compete for tokens there are several maximal
 //! steps. Tokens are taken by the spontaneous transition first, then by the others in the order of the longest way of
-//! event arcs to each, then of their numbers. Spontaneous transitions of one instant fire one after the other, in any order. Event arcs form no cycle.
+//! event arcs to each, then of their numbers. Spontaneous transitions of one instant fire one after the other, in any
+//! order. Event arcs form no cycle.
 //!
 //! This is the rule of signal/event nets, from which these systems come (P. Starke and S. Roch, *Analysing Signal-Net
 //! Systems*, Humboldt-Universität zu Berlin, Informatik-Bericht 162, 2002), with one spontaneous transition in a step

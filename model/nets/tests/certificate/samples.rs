@@ -105,8 +105,8 @@ fn crossed() -> Raw {
     Raw { places: 7, moves: moves.into() }
 }
 
-/// A free-choice net made from a single loop, or from [`crossed`]; with a marking that may or may not suit it, and with at most one arc that
-/// does not belong there.
+/// A free-choice net made from a single loop, or from [`crossed`]; with a marking that may or may not suit it, and with at
+/// most one arc that does not belong there.
 pub fn free_choice_net() -> impl Strategy<Value = Net> {
     let steps = prop::collection::vec((0_u8..4, 0_usize..100), 0..=7);
     let tokens = prop::collection::vec(prop_oneof![6 => Just(0_u32), 3 => Just(1), 1 => Just(2)], 14);

@@ -84,12 +84,35 @@ fn a_panel_button_that_is_no_longer_refreshed_counts_as_released() {
     assert!(rig.drives(0));
     rig.silence_ms(250);
     assert_eq!(rig.outputs, 0);
-    rig.controller.handle(rig.now, Input::Panel(PanelCommand::Advance(true)));
-    rig.step();
-    assert_eq!(rig.outputs, 0, "a late refresh is no new decision to move");
+    for silence in [0, 750, 5000, 3_600_000] {
+        rig.silence_ms(silence);
+        rig.order();
+        rig.controller.handle(rig.now, Input::Panel(PanelCommand::Advance(true)));
+        rig.step();
+        assert_eq!(rig.outputs, 0, "a refresh {silence} ms late is no new decision to move");
+    }
     rig.advance(false);
     rig.advance(true);
     assert!(rig.drives(0));
+}
+
+#[test]
+fn a_wired_panel_button_held_while_the_devices_are_away_for_a_moment_moves_nothing() {
+    let mut rig = rig();
+    rig.mode(ControlMode::Manual);
+    rig.set(1 << PANEL[1], true);
+    assert!(rig.drives(0));
+    for away in [1, 700] {
+        rig.devices(false);
+        assert_eq!(rig.outputs, 0);
+        rig.wait_ms(away);
+        rig.devices(true);
+        rig.wait_ms(700);
+        assert_eq!(rig.outputs, 0, "away for {away} ms, the finger still on it");
+    }
+    rig.set(1 << PANEL[1], false);
+    rig.set(1 << PANEL[1], true);
+    assert!(rig.drives(0), "{:?}", rig.blocked_by());
 }
 
 #[test]

@@ -7,6 +7,7 @@ mod commands;
 mod faults;
 mod hand;
 mod hostile;
+mod interlock;
 mod recovery;
 mod restart;
 mod rig;

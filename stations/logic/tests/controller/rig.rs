@@ -7,7 +7,7 @@ use std::time::Duration;
 
 use linewright_line::net::{ControlMode, Place};
 use linewright_line::{Line, OpId, StationId, Tick};
-use linewright_station_logic::{Controller, Input, ModeOrder, Outbox, PanelCommand, Report, Restore};
+use linewright_station_logic::{Controller, Input, ModeOrder, Outbox, PanelCommand, Report, Restore, Rules};
 
 use crate::build::{actuator_bit, complete_bit};
 
@@ -37,16 +37,9 @@ impl Rig {
 
     pub fn of(line: Line, station: StationId, restore: Restore) -> Self {
         let controller = Controller::new(&line, station, 1, restore).expect("a built station compiles");
-        let order = ModeOrder {
-            boot_id: 7,
-            epoch: 1,
-            mode: ControlMode::StandBy,
-            enabled: true,
-            master_stop: None,
-            manual_all: true,
-            buttons: 0,
-            lease: line.timing.lease,
-        };
+        // Its images say nothing of where mechanisms stand, and its peers were never at home with it.
+        let controller = controller.with_rules(Rules::COUNTS);
+        let order = ModeOrder { manual_all: true, ..ModeOrder::of(7, 1, ControlMode::StandBy, line.timing.lease) };
         let home = line.station(station).home;
         let home_switch = 1 << line.operation((station, home)).normal.complete.0;
         let mut rig = Rig {

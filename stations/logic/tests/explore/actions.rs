@@ -21,6 +21,7 @@ pub enum Action {
     /// A step without anything new, where one may matter: a request is open.
     Step(u8),
     Restart(u8),
+    Forget(u8),
 }
 
 /// Everything that may happen in this state.
@@ -60,6 +61,9 @@ pub fn possible(setting: &Setting, world: &World, out: &mut Vec<Action>) {
         }
         if setting.restarts {
             out.push(Action::Restart(station));
+        }
+        if setting.forgets && world.astray.is_none() {
+            out.push(Action::Forget(station));
         }
     }
 }
@@ -123,7 +127,12 @@ pub fn apply(setting: &Setting, world: &mut World, action: Action) -> (usize, Ve
             world.restart(setting, s.into(), &mut events);
             s.into()
         }
+        Action::Forget(s) => {
+            world.forget(setting, s.into(), &mut events);
+            s.into()
+        }
     };
+    world.settle_astray();
     (station, events)
 }
 
@@ -149,5 +158,6 @@ pub fn text(setting: &Setting, action: Action) -> String {
         }
         Action::Step(s) => format!("{} takes a step", name(s)),
         Action::Restart(s) => format!("{} restarts", name(s)),
+        Action::Forget(s) => format!("{} loses its memory and comes up without it", name(s)),
     }
 }

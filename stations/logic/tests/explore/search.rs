@@ -124,7 +124,7 @@ fn pick(actions: &[Action], random: &mut Random) -> Option<Action> {
         Action::Arrive(..) | Action::Deliver { .. } => 24,
         Action::Key(..) | Action::Button(..) => 6,
         Action::Mode(..) | Action::Step(_) => 2,
-        Action::Fail(..) | Action::Restart(_) => 1,
+        Action::Fail(..) | Action::Restart(_) | Action::Forget(_) => 1,
     };
     let mut left = random.below(actions.iter().map(weight).sum::<u64>().max(1));
     actions.iter().copied().find(|action| {

@@ -19,7 +19,7 @@ fn nothing_is_wrong(what: &str, found: Found) -> Found {
 
 /// Every mode, restarts, reports piling up, and operators who hold on to their buttons.
 fn freely(line: Line) -> Setting {
-    let mut setting = Setting::new(line, Rules::default());
+    let mut setting = Setting::new(line, Rules::COUNTS);
     setting.modes =
         vec![ControlMode::StandBy, ControlMode::Auto, ControlMode::Hand, ControlMode::Manual, ControlMode::EStop];
     setting.reports_max = 4;
@@ -37,7 +37,7 @@ fn holds_everywhere(what: &str, setting: &Setting) {
 
 /// The two-station lines, each with more freedom of one kind than the others.
 fn kinds_of_freedom(line: Line) -> [(&'static str, Setting); 4] {
-    let plain = Setting::new(line, Rules::default());
+    let plain = Setting::new(line, Rules::COUNTS);
     let with = |change: &dyn Fn(&mut Setting)| {
         let mut setting = plain.clone();
         change(&mut setting);
@@ -71,17 +71,17 @@ fn every_state_of_bar_and_clamp_is_sound_and_leads_home() {
 
 #[test]
 fn every_state_of_clamp_and_mill_is_sound_and_leads_home() {
-    holds_everywhere("clamp and mill", &Setting::new(lines::clamp_and_mill(), Rules::default()));
+    holds_everywhere("clamp and mill", &Setting::new(lines::clamp_and_mill(), Rules::COUNTS));
 }
 
 #[test]
 fn every_state_of_a_clamp_with_two_jaws_is_sound_and_leads_home() {
-    holds_everywhere("two jaws", &Setting::new(lines::two_jaws(), Rules::default()));
+    holds_everywhere("two jaws", &Setting::new(lines::two_jaws(), Rules::COUNTS));
 }
 
 #[test]
 fn every_state_of_a_station_whose_home_motion_is_in_the_way_is_sound_and_leads_home() {
-    holds_everywhere("home in the way", &Setting::new(lines::home_in_the_way(), Rules::default()));
+    holds_everywhere("home in the way", &Setting::new(lines::home_in_the_way(), Rules::COUNTS));
 }
 
 /// Searched to its end it has 441 002 states: `EXPLORE_STATES=500000`, best in an optimised build.
@@ -97,7 +97,7 @@ fn the_shipped_line_is_sound_as_far_as_it_is_searched() {
 }
 
 fn as_far_as_it_is_searched(what: &str, line: Line) {
-    let setting = Setting::new(line, Rules::default());
+    let setting = Setting::new(line, Rules::COUNTS);
     let found = nothing_is_wrong(what, breadth_first(&setting, limit("EXPLORE_STATES", 150_000)));
     assert_ne!(found.home_from_everywhere, Some(false), "{what}: a state from which there is no way home");
 }
@@ -115,7 +115,7 @@ fn long_walks_with_every_mode_restarts_and_careless_hands_meet_nothing_wrong() {
 fn generated_lines_are_sound_as_far_as_they_are_searched_and_walked() {
     let lines = (0..).filter_map(|seed| Some((seed, generated(seed)?)));
     for (seed, line) in lines.take(limit("EXPLORE_LINES", 40)) {
-        let setting = Setting::new(line.clone(), Rules::default());
+        let setting = Setting::new(line.clone(), Rules::COUNTS);
         nothing_is_wrong(&format!("line {seed}"), breadth_first(&setting, 3_000));
         nothing_is_wrong(&format!("walk in line {seed}"), random_walk(&freely(line), seed, 5_000));
     }

@@ -2,10 +2,10 @@
 
 use std::rc::Rc;
 
-use linewright_line::net::ControlMode;
+use linewright_line::net::{ControlMode, Place};
 use linewright_line::{Line, OpId, StationId, Tick};
 use linewright_station_logic::{
-    Answer, Controller, Event, Input, ModeOrder, Outbox, PanelCommand, Report, Restore, Rules,
+    Answer, Controller, Event, Founding, Input, ModeOrder, Outbox, PanelCommand, Report, Restore, Rules,
 };
 
 /// The one moment at which everything happens.
@@ -21,6 +21,8 @@ pub struct Setting {
     /// Reports on their way to one reader; what comes on top pushes the oldest out, for every one may be lost.
     pub reports_max: usize,
     pub restarts: bool,
+    /// One station loses its memory, once.
+    pub forgets: bool,
     /// Operators let go of their panels before the mode changes. Fewer states; what a held button may do is tested
     /// elsewhere.
     pub tidy_hands: bool,
@@ -58,6 +60,8 @@ pub struct World {
     pub nodes: Vec<Rc<Node>>,
     /// For each link, what the reader holds and what is on its way, oldest first.
     mail: Vec<(Rc<Report>, Vec<Rc<Report>>)>,
+    /// The station that has lost its memory, and where it stands until it is home again; its marking does not say so.
+    pub astray: Option<(usize, Vec<Place>)>,
 }
 
 impl Setting {
@@ -79,6 +83,7 @@ impl Setting {
             modes: vec![ControlMode::Auto, ControlMode::Manual],
             reports_max: 1,
             restarts: false,
+            forgets: false,
             tidy_hands: true,
             links,
         }
@@ -97,7 +102,7 @@ impl Setting {
         let nodes: Vec<Rc<Node>> = self.line.station_ids().map(|station| Rc::new(self.node(station))).collect();
         let mail =
             self.links.iter().map(|link| (Rc::new(nodes[link.writer].controller.report()), Vec::new())).collect();
-        let mut world = World { nodes, mail };
+        let mut world = World { nodes, mail, astray: None };
         for link in 0..self.links.len() {
             let report = Rc::clone(&world.mail[link].0);
             let (writer, reader) = self.ends_of(link);
@@ -119,6 +124,7 @@ impl Setting {
             node.act(&mut Vec::new(), |c| image(c, bits, true));
         }
         node.hear_order(&self.line, &mut Vec::new());
+        assert!(node.controller.generation() != 0 || !self.rules.generations, "founded at home");
         node
     }
 }
@@ -140,14 +146,11 @@ impl Node {
     fn hear_order(&mut self, line: &Line, events: &mut Vec<Event>) {
         self.epoch += 1;
         let order = ModeOrder {
-            boot_id: 1,
-            epoch: self.epoch,
-            mode: self.mode,
-            enabled: true,
-            master_stop: None,
             manual_all: true,
             buttons: self.button.map_or(0, |b| 1 << b),
-            lease: line.timing.lease,
+            // For the lives of the start; a station that has lost its memory hears it too.
+            found: Some(Founding { generation: 1, boot_id: 1 }),
+            ..ModeOrder::of(1, self.epoch, self.mode, line.timing.lease)
         };
         self.act(events, |c| {
             c.handle(NOW, Input::Order(order));
@@ -261,6 +264,39 @@ impl World {
         self.post(setting, station);
     }
 
+    /// A station ends and comes up without its snapshot. Its switches say whether it is at home.
+    pub fn forget(&mut self, setting: &Setting, station: usize, events: &mut Vec<Event>) {
+        let id = StationId::at(station);
+        let node = Rc::make_mut(&mut self.nodes[station]);
+        let (stood, is_home) = (node.controller.marking().collect(), node.controller.is_at_home());
+        let boot = node.controller.writer().boot_id + 1;
+        node.controller =
+            Controller::new(&setting.line, id, boot, Restore::Fresh).expect("it compiles").with_rules(setting.rules);
+        (node.key, node.button) = (None, None);
+        let home = setting.line.operation((id, setting.line.station(id).home)).normal.complete;
+        for bits in [if is_home { 1 << home.0 } else { 0 }, 0] {
+            node.act(events, |c| image(c, bits, true));
+        }
+        node.hear_order(&setting.line, events);
+        for (link, (held, _)) in setting.links.iter().zip(&self.mail).filter(|(link, _)| link.reader == station) {
+            let (writer, report) = (StationId::at(link.writer), Rc::clone(held));
+            Rc::make_mut(&mut self.nodes[station]).act(events, |c| {
+                c.handle(NOW, Input::View(writer, &report));
+            });
+        }
+        self.astray = Some((station, stood));
+        self.post(setting, station);
+    }
+
+    /// Once home by its switches, the marking is true again.
+    pub fn settle_astray(&mut self) {
+        if let Some((station, stood)) = &mut self.astray
+            && self.nodes[*station].controller.is_at_home()
+        {
+            stood.clear();
+        }
+    }
+
     /// The same number for states that cannot be told apart: counts are relative to the first station's cycle.
     pub fn key(&self, setting: &Setting, scratch: &mut Vec<i64>) -> u128 {
         scratch.clear();
@@ -276,6 +312,10 @@ impl World {
             }
             scratch.push(i64::MIN);
         }
+        if let Some((station, stood)) = &self.astray {
+            scratch.push(*station as i64);
+            scratch.extend(stood.iter().map(|place| i64::from(place.op.0) * 16 + i64::from(place.number())));
+        }
         hash(scratch)
     }
 
@@ -283,6 +323,7 @@ impl World {
         let writer = self.nodes[link.writer].controller.writer();
         let reader = &self.nodes[link.reader].controller;
         out.push(i64::from(writer.boot_id == report.boot_id));
+        out.push(if setting.rules.generations { report.generation as i64 } else { 0 });
         out.push(if setting.rules.counted { 0 } else { i64::from(report.cycle - origin) });
         out.extend(link.counts.iter().map(|&op| i64::from(report.done[op] - origin)));
         match report.request {
@@ -312,6 +353,7 @@ impl Link {
         let awaited = |x: &&Answer| x.to.index() == self.reader && reader.awaits(x.number);
         let to_reader = |report: &Report| report.answers.iter().find(awaited).copied();
         a.boot_id == b.boot_id
+            && a.generation == b.generation
             // Only the rule that reads flags looks at the writer's cycle.
             && (counted || a.cycle == b.cycle)
             && a.request == b.request

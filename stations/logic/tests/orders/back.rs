@@ -5,7 +5,8 @@ use std::time::Duration;
 use linewright_line::net::ControlMode;
 use linewright_line::{StationId, Tick};
 use linewright_station_logic::{
-    Controller, Failure, Input, ModeOrder, NO_DELAY, Outbox, Outcome, Refusal, Reply, Restore, TaskCommand, TaskOrder,
+    Controller, Failure, Input, ModeOrder, NO_DELAY, Outbox, Outcome, Refusal, Reply, Restore, Rules, TaskCommand,
+    TaskOrder,
 };
 
 use super::bench::{Bench, key, order};
@@ -63,7 +64,7 @@ fn told_before_it_has_begun_it_does_not_begin() {
     let mut m1 = Bench::new();
     m1.set("part_present", false);
     m1.run(&order(1, "clamp"));
-    assert_eq!(m1.secure(key(1, 1)), ended(Failure::Cancelled));
+    assert_eq!(m1.secure(key(1, 1)), ended(Failure::Waiting(12)));
     m1.set("part_present", true);
     assert_eq!(m1.outputs, 0);
 }
@@ -83,18 +84,34 @@ fn told_before_the_order_itself_it_does_not_take_it_on_when_it_comes() {
 }
 
 #[test]
-fn when_its_time_is_over_it_says_so_at_once_and_goes_back() {
+fn when_its_time_is_over_it_goes_back_and_the_order_ends_when_it_stands() {
     let mut m1 = Bench::new();
     m1.done(&order(1, "clamp"));
     let short = TaskOrder { limit: Duration::from_millis(500), ..order(2, "machine") };
     m1.run(&short);
     m1.wait(Duration::from_millis(500));
-    assert_eq!(m1.result(key(1, 2)), Some(Outcome::Failed(Failure::TimedOut)));
-    assert!(m1.orders().slot.is_some_and(|slot| slot.is_securing));
-    m1.arrive();
-    m1.arrive();
+    for doing in ["slide in", "undoing slide in"] {
+        assert_eq!(m1.doing(), doing);
+        assert_eq!(m1.result(key(1, 2)), None, "it has not ended as long as it moves");
+        assert!(m1.orders().slot.is_some_and(|slot| slot.is_securing && slot.key == key(1, 2)));
+        assert_eq!(m1.secure(key(1, 2)), Reply::Running);
+        m1.arrive();
+    }
     assert_eq!((m1.rest().as_deref(), m1.slot()), (Some("clamped"), None));
-    assert_eq!(m1.orders().results.last(), Some(&(key(1, 2), Outcome::Failed(Failure::TimedOut))), "and says it once");
+    assert_eq!(m1.orders().results.last(), Some(&(key(1, 2), Outcome::Failed(Failure::TimedOut))), "for what it was");
+}
+
+/// It waits for a part that does not come: what it fails with does not depend on whose time is over first.
+#[test]
+fn given_up_by_its_own_clock_or_by_another_it_fails_with_what_it_waited_for() {
+    for told in [false, true] {
+        let mut m1 = Bench::new();
+        m1.set("part_present", false);
+        let short = TaskOrder { limit: Duration::from_millis(500), ..order(1, "clamp") };
+        m1.run(&short);
+        m1.wait(Duration::from_millis(if told { 490 } else { 500 }));
+        assert_eq!(m1.secure(key(1, 1)), ended(Failure::Waiting(12)), "told: {told}");
+    }
 }
 
 #[test]
@@ -133,7 +150,8 @@ fn a_long_task_is_taken_back_operation_by_operation_to_where_any_task_can_begin(
     let text = include_str!("../../../../model/line/tests/descriptions/on_order.toml");
     let line = linewright_line::parse("on_order.toml", text).expect("sound").line;
     let (station, now) = (StationId(1), Tick::from_millis(1));
-    let mut robot = Controller::new(&line, station, 1, Restore::Fresh).expect("compiles");
+    let robot = Controller::new(&line, station, 1, Restore::Fresh).expect("compiles");
+    let mut robot = robot.with_rules(Rules::COUNTS);
     let described = line.station(station);
     let input = |name: &str| 1u128 << described.inputs.iter().position(|input| input == name).expect("it is there");
     let mut out = Outbox::default();
@@ -142,19 +160,7 @@ fn a_long_task_is_taken_back_operation_by_operation_to_where_any_task_can_begin(
         robot.step(now, out);
     };
     image(&mut robot, input("A_0") | input("G_0"), &mut out);
-    robot.handle(
-        now,
-        Input::Order(ModeOrder {
-            boot_id: 1,
-            epoch: 1,
-            mode: ControlMode::Auto,
-            enabled: true,
-            master_stop: None,
-            manual_all: false,
-            buttons: 0,
-            lease: Duration::from_secs(3600),
-        }),
-    );
+    robot.handle(now, Input::Order(ModeOrder::of(1, 1, ControlMode::Auto, Duration::from_secs(3600))));
     let load = |id| TaskOrder {
         key: key(1, id),
         memory: 1,
@@ -185,7 +191,7 @@ fn a_long_task_is_taken_back_operation_by_operation_to_where_any_task_can_begin(
     assert_eq!(robot.operation_text(&line), "home from m1 (done)", "the place that stands for home");
     let report = robot.report();
     let orders = report.order.expect("it works on order");
-    assert_eq!(orders.results, [(key(1, 1), Outcome::Failed(Failure::Cancelled))]);
+    assert_eq!(orders.results, [(key(1, 1), Outcome::Failed(Failure::Waiting(21)))], "what it waited for");
     assert_eq!((report.done, report.started, report.cycle), (vec![0; 10], vec![0; 10], 1));
     robot.handle(now, Input::Task(TaskCommand::Run(&load(2))));
     robot.step(now, &mut out);

@@ -1,7 +1,7 @@
 //! What a station still knows after its controller was killed.
 
 use linewright_line::net::ControlMode;
-use linewright_station_logic::{Controller, Failure, Outcome, Refusal, Reply, Restore};
+use linewright_station_logic::{Controller, Failure, Outcome, PanelCommand, Refusal, Reply, Restore};
 
 use super::bench::{Bench, MEMORY, key, order};
 
@@ -102,4 +102,45 @@ fn numbers_begin_anew_with_a_later_epoch() {
     assert_eq!(m1.run(&of(3, 1, "clamp")), Reply::Refused(Refusal::Mode));
     m1.mode(ControlMode::Auto);
     assert_eq!(m1.run(&of(3, 1, "clamp")), Reply::Running);
+}
+
+/// The message to leave an order says neither who sends it nor which memory it is meant for.
+#[test]
+fn a_message_to_leave_an_order_of_any_epoch_keeps_no_other_order_out() {
+    for epoch in [2, 1 << 29, u64::MAX] {
+        let mut m1 = Bench::new();
+        m1.done(&order(1, "clamp"));
+        m1.secure(key(epoch, 7));
+        assert_eq!(m1.is_taken, epoch != u64::MAX, "what is of no coordinator's life is ignored, and told");
+        assert_eq!(m1.orders().epoch, 1);
+        m1.done(&order(2, "release"));
+        // The order that it names is left all the same.
+        let named = linewright_station_logic::TaskOrder { key: key(epoch, 7), ..order(7, "clamp") };
+        assert_eq!(m1.run(&named), Reply::Ended(Outcome::Failed(Failure::Cancelled)));
+    }
+}
+
+#[test]
+fn an_order_of_an_epoch_far_ahead_is_not_taken_on() {
+    let mut m1 = Bench::new();
+    m1.done(&order(1, "clamp"));
+    let far = linewright_station_logic::TaskOrder { key: key(u64::MAX, 1), ..order(1, "release") };
+    assert_eq!(m1.run(&far), Reply::Refused(Refusal::OtherMemory));
+    assert!(!m1.is_taken);
+    m1.done(&order(2, "release"));
+}
+
+#[test]
+fn killed_after_it_was_told_to_leave_an_order_it_does_not_go_back_on_a_late_copy_of_that() {
+    let mut m1 = Bench::new();
+    m1.done(&order(1, "clamp"));
+    m1.run(&order(2, "machine"));
+    m1.mode(ControlMode::Manual);
+    m1.through(PanelCommand::Advance(true));
+    m1.secure(key(1, 2));
+    let mut again = m1.killed(8);
+    again.mode(ControlMode::Auto);
+    assert_eq!((again.doing().as_str(), again.rest()), ("slide in (done)", None));
+    assert_eq!(again.secure(key(1, 2)), Reply::Ended(Outcome::Failed(Failure::Interrupted)));
+    assert_eq!((again.outputs, again.slot()), (0, None));
 }

@@ -72,7 +72,6 @@ fn where_it_was_left_between_two_operations_it_can_be_told_to_go_back() {
     m1.mode(ControlMode::Manual);
     m1.through(Advance(true));
     assert_eq!(m1.doing(), "slide in (done)");
-    assert_eq!(m1.secure(key(1, 2)), Reply::Ended(Outcome::Failed(Failure::Interrupted)), "not while people move it");
     m1.mode(ControlMode::Auto);
     assert_eq!((m1.outputs, m1.rest()), (0, None));
     assert_eq!(m1.secure(key(1, 2)), Reply::Running);
@@ -80,6 +79,20 @@ fn where_it_was_left_between_two_operations_it_can_be_told_to_go_back() {
     m1.arrive();
     assert_eq!((m1.rest().as_deref(), m1.slot()), (Some("clamped"), None));
     assert_eq!(m1.result(key(1, 2)), Some(Outcome::Failed(Failure::Interrupted)));
+}
+
+#[test]
+fn told_to_go_back_while_people_move_it_it_does_not_go_back_later_on_a_copy_of_that() {
+    let mut m1 = Bench::new();
+    m1.done(&order(1, "clamp"));
+    m1.run(&order(2, "machine"));
+    m1.mode(ControlMode::Manual);
+    m1.through(Advance(true));
+    let interrupted = Reply::Ended(Outcome::Failed(Failure::Interrupted));
+    assert_eq!(m1.secure(key(1, 2)), interrupted, "not while people move it");
+    m1.mode(ControlMode::Auto);
+    assert_eq!(m1.secure(key(1, 2)), interrupted, "whoever told it knows that it stands");
+    assert_eq!((m1.outputs, m1.slot()), (0, None));
 }
 
 #[test]

@@ -4,7 +4,7 @@ use std::time::Duration;
 
 use linewright_line::net::{Block, ControlMode};
 use linewright_line::{Line, StationId, Tick};
-use linewright_station_logic::{Controller, Input, ModeOrder, Outbox, Report, Restore};
+use linewright_station_logic::{Controller, Input, ModeOrder, Outbox, Report, Restore, Rules};
 
 pub const NOW: Tick = Tick::from_millis(1000);
 
@@ -20,23 +20,15 @@ impl TransferBar {
         let text = include_str!("../../../../launch-config/lines/transfer-line/line.toml");
         let mut line = linewright_line::parse("line.toml", text).expect("the shipped line is sound").line;
         line.timing.stale = Duration::from_secs(1 << 20);
-        let controller = Controller::new(&line, StationId(0), 1, Restore::Fresh).expect("compiles");
+        let controller =
+            Controller::new(&line, StationId(0), 1, Restore::Fresh).expect("compiles").with_rules(Rules::COUNTS);
         let out = Outbox { events: Vec::with_capacity(1024), ..Outbox::default() };
         let mut bar = TransferBar { controller, out, line };
         bar.image(1 << bar.line.operation((StationId(0), bar.line.stations[0].home)).normal.complete.0);
         let ahead = vec![i32::MAX / 4; 2];
         let clamp = Report { boot_id: 1, done: ahead.clone(), started: ahead, ..Report::default() };
         bar.controller.handle(NOW, Input::View(StationId(1), &clamp));
-        let order = ModeOrder {
-            boot_id: 1,
-            epoch: 1,
-            mode: ControlMode::Auto,
-            enabled: true,
-            master_stop: None,
-            manual_all: false,
-            buttons: 0,
-            lease: Duration::from_secs(1 << 20),
-        };
+        let order = ModeOrder::of(1, 1, ControlMode::Auto, Duration::from_secs(1 << 20));
         bar.controller.handle(NOW, Input::Order(order));
         bar.step();
         bar.image(0);

@@ -1,9 +1,9 @@
 //! The dispatcher that tries out what comes of a decision before it makes it.
 //!
 //! For each group of candidates that compete, the first of them by the rules are tried, waiting for what happens next, and
-//! doing without a way where there are others: each is imagined, with the rules deciding all that follows, until the horizon; the best future counts (a rollout;
-//! Bertsekas, Tsitsiklis and Wu 1997). The best future found so far is kept and tried again at the next question, so that it
-//! is left only for a better one (their *fortified* rollout).
+//! doing without a way where there are others: each is imagined, with the rules deciding all that follows, until the
+//! horizon; the best future counts (a rollout; Bertsekas, Tsitsiklis and Wu 1997). The best future found so far is kept and
+//! tried again at the next question, so that it is left only for a better one (their *fortified* rollout).
 //!
 //! # What holds
 //! - *Never worse than its rules*, if the horizon covers all the work and everything takes its nominal time: the first

@@ -53,9 +53,8 @@ impl Coordination {
         let ruling = self.rulings(alarm).into_iter().find(|ruling| ruling.word == word).ok_or(Objection::NoSuchWord)?;
         let handling = self.state.table().handling();
         let fresh = |station| self.watch.fresh(station, now, handling.stale);
-        let doing = |key, station| fresh(station).is_some_and(|heard| heard.slot == Some(key));
-        if let Some(order) = firing.orders.iter().find(|order| doing(order.key, order.station)) {
-            return Err(Objection::Moves(order.station));
+        if let Some(station) = self.moving(now, firing) {
+            return Err(Objection::Moves(station));
         }
         // Somebody who carries and works may have another part.
         let carrier = handling.mode(firing.mode).carrier;

@@ -102,6 +102,11 @@ impl Exceptions {
         self.open.get(&firing)
     }
 
+    /// Whether the stations of a failed activity are still to come to rest.
+    pub(in super::super) fn is_securing(&self, firing: FiringId) -> bool {
+        self.open.get(&firing).is_some_and(|trouble| trouble.stage == Stage::Securing)
+    }
+
     /// The alarms that stand, by number.
     pub fn alarms(&self) -> impl ExactSizeIterator<Item = &Alarm> {
         self.alarms.values()

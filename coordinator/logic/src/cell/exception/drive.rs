@@ -33,23 +33,49 @@ impl Coordination {
         let (stale, before) = (self.state.table().handling().stale, self.watch.seen(station));
         let could = self.watch.can_work(station, now, stale);
         let is_first = before.is_none_or(|seen| seen.heard.presence != heard.presence);
+        let moved = self.moves(now, station);
         self.watch.hear(now, station, heard);
-        if is_first || could != self.watch.can_work(station, now, stale) {
+        if is_first || moved != self.moves(now, station) || could != self.watch.can_work(station, now, stale) {
             // No record says that something can start now that could not.
             self.reconsider();
         }
-        let is_waited_for = |key| self.state.order(key).is_some_and(|(firing, _)| firing.phase == Phase::Running);
         match heard.slot {
-            Some(key) if !is_waited_for(key) => _ = self.watch.strays.insert(station),
+            Some(key) if !self.is_waited_for(key) => _ = self.watch.strays.insert(station),
             Some(_) | None => _ = self.watch.strays.remove(&station),
         }
         if heard.unable == Some(Unable::Devices) {
             let known = self.state.orders.keys().copied().filter(|&key| self.may_be_known(station, key));
-            let lost: Vec<_> = known.filter(|&key| is_waited_for(key)).collect();
+            let lost: Vec<_> = known.filter(|&key| self.is_waited_for(key)).collect();
             for key in lost {
                 self.write(now, Fact::OrderFailed { key, failure: Failure::DevicesLost }, out);
             }
         }
+    }
+
+    fn is_waited_for(&self, key: OrderKey) -> bool {
+        self.state.order(key).is_some_and(|(firing, _)| firing.phase == Phase::Running)
+    }
+
+    /// Whether a station was heard to be at an order of something that has failed, or of nothing. It has to stand before
+    /// anything is concluded from where things are, and before it is given another one.
+    pub(in super::super) fn moves(&self, now: Tick, station: StationId) -> bool {
+        let heard =
+            self.watch.fresh(station, now, self.state.table().handling().stale).filter(|heard| self.counts(heard));
+        heard.and_then(|heard| heard.slot).is_some_and(|key| !self.is_waited_for(key))
+    }
+
+    /// Whether what is in a station's slot is what it does, also where a result says that this has ended.
+    fn counts(&self, heard: &Heard) -> bool {
+        let has_ended = |key| heard.results.iter().any(|(of, _)| Some(*of) == key);
+        self.rules.stands_first && (self.rules.slot_counts || !has_ended(heard.slot))
+    }
+
+    /// The first station of an activity, of its orders or of who takes part, that has to stand and moves.
+    pub(super) fn moving(&self, now: Tick, firing: &Firing) -> Option<StationId> {
+        let handling = self.state.table().handling();
+        let ordered = firing.orders.iter().map(|order| order.station);
+        let part = handling.mode(firing.mode).resources().filter_map(|id| handling.resource(id)?.station);
+        ordered.chain(part).find(|&station| self.moves(now, station))
     }
 
     /// Fails the orders of stations that were not heard for too long.
@@ -160,18 +186,20 @@ impl Coordination {
 
     /// How a station stands that was told to leave an order; none as long as that is not known.
     fn standing(&self, station: StationId, key: OrderKey) -> Option<Standing> {
-        let seen = self.watch.seen(station)?;
-        let answered = self.watch.told.get(&key).and_then(|told| told.answered);
-        let has_ended = seen.heard.results.iter().any(|(of, _)| *of == key);
-        let is_over = has_ended || answered.is_some_and(|(_, is_at_it)| !is_at_it);
-        if !is_over || seen.heard.slot == Some(key) {
-            return None;
-        }
-        if !seen.heard.is_held {
+        if !self.rules.stands_first {
             return Some(Standing::AtRest);
         }
+        let is_at_it = |heard: &Heard| heard.slot == Some(key) && self.counts(heard);
+        let seen = self.watch.seen(station).filter(|seen| !is_at_it(&seen.heard))?;
+        let answered = self.watch.told.get(&key).and_then(|told| told.answered);
         // Before it was told it may not have begun to go back.
-        answered.filter(|&(at, _)| at <= seen.at).map(|_| Standing::Held)
+        let has_left = answered.is_some_and(|(at, is_at_it)| !is_at_it && at <= seen.at);
+        let has_ended = seen.heard.results.iter().any(|(of, _)| *of == key);
+        match (has_left, has_ended, seen.heard.is_held) {
+            (true, _, true) => Some(Standing::Held),
+            (true, _, false) | (_, true, false) => Some(Standing::AtRest),
+            (false, false, _) | (false, true, true) => None,
+        }
     }
 
     /// Writes down who has come to rest; asks when all have.
@@ -260,6 +288,11 @@ impl Coordination {
         let (ruling, since) = (ruling.clone(), *since);
         let Some((firing, cause)) = self.failed(id) else { return };
         let (mode, part) = (firing.mode, firing.part);
+        if let Some(station) = self.moving(now, firing) {
+            let text = words::moved(&self.state, firing, cause, &ruling, station, now);
+            let answers = self.answers(firing, cause);
+            return self.alarm(now, About::Firing(id), text, &answers, out);
+        }
         match self.verdict(now, firing, &ruling, since) {
             Verdict::Wait => (),
             Verdict::Differs(found) => {

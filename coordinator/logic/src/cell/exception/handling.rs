@@ -143,13 +143,17 @@ impl Handling {
         known.map_or_else(|| format!("station {}", station.0), |(_, name)| name.to_string())
     }
 
-    /// The rule for a failure of a mode.
+    /// The rule for a failure of a mode: the first that fits. One of the station's own code goes before one of time-outs,
+    /// which fits as well where the code says what a station waited for until its time was over.
     pub(super) fn rule(&self, mode: ModeId, cause: Cause) -> Option<&Rule> {
         let word = word(cause);
-        let rules = self.mode(mode).rules.iter().filter_map(|&at| self.rules.get(at));
-        rules.into_iter().find(|rule| match &rule.code {
-            Fits::Any => true,
-            Fits::Word(code) => **code == word,
+        let rules = || self.mode(mode).rules.iter().filter_map(|&at| self.rules.get(at));
+        let own = rules().find(|rule| matches!(&rule.code, Fits::Word(code) if **code == word));
+        own.or_else(|| {
+            rules().find(|rule| match &rule.code {
+                Fits::Any => true,
+                Fits::Word(code) => cause.is_expiry() && **code == *TIME_OUT,
+            })
         })
     }
 }
@@ -175,14 +179,15 @@ impl Handled {
 
 static NOTHING: std::sync::LazyLock<Handled> = std::sync::LazyLock::new(Handled::default);
 
+const TIME_OUT: &str = "time-out";
+
 /// The word for a cause, as descriptions write it: a code in digits is the station's own.
 pub(super) fn word(cause: Cause) -> String {
     match cause {
-        Cause::TimedOut => "time-out".to_owned(),
+        Cause::TimedOut => TIME_OUT.to_owned(),
         Cause::ByHand { .. } => "alarm".to_owned(),
         Cause::Order { key: _, failure } => match failure {
-            // What a station ends by its own clock is the same (`linewright_station_logic::Failure::TimedOut`).
-            Failure::TimedOut | Failure::Code(1000) => "time-out".to_owned(),
+            Failure::TimedOut => TIME_OUT.to_owned(),
             Failure::Code(code) => code.to_string(),
             Failure::Refused(Refusal::Devices) | Failure::DevicesLost => "device-lost".to_owned(),
             Failure::Refused(

@@ -131,8 +131,8 @@ impl Watch {
         self.told.get_mut(&key).into_iter().for_each(|told| told.answered = Some((now, is_at_it)));
     }
 
-    /// It was heard that an order has ended.
-    pub fn ended(&mut self, station: StationId, key: OrderKey) {
+    /// It was heard that an order is done.
+    pub fn done(&mut self, station: StationId, key: OrderKey) {
         if let Some(seen) = self.seen.get_mut(&station).filter(|seen| seen.heard.slot == Some(key)) {
             seen.heard.slot = None;
             self.strays.remove(&station);

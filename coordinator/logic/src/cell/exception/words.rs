@@ -2,7 +2,7 @@
 
 use std::fmt::Write;
 
-use linewright_line::Tick;
+use linewright_line::{StationId, Tick};
 
 use super::super::firing::{Firing, OrderState};
 use super::super::ids::{ModeId, PartId};
@@ -64,6 +64,9 @@ fn cause_of(state: &State, firing: &Firing, cause: Cause) -> String {
             let station = firing.orders.iter().find(|order| order.key == key).map(|order| order.station);
             let station = station.map_or_else(|| "a station".to_owned(), |station| handling.station_name(station));
             match failure {
+                Failure::Code(code) if failure.is_expiry() => {
+                    format!("{station} has not ended in time, what it waited for did not come (code {code})")
+                }
                 Failure::Code(code) => format!("{station} has ended with code {code}"),
                 Failure::Refused(refusal) => format!("{station} has refused ({refusal:?})"),
                 Failure::TimedOut => format!("{station} has not ended in time"),
@@ -88,6 +91,19 @@ pub(super) fn differs(
     let found: Vec<String> = found.iter().map(|found| difference(handling, found)).collect();
     let again = alarm(state, firing, cause, now);
     format!("\"{}\" cannot be: {}. {again}", ruling.word, found.join("; "))
+}
+
+/// A station has moved since it was answered.
+pub(super) fn moved(
+    state: &State,
+    firing: &Firing,
+    cause: Cause,
+    ruling: &Ruling,
+    station: StationId,
+    now: Tick,
+) -> String {
+    let name = state.table().handling().station_name(station);
+    format!("{name} has moved since \"{}\" was answered. {}", ruling.word, alarm(state, firing, cause, now))
 }
 
 /// The carrier has the part.

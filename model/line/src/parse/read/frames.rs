@@ -32,8 +32,10 @@ fn heard(mut f: Fields<'_>, report: &mut Report) -> RawHeard {
 
 fn told(mut f: Fields<'_>, report: &mut Report) -> RawTold {
     let raw = RawTold {
+        at: f.at.clone(),
         message: f.required_text(report, "message"),
         every: f.required_millis(report, "every_ms"),
+        lets_go_after: f.millis(report, "lets_go_after_ms"),
         counter: f.text(report, "counter"),
         checksum: checksum(&mut f, report),
         outputs: each(f.tables(report, "outputs", "an output", SIGNALS_MAX), report, output),

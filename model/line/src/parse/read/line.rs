@@ -183,6 +183,7 @@ fn device(mut f: Fields<'_>, report: &mut Report) -> RawDevice {
         file: f.text(report, "file"),
         identity: f.table(report, "identity", "`identity`").map(|f| setup::identity(f, report)),
         settings: each(f.tables(report, "settings", "a setting", SETTINGS_MAX), report, setup::setting),
+        without_error_values: f.text(report, "without_error_values"),
         transmission: f.table(report, "transmission", "`transmission`").map(|f| setup::transmission(f, report)),
         on_emergency: setup::reaction(&mut f, "on_emergency", report),
         when_lost: setup::reaction(&mut f, "when_lost", report),
@@ -204,16 +205,30 @@ fn console(mut f: Fields<'_>, report: &mut Report) -> RawConsole {
             lamps
         }
     };
+    let (estop, estop_pressed) = estop(&mut f, report);
     let raw = RawConsole {
         at,
         start: f.text(report, "start"),
         stop: f.text(report, "stop"),
         auto: f.text(report, "auto"),
         hand: f.text(report, "hand"),
-        estop: f.text(report, "estop"),
+        estop,
+        estop_pressed,
         reset: f.text(report, "reset"),
         lamps,
     };
     f.finish(report);
     raw
+}
+
+/// An input, on while pressed; or `{ input = …, pressed = "off" }`.
+fn estop(f: &mut Fields<'_>, report: &mut Report) -> (Option<Name>, bool) {
+    if !f.is_table("estop") {
+        return (f.text(report, "estop"), true);
+    }
+    let Some(mut contact) = f.table(report, "estop", "`estop`") else { return (None, true) };
+    let input = contact.required_text(report, "input");
+    let pressed = contact.required_word(report, "pressed", &[("on", true), ("off", false)]);
+    contact.finish(report);
+    (input, pressed.is_none_or(|pressed| pressed.value))
 }

@@ -16,6 +16,7 @@ pub(super) fn check(draft: &Draft<'_>, report: &mut Report) {
         }
         for told in &frames.send {
             outputs_have_two_values(told, report);
+            outputs_go_off_by_themselves(told, report);
         }
     }
 }
@@ -24,13 +25,14 @@ fn nothing_of_canopen_is_said(device: &RawDevice, frames: &RawFrames, report: &m
     let bits = device.inputs.first().or(device.outputs.first()).map(|bit| &bit.at);
     let settings = device.settings.first().and_then(|setting| setting.object.as_ref()).map(|object| &object.at);
     let identity = device.identity.as_ref().and_then(|RawIdentity(parts)| parts.iter().flatten().next());
-    let said: [(&str, Option<&Where>); 9] = [
+    let said: [(&str, Option<&Where>); 10] = [
         ("`node`", device.node.as_ref().map(|node| &node.at)),
         ("`identity`", identity.map(|part| &part.at)),
         ("`inputs` and `outputs`", bits),
         ("`settings`", settings),
         ("`file`", device.file.as_ref().map(|file| &file.at)),
         ("`transmission`", device.transmission.as_ref().map(|(_, at)| at)),
+        ("`without_error_values`", device.without_error_values.as_ref().map(|why| &why.at)),
         ("`on_emergency`", device.on_emergency.as_ref().map(|key| &key.at)),
         ("`when_lost`", device.when_lost.as_ref().map(|key| &key.at)),
         ("`drive`", device.drive.as_ref().map(|drive| &drive.at)),
@@ -77,6 +79,28 @@ fn conditions_are_one(input: &RawSignalInput, report: &mut Report) {
         report.add(
             Problem::error(hysteresis.at.clone(), "a hysteresis without a limit")
                 .hint("it belongs to `above` or `below`"),
+        );
+    }
+}
+
+/// Such a device hears no heartbeat of the manager. Its outputs go off only by its own time-out, which stands in its manual.
+fn outputs_go_off_by_themselves(told: &RawTold, report: &mut Report) {
+    let Some(output) = told.outputs.iter().find_map(|output| output.output.as_ref()) else { return };
+    let Some(time) = &told.lets_go_after else {
+        return report.add(
+            Problem::warning(told.at.clone(), format!("`{}` has no time-out: it may stay on without a manager", output.value))
+                .also(&output.at, "turned on by this message")
+                .hint(
+                    "write `lets_go_after_ms`, beside `every_ms`: after how long without this message the device turns its \
+                     outputs off by itself, as its manual says or as it is set up; one that never does needs other means",
+                ),
+        );
+    };
+    if let Some(every) = told.every.as_ref().filter(|every| time.value <= every.value) {
+        report.add(
+            Problem::error(time.at.clone(), "this device lets go of its outputs before the next message comes")
+                .also(&every.at, "it comes that often")
+                .hint("two or three times `every_ms`: a frame may be late, or lost"),
         );
     }
 }

@@ -7,8 +7,8 @@ use linewright_text::{Problem, Report, Where};
 use crate::parse::analogue;
 use crate::parse::draft::{Draft, DraftDevice, DraftStation};
 use crate::parse::raw::{RawDevice, RawIdentity, RawSetting};
-use crate::parse::setup::{object, part};
-use crate::{InputId, OutputId, Owner, Reaction, is_the_managers};
+use crate::parse::setup::{object, part, setting};
+use crate::{InputId, OutputId, Owner, Reaction, is_the_managers, keeps_an_output};
 
 pub(super) fn check(draft: &Draft<'_>, report: &mut Report) {
     for device in &draft.raw.devices {
@@ -22,6 +22,7 @@ pub(super) fn check(draft: &Draft<'_>, report: &mut Report) {
     }
     for (device, raw) in draft.devices.iter().zip(&draft.raw.devices) {
         nothing_depends_on_what_may_be_lost(draft, device, raw, report);
+        outputs_go_off_without_a_manager(device, raw, report);
     }
 }
 
@@ -53,6 +54,39 @@ fn nothing_depends_on_what_may_be_lost(draft: &Draft<'_>, device: &DraftDevice, 
         report.add(problem(&name.at, &format!("`{}` is one of its inputs", name.value), "something is decided by it"));
     } else if let Some((name, _)) = output {
         report.add(problem(&name.at, &format!("`{}` is one of its outputs", name.value), "it drives a motion"));
+    }
+}
+
+/// The manager writes what a device does with its outputs when the manager is gone. A description that wants it otherwise, or a
+/// device without these objects, needs a reason.
+fn outputs_go_off_without_a_manager(device: &DraftDevice, raw: &RawDevice, report: &mut Report) {
+    if let Some(why) = &raw.without_error_values {
+        let sets = raw.outputs.iter().any(|name| !name.value.is_empty()) || !raw.analogue.outputs.is_empty();
+        if why.value.trim().is_empty() {
+            report.add(
+                Problem::error(why.at.clone(), "no reason is given").hint(
+                    "say what lets its outputs go when the manager is gone, such as a safety relay in their supply",
+                ),
+            );
+        } else if raw.drive.is_some() || raw.frames.is_none() && !sets {
+            report.add(
+                Problem::error(why.at.clone(), "this device has no error values to be without")
+                    .hint("`without_error_values` is for devices with `outputs` or `analogue_outputs`"),
+            );
+        }
+        return;
+    }
+    let keeps = raw
+        .settings
+        .iter()
+        .filter(|raw| setting(raw).is_some_and(|setting| keeps_an_output(&device.outputs, &setting)));
+    for (name, raw) in keeps.filter_map(|raw| Some((raw.object.as_ref()?, raw))) {
+        let value = raw.value.as_ref().map_or(&name.at, |value| &value.at);
+        report.add(
+            Problem::error(value.clone(), "an output of this device stays on when the manager is gone")
+                .also(&name.at, "by this object")
+                .hint("leave it out, or say in `without_error_values` why that is safe"),
+        );
     }
 }
 

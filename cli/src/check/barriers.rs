@@ -1,0 +1,108 @@
+//! The two barriers before the motions of each conflict: counts, which `check` explores, and measured positions.
+
+use linewright_line::{Conflict, Line, Span};
+use linewright_proof::positions::{PositionRules, explore_positions};
+use linewright_station_logic::CompileError;
+use serde::Serialize;
+
+/// Where the exploration of measured positions ends. The shipped line has 6,930 states.
+const STATES_MAX: usize = 1_000_000;
+
+/// What holds one conflict.
+#[derive(Debug, Serialize)]
+pub struct Barriers {
+    /// The conflict.
+    pub why: String,
+    /// For each side, the station and the limit switches that are all on only outside its state.
+    pub measured: Vec<Clearance>,
+    /// Why switches do not hold it; empty where they do.
+    pub not_measured: Vec<String>,
+    /// What measured positions exclude by themselves; none where they do not hold it.
+    pub by_themselves: Option<ByThemselves>,
+}
+
+/// What was found with any motion commanded at any moment, and measured positions alone against it.
+#[derive(Debug, Serialize)]
+pub struct ByThemselves {
+    /// How many states were seen.
+    pub states: usize,
+    /// `holds`, `fails` or `undecided`.
+    pub verdict: &'static str,
+    /// How both stations come to be in their states.
+    pub counterexample: Vec<String>,
+}
+
+/// The switches of one side.
+#[derive(Debug, Serialize)]
+pub struct Clearance {
+    /// The station.
+    pub station: String,
+    /// Its inputs.
+    pub inputs: Vec<String>,
+}
+
+/// The barriers of every conflict of a line, explored under these rules; not explored without.
+///
+/// # Errors
+/// When a station does not compile.
+pub fn of(line: &Line, rules: Option<PositionRules>) -> Result<Vec<Barriers>, CompileError> {
+    line.conflicts.iter().map(|conflict| of_conflict(line, conflict, rules)).collect()
+}
+
+fn of_conflict(line: &Line, conflict: &Conflict, rules: Option<PositionRules>) -> Result<Barriers, CompileError> {
+    let mut barriers =
+        Barriers { why: conflict.why.clone(), measured: Vec::new(), not_measured: Vec::new(), by_themselves: None };
+    for span in [&conflict.a, &conflict.b] {
+        let station = line.station(span.station);
+        match line.clearance(span) {
+            Ok(inputs) => {
+                barriers.measured.push(Clearance { station: station.name.clone(), inputs: named(line, span, inputs) })
+            }
+            Err(why) => barriers.not_measured.push(why.text(station)),
+        }
+    }
+    if let Some(rules) = rules.filter(|_| barriers.not_measured.is_empty()) {
+        let found = explore_positions(line, conflict, rules, STATES_MAX)?;
+        let verdict = match (&found.counterexample, found.exhausted) {
+            (Some(_), _) => "fails",
+            (None, true) => "holds",
+            (None, false) => "undecided",
+        };
+        let counterexample = found.counterexample.unwrap_or_default();
+        barriers.by_themselves = Some(ByThemselves { states: found.states, verdict, counterexample });
+    }
+    Ok(barriers)
+}
+
+fn named(line: &Line, span: &Span, inputs: u128) -> Vec<String> {
+    let names = line.station(span.station).inputs.iter().enumerate();
+    names.filter(|(bit, _)| inputs & (1 << bit) != 0).map(|(_, name)| name.clone()).collect()
+}
+
+impl Barriers {
+    /// Measured positions exclude what they are derived to exclude, as far as that was looked at.
+    pub fn holds(&self) -> bool {
+        self.by_themselves.as_ref().is_none_or(|found| found.verdict != "fails")
+    }
+
+    /// A line for a person; more where measured positions fail.
+    pub fn text(&self) -> String {
+        if !self.not_measured.is_empty() {
+            return format!("one barrier, counts: {}", self.not_measured.join("; "));
+        }
+        let sides: Vec<String> =
+            self.measured.iter().map(|side| format!("{} of {}", side.inputs.join(" and "), side.station)).collect();
+        let sides = format!("counts and measured positions ({})", sides.join(", "));
+        let Some(ByThemselves { states, verdict, counterexample }) = &self.by_themselves else { return sides };
+        match *verdict {
+            "holds" => format!(
+                "{sides}; positions by themselves exclude it whatever is commanded and remembered ({states} states), but \
+                 for two motions that start within one report's delay"
+            ),
+            "fails" => {
+                format!("{sides}; ✗ positions by themselves do not exclude it:\n    {}", counterexample.join("\n    "))
+            }
+            _ => format!("{sides}; positions by themselves: undecided after {states} states"),
+        }
+    }
+}

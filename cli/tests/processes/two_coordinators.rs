@@ -1,0 +1,145 @@
+//! Two coordinators of one line.
+//!
+//! ```text
+//!   auto ── a second coordinator is started ──▶ it ends: it came second                      auto goes on
+//!   auto ── another one that does not end ──▶ stand-by, nothing moves, everybody names it
+//!        ── the emergency stop of either ──▶ every station in it ── the other one ends ──▶ recovered ──▶ auto
+//! ```
+
+use std::process::Stdio;
+use std::sync::Arc;
+use std::sync::atomic::{AtomicU8, Ordering};
+use std::thread::JoinHandle;
+use std::time::Duration;
+
+use linewright_msgs::{ModeOrder, StationState};
+use linewright_node_shell::{Node, Participant, RosArgs, qos};
+
+use crate::support::operator::Operator;
+use crate::support::rig::{Rig, line, send_signal};
+use crate::support::{PATIENCE, pause, wait_for};
+
+const OTHER: u64 = 4711;
+const ENDS: u8 = u8::MAX;
+
+/// A coordinator that gives orders whatever it hears. It ends when dropped.
+struct Other {
+    mode: Arc<AtomicU8>,
+    thread: Option<JoinHandle<()>>,
+    _node: Node,
+    _participant: Participant,
+}
+
+impl Other {
+    /// It orders auto, as if every station had acknowledged that.
+    fn start(rig: &Rig) -> Self {
+        let participant = Participant::open(&RosArgs { domain_id: rig.domain(), ..RosArgs::default() }).expect("joins");
+        let mut node = participant.node("/transfer_line", "other").expect("a node");
+        let orders = node.publisher("mode", qos::command()).expect("a topic");
+        let mode = Arc::new(AtomicU8::new(StationState::MODE_AUTO));
+        let is = mode.clone();
+        let thread = std::thread::spawn(move || {
+            for sequence in 1.. {
+                let mode = is.load(Ordering::Relaxed);
+                if mode == ENDS {
+                    break;
+                }
+                let order =
+                    ModeOrder { boot_id: OTHER, sequence, epoch: 1, mode, lease_ms: 500, ..ModeOrder::default() };
+                orders.send(ModeOrder { enabled: true, ..order });
+                std::thread::sleep(Duration::from_millis(50));
+            }
+        });
+        Other { mode, thread: Some(thread), _node: node, _participant: participant }
+    }
+
+    fn orders(&self, mode: u8) {
+        self.mode.store(mode, Ordering::Relaxed);
+    }
+}
+
+impl Drop for Other {
+    fn drop(&mut self) {
+        self.orders(ENDS);
+        if let Some(thread) = self.thread.take() {
+            let _ = thread.join();
+        }
+    }
+}
+
+#[test]
+fn a_second_coordinator_ends_and_names_the_first() {
+    let mut rig = Rig::new(&line(0.3));
+    let operator = rig.in_auto();
+    let first = operator.heard().line.boot_id;
+    // A name and a bus of its own: all that this machine keeps it from being twice is got round.
+    let more = ["--bus", "rig-second", "--virtual-bus", "--ros-args", "-r", "__node:=second"];
+    let mut command = rig.command(&["coordinator"], &more);
+    let mut second = command.stdin(Stdio::null()).stdout(Stdio::null()).stderr(Stdio::piped()).spawn().expect("starts");
+    let ended = wait_for(PATIENCE, || second.try_wait().expect("a child").is_some());
+    if !ended {
+        send_signal("KILL", second.id());
+    }
+    let output = second.wait_with_output().expect("a child");
+    let text = String::from_utf8_lossy(&output.stderr);
+    let text: String = text.split_whitespace().filter(|word| *word != "│").collect::<Vec<_>>().join(" ");
+    assert!(ended && output.status.code() == Some(1), "{text}");
+    let expected = format!("another coordinator (boot id {first}) gives orders to this line, and this one came second");
+    assert!(text.contains(&expected), "{text}");
+    operator.wait("the first one is alone", |heard| !heard.line.text.contains("another coordinator"));
+    operator.recover();
+    operator.cycles(1);
+    operator.go_home();
+    assert_eq!(rig.eye.seen().conflicts(), [""; 0]);
+}
+
+#[test]
+fn while_two_coordinators_are_up_nothing_moves_and_the_emergency_stop_of_either_is_obeyed() {
+    let mut rig = Rig::new(&line(1.0));
+    let operator = rig.in_auto();
+    for stops in [both_stop_by_the_other as fn(&Operator, &Other), both_stop_by_the_followed] {
+        rig.eye.wait("something moves", |seen| !seen.energised().is_empty());
+        let other = Other::start(&rig);
+        nothing_moves(&rig, &operator);
+        stops(&operator, &other);
+        operator.wait("e-stop", |heard| heard.all(|state| state.mode == StationState::MODE_ESTOP));
+        operator.wait("of the line", |heard| heard.line.mode == StationState::MODE_ESTOP);
+        drop(other);
+        operator.wait("one is left", |heard| heard.all(|state| state.blocked_by.iter().all(|why| !is_named(why))));
+        // The stop of the other one counts as given until it has been silent for its term.
+        pause(1500);
+        operator.say("reset");
+        operator.recover();
+        operator.cycles(1);
+    }
+    operator.go_home();
+    assert_eq!(rig.eye.seen().conflicts(), [""; 0]);
+}
+
+fn both_stop_by_the_other(_: &Operator, other: &Other) {
+    other.orders(StationState::MODE_ESTOP);
+}
+
+fn both_stop_by_the_followed(operator: &Operator, _: &Other) {
+    operator.say("estop");
+}
+
+fn is_named(reason: &str) -> bool {
+    reason.contains("two coordinators give orders") && reason.contains(&OTHER.to_string())
+}
+
+fn nothing_moves(rig: &Rig, operator: &Operator) {
+    operator.wait("every station says why", |heard| {
+        heard.all(|state| state.mode == StationState::MODE_STANDBY && state.blocked_by.iter().any(|why| is_named(why)))
+    });
+    let named = format!("another coordinator (boot id {OTHER}) gives orders to this line");
+    operator.wait("the coordinator as well", |heard| heard.line.text.contains(&named));
+    operator.wait("everything stands", |heard| heard.all(|state| state.stopped));
+    let started = rig.eye.seen().starts().len();
+    for command in ["auto", "manual"] {
+        let refusal = operator.refused(command);
+        assert!(refusal.contains(&named), "{refusal}");
+    }
+    pause(700);
+    assert_eq!(&rig.eye.seen().starts()[started..], []);
+}

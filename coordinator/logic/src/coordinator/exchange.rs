@@ -1,0 +1,104 @@
+//! What arrives at the mode decision, and what it gives.
+
+use std::time::Duration;
+
+use linewright_line::net::ControlMode;
+use linewright_line::{StationId, Tick};
+
+use crate::decision::Command;
+use crate::refusal::Refusal;
+
+/// What the coordinator needs of a station's report.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
+pub struct Heard {
+    /// Which life of the station.
+    pub boot_id: u64,
+    /// The newest epoch it has heard.
+    pub mode_epoch: u64,
+    /// The coordinator's life whose order it took last; 0 for none.
+    pub follows: u64,
+    /// At its home place.
+    pub at_home: bool,
+    /// The round it is in, or at the end of which it stands at home.
+    pub round: i32,
+    /// Nothing moves.
+    pub stopped: bool,
+    /// Some operation was stopped before its end.
+    pub incomplete: bool,
+    /// Its selector stands at manual.
+    pub selector_manual: bool,
+    /// Its devices are heard and operational.
+    pub devices_valid: bool,
+    /// The generation its counts belong to; 0 for none.
+    pub generation: u64,
+    /// An axis that stands still by its chart is not measured there.
+    pub position_lost: bool,
+    /// It acts on an emergency stop.
+    pub estopped: bool,
+}
+
+impl Heard {
+    /// Whether it acts on an epoch of this life: another coordinator may have come to the same number.
+    pub(crate) fn acknowledges(&self, life: u64, epoch: u64) -> bool {
+        self.mode_epoch >= epoch && (self.follows == life || self.follows == 0)
+    }
+}
+
+/// An input of the mode decision.
+#[derive(Clone, Copy, Debug)]
+pub enum Input {
+    /// An operator's command, by message.
+    Command(Command),
+    /// The console's input image, and whether its devices vouch for it.
+    Console {
+        /// Bit `i` is input `i` of the console.
+        bits: u128,
+        /// False when a device is lost or has not yet spoken.
+        valid: bool,
+    },
+    /// Hand-mode buttons held, by message, a bit each; replaces what was held before. Must be refreshed.
+    Buttons(u32),
+    /// The same, from a time that is not known: nothing of it counts, and what it holds is not released by it.
+    LateButtons(u32),
+    /// A newer report of a station.
+    Station(StationId, Heard),
+    /// Another coordinator gives orders to this line: its boot id, and until when that counts if it is not heard again.
+    /// Nothing moves meanwhile.
+    Rival(u64, Tick),
+    /// Whether the journal can be written. While it cannot, the emergency stop is in force.
+    Journal(bool),
+}
+
+/// The order for every station.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub struct Order {
+    /// Grows with every change of mode.
+    pub epoch: u64,
+    /// The mode.
+    pub mode: ControlMode,
+    /// Every station has acknowledged the epoch.
+    pub enabled: bool,
+    /// Master stop: halt at the home place at the end of this round, the latest that any station has begun. All are at
+    /// home together then, as they were at the beginning; a station that halted at home at once could leave another
+    /// waiting for it, away from home, for ever.
+    pub master_stop: Option<i32>,
+    /// Every station's panel counts as switched to manual.
+    pub manual_all: bool,
+    /// Hand-mode buttons held.
+    pub buttons: u32,
+    /// How long the order holds after it is heard.
+    pub lease: Duration,
+}
+
+/// What a step gives.
+#[derive(Clone, Debug, Default)]
+pub struct Outbox {
+    /// Send the order and the state now.
+    pub changed: bool,
+    /// The console's output image: the lamps.
+    pub lamps: u128,
+    /// Modes entered, in order. The caller drains it.
+    pub modes: Vec<ControlMode>,
+    /// Commands refused, in order. The caller drains it.
+    pub refusals: Vec<Refusal>,
+}

@@ -1,0 +1,113 @@
+//! Founding a generation: the moment from which the stations' counts may be compared (see the module `generation` of
+//! `linewright_station_logic`; the published design has no such numbers).
+//!
+//! The coordinator stores no generation. The line has one while all stations that compare counts report the same one. If
+//! they do not, the first *start*, *auto* or *hand* given while every station is at home by its switches founds a new one:
+//! a number is drawn and sent with the boot id of each station, so that a station restarted since ignores it. Motion is
+//! enabled when all have taken it. A station that is restarted meanwhile, or leaves home before taking it, ends the
+//! founding; the next such command begins another.
+
+use linewright_line::StationId;
+
+use super::{Coordinator, Heard};
+use crate::refusal::Reason;
+
+/// A generation that is being founded.
+#[derive(Clone, Debug)]
+pub(super) struct OpenFounding {
+    generation: u64,
+    /// For each station, its boot id when it was seen at home.
+    lives: Vec<u64>,
+}
+
+impl Coordinator {
+    /// What is sent to a station while a generation is founded: the generation, and the boot id of the station it is for.
+    pub fn founding(&self, station: StationId) -> Option<(u64, u64)> {
+        let founding = self.founding.as_ref()?;
+        let life = founding.lives.get(station.index()).copied()?;
+        Some((founding.generation, life))
+    }
+
+    /// The stations whose counts others build on, or that build on others'.
+    fn comparing(&self) -> impl Iterator<Item = (StationId, &Heard)> {
+        let all = self.line.station_ids().zip(&self.stations);
+        all.filter(|(_, station)| station.compares).map(|(id, station)| (id, &station.heard))
+    }
+
+    /// The generation that the most stations report; 0 where none has one.
+    fn prevailing(&self) -> u64 {
+        let count = |generation: u64| self.comparing().filter(|(_, heard)| heard.generation == generation).count();
+        let generations = self.comparing().map(|(_, heard)| heard.generation).filter(|&generation| generation != 0);
+        // The greater number decides between equals, so that all who look at the same reports name the same station.
+        generations.max_by_key(|&generation| (count(generation), generation)).unwrap_or(0)
+    }
+
+    /// Whether all stations that compare counts are of one generation, as far as they were heard.
+    pub(super) fn is_of_one_generation(&self) -> bool {
+        let mut all = self.comparing();
+        let Some((_, first)) = all.next() else { return true };
+        first.generation != 0 && all.all(|(_, heard)| heard.generation == first.generation)
+    }
+
+    /// The stations whose generation is missing or differs from the most common one; none while a generation is being founded.
+    pub(super) fn apart(&self) -> Vec<Reason> {
+        if self.founding.is_some() || self.is_of_one_generation() {
+            return Vec::new();
+        }
+        let prevailing = self.prevailing();
+        let apart = self.comparing().filter(|(_, heard)| heard.generation == 0 || heard.generation != prevailing);
+        apart.map(|(id, _)| Reason::NoCommonStart(id)).collect()
+    }
+
+    /// Draws a generation if the line needs one and all stations stand at home, measured there. Called for a command that leads
+    /// towards motion: with it an operator confirms what the switches say. Gives whether one is founded.
+    pub(super) fn found(&mut self) -> bool {
+        let measured = self.comparing().all(|(_, heard)| heard.devices_valid && !heard.position_lost);
+        if self.is_of_one_generation() || !measured || !self.facts(None).all_home {
+            return false;
+        }
+        if self.founding.is_some() {
+            return true;
+        }
+        self.drawn += 1;
+        let generation = mix(self.boot_id ^ mix(self.epoch.wrapping_add(self.drawn << 48))).max(1);
+        let lives = self.stations.iter().map(|station| station.heard.boot_id).collect();
+        self.founding = Some(OpenFounding { generation, lives });
+        self.changed = true;
+        true
+    }
+
+    /// Whether a station has taken the generation that is founded, or none is.
+    pub(super) fn has_founded(&self, station: StationId) -> bool {
+        let Some(founding) = &self.founding else { return true };
+        let of = &self.stations[station.index()];
+        !of.compares || of.heard.generation == founding.generation
+    }
+
+    /// Ends the founding when all have taken it, or one of them cannot any more.
+    pub(super) fn follow_founding(&mut self) {
+        let Some(founding) = &self.founding else { return };
+        let mut taken = true;
+        let mut broken = false;
+        for (station, &life) in self.stations.iter().zip(&founding.lives).filter(|(station, _)| station.compares) {
+            let has = station.heard.generation == founding.generation;
+            taken &= has;
+            let heard = &station.heard;
+            // As it was measured at the command. A station that cannot take the generation must not keep manual mode disabled.
+            let can = heard.at_home && heard.devices_valid && !heard.position_lost;
+            broken |= heard.boot_id != life || !(has || can);
+        }
+        if taken || broken {
+            self.founding = None;
+            self.changed = true;
+        }
+    }
+}
+
+/// Spreads the bits of a number (the finaliser of splitmix64): numbers drawn in other lives and epochs differ.
+const fn mix(number: u64) -> u64 {
+    let number = number.wrapping_add(0x9E37_79B9_7F4A_7C15);
+    let number = (number ^ (number >> 30)).wrapping_mul(0xBF58_476D_1CE4_E5B9);
+    let number = (number ^ (number >> 27)).wrapping_mul(0x94D0_49BB_1331_11EB);
+    number ^ (number >> 31)
+}

@@ -1,0 +1,123 @@
+//! What arrives at the coordinator, and what follows from it.
+
+use linewright_coordinator_logic::{Command, Heard, OutputImage, Refusal};
+use linewright_line::StationId;
+use linewright_line::net::ControlMode;
+use linewright_station_logic::Report;
+
+use crate::behind::InputsImage;
+
+/// Something that has arrived.
+#[derive(Clone, Copy, Debug)]
+pub enum CoordinatorArrival {
+    /// An operator's command.
+    Command(Command),
+    /// Hand-mode buttons held, a bit each.
+    Buttons(u32),
+    /// An order that was given on this line, by whichever coordinator.
+    Order {
+        /// The coordinator's life.
+        boot_id: u64,
+        /// Its number in that life.
+        sequence: u64,
+    },
+    /// A station's state.
+    State {
+        /// Whose.
+        station: StationId,
+        /// Its number in that station's life.
+        sequence: u64,
+        /// What of it matters here; see [`heard`].
+        heard: Heard,
+    },
+    /// The output image of a station behind the gateway.
+    Outputs {
+        /// Whose.
+        station: StationId,
+        /// Its number as a message, in that station's life.
+        sequence: u64,
+        /// The image.
+        image: OutputImage,
+    },
+    /// The console's input image.
+    Console {
+        /// Bit `i` is input `i` of the console.
+        bits: u128,
+        /// The bus's manager vouches for the bits.
+        valid: bool,
+    },
+    /// The input image of the devices of a station behind the gateway.
+    Devices {
+        /// Whose.
+        station: StationId,
+        /// Bit `i` is input `i` of the station.
+        bits: u128,
+        /// The bus's manager vouches for the bits.
+        valid: bool,
+        /// How often devices have been lost.
+        losses: u64,
+    },
+}
+
+/// What the coordinator keeps over its own restarts.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
+pub struct Remembered {
+    /// The highest epoch used.
+    pub epoch: u64,
+    /// The emergency stop was on.
+    pub estop: bool,
+}
+
+/// What is to be done. Effects are performed in the order in which they are given. If [`CoordinatorEffect::Remember`]
+/// fails, those after it are not performed, and [`crate::CoordinatorShell::remembered`] is told so.
+#[derive(Clone, Debug, PartialEq)]
+pub enum CoordinatorEffect {
+    /// A command is refused.
+    Refused(Refusal),
+    /// A mode is entered.
+    Entered(ControlMode),
+    /// Write this down, and tell [`crate::CoordinatorShell::remembered`] whether it was.
+    Remember(Remembered),
+    /// Put these outputs of the console on the bus: its lamps.
+    Lamps(u128),
+    /// Put these outputs of a station behind the gateway on the bus.
+    Energise(StationId, u128),
+    /// Send a station behind the gateway its inputs, as message number `sequence`.
+    Inputs {
+        /// To whom.
+        station: StationId,
+        /// Its number in this life of the coordinator.
+        sequence: u64,
+        /// The inputs.
+        image: InputsImage,
+    },
+    /// Send [`crate::CoordinatorShell::order`] to every station, as message number `sequence`.
+    Order {
+        /// Its number in this life of the coordinator.
+        sequence: u64,
+    },
+    /// Send the state of the line, as message number `sequence`.
+    Tell {
+        /// Its number in this life of the coordinator.
+        sequence: u64,
+    },
+}
+
+/// What the coordinator looks at in a station's report.
+pub fn heard(report: &Report) -> Heard {
+    Heard {
+        boot_id: report.boot_id,
+        mode_epoch: report.mode_epoch,
+        // Not in the report: whoever reads it from a message adds it.
+        follows: 0,
+        at_home: report.at_home,
+        round: report.round,
+        stopped: report.stopped,
+        incomplete: !report.incomplete.is_empty(),
+        selector_manual: report.selector_manual,
+        devices_valid: report.devices_valid,
+        generation: report.generation,
+        position_lost: report.position_lost.is_some(),
+        estopped: report.mode == Some(ControlMode::EStop),
+    }
+}

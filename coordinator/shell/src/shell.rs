@@ -1,0 +1,330 @@
+//! The coordinator's shell: arrivals in, effects out.
+//!
+//! Order of effects: record, outputs, order, state. So no station obeys an epoch that the coordinator could forget. The
+//! emergency stop alone turns this round: outputs go off and the order goes out first, because a slow disk must not delay
+//! it. That is safe: who forgets an emergency stop finds the stations in it and adopts it, and an epoch that was used for
+//! nothing but a stop starts nothing when it is used again. Outputs of stations go off before the record as well. After a
+//! record that took longer than a period nothing is put out or ordered by what was decided before it: it is decided again.
+//!
+//! A record that cannot be written is itself an emergency stop: the line would otherwise act on what a successor does not
+//! know. It stays in force, and writing is tried again, until it succeeds and an operator resets.
+
+use std::time::Duration;
+
+use linewright_coordinator_logic::{Command, Coordinator, Gateway, Input, Outbox};
+use linewright_line::net::ControlMode;
+use linewright_line::{Bus, Line, StationId, Tick};
+use linewright_station_logic::{Founding, ModeOrder};
+use linewright_station_shell::{EPOCH_JUMP_MAX, NewestBySequence, RivalLife, Rivals};
+
+use crate::behind::{Behind, Stop};
+use crate::effect::{CoordinatorArrival, CoordinatorEffect, Remembered};
+
+/// How soon a refusal may follow another one in what is sent.
+const ANSWER_EVERY: Duration = Duration::from_millis(20);
+/// How soon writing a record is tried again. A disk that is full stays so for longer.
+const WRITE_AGAIN_EVERY: Duration = Duration::from_secs(1);
+
+/// A coordinator between its messages.
+#[derive(Debug)]
+pub struct CoordinatorShell {
+    coordinator: Coordinator,
+    gateway: Gateway,
+    boot_id: u64,
+    outbox: Outbox,
+    behind: Vec<Behind>,
+    states: Vec<NewestBySequence>,
+    /// Other coordinators that give orders on this line.
+    rivals: Rivals,
+    /// A station has acknowledged an order of this life.
+    is_followed: bool,
+    /// A station has acknowledged orders, and none of this life.
+    others_are_followed: bool,
+    /// By station: it has said that it has its devices.
+    has_devices: Vec<bool>,
+    /// By station: its last report has its devices or a position lost, or something stopped in the middle.
+    in_trouble: Vec<bool>,
+    /// In a cell: the stations whose trouble is the cell's alone.
+    isolated: Option<Vec<StationId>>,
+    /// What is known to be written down.
+    written: Remembered,
+    /// The last attempt to write failed; when the next is due.
+    write_again: Option<Tick>,
+    order_sequence: u64,
+    state_sequence: u64,
+    image_sequence: u64,
+    refresh: Duration,
+    refresh_due: Tick,
+    stale: Duration,
+    /// When order and state were given last.
+    told: Tick,
+    /// When it was decided last.
+    acted: Tick,
+    /// It asked to be called by then.
+    expected: Tick,
+    /// What arrives before may have waited while the process stood still: its age is unknown.
+    doubts_until: Tick,
+}
+
+impl CoordinatorShell {
+    /// The shell of a line's coordinator in its life `boot_id`, which remembers what its predecessor has written down.
+    pub fn new(line: &Line, boot_id: u64, remembered: Remembered) -> Self {
+        let (stations, stale) = (line.stations.len(), line.timing.stale);
+        let coordinator = Coordinator::new(line.clone(), boot_id, remembered.epoch);
+        let behind = line.station_ids().filter(|&id| line.station(id).bus == Bus::Line);
+        CoordinatorShell {
+            coordinator: if remembered.estop { coordinator.with_estop() } else { coordinator },
+            gateway: Gateway::new(stations, stale),
+            boot_id,
+            outbox: Outbox::default(),
+            behind: behind.map(|id| Behind::new(id, stale)).collect(),
+            states: vec![NewestBySequence::new(stale); stations],
+            rivals: Rivals::new(line.timing.refresh, stale),
+            is_followed: false,
+            others_are_followed: false,
+            has_devices: vec![false; stations],
+            in_trouble: vec![false; stations],
+            isolated: None,
+            written: Remembered::default(),
+            write_again: None,
+            order_sequence: 0,
+            state_sequence: 0,
+            image_sequence: 0,
+            refresh: line.timing.refresh,
+            refresh_due: Tick::ZERO,
+            stale,
+            told: Tick::ZERO,
+            acted: Tick::ZERO,
+            expected: Tick::NEVER,
+            doubts_until: Tick::ZERO,
+        }
+    }
+
+    /// The same without repetitions and without a gateway, for a simulation whose links repeat by themselves what was
+    /// sent last, and in which images reach the plant at once.
+    #[must_use]
+    pub fn without_refresh_and_gateway(mut self) -> Self {
+        self.refresh_due = Tick::NEVER;
+        self.behind = Vec::new();
+        self
+    }
+
+    /// The mode decision, to look at.
+    pub fn coordinator(&self) -> &Coordinator {
+        &self.coordinator
+    }
+
+    /// Which life of the coordinator this is.
+    pub fn boot_id(&self) -> u64 {
+        self.boot_id
+    }
+
+    /// What a successor has to know.
+    pub fn to_remember(&self) -> Remembered {
+        Remembered { epoch: self.coordinator.epoch(), estop: self.coordinator.is_estopped() }
+    }
+
+    /// Whether a station was ever heard.
+    pub fn has_heard(&self, station: StationId) -> bool {
+        self.states[station.index()].current().is_some()
+    }
+
+    /// Whether a station has said last that it has its devices.
+    pub fn has_devices(&self, station: StationId) -> bool {
+        self.has_devices[station.index()]
+    }
+
+    /// A cell is played on this line, and the trouble of these stations is the cell's alone. Call it before
+    /// [`CoordinatorShell::act`] whenever that changes.
+    pub fn plays_cell(&mut self, isolated: impl Iterator<Item = StationId>) {
+        let known = self.isolated.get_or_insert_default();
+        known.clear();
+        known.extend(isolated);
+    }
+
+    /// The order as it stands.
+    pub fn order(&self) -> ModeOrder {
+        let order = self.coordinator.order();
+        ModeOrder {
+            boot_id: self.boot_id,
+            epoch: order.epoch,
+            mode: order.mode,
+            enabled: order.enabled,
+            master_stop: order.master_stop,
+            manual_all: order.manual_all,
+            buttons: order.buttons,
+            lease: order.lease,
+            found: None,
+        }
+    }
+
+    /// The order as it goes to one station: while a generation is founded it names that station's life.
+    pub fn order_for(&self, station: StationId) -> ModeOrder {
+        let found = self.coordinator.founding(station);
+        let found = found.map(|(generation, boot_id)| Founding { generation, boot_id });
+        ModeOrder { found, ..self.order() }
+    }
+
+    /// Takes what has arrived. Follow with [`CoordinatorShell::act`], once everything that waits has been taken.
+    pub fn handle(&mut self, now: Tick, arrival: CoordinatorArrival) {
+        self.notice_gap(now);
+        let is_doubtful = now < self.doubts_until;
+        match arrival {
+            CoordinatorArrival::Command(command) => self.coordinator.handle(now, Input::Command(command)),
+            // Buttons that were held before the gap may have been released in it, or not.
+            CoordinatorArrival::Buttons(held) if is_doubtful => {
+                self.coordinator.handle(now, Input::LateButtons(held));
+            }
+            CoordinatorArrival::Buttons(held) => self.coordinator.handle(now, Input::Buttons(held)),
+            CoordinatorArrival::Order { boot_id, sequence } => {
+                if boot_id != self.boot_id && !is_doubtful {
+                    self.rivals.hear(now, (boot_id, sequence), now);
+                }
+                if let Some(rival) = self.rivals.there(now) {
+                    self.coordinator.handle(now, Input::Rival(rival.life, rival.until));
+                }
+            }
+            CoordinatorArrival::State { station, sequence, heard } => {
+                let Some(states) = self.states.get_mut(station.index()) else { return };
+                // An epoch that no coordinator can have given: followed, it would leave none above it. The station counts as not
+                // heard. An emergency stop is believed of it all the same.
+                if heard.mode_epoch > self.coordinator.epoch().saturating_add(EPOCH_JUMP_MAX) {
+                    if heard.estopped && !self.coordinator.is_estopped() {
+                        self.coordinator.handle(now, Input::Command(Command::EStop));
+                    }
+                    return;
+                }
+                let is_newest = states.offer(now, heard.boot_id, sequence);
+                if is_newest && !is_doubtful {
+                    self.has_devices[station.index()] = heard.devices_valid;
+                    let lost = heard.position_lost || !heard.devices_valid;
+                    self.in_trouble[station.index()] = heard.incomplete || lost;
+                    self.coordinator.handle(now, Input::Station(station, heard));
+                    self.is_followed |= heard.follows == self.boot_id;
+                    self.others_are_followed |= heard.follows != 0 && heard.follows != self.boot_id;
+                }
+            }
+            CoordinatorArrival::Outputs { station, sequence, image } => {
+                let Some(behind) = self.behind.iter_mut().find(|b| b.station == station) else { return };
+                if behind.newest.offer(now, image.boot_id, sequence) && !is_doubtful {
+                    self.gateway.hear(now, station, image);
+                }
+            }
+            CoordinatorArrival::Console { bits, valid } => {
+                self.coordinator.handle(now, Input::Console { bits, valid });
+            }
+            CoordinatorArrival::Devices { station, bits, valid, losses } => {
+                if let Some(behind) = self.behind.iter_mut().find(|b| b.station == station) {
+                    behind.devices = (bits, valid, losses);
+                }
+            }
+        }
+    }
+
+    /// The process was stopped, or the machine stood still: what was heard before is unknown by its age. That has to be
+    /// seen before anything newer hides it.
+    fn notice_gap(&mut self, now: Tick) {
+        if self.expected == Tick::NEVER || now <= self.expected + self.stale {
+            return;
+        }
+        self.expected = Tick::NEVER;
+        self.doubts_until = now + self.refresh;
+        let changed = self.outbox.changed;
+        self.coordinator.step(now, &mut self.outbox);
+        self.outbox.changed |= changed;
+    }
+
+    /// A refusal is to be sent soon, but a flood of foolish commands no faster than reliable topics can bear.
+    pub fn answer_soon(&mut self) {
+        self.refresh_due = self.refresh_due.min(self.told + ANSWER_EVERY);
+    }
+
+    /// Brings everything up to `now` and gives what follows.
+    pub fn act(&mut self, now: Tick, effects: &mut Vec<CoordinatorEffect>) {
+        self.notice_gap(now);
+        self.isolate();
+        let changed = std::mem::take(&mut self.outbox.changed);
+        self.coordinator.step(now, &mut self.outbox);
+        let changed = std::mem::take(&mut self.outbox.changed) | changed;
+        effects.extend(self.outbox.refusals.drain(..).map(CoordinatorEffect::Refused));
+        effects.extend(self.outbox.modes.drain(..).map(CoordinatorEffect::Entered));
+        let is_due = now >= self.refresh_due;
+        if is_due {
+            self.refresh_due = now + self.refresh;
+        }
+        let is_stopped = self.coordinator.mode() == ControlMode::EStop;
+        self.acted = now;
+        if !is_stopped {
+            let since = self.coordinator.stopped_in();
+            self.behind.iter_mut().for_each(|b| b.take_off(now, &self.gateway, (self.boot_id, since), effects));
+            self.remember(now, effects);
+        }
+        effects.push(CoordinatorEffect::Lamps(self.outbox.lamps));
+        for behind in &mut self.behind {
+            let numbers = (self.boot_id, &mut self.image_sequence);
+            let stop = if is_stopped { Stop::InForce } else { Stop::Since(self.coordinator.stopped_in()) };
+            behind.act(now, &self.gateway, numbers, (stop, is_due), effects);
+        }
+        if changed || is_due {
+            self.told = now;
+            self.order_sequence += 1;
+            effects.push(CoordinatorEffect::Order { sequence: self.order_sequence });
+            self.state_sequence += 1;
+            effects.push(CoordinatorEffect::Tell { sequence: self.state_sequence });
+        }
+        if is_stopped {
+            self.remember(now, effects);
+        }
+        self.expected = self.next_deadline(now).max(now);
+    }
+
+    fn remember(&mut self, now: Tick, effects: &mut Vec<CoordinatorEffect>) {
+        let record = self.to_remember();
+        if record != self.written && self.write_again.is_none_or(|again| again <= now) {
+            effects.push(CoordinatorEffect::Remember(record));
+        }
+    }
+
+    /// What has become of writing `record` down. False if what follows in the same effects must not be performed: it was not
+    /// written, or that took longer than a period. Act again at once then; after a failure the emergency stop is in force.
+    pub fn remembered(&mut self, now: Tick, record: Remembered, is_written: bool) -> bool {
+        let is_late = now > self.acted + self.refresh;
+        if is_written {
+            self.written = record;
+            self.write_again = None;
+        } else {
+            self.write_again = Some(now + WRITE_AGAIN_EVERY);
+        }
+        let goes_on = is_written && !is_late;
+        if !goes_on {
+            // What was to follow was not performed.
+            self.behind.iter_mut().for_each(Behind::forget);
+            self.refresh_due = self.refresh_due.min(now);
+        }
+        self.coordinator.handle(now, Input::Journal(is_written));
+        goes_on
+    }
+
+    /// In a cell trouble of a station on order is an exception of its order, and the others work on: what has come to be
+    /// one, and in auto also what is about to, since a station tells of its trouble here and there at once.
+    fn isolate(&mut self) {
+        let Some(isolated) = &self.isolated else { return };
+        let in_auto = self.coordinator.order().mode == ControlMode::Auto;
+        let in_trouble = |id: StationId, is_heard: bool| in_auto && (self.in_trouble[id.index()] || !is_heard);
+        self.coordinator.isolate(|id, is_heard| isolated.contains(&id) || in_trouble(id, is_heard));
+    }
+
+    /// The coordinator that was there first, if this one came second and has to end: another one gives orders, no station
+    /// has ever acknowledged this one, and stations follow the other one or it has given more orders.
+    pub fn gives_way_to(&self, now: Tick) -> Option<u64> {
+        let RivalLife { life, sequence, .. } = self.rivals.there(now)?;
+        let is_second = self.others_are_followed || (sequence, life) > (self.order_sequence, self.boot_id);
+        (is_second && !self.is_followed).then_some(life)
+    }
+
+    /// When to act again if nothing arrives before.
+    pub fn next_deadline(&self, now: Tick) -> Tick {
+        let deadlines = [self.coordinator.next_deadline(), self.gateway.next_deadline(now), self.write_again];
+        deadlines.into_iter().flatten().fold(self.refresh_due, Tick::min)
+    }
+}

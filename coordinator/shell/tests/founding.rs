@@ -1,0 +1,56 @@
+//! Founding a generation: by a command while all stand at home, and given up where a station cannot take it.
+
+use linewright_coordinator_logic::Command;
+use linewright_coordinator_shell::Remembered;
+use linewright_line::StationId;
+use linewright_line::net::ControlMode;
+
+use crate::rig::Rig;
+
+/// All at home, none with a generation; *start* has just been given.
+fn begun() -> Rig {
+    let mut rig = Rig::new(Remembered::default());
+    rig.heard.iter_mut().for_each(|heard| heard.generation = 0);
+    rig.refresh();
+    rig.command(Command::Start);
+    rig.refresh();
+    assert!(rig.shell.coordinator().founding(StationId(1)).is_some());
+    rig
+}
+
+#[test]
+fn it_ends_when_all_have_taken_it() {
+    let mut rig = begun();
+    let (generation, life) = rig.shell.coordinator().founding(StationId(1)).expect("begun");
+    assert_eq!(life, rig.heard[1].boot_id);
+    rig.heard.iter_mut().for_each(|heard| heard.generation = generation);
+    rig.refresh();
+    assert_eq!(rig.shell.coordinator().founding(StationId(1)), None);
+    rig.command(Command::Auto);
+    rig.refresh();
+    rig.refresh();
+    assert!(rig.shell.order().enabled && rig.mode() == ControlMode::Auto, "{}", rig.shell.coordinator().text());
+}
+
+#[test]
+fn a_station_that_cannot_take_it_does_not_keep_manual_mode_disabled() {
+    let faults: [fn(&mut Rig); 3] = [
+        |rig| rig.heard[1].position_lost = true,
+        |rig| rig.heard[1].devices_valid = false,
+        |rig| rig.heard[1].at_home = false,
+    ];
+    for (nth, fault) in faults.into_iter().enumerate() {
+        let mut rig = begun();
+        fault(&mut rig);
+        rig.refresh();
+        rig.command(Command::Manual);
+        rig.refresh();
+        rig.refresh();
+        assert!(
+            rig.shell.order().enabled && rig.mode() == ControlMode::Manual,
+            "{nth}: {}",
+            rig.shell.coordinator().text()
+        );
+        assert_eq!(rig.shell.coordinator().founding(StationId(1)), None, "{nth}");
+    }
+}

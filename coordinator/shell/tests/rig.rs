@@ -1,0 +1,132 @@
+//! The coordinator of the shipped line, with stations that say what they are made to say.
+
+use std::time::Duration;
+
+use linewright_coordinator_logic::{Command, Heard, OutputImage};
+use linewright_coordinator_shell::{CoordinatorArrival, CoordinatorEffect, CoordinatorShell, Remembered};
+use linewright_line::net::ControlMode;
+use linewright_line::{Line, StationId, Tick, TransferLine, parse};
+
+pub const LIFE: u64 = 3;
+
+pub struct Rig {
+    pub line: Line,
+    pub shell: CoordinatorShell,
+    pub now: Tick,
+    pub effects: Vec<CoordinatorEffect>,
+    pub heard: Vec<Heard>,
+    pub disk_is_full: bool,
+    /// How long it takes to write.
+    pub disk_takes: Duration,
+    pub record: Remembered,
+    /// When it was tried to write.
+    pub writes: Vec<Tick>,
+    sequence: u64,
+}
+
+impl Rig {
+    pub fn new(remembered: Remembered) -> Self {
+        let line = parse("line.toml", &TransferLine::default().text()).expect("the shipped line").line;
+        let at_home = Heard {
+            boot_id: 7,
+            follows: LIFE,
+            at_home: true,
+            stopped: true,
+            devices_valid: true,
+            generation: 1,
+            ..Heard::default()
+        };
+        let mut shell = CoordinatorShell::new(&line, LIFE, remembered);
+        shell.handle(Tick::from_millis(1000), CoordinatorArrival::Console { bits: 0, valid: true });
+        Rig {
+            shell,
+            heard: vec![at_home; line.stations.len()],
+            line,
+            now: Tick::from_millis(1000),
+            effects: Vec::new(),
+            disk_is_full: false,
+            disk_takes: Duration::ZERO,
+            record: remembered,
+            writes: Vec::new(),
+            sequence: 0,
+        }
+    }
+
+    pub fn mode(&self) -> ControlMode {
+        self.shell.coordinator().mode()
+    }
+
+    /// Every station says its state, with the epoch that is ordered.
+    pub fn hear_all(&mut self) {
+        let epoch = self.shell.coordinator().epoch();
+        for (at, heard) in self.heard.clone().into_iter().enumerate() {
+            self.sequence += 1;
+            let heard = Heard { mode_epoch: heard.mode_epoch.max(epoch), ..heard };
+            let (station, sequence) = (StationId::at(at), self.sequence);
+            self.shell.handle(self.now, CoordinatorArrival::State { station, sequence, heard });
+        }
+    }
+
+    pub fn outputs(&mut self, station: StationId, bits: u128) {
+        self.sequence += 1;
+        let image = OutputImage {
+            bits,
+            valid: true,
+            losses: LIFE << 32,
+            boot_id: 7,
+            number: self.sequence,
+            mode_epoch: self.shell.coordinator().epoch(),
+        };
+        let sequence = self.sequence;
+        self.shell.handle(self.now, CoordinatorArrival::Outputs { station, sequence, image });
+    }
+
+    pub fn command(&mut self, command: Command) {
+        self.shell.handle(self.now, CoordinatorArrival::Command(command));
+    }
+
+    /// Acts and performs, as a node does; gives the effects that were performed, in order.
+    pub fn act(&mut self) -> Vec<CoordinatorEffect> {
+        let mut performed = Vec::new();
+        loop {
+            self.shell.act(self.now, &mut self.effects);
+            let mut goes_on = true;
+            for effect in std::mem::take(&mut self.effects) {
+                performed.push(effect.clone());
+                if let CoordinatorEffect::Remember(record) = effect {
+                    self.writes.push(self.now);
+                    let is_written = !self.disk_is_full;
+                    self.now = self.now + self.disk_takes;
+                    if is_written {
+                        self.record = record;
+                    }
+                    goes_on = self.shell.remembered(self.now, record, is_written);
+                    if !goes_on {
+                        break;
+                    }
+                }
+            }
+            if goes_on {
+                return performed;
+            }
+        }
+    }
+
+    /// In auto, and everybody knows.
+    pub fn in_auto(&mut self) {
+        self.refresh();
+        self.command(Command::Start);
+        self.refresh();
+        self.command(Command::Auto);
+        self.refresh();
+        self.refresh();
+        assert_eq!(self.mode(), ControlMode::Auto, "{}", self.shell.coordinator().text());
+    }
+
+    /// A period passes in which everybody is heard.
+    pub fn refresh(&mut self) -> Vec<CoordinatorEffect> {
+        self.now = self.now + Duration::from_millis(50);
+        self.hear_all();
+        self.act()
+    }
+}

@@ -1,0 +1,104 @@
+//! Emergency stops that the coordinator has not given, and its own standstill.
+
+use std::time::Duration;
+
+use linewright_coordinator_logic::{Command, Heard};
+use linewright_coordinator_shell::{CoordinatorArrival, CoordinatorEffect, Remembered};
+use linewright_line::StationId;
+use linewright_line::net::ControlMode;
+
+use crate::rig::Rig;
+
+#[test]
+fn a_coordinator_without_a_record_adopts_the_stop_that_a_station_is_in() {
+    let mut rig = Rig::new(Remembered::default());
+    rig.heard[1] = Heard { estopped: true, mode_epoch: 57, ..rig.heard[1] };
+    rig.refresh();
+    assert_eq!(rig.mode(), ControlMode::EStop);
+    assert!(rig.shell.coordinator().epoch() > 57 && rig.record.estop);
+}
+
+#[test]
+fn a_stop_that_somebody_else_gives_a_station_in_auto_is_adopted_and_adopted_again_while_it_lasts() {
+    let mut rig = Rig::new(Remembered::default());
+    rig.in_auto();
+    rig.heard[2].estopped = true;
+    rig.refresh();
+    assert_eq!(rig.mode(), ControlMode::EStop);
+    rig.command(Command::Reset);
+    rig.command(Command::Manual);
+    rig.refresh();
+    rig.refresh();
+    assert_eq!(rig.mode(), ControlMode::EStop, "it has heard of the way out and is in it still");
+    rig.heard[2].estopped = false;
+    rig.command(Command::Reset);
+    rig.command(Command::Manual);
+    rig.refresh();
+    rig.refresh();
+    assert_eq!(rig.mode(), ControlMode::Manual);
+}
+
+/// The last state from before the way out was heard says nothing new.
+#[test]
+fn a_station_that_has_not_heard_of_the_way_out_yet_stops_nothing() {
+    let mut rig = Rig::new(Remembered::default());
+    rig.in_auto();
+    rig.command(Command::EStop);
+    rig.refresh();
+    let stopped = rig.shell.coordinator().epoch();
+    rig.command(Command::Reset);
+    rig.command(Command::Manual);
+    rig.act();
+    assert_eq!(rig.mode(), ControlMode::Manual);
+    let heard = Heard { estopped: true, mode_epoch: stopped, ..rig.heard[0] };
+    rig.shell.handle(rig.now, CoordinatorArrival::State { station: StationId(0), sequence: 900, heard });
+    rig.act();
+    assert_eq!(rig.mode(), ControlMode::Manual);
+}
+
+#[test]
+fn after_a_standstill_what_waited_says_nothing_of_the_present() {
+    let mut rig = Rig::new(Remembered::default());
+    rig.in_auto();
+    let station = rig.line.station_named("clamp_1").expect("a clamp");
+    rig.now = rig.now + Duration::from_secs(10);
+    rig.outputs(station, 1);
+    rig.hear_all();
+    let done = rig.act();
+    assert_eq!(rig.mode(), ControlMode::StandBy, "nobody was heard");
+    assert!(!done.contains(&CoordinatorEffect::Energise(station, 1)), "{done:?}");
+    rig.refresh();
+    rig.outputs(station, 1);
+    let done = rig.act();
+    assert!(rig.shell.coordinator().hears(station));
+    assert!(done.contains(&CoordinatorEffect::Energise(station, 1)), "{done:?}");
+}
+
+/// The finger never left it: what waited while the coordinator stood still holds it down, and so does what follows.
+#[test]
+fn a_button_that_was_held_over_a_standstill_counts_when_it_was_released() {
+    let mut rig = Rig::new(Remembered::default());
+    rig.refresh();
+    let held = |rig: &mut Rig, buttons: u32| {
+        rig.shell.handle(rig.now, CoordinatorArrival::Buttons(buttons));
+        rig.refresh();
+        rig.shell.order().buttons
+    };
+    assert_eq!(held(&mut rig, 0b01), 0b01);
+    rig.now = rig.now + Duration::from_secs(10);
+    for _ in 0..5 {
+        assert_eq!(held(&mut rig, 0b01), 0);
+    }
+    assert_eq!(held(&mut rig, 0b00), 0);
+    assert_eq!(held(&mut rig, 0b01), 0b01);
+}
+
+/// Its journal is gone, and the line's epochs have come far.
+#[test]
+fn a_station_in_an_emergency_stop_is_believed_whatever_its_epoch() {
+    let mut rig = Rig::new(Remembered::default());
+    rig.heard[1] = Heard { estopped: true, mode_epoch: 1 << 40, ..rig.heard[1] };
+    rig.refresh();
+    assert_eq!(rig.mode(), ControlMode::EStop);
+    assert!(rig.shell.coordinator().epoch() < 1 << 20, "its epoch is not followed");
+}

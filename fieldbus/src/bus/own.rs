@@ -1,0 +1,163 @@
+//! The virtual buses of one run, apart from all others.
+//!
+//! A run that simulates its devices brings its whole bus along: nobody else has a device on it. So it gets a directory of
+//! its own, in which every bus it names is another bus than one of the same name elsewhere. A tool that looks for a bus by
+//! name finds it here as long as somebody is on it (see [`find`]).
+
+use std::fs;
+use std::io;
+use std::os::unix::fs::DirBuilderExt;
+use std::os::unix::net::UnixDatagram;
+use std::path::{Path, PathBuf};
+
+use super::members::{checked_base, chosen_base, scan};
+
+/// How the directory of a run is called, before a number.
+const PREFIX: &str = "run-";
+/// The file that says which run it is.
+const ABOUT: &str = "about";
+/// As many names are tried for a new directory.
+const TRIES: u32 = 64;
+
+/// A directory of buses. Dropping it removes it.
+#[derive(Debug)]
+pub struct OwnBuses {
+    dir: PathBuf,
+}
+
+impl OwnBuses {
+    /// A new one; `about` says whose. `None` where the environment names a directory for all buses: it is obeyed.
+    ///
+    /// # Errors
+    /// When the directory cannot be made.
+    pub fn create(about: &str) -> io::Result<Option<Self>> {
+        if chosen_base().is_some() {
+            return Ok(None);
+        }
+        let base = checked_base()?;
+        sweep(&base);
+        for number in 0..TRIES {
+            let dir = base.join(format!("{PREFIX}{:x}-{number}", std::process::id()));
+            match fs::DirBuilder::new().mode(0o700).create(&dir) {
+                Ok(()) => {
+                    let own = OwnBuses { dir };
+                    fs::write(own.dir.join(ABOUT), about)?;
+                    return Ok(Some(own));
+                }
+                Err(error) if error.kind() == io::ErrorKind::AlreadyExists => {}
+                Err(error) => return Err(error),
+            }
+        }
+        Err(io::Error::new(io::ErrorKind::AlreadyExists, format!("no name is free in {}", base.display())))
+    }
+
+    /// Where they are: for [`Options::dir`](super::Options), and for other processes in `LINEWRIGHT_BUS_DIR`.
+    pub fn dir(&self) -> &Path {
+        &self.dir
+    }
+}
+
+impl Drop for OwnBuses {
+    fn drop(&mut self) {
+        let _ = fs::remove_dir_all(&self.dir);
+    }
+}
+
+/// Removes what runs have left behind that were killed: directories whose process has ended and where nobody is on a bus.
+fn sweep(base: &Path) {
+    for dir in runs(base) {
+        let process = dir.file_name().and_then(|name| name.to_str()?.strip_prefix(PREFIX)?.split('-').next()?.into());
+        let process = process.and_then(|hex: &str| u32::from_str_radix(hex, 16).ok());
+        let is_there = process.is_none_or(|id| Path::new(&format!("/proc/{id}")).exists());
+        if !is_there && !entries(&dir).any(|bus| has_members(&bus)) {
+            let _ = fs::remove_dir_all(dir);
+        }
+    }
+}
+
+fn entries(dir: &Path) -> impl Iterator<Item = PathBuf> + use<> {
+    fs::read_dir(dir).into_iter().flatten().flatten().map(|entry| entry.path())
+}
+
+fn runs(base: &Path) -> impl Iterator<Item = PathBuf> + use<> {
+    let is_run = |path: &PathBuf| path.file_name().is_some_and(|name| name.to_string_lossy().starts_with(PREFIX));
+    entries(base).filter(is_run)
+}
+
+/// Whether a living process is on a bus: what a killed one has left refuses to be connected to.
+fn has_members(bus: &Path) -> bool {
+    let is_alive = |path: PathBuf| UnixDatagram::unbound().is_ok_and(|socket| socket.connect(path).is_ok());
+    scan(bus).unwrap_or_default().into_iter().any(is_alive)
+}
+
+/// A directory in which somebody is on a bus of the name that was looked for.
+#[derive(Clone, Debug, PartialEq, Eq)]
+pub struct Found {
+    /// The run whose bus it is; `None` for the one that everybody shares.
+    pub about: Option<String>,
+    /// For [`Options::dir`](super::Options).
+    pub dir: PathBuf,
+}
+
+/// Where somebody is on a virtual bus `name`: the shared one, and those of runs; only of the run `about` if that is given.
+/// Empty where the environment names a directory for all buses.
+pub fn find(name: &str, about: Option<&str>) -> Vec<Found> {
+    if chosen_base().is_some() {
+        return Vec::new();
+    }
+    let Ok(base) = checked_base() else { return Vec::new() };
+    find_in(&base, name, about)
+}
+
+fn find_in(base: &Path, name: &str, about: Option<&str>) -> Vec<Found> {
+    let mut found: Vec<Found> = runs(base)
+        .filter(|dir| has_members(&dir.join(name)))
+        .map(|dir| Found { about: Some(fs::read_to_string(dir.join(ABOUT)).unwrap_or_default()), dir })
+        .filter(|found| about.is_none() || found.about.as_deref() == about)
+        .collect();
+    if (about.is_none() || found.is_empty()) && has_members(&base.join(name)) {
+        found.push(Found { about: None, dir: base.to_owned() });
+    }
+    found
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    fn run(base: &Path, number: &str, about: &str) -> (UnixDatagram, PathBuf) {
+        let dir = base.join(format!("{PREFIX}{number}"));
+        fs::create_dir_all(dir.join("vcan0")).expect("a directory");
+        fs::write(dir.join(ABOUT), about).expect("a file");
+        (UnixDatagram::bind(dir.join("vcan0/a.can")).expect("a socket"), dir)
+    }
+
+    #[test]
+    fn a_bus_is_found_where_somebody_is_on_it() {
+        let base = tempfile::tempdir().expect("a directory");
+        let (member, mill) = run(base.path(), "1-0", "mill");
+        let (other, rotary) = run(base.path(), "2-0", "rotary");
+        let of = |dir: &Path, about: &str| Found { about: Some(about.to_owned()), dir: dir.to_owned() };
+        let mut both = find_in(base.path(), "vcan0", None);
+        both.sort_by_key(|found| found.about.clone());
+        assert_eq!(both, [of(&mill, "mill"), of(&rotary, "rotary")]);
+        assert_eq!(find_in(base.path(), "vcan0", Some("rotary")), [of(&rotary, "rotary")]);
+        assert_eq!(find_in(base.path(), "vcan1", None), []);
+        drop(member);
+        assert_eq!(find_in(base.path(), "vcan0", None), [of(&rotary, "rotary")], "a socket that was left behind");
+        drop(other);
+        assert_eq!(find_in(base.path(), "vcan0", None), []);
+    }
+
+    #[test]
+    fn what_killed_runs_leave_is_swept_and_what_is_in_use_is_not() {
+        let base = tempfile::tempdir().expect("a directory");
+        // No process has this number: it is above the kernel's limit.
+        let (gone, left) = run(base.path(), "7fffffff-0", "killed");
+        let (_member, used) = run(base.path(), "7ffffffe-0", "killed, its plant not yet");
+        let (_, ours) = run(base.path(), &format!("{:x}-0", std::process::id()), "this one, before its devices are up");
+        drop(gone);
+        sweep(base.path());
+        assert_eq!([left, used, ours].map(|dir| dir.exists()), [false, true, true]);
+    }
+}

@@ -1,0 +1,195 @@
+//! Another manager on the same bus.
+//!
+//! Two managers configure, start and command the same devices, each against the other. So a manager listens before it
+//! sends anything, for four periods of its own heartbeat. If a manager's heartbeat (77Fh) is heard in that time, this one
+//! came second and yields: it has sent nothing, sends nothing, and its node ends.
+//!
+//! ```text
+//!            polled            nothing heard, first frame sent         after as long again
+//!  Before ──────────▶ Listening ─────────────────────────────▶ Young ─────────────────────▶ Settled
+//!     └──────────────────┴─── 77Fh heard ──▶ Yielded ◀─── 77Fh heard ──┘
+//! ```
+//!
+//! Two that began to listen at the same instant hear each other when both are young, and both yield; their supervisors
+//! start them again, hardly at the same instant once more. A settled manager that hears another stays, because the other may be
+//! the one to end, but nothing moves while both are there: every output is let go, every image is invalid, no device is
+//! asked, ordered or started. Its own heartbeat goes on, so that each of two settled ones knows of the other for as long as
+//! both are there. When the other has been silent for as long as it takes to miss a manager, the devices are brought up as
+//! after a bus that was off.
+//!
+//! Silence counts only while this manager could have heard a heartbeat: a poll that comes late, or an interface that was off
+//! the bus, prolongs the listening.
+
+use std::time::Duration;
+
+use linewright_line::{Tick, Timing};
+
+use super::event::{Event, Outbox};
+use super::{MANAGER_NODE, Manager};
+use crate::codec::Message;
+use crate::frame::Frame;
+
+/// How often another manager is reported at most while it is there.
+const TOLD_EVERY: Duration = Duration::from_secs(5);
+
+/// How far a manager is.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+enum Takeover {
+    /// Not polled yet.
+    Before,
+    /// It sends nothing until then.
+    Listening { until: Tick },
+    /// It has begun to send a short time ago; it has settled then.
+    Young { until: Tick },
+    /// It is the manager of this bus.
+    Settled,
+    /// It has to end; whether it ever sent anything.
+    Yielded { has_sent: bool },
+}
+
+/// What is known of another manager.
+#[derive(Debug)]
+pub(super) struct Rival {
+    /// How long another manager is listened for.
+    listen: Duration,
+    /// How long it is taken to be there after its last heartbeat.
+    hold: Duration,
+    /// How late a look may be without missing a heartbeat.
+    slack: Duration,
+    stage: Takeover,
+    /// When its heartbeat began to be heard, and when it was heard last; `None` while this manager is alone.
+    heard: Option<(Tick, Tick)>,
+    /// When it was last reported.
+    told: Option<Tick>,
+}
+
+impl Rival {
+    pub fn new(timing: &Timing) -> Self {
+        // Four periods: it may be another line's, and a little slower, and a frame may be lost.
+        let listen = timing.heartbeat * 4;
+        Rival {
+            listen,
+            hold: timing.heartbeat_timeout.max(listen),
+            slack: timing.heartbeat,
+            stage: Takeover::Before,
+            heard: None,
+            told: None,
+        }
+    }
+
+    /// Whether this manager sends nothing.
+    pub fn is_mute(&self) -> bool {
+        !matches!(self.stage, Takeover::Young { .. } | Takeover::Settled)
+    }
+
+    /// Whether this manager has ever sent anything.
+    pub fn has_sent(&self) -> bool {
+        !matches!(self.stage, Takeover::Before | Takeover::Listening { .. } | Takeover::Yielded { has_sent: false })
+    }
+
+    /// Since when another one has been there.
+    pub fn since(&self) -> Option<Tick> {
+        self.heard.map(|(began, _)| began)
+    }
+
+    /// Lets time pass; whether this manager may send now. `on_the_bus` is whether anything could have been heard.
+    fn may_send(&mut self, now: Tick, on_the_bus: bool) -> bool {
+        match self.stage {
+            Takeover::Before => self.stage = Takeover::Listening { until: now + self.listen },
+            Takeover::Listening { until } if until > now => {}
+            Takeover::Listening { .. } if !on_the_bus => self.stage = Takeover::Listening { until: now + self.listen },
+            Takeover::Listening { until } if until + self.slack <= now => {
+                self.stage = Takeover::Listening { until: now + self.slack };
+            }
+            Takeover::Listening { .. } => self.stage = Takeover::Young { until: now + self.listen },
+            Takeover::Young { until } if until <= now => self.stage = Takeover::Settled,
+            Takeover::Young { .. } | Takeover::Settled | Takeover::Yielded { .. } => {}
+        }
+        !self.is_mute()
+    }
+
+    /// When time alone changes something; `None` before the first look, which is due at once.
+    pub fn deadline(&self) -> Option<Tick> {
+        Some(match self.stage {
+            Takeover::Before => return None,
+            Takeover::Listening { until } => until,
+            Takeover::Yielded { .. } => Tick::NEVER,
+            Takeover::Young { .. } | Takeover::Settled => self.heard.map_or(Tick::NEVER, |(_, last)| last + self.hold),
+        })
+    }
+
+    /// Why no device may be asked or ordered at `now`, if so.
+    pub fn keeps_off(&self, now: Tick) -> Option<String> {
+        let listens = || "this manager still listens whether another one drives the bus".to_owned();
+        self.explain(now).or_else(|| self.is_mute().then(listens))
+    }
+
+    /// In one sentence, if another one is there at `now`.
+    pub fn explain(&self, now: Tick) -> Option<String> {
+        let since = now.since(self.since()?).as_millis();
+        Some(format!(
+            "another CANopen manager (node {MANAGER_NODE}) has sent its heartbeat (77Fh) on this bus for {since} ms: \
+             every output is let go and nothing moves; end one of the two"
+        ))
+    }
+}
+
+impl Manager {
+    /// Whether this manager has to end, because another one drives its bus; if so, whether it ever sent anything there.
+    pub fn yields(&self) -> Option<bool> {
+        match self.rival.stage {
+            Takeover::Yielded { has_sent } => Some(has_sent),
+            _ => None,
+        }
+    }
+
+    /// Takes the heartbeat of another manager.
+    pub(super) fn hear_rival(&mut self, now: Tick, out: &mut Outbox) {
+        let rival = &mut self.rival;
+        if let Takeover::Yielded { .. } = rival.stage {
+            return;
+        }
+        let begins = rival.heard.is_none();
+        rival.heard = Some((rival.since().unwrap_or(now), now));
+        if rival.told.is_none_or(|told| told + TOLD_EVERY <= now) {
+            rival.told = Some(now);
+            out.events.push(Event::AnotherManager);
+        }
+        let has_sent = rival.has_sent();
+        if !matches!(rival.stage, Takeover::Settled) {
+            rival.stage = Takeover::Yielded { has_sent };
+        }
+        if begins && has_sent {
+            self.cut_off_all(now, out);
+            // Outputs may be on whatever this manager assumes: every device is sent its rest values.
+            for peer in &self.peers {
+                peer.send_rest(out);
+            }
+        }
+    }
+
+    /// What is heard while nothing may be sent: of other managers, and of devices that are only listened to.
+    pub(super) fn listen(&mut self, now: Tick, frame: &Frame, out: &mut Outbox) {
+        if self.take_plain(now, frame, out) {
+            return;
+        }
+        match Message::decode(frame) {
+            Ok(Message::Heartbeat { node, .. }) if node == MANAGER_NODE => self.hear_rival(now, out),
+            Err(error) => self.undecodable(now, error, *frame, out),
+            Ok(_) => {}
+        }
+    }
+
+    /// Lets time pass for what is known of another manager: whether this one may send anything at all.
+    pub(super) fn may_send(&mut self, now: Tick, out: &mut Outbox) -> bool {
+        if !self.rival.may_send(now, self.off.is_none()) {
+            return false;
+        }
+        if self.rival.heard.is_some_and(|(_, last)| last + self.rival.hold <= now) {
+            self.rival.heard = None;
+            out.events.push(Event::AloneAgain);
+            self.bring_back(now, out);
+        }
+        true
+    }
+}

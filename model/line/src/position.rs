@@ -1,0 +1,294 @@
+//! Measured positions: which switches say where a station's mechanisms stand, and what follows from them for conflicts.
+//!
+//! A motion ends at a switch. Where the chart has an axis at rest, the switches of every motion that ends there are on. From
+//! this follow, for each marked place, the inputs that must be on ([`Station::rest_inputs`]), and for each side of a conflict
+//! the inputs that are all on outside it and never all on inside it ([`Line::clearance`]).
+//!
+//! Nothing here remembers anything: the same answer follows from the image alone, whatever a controller believes.
+
+use crate::net::{Block, Place, Stage};
+use crate::{AxisId, Line, Module, OpId, Span, Station};
+
+/// Coordinates nearer than this are one place, in millimetres or degrees.
+const SAME_PLACE: f64 = 1e-6;
+
+fn same_place(a: f64, b: f64) -> bool {
+    (a - b).abs() < SAME_PLACE
+}
+
+/// Why no switches can tell whether a station is outside a state of a conflict.
+#[derive(Clone, Debug, PartialEq, Eq)]
+pub enum NoClearance {
+    /// No axis with a switch stands still all the time the station is outside the state.
+    NothingStandsStill,
+    /// The axes that stand still outside the state stand there during this operation too, which is inside it.
+    NotSeen {
+        /// The operation.
+        op: OpId,
+    },
+}
+
+impl NoClearance {
+    /// The reason, for a station of the line.
+    pub fn text(&self, station: &Station) -> String {
+        match self {
+            NoClearance::NothingStandsStill => {
+                format!("no axis of {} with a limit switch stands still outside this state", station.name)
+            }
+            NoClearance::NotSeen { op } => {
+                let name = &station.operations[op.index()].name;
+                format!("no limit switch of {} tells `{name}` from being outside this state", station.name)
+            }
+        }
+    }
+}
+
+impl Station {
+    /// The inputs that are on while the axis stands at `at`: the completion inputs of the motions that end there. A
+    /// motion without a way is left out, for its completion is no position. Where several inputs tell of one place none is
+    /// given: each has a reach of its own, and a motion that ends in the wider one may not have come to the narrower.
+    pub fn switches_at(&self, axis: AxisId, at: f64) -> u128 {
+        let here = self.completions().filter(|&(of, place, _)| of == axis && same_place(place, at));
+        let bits = here.fold(0, |bits, (_, _, input)| bits | input);
+        if bits.count_ones() == 1 { bits } else { 0 }
+    }
+
+    /// Every input that completes a motion with a way.
+    pub fn all_switches(&self) -> u128 {
+        self.completions().fold(0, |bits, (_, _, input)| bits | input)
+    }
+
+    /// For each motion with a way, and for each way back: its axis, where it ends, and its completion input.
+    fn completions(&self) -> impl Iterator<Item = (AxisId, f64, u128)> + '_ {
+        let moving = self.operations.iter().filter(|operation| !same_place(operation.motion.from, operation.motion.to));
+        moving.flat_map(|operation| {
+            let motion = operation.motion;
+            let back = match &operation.module {
+                Module::Reversible { recovery, .. } => Some((motion.axis, motion.from, recovery.complete.bit())),
+                Module::Irreversible { .. } => None,
+            };
+            std::iter::once((motion.axis, motion.to, operation.normal.complete.bit())).chain(back)
+        })
+    }
+
+    /// The switches that are on when all axes stand where the chart has them after a step; none where the place of an axis
+    /// that moves has no switch, or several.
+    pub fn measured_after(&self, step: usize) -> Option<u128> {
+        let mut at = self.positions_before_steps().swap_remove(step);
+        self.move_axes(step, &mut at);
+        self.measured_at(&at, None)
+    }
+
+    /// The switches that are on while the operation's axis is on its way; none as for [`Station::measured_after`], for the
+    /// other axes.
+    pub fn measured_within(&self, op: OpId) -> Option<u128> {
+        let at = self.positions_before_steps().swap_remove(self.step_of(op));
+        self.measured_at(&at, Some(self.operations[op.index()].motion.axis))
+    }
+
+    fn measured_at(&self, at: &[f64], but: Option<AxisId>) -> Option<u128> {
+        let moves = |axis: AxisId| self.completions().any(|(of, _, _)| of == axis);
+        let axes = at.iter().enumerate().map(|(axis, &at)| (AxisId::at(axis), at));
+        axes.filter(|&(axis, _)| Some(axis) != but && moves(axis)).try_fold(0, |bits, (axis, at)| {
+            let here = self.switches_at(axis, at);
+            (here != 0).then_some(bits | here)
+        })
+    }
+
+    /// Where each axis stands before the first operation of a step, by the chart; one list for each step.
+    pub fn positions_before_steps(&self) -> Vec<Vec<f64>> {
+        let home: Vec<f64> = self.axes.iter().map(|axis| axis.home).collect();
+        let mut before = vec![home.clone(); self.steps.len()];
+        if self.works_on_order() {
+            for task in &self.tasks {
+                let mut at = self.rests[task.from.index()].at.clone();
+                for step in task.steps.clone() {
+                    before[step].clone_from(&at);
+                    self.move_axes(step, &mut at);
+                }
+            }
+        } else {
+            let mut at = home;
+            let first = self.step_of(self.home) + 1;
+            for step in (first..first + self.steps.len()).map(|step| step % self.steps.len()) {
+                before[step].clone_from(&at);
+                self.move_axes(step, &mut at);
+            }
+        }
+        before
+    }
+
+    fn move_axes(&self, step: usize, at: &mut [f64]) {
+        for op in &self.steps[step] {
+            let motion = self.operations[op.index()].motion;
+            at[motion.axis.index()] = motion.to;
+        }
+    }
+
+    fn moves_in_step(&self, step: usize, axis: usize) -> bool {
+        self.steps[step].iter().any(|op| {
+            let motion = self.operations[op.index()].motion;
+            motion.axis.index() == axis && !same_place(motion.from, motion.to)
+        })
+    }
+
+    /// The inputs that must be on while this place is marked: the switches of every axis that stands still there. Where the
+    /// operation itself is at rest, its own end is among them; while it moves, or was stopped, it is not. It does not hold on a
+    /// recovery path, which begins wherever a fault has left the mechanism.
+    pub fn rest_inputs(&self, place: Place) -> u128 {
+        let step = self.step_of(place.op);
+        let mut at = self.positions_before_steps().swap_remove(step);
+        let motion = self.operations[place.op.index()].motion;
+        let own = match (place.block, place.stage) {
+            (_, Stage::Operating | Stage::Incomplete) => None,
+            (Block::Normal, Stage::Completed) => Some(motion.to),
+            (Block::Recovery, Stage::Completed) => Some(motion.from),
+        };
+        if let Some(own) = own {
+            at[motion.axis.index()] = own;
+        }
+        let rests = |axis: usize| match own {
+            Some(_) if axis == motion.axis.index() => true,
+            Some(_) | None => axis != motion.axis.index() && !self.moves_in_step(step, axis),
+        };
+        let axes = at.iter().enumerate().filter(|&(axis, _)| rests(axis));
+        axes.fold(0, |bits, (axis, &at)| bits | self.switches_at(AxisId::at(axis), at))
+    }
+
+    /// The steps of a stretch of the cycle, from `from` until `until`, across the end of the list where it lies so.
+    pub fn steps_of_span(&self, span: &Span) -> Vec<usize> {
+        let (from, count) = (self.step_of(span.from), self.steps.len());
+        let length = (self.step_of(span.until) + count - from) % count;
+        (0..=length).map(|n| (from + n) % count).collect()
+    }
+}
+
+impl Line {
+    /// The inputs of the span's station that are all on wherever it stands or moves outside this state of a conflict, and
+    /// never all on inside it.
+    ///
+    /// They are the switches of the axes that stand still, by the chart, all the time outside the state. At every moment inside
+    /// it one of these axes must be elsewhere.
+    ///
+    /// # Errors
+    /// When there are no such switches; the reason says what is not measured.
+    pub fn clearance(&self, span: &Span) -> Result<u128, NoClearance> {
+        let station = self.station(span.station);
+        let before = station.positions_before_steps();
+        let inside = station.steps_of_span(span);
+        let rest = &before[inside[0]];
+        let after = |step: usize| {
+            let mut at = before[step].clone();
+            station.move_axes(step, &mut at);
+            at
+        };
+        let end = after(inside[inside.len() - 1]);
+        let outside = (0..station.steps.len()).filter(|step| !inside.contains(step));
+        let moved: Vec<usize> = outside
+            .flat_map(|step| (0..station.axes.len()).filter(move |&axis| station.moves_in_step(step, axis)))
+            .collect();
+        let still: Vec<usize> = (0..station.axes.len())
+            .filter(|axis| !moved.contains(axis) && same_place(rest[*axis], end[*axis]))
+            .filter(|&axis| station.switches_at(AxisId::at(axis), rest[axis]) != 0)
+            .collect();
+        if still.is_empty() {
+            return Err(NoClearance::NothingStandsStill);
+        }
+        for (nth, &step) in inside.iter().enumerate() {
+            let (start, end) = (&before[step], after(step));
+            // On its way an axis is strictly between its ends, and a cycle's motions pass no place twice on one way.
+            let away_during = still.iter().any(|&axis| {
+                let (from, to, at) = (start[axis], end[axis], rest[axis]);
+                let between = (from - at) * (to - at) < 0.0 && !same_place(from, at) && !same_place(to, at);
+                let moves = station.moves_in_step(step, axis);
+                if moves { !between } else { !same_place(from, at) }
+            });
+            let away_after = nth + 1 == inside.len() || still.iter().any(|&axis| !same_place(end[axis], rest[axis]));
+            if !(away_during && away_after) {
+                return Err(NoClearance::NotSeen { op: station.steps[step][0] });
+            }
+        }
+        Ok(still.iter().fold(0, |bits, &axis| bits | station.switches_at(AxisId::at(axis), rest[axis])))
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::{StationId, TransferLine, parse};
+
+    fn shipped() -> Line {
+        parse("line.toml", &TransferLine::default().text()).expect("the shipped line is sound").line
+    }
+
+    fn names(station: &Station, bits: u128) -> Vec<&str> {
+        let on = |(bit, _): &(usize, &String)| bits & (1 << bit) != 0;
+        station.inputs.iter().enumerate().filter(on).map(|(_, name)| name.as_str()).collect()
+    }
+
+    #[test]
+    fn the_conflicts_of_the_shipped_line_are_told_by_one_switch_on_each_side() {
+        let line = shipped();
+        let of = |span: &Span| names(line.station(span.station), line.clearance(span).expect("measured")).join(" ");
+        let sides: Vec<(String, String)> = line.conflicts.iter().map(|c| (of(&c.a), of(&c.b))).collect();
+        let pair = |a: &str, b: &str| (a.to_owned(), b.to_owned());
+        assert_eq!(sides, [pair("LS_vertical_0", "LS_open"), pair("LS_positioning_0", "LS_closed")]);
+    }
+
+    #[test]
+    fn at_rest_every_axis_is_measured_and_under_way_all_but_the_one_that_moves() {
+        let line = shipped();
+        let bar = &line.stations[0];
+        let at = |place| names(bar, bar.rest_inputs(place));
+        let op = |name| bar.operation_named(name).expect("it has it");
+        assert_eq!(at(Place::completed(bar.home)), ["LS_vertical_0", "LS_horizontal_0"]);
+        assert_eq!(at(Place::operating(op("advance transfer"))), ["LS_vertical_200"]);
+        assert_eq!(at(Place::incomplete(op("advance transfer"))), ["LS_vertical_200"]);
+        assert_eq!(at(Place::undone(op("advance transfer"))), ["LS_vertical_200", "LS_horizontal_0"]);
+        assert_eq!(at(Place::completed(op("2nd lower"))), ["LS_vertical_100", "LS_horizontal_500"]);
+    }
+
+    #[test]
+    fn a_state_outside_which_its_axis_moves_is_not_told_by_switches() {
+        let line = shipped();
+        let bar = &line.stations[0];
+        let op = |name| bar.operation_named(name).expect("it has it");
+        // Outside it the bar also lifts to 50 and back from there.
+        let span = Span { station: StationId(0), from: op("2nd lift"), until: op("3rd lower") };
+        assert_eq!(line.clearance(&span), Err(NoClearance::NothingStandsStill));
+    }
+
+    #[test]
+    fn a_state_in_which_a_mechanism_returns_to_where_it_stands_outside_is_not_told_by_switches() {
+        let line = shipped();
+        let clamp = &line.stations[1];
+        // All of its cycle but the rest at home: open at both ends, and open once more in no place between.
+        let all = Span { station: StationId(1), from: OpId(1), until: OpId(0) };
+        assert_eq!(names(clamp, line.clearance(&all).expect("measured")), ["LS_open"]);
+        // The mill's main slide stands at 60 while the positioning slide returns to 0 inside this state.
+        let mill = &line.stations[2];
+        let op = |name| mill.operation_named(name).expect("it has it");
+        let whole =
+            Span { station: StationId(2), from: op("rapid advance positioning slide"), until: op("reset main slide") };
+        let inputs = line.clearance(&whole).expect("the two slides together tell it");
+        assert_eq!(names(mill, inputs), ["LS_positioning_0", "LS_main_0"]);
+    }
+
+    #[test]
+    fn a_place_that_two_inputs_tell_of_cannot_be_read_off() {
+        let mut line = shipped();
+        let clamp = &line.stations[1];
+        let op = |name| clamp.operation_named(name).expect("it has it");
+        let (opened, closes) = (clamp.step_of(op("return clamp")), op("advance clamp"));
+        assert_eq!(clamp.measured_after(opened).map(|bits| names(clamp, bits)), Some(vec!["LS_open"]));
+        assert_eq!(clamp.measured_within(closes).map(|bits| names(clamp, bits)), Some(vec![]));
+        // Undone, the clamp is open by another switch than after its return.
+        let station = &mut line.stations[1];
+        let other = crate::InputId::at(station.inputs.len());
+        station.inputs.push("LS_open_2".to_owned());
+        if let Module::Reversible { recovery, .. } = &mut station.operations[closes.index()].module {
+            recovery.complete = other;
+        }
+        assert_eq!(line.stations[1].measured_after(opened), None);
+    }
+}

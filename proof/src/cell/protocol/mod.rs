@@ -1,0 +1,145 @@
+//! An activity of a cell as a whole: the real token player, the order protocol, and the real controllers of its stations.
+//!
+//! What may happen: an order or a message to leave one arrives, at any time after it was sent, any number of times or never;
+//! what a station says arrives late or never; motions arrive and fail, inputs that are waited for come and go; the time of
+//! an order is over at the station, at the coordinator, in either order; nodes of stations are started again, with their
+//! memories and without, and so is the coordinator; a person gives alarm, and answers with any word as soon as somebody is
+//! asked. Afterwards anything may start that uses the same stations.
+//!
+//! **Why one activity at a time is enough.** What is in progress holds the tokens of all that takes part, so another activity
+//! uses none of its stations meanwhile, but for what may start when it is over, which is explored behind it. Activities that
+//! share no station have no message, no order and no answer in common: each record of the player concerns one of them. A
+//! station without the order of an activity says nothing that the activity reads. So a state of the whole cell that breaks a
+//! rule has, restricted to one activity and what followed it at its stations, a state here that does.
+//!
+//! **One report under way is enough.** Readers keep the newest. A report that arrives after a later one was sent has the same
+//! effect as one that arrived just before that: messages sent because of it may arrive at any later time in both cases.
+//!
+//! Disturbances, that is faults, restarts, alarms given by hand and reports that are heard late, are limited in number
+//! ([`ProtocolSetting::disturbances`]). What was sent to stations may always be lost, late and doubled. Nothing is looked at
+//! after the next start at these stations. Not explored: hand and manual mode, sensors that contradict an answer, and a station
+//! that is not heard for so long that the player goes on without it and records that.
+
+mod players;
+mod search;
+mod stage;
+mod station;
+mod words;
+
+use linewright_cell::Cell;
+use linewright_coordinator_logic::cell::ProtocolRules;
+use linewright_line::Line;
+use linewright_station_logic::OrderRules;
+
+pub use stage::NotPlayable;
+
+use super::{Property, Story, Verdict};
+
+/// What is explored, and how far.
+#[derive(Clone, Debug)]
+pub struct ProtocolSetting<'c> {
+    /// The cell.
+    pub cell: &'c Cell,
+    /// Its line.
+    pub line: &'c Line,
+    /// The player's rules.
+    pub rules: ProtocolRules,
+    /// The stations' rules.
+    pub order_rules: OrderRules,
+    /// At most so many faults, restarts, alarms given by hand, and reports that are heard late.
+    pub disturbances: u8,
+    /// Of each exploration.
+    pub states: usize,
+    /// Only activities of this name, if there is one.
+    pub only: Option<&'c str>,
+}
+
+impl<'c> ProtocolSetting<'c> {
+    /// All rules, no disturbance: messages are lost, late and doubled, and times run out.
+    pub fn new(cell: &'c Cell, line: &'c Line) -> Self {
+        ProtocolSetting {
+            cell,
+            line,
+            rules: ProtocolRules::default(),
+            order_rules: OrderRules::default(),
+            disturbances: 0,
+            states: 1_000_000,
+            only: None,
+        }
+    }
+}
+
+/// One activity, explored.
+#[derive(Clone, Debug)]
+pub struct ActivityExplored {
+    /// Its name.
+    pub name: String,
+    /// Its stations.
+    pub stations: Vec<String>,
+    /// States seen.
+    pub states: usize,
+    /// Everything was seen, or something wrong.
+    pub exhausted: bool,
+    /// What is wrong, if something is.
+    pub wrong: Option<BrokenRule>,
+}
+
+/// A rule that is broken, and the way there.
+#[derive(Clone, Debug, PartialEq, Eq)]
+pub struct BrokenRule {
+    /// Which rule is broken.
+    pub rule: &'static str,
+    /// What happened, in order.
+    pub steps: Vec<String>,
+    /// What is wrong at the end.
+    pub end: String,
+}
+
+/// No station is given an order while it is still at another one.
+pub const GIVEN: &str = "no station is given an order while it moves for another one";
+/// Tokens are given back only when the stations stand.
+pub const RESTORED: &str = "tokens are restored only when the stations stand";
+/// No answer is taken while anything moves.
+pub const ANSWERED: &str = "no answer is taken while anything moves";
+/// Nothing is done twice.
+pub const TWICE: &str = "nothing is done twice";
+/// From every state the activity can be closed.
+pub const CLOSED: &str = "every activity can be closed";
+/// All of them.
+pub const ALL: [&str; 5] = [GIVEN, RESTORED, ANSWERED, TWICE, CLOSED];
+
+/// Explores every activity of a cell that orders something from stations; those that order the same from the same stations
+/// once.
+///
+/// # Errors
+/// When the cell cannot be played.
+pub fn check_protocol(setting: &ProtocolSetting<'_>) -> Result<Vec<ActivityExplored>, NotPlayable> {
+    let stages = stage::stages(setting)?;
+    Ok(stages.into_iter().map(|stage| search::explore(setting, stage)).collect())
+}
+
+/// What follows of a cell, property by property.
+pub fn properties(found: &[ActivityExplored]) -> Vec<Property> {
+    let states: usize = found.iter().map(|one| one.states).sum();
+    let all = ALL.iter().map(|&name| {
+        let wrong = found.iter().find_map(|one| one.wrong.as_ref().filter(|of| of.rule == name).map(|of| (one, of)));
+        let open = found.iter().find(|one| !one.exhausted || one.wrong.is_some());
+        let (verdict, reason) = match (wrong, open) {
+            (Some((one, of)), _) => (Verdict::Fails, format!("not in {}, after {} steps", one.name, of.steps.len())),
+            (None, Some(one)) if one.exhausted => {
+                (Verdict::Undecided, format!("{} was looked at until something else was found wrong", one.name))
+            }
+            (None, Some(one)) => {
+                (Verdict::Undecided, format!("{}: {} states were seen, not all", one.name, one.states))
+            }
+            (None, None) => (Verdict::Holds, format!("in all {states} states of {} activities", found.len())),
+        };
+        let story = |(_, of): (&ActivityExplored, &BrokenRule)| Story {
+            steps: of.steps.clone(),
+            end: of.end.clone(),
+            resources: Vec::new(),
+        };
+        Property { name, verdict, reason, help: None, counterexample: wrong.map(story) }
+    });
+    all.collect()
+}

@@ -1,0 +1,315 @@
+//! The real token player, under a number for each situation it can be in.
+//!
+//! Time advances only to its next deadline, by an event of the exploration; stations have their own clocks. Only the records
+//! of a step are evaluated here; the exploration compares them with the stations.
+
+use std::time::Duration;
+
+use linewright_coordinator_logic::cell::exception::{About, Standing, Step};
+use linewright_coordinator_logic::cell::{
+    Answer, Coordination, Dispatcher, Fact, FiringId, Input, ModeId, OrderKey, OrderMessage, Outbox, Phase,
+    ProtocolRules, Question, Reply, Send, Start,
+};
+use linewright_line::{StationId, Tick};
+use rustc_hash::FxHashMap;
+
+use super::station::StationAnswer;
+
+/// Longer than every limit and shorter than the time after which a message is repeated.
+const RESENT: Duration = Duration::from_secs(12 * 3600);
+
+/// What is sent to stations: an order, or to leave one.
+#[derive(Clone, Debug, PartialEq, Eq)]
+pub(super) enum Message {
+    Order(OrderMessage),
+    Secure { station: StationId, key: OrderKey },
+}
+
+impl Message {
+    pub fn station(&self) -> StationId {
+        match self {
+            Message::Order(order) => order.station,
+            Message::Secure { station, .. } => *station,
+        }
+    }
+}
+
+/// Something that may happen to the player. Stations by their position in the exploration.
+#[derive(Clone, Copy, Debug, PartialEq, Eq, Hash)]
+pub(super) enum Event {
+    /// It hears what a station says, by number.
+    Heard(u32, u32),
+    /// Time goes on to its next deadline.
+    Time,
+    /// A person answers the alarm of the activity, with its first word.
+    Answer,
+    /// A person gives alarm of a resource of the activity.
+    Alarm,
+    /// Its node is started again, with all its records.
+    Restart,
+    /// The dispatcher lets this mode start.
+    Start(ModeId),
+}
+
+/// What a step has decided, as far as it concerns stations.
+#[derive(Clone, Debug, Default, PartialEq, Eq)]
+pub(super) struct Stepped {
+    pub to: u32,
+    /// By number.
+    pub sends: Vec<u32>,
+    /// These have to stand: why, and of which order.
+    pub stand: Vec<(MustStand, StationId, OrderKey)>,
+    /// These have got an order, and must be at none of something that is not in progress any more.
+    pub given: Vec<StationId>,
+}
+
+/// Why a station has to stand still.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub(super) enum MustStand {
+    /// An answer that concerns it is taken.
+    Answered,
+    /// Tokens are given back.
+    Restored,
+}
+
+#[derive(Clone)]
+pub(super) struct Player {
+    pub coordination: Coordination,
+    pub now: Tick,
+    /// How many activities have started since the first.
+    pub starts: u8,
+    /// The activity that is looked at.
+    pub firing: Option<FiringId>,
+}
+
+/// Lets one mode start, and nothing else.
+pub(super) struct Wanted(pub Option<ModeId>);
+
+impl Dispatcher for Wanted {
+    fn decide(&mut self, question: &Question<'_>) -> Answer {
+        let wanted = self.0;
+        let found = question.candidates.iter().position(|candidate| Some(candidate.mode) == wanted);
+        let start =
+            found.map(|candidate| Start { candidate, part: question.parts(&question.candidates[candidate]).next() });
+        if start.is_some() {
+            self.0 = None;
+        }
+        Answer { start: start.into_iter().collect(), held: Vec::new() }
+    }
+}
+
+/// The modes that could start.
+#[derive(Default)]
+pub(super) struct Asked(pub Vec<ModeId>);
+
+impl Dispatcher for Asked {
+    fn decide(&mut self, question: &Question<'_>) -> Answer {
+        self.0 = question.candidates.iter().map(|candidate| candidate.mode).collect();
+        Answer::default()
+    }
+}
+
+pub(super) struct Players {
+    numbers: FxHashMap<String, u32>,
+    pub all: Vec<Player>,
+    /// By situation, what may happen besides hearing stations.
+    pub events: Vec<Vec<Event>>,
+    /// The activity is over.
+    pub closed: Vec<bool>,
+    /// Something else has started after it.
+    pub over: Vec<bool>,
+    pub messages: Vec<Message>,
+    stepped: FxHashMap<(u32, Event), Stepped>,
+    rules: ProtocolRules,
+    /// The stations that are looked at.
+    stations: Vec<StationId>,
+    scratch: String,
+}
+
+impl Players {
+    pub fn new(rules: ProtocolRules, stations: Vec<StationId>) -> Self {
+        Players {
+            numbers: FxHashMap::default(),
+            all: Vec::new(),
+            events: Vec::new(),
+            closed: Vec::new(),
+            over: Vec::new(),
+            messages: Vec::new(),
+            stepped: FxHashMap::default(),
+            rules,
+            stations,
+            scratch: String::new(),
+        }
+    }
+
+    pub fn enter(&mut self, player: Player) -> u32 {
+        self.scratch.clear();
+        player.coordination.situation(&mut self.scratch);
+        self.scratch.push_str(&format!("{} {}", player.now, player.starts));
+        if let Some(&number) = self.numbers.get(&self.scratch) {
+            return number;
+        }
+        let number = self.all.len() as u32;
+        let state = player.coordination.state();
+        let firing = player.firing.and_then(|id| state.firing(id));
+        let over = player.starts > 1;
+        self.numbers.insert(self.scratch.clone(), number);
+        self.closed.push(firing.is_none());
+        self.over.push(over);
+        let events = if over { Vec::new() } else { self.events_of(&player) };
+        self.events.push(events);
+        self.all.push(player);
+        number
+    }
+
+    /// The same situation, of which another activity is looked at.
+    pub fn enter_anew(&mut self, player: Player) -> u32 {
+        self.numbers.clear();
+        self.enter(player)
+    }
+
+    fn events_of(&self, player: &Player) -> Vec<Event> {
+        let (state, mut events) = (player.coordination.state(), Vec::new());
+        // Limits, not when something is sent once more: copies of it may come at any time anyway.
+        if player.coordination.next_deadline().is_some_and(|at| at > player.now && at < player.now + RESENT) {
+            events.push(Event::Time);
+        }
+        // Whether an answer is taken does not depend on its word.
+        if alarm_of(player).is_some() {
+            events.push(Event::Answer);
+        }
+        if player.firing.and_then(|id| state.firing(id)).is_some_and(|of| of.phase == Phase::Running) {
+            events.push(Event::Alarm);
+        }
+        events.push(Event::Restart);
+        if player.starts == 1
+            && player.firing.is_none_or(|id| state.firing(id).is_none_or(|of| of.phase != Phase::Running))
+        {
+            let (mut asked, mut copy) = (Asked::default(), player.coordination.clone());
+            copy.reconsider();
+            copy.step(player.now, &[], &mut asked, &mut Outbox::default());
+            let table = state.table();
+            let ours =
+                |mode: &ModeId| table.activity(*mode).orders.iter().any(|order| self.stations.contains(&order.station));
+            events.extend(asked.0.into_iter().filter(ours).map(Event::Start));
+        }
+        events
+    }
+
+    /// What an event makes of a situation.
+    pub fn step(
+        &mut self,
+        from: u32,
+        event: Event,
+        said: impl FnOnce(u32, u32) -> (StationId, StationAnswer),
+    ) -> &Stepped {
+        if !self.stepped.contains_key(&(from, event)) {
+            let stepped = self.work_out(from, event, said);
+            self.stepped.insert((from, event), stepped);
+        }
+        &self.stepped[&(from, event)]
+    }
+
+    fn work_out(
+        &mut self,
+        from: u32,
+        event: Event,
+        said: impl FnOnce(u32, u32) -> (StationId, StationAnswer),
+    ) -> Stepped {
+        let mut next = self.all[from as usize].clone();
+        let (mut out, mut wanted) = (Outbox::default(), Wanted(None));
+        let starts = Input::Starts(true);
+        match event {
+            Event::Heard(nth, number) => {
+                let (station, said) = said(nth, number);
+                let mut inputs = vec![starts, Input::Station(station, &said.heard)];
+                inputs.extend(said.secured.map(|(key, reply)| Input::Secured(station, key, reply)));
+                let refused = said.refused.iter().map(|&(key, why)| Input::Reply(station, key, Reply::Refused(why)));
+                inputs.extend(refused);
+                next.coordination.step(next.now, &inputs, &mut wanted, &mut out);
+            }
+            Event::Time => {
+                next.now = next.coordination.next_deadline().unwrap_or(next.now).max(next.now);
+                next.coordination.step(next.now, &[starts], &mut wanted, &mut out);
+            }
+            Event::Answer => {
+                if let Some(alarm) = alarm_of(&next).cloned() {
+                    let input = Input::Answer { alarm: alarm.id, word: &alarm.words[0] };
+                    next.coordination.step(next.now, &[starts, input], &mut wanted, &mut out);
+                }
+            }
+            Event::Alarm => {
+                let state = next.coordination.state();
+                let mode = next.firing.and_then(|id| state.firing(id)).map(|firing| firing.mode);
+                let resource = mode.and_then(|mode| state.table().handling().mode(mode).resources().next());
+                if let Some(resource) = resource {
+                    let input = Input::Alarm { resource, text: "alarm" };
+                    next.coordination.step(next.now, &[starts, input], &mut wanted, &mut out);
+                }
+            }
+            Event::Restart => {
+                let state = next.coordination.state().clone();
+                let epoch = state.epoch() + 1;
+                if let Ok(life) = Coordination::begin(state, next.now, epoch, &mut out) {
+                    next.coordination = life.with_rules(self.rules);
+                    next.coordination.step(next.now, &[starts], &mut wanted, &mut out);
+                }
+            }
+            Event::Start(mode) => {
+                wanted.0 = Some(mode);
+                next.coordination.reconsider();
+                next.coordination.step(next.now, &[starts], &mut wanted, &mut out);
+            }
+        }
+        let mut stepped = self.must_stand(from, &out);
+        next.starts += out.records.iter().filter(|record| matches!(record.fact, Fact::Started { .. })).count() as u8;
+        for send in out.sends {
+            let message = match send {
+                Send::Order(order) => Message::Order(OrderMessage { limit: Duration::ZERO, ..order }),
+                Send::Secure { station, key } => Message::Secure { station, key },
+            };
+            if !self.stations.contains(&message.station()) {
+                continue;
+            }
+            let known = self.messages.iter().position(|known| *known == message);
+            let number = known.unwrap_or_else(|| {
+                self.messages.push(message);
+                self.messages.len() - 1
+            });
+            stepped.sends.push(number as u32);
+        }
+        stepped.to = self.enter(next);
+        stepped
+    }
+
+    /// What its records require of stations. Left out are those whose standing it recorded as unknown.
+    fn must_stand(&self, from: u32, out: &Outbox) -> Stepped {
+        let mut stepped = Stepped::default();
+        let mut state = self.all[from as usize].coordination.state().clone();
+        for record in &out.records {
+            let reason = match &record.fact {
+                Fact::Exception(Step::Answered { firing, .. }) => Some((MustStand::Answered, *firing)),
+                Fact::Exception(Step::Closed { firing, .. }) => Some((MustStand::Restored, *firing)),
+                _ => None,
+            };
+            if let Some((reason, id)) = reason {
+                let orders = state.firing(id).map(|firing| firing.orders.clone()).unwrap_or_default();
+                let trouble = state.exceptions().trouble(id);
+                let unknown = |key| trouble.is_some_and(|of| of.standing.contains(&(key, Standing::Unknown)));
+                let known = orders.iter().filter(|order| !unknown(order.key));
+                stepped.stand.extend(known.map(|order| (reason, order.station, order.key)));
+            }
+            if let Fact::Started { mode, .. } = &record.fact {
+                stepped.given.extend(state.table().activity(*mode).orders.iter().map(|order| order.station));
+            }
+            // It wrote what fits.
+            let _ = state.apply(record);
+        }
+        stepped
+    }
+}
+
+fn alarm_of(player: &Player) -> Option<&linewright_coordinator_logic::cell::exception::Alarm> {
+    let about = About::Firing(player.firing?);
+    player.coordination.state().exceptions().alarms().find(|alarm| alarm.about == about)
+}

@@ -1,0 +1,292 @@
+//! The product: one player, its stations, what was sent, and what is on its way back, breadth first.
+
+use linewright_line::StationId;
+use rustc_hash::FxHashMap;
+
+use super::players::{Event, Message, MustStand, Players};
+use super::stage::ActivityStart;
+use super::station::{Act, Machines};
+use super::{ANSWERED, ActivityExplored, BrokenRule, CLOSED, GIVEN, ProtocolSetting, RESTORED, TWICE, words};
+
+/// Messages of one activity and of what follows it, a bit each. With more the exploration is not exhaustive, and reports so.
+const MESSAGES_MAX: u32 = 64;
+
+/// A state as numbers: the player, how many disturbances are left, what was sent (two words); then of each station its
+/// situation, and one more than the number of what it said that is on its way.
+type Packed = Box<[u32]>;
+
+const PLAYER: usize = 0;
+const LEFT: usize = 1;
+const SENT: usize = 2;
+const STATIONS: usize = 4;
+
+/// What leads from one state to the next.
+#[derive(Clone, Copy, Debug)]
+enum Arc {
+    Begins,
+    Message(u32),
+    Act(u32, Act),
+    Says(u32),
+    Player(Event),
+}
+
+struct Search<'c> {
+    setting: &'c ProtocolSetting<'c>,
+    stations: Vec<StationId>,
+    machines: Vec<Machines<'c>>,
+    players: Players,
+    numbers: FxHashMap<Packed, u32>,
+    states: Vec<Packed>,
+    came: Vec<(u32, Arc)>,
+    arcs: Vec<(u32, u32)>,
+    wrong: Option<(u32, Arc, &'static str, String)>,
+}
+
+pub(super) fn explore(setting: &ProtocolSetting<'_>, stage: ActivityStart) -> ActivityExplored {
+    let ActivityStart { name, mode, stations, machines, mut player } = stage;
+    let mut search = Search {
+        setting,
+        machines: stations.iter().map(|_| Machines::new(setting.line)).collect(),
+        players: Players::new(setting.rules, stations.clone()),
+        stations,
+        numbers: FxHashMap::default(),
+        states: Vec::new(),
+        came: Vec::new(),
+        arcs: Vec::new(),
+        wrong: None,
+    };
+    player.coordination = player.coordination.with_rules(setting.rules);
+    let mut first = vec![0, u32::from(setting.disturbances), 0, 0];
+    for (nth, machine) in machines.into_iter().enumerate() {
+        first.push(search.machines[nth].enter(machine.with_rules(setting.order_rules)));
+        first.push(0);
+    }
+    // It has started, and is what is looked at.
+    let before = player.coordination.state().firings().map(|firing| firing.id).max();
+    let start = search.players.enter(player);
+    let stepped = search.players.step(start, Event::Start(mode), |_, _| unreachable!("nobody is heard")).clone();
+    let mut begun = search.players.all[stepped.to as usize].clone();
+    begun.firing = begun.coordination.state().firings().map(|firing| firing.id).max().filter(|id| Some(*id) != before);
+    let begun = search.players.enter_anew(begun);
+    first[PLAYER] = begun;
+    stepped.sends.iter().for_each(|&message| sent(&mut first, message));
+    search.enter(first.into(), 0, Arc::Begins);
+    let mut at = 0;
+    while at < search.states.len() && search.wrong.is_none() && search.states.len() < setting.states {
+        search.expand(at as u32);
+        at += 1;
+    }
+    let fits = search.players.messages.len() <= MESSAGES_MAX as usize;
+    let exhausted = search.wrong.is_some() || (fits && at == search.states.len());
+    if search.wrong.is_none() && exhausted {
+        search.look_for_ends();
+    }
+    let wrong = search.wrong.take().map(|wrong| search.tell(wrong));
+    ActivityExplored {
+        name,
+        stations: search.stations.iter().map(|&station| setting.line.station(station).name.clone()).collect(),
+        states: search.states.len(),
+        exhausted,
+        wrong,
+    }
+}
+
+fn sent(state: &mut [u32], message: u32) {
+    if message < MESSAGES_MAX {
+        state[SENT + (message / 32) as usize] |= 1 << (message % 32);
+    }
+}
+
+impl Search<'_> {
+    fn enter(&mut self, state: Packed, from: u32, by: Arc) {
+        let next = self.states.len() as u32;
+        let number = *self.numbers.entry(state).or_insert_with_key(|state| {
+            self.states.push(state.clone());
+            self.came.push((from, by));
+            next
+        });
+        if !matches!(by, Arc::Begins) && number != from {
+            self.arcs.push((from, number));
+        }
+    }
+
+    fn expand(&mut self, from: u32) {
+        let state = self.states[from as usize].clone();
+        let player = state[PLAYER];
+        if self.players.over[player as usize] {
+            return;
+        }
+        for nth in 0..self.stations.len() {
+            self.expand_station(from, &state, nth);
+        }
+        for index in 0..self.players.events[player as usize].len() {
+            let event = self.players.events[player as usize][index];
+            let costs = event == Event::Restart || event == Event::Alarm;
+            if !costs || state[LEFT] > 0 {
+                let mut next = state.to_vec();
+                next[LEFT] -= u32::from(costs);
+                self.player(from, next, event);
+            }
+        }
+    }
+
+    fn expand_station(&mut self, from: u32, state: &Packed, nth: usize) {
+        let (at, pending) = (STATIONS + 2 * nth, STATIONS + 2 * nth + 1);
+        let situation = state[at];
+        for number in 0..self.players.messages.len().min(MESSAGES_MAX as usize) as u32 {
+            let is_sent = state[SENT + (number / 32) as usize] & 1 << (number % 32) != 0;
+            let message = &self.players.messages[number as usize];
+            if !is_sent || message.station() != self.stations[nth] {
+                continue;
+            }
+            let mut next = state.to_vec();
+            next[at] = self.machines[nth].hear(situation, number, |machine| match message {
+                Message::Order(order) => machine.order(order),
+                Message::Secure { key, .. } => machine.secure(*key),
+            });
+            self.station(from, next, nth, Arc::Message(number));
+        }
+        for index in 0..self.machines[nth].acts[situation as usize].len() {
+            let act = self.machines[nth].acts[situation as usize][index];
+            let costs = matches!(act, Act::Fail | Act::Restart | Act::Forget);
+            if costs && state[LEFT] == 0 {
+                continue;
+            }
+            let mut next = state.to_vec();
+            next[LEFT] -= u32::from(costs);
+            next[at] = self.machines[nth].act(situation, act);
+            self.station(from, next, nth, Arc::Act(nth as u32, act));
+        }
+        let says = self.machines[nth].says[situation as usize] + 1;
+        // Heard at once; whatever is still on its way is older, and not heard any more.
+        let mut next = state.to_vec();
+        next[pending] = 0;
+        self.player(from, next, Event::Heard(nth as u32, says - 1));
+        if state[pending] == 0 && state[LEFT] > 0 {
+            let mut next = state.to_vec();
+            next[LEFT] -= 1;
+            next[pending] = says;
+            self.enter(next.into(), from, Arc::Says(nth as u32));
+        }
+        if state[pending] != 0 {
+            let mut next = state.to_vec();
+            next[pending] = 0;
+            self.player(from, next, Event::Heard(nth as u32, state[pending] - 1));
+        }
+    }
+
+    fn station(&mut self, from: u32, next: Vec<u32>, nth: usize, by: Arc) {
+        let situation = next[STATIONS + 2 * nth] as usize;
+        if self.machines[nth].all[situation].twice && self.wrong.is_none() {
+            let name = &self.setting.line.station(self.stations[nth]).name;
+            self.wrong = Some((from, by, TWICE, format!("{name} does again what it has done")));
+        }
+        self.enter(next.into(), from, by);
+    }
+
+    fn player(&mut self, from: u32, mut next: Vec<u32>, event: Event) {
+        let (stations, machines) = (&self.stations, &self.machines);
+        let said =
+            |nth: u32, number: u32| (stations[nth as usize], machines[nth as usize].said[number as usize].clone());
+        let stepped = self.players.step(next[PLAYER], event, said).clone();
+        let by = Arc::Player(event);
+        let is_at = |station: StationId| {
+            let nth = self.stations.iter().position(|of| *of == station)?;
+            let (slot, moves) = self.machines[nth].at[next[STATIONS + 2 * nth] as usize];
+            Some((&self.setting.line.station(station).name, slot, moves))
+        };
+        let mut wrong = None;
+        for &(reason, station, key) in &stepped.stand {
+            if let Some((name, slot, moves)) = is_at(station).filter(|(_, slot, moves)| *slot == Some(key) || *moves) {
+                let doing =
+                    slot.map_or_else(|| "moves".to_owned(), |key| format!("is at order {}", words::number(key)));
+                let (rule, what) = match reason {
+                    MustStand::Answered => (ANSWERED, "the answer is taken"),
+                    MustStand::Restored => (RESTORED, "tokens and part are put where the answer says"),
+                };
+                let and = if moves && slot.is_some() { ", and moves" } else { "" };
+                wrong = wrong.or(Some((rule, format!("{what} while {name} {doing}{and}"))));
+            }
+        }
+        let running = self.players.all[next[PLAYER] as usize].coordination.state();
+        for &station in &stepped.given {
+            let is_running = |key| {
+                running.order(key).is_some_and(|(of, _)| of.phase == linewright_coordinator_logic::cell::Phase::Running)
+            };
+            if let Some((name, Some(key), _)) =
+                is_at(station).filter(|(_, slot, _)| slot.is_some_and(|key| !is_running(key)))
+            {
+                let what = format!("{name} is given the next order while it is at order {}", words::number(key));
+                wrong = wrong.or(Some((GIVEN, what)));
+            }
+        }
+        if let (Some((rule, end)), None) = (wrong, &self.wrong) {
+            self.wrong = Some((from, by, rule, end));
+        }
+        stepped.sends.iter().for_each(|&message| sent(&mut next, message));
+        next[PLAYER] = stepped.to;
+        self.enter(next.into(), from, by);
+    }
+
+    /// From every state one must lead on in which the activity is closed.
+    fn look_for_ends(&mut self) {
+        let mut ends: Vec<bool> = self.states.iter().map(|state| self.players.closed[state[PLAYER] as usize]).collect();
+        let mut back: Vec<Vec<u32>> = vec![Vec::new(); self.states.len()];
+        self.arcs.iter().for_each(|&(from, to)| back[to as usize].push(from));
+        let mut open: Vec<u32> = (0..ends.len() as u32).filter(|&at| ends[at as usize]).collect();
+        while let Some(at) = open.pop() {
+            for &from in &back[at as usize] {
+                if !std::mem::replace(&mut ends[from as usize], true) {
+                    open.push(from);
+                }
+            }
+        }
+        if let Some(stuck) = ends.iter().position(|ends| !ends).filter(|&at| at > 0) {
+            let (from, by) = self.came[stuck];
+            self.wrong = Some((from, by, CLOSED, "whatever comes, the activity stays open".to_owned()));
+        }
+    }
+
+    fn tell(&self, (from, by, rule, end): (u32, Arc, &'static str, String)) -> BrokenRule {
+        let mut way = vec![(from, by)];
+        let mut at = from;
+        while !matches!(self.came[at as usize].1, Arc::Begins) {
+            way.push(self.came[at as usize]);
+            at = self.came[at as usize].0;
+        }
+        let line = self.setting.line;
+        let steps = way.into_iter().rev().map(|(from, by)| {
+            let state = &self.states[from as usize];
+            let machine = |nth: u32| &self.machines[nth as usize].all[state[STATIONS + 2 * nth as usize] as usize];
+            match by {
+                Arc::Begins => String::new(),
+                Arc::Message(number) => words::message(line, &self.players.messages[number as usize]),
+                Arc::Act(nth, act) => words::act(line, machine(nth), act),
+                Arc::Says(nth) => {
+                    format!("on its way: {}", words::says(line, self.stations[nth as usize], &machine(nth).says()))
+                }
+                Arc::Player(Event::Heard(nth, number)) => {
+                    let said = &self.machines[nth as usize].said[number as usize];
+                    format!("the coordinator hears: {}", words::says(line, self.stations[nth as usize], said))
+                }
+                Arc::Player(event) => words::event(&self.players.all[state[PLAYER] as usize], event),
+            }
+        });
+        BrokenRule { rule, steps: steps.collect(), end }
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn each_message_has_a_bit_of_its_own_or_none() {
+        let mut state = [0; STATIONS];
+        for message in 0..2 * MESSAGES_MAX {
+            let before = state;
+            sent(&mut state, message);
+            assert_eq!(state != before, message < MESSAGES_MAX, "message {message}");
+        }
+    }
+}

@@ -1,0 +1,361 @@
+//! A station of an activity: its real controller, its switches, and what its node adds to what it says.
+//!
+//! Each situation it can be in has a number, and so has everything that it can say; what an event makes of a situation the
+//! controller works out once. Time stands still but for the time of orders, which only [`Act::Expire`] lets pass.
+
+use std::collections::BTreeSet;
+use std::fmt::Write;
+use std::time::Duration;
+
+use linewright_coordinator_logic::cell::{self as player, Heard, OrderMessage, Unable};
+use linewright_coordinator_shell::orders::{heard, key, known, order, refusal};
+use linewright_line::net::{Block, ControlMode, Place};
+use linewright_line::{Line, Module, OpId, StationId, Tick};
+use linewright_station_logic::{
+    CompileError, Controller, Input, ModeOrder, NO_DELAY, OrderKey, OrderRules, Outbox, Restore, TaskCommand,
+    TaskOrder, Writer,
+};
+use rustc_hash::FxHashMap;
+
+use crate::explore::{actuator, bits_of};
+
+/// The time of every order: it runs out when [`Act::Expire`] says so.
+const LIMIT: Duration = Duration::from_micros(1);
+const NOW: Tick = Tick::from_millis(1);
+
+/// Something that may happen to a station by itself.
+#[derive(Clone, Copy, Debug, PartialEq, Eq, Hash)]
+pub(super) enum Act {
+    /// Its motion arrives.
+    Arrive,
+    /// Its motion fails.
+    Fail,
+    /// All inputs that its operations wait for come on, or go off.
+    Sensors(bool),
+    /// The time of its order is over, by its own clock.
+    Expire,
+    /// Its node is started again, with what it kept.
+    Restart,
+    /// The same, without.
+    Forget,
+}
+
+/// What a station says, all of it in one message.
+#[derive(Clone, Debug, PartialEq, Eq)]
+pub(super) struct StationAnswer {
+    pub heard: Heard,
+    pub secured: Option<(player::OrderKey, player::Reply)>,
+    pub refused: Vec<(player::OrderKey, player::Refusal)>,
+}
+
+/// A controller and what is around it.
+#[derive(Clone, Debug)]
+pub(super) struct Machine {
+    pub controller: Controller,
+    now: Tick,
+    switches: u128,
+    sensors: bool,
+    outputs: u128,
+    boots: u64,
+    secured: Option<OrderKey>,
+    /// The orders of which it has begun something, in all its lives.
+    begun: BTreeSet<OrderKey>,
+    /// One of them was begun again.
+    pub twice: bool,
+    rules: OrderRules,
+}
+
+impl Machine {
+    /// Where it has no memory yet, in auto, at its home.
+    pub fn new(line: &Line, id: StationId) -> Result<Self, CompileError> {
+        let controller = Controller::new(line, id, 1, Restore::Fresh)?;
+        let station = line.station(id);
+        let mut switches = 0;
+        if let Some(rest) = station.rests.first() {
+            for op in station.op_ids() {
+                let operation = line.operation((id, op));
+                let at = rest.at.get(operation.motion.axis.index()).copied();
+                switches |= if at == Some(operation.motion.to) { operation.normal.complete.bit() } else { 0 };
+            }
+        }
+        let mut machine = Machine {
+            controller,
+            now: NOW,
+            switches,
+            sensors: true,
+            outputs: 0,
+            boots: 1,
+            secured: None,
+            begun: BTreeSet::new(),
+            twice: false,
+            rules: OrderRules::default(),
+        };
+        machine.wake(line);
+        Ok(machine)
+    }
+
+    /// The same with some rules switched off.
+    pub fn with_rules(mut self, rules: OrderRules) -> Self {
+        self.controller = self.controller.with_order_rules(rules);
+        self.rules = rules;
+        self
+    }
+
+    fn wake(&mut self, line: &Line) {
+        self.image(line, true);
+        let auto = ModeOrder::of(1, 1, ControlMode::Auto, ModeOrder::FOR_GOOD);
+        self.controller.handle(self.now, Input::Order(auto));
+        self.step();
+    }
+
+    fn step(&mut self) {
+        let mut out = Outbox::default();
+        self.controller.step(self.now, &mut out);
+        self.outputs = out.outputs;
+    }
+
+    fn image(&mut self, line: &Line, valid: bool) {
+        let id = self.controller.station();
+        let bits = self.switches | if self.sensors { sensors_of(line, id) } else { 0 };
+        self.controller.handle(self.now, Input::Inputs { bits, valid, until: Tick::NEVER, under: NO_DELAY });
+        self.step();
+    }
+
+    /// Hears an order.
+    pub fn order(&mut self, message: &OrderMessage) {
+        let key = key(message.key);
+        let order = TaskOrder { limit: LIMIT, ..order(message) };
+        let before = self.slot();
+        self.controller.handle(self.now, Input::Task(TaskCommand::Run(&order)));
+        self.step();
+        if before != Some(key) && self.slot() == Some(key) {
+            self.twice |= !self.begun.insert(key);
+        }
+    }
+
+    /// Hears that it is to leave an order.
+    pub fn secure(&mut self, of: player::OrderKey) {
+        self.secured = Some(key(of));
+        self.controller.handle(self.now, Input::Task(TaskCommand::Secure(key(of))));
+        self.step();
+    }
+
+    fn slot(&self) -> Option<OrderKey> {
+        self.controller.report().order.and_then(|order| order.slot).map(|slot| slot.key)
+    }
+
+    /// The motion that is driven.
+    fn moving(&self, line: &Line) -> Option<Place> {
+        let id = self.controller.station();
+        let drives = |place: &Place| self.outputs & actuator(line, id, place.op, place.block) != 0;
+        self.controller.marking().find(|place| place.is_operating() && drives(place))
+    }
+
+    /// The order it has or goes back from, if it does, and whether anything moves.
+    pub fn is_at(&self, line: &Line) -> (Option<player::OrderKey>, bool) {
+        (self.slot().map(known), self.moving(line).is_some())
+    }
+
+    pub fn acts(&self, line: &Line, acts: &mut Vec<Act>) {
+        if self.moving(line).is_some() {
+            acts.extend([Act::Arrive, Act::Fail]);
+        }
+        let slot = self.controller.report().order.and_then(|order| order.slot);
+        if slot.is_some_and(|slot| !slot.is_securing) {
+            acts.push(Act::Expire);
+            // What has gone does not come back before the order is over: a wait that ends is one that was shorter.
+            if self.sensors && sensors_of(line, self.controller.station()) != 0 {
+                acts.push(Act::Sensors(false));
+            }
+        }
+        acts.extend([Act::Restart, Act::Forget]);
+    }
+
+    pub fn act(&mut self, line: &Line, act: Act) {
+        let id = self.controller.station();
+        match act {
+            Act::Arrive => {
+                let Some(place) = self.moving(line) else { return };
+                self.switches &= !switches_of(line, id, place.op);
+                self.image(line, true);
+                self.switches |= bits_of(line, id, place.op, place.block).0;
+                self.image(line, true);
+            }
+            Act::Fail => {
+                let Some(place) = self.moving(line) else { return };
+                self.switches &= !switches_of(line, id, place.op);
+                self.image(line, true);
+                match bits_of(line, id, place.op, place.block).1 {
+                    Some(fault) => {
+                        self.switches |= fault;
+                        self.image(line, true);
+                        self.switches &= !fault;
+                    }
+                    None => self.image(line, false),
+                }
+                self.image(line, true);
+            }
+            Act::Sensors(on) => {
+                self.sensors = on;
+                self.image(line, true);
+            }
+            Act::Expire => {
+                self.now = self.now + LIMIT;
+                self.step();
+            }
+            Act::Restart | Act::Forget => {
+                self.boots += 1;
+                let kept = match act {
+                    Act::Restart => Restore::From(self.controller.snapshot()),
+                    _ => Restore::Fresh,
+                };
+                // It did compile.
+                let Ok(controller) = Controller::new(line, id, self.boots, kept) else { return };
+                self.controller = controller.with_order_rules(self.rules);
+                (self.secured, self.outputs) = (None, 0);
+                self.wake(line);
+            }
+        }
+    }
+
+    /// Completes its order, without a fault.
+    pub fn finish(&mut self, line: &Line) {
+        for _ in 0..200 {
+            if self.slot().is_none() {
+                return;
+            }
+            self.act(line, Act::Arrive);
+        }
+    }
+
+    pub fn says(&self) -> StationAnswer {
+        let report = self.controller.report();
+        let order = report.order.unwrap_or_default();
+        let unable = if !report.devices_valid {
+            Some(Unable::Devices)
+        } else {
+            self.controller.marking().any(Place::is_incomplete).then_some(Unable::Incomplete)
+        };
+        let heard = Heard { unable, ..heard(&order) };
+        let secured = self.secured.map(known).map(|key| {
+            let end = heard.results.iter().find(|(of, _)| *of == key);
+            let reply = match end {
+                _ if heard.slot == Some(key) => player::Reply::Running,
+                Some(&(_, outcome)) => player::Reply::Ended(outcome),
+                None => player::Reply::Refused(player::Refusal::Old),
+            };
+            (key, reply)
+        });
+        let refused = order.refused.iter().map(|&(of, why)| (known(of), refusal(why))).collect();
+        StationAnswer { heard, secured, refused }
+    }
+
+    /// Everything that decides what it will do and say.
+    fn write(&self, out: &mut String) {
+        let mut words = Vec::new();
+        self.controller.situation(self.controller.cycle(), |_| Writer { boot_id: 0, open: None }, &mut words);
+        let order = self.controller.report().order;
+        // Writing to a string does not fail.
+        let _ = write!(
+            out,
+            "{words:?} {order:?} {} {} {:?} {:?} {} {}",
+            self.switches, self.sensors, self.secured, self.begun, self.twice, self.outputs
+        );
+    }
+}
+
+/// All situations of a station that have been met.
+pub(super) struct Machines<'l> {
+    line: &'l Line,
+    numbers: FxHashMap<String, u32>,
+    pub all: Vec<Machine>,
+    pub acts: Vec<Vec<Act>>,
+    /// By situation, the number of what it says.
+    pub says: Vec<u32>,
+    pub said: Vec<StationAnswer>,
+    /// By situation: see [`Machine::is_at`].
+    pub at: Vec<(Option<player::OrderKey>, bool)>,
+    acted: FxHashMap<(u32, Act), u32>,
+    heard: FxHashMap<(u32, u32), u32>,
+    scratch: String,
+}
+
+impl<'l> Machines<'l> {
+    pub fn new(line: &'l Line) -> Self {
+        Machines {
+            line,
+            numbers: FxHashMap::default(),
+            all: Vec::new(),
+            acts: Vec::new(),
+            says: Vec::new(),
+            said: Vec::new(),
+            at: Vec::new(),
+            acted: FxHashMap::default(),
+            heard: FxHashMap::default(),
+            scratch: String::new(),
+        }
+    }
+
+    pub fn enter(&mut self, machine: Machine) -> u32 {
+        self.scratch.clear();
+        machine.write(&mut self.scratch);
+        if let Some(&number) = self.numbers.get(&self.scratch) {
+            return number;
+        }
+        let number = self.all.len() as u32;
+        let said = machine.says();
+        let says = self.said.iter().position(|known| *known == said).unwrap_or_else(|| {
+            self.said.push(said);
+            self.said.len() - 1
+        });
+        let mut acts = Vec::new();
+        machine.acts(self.line, &mut acts);
+        self.numbers.insert(self.scratch.clone(), number);
+        self.acts.push(acts);
+        self.says.push(says as u32);
+        self.at.push(machine.is_at(self.line));
+        self.all.push(machine);
+        number
+    }
+
+    pub fn act(&mut self, from: u32, act: Act) -> u32 {
+        if let Some(&to) = self.acted.get(&(from, act)) {
+            return to;
+        }
+        let mut next = self.all[from as usize].clone();
+        next.act(self.line, act);
+        let to = self.enter(next);
+        self.acted.insert((from, act), to);
+        to
+    }
+
+    /// A message arrives that has this number.
+    pub fn hear(&mut self, from: u32, number: u32, tell: impl FnOnce(&mut Machine)) -> u32 {
+        if let Some(&to) = self.heard.get(&(from, number)) {
+            return to;
+        }
+        let mut next = self.all[from as usize].clone();
+        tell(&mut next);
+        let to = self.enter(next);
+        self.heard.insert((from, number), to);
+        to
+    }
+}
+
+fn sensors_of(line: &Line, station: StationId) -> u128 {
+    let waits = line.station(station).operations.iter().flat_map(|operation| &operation.waits);
+    waits.fold(0, |bits, input| bits | input.bit())
+}
+
+/// The switches of the axis that an operation moves.
+fn switches_of(line: &Line, station: StationId, op: OpId) -> u128 {
+    let axis = line.operation((station, op)).motion.axis;
+    let same = line.station(station).op_ids().filter(|&op| line.operation((station, op)).motion.axis == axis);
+    same.fold(0, |bits, op| {
+        let back = match line.operation((station, op)).module {
+            Module::Reversible { .. } => bits_of(line, station, op, Block::Recovery).0,
+            Module::Irreversible { .. } => 0,
+        };
+        bits | back | bits_of(line, station, op, Block::Normal).0
+    })
+}

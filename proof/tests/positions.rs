@@ -1,0 +1,45 @@
+//! Measured positions by themselves: they exclude the conflicts whatever is commanded, and each part of the barrier is needed.
+
+use linewright_line::{Line, TransferLine, parse};
+use linewright_proof::positions::{PositionRules, PositionsExplored, explore_positions};
+
+const STATES: usize = 2_000_000;
+
+fn shipped() -> Line {
+    parse("line.toml", &TransferLine::default().text()).expect("the shipped line is sound").line
+}
+
+fn explored(line: &Line, nth: usize, rules: PositionRules) -> PositionsExplored {
+    explore_positions(line, &line.conflicts[nth], rules, STATES).expect("its stations compile")
+}
+
+#[test]
+fn whatever_is_commanded_the_conflicts_of_the_shipped_line_are_excluded() {
+    let line = shipped();
+    for nth in 0..line.conflicts.len() {
+        let found = explored(&line, nth, PositionRules::ALL);
+        println!("{}: {} states", line.conflicts[nth].why, found.states);
+        assert_eq!(found.counterexample, None);
+        assert!(found.exhausted && found.states > 500, "{}", found.states);
+    }
+}
+
+#[test]
+fn without_measured_positions_both_stations_enter() {
+    let line = shipped();
+    for nth in 0..line.conflicts.len() {
+        let found = explored(&line, nth, PositionRules { starts: false, stops: false });
+        let way = found.counterexample.expect("nothing keeps them apart");
+        println!("{way:#?}");
+        assert!(way.len() <= 4, "{way:?}");
+    }
+}
+
+#[test]
+fn two_that_start_before_either_has_left_its_switch_are_kept_apart_by_the_stop_alone() {
+    let line = shipped();
+    let found = explored(&line, 0, PositionRules { stops: false, ..PositionRules::ALL });
+    let way = found.counterexample.expect("both have started");
+    println!("{way:#?}");
+    assert_eq!(way.iter().filter(|step| step.contains(" starts ")).count(), 2, "{way:?}");
+}

@@ -1,0 +1,175 @@
+//! Generations: which counts may be compared.
+//!
+//! Counts mean something only among stations that stood at home together when an operator confirmed it. Such a moment founds a
+//! *generation*: the coordinator draws a number, every station that stands at home takes it and begins to count anew. From then
+//! on a station keeps it with its counts and reports it. Counts of another generation are unknown. A station without its memory
+//! has none.
+//!
+//! A founding order names the life of each station that it is meant for. One that arrives late, at a station that has been
+//! restarted since and stands at home by chance, founds nothing.
+//!
+//! The way back of a station without a generation: where its switches tell where it stands, [`Controller::rejoin`] puts the
+//! marking there; manual mode then leads it home under the second barrier; and the next founding takes it in.
+
+use linewright_line::net::{ControlMode, Place};
+use linewright_line::{OpId, Tick};
+
+use crate::controller::{Controller, Run, Token};
+use crate::event::{Cause, Happening};
+
+/// An order to found a generation.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub struct Founding {
+    /// The generation; never 0.
+    pub generation: u64,
+    /// The life of this station that was seen at home. Another one does not follow.
+    pub boot_id: u64,
+}
+
+impl Controller {
+    /// The generation its counts belong to; 0 for none.
+    pub fn generation(&self) -> u64 {
+        self.views.generation
+    }
+
+    /// Begins to count anew in this generation, if it stands at home and nothing moves.
+    pub(crate) fn found(&mut self, founding: Founding) {
+        let rests =
+            !matches!(self.commands.granted(self.now), ControlMode::Auto | ControlMode::Hand | ControlMode::Manual);
+        let stands = rests
+            && self.devices_valid
+            && !self.unconfirmed
+            && self.pending.is_none()
+            && self.is_at_home()
+            && self.position_lost().is_none()
+            && self.is_home_measured();
+        let meant = founding.boot_id == self.boot_id && founding.generation != 0;
+        if !meant || !stands || self.program.on_order.is_some() || founding.generation == self.views.generation {
+            return;
+        }
+        self.count_from_home();
+        self.views.generation = founding.generation;
+        self.placed = true;
+        self.changed = true;
+        self.dirty = true;
+        self.note(Happening::Founded);
+    }
+
+    /// Whether the switch of the home operation is on.
+    fn is_home_measured(&self) -> bool {
+        let needed = self.home_switch();
+        !self.rules.positions || self.inputs & needed == needed
+    }
+
+    /// The completion input of the home operation.
+    pub(crate) fn home_switch(&self) -> u128 {
+        self.program.places[usize::from(self.program.index_of(Place::operating(self.program.home)))].complete
+    }
+
+    fn count_from_home(&mut self) {
+        self.stand_at(&[Place::completed(self.program.home)]);
+        self.cycle = self.initial_round;
+        for (op, home) in self.home_counts.iter().enumerate() {
+            self.done[op] = home + self.initial_round;
+        }
+        self.started.clone_from(&self.done);
+        self.refresh_stop();
+    }
+
+    fn stand_at(&mut self, places: &[Place]) {
+        for (index, place) in places.iter().enumerate() {
+            self.tokens[index] = Token {
+                place: self.program.index_of(*place),
+                run: Run::Auto,
+                left_start: true,
+                awaits_image: false,
+                driven_since: 0,
+                driven: false,
+                deadline: Tick::NEVER,
+                remaining: std::time::Duration::ZERO,
+            };
+        }
+        self.token_count = places.len();
+    }
+
+    /// Where the switches say the station stands: the step whose operations are complete there. None where they fit no
+    /// place of the chart, or more than one.
+    pub fn read_off(&self) -> Option<usize> {
+        let mut steps = (0..self.program.causes.len()).filter(|&step| self.stands_after(step));
+        let step = steps.next()?;
+        steps.next().is_none().then_some(step)
+    }
+
+    /// Whether every axis is measured where the chart has it after a step, and nowhere else.
+    fn stands_after(&self, step: usize) -> bool {
+        let expected = self.program.measured_after[step];
+        self.devices_valid && expected.is_some_and(|expected| self.inputs & self.program.switches == expected)
+    }
+
+    /// Whether the station can have been stopped in this operation: all other axes are measured where the chart has them,
+    /// and its own one at no switch.
+    fn stands_within(&self, op: OpId) -> bool {
+        let alone = self.ops_of_step(usize::from(self.program.step_of[op.index()])).count() == 1;
+        let expected = self.program.measured_within[op.index()].filter(|_| alone && self.devices_valid);
+        expected.is_some_and(|expected| self.inputs & self.program.switches == expected)
+    }
+
+    pub(crate) fn ops_of_step(&self, step: usize) -> impl Iterator<Item = OpId> + '_ {
+        let of_step = move |&(_, &at): &(usize, &u8)| usize::from(at) == step;
+        self.program.step_of.iter().enumerate().filter(of_step).map(|(op, _)| OpId::at(op))
+    }
+
+    /// Puts the marking where the switches say the station stands, on an operator's confirmation; between two switches, into
+    /// the operation that the operator names. For a station that goes round a cycle and has no generation, or whose axes are
+    /// not where its chart has them. It has no generation from then on: its counts are compared again once it has been at
+    /// home with the others. Gives false, and changes nothing, where the switches contradict or leave a doubt, or anything
+    /// moves.
+    pub(crate) fn rejoin(&mut self, within: Option<OpId>) -> bool {
+        let moves = self.tokens().iter().any(|token| self.place(token).is_operating());
+        let is_lost = self.views.generation == 0 || self.position_lost().is_some();
+        if moves || !is_lost || self.program.on_order.is_some() {
+            return false;
+        }
+        let known = within.filter(|op| op.index() < self.done.len());
+        let after = match known {
+            None => self.read_off(),
+            Some(op) => Some(usize::from(self.program.step_of[op.index()])).filter(|&step| self.stands_after(step)),
+        };
+        match (after, known) {
+            (Some(step), _) if usize::from(self.program.step_of[self.program.home.index()]) == step => {
+                self.count_from_home();
+            }
+            (Some(step), _) => {
+                let places: Vec<Place> = self.ops_of_step(step).map(Place::completed).collect();
+                self.stand_at(&places);
+                self.count_as_done(step);
+                self.started.clone_from(&self.done);
+            }
+            (None, Some(op)) if self.stands_within(op) => {
+                self.stand_at(&[Place::incomplete(op)]);
+                self.causes_of_stop[op.index()] = Cause::Restart;
+                self.count_as_done(usize::from(self.program.step_of[op.index()]));
+                self.started.clone_from(&self.done);
+                self.done[op.index()] -= 1;
+            }
+            (None, _) => return false,
+        }
+        self.views.generation = 0;
+        self.path = None;
+        self.refresh_path();
+        self.pending = None;
+        (self.unconfirmed, self.placed) = (false, true);
+        self.changed = true;
+        self.dirty = true;
+        self.note(Happening::Rejoined);
+        true
+    }
+
+    /// The first cycle, as far as this step.
+    fn count_as_done(&mut self, step: usize) {
+        self.cycle = 1;
+        for (done, &at) in self.done.iter_mut().zip(&self.program.step_of) {
+            *done = i32::from(usize::from(at) <= step);
+        }
+    }
+}

@@ -1,0 +1,325 @@
+//! The second barrier: measured positions.
+//!
+//! Counts keep two stations from starting together, as long as every memory is intact. Positions remember nothing. Two things
+//! are measured here, and held in auto, hand and manual mode and on recovery paths alike:
+//!
+//! * **Clearances.** For each conflict of the description a motion starts and goes on only while the other station is measured
+//!   outside its state of the conflict: the limit switches that say so ([`Line::clearance`]) are on in the other's image, as its
+//!   report carries it. A motion outside this station's own state of the conflict may instead rely on this station's own
+//!   switches. What is not heard, not valid or too old is not measured, and blocks.
+//! * **Rests.** An axis that stands still by the chart is measured there ([`Station::rest_inputs`]). While one is not, nothing
+//!   new starts in auto and hand, and nothing that relies on the axis starts in manual: its position is lost.
+//!
+//! What this does not exclude by itself: two stations that start within the time a report takes see each other outside still.
+//! Both are stopped when the reports arrive. Against that stand the counts.
+
+use linewright_line::net::{Block, ControlMode, Kind, Place, Stage};
+use linewright_line::{InputId, Line, OpId, Span, Station, StationId};
+
+use crate::controller::Controller;
+use crate::event::Cause;
+use crate::program::{Action, Program, path_index};
+use crate::views::Standing;
+
+/// What must be measured for a motion to start and to go on, for one conflict.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub struct PositionGuard {
+    /// The conflict, as an index into the line's.
+    pub conflict: u16,
+    /// The other station, as an index into the program's peers.
+    pub peer: u16,
+    /// Its inputs that are all on while it is outside its state. 0 where no switches measure that: the counts alone
+    /// tell, so they must be of one generation.
+    pub clear: u128,
+    /// Where the motion lies to this station's own state.
+    pub own: OwnSide,
+    /// By a motion of this block of the operation this station leaves its state.
+    leaves: Option<Block>,
+}
+
+/// Where a motion lies to this station's own state of a conflict.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub enum OwnSide {
+    /// Inside.
+    Inside,
+    /// Outside, while these own inputs are all on.
+    Outside(u128),
+    /// Outside by the chart; no own switches measure it.
+    OutsideByChart,
+}
+
+/// What a station knows about one conflict at a moment.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub struct PositionsKnown {
+    /// Its own image; none where its devices do not vouch for it.
+    pub own: Option<u128>,
+    /// The chart says where its axes stand.
+    pub is_placed: bool,
+    /// The other station's image; none where it is not heard, not valid, or too old.
+    pub other: Option<u128>,
+    /// Both stations' counts may be compared.
+    pub counts: bool,
+}
+
+impl PositionGuard {
+    /// Whether the motion may start and go on.
+    pub fn holds(&self, known: PositionsKnown) -> bool {
+        let are_on = |image: Option<u128>, inputs: u128| image.is_some_and(|image| image & inputs == inputs);
+        let outside = match self.own {
+            OwnSide::Inside => false,
+            OwnSide::Outside(clear) => are_on(known.own, clear),
+            OwnSide::OutsideByChart => known.is_placed,
+        };
+        outside || if self.clear == 0 { known.counts } else { are_on(known.other, self.clear) }
+    }
+}
+
+/// The guards of a station's motions.
+#[derive(Clone, Debug, Default)]
+pub(crate) struct Interlocks {
+    guards: Vec<PositionGuard>,
+    /// For each operation, where its guards lie.
+    of_operation: Vec<(u16, u16)>,
+    /// For each recovery path, where those of all its motions lie.
+    of_path: Vec<(u16, u16)>,
+    /// Own inputs that another station's guards read: a change of one is reported at once.
+    pub read_by_others: u128,
+    /// Whether switches on both sides measure every conflict of this station.
+    pub covers: bool,
+}
+
+/// The other stations that share a conflict with this one.
+pub(crate) fn partners(line: &Line, station: StationId) -> impl Iterator<Item = StationId> + '_ {
+    line.conflicts.iter().filter_map(move |conflict| match (conflict.a.station, conflict.b.station) {
+        (a, b) if a == station => Some(b),
+        (a, b) if b == station => Some(a),
+        _ => None,
+    })
+}
+
+impl Interlocks {
+    pub fn of(line: &Line, station: StationId, peers: &[StationId], paths: &[OpId]) -> Self {
+        let described = line.station(station);
+        let mut interlocks = Interlocks { covers: true, ..Interlocks::default() };
+        let mut sides = Vec::new();
+        for (nth, conflict) in line.conflicts.iter().enumerate() {
+            let (own, other) = match (&conflict.a, &conflict.b) {
+                (a, b) if a.station == station => (a, b),
+                (a, b) if b.station == station => (b, a),
+                _ => continue,
+            };
+            let Some(peer) = peers.iter().position(|&peer| peer == other.station) else { continue };
+            let own_clear = line.clearance(own).ok();
+            interlocks.read_by_others |= own_clear.unwrap_or(0);
+            let clear = line.clearance(other).ok();
+            interlocks.covers &= clear.is_some() && own_clear.is_some();
+            sides.push(Side { conflict: nth as u16, peer: peer as u16, clear: clear.unwrap_or(0), own, own_clear });
+        }
+        for op in described.op_ids() {
+            let range = interlocks.add(sides.iter().map(|side| side.guard(described, op)));
+            interlocks.of_operation.push(range);
+        }
+        // On a recovery path axes may be anywhere on their way, so a path that begins inside a state stays inside to its end.
+        for &failed in paths {
+            let range = interlocks.add(sides.iter().filter_map(|side| side.guard_of_path(described, failed)));
+            interlocks.of_path.push(range);
+        }
+        interlocks
+    }
+
+    fn add(&mut self, guards: impl Iterator<Item = PositionGuard>) -> (u16, u16) {
+        let start = self.guards.len() as u16;
+        self.guards.extend(guards);
+        (start, self.guards.len() as u16)
+    }
+
+    fn range(&self, (start, end): (u16, u16)) -> &[PositionGuard] {
+        &self.guards[usize::from(start)..usize::from(end)]
+    }
+
+    pub fn of_operation(&self, op: OpId) -> &[PositionGuard] {
+        self.range(self.of_operation[op.index()])
+    }
+
+    /// The inputs of a peer that any guard reads.
+    pub fn read_of(&self, peer: usize) -> u128 {
+        let of_peer = self.guards.iter().filter(|guard| usize::from(guard.peer) == peer);
+        of_peer.fold(0, |bits, guard| bits | guard.clear)
+    }
+
+    pub fn of_path(&self, path: usize) -> &[PositionGuard] {
+        self.range(self.of_path[path])
+    }
+}
+
+/// One conflict as this station sees it.
+struct Side<'a> {
+    conflict: u16,
+    peer: u16,
+    clear: u128,
+    own: &'a Span,
+    own_clear: Option<u128>,
+}
+
+impl Side<'_> {
+    fn guard(&self, station: &Station, op: OpId) -> PositionGuard {
+        let inside = station.steps_of_span(self.own);
+        let step = station.step_of(op);
+        let own = match self.own_clear {
+            _ if inside.contains(&step) => OwnSide::Inside,
+            Some(clear) => OwnSide::Outside(clear),
+            None => OwnSide::OutsideByChart,
+        };
+        // In a state of one step the same motion may lead in as well as out.
+        let leaves = match (&inside[..], station.step_of(op)) {
+            (&[first, .., _], step) if step == first => Some(Block::Recovery),
+            (&[_, .., last], step) if step == last => Some(Block::Normal),
+            _ => None,
+        };
+        PositionGuard { conflict: self.conflict, peer: self.peer, clear: self.clear, own, leaves }
+    }
+
+    fn guard_of_path(&self, station: &Station, failed: OpId) -> Option<PositionGuard> {
+        let inside = station.steps_of_span(self.own).contains(&station.step_of(failed));
+        let (conflict, peer, clear) = (self.conflict, self.peer, self.clear);
+        inside.then_some(PositionGuard { conflict, peer, clear, own: OwnSide::Inside, leaves: None })
+    }
+}
+
+impl Program {
+    /// The guards of a motion, which on a recovery path is a motion of that path, and for each whether the motion leads out
+    /// of the state of this station that the guard is about.
+    pub fn guards(&self, place: Place, path: Option<OpId>) -> impl Iterator<Item = (PositionGuard, bool)> {
+        let interlocks = &self.interlocks;
+        let of_path = path.map_or(&[][..], |failed| interlocks.of_path(path_index(&self.paths, failed)));
+        let all = interlocks.of_operation(place.op).iter().chain(of_path);
+        all.map(move |guard| {
+            // A recovery path leads out of every state that it begins in, and may lead into others.
+            let leaves = match path {
+                None => guard.leaves == Some(place.block),
+                Some(_) => of_path.iter().any(|begins| begins.conflict == guard.conflict),
+            };
+            (*guard, leaves)
+        })
+    }
+
+    /// The inputs that must be on while this place is marked, but for a recovery path.
+    pub fn rest_inputs(&self, place: Place) -> u128 {
+        self.places[usize::from(self.index_of(place))].rest
+    }
+}
+
+impl Controller {
+    /// The first guard of a motion that does not hold now.
+    pub(crate) fn violated(&self, place: Place, path: Option<OpId>) -> Option<PositionGuard> {
+        self.violated_leaving(place, path).map(|(guard, _)| guard)
+    }
+
+    /// The same, and whether the motion leads out of the state.
+    fn violated_leaving(&self, place: Place, path: Option<OpId>) -> Option<(PositionGuard, bool)> {
+        if !self.rules.positions {
+            return None;
+        }
+        let allows = |(guard, leaves): &(PositionGuard, bool)| {
+            guard.holds(self.positions_known(guard)) || (*leaves && self.stands(guard))
+        };
+        self.program.guards(place, path).find(|guard| !allows(guard))
+    }
+
+    fn positions_known(&self, guard: &PositionGuard) -> PositionsKnown {
+        let peer = usize::from(guard.peer);
+        PositionsKnown {
+            own: self.devices_valid.then_some(self.inputs),
+            is_placed: self.is_placed(),
+            other: self.views.measured(peer, self.now),
+            counts: self.views.standing(peer, self.cycle, self.now) == Standing::Comparable,
+        }
+    }
+
+    /// Whether the chart says where its axes stand.
+    fn is_placed(&self) -> bool {
+        !self.unconfirmed && self.placed && self.position_lost().is_none()
+    }
+
+    /// Whether this station may leave its state although the other is in the way: in manual mode, while the other stands and
+    /// is heard to. Both are where they must not be together then; to lead one of them out is the only way back, and the
+    /// person who holds the button sees both.
+    fn stands(&self, guard: &PositionGuard) -> bool {
+        let peer = usize::from(guard.peer);
+        self.commands.mode() == ControlMode::Manual && self.views.stands(peer, self.now)
+    }
+
+    /// Why a guard does not hold.
+    pub(crate) fn interlock(&self, guard: &PositionGuard) -> Cause {
+        let view = &self.views.peers[usize::from(guard.peer)];
+        let station = view.station;
+        let measured = self.now < view.measured_until;
+        let off = guard.clear & !view.measured;
+        let input = (measured && off != 0).then(|| InputId(off.trailing_zeros() as u16));
+        Cause::Interlock { station, input }
+    }
+
+    /// An axis that stands still by the chart and is not measured there: the operation at whose place, and the switch.
+    pub fn position_lost(&self) -> Option<(OpId, InputId)> {
+        if !self.rules.positions || !self.devices_valid || self.path.is_some() || self.unconfirmed {
+            return None;
+        }
+        // A station that is not at home claims nothing of its axes until it is led there.
+        let claims = |place: Place| !place.is_incomplete() || self.causes_of_stop[place.op.index()] != Cause::NotAtHome;
+        let tokens = self.tokens().iter().filter(|token| claims(self.place(token)));
+        tokens.map(|token| token.place).find_map(|place| self.rest_missing(place))
+    }
+
+    fn rest_missing(&self, place: u16) -> Option<(OpId, InputId)> {
+        let table = &self.program.places[usize::from(place)];
+        let off = table.rest & !self.inputs;
+        (off != 0).then(|| (table.place.op, InputId(off.trailing_zeros() as u16)))
+    }
+
+    /// Why the motions that a transition starts may not start; none where they may, or where it starts none.
+    pub(crate) fn unsafe_start(&self, action: &Action, mode: ControlMode) -> Option<Cause> {
+        if !self.rules.positions {
+            return None;
+        }
+        let path = match action.kind {
+            Kind::EnterPath(failed) => Some(failed),
+            _ => self.path,
+        };
+        for &to in &action.to {
+            let place = self.program.places[usize::from(to)].place;
+            if place.stage != Stage::Operating {
+                continue;
+            }
+            if let Some(guard) = self.violated(place, path) {
+                return Some(self.interlock(&guard));
+            }
+            if path.is_none()
+                && let Some((op, input)) = self.rest_missing(to)
+            {
+                return Some(Cause::PositionLost { op, input });
+            }
+        }
+        let alone = matches!(mode, ControlMode::Auto | ControlMode::Hand);
+        let lost = self.position_lost().filter(|_| alone);
+        lost.map(|(op, input)| Cause::PositionLost { op, input })
+    }
+
+    /// Why a motion under way may not go on.
+    pub(crate) fn unsafe_motion(&self, index: usize) -> Option<Cause> {
+        let token = &self.tokens[index];
+        // What is measured not to be clear stops the motion. What is not measured any more keeps the next one from starting: the
+        // mode decision has the line finish what runs, and a cut that is broken off for a lost message would spoil the part.
+        // A motion that leads out, in manual mode, may have started only because the other station stood: it stops as soon as
+        // that is not known.
+        if let Some((guard, leaves)) = self.violated_leaving(self.place(token), self.path) {
+            let cause = self.interlock(&guard);
+            let is_measured = matches!(cause, Cause::Interlock { input: Some(_), .. });
+            if is_measured || (leaves && self.commands.mode() == ControlMode::Manual) {
+                return Some(cause);
+            }
+        }
+        let checked = self.rules.positions && self.devices_valid && self.path.is_none();
+        let lost = if checked { self.rest_missing(token.place) } else { None };
+        lost.map(|(op, input)| Cause::PositionLost { op, input })
+    }
+}

@@ -1,0 +1,35 @@
+//! What a station says of its orders.
+
+use crate::controller::Controller;
+use crate::order::{OrderReport, Reply, SlotReport};
+
+use super::Phase;
+
+impl Controller {
+    /// What it says of its orders, over what is in `report`.
+    pub(crate) fn report_orders(&self, report: &mut Option<OrderReport>) {
+        let Some(orders) = &self.orders else {
+            *report = None;
+            return;
+        };
+        let report = report.get_or_insert_with(OrderReport::default);
+        report.memory = orders.memory;
+        report.epoch = orders.epoch;
+        report.slot = orders.slot.map(|slot| SlotReport {
+            key: slot.key,
+            task: slot.task,
+            is_securing: slot.phase != Phase::Running,
+        });
+        report.results.clear();
+        report.results.extend(orders.results.iter().filter_map(|(key, reply)| match reply {
+            Reply::Ended(outcome) => Some((*key, *outcome)),
+            Reply::Running | Reply::Refused(_) => None,
+        }));
+        report.refused.clear();
+        report.refused.extend(orders.results.iter().filter_map(|(key, reply)| match reply {
+            Reply::Refused(refusal) => Some((*key, *refusal)),
+            Reply::Running | Reply::Ended(_) => None,
+        }));
+        report.rest = self.rest();
+    }
+}

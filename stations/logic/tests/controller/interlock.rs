@@ -1,0 +1,290 @@
+//! The second barrier at one clamp of the shipped line, between a bar and a mill that report what they are made to report.
+
+use std::time::Duration;
+
+use linewright_line::net::{ControlMode, Place};
+use linewright_line::{Arrow, Line, OpId, OutputId, StationId, Tick};
+use linewright_station_logic::{
+    CompileError, Controller, Founding, Input, ModeOrder, NO_DELAY, Outbox, PanelCommand, Program, Report, Restore,
+};
+
+use crate::build::transfer_line;
+
+const BAR: StationId = StationId(0);
+const CLAMP: StationId = StationId(1);
+const MILL: StationId = StationId(2);
+const GENERATION: u64 = 5;
+
+struct Bench {
+    line: Line,
+    clamp: Controller,
+    now: Tick,
+    order: ModeOrder,
+    outputs: u128,
+    bar: Report,
+    mill: Report,
+    image: u128,
+}
+
+impl Bench {
+    /// The clamp at home and open, with `generation` in common with the others, which stand clear of it.
+    fn new(line: Line, generation: u64) -> Self {
+        Bench::standing(line, generation, &["LS_open"])
+    }
+
+    fn standing(line: Line, generation: u64, on: &[&str]) -> Self {
+        let mut bench = Bench {
+            clamp: Controller::new(&line, CLAMP, 1, Restore::Fresh).expect("it compiles"),
+            now: Tick::from_millis(1000),
+            order: ModeOrder {
+                manual_all: true,
+                found: (generation != 0).then_some(Founding { generation, boot_id: 1 }),
+                ..ModeOrder::of(9, 1, ControlMode::StandBy, Duration::from_secs(1))
+            },
+            outputs: 0,
+            bar: report(&line, BAR, &["LS_vertical_0", "LS_horizontal_0"], GENERATION),
+            mill: report(&line, MILL, &["LS_positioning_0", "LS_main_0"], GENERATION),
+            image: inputs(&line, CLAMP, on),
+            line,
+        };
+        bench.play();
+        bench
+    }
+
+    /// Everything is sent once more.
+    fn play(&mut self) {
+        self.now = self.now + Duration::from_millis(20);
+        let mut out = Outbox::default();
+        let image = Input::Inputs { bits: self.image, valid: true, until: Tick::NEVER, under: NO_DELAY };
+        self.clamp.handle(self.now, image);
+        self.clamp.handle(self.now, Input::Order(self.order));
+        self.clamp.handle(self.now, Input::View(BAR, &self.bar));
+        self.clamp.handle(self.now, Input::View(MILL, &self.mill));
+        self.clamp.step(self.now, &mut out);
+        self.outputs = out.outputs;
+    }
+
+    fn mode(&mut self, mode: ControlMode) {
+        (self.order.mode, self.order.epoch) = (mode, self.order.epoch + 1);
+        self.play();
+    }
+
+    fn press(&mut self, command: fn(bool) -> PanelCommand) {
+        self.clamp.handle(self.now, Input::Panel(command(false)));
+        self.play();
+        self.clamp.handle(self.now, Input::Panel(command(true)));
+        self.play();
+    }
+
+    fn release(&mut self) {
+        for command in [PanelCommand::Advance(false), PanelCommand::Retract(false)] {
+            self.clamp.handle(self.now, Input::Panel(command));
+        }
+        self.play();
+    }
+
+    fn drives(&self, output: OutputId) -> bool {
+        self.outputs & (1 << output.0) != 0
+    }
+
+    fn closing(&self) -> OutputId {
+        let op = self.op("advance clamp");
+        self.line.operation((CLAMP, op)).normal.actuator
+    }
+
+    fn opening(&self) -> OutputId {
+        let op = self.op("return clamp");
+        self.line.operation((CLAMP, op)).normal.actuator
+    }
+
+    fn op(&self, name: &str) -> OpId {
+        self.line.station(CLAMP).operation_named(name).expect("the clamp has it")
+    }
+
+    fn blocked(&self) -> String {
+        self.clamp.blocked_by(&self.line, self.now).join("; ")
+    }
+
+    fn set(&mut self, on: &[&str]) {
+        self.image = inputs(&self.line, CLAMP, on);
+        self.play();
+    }
+
+    fn bar_has(&mut self, on: &[&str], stopped: bool) {
+        self.bar.measured = inputs(&self.line, BAR, on);
+        self.bar.stopped = stopped;
+        self.play();
+    }
+}
+
+fn inputs(line: &Line, station: StationId, on: &[&str]) -> u128 {
+    let names = &line.station(station).inputs;
+    let bit = |name: &&str| 1u128 << names.iter().position(|known| known == name).expect("it has this input");
+    on.iter().map(bit).fold(0, |bits, bit| bits | bit)
+}
+
+/// A station that stands, its devices in order, having done everything in its second cycle.
+fn report(line: &Line, station: StationId, on: &[&str], generation: u64) -> Report {
+    let done = vec![2; line.station(station).operations.len()];
+    Report {
+        boot_id: 1,
+        generation,
+        cycle: 2,
+        started: done.clone(),
+        done,
+        stopped: true,
+        devices_valid: true,
+        measured: inputs(line, station, on),
+        ..Report::default()
+    }
+}
+
+/// Half-way to closed, and the bar has come off its switch: neither is clear of the other.
+fn both_inside() -> Bench {
+    let mut bench = Bench::new(transfer_line(), GENERATION);
+    bench.mode(ControlMode::Manual);
+    bench.press(PanelCommand::Advance);
+    assert!(bench.drives(bench.closing()), "{}", bench.blocked());
+    bench.set(&[]);
+    bench.bar_has(&["LS_horizontal_0"], false);
+    assert_eq!(bench.outputs & !lamp(&bench), 0, "it stops for what is measured in its way");
+    bench.release();
+    bench
+}
+
+fn lamp(bench: &Bench) -> u128 {
+    let operation = bench.line.operation((CLAMP, bench.op("advance clamp")));
+    operation.normal.lamp.map_or(0, |lamp| 1 << lamp.0)
+}
+
+#[test]
+fn of_two_inside_the_one_that_leaves_moves_while_the_other_stands() {
+    let mut bench = both_inside();
+    let back = bench.opening();
+    bench.press(PanelCommand::Retract);
+    assert!(!bench.drives(back), "the bar moves");
+    bench.release();
+    bench.bar_has(&["LS_horizontal_0"], true);
+    // On towards closed is no way out.
+    bench.press(PanelCommand::Advance);
+    assert!(!bench.drives(bench.closing()), "further in");
+    assert!(bench.blocked().contains("transfer"), "{}", bench.blocked());
+    bench.release();
+    bench.press(PanelCommand::Retract);
+    assert!(bench.drives(back), "{}", bench.blocked());
+    bench.bar_has(&["LS_horizontal_0"], false);
+    assert!(!bench.drives(back), "the bar moves again");
+}
+
+#[test]
+fn a_conflict_that_no_switch_measures_blocks_what_a_lost_memory_may_run_into() {
+    let mut line = transfer_line();
+    let op = |name| line.station(BAR).operation_named(name).expect("the bar has it");
+    // Outside this stretch the bar lifts and lowers too: no switch tells it from the inside.
+    let (from, until) = (op("2nd lift"), op("3rd lower"));
+    (line.conflicts[0].a.from, line.conflicts[0].a.until) = (from, until);
+    assert!(line.clearance(&line.conflicts[0].a).is_err() && line.conflicts[0].a.station == BAR);
+    // Away from home and without a memory; its home motion is the one that opens it.
+    let mut bench = Bench::standing(line.clone(), 0, &["LS_closed"]);
+    bench.mode(ControlMode::Manual);
+    bench.bar_has(&[], false);
+    bench.press(PanelCommand::Advance);
+    assert!(!bench.drives(bench.opening()), "the bar moves, and where is not known");
+    bench.release();
+    bench.bar_has(&[], true);
+    bench.press(PanelCommand::Advance);
+    assert!(bench.drives(bench.opening()), "out of it, while the bar stands: {}", bench.blocked());
+    bench.bar_has(&[], false);
+    assert!(!bench.drives(bench.opening()), "the bar moves, and no switch says where");
+    // At home without a memory: nothing stands in for the counts, not even of the mill, whose conflict is measured.
+    let mut bench = Bench::new(line, 0);
+    bench.mode(ControlMode::Manual);
+    bench.press(PanelCommand::Advance);
+    assert!(!bench.drives(bench.closing()), "into it");
+    assert!(bench.blocked().contains("a common start"), "{}", bench.blocked());
+}
+
+#[test]
+fn a_hand_mode_motion_that_was_let_go_is_not_taken_up_while_the_other_is_unknown() {
+    let mut bench = Bench::new(transfer_line(), GENERATION);
+    // The bar has lowered the part of the first cycle.
+    (bench.bar.cycle, bench.bar.done) = (1, vec![1; 10]);
+    bench.mode(ControlMode::Hand);
+    let button = bench.line.operation((CLAMP, bench.op("advance clamp"))).hand.forward();
+    let hold = |bench: &mut Bench, held: bool| {
+        bench.order.buttons = if held { 1 << button.0 } else { 0 };
+        bench.play();
+    };
+    hold(&mut bench, true);
+    assert!(bench.drives(bench.closing()), "{}", bench.blocked());
+    hold(&mut bench, false);
+    assert!(!bench.drives(bench.closing()));
+    bench.bar.devices_valid = false;
+    bench.play();
+    hold(&mut bench, true);
+    assert!(!bench.drives(bench.closing()), "the bar is measured nowhere");
+    assert!(bench.blocked().contains("the position of transfer is not known"), "{}", bench.blocked());
+    bench.bar.devices_valid = true;
+    bench.play();
+    assert!(bench.drives(bench.closing()), "{}", bench.blocked());
+}
+
+#[test]
+fn a_station_whose_axis_has_left_its_switch_is_rejoined_where_it_is() {
+    let mut bench = Bench::new(transfer_line(), GENERATION);
+    let home = bench.op("return clamp");
+    assert!(!bench.clamp.handle(bench.now, Input::Rejoin(Some(home))), "nothing is lost");
+    bench.set(&[]);
+    assert!(bench.clamp.position_lost().is_some());
+    assert!(bench.blocked().contains("rejoin"), "{}", bench.blocked());
+    assert!(bench.clamp.handle(bench.now, Input::Rejoin(Some(home))));
+    bench.play();
+    assert_eq!(bench.clamp.marking().collect::<Vec<_>>(), [Place::incomplete(home)]);
+    assert_eq!((bench.clamp.generation(), bench.clamp.position_lost()), (0, None));
+    bench.mode(ControlMode::Manual);
+    bench.press(PanelCommand::Advance);
+    assert!(bench.drives(bench.opening()), "{}", bench.blocked());
+    bench.set(&["LS_open"]);
+    assert!(bench.clamp.is_at_home());
+}
+
+#[test]
+fn more_peers_than_a_set_has_room_for_do_not_compile() {
+    let mut line = transfer_line();
+    let other = line.stations[1].clone();
+    for nth in 0..65 {
+        let mut station = other.clone();
+        station.name = format!("clamp_{}", 10 + nth);
+        let from = (StationId::at(line.stations.len()), OpId(0));
+        line.stations.push(station);
+        line.arrows.push(Arrow { from, to: (BAR, OpId(0)), lag: 0, auto: true, manual: true });
+    }
+    let refused = Program::compile(&line, BAR).expect_err("too many");
+    assert!(matches!(refused, CompileError::TooManyPeers { has: 66, .. }), "{refused}");
+}
+
+#[test]
+fn a_restart_does_not_make_known_where_a_station_stands() {
+    let mut line = transfer_line();
+    let advance = line.station(CLAMP).operation_named("advance clamp").expect("the clamp has it");
+    // Outside this state the clamp moves, so none of its switches measures it; the bar's do.
+    (line.conflicts[0].b.from, line.conflicts[0].b.until) = (advance, advance);
+    assert!(line.clearance(&line.conflicts[0].b).is_err() && line.clearance(&line.conflicts[0].a).is_ok());
+    let mut bench = Bench::standing(line, 0, &[]);
+    let opens = |bench: &mut Bench| {
+        bench.mode(ControlMode::Manual);
+        bench.bar_has(&[], true);
+        bench.press(PanelCommand::Advance);
+        let opens = bench.drives(bench.opening());
+        bench.release();
+        opens
+    };
+    assert!(!opens(&mut bench), "it may stand anywhere, and the bar is in the way");
+    let snapshot = bench.clamp.snapshot();
+    bench.clamp = Controller::new(&bench.line, CLAMP, 2, Restore::From(snapshot)).expect("its own");
+    bench.order.boot_id = 10;
+    assert!(!opens(&mut bench), "no more is known than before");
+    bench.bar_has(&["LS_vertical_0"], true);
+    bench.press(PanelCommand::Advance);
+    assert!(bench.drives(bench.opening()), "{}", bench.blocked());
+}

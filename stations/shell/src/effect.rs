@@ -1,0 +1,100 @@
+//! What arrives at a station, and what follows from it.
+
+use linewright_line::{OpId, StationId};
+use linewright_station_logic::{Event, ModeOrder, OrderKey, PanelCommand, Reply, Report, TaskCommand};
+
+/// A station's input image as the gateway sends it.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
+pub struct InputsMessage {
+    /// Which life of the gateway.
+    pub boot_id: u64,
+    /// Its number in that life.
+    pub sequence: u64,
+    /// Bit `i` is input `i` of the description.
+    pub bits: u128,
+    /// The gateway vouches for the bits.
+    pub valid: bool,
+    /// Changes when the devices are lost, and with the gateway's life.
+    pub lives: u64,
+    /// The output image that was in force: life of the station that sent it, and its number.
+    pub under: (u64, u64),
+}
+
+/// Something that has arrived.
+#[derive(Clone, Copy, Debug)]
+pub enum StationArrival<'a> {
+    /// A coordinator's order.
+    Order {
+        /// Its number in that coordinator's life.
+        sequence: u64,
+        /// The order.
+        order: ModeOrder,
+    },
+    /// Another station's state.
+    State {
+        /// Whose.
+        station: StationId,
+        /// Its number in that station's life.
+        sequence: u64,
+        /// The state.
+        report: &'a Report,
+    },
+    /// The input image, through the gateway.
+    Inputs(InputsMessage),
+    /// The input image of the station's own bus.
+    Devices {
+        /// Bit `i` is input `i` of the description.
+        bits: u128,
+        /// The bus's manager vouches for the bits.
+        valid: bool,
+        /// How often devices have been lost.
+        losses: u64,
+    },
+    /// The panel, by message.
+    Panel(PanelCommand),
+    /// An operator's confirmation that the station stands where its switches say, or was stopped in this operation.
+    Rejoin(Option<OpId>),
+    /// An order for a task, or about one.
+    Task(TaskCommand<'a>),
+}
+
+/// An output image.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub struct Driven {
+    /// Its number as a message, in this life of the station.
+    pub sequence: u64,
+    /// Bit `i` is output `i` of the description.
+    pub bits: u128,
+    /// Grows with every change of the outputs, and with every motion that begins.
+    pub number: u64,
+    /// [`InputsMessage::lives`] of the image it was decided on.
+    pub lives: u64,
+    /// The newest mode epoch that was heard when it was decided.
+    pub mode_epoch: u64,
+}
+
+/// What is to be done. Effects are performed in the order in which they are given; if one fails, those after it are not
+/// performed.
+#[derive(Clone, Debug, PartialEq)]
+pub enum StationEffect {
+    /// Write down [`crate::StationShell::snapshot`].
+    Remember,
+    /// Put out this image, on the own bus or by way of the gateway.
+    Drive(Driven),
+    /// Send the controller's report to everybody, as message number `sequence`.
+    Tell {
+        /// Its number in this life of the station.
+        sequence: u64,
+    },
+    /// Answer an order for a task.
+    Reply(OrderKey, Reply),
+    /// Tell what has happened.
+    Happened(Event),
+    /// Log what was ignored and why: the 1st, 2nd, 4th, 8th … time.
+    Ignored {
+        /// How much has been ignored so far.
+        count: u64,
+        /// Why the last of it was.
+        why: String,
+    },
+}

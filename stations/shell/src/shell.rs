@@ -1,0 +1,346 @@
+//! The station's shell: arrivals in, effects out.
+//!
+//! Order of effects: record, outputs, state, answers, events. So nobody knows more of a station than it would remember
+//! after being killed. What switches outputs off goes first, because a slow disk must not delay it. That is safe: a record
+//! that still shows an operation as running restores it as stopped. After a record that took longer than a period nothing
+//! is switched on by what was decided before it: the station decides again.
+
+use std::fmt::Display;
+use std::time::Duration;
+
+use linewright_line::net::ControlMode;
+use linewright_line::{Line, StationId, Tick};
+use linewright_station_logic::{
+    CompileError, Contest, Controller, Input, ModeOrder, NO_DELAY, Outbox, PanelCommand, Restore, Rules, Snapshot,
+};
+
+use crate::effect::{Driven, InputsMessage, StationArrival, StationEffect};
+use crate::newest::NewestBySequence;
+use crate::rivals::Rivals;
+
+/// No line changes its mode so often while one reader does not hear of it: an order whose epoch is further ahead of those
+/// that were followed is no coordinator's.
+pub const EPOCH_JUMP_MAX: u64 = 1 << 20;
+
+/// A station between its messages.
+#[derive(Debug)]
+pub struct StationShell {
+    controller: Controller,
+    boot_id: u64,
+    outbox: Outbox,
+    /// A step that was not the last one before [`StationShell::act`] has changed the state.
+    is_changed: bool,
+    orders: NewestBySequence,
+    /// Coordinators that give orders beside the one that is followed.
+    rivals: Rivals,
+    contest: Option<Contest>,
+    images: NewestBySequence,
+    states: Vec<NewestBySequence>,
+    /// [`InputsMessage::lives`] of the image the controller saw last.
+    lives: u64,
+    /// The input image the controller saw last.
+    inputs: u128,
+    /// Number and lives of the output image that was given last.
+    driven: Option<(u64, u64)>,
+    /// That image's bits, and its number.
+    image: (u128, u64),
+    /// The same of the one before, if a record comes first that may be late.
+    before: Option<(u128, u64)>,
+    /// When it was decided last.
+    acted: Tick,
+    state_sequence: u64,
+    image_sequence: u64,
+    refresh: Duration,
+    refresh_due: Tick,
+    stale: Duration,
+    /// The longest lease that the description knows.
+    lease: Duration,
+    /// It asked to be called by then.
+    expected: Tick,
+    /// What arrives before may have waited while the process stood still: its age is unknown.
+    doubts_until: Tick,
+    ignored: u64,
+}
+
+impl StationShell {
+    /// The shell of `station` in its life `boot_id` (unique per start).
+    ///
+    /// # Errors
+    /// When the station does not compile, or the snapshot is not one of this station's.
+    pub fn new(line: &Line, station: StationId, boot_id: u64, restore: Restore) -> Result<Self, CompileError> {
+        let stale = line.timing.stale;
+        Ok(StationShell {
+            controller: Controller::new(line, station, boot_id, restore)?,
+            boot_id,
+            outbox: Outbox::default(),
+            is_changed: false,
+            orders: NewestBySequence::new(stale),
+            rivals: Rivals::new(line.timing.refresh, stale),
+            contest: None,
+            images: NewestBySequence::new(stale),
+            states: vec![NewestBySequence::new(stale); line.stations.len()],
+            lives: 0,
+            inputs: 0,
+            driven: None,
+            image: (0, 0),
+            before: None,
+            acted: Tick::ZERO,
+            state_sequence: 0,
+            image_sequence: 0,
+            refresh: line.timing.refresh,
+            refresh_due: Tick::ZERO,
+            stale,
+            lease: line.timing.lease,
+            expected: Tick::NEVER,
+            doubts_until: Tick::ZERO,
+            ignored: 0,
+        })
+    }
+
+    /// The same without repetitions, for a simulation whose links repeat by themselves what was sent last.
+    #[must_use]
+    pub fn without_refresh(mut self) -> Self {
+        self.refresh_due = Tick::NEVER;
+        self
+    }
+
+    /// The same with some rules of the controller switched off.
+    #[must_use]
+    pub fn with_rules(mut self, rules: Rules) -> Self {
+        self.controller = self.controller.with_rules(rules);
+        self
+    }
+
+    /// The controller, to look at.
+    pub fn controller(&self) -> &Controller {
+        &self.controller
+    }
+
+    /// Which life of the station this is.
+    pub fn boot_id(&self) -> u64 {
+        self.boot_id
+    }
+
+    /// What to write down when [`StationEffect::Remember`] asks for it.
+    pub fn snapshot(&self) -> Snapshot {
+        self.controller.snapshot()
+    }
+
+    /// The input image the controller saw last.
+    pub fn inputs(&self) -> u128 {
+        self.inputs
+    }
+
+    /// Takes what has arrived. Follow with [`StationShell::act`], once everything that waits has been taken.
+    pub fn handle(&mut self, now: Tick, arrival: StationArrival<'_>, effects: &mut Vec<StationEffect>) {
+        self.notice_gap(now);
+        let is_doubtful = now < self.doubts_until;
+        let taken = match arrival {
+            StationArrival::Order { sequence, order } => self.order(now, sequence, order, is_doubtful),
+            StationArrival::State { station, sequence, report } => {
+                let Some(states) = self.states.get_mut(station.index()) else {
+                    self.ignore("it is of a station that is not described", effects);
+                    return;
+                };
+                !states.offer(now, report.boot_id, sequence)
+                    || is_doubtful
+                    || self.controller.handle(now, Input::View(station, report))
+            }
+            StationArrival::Inputs(message) => {
+                if self.images.offer(now, message.boot_id, message.sequence) && !is_doubtful {
+                    self.inputs_by_message(now, message);
+                }
+                true
+            }
+            StationArrival::Devices { bits, valid, losses } => {
+                self.image(now, (bits, valid), losses, Tick::NEVER, NO_DELAY);
+                true
+            }
+            // A button that was held before the gap may have been released in it.
+            StationArrival::Panel(PanelCommand::Advance(true) | PanelCommand::Retract(true)) if is_doubtful => true,
+            StationArrival::Panel(command) => self.controller.handle(now, Input::Panel(command)),
+            StationArrival::Rejoin(within) => !is_doubtful && self.controller.handle(now, Input::Rejoin(within)),
+            StationArrival::Task(command) => self.controller.handle(now, Input::Task(command)),
+        };
+        if !taken {
+            self.ignore("it does not apply here", effects);
+        }
+    }
+
+    /// Counts something that is ignored: a sender of rubbish must not fill a disk.
+    pub fn ignore(&mut self, why: impl Display, effects: &mut Vec<StationEffect>) {
+        self.ignored += 1;
+        if self.ignored.is_power_of_two() {
+            effects.push(StationEffect::Ignored { count: self.ignored, why: why.to_string() });
+        }
+    }
+
+    /// Takes an order. The emergency stop is obeyed whichever coordinator gives it, in whichever of its lives, sequences
+    /// and epochs: a stop too many costs a reset.
+    fn order(&mut self, now: Tick, sequence: u64, order: ModeOrder, is_doubtful: bool) -> bool {
+        let is_taken = self.take_order(now, sequence, order, is_doubtful);
+        self.look_for_rivals(now, sequence, &order, is_doubtful);
+        is_taken
+    }
+
+    /// Orders of two coordinators in turn are no order: nothing starts while both are heard. An emergency stop counts as
+    /// none here; it is obeyed from either.
+    fn look_for_rivals(&mut self, now: Tick, sequence: u64, order: &ModeOrder, is_doubtful: bool) {
+        let Some((followed, _)) = self.orders.current() else { return };
+        if order.boot_id == followed {
+            self.rivals.forget(followed);
+        } else if order.mode != ControlMode::EStop && !is_doubtful {
+            self.rivals.hear(now, (order.boot_id, sequence), self.orders.heard());
+        }
+        let rival = self.rivals.there(now);
+        let contest = rival.map(|rival| Contest { lives: (followed, rival.life), until: rival.until });
+        if contest != self.contest {
+            self.contest = contest;
+            self.controller.handle(now, Input::Contest(contest));
+        }
+    }
+
+    fn take_order(&mut self, now: Tick, sequence: u64, order: ModeOrder, is_doubtful: bool) -> bool {
+        // A station that has followed nobody yet has nothing to compare with. It follows whatever epoch the line has come to,
+        // so that a line comes back from an epoch that was forged when its stations are restarted.
+        let followed = self.controller.mode_epoch();
+        let jumps = followed != 0 && order.epoch > followed.saturating_add(EPOCH_JUMP_MAX);
+        if jumps || order.lease > self.lease {
+            // Followed, it would shut out every coordinator that counts as it should, or outlive its sender.
+            if order.mode == ControlMode::EStop {
+                self.controller.handle(now, Input::EmergencyStop(order.boot_id));
+            }
+            return false;
+        }
+        let is_newest = self.orders.offer(now, order.boot_id, sequence);
+        let is_stop = order.mode == ControlMode::EStop;
+        match (is_newest && !is_doubtful, is_stop) {
+            (true, _) => self.controller.handle(now, Input::Order(order)),
+            (false, true) => self.controller.handle(now, Input::EmergencyStop(order.boot_id)),
+            (false, false) => true,
+        }
+    }
+
+    fn inputs_by_message(&mut self, now: Tick, message: InputsMessage) {
+        // The number of an output image of an earlier life means nothing to this one.
+        let (life, number) = message.under;
+        let under = if life == self.boot_id { number } else { 0 };
+        self.image(now, (message.bits, message.valid), message.lives, now + self.stale, under);
+    }
+
+    fn image(&mut self, now: Tick, (bits, valid): (u128, bool), lives: u64, until: Tick, under: u64) {
+        if self.lives != lives {
+            // A loss shorter than the scan: the devices have started over, so the controller must see it.
+            self.lives = lives;
+            self.controller.handle(now, Input::Inputs { bits: 0, valid: false, until: Tick::NEVER, under });
+            self.step_between(now);
+        }
+        self.inputs = bits;
+        self.controller.handle(now, Input::Inputs { bits, valid, until, under });
+    }
+
+    /// A step whose results are given with those of the next [`StationShell::act`].
+    fn step_between(&mut self, now: Tick) {
+        self.controller.step(now, &mut self.outbox);
+        self.is_changed |= std::mem::take(&mut self.outbox.changed);
+    }
+
+    /// The process was stopped, or the machine stood still: what was heard before is too old. Views and images are so by
+    /// their age; the controller has to see that before anything newer hides it. The lease is longer than that, and ends.
+    fn notice_gap(&mut self, now: Tick) {
+        if self.expected == Tick::NEVER || now <= self.expected + self.stale {
+            return;
+        }
+        self.expected = Tick::NEVER;
+        self.doubts_until = now + self.refresh;
+        self.controller.handle(now, Input::Gap);
+        self.step_between(now);
+    }
+
+    /// Plays the controller one step further and gives what follows.
+    pub fn act(&mut self, now: Tick, effects: &mut Vec<StationEffect>) {
+        self.notice_gap(now);
+        self.controller.step(now, &mut self.outbox);
+        let changed = std::mem::take(&mut self.outbox.changed) | std::mem::take(&mut self.is_changed);
+        let due = now >= self.refresh_due;
+        if due {
+            self.refresh_due = now + self.refresh;
+        }
+        let news = (self.outbox.number, self.lives);
+        let drives = due || self.driven != Some(news);
+        // No motion is driven in the emergency stop; what may be on is a lamp.
+        let switches_on = self.outbox.outputs & !self.image.0 != 0 && self.controller.mode() != ControlMode::EStop;
+        if drives && !(changed && switches_on) {
+            self.drive(news, effects);
+        }
+        if changed {
+            if switches_on {
+                self.switch_off(effects);
+            }
+            effects.push(StationEffect::Remember);
+        }
+        self.before = (drives && changed && switches_on).then_some(self.image);
+        if self.before.is_some() {
+            self.drive(news, effects);
+        }
+        self.acted = now;
+        if changed || due {
+            self.state_sequence += 1;
+            effects.push(StationEffect::Tell { sequence: self.state_sequence });
+        }
+        effects.extend(self.outbox.replies.drain(..).map(|(key, reply)| StationEffect::Reply(key, reply)));
+        effects.extend(self.outbox.events.drain(..).map(StationEffect::Happened));
+        self.expected = self.next_deadline().max(now);
+    }
+
+    fn drive(&mut self, (number, lives): (u64, u64), effects: &mut Vec<StationEffect>) {
+        self.driven = Some((number, lives));
+        self.put((self.outbox.outputs, number), effects);
+    }
+
+    fn put(&mut self, image: (u128, u64), effects: &mut Vec<StationEffect>) {
+        self.image = image;
+        self.image_sequence += 1;
+        let ((bits, number), sequence, lives) = (image, self.image_sequence, self.lives);
+        let mode_epoch = self.controller.mode_epoch();
+        effects.push(StationEffect::Drive(Driven { sequence, bits, number, lives, mode_epoch }));
+    }
+
+    /// Of what was driven before only what stays on, under the number it had: the motion that begins is not driven yet.
+    fn switch_off(&mut self, effects: &mut Vec<StationEffect>) {
+        let (bits, number) = self.image;
+        let staying = bits & self.outbox.outputs;
+        if staying != bits {
+            self.put((staying, number), effects);
+        }
+    }
+
+    /// The record that [`StationEffect::Remember`] asked for is written. False if that took longer than a period: outputs
+    /// that follow in the same effects are not put out, as they were decided on what is old now. All else that follows is
+    /// performed, and [`StationShell::act`] is due at once.
+    pub fn remembered(&mut self, now: Tick) -> bool {
+        let is_late = now > self.acted + self.refresh;
+        if is_late {
+            // What it would switch on is not: the image before is the last one that was given.
+            if let Some(before) = self.before.take() {
+                (self.image, self.driven) = (before, None);
+            }
+            self.refresh_due = self.refresh_due.min(now);
+        }
+        !is_late
+    }
+
+    /// The image to end with, whatever the reason: everything off.
+    pub fn off(&mut self) -> Driven {
+        self.image_sequence += 1;
+        // A number that no image of this life had: inputs taken under it are taken under none of them.
+        let number = self.outbox.number.saturating_add(1);
+        let mode_epoch = self.controller.mode_epoch();
+        Driven { sequence: self.image_sequence, bits: 0, number, lives: self.lives, mode_epoch }
+    }
+
+    /// When to act again if nothing arrives before.
+    pub fn next_deadline(&self) -> Tick {
+        self.controller.next_deadline().unwrap_or(Tick::NEVER).min(self.refresh_due)
+    }
+}

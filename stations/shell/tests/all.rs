@@ -1,0 +1,7 @@
+//! All tests of this crate in one program.
+
+mod contest;
+mod estop;
+mod gap;
+mod order_of_effects;
+mod rig;

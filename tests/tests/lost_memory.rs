@@ -1,0 +1,140 @@
+//! A station comes back without its memory, at any moment of a cycle and in any mode, and so do counts and positions.
+//!
+//! ```text
+//!   clamp_1     ──── ✝ ···(down)··· restart without its journal ──▶ moves only where it is measured to be safe
+//!   the others  ──── trouble: no memory of common counts ──▶ stand-by ──▶ manual, all home ──▶ auto
+//! ```
+//!
+//! That no mechanism meets another is what the observer of every simulation here looks at, by positions alone.
+
+use std::time::Duration;
+
+use linewright_coordinator_logic::Command;
+use linewright_line::StationId;
+use linewright_line::net::{ControlMode, Place};
+use linewright_tests::{Sim, transfer_line};
+
+const STATIONS: [&str; 3] = ["transfer", "clamp_1", "mill_1"];
+
+/// The station is killed and comes back without its journal; gives the place it stood in.
+fn lose_memory(sim: &mut Sim, station: StationId) -> Place {
+    let place = sim.marking(station)[0];
+    sim.kill_station(station);
+    sim.run_for(Duration::from_secs(2));
+    sim.restart_station_without_memory(station);
+    sim.run_until("everything is heard", Sim::all_heard);
+    sim.run_for(Duration::from_millis(300));
+    place
+}
+
+/// People press everything that can be pressed, in every mode that can be had.
+fn press_everything(sim: &mut Sim) {
+    let all_home = sim.all_home();
+    for command in [Command::Start, Command::Auto] {
+        let _ = sim.ask(command);
+        sim.run_for(Duration::from_millis(500));
+    }
+    if sim.mode() == Some(ControlMode::Auto) {
+        // With all of them at home, measured there, auto is the common start.
+        assert!(all_home, "{}", sim.log().tail(sim.line(), 30));
+        return;
+    }
+    let _ = sim.ask(Command::Hand);
+    for button in 0..sim.line().buttons.len() {
+        sim.hold_buttons(1 << button);
+        sim.run_for(Duration::from_millis(400));
+        sim.release_buttons();
+        sim.run_for(Duration::from_millis(100));
+    }
+    let _ = sim.ask(Command::Stop);
+    if sim.mode() == Some(ControlMode::Home) {
+        sim.order(Command::Start);
+    }
+    sim.settle();
+    sim.go_manual();
+    for station in STATIONS {
+        for advance in [true, false, true] {
+            sim.jog(station, advance);
+        }
+    }
+}
+
+/// The documented way back: confirm where the station stands, lead all stations home in manual, give auto.
+fn lead_home(sim: &mut Sim, lost: StationId, stood: Place) {
+    if sim.mode() != Some(ControlMode::Manual) {
+        sim.go_manual();
+    }
+    let asks = |sim: &Sim| sim.blocked_by(lost).iter().any(|reason| reason.contains("rejoin"));
+    let is_home = |sim: &Sim, id: StationId| sim.controller(id).is_some_and(|c| c.is_at_home());
+    if !is_home(sim, lost) {
+        let within = (!asks(sim)).then_some(stood.op);
+        sim.rejoin(lost, within);
+        sim.run_for(Duration::from_millis(100));
+    }
+    sim.lead_home();
+}
+
+#[test]
+fn a_station_without_its_memory_meets_nobody_and_is_led_back() {
+    for moment in (0..3560).step_by(130) {
+        for station in STATIONS {
+            let mut sim = Sim::in_second_cycle(moment, moment);
+            let id = sim.id(station);
+            let stood = lose_memory(&mut sim, id);
+            let refusal = sim.ask(Command::Auto).expect_err("it has no memory of common counts");
+            assert!(refusal.contains(station), "{station} at {moment} ms: {refusal}");
+            lead_home(&mut sim, id, stood);
+            sim.back_to_auto();
+            sim.run_until_done("mill_1", "reset main slide", 2);
+        }
+    }
+}
+
+#[test]
+fn a_station_without_its_memory_meets_nobody_whatever_is_pressed() {
+    for moment in (0..3560).step_by(290) {
+        for station in STATIONS {
+            let mut sim = Sim::in_second_cycle(moment, moment);
+            let id = sim.id(station);
+            lose_memory(&mut sim, id);
+            press_everything(&mut sim);
+        }
+    }
+}
+
+#[test]
+fn start_and_auto_find_a_switch_that_contradicts_the_marking() {
+    let mut sim = Sim::new(&transfer_line(1.0), 1);
+    sim.run_until("everything is heard", Sim::all_heard);
+    sim.wire(linewright_line::Owner::Station(StationId(1)), "LS_open", Some(false));
+    sim.run_for(Duration::from_millis(300));
+    let _ = sim.ask(Command::Start);
+    let refusal = sim.ask(Command::Auto).expect_err("the clamp is not measured open");
+    assert!(refusal.contains("clamp_1 is not measured where its chart has it"), "{refusal}");
+    assert!(sim.fault(StationId(1)).contains("LS_open"), "{}", sim.fault(StationId(1)));
+    sim.wire(linewright_line::Owner::Station(StationId(1)), "LS_open", None);
+    sim.run_for(Duration::from_millis(300));
+    sim.order(Command::Auto);
+    sim.run_until_done("mill_1", "reset main slide", 1);
+}
+
+#[test]
+fn a_closed_clamp_whose_switch_goes_off_stops_the_mill() {
+    let mut sim = Sim::new(&transfer_line(1.0), 1);
+    sim.start_auto();
+    sim.run_until_done("mill_1", "decel", 1);
+    sim.run_for(Duration::from_millis(100));
+    sim.wire(linewright_line::Owner::Station(StationId(1)), "LS_closed", Some(false));
+    sim.run_for(Duration::from_millis(100));
+    assert!(sim.is_incomplete("mill_1"), "the feed is stopped");
+    assert!(
+        sim.fault(StationId(2)).contains("interlock: clamp_1 is not clear: LS_closed"),
+        "{}",
+        sim.fault(StationId(2))
+    );
+    assert!(sim.fault(StationId(1)).contains("position lost"), "{}", sim.fault(StationId(1)));
+    assert_eq!(sim.mode(), Some(ControlMode::StandBy));
+    sim.wire(linewright_line::Owner::Station(StationId(1)), "LS_closed", None);
+    sim.bring_back();
+    sim.run_until_done("mill_1", "reset main slide", 2);
+}
