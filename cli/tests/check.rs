@@ -13,11 +13,11 @@ fn the_shipped_line_passes_every_check() {
     let found = json(&output);
     assert_eq!((&found["line"], &found["ok"]), (&"transfer_line".into(), &true.into()));
     let explorations = found["explorations"].as_array().unwrap();
-    assert_eq!(explorations.len(), 2, "auto undisturbed, and everything");
+    assert_eq!(explorations.len(), 3, "auto undisturbed, everything, and memories that get lost");
     for exploration in explorations {
         assert_eq!(exploration["exhausted"], true, "{exploration}");
         let properties = exploration["properties"].as_array().unwrap();
-        assert!(properties.len() >= 7 && properties.iter().all(|p| p["verdict"] == "holds"), "{exploration}");
+        assert!(properties.len() >= 4 && properties.iter().all(|p| p["verdict"] == "holds"), "{exploration}");
         assert!(exploration["arcs"].as_u64() > exploration["states"].as_u64(), "{exploration}");
     }
     assert!(explorations[1]["states"].as_u64().unwrap() > 1_000_000, "{}", explorations[1]["states"]);

@@ -12,6 +12,7 @@ mod ordered;
 mod parts;
 mod positions;
 mod recovery;
+mod restarts;
 mod row;
 mod rules;
 mod tables;

@@ -56,6 +56,11 @@ fn compare(name: &str, change: fn(&mut Setting), wanted: u64) {
 }
 
 #[test]
+fn with_lost_memories() {
+    compare("lost memories", |setting| *setting = setting.clone().with_lost_memories(), 5);
+}
+
+#[test]
 fn with_everything_on() {
     compare("everything on", |_| {}, 5);
 }

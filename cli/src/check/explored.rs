@@ -84,6 +84,8 @@ enum Rule {
     RedoRound,
     /// The way home waits for the arrows into everything it skips.
     WayHome,
+    /// Counts of another generation, as after a lost memory, are unknown.
+    Generations,
     /// A motion starts and goes on only while the other station of a conflict is measured clear.
     Measured,
     /// A motion stops while the other station of a conflict is measured not to be clear.
@@ -195,7 +197,7 @@ impl Options {
             return self.together(line);
         }
         let others = cyclic(line);
-        found.extend(self.by_parts(alone, "alone")?);
+        found.extend(self.by_parts(alone, "alone", Options::each)?);
         if !others.stations.is_empty() {
             found.extend(self.together(&others)?);
         }
@@ -209,14 +211,19 @@ impl Options {
             if self.modes.is_empty() {
                 found.push(self.undisturbed(line)?);
             }
-            found.push(self.one(line, "the whole line")?);
+            found.extend(self.both(line, "the whole line")?);
             return Ok(found);
         }
-        self.by_parts(parts(line), "part")
+        self.by_parts(parts(line), "part", Options::both)
     }
 
     /// Parts that are alike are explored once.
-    fn by_parts(&self, parts: Vec<Part>, what: &str) -> Result<Vec<Exploration>, NotExplorable> {
+    fn by_parts(
+        &self,
+        parts: Vec<Part>,
+        what: &str,
+        each: fn(&Self, &Line, &str) -> Result<Vec<Exploration>, NotExplorable>,
+    ) -> Result<Vec<Exploration>, NotExplorable> {
         let (mut found, mut seen): (_, Vec<(Part, bool)>) = (Vec::new(), Vec::new());
         for part in parts {
             let like = seen.iter().find(|(other, _)| part.is_like(other));
@@ -224,9 +231,9 @@ impl Options {
                 found.push(Exploration::like(&part, what, &other, holds));
                 continue;
             }
-            let explored = self.one(&part.line, &format!("{what}: {}", part.names()))?;
-            seen.push((part, explored.holds()));
-            found.push(explored);
+            let explored = each(self, &part.line, &format!("{what}: {}", part.names()))?;
+            seen.push((part, explored.iter().all(Exploration::holds)));
+            found.extend(explored);
         }
         Ok(found)
     }
@@ -248,8 +255,8 @@ impl Options {
                 Rule::FreshNumbers => rules.fresh_numbers = false,
                 Rule::RedoRound => rules.redo_round = false,
                 Rule::WayHome => rules.home_waits = false,
-                // Of the second barrier, which is explored by itself.
-                Rule::Measured | Rule::MeasuredStop => {}
+                // Of lost memories, and of the second barrier, which are explored by themselves.
+                Rule::Generations | Rule::Measured | Rule::MeasuredStop => {}
             }
         }
         setting
@@ -259,13 +266,27 @@ impl Options {
         Limits { states: self.states, bytes: self.memory.saturating_mul(1 << 20) }
     }
 
-    fn one(&self, line: &Line, what: &str) -> Result<Exploration, NotExplorable> {
-        let setting = self.setting(line);
+    /// With memories that last, and with memories that get lost. What is wrong with the first need not be found twice.
+    fn both(&self, line: &Line, what: &str) -> Result<Vec<Exploration>, NotExplorable> {
+        let mut found = self.each(line, what)?;
+        let mut setting = self.setting(line).with_lost_memories();
+        setting.rules.generations = !self.without.contains(&Rule::Generations);
+        if !setting.modes.is_empty() && found.iter().all(Exploration::holds) {
+            found.push(self.one(&setting, &format!("{what}, restarted with and without memories"))?);
+        }
+        Ok(found)
+    }
+
+    fn each(&self, line: &Line, what: &str) -> Result<Vec<Exploration>, NotExplorable> {
+        Ok(vec![self.one(&self.setting(line), what)?])
+    }
+
+    fn one(&self, setting: &Setting, what: &str) -> Result<Exploration, NotExplorable> {
         let modes: Vec<&str> = setting.modes.iter().map(|mode| mode.name()).collect();
         let faults = if setting.faults { "anything may fail" } else { "nothing fails" };
         let views = if setting.lag == 0 { "reports heard at once" } else { "late and lost reports" };
         let scope = format!("{what}: {}; {faults}; {views}", modes.join(", "));
-        Ok(Exploration::of(scope, explore(&setting, self.limits())?))
+        Ok(Exploration::of(scope, explore(setting, self.limits())?))
     }
 
     /// Auto mode alone, with nothing failing: whether every wait of the normal cycle ends.

@@ -253,7 +253,8 @@ fn by_itself(
     act: MemberAct,
 ) -> Option<u32> {
     let what = station.facts[act.from as usize].acts[act.nth as usize];
-    if !setting.lumped || !setting.lets(granted, what) || takes_up_a_mode(setting, what) {
+    // What is lost is not come back to.
+    if !setting.lumped || !setting.lets(granted, what) || takes_up_a_mode(setting, what) || what == Act::Forget {
         return None;
     }
     let effect = station.effect(setting, words, act.from, act.nth as usize);

@@ -29,6 +29,8 @@ pub(crate) struct Facts {
     /// The conflicts of which it is in the other.
     pub in_b: u64,
     pub at_home: bool,
+    /// It has lost its memory.
+    pub is_lost: bool,
     /// It is not in stand-by.
     pub acts_on_a_mode: bool,
     /// What is wrong with the station by itself.
@@ -38,8 +40,12 @@ pub(crate) struct Facts {
 impl Facts {
     pub fn of(setting: &Setting, words: &mut [Words], of: &Situations, situation: &Situation) -> Self {
         let line = &setting.line;
+        // Without its memory its marking says what moves, and not where the rest stands.
+        let stands = |place: &Place| !situation.is_lost() || place.is_operating();
+        let stood = situation.stood.as_deref().unwrap_or_default();
         let inside = |span: &Span| {
-            span.station.index() == of.station && situation.controller.marking().any(|place| covers(line, span, place))
+            let mut places = situation.controller.marking().filter(stands).chain(stood.iter().copied());
+            span.station.index() == of.station && places.any(|place| covers(line, span, place))
         };
         let bits = |side: fn(&linewright_line::Conflict) -> &Span| {
             let conflicts = line.conflicts.iter().take(CONFLICTS_MAX).enumerate();
@@ -55,6 +61,7 @@ impl Facts {
             in_a: bits(|conflict| &conflict.a),
             in_b: bits(|conflict| &conflict.b),
             at_home: situation.controller.is_at_home(),
+            is_lost: situation.is_lost(),
             acts_on_a_mode: situation.mode != ControlMode::StandBy,
             wrong: wrong(line, StationId::at(of.station), situation).map(Into::into),
         }
@@ -92,6 +99,9 @@ fn acts(setting: &Setting, station: usize, situation: &Situation) -> Vec<Act> {
     if situation.controller.request().is_some() {
         acts.push(Act::Step);
     }
+    let may_restart = !setting.line.station(StationId::at(station)).works_on_order();
+    acts.extend((setting.restarts && may_restart).then_some(Act::Restart));
+    acts.extend((setting.forgets && may_restart && !situation.is_lost()).then_some(Act::Forget));
     orders::acts(&setting.line, StationId::at(station), situation, &mut acts);
     acts
 }
@@ -151,6 +161,9 @@ pub(crate) fn covers(line: &Line, span: &Span, place: Place) -> bool {
 fn wrong(line: &Line, id: StationId, situation: &Situation) -> Option<String> {
     let station = line.station(id);
     let report = situation.controller.report();
+    if situation.is_lost() && report.request.is_some() {
+        return Some("takes counts back that are of no generation".to_owned());
+    }
     let marking: Vec<Place> = situation.controller.marking().collect();
     let step = station.step_of(marking[0].op);
     let mut ops: Vec<OpId> = marking.iter().map(|place| place.op).collect();

@@ -27,6 +27,12 @@ pub struct Setting {
     pub lag: usize,
     /// Motions may fail, and devices may be lost for a moment.
     pub faults: bool,
+    /// Stations are restarted at any moment, with their memories.
+    pub restarts: bool,
+    /// Stations are restarted at any moment of auto and hand mode, without their memories. Manual mode is not granted any more
+    /// then: measured positions stand in for the counts in it, and these are not explored here. Deadlocks and ways home are
+    /// not asked for.
+    pub forgets: bool,
     /// Operators let go of their panels before the mode changes. Fewer situations.
     pub tidy_hands: bool,
     /// Keep one state for all that differ only in what stations come and go between by themselves. Every verdict and
@@ -81,6 +87,8 @@ impl Setting {
             grants: Grants::InEpochs,
             lag: 1,
             faults: true,
+            restarts: false,
+            forgets: false,
             tidy_hands: true,
             lumped: true,
             together_max: TOGETHER_MAX,
@@ -91,6 +99,18 @@ impl Setting {
     /// The line, out of time.
     pub fn line(&self) -> &Line {
         &self.line
+    }
+
+    /// The same with stations that are restarted at any moment, with their memories and without, and the rule that counts of
+    /// another generation are unknown.
+    #[must_use]
+    pub fn with_lost_memories(mut self) -> Self {
+        self.rules.generations = true;
+        if self.grants == Grants::Anyhow {
+            self.modes.retain(|&mode| mode != ControlMode::Manual);
+        }
+        (self.restarts, self.forgets) = (true, true);
+        self
     }
 
     /// Whether one report on its way over each link is every delay there is.
@@ -114,6 +134,7 @@ impl Setting {
             Act::Mode(mode) => {
                 self.grants == Grants::Anyhow || mode == ControlMode::StandBy || self.modes[granted] == mode
             }
+            Act::Forget => self.modes.get(granted) != Some(&ControlMode::Manual),
             _ => true,
         }
     }

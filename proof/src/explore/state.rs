@@ -119,7 +119,7 @@ impl Layout {
         for ((word, base), mail) in self.mail.iter().zip(&state.mail) {
             if mail.id != 0 {
                 word.put(&mut key, u64::from(mail.id), Unfit::Word)?;
-                if base.width > 0 {
+                if base.width > 0 && mail.has_base() {
                     base.put_signed(&mut key, mail.base - origin)?;
                 }
             }
@@ -152,7 +152,7 @@ impl Layout {
         }
         for ((word, base), mail) in self.mail.iter().zip(&mut state.mail) {
             mail.id = word.get(key) as u32;
-            mail.base = if mail.id == 0 || base.width == 0 { 0 } else { base.get_signed(key) };
+            mail.base = if base.width == 0 || !mail.has_base() { 0 } else { base.get_signed(key) };
         }
     }
 }

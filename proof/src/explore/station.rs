@@ -5,11 +5,11 @@
 //! under a number, and what a stimulus makes of it is worked out once, by the controller itself. The composed line is
 //! then played with numbers: what costs a microsecond here costs a look into a table there.
 
-use linewright_line::net::{Block, ControlMode};
+use linewright_line::net::{Block, ControlMode, Place};
 use linewright_line::{OpId, StationId, TaskId, Tick};
 use linewright_station_logic::{
-    CompileError, Controller, Event, Input, ModeOrder, NO_DELAY, Outbox, PanelCommand, Report, Restore, TaskCommand,
-    Writer,
+    CompileError, Controller, Event, Founding, Input, ModeOrder, NO_DELAY, Outbox, PanelCommand, Report, Restore,
+    TaskCommand, Writer,
 };
 use rustc_hash::FxHashMap;
 
@@ -54,6 +54,11 @@ pub(crate) enum Act {
     Expire,
     /// All inputs that its operations wait for come on, or go off.
     Sensors(bool),
+    /// Its process ends and starts again, with its memory.
+    Restart,
+    /// The same without its memory. Nothing gives it back: common counts are founded only where all stations stand at home,
+    /// which is how the exploration starts.
+    Forget,
 }
 
 /// What a situation becomes.
@@ -94,6 +99,8 @@ pub(crate) struct Situation {
     sensors: u128,
     /// The last order it was given.
     order: u64,
+    /// Where its mechanisms stood when it lost its memory, if it has; its marking does not say so any more.
+    pub stood: Option<Box<[Place]>>,
     /// For each incoming link, whether the request held is still open at its writer.
     pub open: u64,
 }
@@ -255,7 +262,9 @@ impl Situations {
         let closed = setting.rules.fresh_numbers && open(before).is_some() && open(before) != open(&next.controller);
         // On order nobody compares cycles, which count orders and grow for ever.
         let on_order = setting.line.stations[self.station].works_on_order();
-        let cycles = if on_order { 0 } else { next.controller.cycle() - before.cycle() };
+        // Nor are those of a station without its memory compared.
+        let compared = !on_order && next.stood.is_none();
+        let cycles = if compared { next.controller.cycle() - before.cycle() } else { 0 };
         for &transition in next.controller.fired() {
             self.fired[usize::from(transition)] = true;
         }
@@ -286,6 +295,7 @@ impl Situation {
             now: NOW,
             sensors: 0,
             order: 0,
+            stood: None,
             open: 0,
         };
         let home = line.station(station).home;
@@ -311,7 +321,10 @@ impl Situation {
 
     fn order(&mut self, setting: &Setting, events: &mut Vec<Event>) {
         self.epoch += 1;
+        // Counts of the start are of one generation; it is founded for the first life of each station.
+        let found = setting.forgets.then_some(Founding { generation: 1, boot_id: 1 });
         let order = ModeOrder {
+            found,
             manual_all: true,
             buttons: self.button.map_or(0, |button| 1 << button),
             ..ModeOrder::of(1, self.epoch, self.mode, setting.line.timing.lease)
@@ -362,11 +375,57 @@ impl Situation {
                 self.now = self.now + LIMIT;
                 self.step(events);
             }
+            Act::Restart => self.restart(setting, events),
+            Act::Forget => self.forget(setting, events),
             Act::Sensors(on) => {
                 self.sensors = if on { sensors_of(&setting.line, station) } else { 0 };
                 self.image(0, true, events);
             }
         }
+    }
+
+    /// Comes up from its snapshot. It hears again what it had heard from each writer last; buttons start released.
+    fn restart(&mut self, setting: &Setting, events: &mut Vec<Event>) {
+        let station = self.controller.station();
+        let held: Vec<(StationId, Report)> =
+            setting.into(station.index()).filter_map(|link| self.heard_over(setting, link)).collect();
+        self.begin_life(setting, Restore::From(self.controller.snapshot()));
+        self.image(0, true, events);
+        self.order(setting, events);
+        for (writer, report) in held {
+            self.controller.handle(self.now, Input::View(writer, &report));
+            self.step(events);
+        }
+    }
+
+    /// Comes up without its snapshot. Its switches say whether it is at home; what it hears cannot be compared with anything.
+    fn forget(&mut self, setting: &Setting, events: &mut Vec<Event>) {
+        let (line, station) = (&setting.line, self.controller.station());
+        self.stood = Some(self.controller.marking().collect());
+        let home = line.operation((station, line.station(station).home)).normal.complete.bit();
+        let at_home = if self.controller.is_at_home() { home } else { 0 };
+        self.begin_life(setting, Restore::Fresh);
+        self.open = 0;
+        self.image(at_home, true, events);
+        self.image(0, true, events);
+        self.order(setting, events);
+    }
+
+    fn begin_life(&mut self, setting: &Setting, restore: Restore) {
+        let life = self.controller.writer().boot_id + 1;
+        self.controller = Controller::new(&setting.line, self.controller.station(), life, restore)
+            .expect("its program has compiled before, and its own snapshot fits it")
+            .with_rules(setting.rules);
+        (self.key, self.button, self.outputs) = (None, None, 0);
+    }
+
+    /// The last report that it heard over a link, but for the answer to a request that it has forgotten.
+    fn heard_over(&self, setting: &Setting, link: usize) -> Option<(StationId, Report)> {
+        let writer = StationId::at(setting.links[link].writer);
+        let held = self.controller.held(writer)?;
+        let (cycle, done) = (held.cycle, held.done.to_vec());
+        let generation = held.generation;
+        Some((writer, Report { boot_id: 1, generation, cycle, done, request: held.request, ..Report::default() }))
     }
 
     /// A word arrives. A request that is not the one held gets the next number, so that it is a new one.
@@ -408,6 +467,9 @@ impl Situation {
 
     /// What it tells the reader of a link; bases are relative to its own cycle.
     pub fn says(&self, setting: &Setting, link: usize, words: &mut Words) -> Word {
+        if self.is_lost() {
+            return Word::LOST;
+        }
         let (described, cycle) = (&setting.links[link], self.controller.cycle());
         let reader = StationId::at(described.reader);
         let position = setting.into(described.writer).position(|incoming| incoming == described.reverse);
@@ -418,10 +480,20 @@ impl Situation {
         words.word(counts, 0, self.controller.request().map(|request| (request.ops, true)), answer)
     }
 
+    /// Whether it has lost its memory.
+    pub fn is_lost(&self) -> bool {
+        self.stood.is_some()
+    }
+
     /// What it holds over its `nth` incoming link; bases are relative to its own cycle.
     pub fn holds(&self, setting: &Setting, link: usize, nth: usize, words: &mut Words) -> Word {
         let (described, cycle) = (&setting.links[link], self.controller.cycle());
-        let Some(held) = self.controller.held(StationId::at(described.writer)) else { return Word::NONE };
+        let Some(held) = self.controller.held(StationId::at(described.writer)).filter(|_| !self.is_lost()) else {
+            return Word::NONE;
+        };
+        if setting.forgets && held.generation == 0 {
+            return Word::LOST;
+        }
         let open = !setting.rules.fresh_numbers || self.open & (1 << nth) != 0;
         let awaited = self.awaited(setting);
         let verdict = held.verdict.filter(|&(number, _)| Some(number) == awaited).map(|(_, in_the_way)| in_the_way);
@@ -439,6 +511,10 @@ impl Situation {
         };
         out.extend([key, self.button.map_or(-1, i64::from), self.mode as i64, self.open as i64]);
         out.push(i64::from(self.sensors != 0));
+        if let Some(stood) = &self.stood {
+            out.push(-1);
+            out.extend(stood.iter().map(|place| i64::from(place.op.0) << 8 | i64::from(place.number())));
+        }
         let writers = |station: StationId| {
             let nth = incoming.iter().position(|&link| setting.links[link].writer == station.index());
             let open = !setting.rules.fresh_numbers || nth.is_some_and(|nth| self.open & (1 << nth) != 0);

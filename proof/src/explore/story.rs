@@ -93,6 +93,8 @@ fn act(setting: &Setting, station: StationId, act: Act) -> String {
         Act::Secure => "is told to go back".to_owned(),
         Act::Expire => "has no time left for its order".to_owned(),
         Act::Sensors(true) => "sees what its operations wait for".to_owned(),
+        Act::Restart => "restarts".to_owned(),
+        Act::Forget => "restarts without its memory".to_owned(),
         Act::Sensors(false) => "does not see what its operations wait for".to_owned(),
     }
 }

@@ -144,6 +144,9 @@ impl System {
         for station in 0..state.situations.len() {
             state.situations[station] = self.settled(station, granted, state.situations[station]);
         }
+        if self.setting.forgets {
+            self.settle_cycles(state);
+        }
     }
 
     /// The situation that stands for the class of this one while a mode is granted.
@@ -197,7 +200,10 @@ impl System {
         let may = self.setting.grants == Grants::InEpochs
             && (0..self.stations.len()).all(|station| !self.class(state, station).idle.is_empty());
         let (modes, granted) = (if may { self.setting.modes.len() } else { 0 }, state.granted as usize);
-        (0..modes).filter(move |&mode| mode != granted)
+        let manual = self.setting.modes.iter().position(|&mode| mode == ControlMode::Manual);
+        let is_lost = (0..self.stations.len()).any(|station| self.is_lost(state, station));
+        let without = manual.filter(|_| is_lost);
+        (0..modes).filter(move |&mode| mode != granted && Some(mode) != without)
     }
 
     /// The mode that is granted, and who acts on it and cannot leave it by itself.
@@ -213,7 +219,11 @@ impl System {
         match what {
             Move::Act { station, nth } => {
                 let from = state.situations[station];
+                let act = self.stations[station].facts[from as usize].acts[nth];
                 let effect = self.stations[station].effect(&self.setting, &mut self.words, from, nth);
+                if act == Act::Forget {
+                    self.lose_mail(state, station);
+                }
                 self.come_to(state, station, effect, loose)?;
                 if effect.off_follows {
                     let from = state.situations[station];
@@ -239,6 +249,9 @@ impl System {
 
     fn deliver(&mut self, state: &mut State, link: usize, word: Word, loose: u32) -> Result<(), Matters> {
         let reader = self.setting.links[link].reader;
+        if self.is_lost(state, reader) {
+            return Ok(());
+        }
         if loose & (1 << reader) != 0 {
             return Err(Matters(reader));
         }
@@ -286,6 +299,9 @@ impl System {
         let lag = self.setting.lag;
         for at in 0..self.stations[writer].outgoing.len() {
             let link = self.stations[writer].outgoing[at];
+            if self.is_lost(state, self.setting.links[link].reader) {
+                continue;
+            }
             let (word, newest) = (self.said(state, link), self.newest(state, link));
             if word == newest {
                 continue;
@@ -306,6 +322,31 @@ impl System {
             }
         }
         Ok(())
+    }
+
+    /// Whether a station has lost its memory; the same throughout a class. What it hears can be compared with nothing, so
+    /// it is as if it heard nothing.
+    fn is_lost(&self, state: &State, station: usize) -> bool {
+        self.setting.forgets && self.stations[station].facts[state.situations[station] as usize].is_lost
+    }
+
+    fn lose_mail(&mut self, state: &mut State, reader: usize) {
+        let lag = self.setting.lag;
+        for at in 0..self.stations[reader].incoming.len() {
+            let link = self.stations[reader].incoming[at];
+            state.mail[link * lag..][..lag].fill(Word::NONE);
+        }
+    }
+
+    /// A cycle that is compared with no other is as good as any: the greatest of the others.
+    fn settle_cycles(&self, state: &mut State) {
+        let compared = (0..state.cycles.len()).filter(|&station| !self.is_lost(state, station));
+        let greatest = compared.map(|station| state.cycles[station]).max().unwrap_or(0);
+        for station in 0..state.cycles.len() {
+            if self.is_lost(state, station) {
+                state.cycles[station] = greatest;
+            }
+        }
     }
 
     /// What the writer of a link says now.

@@ -155,6 +155,9 @@ fn tell<const N: usize>(search: &mut Search<N>, number: u32, end: String) -> Sto
 /// What is decided by looking at all states together.
 fn of_all_states<const N: usize>(search: &mut Search<N>) -> Vec<Property> {
     let mut properties = Vec::new();
+    if search.system.setting.forgets {
+        return properties;
+    }
     let ask = |name: &str, found: Option<Result<String, (String, Option<Story>)>>, undecided: &str| {
         let (verdict, reason, counterexample) = match found {
             None => (Verdict::Undecided, undecided.to_owned(), None),

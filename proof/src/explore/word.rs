@@ -22,10 +22,18 @@ pub(crate) struct Word {
 impl Word {
     /// Nothing on its way.
     pub const NONE: Word = Word { id: 0, base: 0 };
+    /// That of a writer that has lost its memory.
+    pub const LOST: Word = Word { id: 1, base: 0 };
+
+    /// Whether it is one whose base says something, on a link whose words have one.
+    #[inline]
+    pub fn has_base(self) -> bool {
+        self.id > Word::LOST.id
+    }
 
     /// The same word when the origin its base refers to moves by `by`.
     pub fn shifted(self, by: i32, words: &Words) -> Word {
-        if self.id == 0 || !words.has_base { self } else { Word { id: self.id, base: self.base + by } }
+        if !words.has_base || !self.has_base() { self } else { Word { id: self.id, base: self.base + by } }
     }
 }
 
@@ -40,6 +48,8 @@ pub(crate) struct Content {
     pub request: Option<(u64, bool)>,
     /// Its answer to the request that the reader has open.
     pub answer: Option<Option<OpId>>,
+    /// The writer has lost its memory. Then it says nothing else, since nothing it says can be compared.
+    pub is_lost: bool,
 }
 
 /// The words of one link.
@@ -52,10 +62,15 @@ pub(crate) struct Words {
     contents: Vec<Content>,
 }
 
+impl Content {
+    const NOTHING: Content = Content { counts: Vec::new(), cycle: 0, request: None, answer: None, is_lost: false };
+}
+
 impl Words {
     pub fn new(with_cycle: bool, counts: usize) -> Self {
-        let nothing = Content { counts: Vec::new(), cycle: 0, request: None, answer: None };
-        Words { with_cycle, has_base: with_cycle || counts > 0, numbers: FxHashMap::default(), contents: vec![nothing] }
+        let has_base = with_cycle || counts > 0;
+        let contents = vec![Content::NOTHING, Content { is_lost: true, ..Content::NOTHING }];
+        Words { with_cycle, has_base, numbers: FxHashMap::default(), contents }
     }
 
     /// Whether its words have a base.
@@ -83,7 +98,7 @@ impl Words {
         };
         counts.iter_mut().for_each(|count| *count -= base);
         let cycle = if self.with_cycle { cycle - base } else { 0 };
-        Word { id: self.number(Content { counts, cycle, request, answer }), base }
+        Word { id: self.number(Content { counts, cycle, request, answer, is_lost: false }), base }
     }
 
     fn number(&mut self, content: Content) -> u32 {
@@ -143,6 +158,7 @@ pub(crate) fn report(
     };
     Report {
         boot_id: 1,
+        generation: u64::from(!content.is_lost),
         cycle: base + content.cycle,
         done,
         request: content.request.map(|(ops, _)| Request { number: numbers.request, ops }),

@@ -24,6 +24,8 @@ pub struct Writer {
 pub struct Held<'a> {
     /// The cycle in which each operation was last completed.
     pub done: &'a [i32],
+    /// The generation of its counts; 0 for none.
+    pub generation: u64,
     /// The cycle it is in.
     pub cycle: i32,
     /// The request it has made.
@@ -40,6 +42,7 @@ impl Controller {
         let view = self.views.peers.iter().find(|view| view.station == station)?;
         Some(Held {
             done: &view.done,
+            generation: view.generation,
             cycle: view.cycle,
             request: view.request,
             answer: view.answer,

@@ -1,0 +1,47 @@
+//! Stations that are restarted at any moment, with their memories and without. What comes of it in manual mode is for measured
+//! positions, and explored in `positions.rs`.
+
+use linewright_line::net::ControlMode;
+use linewright_line::{Line, TransferLine, parse};
+use linewright_proof::explore::{Explored, Limits, Setting, explore};
+
+fn shipped() -> Line {
+    parse("line.toml", &TransferLine::default().text()).expect("the shipped line is sound").line
+}
+
+fn found(setting: &Setting) -> Explored {
+    explore(setting, Limits::default()).expect("the shipped line can be explored")
+}
+
+#[test]
+fn no_restart_in_auto_leads_two_stations_into_each_other() {
+    let mut setting = Setting::new(&shipped()).with_lost_memories();
+    setting.modes = vec![ControlMode::Auto];
+    let explored = found(&setting);
+    println!("{} states, {} kept", explored.states, explored.kept);
+    assert!(explored.exhausted && explored.holds(), "{:?}", explored.properties);
+    setting.forgets = false;
+    let remembered = found(&setting);
+    assert!(remembered.exhausted && remembered.holds() && remembered.states < explored.states);
+}
+
+#[test]
+fn counts_compared_across_a_lost_memory_close_the_clamp_under_the_bar() {
+    let mut setting = Setting::new(&shipped()).with_lost_memories();
+    setting.rules.generations = false;
+    let explored = found(&setting);
+    let story = explored.counterexample().expect("the rule is needed");
+    println!("{story}");
+    assert!(story.steps.iter().any(|step| step.contains("restarts without its memory")), "{story}");
+    assert_eq!(story.end, "the bar is off its rest while clamp 1 is not open");
+}
+
+#[test]
+fn a_restart_with_its_memory_changes_no_verdict() {
+    let mut setting = Setting::new(&shipped());
+    (setting.modes, setting.restarts) = (vec![ControlMode::Auto, ControlMode::Manual], true);
+    setting.faults = false;
+    let explored = found(&setting);
+    println!("{} states, {} kept", explored.states, explored.kept);
+    assert!(explored.exhausted && explored.holds(), "{:?}", explored.properties);
+}
