@@ -5,7 +5,8 @@
 //! is in. The time runs until the frame on the bus that leaves no actuator of the bar energised; the button is held on.
 //! With devices on buses of the stations' own there are two DDS hops for the command, behind the gateway the coordinator turns
 //! the outputs off itself. Each arrangement is measured with a quiet machine, with processes that keep every processor busy,
-//! and with processes that write to the same disk as the journals and wait for it.
+//! and with processes that write to the same disk as the journals and wait for it, and with journals of which every write takes a
+//! second.
 //!
 //! `cargo bench -p linewright --bench estop [-- SAMPLES]`; 60 of each kind by default. A bare frame is sent there and back
 //! beside it, as the floor of what the virtual bus takes.
@@ -22,9 +23,13 @@ use linewright_line::{Bus, Owner, StationId};
 use linewright_msgs::{Flag, Text};
 use linewright_node_shell::{Node, Participant, Publisher, RosArgs, qos};
 
+#[path = "../tests/support/gate.rs"]
+#[allow(dead_code, reason = "tests close gates, this opens them late")]
+mod gate;
 #[path = "common/running.rs"]
 mod running;
 
+use gate::{Gate, Gates};
 use running::{LINE_BUS, Running, print_samples};
 
 type Result<T> = std::result::Result<T, Box<dyn std::error::Error>>;
@@ -32,6 +37,9 @@ type Result<T> = std::result::Result<T, Box<dyn std::error::Error>>;
 /// So slow that few samples meet the end of a motion.
 const TIME_SCALE: f64 = 100.0;
 const BAR: StationId = StationId(0);
+const JOURNALS: &[&str] = &["coordinator.journal", "transfer.journal", "clamp_1.journal", "mill_1.journal"];
+/// Each takes many seconds, since every way into manual is written down.
+const SLOW_SAMPLES: usize = 20;
 /// A held button is sent over and over.
 const REFRESH: Duration = Duration::from_millis(20);
 const PATIENCE: Duration = Duration::from_secs(20);
@@ -48,11 +56,19 @@ fn main() -> Result<()> {
 }
 
 async fn arrangement(own: bool, samples: usize) -> Result<()> {
-    let running = Running::start("estop", own, TIME_SCALE)?;
+    let gates = std::cell::OnceCell::new();
+    let running = Running::start("estop", own, TIME_SCALE, |dir| {
+        let gates = gates.get_or_init(|| Gates::build(&dir.join("gates")));
+        gates.environment().map(|(name, value)| (name, value.to_owned())).to_vec()
+    })?;
     let mut bench = Bench::open(&running)?;
     running.mode_until("start", "stand-by")?;
-    for load in [Load::None, Load::Processors, Load::Disk] {
+    for load in [Load::None, Load::Processors, Load::Disk, Load::SlowRecords] {
         let loaded = Loaded::begin(load, &running.dir.join("state"))?;
+        let slow = if load == Load::SlowRecords { JOURNALS } else { [].as_slice() };
+        let gates = gates.get().ok_or("the processes have gates")?;
+        let _slow: Vec<Gate> = slow.iter().map(|name| gates.delay(name, 1000)).collect();
+        let samples = if load == Load::SlowRecords { samples.min(SLOW_SAMPLES) } else { samples };
         for by_frame in [false, true] {
             let mut all = Vec::new();
             for nth in 0..samples {
@@ -192,6 +208,8 @@ enum Load {
     None,
     Processors,
     Disk,
+    /// Every write of a record takes a second.
+    SlowRecords,
 }
 
 impl Load {
@@ -200,6 +218,7 @@ impl Load {
             Load::None => "quiet",
             Load::Processors => "processors busy",
             Load::Disk => "disk busy",
+            Load::SlowRecords => "a second for each record",
         }
     }
 }
@@ -215,7 +234,7 @@ impl Loaded {
         let ends = Arc::new(AtomicBool::new(false));
         let threads = std::thread::available_parallelism().map_or(2, std::num::NonZero::get);
         let mut all = Vec::new();
-        for nth in 0..if load == Load::None { 0 } else { threads } {
+        for nth in 0..if matches!(load, Load::None | Load::SlowRecords) { 0 } else { threads } {
             let (ends, path) = (Arc::clone(&ends), dir.join(format!("load-{nth}")));
             all.push(std::thread::spawn(move || {
                 let block = vec![nth as u8; 8 << 20];

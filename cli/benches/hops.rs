@@ -60,7 +60,7 @@ fn ping_every(when: &str, count: &str, period_us: &str) -> Result<()> {
 async fn arrangement(own: bool, long: Duration) -> Result<()> {
     let name = if own { "devices on the stations' own buses (one hop)" } else { "behind the gateway (three hops)" };
     println!("== {name}");
-    let running = Running::start("hops", own, TIME_SCALE)?;
+    let running = Running::start("hops", own, TIME_SCALE, |_| Vec::new())?;
     let mut listener = Listener::open(&running.line, &running.buses_dir)?;
     running.mode_until("start", "stand-by")?;
     // Standing still, with every lease and image refreshed.

@@ -2,7 +2,8 @@
 //!
 //! Two slots in one file are written in turn, each with a number and a checksum; on opening, the valid slot with the
 //! higher number is the record. A kill in the middle of a write spoils one slot and leaves the other. A write is one
-//! system call into the page cache, some microseconds, so a controller can afford it before every output it changes.
+//! system call into the page cache, some microseconds, so a controller can afford it before every output it changes. Where
+//! the disk is behind, the call takes as long as the disk; see [`crate::Recorder`].
 //!
 //! It is not flushed to the disk: after a power cut the record may be an older one, or gone. The mechanisms have then
 //! moved without their controller, and a person has to look at them anyway.
@@ -29,6 +30,12 @@ pub enum JournalError {
         path: PathBuf,
         /// The system's reason.
         error: io::Error,
+    },
+    /// The thread that wrote it has failed.
+    #[error("journal {path} cannot be written any more: the thread that wrote it has failed; see the log")]
+    Thread {
+        /// The journal.
+        path: PathBuf,
     },
     /// The record does not fit a slot.
     #[error("a record of {bytes} bytes does not fit journal {path}, which holds {most}")]

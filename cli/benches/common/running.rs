@@ -1,7 +1,7 @@
 //! The processes of a line, for benchmarks that look at them from outside.
 
 use std::fs;
-use std::path::PathBuf;
+use std::path::{Path, PathBuf};
 use std::process::{Child, Command, Stdio};
 use std::time::Duration;
 
@@ -19,12 +19,20 @@ pub struct Running {
     pub buses_dir: PathBuf,
     pub domain: u16,
     pub children: Vec<(String, Child)>,
+    environment: Vec<(&'static str, PathBuf)>,
 }
 
 impl Running {
     /// Starts the processes in a directory of this name, with all devices on the stations' own buses or none, and all times
     /// multiplied.
-    pub fn start(name: &str, own: bool, time_scale: f64) -> Result<Self> {
+    ///
+    /// `environment` is what the processes find more in theirs; it may be in the directory.
+    pub fn start(
+        name: &str,
+        own: bool,
+        time_scale: f64,
+        environment: impl Fn(&Path) -> Vec<(&'static str, PathBuf)>,
+    ) -> Result<Self> {
         let dir = std::env::temp_dir().join(format!("linewright-{name}-{}-{own}", std::process::id()));
         let _ = fs::remove_dir_all(&dir);
         fs::create_dir_all(&dir)?;
@@ -38,8 +46,9 @@ impl Running {
         }
         fs::write(dir.join("line.toml"), &text)?;
         let line = linewright_line::parse("line.toml", &text)?.line;
-        let mut running =
-            Running { line, buses_dir: dir.join("bus"), domain: if own { 92 } else { 93 }, dir, children: Vec::new() };
+        let (buses_dir, domain) = (dir.join("bus"), if own { 92 } else { 93 });
+        let environment = environment(&dir);
+        let mut running = Running { line, buses_dir, domain, dir, children: Vec::new(), environment };
         running.spawn("plant", &["plant", "--virtual-bus"])?;
         running.spawn("coordinator", &["coordinator", "--virtual-bus"])?;
         for name in ["transfer", "clamp_1", "mill_1"] {
@@ -52,6 +61,7 @@ impl Running {
         let mut command = Command::new(LINEWRIGHT);
         command.args(words).arg(&self.dir).env("LINEWRIGHT_BUS_DIR", &self.buses_dir);
         command.env("ROS_DOMAIN_ID", self.domain.to_string());
+        command.envs(self.environment.iter().map(|(name, value)| (name, value)));
         command
     }
 

@@ -24,4 +24,5 @@ mod panels;
 mod remaps;
 mod rubbish;
 mod rubbish_senders;
+mod slow_disk;
 mod two_coordinators;

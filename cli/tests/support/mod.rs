@@ -16,6 +16,7 @@ pub mod chart;
 pub mod command;
 pub mod eye;
 pub mod faster;
+pub mod gate;
 pub mod operator;
 pub mod plan;
 pub mod rig;

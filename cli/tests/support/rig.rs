@@ -43,6 +43,7 @@ pub struct Rig {
     run: Option<Child>,
     domain: u16,
     directory: TempDir,
+    environment: Vec<(&'static str, PathBuf)>,
     _alone: RwLockWriteGuard<'static, ()>,
 }
 
@@ -57,7 +58,12 @@ impl Rig {
         let plan = Plan::of(text);
         let buses = [BUS, OWN_BUS].map(|bus| directory.path().join("bus").join(bus));
         let eye = Eye::open(plan.clone(), buses.to_vec());
-        Rig { eye, plan, run: None, domain: free_domain(), directory, _alone: alone }
+        Rig { eye, plan, run: None, domain: free_domain(), directory, environment: Vec::new(), _alone: alone }
+    }
+
+    /// What its processes find in their environment.
+    pub fn environment(&mut self, name: &'static str, value: &Path) {
+        self.environment.push((name, value.to_owned()));
     }
 
     /// One more file beside the description.
@@ -88,6 +94,7 @@ impl Rig {
         for other in ["ROS_AUTOMATIC_DISCOVERY_RANGE", "ROS_LOCALHOST_ONLY", "RUST_LOG"] {
             command.env_remove(other);
         }
+        command.envs(self.environment.iter().map(|(name, value)| (name, value)));
         command.env("ROS_DOMAIN_ID", self.domain.to_string());
         command.env("LINEWRIGHT_BUS_DIR", self.directory.path().join("bus"));
         command

@@ -11,5 +11,6 @@ pub mod cell;
 mod node;
 mod remembered;
 mod topics;
+mod waiting;
 
 pub use node::{NodeError, Options, run};

@@ -5,9 +5,7 @@ use std::time::Duration;
 
 use linewright_cell::Cell;
 use linewright_coordinator_logic::{Command, Heard, OutputImage, Refusal};
-use linewright_coordinator_shell::{
-    CoordinatorArrival, CoordinatorEffect, CoordinatorShell, InputsImage, Remembered, heard,
-};
+use linewright_coordinator_shell::{CoordinatorArrival, CoordinatorEffect, CoordinatorShell, InputsImage, heard};
 use linewright_fieldbus::{
     Bus as CanBus, BusError, Clock, Driver, DriverError, Event as BusEvent, Manager, ManagerError,
 };
@@ -15,7 +13,7 @@ use linewright_line::net::ControlMode;
 use linewright_line::{Bus, Line, Owner, StationId, Tick};
 use linewright_msgs::{LineState, ModeOrder, Text, fitting};
 use linewright_node_shell::{
-    Forward, Journal, JournalError, OpenError, Participant, TopicError, Watchdog, fresh_boot_id, stamp,
+    Forward, JournalError, OpenError, Participant, Recorder, TopicError, Watchdog, fresh_boot_id, stamp,
 };
 use linewright_station_logic::Founding;
 use linewright_station_node::devices::{Devices, in_words};
@@ -25,8 +23,9 @@ use tokio::sync::{mpsc, watch};
 
 use crate::behind::{Behind, inputs_message};
 use crate::cell::{CellError, CellOptions, Playing, Situation};
-use crate::remembered::{record_of, remembered};
+use crate::remembered::remembered;
 use crate::topics::{Arrived, Says, open};
+use crate::waiting::{Recorded, Waiting};
 
 /// Why the coordinator's node cannot run, or had to end.
 #[derive(Debug, Error)]
@@ -106,20 +105,21 @@ const TEXT_EVERY: Duration = Duration::from_secs(1);
 /// messages keeps the bus or an order to stop waiting.
 const TAKEN_AT_ONCE: usize = 256;
 
-struct Shell {
-    line: Line,
-    clock: Clock,
-    shell: CoordinatorShell,
+pub(crate) struct Shell {
+    pub(crate) line: Line,
+    pub(crate) clock: Clock,
+    pub(crate) shell: CoordinatorShell,
     /// What there is to do, in this order.
     effects: Vec<CoordinatorEffect>,
     cell: Option<Playing>,
-    driver: Driver,
+    pub(crate) driver: Driver,
     devices: Devices,
-    journal: Option<Journal>,
+    pub(crate) journal: Option<Recorder>,
+    pub(crate) waiting: Waiting,
     says: Says,
-    from: mpsc::Receiver<Arrived>,
+    pub(crate) from: mpsc::Receiver<Arrived>,
     tasks: Vec<Forward>,
-    behind: Vec<Behind>,
+    pub(crate) behind: Vec<Behind>,
     /// What is wrong with the devices of stations that have a bus of their own, as they tell it.
     troubles: Vec<String>,
     /// What the cell is told of the line.
@@ -148,7 +148,7 @@ impl Shell {
         let (journal, record) = match &state_dir {
             Some(dir) => {
                 let path = dir.join("coordinator.journal");
-                let (journal, record) = Journal::open(&path)?;
+                let (journal, record) = Recorder::open(&path)?;
                 (Some(journal), record.map(|record| remembered(&record, &path)))
             }
             None => (None, None),
@@ -175,6 +175,7 @@ impl Shell {
             driver,
             devices,
             journal,
+            waiting: Waiting::default(),
             says,
             from,
             tasks,
@@ -195,10 +196,11 @@ impl Shell {
     }
 
     async fn work(&mut self, watchdog: &Watchdog, mut stop: watch::Receiver<bool>) -> Result<(), NodeError> {
-        self.act();
+        self.act().await?;
         loop {
             watchdog.feed();
             let deadline = self.shell.next_deadline(self.clock.now()).min(self.devices.deadline());
+            let deadline = if self.waiting.is_empty() { deadline } else { Tick::ZERO };
             tokio::select! {
                 biased;
                 changed = stop.changed() => {
@@ -210,18 +212,15 @@ impl Shell {
                 events = self.driver.next() => self.bus_events(&events?),
                 asked = self.devices.next() => self.devices.ask(asked, &mut self.driver),
                 arrived = self.from.recv() => match arrived {
-                    Some(arrived) => self.arrived(arrived),
+                    Some(arrived) => self.waiting.arrived.push_back(arrived),
                     None => return Err(NodeError::Middleware),
                 },
                 failed = Playing::failure(&mut self.cell) => return Err(failed.into()),
                 () = self.clock.sleep_until(Some(deadline)) => {}
                 () = tokio::time::sleep(Watchdog::FEED) => {}
             }
-            for _ in 0..TAKEN_AT_ONCE {
-                let Ok(arrived) = self.from.try_recv() else { break };
-                self.arrived(arrived);
-            }
-            self.act();
+            self.take();
+            self.act().await?;
             if let Some(other) = self.shell.gives_way_to(self.clock.now()) {
                 return Err(NodeError::Second(other));
             }
@@ -229,6 +228,17 @@ impl Shell {
             if self.tasks.iter().any(Forward::is_finished) || self.devices.is_failed() || cut_off {
                 return Err(NodeError::Middleware);
             }
+        }
+    }
+
+    /// Takes in what has arrived, what has waited first.
+    fn take(&mut self) {
+        if let Some(events) = self.waiting.take_events() {
+            self.bus_events(&events);
+        }
+        for _ in 0..TAKEN_AT_ONCE {
+            let Some(arrived) = self.waiting.arrived.pop_front().or_else(|| self.from.try_recv().ok()) else { break };
+            self.arrived(arrived);
         }
     }
 
@@ -331,7 +341,19 @@ impl Shell {
 
     /// Performs what follows from what has arrived and from the time. After a record that could not be written there is
     /// more to do: the emergency stop.
-    fn act(&mut self) {
+    ///
+    /// # Errors
+    /// When the bus or the middleware fails while a record is being written.
+    async fn act(&mut self) -> Result<(), NodeError> {
+        while self.is_interrupted().await? {
+            self.take();
+        }
+        self.tell_cell();
+        Ok(())
+    }
+
+    /// Acts once. True if an emergency stop has arrived while a record was being written: it comes before what followed.
+    async fn is_interrupted(&mut self) -> Result<bool, NodeError> {
         let now = self.clock.now();
         self.look();
         if let Some(cell) = &self.cell {
@@ -342,31 +364,45 @@ impl Shell {
         self.behind.iter_mut().for_each(|behind| behind.trouble.act(now, &self.driver));
         let mut effects = std::mem::take(&mut self.effects);
         self.shell.act(now, &mut effects);
-        // After a record that failed or took long the rest is dropped. It is to act again at once, and takes in first what
-        // has waited meanwhile.
-        let _ = effects.drain(..).all(|effect| self.perform(now, effect));
+        let mut is_interrupted = false;
+        for effect in effects.drain(..) {
+            let CoordinatorEffect::Remember(record) = effect else {
+                self.perform(now, effect);
+                continue;
+            };
+            let is_written = match self.remember(record).await? {
+                Recorded::Yes => true,
+                Recorded::No => false,
+                Recorded::Interrupted => {
+                    is_interrupted = true;
+                    self.shell.interrupted(self.clock.now());
+                    break;
+                }
+            };
+            // After a record that failed or took long the rest is dropped. It is to act again at once, and takes in first
+            // what has waited meanwhile.
+            if !self.shell.remembered(self.clock.now(), record, is_written) {
+                break;
+            }
+        }
         self.effects = effects;
-        self.tell_cell();
+        Ok(is_interrupted)
     }
 
-    /// False if it was a record after which it has to be decided again.
-    fn perform(&mut self, now: Tick, effect: CoordinatorEffect) -> bool {
+    fn perform(&mut self, now: Tick, effect: CoordinatorEffect) {
         match effect {
             CoordinatorEffect::Refused(refusal) => self.refused(&refusal),
             CoordinatorEffect::Entered(mode) => {
                 tracing::info!(epoch = self.shell.coordinator().epoch(), "mode {mode}");
             }
-            CoordinatorEffect::Remember(record) => {
-                let is_written = self.remember(record);
-                return self.shell.remembered(self.clock.now(), record, is_written);
-            }
+            // It is awaited where effects are performed in order.
+            CoordinatorEffect::Remember(_) => {}
             CoordinatorEffect::Lamps(bits) => self.driver.set_outputs(Owner::Console, bits),
             CoordinatorEffect::Energise(station, bits) => self.driver.set_outputs(Owner::Station(station), bits),
             CoordinatorEffect::Inputs { station, sequence, image } => self.send_inputs(station, sequence, image),
             CoordinatorEffect::Order { sequence } => self.send_order(sequence),
             CoordinatorEffect::Tell { sequence } => self.tell(now, sequence),
         }
-        true
     }
 
     fn refused(&mut self, refusal: &Refusal) {
@@ -375,15 +411,6 @@ impl Shell {
             owner => in_words(&self.driver, owner),
         });
         self.refuse(text);
-    }
-
-    fn remember(&mut self, record: Remembered) -> bool {
-        let Some(journal) = &mut self.journal else { return true };
-        let written = journal.write(&record_of(record));
-        if let Err(error) = &written {
-            tracing::error!("{error}; emergency stop until it can be written");
-        }
-        written.is_ok()
     }
 
     fn tell_cell(&mut self) {

@@ -297,12 +297,17 @@ impl CoordinatorShell {
         }
         let goes_on = is_written && !is_late;
         if !goes_on {
-            // What was to follow was not performed.
-            self.behind.iter_mut().for_each(Behind::forget);
-            self.refresh_due = self.refresh_due.min(now);
+            self.interrupted(now);
         }
         self.coordinator.handle(now, Input::Journal(is_written));
         goes_on
+    }
+
+    /// What followed a record was not performed, since an emergency stop arrived while the record was being written. Act again
+    /// at once; the record is asked for again.
+    pub fn interrupted(&mut self, now: Tick) {
+        self.behind.iter_mut().for_each(Behind::forget);
+        self.refresh_due = self.refresh_due.min(now);
     }
 
     /// In a cell trouble of a station on order is an exception of its order, and the others work on: what has come to be

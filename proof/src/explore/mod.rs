@@ -18,6 +18,7 @@ mod judge;
 #[cfg(test)]
 mod lumped;
 mod orders;
+mod restart;
 mod search;
 mod setting;
 mod state;

@@ -94,7 +94,7 @@ pub(crate) struct Situation {
     pub mode: ControlMode,
     pub outputs: u128,
     epoch: u64,
-    now: Tick,
+    pub(super) now: Tick,
     /// What of the image the station waits for is on, whatever moves.
     sensors: u128,
     /// The last order it was given.
@@ -306,7 +306,7 @@ impl Situation {
         Ok(situation)
     }
 
-    fn step(&mut self, events: &mut Vec<Event>) {
+    pub(super) fn step(&mut self, events: &mut Vec<Event>) {
         let mut out = Outbox::default();
         self.controller.step(self.now, &mut out);
         self.outputs = out.outputs;
@@ -319,7 +319,7 @@ impl Situation {
         self.step(events);
     }
 
-    fn order(&mut self, setting: &Setting, events: &mut Vec<Event>) {
+    pub(super) fn order(&mut self, setting: &Setting, events: &mut Vec<Event>) {
         self.epoch += 1;
         // Counts of the start are of one generation; it is founded for the first life of each station.
         let found = setting.forgets.then_some(Founding { generation: 1, boot_id: 1 });
@@ -382,50 +382,6 @@ impl Situation {
                 self.image(0, true, events);
             }
         }
-    }
-
-    /// Comes up from its snapshot. It hears again what it had heard from each writer last; buttons start released.
-    fn restart(&mut self, setting: &Setting, events: &mut Vec<Event>) {
-        let station = self.controller.station();
-        let held: Vec<(StationId, Report)> =
-            setting.into(station.index()).filter_map(|link| self.heard_over(setting, link)).collect();
-        self.begin_life(setting, Restore::From(self.controller.snapshot()));
-        self.image(0, true, events);
-        self.order(setting, events);
-        for (writer, report) in held {
-            self.controller.handle(self.now, Input::View(writer, &report));
-            self.step(events);
-        }
-    }
-
-    /// Comes up without its snapshot. Its switches say whether it is at home; what it hears cannot be compared with anything.
-    fn forget(&mut self, setting: &Setting, events: &mut Vec<Event>) {
-        let (line, station) = (&setting.line, self.controller.station());
-        self.stood = Some(self.controller.marking().collect());
-        let home = line.operation((station, line.station(station).home)).normal.complete.bit();
-        let at_home = if self.controller.is_at_home() { home } else { 0 };
-        self.begin_life(setting, Restore::Fresh);
-        self.open = 0;
-        self.image(at_home, true, events);
-        self.image(0, true, events);
-        self.order(setting, events);
-    }
-
-    fn begin_life(&mut self, setting: &Setting, restore: Restore) {
-        let life = self.controller.writer().boot_id + 1;
-        self.controller = Controller::new(&setting.line, self.controller.station(), life, restore)
-            .expect("its program has compiled before, and its own snapshot fits it")
-            .with_rules(setting.rules);
-        (self.key, self.button, self.outputs) = (None, None, 0);
-    }
-
-    /// The last report that it heard over a link, but for the answer to a request that it has forgotten.
-    fn heard_over(&self, setting: &Setting, link: usize) -> Option<(StationId, Report)> {
-        let writer = StationId::at(setting.links[link].writer);
-        let held = self.controller.held(writer)?;
-        let (cycle, done) = (held.cycle, held.done.to_vec());
-        let generation = held.generation;
-        Some((writer, Report { boot_id: 1, generation, cycle, done, request: held.request, ..Report::default() }))
     }
 
     /// A word arrives. A request that is not the one held gets the next number, so that it is a new one.

@@ -11,6 +11,7 @@ mod journal;
 mod node;
 mod orders;
 mod topics;
+mod waiting;
 mod words;
 
 pub use convert::{ConvertError, mode_from_code, mode_to_code, report_from_message, report_to_message};

@@ -9,7 +9,7 @@ use linewright_fieldbus::{
 use linewright_line::{Bus, Line, OpId, Owner, StationId, Tick};
 use linewright_msgs::{ModeOrder, ProcessImage, StationEvent, StationState, fitting};
 use linewright_node_shell::{
-    Forward, Journal, JournalError, OpenError, Participant, TopicError, Watchdog, fresh_boot_id, stamp,
+    Forward, JournalError, OpenError, Participant, Recorder, TopicError, Watchdog, fresh_boot_id, stamp,
 };
 use linewright_station_logic::{CompileError, Event, Founding, Happening, ModeOrder as Order, PanelCommand, Restore};
 use linewright_station_shell::{Driven, InputsMessage, StationArrival, StationEffect, StationShell};
@@ -19,8 +19,9 @@ use tokio::sync::{mpsc, watch};
 use crate::convert::{kind_of, mode_from_code, report_from_message, report_to_message};
 use crate::devices::{Asked, Devices, Trouble};
 use crate::foreign::quoted;
-use crate::journal::{from_record, to_record};
+use crate::journal::from_record;
 use crate::topics::{Arrived, Says, open};
+use crate::waiting::Waiting;
 use crate::words::Words;
 
 /// Why a station's node cannot run, or had to end.
@@ -92,7 +93,7 @@ pub async fn run(options: Options, participant: &Participant, stop: watch::Recei
     outcome
 }
 
-async fn next_bus_events(driver: &mut Option<Driver>) -> Result<Vec<BusEvent>, DriverError> {
+pub(crate) async fn next_bus_events(driver: &mut Option<Driver>) -> Result<Vec<BusEvent>, DriverError> {
     match driver {
         Some(driver) => driver.next().await,
         None => std::future::pending().await,
@@ -106,28 +107,28 @@ async fn next_asked(devices: &mut Option<Devices>) -> Asked {
     }
 }
 
-/// So many messages are taken between two steps: what waits is taken in before anything is decided, and no flood of
-/// messages keeps the bus or an order to stop waiting.
+/// So many messages are taken between two steps, so that no flood of them keeps the bus waiting.
 const TAKEN_AT_ONCE: usize = 64;
 
-struct Shell {
-    line: Line,
-    station: StationId,
-    name: String,
-    clock: Clock,
-    shell: StationShell,
+pub(crate) struct Shell {
+    pub(crate) line: Line,
+    pub(crate) station: StationId,
+    pub(crate) name: String,
+    pub(crate) clock: Clock,
+    pub(crate) shell: StationShell,
     /// What there is to do, in this order.
     effects: Vec<StationEffect>,
-    driver: Option<Driver>,
+    pub(crate) driver: Option<Driver>,
     /// What ROS 2 sees of the devices on its own bus.
     devices: Option<Devices>,
     trouble: Option<Trouble>,
     words: Words,
-    journal: Option<Journal>,
+    pub(crate) journal: Option<Recorder>,
+    pub(crate) waiting: Waiting,
     /// Which start of the host this is.
-    host: String,
+    pub(crate) host: String,
     says: Says,
-    from: mpsc::Receiver<Arrived>,
+    pub(crate) from: mpsc::Receiver<Arrived>,
     tasks: Vec<Forward>,
     event_sequence: u64,
     message: StationState,
@@ -152,7 +153,7 @@ impl Shell {
         let host = host_start();
         if let Some(dir) = state_dir {
             let path = dir.join(format!("{name}.journal"));
-            let (opened, record) = Journal::open(&path)?;
+            let (opened, record) = Recorder::open(&path)?;
             if let Some(record) = record {
                 match from_record(&line, station, &record, &host) {
                     Ok(snapshot) => {
@@ -195,6 +196,7 @@ impl Shell {
             trouble,
             words: Words::default(),
             journal,
+            waiting: Waiting::default(),
             host,
             says,
             from,
@@ -207,10 +209,10 @@ impl Shell {
     }
 
     async fn work(&mut self, watchdog: &Watchdog, mut stop: watch::Receiver<bool>) -> Result<(), NodeError> {
-        self.act()?;
+        self.act().await?;
         loop {
             watchdog.feed();
-            let deadline = self.deadline();
+            let deadline = if self.waiting.is_empty() { self.deadline() } else { Tick::ZERO };
             tokio::select! {
                 biased;
                 changed = stop.changed() => {
@@ -224,25 +226,30 @@ impl Shell {
                     Err(error) => return Err(NodeError::Driver { station: self.name.clone(), error }),
                 },
                 arrived = self.from.recv() => match arrived {
-                    Some(arrived) => self.arrived(arrived),
+                    Some(arrived) => self.waiting.arrived.push_back(arrived),
                     None => return Err(self.cut_off()),
                 },
                 asked = next_asked(&mut self.devices) => self.asked(asked),
                 () = self.clock.sleep_until(Some(deadline)) => {}
                 () = tokio::time::sleep(Watchdog::FEED) => {}
             }
+            if let Some(events) = self.waiting.take_events() {
+                self.bus_events(&events);
+            }
             for _ in 0..TAKEN_AT_ONCE {
-                let Ok(arrived) = self.from.try_recv() else { break };
+                let Some(arrived) = self.waiting.arrived.pop_front().or_else(|| self.from.try_recv().ok()) else {
+                    break;
+                };
                 self.arrived(arrived);
             }
-            self.act()?;
+            self.act().await?;
             if self.tasks.iter().any(Forward::is_finished) || self.devices.as_ref().is_some_and(Devices::is_failed) {
                 return Err(self.cut_off());
             }
         }
     }
 
-    fn cut_off(&self) -> NodeError {
+    pub(crate) fn cut_off(&self) -> NodeError {
         NodeError::Middleware { station: self.name.clone() }
     }
 
@@ -355,7 +362,7 @@ impl Shell {
     /// # Errors
     /// When the journal cannot be written. A station restarted without its journal would tell a past state: better to
     /// end now, with the outputs off.
-    fn act(&mut self) -> Result<(), NodeError> {
+    async fn act(&mut self) -> Result<(), NodeError> {
         let now = self.clock.now();
         if let (Some(devices), Some(driver)) = (&mut self.devices, &self.driver) {
             devices.act(now, driver);
@@ -367,7 +374,7 @@ impl Shell {
         for effect in effects.drain(..) {
             match effect {
                 StationEffect::Remember => {
-                    self.remember()?;
+                    self.remember().await?;
                     is_late = !self.shell.remembered(self.clock.now());
                 }
                 // Decided before a record that took long: the loop goes round and decides again.
@@ -390,14 +397,7 @@ impl Shell {
         Ok(())
     }
 
-    fn remember(&mut self) -> Result<(), NodeError> {
-        if let Some(journal) = &mut self.journal {
-            journal.write(&to_record(&self.line, self.station, &self.shell.snapshot(), &self.host))?;
-        }
-        Ok(())
-    }
-
-    fn drive(&mut self, image: Driven) {
+    pub(crate) fn drive(&mut self, image: Driven) {
         if let Some(driver) = &mut self.driver {
             driver.set_outputs(Owner::Station(self.station), image.bits);
         }

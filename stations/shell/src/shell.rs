@@ -46,6 +46,8 @@ pub struct StationShell {
     image: (u128, u64),
     /// The same of the one before, if a record comes first that may be late.
     before: Option<(u128, u64)>,
+    /// Everything was turned off while a record was being written.
+    is_interrupted: bool,
     /// When it was decided last.
     acted: Tick,
     state_sequence: u64,
@@ -84,6 +86,7 @@ impl StationShell {
             driven: None,
             image: (0, 0),
             before: None,
+            is_interrupted: false,
             acted: Tick::ZERO,
             state_sequence: 0,
             image_sequence: 0,
@@ -319,7 +322,7 @@ impl StationShell {
     /// that follow in the same effects are not put out, as they were decided on what is old now. All else that follows is
     /// performed, and [`StationShell::act`] is due at once.
     pub fn remembered(&mut self, now: Tick) -> bool {
-        let is_late = now > self.acted + self.refresh;
+        let is_late = now > self.acted + self.refresh || std::mem::take(&mut self.is_interrupted);
         if is_late {
             // What it would switch on is not: the image before is the last one that was given.
             if let Some(before) = self.before.take() {
@@ -328,6 +331,19 @@ impl StationShell {
             self.refresh_due = self.refresh_due.min(now);
         }
         !is_late
+    }
+
+    /// The image for when an emergency stop arrives while a record is being written, or the record takes longer than what was
+    /// heard is known for: everything off. The order itself is handled after the record, and nothing that was decided before
+    /// it is put out ([`StationShell::remembered`]).
+    pub fn interrupt(&mut self) -> Driven {
+        self.is_interrupted = true;
+        self.before = None;
+        self.driven = None;
+        self.image.0 = 0;
+        self.image_sequence += 1;
+        let ((bits, number), sequence, lives) = (self.image, self.image_sequence, self.lives);
+        Driven { sequence, bits, number, lives, mode_epoch: self.controller.mode_epoch() }
     }
 
     /// The image to end with, whatever the reason: everything off.

@@ -86,3 +86,25 @@ fn after_a_slow_record_nothing_is_switched_on_by_what_was_decided_before_it() {
         assert!(rig.kinds().iter().any(|kind| ["on", "off"].contains(kind)), "the image is given again");
     }
 }
+
+/// While the record of a motion that is to begin is being written, and of one that runs, everything is turned off.
+#[test]
+fn what_is_turned_off_while_a_record_is_written_stays_off_until_it_is_decided_again() {
+    for stops in [false, true] {
+        let mut rig = Rig::new();
+        rig.close();
+        let off = rig.shell.interrupt();
+        assert_eq!(off.bits, 0);
+        assert!(!rig.shell.remembered(rig.now), "nothing is put out that was decided before");
+        assert!(rig.shell.next_deadline() <= rig.now, "it is to act at once");
+        rig.effects.clear();
+        if stops {
+            rig.order(FOLLOWED, 6, ControlMode::EStop);
+        }
+        rig.act();
+        assert_eq!(rig.kinds().contains(&"on"), !stops, "{:?}", rig.kinds());
+        // The motion goes on under the number that it had, since nothing else began meanwhile.
+        assert!(stops || rig.driven().is_some_and(|image| image.number == off.number));
+        assert!(rig.shell.remembered(rig.now));
+    }
+}

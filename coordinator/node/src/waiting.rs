@@ -1,0 +1,107 @@
+//! What arrives while a record is being written, which takes as long as a disk takes.
+//!
+//! It waits: what follows the record was decided without it. An emergency stop, by command or from the console, comes first:
+//! what follows the record is dropped then, and decided again.
+
+use std::collections::VecDeque;
+
+use linewright_coordinator_logic::Command;
+use linewright_coordinator_shell::Remembered;
+use linewright_fieldbus::Event as BusEvent;
+use linewright_line::Owner;
+use linewright_line::net::ControlMode;
+
+use crate::node::{NodeError, Shell};
+use crate::remembered::record_of;
+use crate::topics::Arrived;
+
+/// What has arrived and is not taken yet. A record that takes longer than [`linewright_node_shell::Watchdog::LIMIT`] ends the
+/// process, so this does not grow for ever.
+#[derive(Default)]
+pub(crate) struct Waiting {
+    pub(crate) arrived: VecDeque<Arrived>,
+    pub(crate) events: Vec<BusEvent>,
+}
+
+impl Waiting {
+    pub(crate) fn is_empty(&self) -> bool {
+        self.arrived.is_empty() && self.events.is_empty()
+    }
+
+    pub(crate) fn take_events(&mut self) -> Option<Vec<BusEvent>> {
+        (!self.events.is_empty()).then(|| std::mem::take(&mut self.events))
+    }
+}
+
+/// What has become of a record.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub(crate) enum Recorded {
+    Yes,
+    No,
+    /// It is still being written, and there is an emergency stop to obey first.
+    Interrupted,
+}
+
+impl Shell {
+    /// Writes a record down, after the one that may still be under way.
+    pub(crate) async fn remember(&mut self, record: Remembered) -> Result<Recorded, NodeError> {
+        let Some(journal) = &self.journal else { return Ok(Recorded::Yes) };
+        if journal.is_writing() && self.recorded().await? == Recorded::Interrupted {
+            return Ok(Recorded::Interrupted);
+        }
+        if let Some(journal) = &mut self.journal {
+            journal.begin(record_of(record));
+        }
+        self.recorded().await
+    }
+
+    /// Waits for the record that is being written. Where it takes longer than images are valid for, outputs of stations go
+    /// off: what they follow from is not looked at meanwhile.
+    async fn recorded(&mut self) -> Result<Recorded, NodeError> {
+        let mut due = Some(self.clock.now() + self.line.timing.stale);
+        while let Some(journal) = &mut self.journal {
+            let may_stop = tokio::select! {
+                biased;
+                written = journal.written() => return Ok(match written {
+                    Ok(()) => Recorded::Yes,
+                    Err(error) => {
+                        tracing::error!("{error}; emergency stop until it can be written");
+                        Recorded::No
+                    }
+                }),
+                events = self.driver.next() => {
+                    let events = events?;
+                    let of_console = |event: &BusEvent| {
+                        matches!(event, BusEvent::InputsChanged { owner: Owner::Console })
+                    };
+                    let may_stop = events.iter().any(of_console);
+                    self.waiting.events.extend(events);
+                    may_stop
+                }
+                arrived = self.from.recv() => {
+                    let Some(arrived) = arrived else { return Err(NodeError::Middleware) };
+                    let is_stop = is_emergency_stop(&arrived);
+                    self.waiting.arrived.push_back(arrived);
+                    is_stop
+                }
+                () = self.clock.sleep_until(due) => {
+                    tracing::warn!("the journal is slow: outputs of stations off until it is written");
+                    due = None;
+                    for behind in &self.behind {
+                        self.driver.set_outputs(Owner::Station(behind.station), 0);
+                    }
+                    false
+                }
+            };
+            // In the emergency stop the record comes last.
+            if may_stop && self.shell.coordinator().mode() != ControlMode::EStop {
+                return Ok(Recorded::Interrupted);
+            }
+        }
+        Ok(Recorded::Yes)
+    }
+}
+
+fn is_emergency_stop(arrived: &Arrived) -> bool {
+    matches!(arrived, Arrived::Command(word) if Command::parse(word) == Some(Command::EStop))
+}

@@ -1,0 +1,108 @@
+//! A journal that is written beside the loop: a disk may take its time, and an emergency stop must not wait for it.
+//!
+//! One record is under way at a time. What must follow a record waits for [`Recorder::written`]; meanwhile the loop may take
+//! in what must not wait, and turn outputs off.
+
+use std::path::{Path, PathBuf};
+
+use tokio::task::JoinHandle;
+
+use crate::journal::{Journal, JournalError};
+
+/// A journal and the record that is being written to it.
+#[derive(Debug)]
+pub struct Recorder {
+    path: PathBuf,
+    state: State,
+}
+
+#[derive(Debug)]
+enum State {
+    Idle(Journal),
+    Writing(JoinHandle<(Journal, Result<(), JournalError>)>),
+    /// The thread that wrote has panicked, and the journal is gone with it.
+    Lost,
+}
+
+impl Recorder {
+    /// Opens or creates the journal at `path`, and gives its record; see [`Journal::open`].
+    ///
+    /// # Errors
+    /// As [`Journal::open`].
+    pub fn open(path: &Path) -> Result<(Self, Option<Vec<u8>>), JournalError> {
+        let (journal, record) = Journal::open(path)?;
+        Ok((Recorder { path: path.to_owned(), state: State::Idle(journal) }, record))
+    }
+
+    /// Whether a record is being written.
+    pub fn is_writing(&self) -> bool {
+        matches!(self.state, State::Writing(_))
+    }
+
+    /// Begins to replace the record. While one is being written nothing begins: wait for [`Recorder::written`] first.
+    /// Must be called within a tokio runtime.
+    pub fn begin(&mut self, record: Vec<u8>) {
+        self.state = match std::mem::replace(&mut self.state, State::Lost) {
+            State::Idle(mut journal) => State::Writing(tokio::task::spawn_blocking(move || {
+                let written = journal.write(&record);
+                (journal, written)
+            })),
+            busy => busy,
+        };
+    }
+
+    /// Waits until the record that is being written, if any, is there. May be given up and called again.
+    ///
+    /// # Errors
+    /// When it cannot be written; the record before it is then still there.
+    pub async fn written(&mut self) -> Result<(), JournalError> {
+        let ended = match &mut self.state {
+            State::Idle(_) => return Ok(()),
+            State::Writing(writing) => writing.await.ok(),
+            State::Lost => None,
+        };
+        let Some((journal, written)) = ended else {
+            self.state = State::Lost;
+            return Err(JournalError::Thread { path: self.path.clone() });
+        };
+        self.state = State::Idle(journal);
+        written
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[tokio::test]
+    async fn a_record_is_there_once_it_is_written_and_the_wait_may_be_given_up() {
+        let directory = tempfile::tempdir().expect("a directory");
+        let path = directory.path().join("journal");
+        let (mut recorder, none) = Recorder::open(&path).expect("it opens");
+        assert_eq!(none, None);
+        recorder.written().await.expect("nothing to wait for");
+        for record in [b"first".to_vec(), b"second".to_vec()] {
+            recorder.begin(record);
+            assert!(recorder.is_writing());
+            recorder.begin(b"it is busy".to_vec());
+            let given_up = tokio::time::timeout(std::time::Duration::ZERO, recorder.written()).await;
+            if given_up.is_err() {
+                recorder.written().await.expect("it writes");
+            }
+            assert!(!recorder.is_writing());
+        }
+        assert_eq!(Journal::open(&path).expect("it opens").1, Some(b"second".to_vec()));
+    }
+
+    #[tokio::test]
+    async fn a_record_that_does_not_fit_is_an_error_and_the_next_one_is_written() {
+        let directory = tempfile::tempdir().expect("a directory");
+        let path = directory.path().join("journal");
+        let (mut recorder, _) = Recorder::open(&path).expect("it opens");
+        recorder.begin(vec![0; 1 << 20]);
+        assert!(matches!(recorder.written().await, Err(JournalError::TooLarge { .. })));
+        recorder.begin(b"small".to_vec());
+        recorder.written().await.expect("it writes");
+        assert_eq!(Journal::open(&path).expect("it opens").1, Some(b"small".to_vec()));
+    }
+}

@@ -1,0 +1,53 @@
+//! A station whose process ends and starts again: with its memory, and without.
+
+use linewright_line::StationId;
+use linewright_station_logic::{Controller, Event, Input, Report, Restore};
+
+use super::setting::Setting;
+use super::station::Situation;
+
+impl Situation {
+    /// Comes up from its snapshot. It hears again what it had heard from each writer last; buttons start released.
+    pub(super) fn restart(&mut self, setting: &Setting, events: &mut Vec<Event>) {
+        let station = self.controller.station();
+        let held: Vec<(StationId, Report)> =
+            setting.into(station.index()).filter_map(|link| self.heard_over(setting, link)).collect();
+        self.begin_life(setting, Restore::From(self.controller.snapshot()));
+        self.image(0, true, events);
+        self.order(setting, events);
+        for (writer, report) in held {
+            self.controller.handle(self.now, Input::View(writer, &report));
+            self.step(events);
+        }
+    }
+
+    /// Comes up without its snapshot. Its switches say whether it is at home; what it hears cannot be compared with anything.
+    pub(super) fn forget(&mut self, setting: &Setting, events: &mut Vec<Event>) {
+        let (line, station) = (&setting.line, self.controller.station());
+        self.stood = Some(self.controller.marking().collect());
+        let home = line.operation((station, line.station(station).home)).normal.complete.bit();
+        let at_home = if self.controller.is_at_home() { home } else { 0 };
+        self.begin_life(setting, Restore::Fresh);
+        self.open = 0;
+        self.image(at_home, true, events);
+        self.image(0, true, events);
+        self.order(setting, events);
+    }
+
+    fn begin_life(&mut self, setting: &Setting, restore: Restore) {
+        let life = self.controller.writer().boot_id + 1;
+        self.controller = Controller::new(&setting.line, self.controller.station(), life, restore)
+            .expect("its program has compiled before, and its own snapshot fits it")
+            .with_rules(setting.rules);
+        (self.key, self.button, self.outputs) = (None, None, 0);
+    }
+
+    /// The last report that it heard over a link, but for the answer to a request that it has forgotten.
+    fn heard_over(&self, setting: &Setting, link: usize) -> Option<(StationId, Report)> {
+        let writer = StationId::at(setting.links[link].writer);
+        let held = self.controller.held(writer)?;
+        let (cycle, done) = (held.cycle, held.done.to_vec());
+        let generation = held.generation;
+        Some((writer, Report { boot_id: 1, generation, cycle, done, request: held.request, ..Report::default() }))
+    }
+}
