@@ -55,7 +55,7 @@ enum Link {
 
 impl Link {
     fn open(args: &RosArgs, name: &str, from: &str, to: &str, reliable: bool, bare: bool) -> Result<Self> {
-        let qos = if reliable { qos::command() } else { qos::image() };
+        let qos = if reliable { qos::command() } else { qos::repeated() };
         if bare { Self::bare(args, name, from, to, &qos) } else { Self::shell(args, name, from, to, &qos) }
     }
 

@@ -10,8 +10,8 @@ use crate::support::rig::{Rig, line};
 
 #[test]
 fn a_held_button_runs_a_step_and_its_partner_runs_it_back() {
-    // Four lifts of a quarter of a second and more: time to let go in between.
-    let mut rig = Rig::new(&line(3.0));
+    // Four lifts of half a second: time to let go in between.
+    let mut rig = Rig::new(&line(4.0));
     let operator = rig.in_stand_by();
     operator.order("hand", StationState::MODE_HAND);
 
@@ -51,7 +51,11 @@ fn a_late_refresh_does_not_go_on(rig: &Rig, operator: &Operator) {
     let finger = operator.hold_buttons("PB_2");
     rig.eye.wait("it lifts on", |seen| !seen.energised().is_empty());
     finger.mute(true);
-    rig.eye.wait("it stops", |seen| seen.energised().is_empty());
+    // Between two lifts nothing is on for a moment either.
+    operator.wait("it waits for the button", |heard| {
+        heard.station("transfer").blocked_by.iter().any(|why| why.contains("PB_2 to be held"))
+    });
+    assert!(rig.eye.seen().energised().is_empty());
     // Longer than a button's word counts, shorter than a silence that would have been a release.
     pause(300);
     let started = rig.eye.seen().starts().len();

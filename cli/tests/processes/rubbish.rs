@@ -88,7 +88,7 @@ impl Bytes {
             texts.push(Vandal::open(node, &format!("{station}/selector"), qos::command()));
             states.push(Vandal::open(node, &format!("{station}/state"), qos::latched_state()));
             for side in ["inputs", "outputs"] {
-                images.push(Vandal::open(node, &format!("{station}/{side}"), qos::image()));
+                images.push(Vandal::open(node, &format!("{station}/{side}"), qos::repeated()));
             }
         }
         Bytes { orders: Vandal::open(node, "mode", qos::command()), texts, states, images }
@@ -116,7 +116,7 @@ impl Words {
     fn open(node: &mut Node) -> Self {
         let mut images = Vec::new();
         for (station, side) in STATIONS.iter().flat_map(|station| [(station, "inputs"), (station, "outputs")]) {
-            images.push(node.publisher(&format!("{station}/{side}"), qos::image()).expect("a topic"));
+            images.push(node.publisher(&format!("{station}/{side}"), qos::repeated()).expect("a topic"));
         }
         let state = |node: &mut Node, station: &&str| {
             node.publisher(&format!("{station}/state"), qos::latched_state()).expect("a topic")

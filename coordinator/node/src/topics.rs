@@ -37,7 +37,7 @@ const QUEUE: usize = 1024;
 /// Opens every topic of the coordinator.
 pub fn open(node: &mut Node, line: &Line) -> Result<(Says, mpsc::Receiver<Arrived>, Vec<Forward>), TopicError> {
     let mut says = Says {
-        order: node.publisher("mode", qos::command())?,
+        order: node.publisher("mode", qos::repeated())?,
         state: node.publisher("state", qos::latched_state())?,
         mode_text: node.publisher("mode_text", qos::latched_state())?,
         inputs: Vec::with_capacity(line.stations.len()),
@@ -47,7 +47,7 @@ pub fn open(node: &mut Node, line: &Line) -> Result<(Says, mpsc::Receiver<Arrive
         watch_middleware(),
         forward(node.subscription("mode_cmd", qos::event())?, to.clone(), |m: Text, _| Some(Arrived::Command(m.data))),
         // Another coordinator's; what this one says itself does not come back from the loopback address.
-        forward(node.subscription("mode", qos::command())?, to.clone(), |m: ModeOrder, _| {
+        forward(node.subscription("mode", qos::repeated())?, to.clone(), |m: ModeOrder, _| {
             Some(Arrived::Order { boot_id: m.boot_id, sequence: m.sequence })
         }),
         forward(node.subscription("buttons", qos::command())?, to.clone(), |m: Text, _| Some(Arrived::Buttons(m.data))),
@@ -57,9 +57,9 @@ pub fn open(node: &mut Node, line: &Line) -> Result<(Says, mpsc::Receiver<Arrive
         let state = node.subscription(&format!("{}/state", station.name), qos::latched_state())?;
         tasks.push(forward(state, to.clone(), |m, _| Some(Arrived::State(Box::new(m)))));
         says.inputs.push(if station.bus == Bus::Line {
-            let outputs = node.subscription(&format!("{}/outputs", station.name), qos::image())?;
+            let outputs = node.subscription(&format!("{}/outputs", station.name), qos::repeated())?;
             tasks.push(forward(outputs, to.clone(), move |m, _| Some(Arrived::Outputs(id, m))));
-            Some(node.publisher(&format!("{}/inputs", station.name), qos::image())?)
+            Some(node.publisher(&format!("{}/inputs", station.name), qos::repeated())?)
         } else {
             let trouble = node.subscription(&format!("{}/trouble", station.name), qos::latched_state())?;
             tasks.push(forward(trouble, to.clone(), move |m: Text, _| Some(Arrived::Trouble(id, m.data))));

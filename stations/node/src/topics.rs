@@ -59,13 +59,13 @@ pub fn open(
     let mut says = Says {
         state: node.publisher("~/state", qos::latched_state())?,
         event: node.publisher("~/event", qos::event())?,
-        outputs: if gateway { Some(node.publisher("~/outputs", qos::image())?) } else { None },
+        outputs: if gateway { Some(node.publisher("~/outputs", qos::repeated())?) } else { None },
         orders: None,
     };
     let (to, from) = mpsc::channel(QUEUE);
     let mut tasks = vec![
         watch_middleware(),
-        forward(node.subscription("mode", qos::command())?, to.clone(), |m, _| Some(Arrived::Order(m))),
+        forward(node.subscription("mode", qos::repeated())?, to.clone(), |m, _| Some(Arrived::Order(m))),
         forward(node.subscription("~/selector", qos::command())?, to.clone(), |m: Text, _| {
             Some(Arrived::Selector(m.data))
         }),
@@ -87,7 +87,9 @@ pub fn open(
         says.orders = Some(Orders::open(node, &line.station(station).name, boot_id, &to, &mut tasks)?);
     }
     if gateway {
-        tasks.push(forward(node.subscription("~/inputs", qos::image())?, to.clone(), |m, _| Some(Arrived::Inputs(m))));
+        tasks.push(forward(node.subscription("~/inputs", qos::repeated())?, to.clone(), |m, _| {
+            Some(Arrived::Inputs(m))
+        }));
         tasks.push(forward(node.subscription("~/trouble", qos::latched_state())?, to.clone(), |m: Text, _| {
             Some(Arrived::Trouble(m.data))
         }));
