@@ -274,7 +274,10 @@ impl Shell {
                 Ok((station, report)) => {
                     let (sequence, follows) = (message.sequence, message.coordinator_boot_id);
                     let heard = Heard { follows, ..heard(&report) };
-                    self.handle(CoordinatorArrival::State { station, sequence, heard });
+                    if !self.shell.handle(self.clock.now(), CoordinatorArrival::State { station, sequence, heard }) {
+                        let (epoch, name) = (heard.mode_epoch, &message.station);
+                        self.ignore(format_args!("mode epoch {epoch} of {name} is beyond any: start it again"));
+                    }
                 }
                 Err(error) => self.ignore(error),
             },

@@ -165,8 +165,9 @@ impl CoordinatorShell {
         ModeOrder { found, ..self.order() }
     }
 
-    /// Takes what has arrived. Follow with [`CoordinatorShell::act`], once everything that waits has been taken.
-    pub fn handle(&mut self, now: Tick, arrival: CoordinatorArrival) {
+    /// Takes what has arrived. Follow with [`CoordinatorShell::act`], once everything that waits has been taken. False if it is
+    /// the state of a station with an epoch that no coordinator can have given, which counts as not heard.
+    pub fn handle(&mut self, now: Tick, arrival: CoordinatorArrival) -> bool {
         self.notice_gap(now);
         let is_doubtful = now < self.doubts_until;
         match arrival {
@@ -185,14 +186,14 @@ impl CoordinatorShell {
                 }
             }
             CoordinatorArrival::State { station, sequence, heard } => {
-                let Some(states) = self.states.get_mut(station.index()) else { return };
+                let Some(states) = self.states.get_mut(station.index()) else { return true };
                 // An epoch that no coordinator can have given: followed, it would leave none above it. The station counts as not
                 // heard. An emergency stop is believed of it all the same.
                 if heard.mode_epoch > self.coordinator.epoch().saturating_add(EPOCH_JUMP_MAX) {
                     if heard.estopped && !self.coordinator.is_estopped() {
                         self.coordinator.handle(now, Input::Command(Command::EStop));
                     }
-                    return;
+                    return false;
                 }
                 let is_newest = states.offer(now, heard.boot_id, sequence);
                 if is_newest && !is_doubtful {
@@ -205,7 +206,7 @@ impl CoordinatorShell {
                 }
             }
             CoordinatorArrival::Outputs { station, sequence, image } => {
-                let Some(behind) = self.behind.iter_mut().find(|b| b.station == station) else { return };
+                let Some(behind) = self.behind.iter_mut().find(|b| b.station == station) else { return true };
                 if behind.newest.offer(now, image.boot_id, sequence) && !is_doubtful {
                     self.gateway.hear(now, station, image);
                 }
@@ -219,6 +220,7 @@ impl CoordinatorShell {
                 }
             }
         }
+        true
     }
 
     /// The process was stopped, or the machine stood still: what was heard before is unknown by its age. That has to be

@@ -98,6 +98,8 @@ fn a_button_that_was_held_over_a_standstill_counts_when_it_was_released() {
 fn a_station_in_an_emergency_stop_is_believed_whatever_its_epoch() {
     let mut rig = Rig::new(Remembered::default());
     rig.heard[1] = Heard { estopped: true, mode_epoch: 1 << 40, ..rig.heard[1] };
+    let beyond = CoordinatorArrival::State { station: StationId(1), sequence: u64::MAX, heard: rig.heard[1] };
+    assert!(!rig.shell.handle(rig.now, beyond), "it is reported");
     rig.refresh();
     assert_eq!(rig.mode(), ControlMode::EStop);
     assert!(rig.shell.coordinator().epoch() < 1 << 20, "its epoch is not followed");
