@@ -163,6 +163,26 @@ impl Station {
     }
 }
 
+/// When an axis is at a place during a step.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+enum Meets {
+    AtItsStart,
+    OnItsWay,
+    AtItsEnd,
+    Always,
+}
+
+impl Meets {
+    fn of(place: f64, start: f64, end: f64) -> Option<Meets> {
+        match (same_place(start, place), same_place(end, place)) {
+            (true, true) => Some(Meets::Always),
+            (true, false) => Some(Meets::AtItsStart),
+            (false, true) => Some(Meets::AtItsEnd),
+            (false, false) => ((start - place) * (end - place) < 0.0).then_some(Meets::OnItsWay),
+        }
+    }
+}
+
 impl Line {
     /// The inputs of the span's station that are all on wherever it stands or moves outside this state of a conflict, and
     /// never all on inside it.
@@ -196,15 +216,23 @@ impl Line {
         }
         for (nth, &step) in inside.iter().enumerate() {
             let (start, end) = (&before[step], after(step));
-            // On its way an axis is strictly between its ends, and a cycle's motions pass no place twice on one way.
-            let away_during = still.iter().any(|&axis| {
-                let (from, to, at) = (start[axis], end[axis], rest[axis]);
-                let between = (from - at) * (to - at) < 0.0 && !same_place(from, at) && !same_place(to, at);
-                let moves = station.moves_in_step(step, axis);
-                if moves { !between } else { !same_place(from, at) }
-            });
-            let away_after = nth + 1 == inside.len() || still.iter().any(|&axis| !same_place(end[axis], rest[axis]));
-            if !(away_during && away_after) {
+            // Axes that move in one step keep no order: each may be at its start still, or at its end already.
+            let meets: Option<Vec<Meets>> = still
+                .iter()
+                .map(|&axis| {
+                    let moves = station.moves_in_step(step, axis);
+                    Meets::of(rest[axis], start[axis], if moves { end[axis] } else { start[axis] })
+                })
+                .collect();
+            let only = |end: Meets| {
+                let of =
+                    |meets: &Vec<Meets>| meets.contains(&end) && meets.iter().all(|m| [end, Meets::Always].contains(m));
+                meets.as_ref().is_some_and(of)
+            };
+            // Where the state begins and where it ends the station is outside it.
+            let at_the_border =
+                (nth == 0 && only(Meets::AtItsStart)) || (nth + 1 == inside.len() && only(Meets::AtItsEnd));
+            if meets.is_some() && !at_the_border {
                 return Err(NoClearance::NotSeen { op: station.steps[step][0] });
             }
         }
@@ -272,6 +300,42 @@ mod tests {
             Span { station: StationId(2), from: op("rapid advance positioning slide"), until: op("reset main slide") };
         let inputs = line.clearance(&whole).expect("the two slides together tell it");
         assert_eq!(names(mill, inputs), ["LS_positioning_0", "LS_main_0"]);
+    }
+
+    /// Inside the state the one slide comes back to where it stands outside, and the other one, at the same time, leaves it.
+    #[test]
+    fn two_axes_that_change_over_in_one_step_do_not_tell_the_state() {
+        let mut line = shipped();
+        let mill = &line.stations[2];
+        let op = |name| mill.operation_named(name).expect("it has it");
+        let span =
+            Span { station: StationId(2), from: op("rapid advance positioning slide"), until: op("reset main slide") };
+        assert!(line.clearance(&span).is_ok());
+        // Out; over to the other slide, both at once; back.
+        let station = &mut line.stations[2];
+        let way = |axis: u16, from: f64, to: f64| crate::Motion { axis: AxisId(axis), from, to };
+        let ways = [way(0, 0.0, 100.0), way(0, 100.0, 0.0), way(1, 0.0, 60.0), way(1, 60.0, 30.0), way(1, 30.0, 0.0)];
+        // A switch for each place of each slide.
+        let mut switches = Vec::new();
+        let mut switch = |axis: AxisId, at: f64| {
+            let nth = switches.iter().position(|known| *known == (axis, at)).unwrap_or_else(|| {
+                switches.push((axis, at));
+                switches.len() - 1
+            });
+            crate::InputId::at(station.inputs.len() + nth)
+        };
+        for (operation, motion) in station.operations.iter_mut().zip(ways) {
+            operation.motion = motion;
+            operation.normal.complete = switch(motion.axis, motion.to);
+            if let Module::Reversible { recovery, .. } = &mut operation.module {
+                recovery.complete = switch(motion.axis, motion.from);
+            }
+        }
+        station.steps = vec![vec![OpId(0)], vec![OpId(1), OpId(2)], vec![OpId(3)], vec![OpId(4)]];
+        assert_eq!(line.clearance(&span), Err(NoClearance::NotSeen { op: OpId(1) }));
+        // One after the other, the first one first out again, is told.
+        line.stations[2].steps = vec![vec![OpId(0), OpId(2)], vec![OpId(1)], vec![OpId(3)], vec![OpId(4)]];
+        assert!(line.clearance(&span).is_ok());
     }
 
     #[test]
