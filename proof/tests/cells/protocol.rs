@@ -1,7 +1,5 @@
 //! The order protocol of the shipped cells, with the real player and the real controllers; and without each of its rules.
 
-use std::path::Path;
-
 use linewright_cell::Cell;
 use linewright_line::Line;
 use linewright_proof::cell::Verdict;
@@ -9,12 +7,10 @@ use linewright_proof::cell::protocol::{
     ANSWERED, ActivityExplored, BrokenRule, ENDED, GIVEN, ProtocolSetting, RESTORED, TWICE, check_protocol, properties,
 };
 
+use super::described;
+
 fn shipped(name: &str) -> (Cell, Line) {
-    let dir = Path::new(env!("CARGO_MANIFEST_DIR")).join("../launch-config/lines").join(name);
-    let text = |file: &str| std::fs::read_to_string(dir.join(file)).expect("it is there");
-    let line = linewright_line::parse("line.toml", &text("line.toml")).unwrap_or_else(|why| panic!("{why:#}")).line;
-    let cell = linewright_cell::parse("cell.toml", &text("cell.toml"), Some(&line));
-    (cell.unwrap_or_else(|why| panic!("{why:#}")).cell, line)
+    described(name, "")
 }
 
 fn told(of: &[ActivityExplored]) -> String {
@@ -85,7 +81,11 @@ fn an_order_that_has_ended_while_its_station_moves_is_answered_and_started_again
     assert_eq!(answered.end, "the answer is taken while robot is at order 1, and moves");
     let again = race(GIVEN);
     assert_eq!(again.end, "robot is given the next order while it is at order 1");
-    assert_eq!(again.steps.last().map(String::as_str), Some("the operator answers \"in-store\""), "which starts it again");
+    assert_eq!(
+        again.steps.last().map(String::as_str),
+        Some("the operator answers \"in-store\""),
+        "which starts it again"
+    );
     assert!(again.steps.iter().any(|step| step.contains("is at order 1; order 1 ended Failed(1000)")), "{again:?}");
 }
 

@@ -120,6 +120,10 @@ pub const ALL: [&str; 6] = [GIVEN, RESTORED, ANSWERED, ENDED, TWICE, CLOSED];
 /// # Errors
 /// When the cell cannot be played.
 pub fn check_protocol(setting: &ProtocolSetting<'_>) -> Result<Vec<ActivityExplored>, NotPlayable> {
+    // Positions of other stations are not seen here. They keep motions from starting and stop them: a motion that does not
+    // arrive, and one that fails.
+    let line = setting.line.without_conflicts_of_tasks();
+    let setting = &ProtocolSetting { line: &line, ..setting.clone() };
     let stages = stage::stages(setting)?;
     Ok(stages.into_iter().map(|stage| search::explore(setting, stage)).collect())
 }

@@ -12,8 +12,8 @@ use linewright_coordinator_shell::orders::{heard, key, known, order, refusal};
 use linewright_line::net::{Block, ControlMode, Place};
 use linewright_line::{Line, Module, OpId, StationId, Tick};
 use linewright_station_logic::{
-    CompileError, Controller, Input, ModeOrder, NO_DELAY, OrderKey, OrderRules, Outbox, PanelCommand, Restore, TaskCommand,
-    TaskOrder, Writer,
+    CompileError, Controller, Input, ModeOrder, NO_DELAY, OrderKey, OrderRules, Outbox, PanelCommand, Restore,
+    TaskCommand, TaskOrder, Writer,
 };
 use rustc_hash::FxHashMap;
 
