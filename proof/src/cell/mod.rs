@@ -23,6 +23,7 @@ mod conflict;
 mod group;
 mod play;
 pub mod protocol;
+pub mod recovery;
 mod story;
 mod verdict;
 mod words;

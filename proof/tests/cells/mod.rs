@@ -4,6 +4,7 @@ mod conflicts;
 mod oracle;
 mod protocol;
 mod random;
+mod recovery;
 mod shipped;
 mod table;
 
