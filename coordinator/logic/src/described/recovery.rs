@@ -91,7 +91,7 @@ fn ways(handling: &Handling, mode: ModeId) -> Vec<Way> {
         let possible = possible.filter(|&(part, then)| can_be(part) && (then != Strategy::Redo || rule.retries > 0));
         // Once it has been tried often enough, what is left are the others; the usual ones where there are none.
         usual |= !possible.clone().any(|(_, then)| then != Strategy::Redo);
-        ways.extend(possible.map(|way| index(way)));
+        ways.extend(possible.map(index));
     }
     if usual {
         ways.extend(USUAL.into_iter().filter(|(part, _)| can_be(*part)).map(index));
