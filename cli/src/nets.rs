@@ -2,14 +2,17 @@
 //!
 //! One file per station and one for the mode decision. They are the bare nets: a controller fires a transition only if
 //! its condition holds as well, and conditions have no place in PNML. Of a flexible cell two: the net that is played, and
-//! the same with starts and ends apart; both written out, with a place for each stage that parts can be in.
+//! the same with starts and ends apart; both written out, with a place for each stage that parts can be in. Of one that can
+//! be played a third: with error places, diagnosis and recoveries.
 
 use std::path::{Path, PathBuf};
 use std::process::ExitCode;
+use std::time::Duration;
 
 use clap::ValueEnum;
 use linewright_cell::net::{Detail, Supply};
 use linewright_coordinator_logic::decision;
+use linewright_coordinator_logic::described::{Pace, described, recovery_net};
 use linewright_line::Line;
 use linewright_line::net::StationNet;
 use linewright_nets::coloured::{Colours, unfold};
@@ -80,7 +83,14 @@ fn of_cell(args: &Args, cell: &linewright_cell::Cell) -> miette::Result<()> {
         let long = unfold(net.net(), Colours::Reachable, NODES_MAX).into_diagnostic()?;
         write(args, name, long.net())?;
     }
-    Ok(())
+    // Without reservations nothing is played, and nobody recovers it.
+    let pace = Pace { refresh: Duration::from_secs(1), grace: Duration::from_secs(1) };
+    let Ok(made) = described(cell, None, Supply::Open, pace) else { return Ok(()) };
+    let recovery = recovery_net(&format!("{} with what fails", cell.name), &made.table).map_err(|errors| {
+        let errors: Vec<String> = errors.iter().map(ToString::to_string).collect();
+        miette!("the cell has no net with what fails: {}", errors.join("; "))
+    })?;
+    write(args, "cell-recovery", &recovery.net)
 }
 
 fn write(args: &Args, name: &str, net: &Net) -> miette::Result<()> {

@@ -38,8 +38,8 @@ fn the_shipped_cells_pass() {
         let dir = shipped().join("..").join(name);
         let (code, found) = checked(dir.to_str().unwrap(), &[]);
         assert_eq!((code, &found["ok"], &found["line"]), (Some(0), &true.into(), &found["cell"]["name"]), "{found}");
-        // Three of the parts, five of the order protocol.
-        assert_eq!(verdicts(&found), ["holds"; 8], "{found}");
+        // Three of the parts, three of what fails, six of the order protocol.
+        assert_eq!(verdicts(&found), ["holds"; 12], "{found}");
         let groups = found["cell"]["groups"].as_array().unwrap();
         assert_eq!((groups.len(), &groups[0]["exhausted"]), (1, &true.into()));
         assert!(groups[0]["states"].as_u64() > Some(1000), "{found}");
@@ -52,7 +52,7 @@ fn the_shipped_cells_pass() {
         let plain = linewright(&["check", &changed(&scratch, name, &[])]);
         assert!(plain.status.success() && plain.stderr.is_empty(), "{plain:?}");
         let out = text(&plain.stdout);
-        assert!(out.contains("✓ no part gets stuck: in all") && out.contains("3 checks hold"), "{out}");
+        assert!(out.contains("✓ no part gets stuck: in all") && out.contains("6 checks hold"), "{out}");
         assert!(out.contains("not decided here:") && !out.contains("station"), "{out}");
     }
 }
@@ -202,6 +202,41 @@ fn what_is_not_there_cannot_be_asked_about() {
 }
 
 /// What is written is what was checked: as many states, and no deadlock.
+/// The shipped workcell, with a conflict of tasks at the end of its line.
+fn in_conflict(scratch: &Scratch, a: (&str, &str), b: (&str, &str)) -> String {
+    let dir = shipped().join("../workcell-c1");
+    let text = |file: &str| std::fs::read_to_string(dir.join(file)).expect("it is there");
+    let side = |(station, task)| format!("{{ station = \"{station}\", task = \"{task}\" }}");
+    let conflict = format!("\n[[conflict]]\nwhy = \"they would meet\"\na = {}\nb = {}\n", side(a), side(b));
+    scratch.file("line.toml", &(text("line.toml") + &conflict));
+    scratch.file("cell.toml", &text("cell.toml"));
+    scratch.path("")
+}
+
+#[test]
+fn tasks_in_conflict_are_kept_apart_by_the_cell_or_it_is_told_how_they_are_not() {
+    let scratch = Scratch::new();
+    let dir = in_conflict(&scratch, ("robot", "load m1"), ("m1", "machine"));
+    let plain = linewright(&["check", &dir]);
+    let out = text(&plain.stdout);
+    assert!(plain.status.success(), "{plain:?}");
+    assert!(out.contains("✓ tasks in conflict are never under way at once: they would meet: no activities"), "{out}");
+    assert!(out.contains("orders, and one way measured positions (LS_0 of m1): no axis of robot"), "{out}");
+
+    let scratch = Scratch::new();
+    let dir = in_conflict(&scratch, ("robot", "load m3"), ("m2", "machine"));
+    let plain = linewright(&["check", &dir]);
+    let out = text(&plain.stdout);
+    assert_eq!(plain.status.code(), Some(1), "{out}");
+    assert!(out.contains("✗ tasks in conflict are never under way at once: they would meet: after 3 steps"), "{out}");
+    assert!(out.contains("2. load M2: R brings A #1 from ST to M2"), "{out}");
+    assert!(out.contains("and so: `load M3` and `M2.process` can both start here"), "{out}");
+    // Of a line alone it is not known what is ordered.
+    std::fs::remove_file(Path::new(&dir).join("cell.toml")).expect("it was there");
+    let plain = linewright(&["check", &dir, "--structure"]);
+    assert!(text(&plain.stdout).contains("- whether tasks in conflict are ordered at once"), "{plain:?}");
+}
+
 #[test]
 fn the_nets_of_a_cell_are_written_and_are_those_that_were_checked() {
     let scratch = Scratch::new();
@@ -219,6 +254,11 @@ fn the_nets_of_a_cell_are_written_and_are_those_that_were_checked() {
         assert_eq!((&analysed["states"], &analysed["arcs"]), (&group["states"], &group["arcs"]), "{name}");
         assert_eq!((&analysed["reversible"], &analysed["deadlock_free"]), (&true.into(), &true.into()), "{name}");
     }
+    let recovery = linewright(&["analyse", &format!("{out}/cell-recovery.pnml"), "--json"]);
+    let recovery = json(&recovery);
+    assert_eq!((&recovery["reversible"], &recovery["deadlock_free"]), (&true.into(), &true.into()), "{recovery}");
+    let text = scratch.read("out/cell-recovery.pnml");
+    assert!(text.contains("load robot_2&lt;1.new>.diagnosis") || text.contains("load robot_2&lt;1.new&gt;.diagnosis"));
     let output = linewright(&["nets", dir, "--out", &out, "--format", "dot"]);
     assert!(output.status.success() && scratch.read("out/cell-expanded.dot").starts_with("digraph"), "{output:?}");
 }

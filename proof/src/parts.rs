@@ -42,11 +42,12 @@ impl Part {
     }
 }
 
-/// Parts that decide every conflict of a line, each part once, in the order of the conflicts.
+/// Parts that decide every conflict of a line but for those of tasks, each part once, in the order of the conflicts.
 pub fn parts(line: &Line) -> Vec<Part> {
     let reads_absence = absence_read(line);
     let mut parts: Vec<Part> = Vec::new();
-    for (nth, conflict) in line.conflicts.iter().enumerate() {
+    let of_arrows = line.conflicts.iter().enumerate().filter(|(_, conflict)| !line.is_of_tasks(conflict));
+    for (nth, conflict) in of_arrows {
         let stations = closure(&reads_absence, [conflict.a.station, conflict.b.station]);
         match parts.iter_mut().find(|part| part.stations == stations) {
             Some(part) => part.conflicts.push(nth),

@@ -119,21 +119,18 @@ fn side(line: &Line, field: &Field, span: &Span) -> Side {
     Side { station: span.station, axes, outside: outside(line, span), before: here.clone(), now: here }
 }
 
-/// Walks the cycle once from home and collects where it leads outside of the stretch.
+/// Walks the cycle, or the tasks, once and collects where it leads outside of the stretch.
 fn outside(line: &Line, span: &Span) -> Vec<Ranges> {
     let described = line.station(span.station);
     let slack = slacks(line, span.station);
-    let mut at: Vec<f64> = described.axes.iter().map(|axis| axis.home).collect();
     let count = described.steps.len();
-    let home = described.step_of(described.home);
     let (from, until) = (described.step_of(span.from), described.step_of(span.until));
     // How far into the stretch a step lies; the stretch may cross the boundary of the cycle.
     let length = (until + count - from) % count;
     let mut outside = Vec::new();
-    for offset in 1..=count {
-        let step = (home + offset) % count;
+    for (step, before) in described.positions_before_steps().into_iter().enumerate() {
         let inside = (step + count - from) % count <= length;
-        let before = at.clone();
+        let mut at = before.clone();
         for &OpId(op) in &described.steps[step] {
             let motion = described.operations[usize::from(op)].motion;
             at[motion.axis.index()] = motion.to;
@@ -163,4 +160,34 @@ fn slacks(line: &Line, station: StationId) -> Vec<f64> {
         motions.filter(|m| m.axis.index() == axis).map(|m| (m.to - m.from).abs()).fold(0.0, f64::max)
     };
     (0..described.axes.len()).map(|axis| way(axis) * TOLERANCE).collect()
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn a_task_is_a_state_where_no_other_task_leads() {
+        let text = include_str!("../../model/line/tests/descriptions/on_order.toml");
+        let line = linewright_line::parse("on_order.toml", text).unwrap_or_else(|problems| panic!("{problems:#}")).line;
+        let m1 = line.station(StationId(0));
+        let of = |name: &str| {
+            let task = m1.tasks.iter().find(|task| task.name == name).expect("it has it");
+            let [from, until] = [task.steps.start, task.steps.end - 1].map(|step| m1.steps[step][0]);
+            outside(&line, &Span { station: StationId(0), from, until })
+        };
+        let is_outside = |ways: &[Ranges], at: [f64; 2]| {
+            ways.iter().any(|way| way.iter().zip(at).all(|(&(low, high), at)| low <= at && at <= high))
+        };
+        // The clamp, which two other tasks move, and the slide, which this one alone moves.
+        let machine = of("machine");
+        for rest in [[0.0, 0.0], [30.0, 0.0], [60.0, 0.0]] {
+            assert!(is_outside(&machine, rest), "{rest:?}");
+        }
+        for away in [[60.0, 40.0], [60.0, 90.0], [60.0, 100.0], [0.0, 40.0]] {
+            assert!(!is_outside(&machine, away), "{away:?}");
+        }
+        // What closes the clamp cannot be told from what opens it.
+        assert!(is_outside(&of("clamp"), [30.0, 0.0]));
+    }
 }

@@ -13,6 +13,9 @@ const STATES_MAX: usize = 1_000_000;
 pub struct Barriers {
     /// The conflict.
     pub why: String,
+    /// It is of tasks: orders keep them apart, and no counts.
+    #[serde(skip)]
+    is_of_tasks: bool,
     /// For each side, the station and the limit switches that are all on only outside its state.
     pub measured: Vec<Clearance>,
     /// Why switches do not hold it; empty where they do.
@@ -50,8 +53,13 @@ pub fn of(line: &Line, rules: Option<PositionRules>) -> Result<Vec<Barriers>, Co
 }
 
 fn of_conflict(line: &Line, conflict: &Conflict, rules: Option<PositionRules>) -> Result<Barriers, CompileError> {
-    let mut barriers =
-        Barriers { why: conflict.why.clone(), measured: Vec::new(), not_measured: Vec::new(), by_themselves: None };
+    let mut barriers = Barriers {
+        why: conflict.why.clone(),
+        is_of_tasks: line.is_of_tasks(conflict),
+        measured: Vec::new(),
+        not_measured: Vec::new(),
+        by_themselves: None,
+    };
     for span in [&conflict.a, &conflict.b] {
         let station = line.station(span.station);
         match line.clearance(span) {
@@ -87,12 +95,18 @@ impl Barriers {
 
     /// A line for a person; more where measured positions fail.
     pub fn text(&self) -> String {
-        if !self.not_measured.is_empty() {
-            return format!("one barrier, counts: {}", self.not_measured.join("; "));
+        let first = if self.is_of_tasks { "orders" } else { "counts" };
+        match (&self.not_measured[..], &self.measured[..]) {
+            ([], _) => (),
+            ([why], [side]) if self.is_of_tasks => {
+                let inputs = side.inputs.join(" and ");
+                return format!("orders, and one way measured positions ({inputs} of {}): {why}", side.station);
+            }
+            (whys, _) => return format!("one barrier, {first}: {}", whys.join("; ")),
         }
         let sides: Vec<String> =
             self.measured.iter().map(|side| format!("{} of {}", side.inputs.join(" and "), side.station)).collect();
-        let sides = format!("counts and measured positions ({})", sides.join(", "));
+        let sides = format!("{first} and measured positions ({})", sides.join(", "));
         let Some(ByThemselves { states, verdict, counterexample }) = &self.by_themselves else { return sides };
         match *verdict {
             "holds" => format!(

@@ -7,7 +7,10 @@ use linewright_cell::Cell;
 use linewright_cell::net::Detail;
 use linewright_line::{Line, Problems};
 use linewright_proof::cell::protocol::{ProtocolSetting, check_protocol, properties};
-use linewright_proof::cell::{Checked, Explored, Holding, Property, Setting, Story, Verdict, Waiting, check};
+use linewright_proof::cell::recovery::check_recovery;
+use linewright_proof::cell::{
+    Checked, Explored, Holding, Property, Setting, Story, Verdict, Waiting, check, check_conflicts,
+};
 use miette::miette;
 use serde::Serialize;
 
@@ -138,6 +141,20 @@ impl CellReport {
 }
 
 impl CellReport {
+    fn add_more(&mut self, found: Vec<Property>) {
+        let is_right = |property: &Property| matches!(property.verdict, Verdict::Holds | Verdict::Remark);
+        self.ok &= found.iter().all(is_right);
+        self.properties.extend(found.into_iter().map(Found::from));
+    }
+
+    /// Adds what is found of tasks in conflict.
+    fn keep_apart(&mut self, setting: &Setting<'_>, line: &Line) {
+        match check_conflicts(setting, line) {
+            Ok(found) => self.add_more(found),
+            Err(why) => (self.ok, self.problems) = (false, vec![placeless(why.to_string())]),
+        }
+    }
+
     /// Adds what is found of the order protocol, activity by activity.
     fn follow_orders(&mut self, cell: &Cell, line: &Line, options: &Options) {
         let mut setting = ProtocolSetting::new(cell, line);
@@ -184,9 +201,16 @@ pub fn judge(file: &Path, line: Option<&Line>, options: &Options, quiet: bool) -
         ..CellReport::nothing()
     };
     if options.asks_to_explore() {
-        match check(&setting(&parsed.cell, options)?) {
+        let setting = setting(&parsed.cell, options)?;
+        match check(&setting) {
             Ok(found) => report.add(found),
             Err(why) => (report.ok, report.problems) = (false, vec![placeless(why.to_string())]),
+        }
+        if report.ok {
+            report.add_more(check_recovery(&parsed.cell, line));
+        }
+        if let Some(line) = line.filter(|_| report.ok) {
+            report.keep_apart(&setting, line);
         }
         if let Some(line) = line.filter(|_| report.ok) {
             report.follow_orders(&parsed.cell, line, options);

@@ -190,7 +190,8 @@ impl Options {
             return Ok(found);
         }
         if self.whole {
-            return self.together(line);
+            // Any orders are given there, so nothing keeps tasks apart.
+            return self.together(&line.without_conflicts_of_tasks());
         }
         let alone = on_order(line);
         if alone.is_empty() {

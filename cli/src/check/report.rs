@@ -1,6 +1,7 @@
 //! What a check finds, as data: the JSON of `--json`, and what the tables are made from.
 
 use linewright_line::{Parsed, Problem, Problems};
+use linewright_proof::cell::APART;
 use linewright_proof::explore::{NotExplorable, Setting};
 use linewright_proof::structure::{Check, StationReport, judge_line, judge_stations};
 use serde::Serialize;
@@ -22,6 +23,8 @@ const RING: &str = "what a report can do that arrives after newer ones were sent
      other in a ring of three or more, where that may matter";
 /// What parts leave open.
 const IN_PARTS: &str = "whether home can be reached from every state of the whole line: parts decide conflicts alone";
+/// What no line alone says of tasks.
+const TASKS: &str = "whether tasks in conflict are ordered at once: a cell's description says what is ordered";
 
 /// Everything that was found.
 #[derive(Debug, Serialize)]
@@ -99,6 +102,9 @@ impl Report {
     /// Adds what was found of the cell.
     pub fn add(&mut self, cell: CellReport) {
         self.ok &= cell.ok;
+        if cell.properties.iter().any(|property| property.name == APART) {
+            self.not_decided.retain(|open| *open != TASKS);
+        }
         if cell.name.is_some() {
             self.not_decided.push(if cell.sound_parts.is_some() { cell::BREAKDOWN } else { cell::NOT_EXPLORED });
         }
@@ -140,6 +146,9 @@ pub fn judge(parsed: &Parsed, options: &Options) -> Result<Report, NotExplorable
     }
     if options.asks_to_explore() && !Setting::new(line).covers_every_delay() {
         not_decided.push(RING);
+    }
+    if line.conflicts.iter().any(|conflict| line.is_of_tasks(conflict)) {
+        not_decided.push(TASKS);
     }
     not_decided.push(DEVICES);
     Ok(Report {

@@ -88,7 +88,9 @@ impl Observer {
     pub fn new(line: &Line) -> Self {
         let is_seen = |span: &Span| {
             let (from, until) = switches(line, span);
-            from.into_iter().chain([until]).all(|input| is_read(line, span.station, input))
+            // What a task's ends leave may be left in other tasks too.
+            let is_told = !line.station(span.station).works_on_order() || line.clearance(span).is_ok();
+            is_told && from.into_iter().chain([until]).all(|input| is_read(line, span.station, input))
         };
         Observer {
             watched: line.conflicts.iter().map(|conflict| is_seen(&conflict.a) && is_seen(&conflict.b)).collect(),

@@ -4,6 +4,7 @@
 //! and programs depend on the stage. What the net says of transitions and places is not worked out again.
 
 mod handling;
+mod recovery;
 mod sheet;
 
 use std::sync::Arc;
@@ -16,6 +17,7 @@ use linewright_nets::PlaceId;
 use linewright_nets::coloured::{ColouredError, Colours, UnfoldError, Unfolding, unfold};
 use thiserror::Error;
 
+pub use recovery::{ErrorPart, Recovery, RecoveryNet, recovery_net};
 pub use sheet::sheet;
 
 use crate::cell::ahead::LookAhead;

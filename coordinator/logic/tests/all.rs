@@ -8,4 +8,5 @@ mod isolated;
 mod mode_table;
 mod on_order;
 mod planning;
+mod recovery;
 mod watchfulness;

@@ -345,7 +345,7 @@ pub struct Conflict {
     pub b: Span,
 }
 
-/// A state of a station as a stretch of its cycle: it begins when operation `from` starts (or the undoing of `until`
+/// A state of a station as a stretch of its cycle, or one task of a station on order: it begins when operation `from` starts (or the undoing of `until`
 /// starts) and ends when `until` is complete (or `from` has been undone).
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub struct Span {

@@ -10,7 +10,7 @@ use std::time::Duration;
 
 use linewright_text::index_id;
 
-use crate::{OpId, OutputId, Station};
+use crate::{Conflict, Line, OpId, OutputId, Station};
 
 index_id! {
     /// A task of one station, by its place in [`Station::tasks`].
@@ -78,6 +78,20 @@ impl Parameter {
         let fits = (0..=self.most()).contains(&value);
         let on = self.bits.iter().enumerate().filter(|(nth, _)| value >> nth & 1 != 0);
         fits.then(|| on.fold(0, |image, (_, output)| image | output.bit()))
+    }
+}
+
+impl Line {
+    /// Whether a conflict is of tasks: who gives the orders keeps its states apart, and no arrows do.
+    pub fn is_of_tasks(&self, conflict: &Conflict) -> bool {
+        [conflict.a, conflict.b].iter().all(|span| self.station(span.station).works_on_order())
+    }
+
+    /// The line as controllers have it that know of no conflicts of tasks.
+    pub fn without_conflicts_of_tasks(&self) -> Line {
+        let mut line = self.clone();
+        line.conflicts.retain(|conflict| !self.is_of_tasks(conflict));
+        line
     }
 }
 

@@ -258,21 +258,95 @@ fn nothing_of_it_in_a_station_that_goes_round_and_no_arrows_to_one_on_order() {
         let problems = parse("cell.toml", &cyclic.replacen(old, new, 1)).expect_err(message).into_vec();
         assert!(problems.iter().any(|p| p.message == message), "{message}: {problems:?}");
     }
-    errors(&[
+    errors(&[(
+        &[("[console]", "[[arrow]]\nfrom = \"«m1: mill\"\nto = \"robot: grasp\"\n\n[console]")],
+        "an arrow of a station on order",
+        "ordered",
+    )]);
+}
+
+const MACHINE: &str = "{ station = \"m1\", task = \"machine\" }";
+const LOAD: &str = "{ station = \"robot\", task = \"load m1\" }";
+
+/// A conflict of these two, in front of the console.
+fn conflict(a: &str, b: &str) -> String {
+    format!("[[conflict]]\nwhy = \"the arm is in the way\"\na = {a}\nb = {b}\n\n[console]")
+}
+
+#[test]
+fn two_tasks_may_be_in_conflict() {
+    let text = BASE.replacen("[console]", &conflict(MACHINE, LOAD), 1);
+    let line = parse("on_order.toml", &text).unwrap_or_else(|problems| panic!("{problems:#}")).line;
+    let [conflict] = &line.conflicts[..] else { panic!("{:?}", line.conflicts) };
+    assert!(line.is_of_tasks(conflict));
+    let (m1, robot) = (line.station(conflict.a.station), line.station(conflict.b.station));
+    assert_eq!((m1.task_of(conflict.a.from), m1.steps_of_span(&conflict.a)), (Some(TaskId(1)), vec![1, 2, 3]));
+    assert_eq!(
+        (robot.task_of(conflict.b.from), robot.steps_of_span(&conflict.b)),
+        (Some(TaskId(0)), vec![0, 1, 2, 3, 4])
+    );
+    let slide = 1 << m1.inputs.iter().position(|input| input == "L_0").expect("it has it");
+    assert_eq!(line.clearance(&conflict.a), Ok(slide), "no other task moves the slide");
+    assert!(line.clearance(&conflict.b).is_err(), "the arm moves in the other task too");
+    assert_eq!(line.without_conflicts_of_tasks().conflicts, []);
+    assert_eq!(line.without_conflicts_of_tasks().stations, line.stations);
+}
+
+#[test]
+fn what_a_conflict_of_tasks_cannot_say() {
+    let cases = [
         (
-            &[("[console]", "[[arrow]]\nfrom = \"«m1: mill\"\nto = \"robot: grasp\"\n\n[console]")],
-            "an arrow of a station on order",
-            "ordered",
+            conflict("{ station = \"m1\", task = «\"mashine\" }", LOAD),
+            "unknown task of this station `mashine`",
+            "machine",
+        ),
+        (conflict(MACHINE, "{ station = «\"rowbot\", task = \"load m1\" }"), "unknown station `rowbot`", "robot"),
+        (
+            conflict(MACHINE, "«{ station = \"m1\", task = \"clamp\" }"),
+            "a conflict of a station with itself",
+            "two stations",
         ),
         (
-            &[(
-                "[console]",
-                "[[conflict]]\nwhy = \"x\"\na = «{ station = \"m1\", from = \"mill\", until = \"mill\" }\nb = { station = \"robot\", from = \"grasp\", until = \"grasp\" }\n\n[console]",
-            )],
-            "a conflict with a station on order",
-            "cell's description",
+            conflict("«{ station = \"m1\", from = \"mill\", until = \"mill\" }", LOAD),
+            "a stretch of a cycle of `m1`, which works on order",
+            "one of its tasks",
         ),
-    ]);
+        (
+            conflict("{ station = \"m1\", task = \"machine\", from = «\"mill\" }", LOAD),
+            "a stretch of a cycle beside `task`",
+            "leave `from` and `until` out",
+        ),
+        (
+            conflict("«{ station = \"m1\" }", LOAD),
+            "a state of a conflict needs `from` and `until`, or `task`",
+            "on order",
+        ),
+    ];
+    for (text, message, hint) in &cases {
+        errors(&[(&[("[console]", text)], message, hint)]);
+    }
+    let mixed = include_str!("descriptions/cell.toml");
+    let named = |task: &str| {
+        let from = "{ station = \"press\", from = \"approach\", until = \"retract\" }";
+        parse("cell.toml", &mixed.replacen(from, task, 1)).expect_err(task).into_vec()
+    };
+    let found = named("{ station = \"press\", task = \"press\" }");
+    assert!(found.iter().any(|of| of.message == "station `press` has no tasks"), "{found:?}");
+}
+
+#[test]
+fn a_task_and_a_stretch_of_a_cycle_are_in_no_conflict() {
+    // The feeder of the cyclic cell beside the machine on order.
+    let cyclic = include_str!("descriptions/cell.toml");
+    let (begin, end) =
+        (BASE.find("[[station]]").expect("there"), BASE.find("[[station]]\nname = \"robot\"").expect("there"));
+    let device = BASE.find("[[device]]\nname = \"m1").map(|at| &BASE[at..]).expect("there");
+    let device = &device[..device[2..].find("\n[[").map_or(device.len(), |at| at + 3)];
+    let pair =
+        "a = { station = \"feeder\", from = \"push\", until = \"push\" }\nb = { station = \"m1\", task = \"machine\" }";
+    let text = format!("{cyclic}\n{}\n{device}\n[[conflict]]\nwhy = \"x\"\n{pair}\n", &BASE[begin..end]);
+    let problems = parse("mixed.toml", &text).expect_err("it has one").into_vec();
+    assert!(problems.iter().any(|of| of.message == "a conflict of a task with a stretch of a cycle"), "{problems:?}");
 }
 
 #[test]

@@ -128,6 +128,11 @@ impl Group {
         b.build().ok()
     }
 
+    /// What a transition takes, by its place in [`Group::transitions`].
+    pub fn takes(&self, transition: usize) -> &[(PlaceId, u32)] {
+        &self.sides[transition][0]
+    }
+
     /// Whether parts are inside and nothing can happen but that others come: then those inside stay for good.
     pub fn is_stuck(&self, view: View<'_>) -> bool {
         let enabled = |takes: &[(PlaceId, u32)]| takes.iter().all(|&(place, weight)| view.tokens(place) >= weight);

@@ -19,9 +19,11 @@
 //!
 //! Time stands still here, and nothing breaks; what does is for the one who plays the net.
 
+mod conflict;
 mod group;
 mod play;
 pub mod protocol;
+pub mod recovery;
 mod story;
 mod verdict;
 mod words;
@@ -33,6 +35,7 @@ pub use linewright_nets::explicit::Limits;
 use thiserror::Error;
 
 pub use crate::explore::Verdict;
+pub use conflict::{APART, check_conflicts};
 pub use story::{Holding, Story, Waiting};
 pub use verdict::{Checked, Explored, Property};
 
@@ -77,16 +80,23 @@ pub(crate) struct Nets<'c> {
     long: Unfolding,
 }
 
+impl<'c> Nets<'c> {
+    fn of(setting: &Setting<'c>, detail: Detail) -> Result<Self, NotExplorable> {
+        let cell = setting.cell;
+        let supply = setting.parts.as_deref().map_or(Supply::Open, Supply::Closed);
+        let net = net(cell, detail, supply).map_err(NotExplorable::Net)?;
+        let long = unfold(net.net(), Colours::Reachable, NODES_MAX)?;
+        Ok(Nets { cell, net, long })
+    }
+}
+
 /// Explores a cell as far as the limits allow, and says what follows.
 ///
 /// # Errors
 /// When there is no net to explore.
 pub fn check(setting: &Setting<'_>) -> Result<Checked, NotExplorable> {
     let cell = setting.cell;
-    let supply = setting.parts.as_deref().map_or(Supply::Open, Supply::Closed);
-    let net = net(cell, setting.detail, supply).map_err(NotExplorable::Net)?;
-    let long = unfold(net.net(), Colours::Reachable, NODES_MAX)?;
-    let nets = Nets { cell, net, long };
+    let nets = Nets::of(setting, setting.detail)?;
     let groups = group::groups(&nets);
     let plays = groups.iter().map(|group| play::play(group, cell.limits.wip_max, &setting.limits)).collect::<Vec<_>>();
     Ok(verdict::judge(setting, &nets, &groups, &plays))

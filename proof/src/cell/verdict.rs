@@ -217,7 +217,7 @@ fn undecided((sound, why): (u32, &Undecided)) -> String {
 }
 
 /// What stopped a search. A cell's net is always bounded; there is no need to wonder about that.
-fn limit_in_words(why: &Undecided) -> String {
+pub(super) fn limit_in_words(why: &Undecided) -> String {
     let what = match &why.cause {
         Cause::States { limit } => format!("there are more than the {limit} allowed"),
         Cause::Bytes { .. } | Cause::Overflow(_) => why.cause.to_string(),

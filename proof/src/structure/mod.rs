@@ -104,6 +104,8 @@ pub fn judge_line(line: &Line) -> Vec<Check> {
         Check::of("mode decision exclusive", modes::at_most_one_arc()),
         Check::of("manual from every mode", modes::manual_from_everywhere()),
     ];
+    // Tasks are kept apart by orders; the chart says nothing of them.
+    let line = &line.without_conflicts_of_tasks();
     let separated = line.conflicts.iter().zip(chart::all_separated(line));
     checks.extend(separated.map(|(conflict, found)| {
         Check::of(format!("separated: {}", conflict.why), found.map_err(|gap| gap.to_string()))

@@ -1,8 +1,10 @@
 //! Cells: what is found wrong with them and what is not, against players that know nothing of the check.
 
+mod conflicts;
 mod oracle;
 mod protocol;
 mod random;
+mod recovery;
 mod shipped;
 mod table;
 
@@ -10,10 +12,23 @@ mod table;
 #[path = "../../../model/cell/tests/common/mod.rs"]
 mod texts;
 
+use std::path::Path;
+
 use linewright_cell::Cell;
+use linewright_line::Line;
 use linewright_proof::cell::{Checked, Property, Setting, Verdict, check};
 
 pub use texts::{ASSEMBLY, C1, cell, edited};
+
+/// A shipped cell and its line, with more at the end of the line's description.
+#[track_caller]
+pub fn described(name: &str, more: &str) -> (Cell, Line) {
+    let dir = Path::new(env!("CARGO_MANIFEST_DIR")).join("../launch-config/lines").join(name);
+    let text = |file: &str| std::fs::read_to_string(dir.join(file)).expect("it is there");
+    let line = linewright_line::parse("line.toml", &(text("line.toml") + more)).unwrap_or_else(|why| panic!("{why:#}"));
+    let cell = linewright_cell::parse("cell.toml", &text("cell.toml"), Some(&line.line));
+    (cell.unwrap_or_else(|why| panic!("{why:#}")).cell, line.line)
+}
 
 /// What is found of it, with any mix of parts.
 #[track_caller]

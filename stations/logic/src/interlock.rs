@@ -10,6 +10,9 @@
 //! * **Rests.** An axis that stands still by the chart is measured there ([`Station::rest_inputs`]). While one is not, nothing
 //!   new starts in auto and hand, and nothing that relies on the axis starts in manual: its position is lost.
 //!
+//! Of two tasks of stations on order, who gives the orders keeps the one from being ordered while the other is under way.
+//! Where switches tell of a task, the other station looks at them all the same; where none do, there is no second barrier.
+//!
 //! What this does not exclude by itself: two stations that start within the time a report takes see each other outside still.
 //! Both are stopped when the reports arrive. Against that stand the counts.
 
@@ -112,6 +115,10 @@ impl Interlocks {
             let own_clear = line.clearance(own).ok();
             interlocks.read_by_others |= own_clear.unwrap_or(0);
             let clear = line.clearance(other).ok();
+            // No counts keep tasks apart: where no switches tell of the other one, there is nothing to look at.
+            if clear.is_none() && described.works_on_order() {
+                continue;
+            }
             interlocks.covers &= clear.is_some() && own_clear.is_some();
             sides.push(Side { conflict: nth as u16, peer: peer as u16, clear: clear.unwrap_or(0), own, own_clear });
         }

@@ -294,6 +294,7 @@ impl Controller {
                 orders.last = key.id;
             }
             orders.remember(key, Reply::Ended(Outcome::Failed(Failure::Cancelled)));
+            orders.secured = Some(key);
             self.changed = true;
         }
         self.orders.as_ref().and_then(|orders| orders.known(key)).unwrap_or(Reply::Running)
@@ -444,7 +445,8 @@ impl Controller {
         let given_up = match self.slot().map(|slot| slot.phase) {
             Some(Phase::Securing { failure }) => failure,
             Some(Phase::Returning) => None,
-            Some(Phase::Running) | None => return,
+            Some(Phase::Running) => return,
+            None => return self.rests(),
         };
         let Some(place) = self.marking().next() else { return };
         if place.is_operating() || (self.rest().is_none() && self.goes_back_from(place)) {
@@ -455,8 +457,20 @@ impl Controller {
         self.conclude(Outcome::Failed(given_up.unwrap_or(left)));
     }
 
-    /// Whether something leads back from a place in auto.
+    /// At a rest there is nothing to go back from, wherever a person leads it to before it is told to.
+    fn rests(&mut self) {
+        let failed = self.orders.as_ref().and_then(|orders| orders.last_has_failed().filter(|_| self.rest().is_some()));
+        if let (Some(key), Some(orders)) = (failed, &mut self.orders) {
+            self.changed |= orders.secured != Some(key);
+            orders.secured = Some(key);
+        }
+    }
+
+    /// Whether something leads back from a place in auto. On a recovery path nothing does by itself.
     fn goes_back_from(&self, place: Place) -> bool {
+        if self.path.is_some() {
+            return false;
+        }
         let (start, end) =
             self.program.places[usize::from(self.program.index_of(place))].rows[ControlMode::Auto as usize];
         self.program.rows[usize::from(start)..usize::from(end)].iter().any(|row| {

@@ -206,6 +206,8 @@ pub(super) struct RawSpan {
     pub station: Option<Name>,
     pub from: Option<Name>,
     pub until: Option<Name>,
+    /// Of a station on order, instead of both.
+    pub task: Option<Name>,
 }
 
 #[derive(Debug)]

@@ -23,7 +23,7 @@ pub(super) fn resolve<'a>(raw: &'a RawLine, names: Names<'a>, report: &mut Repor
     }
     let handling = handling::resolve(raw, &names, &mut stations, report);
     let arrows = raw.arrows.iter().map(|a| arrow(a, &names, report)).collect();
-    let conflicts = raw.conflicts.iter().map(|c| conflict(c, &names, report)).collect();
+    let conflicts = raw.conflicts.iter().map(|c| conflict(c, &stations, &names, report)).collect();
     let console = console(raw, owned.console, report);
     Draft { raw, names, stations, arrows, conflicts, devices, console, handling }
 }
@@ -225,14 +225,45 @@ fn station_operation(station: usize, name: &Name, names: &Names<'_>, report: &mu
     None
 }
 
-fn conflict(raw: &RawConflict, names: &Names<'_>, report: &mut Report) -> DraftConflict {
-    let mut span = |raw: &Option<RawSpan>| raw.as_ref().and_then(|span| self::span(span, names, report));
+fn conflict(raw: &RawConflict, stations: &[DraftStation<'_>], names: &Names<'_>, report: &mut Report) -> DraftConflict {
+    let mut span = |raw: &Option<RawSpan>| raw.as_ref().and_then(|span| self::span(span, stations, names, report));
     let (a, b) = (span(&raw.a), span(&raw.b));
     DraftConflict { at: raw.at.clone(), a, b }
 }
 
-fn span(raw: &RawSpan, names: &Names<'_>, report: &mut Report) -> Option<At<crate::Span>> {
+fn span(
+    raw: &RawSpan,
+    stations: &[DraftStation<'_>],
+    names: &Names<'_>,
+    report: &mut Report,
+) -> Option<At<crate::Span>> {
     let station = names.stations.find(raw.station.as_ref()?, "station", report)?;
+    let described = &stations[station];
+    if let Some(task) = &raw.task {
+        if !described.works_on_order() {
+            report.add(
+                Problem::error(task.at.clone(), format!("station `{}` has no tasks", described.name))
+                    .hint("it goes round a cycle: name the stretch by `from` and `until`"),
+            );
+            return None;
+        }
+        let ops = &described.tasks[names.inside[station].tasks.find(task, "task of this station", report)?].ops;
+        let last = ops.end.checked_sub(1).filter(|_| !ops.is_empty())?;
+        let span = crate::Span { station: StationId::at(station), from: OpId::at(ops.start), until: OpId::at(last) };
+        return Some(At::new(span, raw.at.clone()));
+    }
+    if described.works_on_order() {
+        if raw.from.is_some() && raw.until.is_some() {
+            report.add(
+                Problem::error(
+                    raw.at.clone(),
+                    format!("a stretch of a cycle of `{}`, which works on order", described.name),
+                )
+                .hint("name one of its tasks: `task = \"…\"` instead of `from` and `until`"),
+            );
+        }
+        return None;
+    }
     let from = raw.from.as_ref().and_then(|name| station_operation(station, name, names, report));
     let until = raw.until.as_ref().and_then(|name| station_operation(station, name, names, report));
     let span = crate::Span { station: StationId::at(station), from: from?, until: until? };

@@ -15,10 +15,11 @@
 //! **One report under way is enough.** Readers keep the newest. A report that arrives after a later one was sent has the same
 //! effect as one that arrived just before that: messages sent because of it may arrive at any later time in both cases.
 //!
-//! Disturbances, that is faults, restarts, alarms given by hand and reports that are heard late, are limited in number
-//! ([`ProtocolSetting::disturbances`]). What was sent to stations may always be lost, late and doubled. Nothing is looked at
-//! after the next start at these stations. Not explored: hand and manual mode, sensors that contradict an answer, and a station
-//! that is not heard for so long that the player goes on without it and records that.
+//! Disturbances, that is faults, restarts, alarms given by hand, reports that are heard late and people who lead a station on
+//! or back by one motion in manual mode, are limited in number ([`ProtocolSetting::disturbances`]). What was sent to stations
+//! may always be lost, late and doubled. Nothing is looked at after the next start at these stations. Not explored: hand mode,
+//! what happens while a station is led, sensors that contradict an answer, and a station that is not heard for so long that
+//! the player goes on without it and records that.
 
 mod players;
 mod search;
@@ -46,12 +47,14 @@ pub struct ProtocolSetting<'c> {
     pub rules: ProtocolRules,
     /// The stations' rules.
     pub order_rules: OrderRules,
-    /// At most so many faults, restarts, alarms given by hand, and reports that are heard late.
+    /// At most so many faults, restarts, alarms given by hand, reports that are heard late, and motions led by people.
     pub disturbances: u8,
     /// Of each exploration.
     pub states: usize,
     /// Only activities of this name, if there is one.
     pub only: Option<&'c str>,
+    /// Only this property, if there is one: what else is wrong is passed over, to see what comes of it.
+    pub asked: Option<&'static str>,
 }
 
 impl<'c> ProtocolSetting<'c> {
@@ -65,6 +68,7 @@ impl<'c> ProtocolSetting<'c> {
             disturbances: 0,
             states: 1_000_000,
             only: None,
+            asked: None,
         }
     }
 }
@@ -101,12 +105,14 @@ pub const GIVEN: &str = "no station is given an order while it moves for another
 pub const RESTORED: &str = "tokens are restored only when the stations stand";
 /// No answer is taken while anything moves.
 pub const ANSWERED: &str = "no answer is taken while anything moves";
+/// What a station says has ended is not under way by itself any more.
+pub const ENDED: &str = "what has ended moves only when it is told to";
 /// Nothing is done twice.
 pub const TWICE: &str = "nothing is done twice";
 /// From every state the activity can be closed.
 pub const CLOSED: &str = "every activity can be closed";
 /// All of them.
-pub const ALL: [&str; 5] = [GIVEN, RESTORED, ANSWERED, TWICE, CLOSED];
+pub const ALL: [&str; 6] = [GIVEN, RESTORED, ANSWERED, ENDED, TWICE, CLOSED];
 
 /// Explores every activity of a cell that orders something from stations; those that order the same from the same stations
 /// once.
@@ -114,6 +120,10 @@ pub const ALL: [&str; 5] = [GIVEN, RESTORED, ANSWERED, TWICE, CLOSED];
 /// # Errors
 /// When the cell cannot be played.
 pub fn check_protocol(setting: &ProtocolSetting<'_>) -> Result<Vec<ActivityExplored>, NotPlayable> {
+    // Positions of other stations are not seen here. They keep motions from starting and stop them: a motion that does not
+    // arrive, and one that fails.
+    let line = setting.line.without_conflicts_of_tasks();
+    let setting = &ProtocolSetting { line: &line, ..setting.clone() };
     let stages = stage::stages(setting)?;
     Ok(stages.into_iter().map(|stage| search::explore(setting, stage)).collect())
 }

@@ -6,7 +6,7 @@ use rustc_hash::FxHashMap;
 use super::players::{Event, Message, MustStand, Players};
 use super::stage::ActivityStart;
 use super::station::{Act, Machines};
-use super::{ANSWERED, ActivityExplored, BrokenRule, CLOSED, GIVEN, ProtocolSetting, RESTORED, TWICE, words};
+use super::{ANSWERED, ActivityExplored, BrokenRule, CLOSED, ENDED, GIVEN, ProtocolSetting, RESTORED, TWICE, words};
 
 /// Messages of one activity and of what follows it, a bit each. With more the exploration is not exhaustive, and reports so.
 const MESSAGES_MAX: u32 = 64;
@@ -148,7 +148,7 @@ impl Search<'_> {
         }
         for index in 0..self.machines[nth].acts[situation as usize].len() {
             let act = self.machines[nth].acts[situation as usize][index];
-            let costs = matches!(act, Act::Fail | Act::Restart | Act::Forget);
+            let costs = matches!(act, Act::Fail | Act::Restart | Act::Forget | Act::Led { .. });
             if costs && state[LEFT] == 0 {
                 continue;
             }
@@ -176,10 +176,12 @@ impl Search<'_> {
     }
 
     fn station(&mut self, from: u32, next: Vec<u32>, nth: usize, by: Arc) {
-        let situation = next[STATIONS + 2 * nth] as usize;
-        if self.machines[nth].all[situation].twice && self.wrong.is_none() {
-            let name = &self.setting.line.station(self.stations[nth]).name;
-            self.wrong = Some((from, by, TWICE, format!("{name} does again what it has done")));
+        let machine = &self.machines[nth].all[next[STATIONS + 2 * nth] as usize];
+        let name = &self.setting.line.station(self.stations[nth]).name;
+        let twice = machine.twice.then(|| (TWICE, format!("{name} does again what it has done")));
+        let ended = machine.goes_on().map(|_| (ENDED, format!("{name} says that it has ended what it is still at")));
+        for (rule, end) in twice.into_iter().chain(ended) {
+            self.found(from, by, rule, end);
         }
         self.enter(next.into(), from, by);
     }
@@ -195,7 +197,7 @@ impl Search<'_> {
             let (slot, moves) = self.machines[nth].at[next[STATIONS + 2 * nth] as usize];
             Some((&self.setting.line.station(station).name, slot, moves))
         };
-        let mut wrong = None;
+        let mut wrong = Vec::new();
         for &(reason, station, key) in &stepped.stand {
             if let Some((name, slot, moves)) = is_at(station).filter(|(_, slot, moves)| *slot == Some(key) || *moves) {
                 let doing =
@@ -205,7 +207,7 @@ impl Search<'_> {
                     MustStand::Restored => (RESTORED, "tokens and part are put where the answer says"),
                 };
                 let and = if moves && slot.is_some() { ", and moves" } else { "" };
-                wrong = wrong.or(Some((rule, format!("{what} while {name} {doing}{and}"))));
+                wrong.push((rule, format!("{what} while {name} {doing}{and}")));
             }
         }
         let running = self.players.all[next[PLAYER] as usize].coordination.state();
@@ -217,15 +219,22 @@ impl Search<'_> {
                 is_at(station).filter(|(_, slot, _)| slot.is_some_and(|key| !is_running(key)))
             {
                 let what = format!("{name} is given the next order while it is at order {}", words::number(key));
-                wrong = wrong.or(Some((GIVEN, what)));
+                wrong.push((GIVEN, what));
             }
         }
-        if let (Some((rule, end)), None) = (wrong, &self.wrong) {
-            self.wrong = Some((from, by, rule, end));
+        for (rule, end) in wrong {
+            self.found(from, by, rule, end);
         }
         stepped.sends.iter().for_each(|&message| sent(&mut next, message));
         next[PLAYER] = stepped.to;
         self.enter(next.into(), from, by);
+    }
+
+    /// The first thing that is wrong counts, if it is asked for.
+    fn found(&mut self, from: u32, by: Arc, rule: &'static str, end: String) {
+        if self.wrong.is_none() && self.setting.asked.is_none_or(|asked| asked == rule) {
+            self.wrong = Some((from, by, rule, end));
+        }
     }
 
     /// From every state one must lead on in which the activity is closed.
@@ -243,7 +252,7 @@ impl Search<'_> {
         }
         if let Some(stuck) = ends.iter().position(|ends| !ends).filter(|&at| at > 0) {
             let (from, by) = self.came[stuck];
-            self.wrong = Some((from, by, CLOSED, "whatever comes, the activity stays open".to_owned()));
+            self.found(from, by, CLOSED, "whatever comes, the activity stays open".to_owned());
         }
     }
 

@@ -12,8 +12,8 @@ use linewright_coordinator_shell::orders::{heard, key, known, order, refusal};
 use linewright_line::net::{Block, ControlMode, Place};
 use linewright_line::{Line, Module, OpId, StationId, Tick};
 use linewright_station_logic::{
-    CompileError, Controller, Input, ModeOrder, NO_DELAY, OrderKey, OrderRules, Outbox, Restore, TaskCommand,
-    TaskOrder, Writer,
+    CompileError, Controller, Input, ModeOrder, NO_DELAY, OrderKey, OrderRules, Outbox, PanelCommand, Restore,
+    TaskCommand, TaskOrder, Writer,
 };
 use rustc_hash::FxHashMap;
 
@@ -38,6 +38,11 @@ pub(super) enum Act {
     Restart,
     /// The same, without.
     Forget,
+    /// A person leads it on by one motion in manual mode, or back, and gives it back.
+    Led {
+        /// With the key that leads on.
+        on: bool,
+    },
 }
 
 /// What a station says, all of it in one message.
@@ -57,6 +62,8 @@ pub(super) struct Machine {
     sensors: bool,
     outputs: u128,
     boots: u64,
+    /// Of the mode orders it was given in this life.
+    epoch: u64,
     secured: Option<OrderKey>,
     /// The orders of which it has begun something, in all its lives.
     begun: BTreeSet<OrderKey>,
@@ -85,6 +92,7 @@ impl Machine {
             sensors: true,
             outputs: 0,
             boots: 1,
+            epoch: 0,
             secured: None,
             begun: BTreeSet::new(),
             twice: false,
@@ -103,9 +111,31 @@ impl Machine {
 
     fn wake(&mut self, line: &Line) {
         self.image(line, true);
-        let auto = ModeOrder::of(1, 1, ControlMode::Auto, ModeOrder::FOR_GOOD);
-        self.controller.handle(self.now, Input::Order(auto));
+        self.epoch = 0;
+        self.obey(ControlMode::Auto);
+    }
+
+    fn obey(&mut self, mode: ControlMode) {
+        self.epoch += 1;
+        let manual_all = mode == ControlMode::Manual;
+        let order = ModeOrder { manual_all, ..ModeOrder::of(1, self.epoch, mode, ModeOrder::FOR_GOOD) };
+        self.controller.handle(self.now, Input::Order(order));
         self.step();
+    }
+
+    fn hold(&mut self, on: bool, held: bool) {
+        let key = if on { PanelCommand::Advance(held) } else { PanelCommand::Retract(held) };
+        self.controller.handle(self.now, Input::Panel(key));
+        self.step();
+    }
+
+    fn lead(&mut self, line: &Line, on: bool) {
+        self.obey(ControlMode::Manual);
+        self.hold(on, false);
+        self.hold(on, true);
+        self.act(line, Act::Arrive);
+        self.hold(on, false);
+        self.obey(ControlMode::Auto);
     }
 
     fn step(&mut self) {
@@ -151,6 +181,13 @@ impl Machine {
         self.controller.marking().find(|place| place.is_operating() && drives(place))
     }
 
+    /// The order that it says has ended while it is still at it, unless it was told to go back from it.
+    pub fn goes_on(&self) -> Option<OrderKey> {
+        let report = self.controller.report().order?;
+        let slot = report.slot.map(|slot| slot.key).filter(|key| self.secured != Some(*key))?;
+        report.results.iter().any(|(key, _)| *key == slot).then_some(slot)
+    }
+
     /// The order it has or goes back from, if it does, and whether anything moves.
     pub fn is_at(&self, line: &Line) -> (Option<player::OrderKey>, bool) {
         (self.slot().map(known), self.moving(line).is_some())
@@ -168,7 +205,7 @@ impl Machine {
                 acts.push(Act::Sensors(false));
             }
         }
-        acts.extend([Act::Restart, Act::Forget]);
+        acts.extend([Act::Restart, Act::Forget, Act::Led { on: true }, Act::Led { on: false }]);
     }
 
     pub fn act(&mut self, line: &Line, act: Act) {
@@ -199,6 +236,7 @@ impl Machine {
                 self.sensors = on;
                 self.image(line, true);
             }
+            Act::Led { on } => self.lead(line, on),
             Act::Expire => {
                 self.now = self.now + LIMIT;
                 self.step();

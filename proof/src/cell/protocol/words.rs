@@ -32,6 +32,9 @@ pub(super) fn act(line: &Line, machine: &Machine, act: Act) -> String {
         Act::Sensors(false) => format!("what {name} waits for goes"),
         Act::Expire => format!("{name}: the time of its order is over, by its own clock"),
         Act::Restart => format!("the node of {name} is started again, with what it kept"),
+        Act::Led { on } => {
+            format!("a person leads {name} {} by one motion, in manual mode", if on { "on" } else { "back" })
+        }
         Act::Forget => format!("the node of {name} is started again, without its memory"),
     }
 }

@@ -3,6 +3,7 @@
 //! The station is the machine of the description `on_order.toml`: it clamps a part, machines it, releases it.
 
 mod answers;
+mod apart;
 mod back;
 mod bench;
 mod doing;

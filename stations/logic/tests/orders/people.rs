@@ -96,6 +96,50 @@ fn told_to_go_back_while_people_move_it_it_does_not_go_back_later_on_a_copy_of_t
 }
 
 #[test]
+fn once_it_has_rested_after_its_order_it_does_not_go_back_from_where_people_lead_it_since() {
+    let mut m1 = Bench::new();
+    m1.done(&order(1, "clamp"));
+    m1.run(&order(2, "machine"));
+    m1.mode(ControlMode::Manual);
+    m1.hold(&[Retract(true)]);
+    m1.hold(&[]);
+    assert_eq!(m1.rest().as_deref(), Some("clamped"), "heard here, it need not be told to come to rest");
+    m1.through(Advance(true));
+    m1.mode(ControlMode::Auto);
+    assert_eq!((m1.slot(), m1.rest()), (None, None));
+    assert_eq!(m1.secure(key(1, 2)), Reply::Ended(Outcome::Failed(Failure::Interrupted)));
+    assert_eq!((m1.outputs, m1.slot()), (0, None));
+}
+
+#[test]
+fn from_an_order_that_it_never_had_it_does_not_go_back() {
+    let mut m1 = Bench::new();
+    m1.done(&order(1, "clamp"));
+    m1.mode(ControlMode::Manual);
+    m1.through(Advance(true));
+    m1.mode(ControlMode::Auto);
+    assert_eq!(m1.rest(), None, "a person has left it there");
+    let cancelled = Reply::Ended(Outcome::Failed(Failure::Cancelled));
+    assert_eq!(m1.secure(key(1, 2)), cancelled);
+    assert_eq!(m1.secure(key(1, 2)), cancelled, "a copy");
+    assert_eq!((m1.outputs, m1.slot()), (0, None));
+}
+
+#[test]
+fn left_on_a_recovery_path_it_has_nothing_to_go_back_by_and_is_not_at_its_order_for_ever() {
+    let mut m1 = Bench::new();
+    m1.done(&order(1, "clamp"));
+    m1.run(&order(2, "machine"));
+    m1.arrive();
+    m1.mode(ControlMode::Manual);
+    m1.through(Retract(true));
+    assert_eq!((m1.doing().as_str(), m1.rest()), ("slide in (undone)", None), "the end of the task would follow");
+    m1.mode(ControlMode::Auto);
+    assert_eq!(m1.secure(key(1, 2)), Reply::Ended(Outcome::Failed(Failure::Interrupted)));
+    assert_eq!((m1.outputs, m1.slot()), (0, None));
+}
+
+#[test]
 fn a_fault_of_an_irreversible_operation_is_left_along_its_path_to_the_rest_of_its_task() {
     let mut m1 = Bench::new();
     m1.done(&order(1, "clamp"));

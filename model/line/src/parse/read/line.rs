@@ -156,12 +156,23 @@ fn conflict(mut f: Fields<'_>, report: &mut Report) -> RawConflict {
 }
 
 fn span(mut f: Fields<'_>, report: &mut Report) -> RawSpan {
-    let raw = RawSpan {
-        at: f.at.clone(),
-        station: f.required_text(report, "station"),
-        from: f.required_text(report, "from"),
-        until: f.required_text(report, "until"),
+    let (at, station, task) = (f.at.clone(), f.required_text(report, "station"), f.text(report, "task"));
+    let (from, until) = (f.text(report, "from"), f.text(report, "until"));
+    let missing = match (&task, &from, &until) {
+        (Some(_), Some(end), _) | (Some(_), None, Some(end)) => Some(
+            Problem::error(end.at.clone(), "a stretch of a cycle beside `task`")
+                .hint("a task is a state from its start to its end: leave `from` and `until` out"),
+        ),
+        (None, None, None) => Some(
+            Problem::error(at.clone(), "a state of a conflict needs `from` and `until`, or `task`")
+                .hint("the first and the last operation of a stretch of the cycle; of a station on order, a task"),
+        ),
+        (None, None, Some(_)) => Some(Problem::error(at.clone(), "a state of a conflict needs `from`")),
+        (None, Some(_), None) => Some(Problem::error(at.clone(), "a state of a conflict needs `until`")),
+        (Some(_), None, None) | (None, Some(_), Some(_)) => None,
     };
+    missing.into_iter().for_each(|problem| report.add(problem));
+    let raw = RawSpan { at, station, from, until, task };
     f.finish(report);
     raw
 }

@@ -84,6 +84,7 @@ pub(super) fn check(draft: &Draft<'_>, report: &mut Report) {
     arrows::arrows_hold_at_home(draft, report);
     causality::no_operation_waits_for_itself(draft, report);
     conflicts::conflicts_join_stations(draft, report);
+    tasks::tasks_are_in_conflict_with_tasks(draft, report);
     conflicts::conflict_spans_have_an_order(draft, report);
     conflicts::conflicts_do_not_hold_at_home(draft, report);
 }

@@ -59,7 +59,7 @@ pub(super) fn nothing_of_tasks(station: &DraftStation<'_>, report: &mut Report) 
     }
 }
 
-/// No arrows and no conflicts: a station on order waits for its orders, and who gives them keeps stations apart.
+/// No arrows: a station on order waits for its orders.
 pub(super) fn stations_on_order_are_not_joined(draft: &Draft<'_>, report: &mut Report) {
     let on_order = |station: crate::StationId| draft.stations[station.index()].works_on_order();
     for arrow in &draft.arrows {
@@ -71,13 +71,24 @@ pub(super) fn stations_on_order_are_not_joined(draft: &Draft<'_>, report: &mut R
             );
         }
     }
-    for span in draft.conflicts.iter().flat_map(|conflict| [&conflict.a, &conflict.b]).flatten() {
-        if on_order(span.value.station) {
-            report.add(
-                Problem::error(span.at.clone(), "a conflict with a station on order")
-                    .hint("which tasks may run at a time follows from the cell's description"),
-            );
-        }
+}
+
+/// Two tasks are kept apart by who gives the orders, two stretches by arrows; nothing keeps one of each apart.
+pub(super) fn tasks_are_in_conflict_with_tasks(draft: &Draft<'_>, report: &mut Report) {
+    let on_order = |station: crate::StationId| draft.stations[station.index()].works_on_order();
+    for conflict in &draft.conflicts {
+        let (Some(a), Some(b)) = (&conflict.a, &conflict.b) else { continue };
+        let (task, stretch) = match (on_order(a.value.station), on_order(b.value.station)) {
+            (true, false) => (a, b),
+            (false, true) => (b, a),
+            (true, true) | (false, false) => continue,
+        };
+        report.add(
+            Problem::error(conflict.at.clone(), "a conflict of a task with a stretch of a cycle")
+                .also(&task.at, "done when it is ordered")
+                .also(&stretch.at, "done when the arrows hold")
+                .hint("no order and no arrow keeps the two apart: name two tasks, or two stretches"),
+        );
     }
 }
 
