@@ -1,6 +1,7 @@
 //! One directed way of messages, from one writer to one reader.
 //!
-//! Messages arrive in their order, as a reliable or a keep-newest reader sees them, each after the network's delay.
+//! Messages arrive in their order, as a reliable or a keep-newest reader sees them, each after the network's delay; only a
+//! network that says so lets those overtake each other that are read by their numbers. A way that is cut carries nothing.
 //! Nodes repeat their whole state every refresh period. A repetition that says nothing new to *this* reader only renews
 //! a term: it moves the moment at which the reader's view would run out. Such a message is queued like any other, with
 //! its own delay and its own chance to be lost, but nobody is woken for it: the reader takes it, at the time of its
@@ -12,9 +13,10 @@ use std::collections::VecDeque;
 use std::rc::Rc;
 use std::time::Duration;
 
-use linewright_coordinator_logic::{Command, Heard};
+use linewright_coordinator_logic::{Command, Heard, OutputImage};
 use linewright_line::{OpId, StationId, Tick};
 use linewright_station_logic::{ModeOrder, PanelCommand, Report};
+use linewright_station_shell::InputsMessage;
 
 use crate::options::Network;
 use crate::rng::mix;
@@ -30,6 +32,12 @@ pub(crate) enum LinkPayload {
     Heard(Heard),
     /// The coordinator's order.
     Order(ModeOrder),
+    /// A station's inputs, from the gateway.
+    Inputs(Box<InputsMessage>),
+    /// A station's outputs, to the gateway.
+    Outputs(Box<OutputImage>),
+    /// An operator's confirmation of where a station stands.
+    Rejoin(Option<OpId>),
     /// A panel's button or selector.
     Panel(PanelCommand),
     /// An operator's command.
@@ -41,6 +49,8 @@ pub(crate) enum LinkPayload {
 #[derive(Clone, Debug)]
 struct Message {
     arrives: Tick,
+    /// Its number in its writer's life; 0 where the reader has no use for one.
+    number: u64,
     said: LinkPayload,
     /// The reader must look at once.
     wakes: bool,
@@ -71,6 +81,8 @@ pub(crate) struct Link {
     said_version: u64,
     /// What has arrived last.
     pub(crate) heard: Option<LinkPayload>,
+    /// It carries nothing.
+    pub(crate) is_cut: bool,
     /// The reader is woken by repetitions too.
     pub(crate) wakes_always: bool,
     /// When the first message arrives that wakes the reader.
@@ -101,6 +113,7 @@ impl Link {
             said: None,
             said_version: 0,
             heard: None,
+            is_cut: false,
             wakes_always: false,
             wakes: Tick::NEVER,
         }
@@ -152,13 +165,32 @@ impl Link {
         if !is_known {
             self.said = Some(said.clone());
         }
-        self.push(Message { arrives, said, wakes: !is_known || arrives >= before + self.term });
+        self.push(Message { arrives, number: 0, said, wakes: !is_known || arrives >= before + self.term });
     }
 
-    /// Says what a person says; it is not lost.
+    /// Says something whole, as message number `number` of its writer.
+    pub(crate) fn say_numbered(&mut self, now: Tick, network: &Network, number: u64, said: LinkPayload) {
+        // An order that overtook the end of an emergency stop would cost another reset.
+        let overtakes = network.best_effort && !matches!(said, LinkPayload::Order(_));
+        let key = mix(!self.key ^ mix(self.sent));
+        let is_doubled = network.double_per_mille > 0 && key % 1000 < u64::from(network.double_per_mille);
+        for _ in 0..1 + u8::from(is_doubled) {
+            let arrives = if overtakes { self.draw(now, network) } else { self.way(now, network) };
+            let Some(arrives) = arrives else { return };
+            self.push(Message { arrives, number, said: said.clone(), wakes: true });
+        }
+    }
+
+    /// Says what a person says; it is not lost, unless it is said again anyway and the network is that bad.
     pub(crate) fn say_word(&mut self, now: Tick, network: &Network, said: LinkPayload) {
-        if let Some(arrives) = self.way(now, &Network { loss_per_mille: 0, ..*network }) {
-            self.push(Message { arrives, said, wakes: true });
+        let is_held = match said {
+            LinkPayload::Panel(command) => !matches!(command, PanelCommand::Selector(_)),
+            LinkPayload::Buttons(_) => true,
+            _ => false,
+        };
+        let loss_per_mille = if network.best_effort && is_held { network.loss_per_mille } else { 0 };
+        if let Some(arrives) = self.way(now, &Network { loss_per_mille, ..*network }) {
+            self.push(Message { arrives, number: 0, said, wakes: true });
         }
     }
 
@@ -175,11 +207,19 @@ impl Link {
             && (!self.reads_cycle || before.cycle == now.cycle)
     }
 
-    /// When a message arrives that is sent now, if it does.
+    /// When a message arrives that is sent now and stays behind those before it, if it does.
     fn way(&mut self, now: Tick, network: &Network) -> Option<Tick> {
+        let arrives = self.draw(now, network)?;
+        self.last_arrival = self.last_arrival.max(arrives);
+        Some(self.last_arrival)
+    }
+
+    /// When a message arrives that is sent now, if it does.
+    fn draw(&mut self, now: Tick, network: &Network) -> Option<Tick> {
         self.sent += 1;
         let mut arrives = now + network.delay;
-        if network.loss_per_mille > 0 && mix(self.key ^ mix(self.sent)) % 1000 < u64::from(network.loss_per_mille) {
+        let loss = u64::from(network.loss_per_mille);
+        if self.is_cut || loss > 0 && mix(self.key ^ mix(self.sent)) % 1000 < loss {
             return None;
         }
         let jitter = network.jitter.as_micros() as u64;
@@ -187,15 +227,19 @@ impl Link {
             let drawn = mix(self.key.rotate_left(32) ^ mix(self.sent)) % (jitter + 1);
             arrives = Tick::from_micros(arrives.as_micros() + drawn);
         }
-        self.last_arrival = self.last_arrival.max(arrives);
-        Some(self.last_arrival)
+        Some(arrives)
     }
 
     fn push(&mut self, message: Message) {
-        if self.wakes == Tick::NEVER && (self.wakes_always || message.wakes) {
+        if message.arrives < self.wakes && (self.wakes_always || message.wakes) {
             self.wakes = message.arrives;
         }
-        self.queue.push_back(message);
+        if self.queue.back().is_none_or(|last| last.arrives <= message.arrives) {
+            self.queue.push_back(message);
+        } else {
+            let after = self.queue.partition_point(|before| before.arrives <= message.arrives);
+            self.queue.insert(after, message);
+        }
     }
 
     /// When it next wants the reader woken.
@@ -242,16 +286,18 @@ impl Link {
         }
     }
 
-    /// Takes the message that has arrived at `now` and says something new.
-    pub(crate) fn take_news(&mut self, now: Tick) -> Option<LinkPayload> {
+    /// Takes the message that has arrived at `now` and says something new, with its number.
+    pub(crate) fn take_news(&mut self, now: Tick) -> Option<(u64, LinkPayload)> {
         if self.queue.front().is_none_or(|message| message.arrives > now) {
             return None;
         }
-        let Message { arrives, said, .. } = self.queue.pop_front()?;
+        let Message { arrives, number, said, .. } = self.queue.pop_front()?;
         self.holds_until = arrives + self.term;
         self.find_wake();
-        self.heard = Some(said.clone());
-        Some(said)
+        if number == 0 {
+            self.heard = Some(said.clone());
+        }
+        Some((number, said))
     }
 
     /// The writer has started anew and knows nothing of what its predecessor said.

@@ -77,7 +77,7 @@ impl Observer {
             if holds && !self.holds[at] && self.seen.len() < SEEN_MAX {
                 begun = true;
                 let positions = format!("{}; {}", a.text(line), b.text(line));
-                self.seen.push(Seen { at: field.plant().now(), conflict: at, positions });
+                self.seen.push(Seen { at: field.plant_of(a.station).now(), conflict: at, positions });
             }
             self.holds[at] = holds;
         }

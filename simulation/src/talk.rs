@@ -26,8 +26,8 @@ impl Sim {
             let link = &self.links[at];
             let Some(said) = &link.heard else { continue };
             match self.stations.get_mut(node) {
-                Some(station) => station.hear(arrived, link.from, said),
-                None => self.coordinator.hear(arrived, link.from, said),
+                Some(station) => station.hear(arrived, link.from, 0, said),
+                None => self.coordinator.hear(arrived, link.from, 0, said),
             }
         }
         self.renewals = renewals;
@@ -106,7 +106,7 @@ impl Sim {
     pub(crate) fn say_word(&mut self, to: usize, said: LinkPayload) {
         let operator = self.operator_node();
         let number = self.out_of[operator].iter().copied().find(|&at| self.links[at].to == to);
-        if let Some(number) = number.filter(|_| self.is_up(to)) {
+        if let Some(number) = number.filter(|_| self.is_reached(to)) {
             self.links[number].say_word(self.now, &self.options.network, said);
             self.timers.set(number, self.links[number].wakes());
         }

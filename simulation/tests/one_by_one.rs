@@ -40,6 +40,7 @@ fn trace(line: &Line, seed: u64, one_by_one: bool) -> (String, u64) {
         delay: Duration::from_micros(rng.within(1, 5000)),
         jitter: Duration::from_micros(rng.below(2) * rng.within(0, 30_000)),
         loss_per_mille: (rng.below(2) * rng.within(0, 300)) as u32,
+        ..Network::default()
     };
     let options = Options { seed, network, variation: 0.1, one_by_one, keeps_log: true, ..Options::default() };
     let mut sim = Sim::new(line, options).unwrap();

@@ -1,0 +1,137 @@
+//! One CAN bus in virtual time: a manager at the near end, devices and the plant behind them at the far one.
+//!
+//! The manager dies and comes back with the node that reads the bus. The wire delays every frame by the same time, so
+//! frames keep their order, as they do on a bus.
+
+use std::collections::VecDeque;
+use std::time::Duration;
+
+use linewright_fieldbus::{Frame, Manager, ManagerError, Outbox};
+use linewright_line::{Device, Line, Tick};
+use linewright_plant::Rack;
+
+/// About what a classic CAN frame takes at 1 Mbit/s, with its turn to wait for.
+const FRAME_TIME: Duration = Duration::from_micros(150);
+
+/// What the kernel tells of its interface: it is off the bus, and it has restarted.
+const BUS_OFF: &str = "20000040#0000000000000000";
+const RESTARTED: &str = "20000100#0000000000000000";
+
+/// One bus.
+pub(crate) struct Bus {
+    /// The node that reads it.
+    pub(super) reader: usize,
+    pub(super) rack: Rack,
+    devices: Vec<Device>,
+    /// None while its reader is down.
+    manager: Option<Manager>,
+    outbox: Outbox,
+    /// What devices have just said.
+    said: Vec<Frame>,
+    /// On their way, the oldest first.
+    to_devices: VecDeque<(Tick, Frame)>,
+    to_manager: VecDeque<(Tick, Frame)>,
+    /// The manager's interface is off the bus.
+    is_off: bool,
+}
+
+impl Bus {
+    pub(super) fn new(line: &Line, devices: Vec<Device>, rack: Rack, reader: usize) -> Result<Self, ManagerError> {
+        let manager = Some(Manager::new(&devices, line.timing)?);
+        Ok(Bus {
+            reader,
+            rack,
+            devices,
+            manager,
+            outbox: Outbox::default(),
+            said: Vec::new(),
+            to_devices: VecDeque::new(),
+            to_manager: VecDeque::new(),
+            is_off: false,
+        })
+    }
+
+    pub(super) fn manager(&self) -> Option<&Manager> {
+        self.manager.as_ref()
+    }
+
+    /// The process that reads it ends, or starts.
+    pub(super) fn read(&mut self, line: &Line, read: bool) {
+        // The same devices had a manager when the line was switched on.
+        self.manager = read.then(|| Manager::new(&self.devices, line.timing).ok()).flatten();
+    }
+
+    /// Plays one thing that is due; gives whether its reader has something to look at.
+    pub(super) fn play(&mut self, now: Tick) -> bool {
+        if let Some(frame) = due(&mut self.to_devices, now) {
+            self.rack.handle(now, &frame, &mut self.said);
+        } else if let Some(frame) = due(&mut self.to_manager, now) {
+            let is_heard = !self.is_off || frame.cob_id().is_none();
+            let Some(manager) = self.manager.as_mut().filter(|_| is_heard) else { return false };
+            manager.handle(now, &frame, &mut self.outbox);
+            return true;
+        } else if self.rack.next_deadline().is_some_and(|due| due <= now) {
+            self.rack.poll(now, &mut self.said);
+        } else {
+            return self.manager.is_some();
+        }
+        self.send(now);
+        false
+    }
+
+    /// Lets the manager do what is due.
+    pub(super) fn poll(&mut self, now: Tick) {
+        if let Some(manager) = &mut self.manager
+            && manager.next_deadline().is_none_or(|due| due <= now)
+        {
+            manager.poll(now, &mut self.outbox);
+        }
+    }
+
+    /// Asks the manager for something.
+    pub(super) fn ask(&mut self, does: impl FnOnce(&mut Manager, &mut Outbox)) {
+        if let Some(manager) = &mut self.manager {
+            does(manager, &mut self.outbox);
+        }
+    }
+
+    /// Does something to the devices or the mechanisms.
+    pub(super) fn disturb(&mut self, now: Tick, does: impl FnOnce(&mut Rack, &mut Vec<Frame>)) {
+        does(&mut self.rack, &mut self.said);
+        self.rack.poll(now, &mut self.said);
+        self.send(now);
+    }
+
+    /// The manager's interface leaves the bus, or comes back to it; the kernel tells the manager.
+    pub(super) fn turn_off(&mut self, now: Tick, off: bool) {
+        self.is_off = off;
+        if let Ok(frame) = if off { BUS_OFF } else { RESTARTED }.parse() {
+            self.to_manager.push_front((now, frame));
+        }
+    }
+
+    /// Puts on the wire what either side has to send.
+    pub(super) fn send(&mut self, now: Tick) {
+        self.outbox.events.clear();
+        let arrives = now + FRAME_TIME;
+        self.to_manager.extend(self.said.drain(..).map(|frame| (arrives, frame)));
+        let is_off = self.is_off;
+        self.to_devices.extend(self.outbox.frames.drain(..).filter(|_| !is_off).map(|frame| (arrives, frame)));
+    }
+
+    /// When something is due.
+    pub(super) fn deadline(&self) -> Tick {
+        let first = |on_way: &VecDeque<(Tick, Frame)>| on_way.front().map_or(Tick::NEVER, |(arrives, _)| *arrives);
+        let manager = self.manager.as_ref().map_or(Tick::NEVER, |m| m.next_deadline().unwrap_or(Tick::ZERO));
+        let rack = self.rack.next_deadline().unwrap_or(Tick::NEVER);
+        first(&self.to_devices).min(first(&self.to_manager)).min(rack).min(manager)
+    }
+}
+
+/// Takes the first of what is on its way, if it has arrived.
+fn due(on_way: &mut VecDeque<(Tick, Frame)>, now: Tick) -> Option<Frame> {
+    if on_way.front().is_some_and(|(arrives, _)| *arrives <= now) {
+        return on_way.pop_front().map(|(_, frame)| frame);
+    }
+    None
+}
