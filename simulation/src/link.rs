@@ -174,11 +174,13 @@ impl Link {
         let overtakes = network.best_effort && !matches!(said, LinkPayload::Order(_));
         let key = mix(!self.key ^ mix(self.sent));
         let is_doubled = network.double_per_mille > 0 && key % 1000 < u64::from(network.double_per_mille);
-        for _ in 0..1 + u8::from(is_doubled) {
-            let arrives = if overtakes { self.draw(now, network) } else { self.way(now, network) };
-            let Some(arrives) = arrives else { return };
+        let mut way = || if overtakes { self.draw(now, network) } else { self.way(now, network) };
+        let Some(arrives) = way() else { return };
+        let again = is_doubled.then(way).flatten();
+        if let Some(arrives) = again {
             self.push(Message { arrives, number, said: said.clone(), wakes: true });
         }
+        self.push(Message { arrives, number, said, wakes: true });
     }
 
     /// Says what a person says; it is not lost, unless it is said again anyway and the network is that bad.
@@ -311,5 +313,59 @@ impl Link {
         self.heard = None;
         self.queue.clear();
         self.wakes = Tick::NEVER;
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use linewright_line::net::ControlMode;
+
+    use super::*;
+
+    const BAD: Network = Network {
+        delay: Duration::from_millis(1),
+        jitter: Duration::from_millis(9),
+        loss_per_mille: 0,
+        double_per_mille: 200,
+        best_effort: true,
+    };
+
+    /// What arrives of a hundred messages, a millisecond apart, in the order in which it does.
+    fn arrivals(network: &Network, said: &LinkPayload) -> Vec<u64> {
+        let mut link = Link::new((0, 1), (Vec::new(), 0), false, Duration::from_secs(1), 1);
+        for number in 1..=100 {
+            link.say_numbered(Tick::from_millis(number), network, number, said.clone());
+        }
+        let mut heard = Vec::new();
+        while link.wakes() != Tick::NEVER {
+            heard.extend(link.take_news(link.wakes()).map(|(number, _)| number));
+        }
+        heard
+    }
+
+    #[test]
+    fn images_overtake_each_other_and_come_twice_and_orders_keep_their_order() {
+        let image = LinkPayload::Inputs(Box::default());
+        let order = LinkPayload::Order(ModeOrder::of(1, 1, ControlMode::Auto, Duration::from_secs(1)));
+        let heard = arrivals(&BAD, &image);
+        assert!(heard.len() > 105 && !heard.is_sorted(), "{heard:?}");
+        let heard = arrivals(&BAD, &order);
+        assert!(heard.len() > 105 && heard.is_sorted(), "{heard:?}");
+        let heard = arrivals(&Network { best_effort: false, double_per_mille: 0, ..BAD }, &image);
+        assert_eq!(heard, (1..=100).collect::<Vec<_>>());
+    }
+
+    #[test]
+    fn held_buttons_get_lost_where_a_network_is_that_bad_and_commands_never() {
+        let network = Network { loss_per_mille: 500, ..BAD };
+        let heard = |network: &Network, said: LinkPayload| {
+            let mut link = Link::new((0, 1), (Vec::new(), 0), false, Duration::from_secs(1), 1);
+            (0..100).for_each(|at| link.say_word(Tick::from_millis(at), network, said.clone()));
+            link.queue.len()
+        };
+        let buttons = heard(&network, LinkPayload::Buttons(1));
+        assert!((30..70).contains(&buttons), "{buttons}");
+        assert_eq!(heard(&network, LinkPayload::Command(Command::Stop)), 100);
+        assert_eq!(heard(&Network { best_effort: false, ..network }, LinkPayload::Buttons(1)), 100);
     }
 }

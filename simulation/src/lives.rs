@@ -54,7 +54,12 @@ impl Sim {
         let Some(journal) = self.stations[at].journal.take() else { return Ok(()) };
         let life = self.next_life();
         let id = StationId::at(at);
-        let restore = if remembers { Restore::From(journal) } else { Restore::Fresh };
+        let restore = if remembers {
+            Restore::From(journal)
+        } else {
+            self.record.forgotten_by(id);
+            Restore::Fresh
+        };
         self.stations[at] = StationNode::start(&self.line, id, life, restore, &self.options)?;
         match &mut self.field {
             Field::Images(field) => field.owner_up(self.now, at),

@@ -8,7 +8,7 @@ use linewright_coordinator_shell::{CoordinatorArrival, InputsImage};
 use linewright_line::{Bus, Owner, StationId};
 use linewright_station_shell::{Driven, InputsMessage};
 
-use crate::field::Field;
+use crate::field::{Field, Played};
 use crate::link::LinkPayload;
 use crate::sim::Sim;
 
@@ -16,12 +16,10 @@ impl Sim {
     /// Something is due on the bus that a node reads.
     pub(crate) fn bus_changes(&mut self, node: usize) {
         let Field::Frames(frames) = &mut self.field else { return };
-        let looks = frames.play(self.now, node);
-        for id in self.line.station_ids() {
-            self.observer.look(&self.line, &self.field, id.index());
-        }
-        if looks && self.is_up(node) {
-            self.play(node);
+        match frames.play(self.now, node) {
+            Played::Devices => self.observer.look_everywhere(&self.line, &self.field),
+            Played::Manager if self.is_up(node) => return self.play(node),
+            Played::Manager | Played::Nothing => {}
         }
         self.wake_bus(node);
     }

@@ -37,6 +37,8 @@ pub struct Sim {
     seed: u64,
     /// Entries of the log that the ledger has read.
     read: u64,
+    /// Mechanisms stand where the observer has seen them then.
+    looked: Tick,
 }
 
 impl Deref for Sim {
@@ -64,6 +66,7 @@ impl Sim {
             observer: Observer::new(line),
             seed,
             read: 0,
+            looked: Tick::ZERO,
         }
     }
 
@@ -107,7 +110,11 @@ impl Sim {
                 }
             }
         }
-        self.observer.look(self.sim.plant_of(StationId::at(0)));
+        let plant = self.sim.plant_of(StationId::at(0));
+        if plant.now() != self.looked {
+            self.looked = plant.now();
+            self.observer.look(plant);
+        }
         self.judge();
     }
 

@@ -33,6 +33,20 @@ pub(crate) struct Bus {
     to_manager: VecDeque<(Tick, Frame)>,
     /// The manager's interface is off the bus.
     is_off: bool,
+    /// When devices or mechanisms, and the manager, have something to do next.
+    rack_due: Tick,
+    manager_due: Tick,
+}
+
+/// What was played on a bus.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub(crate) enum Played {
+    /// Something of the devices or of the mechanisms behind them.
+    Devices,
+    /// Something that the bus's reader has to look at.
+    Manager,
+    /// Nothing that matters to either.
+    Nothing,
 }
 
 impl Bus {
@@ -48,6 +62,8 @@ impl Bus {
             to_devices: VecDeque::new(),
             to_manager: VecDeque::new(),
             is_off: false,
+            rack_due: Tick::ZERO,
+            manager_due: Tick::ZERO,
         })
     }
 
@@ -59,32 +75,33 @@ impl Bus {
     pub(super) fn read(&mut self, line: &Line, read: bool) {
         // The same devices had a manager when the line was switched on.
         self.manager = read.then(|| Manager::new(&self.devices, line.timing).ok()).flatten();
+        self.find_manager_due();
     }
 
-    /// Plays one thing that is due; gives whether its reader has something to look at.
-    pub(super) fn play(&mut self, now: Tick) -> bool {
+    /// Plays one thing that is due.
+    pub(super) fn play(&mut self, now: Tick) -> Played {
         if let Some(frame) = due(&mut self.to_devices, now) {
             self.rack.handle(now, &frame, &mut self.said);
         } else if let Some(frame) = due(&mut self.to_manager, now) {
             let is_heard = !self.is_off || frame.cob_id().is_none();
-            let Some(manager) = self.manager.as_mut().filter(|_| is_heard) else { return false };
+            let Some(manager) = self.manager.as_mut().filter(|_| is_heard) else { return Played::Nothing };
             manager.handle(now, &frame, &mut self.outbox);
-            return true;
-        } else if self.rack.next_deadline().is_some_and(|due| due <= now) {
+            self.find_manager_due();
+            return Played::Manager;
+        } else if self.rack_due <= now {
             self.rack.poll(now, &mut self.said);
         } else {
-            return self.manager.is_some();
+            return if self.manager_due <= now { Played::Manager } else { Played::Nothing };
         }
+        self.rack_due = self.rack.next_deadline().unwrap_or(Tick::NEVER);
         self.send(now);
-        false
+        Played::Devices
     }
 
     /// Lets the manager do what is due.
     pub(super) fn poll(&mut self, now: Tick) {
-        if let Some(manager) = &mut self.manager
-            && manager.next_deadline().is_none_or(|due| due <= now)
-        {
-            manager.poll(now, &mut self.outbox);
+        if self.manager_due <= now {
+            self.ask(|manager, out| manager.poll(now, out));
         }
     }
 
@@ -92,13 +109,20 @@ impl Bus {
     pub(super) fn ask(&mut self, does: impl FnOnce(&mut Manager, &mut Outbox)) {
         if let Some(manager) = &mut self.manager {
             does(manager, &mut self.outbox);
+            self.find_manager_due();
         }
+    }
+
+    /// One that has not been polled yet wants to be at once.
+    fn find_manager_due(&mut self) {
+        self.manager_due = self.manager.as_ref().map_or(Tick::NEVER, |m| m.next_deadline().unwrap_or(Tick::ZERO));
     }
 
     /// Does something to the devices or the mechanisms.
     pub(super) fn disturb(&mut self, now: Tick, does: impl FnOnce(&mut Rack, &mut Vec<Frame>)) {
         does(&mut self.rack, &mut self.said);
         self.rack.poll(now, &mut self.said);
+        self.rack_due = self.rack.next_deadline().unwrap_or(Tick::NEVER);
         self.send(now);
     }
 
@@ -122,9 +146,7 @@ impl Bus {
     /// When something is due.
     pub(super) fn deadline(&self) -> Tick {
         let first = |on_way: &VecDeque<(Tick, Frame)>| on_way.front().map_or(Tick::NEVER, |(arrives, _)| *arrives);
-        let manager = self.manager.as_ref().map_or(Tick::NEVER, |m| m.next_deadline().unwrap_or(Tick::ZERO));
-        let rack = self.rack.next_deadline().unwrap_or(Tick::NEVER);
-        first(&self.to_devices).min(first(&self.to_manager)).min(rack).min(manager)
+        first(&self.to_devices).min(first(&self.to_manager)).min(self.rack_due).min(self.manager_due)
     }
 }
 

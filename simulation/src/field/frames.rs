@@ -7,7 +7,7 @@ use linewright_fieldbus::{ManagerError, NodeId};
 use linewright_line::{Bus as BusName, Device, InputId, Line, OpId, Owner, StationId, Tick};
 use linewright_plant::{DeviceFault, Fault, Plant, PlantOptions, Rack};
 
-use super::bus::Bus;
+use super::bus::{Bus, Played};
 
 /// An owner's inputs, as the manager of its bus knows them.
 #[derive(Clone, Copy, Debug)]
@@ -91,9 +91,9 @@ impl Frames {
         self.buses.iter().find(|bus| bus.reader == node).map_or(Tick::NEVER, Bus::deadline)
     }
 
-    /// Plays one thing that is due on the bus that a node reads; gives whether that node has something to look at.
-    pub(crate) fn play(&mut self, now: Tick, node: usize) -> bool {
-        self.read_by(node).is_some_and(|bus| bus.play(now))
+    /// Plays one thing that is due on the bus that a node reads; gives what it was.
+    pub(crate) fn play(&mut self, now: Tick, node: usize) -> Played {
+        self.read_by(node).map_or(Played::Nothing, |bus| bus.play(now))
     }
 
     /// Lets the manager of a node's bus do what is due.

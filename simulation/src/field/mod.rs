@@ -10,6 +10,7 @@ mod images;
 use linewright_line::{AxisId, InputId, Line, Module, OpId, Owner, StationId, Tick};
 use linewright_plant::{Fault, Plant, PlantOptions};
 
+pub(crate) use bus::Played;
 pub(crate) use frames::{Frames, SeenInputs};
 pub(crate) use images::Images;
 pub(crate) use linewright_fieldbus::ManagerError;
