@@ -14,7 +14,7 @@ use crate::field::Field;
 use crate::hands::RELEASES;
 use crate::link::LinkPayload;
 use crate::lives::StartError;
-use crate::options::{Network, NetworkChange};
+use crate::options::{Network, NetworkChange, Options};
 use crate::sim::Sim;
 
 /// Whose process.
@@ -145,7 +145,10 @@ impl Sim {
             Action::RestartEmpty(Process::Coordinator) => self.restart_coordinator(false),
             Action::DieAtRecord(station, dies) => self.stations[station.index()].dies_at_next_record = dies,
             Action::FillDisk(full) => self.coordinator.disk_is_full = full,
-            Action::Network(change) => self.options.network = change.of(self.options.network),
+            Action::Network(change) => {
+                let Options { network, images, .. } = self.options;
+                self.set_networks(change.of(network), change.of(images));
+            }
             Action::Cut(from, to) => {
                 let (from, to) = (self.node_of(from), self.node_of(to));
                 self.links.iter_mut().filter(|link| (link.from, link.to) == (from, to)).for_each(|l| l.is_cut = true);
