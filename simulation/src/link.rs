@@ -32,10 +32,6 @@ pub(crate) enum LinkPayload {
     Heard(Heard),
     /// The coordinator's order.
     Order(ModeOrder),
-    /// A station's inputs, from the gateway.
-    Inputs(Box<InputsMessage>),
-    /// A station's outputs, to the gateway.
-    Outputs(Box<OutputImage>),
     /// An operator's confirmation of where a station stands.
     Rejoin(Option<OpId>),
     /// A panel's button or selector.
@@ -44,13 +40,50 @@ pub(crate) enum LinkPayload {
     Command(Command),
     /// Hand-mode buttons held.
     Buttons(u32),
+    /// Something whole.
+    Whole(Box<Numbered>),
+}
+
+/// A message that is read by its number.
+#[derive(Clone, Debug)]
+pub(crate) struct Numbered {
+    /// In its writer's life.
+    pub(crate) number: u64,
+    pub(crate) said: Whole,
+}
+
+/// What such a message carries.
+#[derive(Clone, Debug)]
+pub(crate) enum Whole {
+    /// A station's state, to another station.
+    Report(Rc<Report>),
+    /// A station's state, as far as the coordinator looks at it.
+    Heard(Heard),
+    /// The coordinator's order.
+    Order(ModeOrder),
+    /// A station's inputs, from the gateway.
+    Inputs(InputsMessage),
+    /// A station's outputs, to the gateway.
+    Outputs(OutputImage),
+}
+
+impl LinkPayload {
+    /// The state of a station, if another one hears of it.
+    pub(crate) fn report(&self) -> Option<&Report> {
+        match self {
+            LinkPayload::Report(report) => Some(report),
+            LinkPayload::Whole(message) => match &message.said {
+                Whole::Report(report) => Some(report),
+                _ => None,
+            },
+            _ => None,
+        }
+    }
 }
 
 #[derive(Clone, Debug)]
 struct Message {
     arrives: Tick,
-    /// Its number in its writer's life; 0 where the reader has no use for one.
-    number: u64,
     said: LinkPayload,
     /// The reader must look at once.
     wakes: bool,
@@ -165,22 +198,23 @@ impl Link {
         if !is_known {
             self.said = Some(said.clone());
         }
-        self.push(Message { arrives, number: 0, said, wakes: !is_known || arrives >= before + self.term });
+        self.push(Message { arrives, said, wakes: !is_known || arrives >= before + self.term });
     }
 
     /// Says something whole, as message number `number` of its writer.
-    pub(crate) fn say_numbered(&mut self, now: Tick, network: &Network, number: u64, said: LinkPayload) {
+    pub(crate) fn say_numbered(&mut self, now: Tick, network: &Network, number: u64, said: Whole) {
         // An order that overtook the end of an emergency stop would cost another reset.
-        let overtakes = network.best_effort && !matches!(said, LinkPayload::Order(_));
+        let overtakes = network.best_effort && !matches!(said, Whole::Order(_));
         let key = mix(!self.key ^ mix(self.sent));
         let is_doubled = network.double_per_mille > 0 && key % 1000 < u64::from(network.double_per_mille);
         let mut way = || if overtakes { self.draw(now, network) } else { self.way(now, network) };
         let Some(arrives) = way() else { return };
         let again = is_doubled.then(way).flatten();
+        let said = LinkPayload::Whole(Box::new(Numbered { number, said }));
         if let Some(arrives) = again {
-            self.push(Message { arrives, number, said: said.clone(), wakes: true });
+            self.push_between(Message { arrives, said: said.clone(), wakes: true });
         }
-        self.push(Message { arrives, number, said, wakes: true });
+        self.push_between(Message { arrives, said, wakes: true });
     }
 
     /// Says what a person says; it is not lost, unless it is said again anyway and the network is that bad.
@@ -192,7 +226,7 @@ impl Link {
         };
         let loss_per_mille = if network.best_effort && is_held { network.loss_per_mille } else { 0 };
         if let Some(arrives) = self.way(now, &Network { loss_per_mille, ..*network }) {
-            self.push(Message { arrives, number: 0, said, wakes: true });
+            self.push(Message { arrives, said, wakes: true });
         }
     }
 
@@ -217,6 +251,7 @@ impl Link {
     }
 
     /// When a message arrives that is sent now, if it does.
+    #[inline]
     fn draw(&mut self, now: Tick, network: &Network) -> Option<Tick> {
         self.sent += 1;
         let mut arrives = now + network.delay;
@@ -232,16 +267,19 @@ impl Link {
         Some(arrives)
     }
 
+    #[inline]
     fn push(&mut self, message: Message) {
-        if message.arrives < self.wakes && (self.wakes_always || message.wakes) {
+        if self.wakes == Tick::NEVER && (self.wakes_always || message.wakes) {
             self.wakes = message.arrives;
         }
-        if self.queue.back().is_none_or(|last| last.arrives <= message.arrives) {
-            self.queue.push_back(message);
-        } else {
-            let after = self.queue.partition_point(|before| before.arrives <= message.arrives);
-            self.queue.insert(after, message);
-        }
+        self.queue.push_back(message);
+    }
+
+    /// The same of a message that may arrive before others.
+    fn push_between(&mut self, message: Message) {
+        self.wakes = self.wakes.min(message.arrives);
+        let after = self.queue.partition_point(|before| before.arrives <= message.arrives);
+        self.queue.insert(after, message);
     }
 
     /// When it next wants the reader woken.
@@ -288,18 +326,19 @@ impl Link {
         }
     }
 
-    /// Takes the message that has arrived at `now` and says something new, with its number.
-    pub(crate) fn take_news(&mut self, now: Tick) -> Option<(u64, LinkPayload)> {
+    /// Takes the message that has arrived at `now` and says something new.
+    pub(crate) fn take_news(&mut self, now: Tick) -> Option<LinkPayload> {
         if self.queue.front().is_none_or(|message| message.arrives > now) {
             return None;
         }
-        let Message { arrives, number, said, .. } = self.queue.pop_front()?;
+        let Message { arrives, said, .. } = self.queue.pop_front()?;
         self.holds_until = arrives + self.term;
         self.find_wake();
-        if number == 0 {
+        // Nobody says again what has a number.
+        if !matches!(said, LinkPayload::Whole(_)) {
             self.heard = Some(said.clone());
         }
-        Some((number, said))
+        Some(said)
     }
 
     /// The writer has started anew and knows nothing of what its predecessor said.
@@ -331,22 +370,24 @@ mod tests {
     };
 
     /// What arrives of a hundred messages, a millisecond apart, in the order in which it does.
-    fn arrivals(network: &Network, said: &LinkPayload) -> Vec<u64> {
+    fn arrivals(network: &Network, said: &Whole) -> Vec<u64> {
         let mut link = Link::new((0, 1), (Vec::new(), 0), false, Duration::from_secs(1), 1);
         for number in 1..=100 {
             link.say_numbered(Tick::from_millis(number), network, number, said.clone());
         }
         let mut heard = Vec::new();
         while link.wakes() != Tick::NEVER {
-            heard.extend(link.take_news(link.wakes()).map(|(number, _)| number));
+            if let Some(LinkPayload::Whole(message)) = link.take_news(link.wakes()) {
+                heard.push(message.number);
+            }
         }
         heard
     }
 
     #[test]
     fn images_overtake_each_other_and_come_twice_and_orders_keep_their_order() {
-        let image = LinkPayload::Inputs(Box::default());
-        let order = LinkPayload::Order(ModeOrder::of(1, 1, ControlMode::Auto, Duration::from_secs(1)));
+        let image = Whole::Inputs(InputsMessage::default());
+        let order = Whole::Order(ModeOrder::of(1, 1, ControlMode::Auto, Duration::from_secs(1)));
         let heard = arrivals(&BAD, &image);
         assert!(heard.len() > 105 && !heard.is_sorted(), "{heard:?}");
         let heard = arrivals(&BAD, &order);

@@ -10,7 +10,7 @@ use linewright_station_logic::{CompileError, Controller, ModeOrder, Report, Rest
 use linewright_station_shell::{StationArrival, StationEffect, StationShell};
 
 use crate::field::SeenInputs;
-use crate::link::LinkPayload;
+use crate::link::{LinkPayload, Whole};
 use crate::options::Options;
 
 /// A station's process.
@@ -84,21 +84,22 @@ impl StationNode {
         self.shell.boot_id()
     }
 
-    /// Takes message number `number` from `from`.
-    pub(crate) fn hear(&mut self, now: Tick, from: usize, number: u64, said: &LinkPayload) {
+    /// Takes a message from `from`.
+    pub(crate) fn hear(&mut self, now: Tick, from: usize, said: &LinkPayload) {
         self.taken += 1;
-        let sequence = if number == 0 { self.taken } else { number };
+        let (station, sequence) = (StationId::at(from), self.taken);
         let arrival = match said {
-            LinkPayload::Report(report) => StationArrival::State { station: StationId::at(from), sequence, report },
+            LinkPayload::Report(report) => StationArrival::State { station, sequence, report },
             LinkPayload::Order(order) => StationArrival::Order { sequence, order: *order },
-            LinkPayload::Inputs(image) => StationArrival::Inputs(**image),
+            LinkPayload::Whole(message) => match &message.said {
+                Whole::Report(report) => StationArrival::State { station, sequence: message.number, report },
+                Whole::Order(order) => StationArrival::Order { sequence: message.number, order: *order },
+                Whole::Inputs(image) => StationArrival::Inputs(*image),
+                Whole::Heard(_) | Whole::Outputs(_) => return,
+            },
             LinkPayload::Panel(command) => StationArrival::Panel(*command),
             LinkPayload::Rejoin(within) => StationArrival::Rejoin(*within),
-            LinkPayload::Again
-            | LinkPayload::Heard(_)
-            | LinkPayload::Outputs(_)
-            | LinkPayload::Command(_)
-            | LinkPayload::Buttons(_) => return,
+            LinkPayload::Again | LinkPayload::Heard(_) | LinkPayload::Command(_) | LinkPayload::Buttons(_) => return,
         };
         self.shell.handle(now, arrival, &mut self.effects);
     }
@@ -214,23 +215,24 @@ impl CoordinatorNode {
         }
     }
 
-    /// Takes message number `number` from `from`.
-    pub(crate) fn hear(&mut self, now: Tick, from: usize, number: u64, said: &LinkPayload) {
+    /// Takes a message from `from`.
+    pub(crate) fn hear(&mut self, now: Tick, from: usize, said: &LinkPayload) {
         self.taken += 1;
-        let sequence = if number == 0 { self.taken } else { number };
+        let (station, sequence) = (StationId::at(from), self.taken);
         let arrival = match said {
-            LinkPayload::Heard(heard) => {
-                CoordinatorArrival::State { station: StationId::at(from), sequence, heard: *heard }
-            }
-            LinkPayload::Outputs(image) => {
-                CoordinatorArrival::Outputs { station: StationId::at(from), sequence, image: **image }
-            }
+            LinkPayload::Heard(heard) => CoordinatorArrival::State { station, sequence, heard: *heard },
+            LinkPayload::Whole(message) => match &message.said {
+                Whole::Heard(heard) => CoordinatorArrival::State { station, sequence: message.number, heard: *heard },
+                Whole::Outputs(image) => {
+                    CoordinatorArrival::Outputs { station, sequence: message.number, image: *image }
+                }
+                Whole::Report(_) | Whole::Order(_) | Whole::Inputs(_) => return,
+            },
             LinkPayload::Command(command) => CoordinatorArrival::Command(*command),
             LinkPayload::Buttons(held) => CoordinatorArrival::Buttons(*held),
             LinkPayload::Again
             | LinkPayload::Report(_)
             | LinkPayload::Order(_)
-            | LinkPayload::Inputs(_)
             | LinkPayload::Panel(_)
             | LinkPayload::Rejoin(_) => return,
         };

@@ -10,6 +10,7 @@
 //! an honest line never comes near it: what follows a motion waits for its switch, and the switch is a look.
 
 use linewright_line::{AxisId, Conflict, Line, OpId, Span, StationId, Tick};
+use linewright_plant::Plant;
 
 use crate::field::Field;
 
@@ -84,7 +85,7 @@ impl Observer {
 
     fn look_at(&mut self, line: &Line, field: &Field, at: usize) {
         let [a, b] = &mut self.pairs[at];
-        let holds = a.look(field) & b.look(field);
+        let holds = a.look(field.plant_of(a.station)) & b.look(field.plant_of(b.station));
         if holds && !self.holds[at] && self.seen.len() < SEEN_MAX {
             let positions = format!("{}; {}", a.text(line), b.text(line));
             self.seen.push(Seen { at: field.plant_of(a.station).now(), conflict: at, positions });
@@ -99,10 +100,10 @@ impl Observer {
 
 impl Side {
     /// Whether the stretch was touched since the last look.
-    fn look(&mut self, field: &Field) -> bool {
+    fn look(&mut self, plant: &Plant) -> bool {
         std::mem::swap(&mut self.before, &mut self.now);
         for axis in 0..self.axes {
-            self.now[axis] = field.position(self.station, AxisId::at(axis));
+            self.now[axis] = plant.position(self.station, AxisId::at(axis));
         }
         !self.outside.iter().any(|ranges| {
             ranges.iter().enumerate().all(|(axis, &(low, high))| {

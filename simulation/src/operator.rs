@@ -12,7 +12,7 @@ use linewright_station_logic::{ModeOrder, PanelCommand};
 
 use crate::field::Field;
 use crate::hands::RELEASES;
-use crate::link::LinkPayload;
+use crate::link::{LinkPayload, Whole};
 use crate::lives::StartError;
 use crate::options::{Network, NetworkChange, Options};
 use crate::sim::Sim;
@@ -197,7 +197,7 @@ impl Sim {
     fn say_foreign_stop(&mut self) {
         let order = ModeOrder::of(u64::MAX, 1, ControlMode::EStop, self.line.timing.lease);
         for station in 0..self.stations.len() {
-            self.send(self.operator_node(), station, 1, LinkPayload::Order(order));
+            self.send(self.operator_node(), station, 1, Whole::Order(order));
         }
     }
 

@@ -216,18 +216,17 @@ impl Sim {
             return;
         }
         self.catch_up(node);
-        let (number, said) = self.links[at].take_news(self.now).unzip();
+        let said = self.links[at].take_news(self.now);
         self.timers.set(at, self.links[at].wakes());
         if !self.is_up(node) {
             return;
         }
-        let number = number.unwrap_or(0);
         let from = self.links[at].from;
         match self.stations.get_mut(node) {
             Some(station) => {
                 if let Some(said) = &said {
-                    station.hear(self.now, from, number, said);
-                    if let LinkPayload::Report(report) = said {
+                    station.hear(self.now, from, said);
+                    if let Some(report) = said.report() {
                         self.record.hear(&self.line, self.now, &self.arrows[at], report);
                     }
                 }
@@ -235,7 +234,7 @@ impl Sim {
             }
             None => {
                 if let Some(said) = &said {
-                    self.coordinator.hear(self.now, from, number, said);
+                    self.coordinator.hear(self.now, from, said);
                 }
                 let command = if let Some(LinkPayload::Command(command)) = said { Some(command) } else { None };
                 self.play_coordinator(command);

@@ -26,8 +26,8 @@ impl Sim {
             let link = &self.links[at];
             let Some(said) = &link.heard else { continue };
             match self.stations.get_mut(node) {
-                Some(station) => station.hear(arrived, link.from, 0, said),
-                None => self.coordinator.hear(arrived, link.from, 0, said),
+                Some(station) => station.hear(arrived, link.from, said),
+                None => self.coordinator.hear(arrived, link.from, said),
             }
         }
         self.renewals = renewals;

@@ -9,7 +9,7 @@ use linewright_line::{Bus, Owner, StationId};
 use linewright_station_shell::{Driven, InputsMessage};
 
 use crate::field::{Field, Played};
-use crate::link::LinkPayload;
+use crate::link::Whole;
 use crate::sim::Sim;
 
 impl Sim {
@@ -83,7 +83,7 @@ impl Sim {
             number: image.number,
             mode_epoch: image.mode_epoch,
         };
-        self.send(at, self.coordinator_node(), image.sequence, LinkPayload::Outputs(Box::new(outputs)));
+        self.send(at, self.coordinator_node(), image.sequence, Whole::Outputs(outputs));
     }
 
     /// The gateway sends a station its inputs.
@@ -91,14 +91,14 @@ impl Sim {
         let InputsImage { bits, valid, lives, under } = image;
         let boot_id = self.coordinator.shell.boot_id();
         let inputs = InputsMessage { boot_id, sequence, bits, valid, lives, under: under.unwrap_or_default() };
-        self.send(self.coordinator_node(), station.index(), sequence, LinkPayload::Inputs(Box::new(inputs)));
+        self.send(self.coordinator_node(), station.index(), sequence, Whole::Inputs(inputs));
     }
 
     /// The coordinator's order goes to every station.
     pub(crate) fn send_orders(&mut self, sequence: u64) {
         for station in (0..self.stations.len()).map(StationId::at) {
             let order = self.coordinator.shell.order_for(station);
-            self.send(self.coordinator_node(), station.index(), sequence, LinkPayload::Order(order));
+            self.send(self.coordinator_node(), station.index(), sequence, Whole::Order(order));
         }
     }
 
@@ -111,17 +111,17 @@ impl Sim {
             let to = self.links[self.out_of[at][index]].to;
             let node = &self.stations[at];
             let said = if to == coordinator {
-                LinkPayload::Heard(node.heard())
+                Whole::Heard(node.heard())
             } else {
-                LinkPayload::Report(std::rc::Rc::clone(&node.report))
+                Whole::Report(std::rc::Rc::clone(&node.report))
             };
             self.send(at, to, sequence, said);
         }
     }
 
     /// Sends a message that is read by its number.
-    pub(crate) fn send(&mut self, from: usize, to: usize, number: u64, said: LinkPayload) {
-        let is_image = matches!(said, LinkPayload::Inputs(_) | LinkPayload::Outputs(_));
+    pub(crate) fn send(&mut self, from: usize, to: usize, number: u64, said: Whole) {
+        let is_image = matches!(said, Whole::Inputs(_) | Whole::Outputs(_));
         let network = if is_image { self.options.images } else { self.options.network };
         let link = self.out_of[from].iter().copied().find(|&at| self.links[at].to == to);
         if let Some(link) = link {
