@@ -2,7 +2,6 @@
 
 use std::time::Duration;
 
-use linewright_coordinator_logic::Command;
 use linewright_line::net::ControlMode;
 use linewright_line::{Bus, Line, Owner, StationId};
 use linewright_simulation::{Action, End, Goal, Network, Options, Process, Sim, What};
@@ -130,8 +129,12 @@ fn a_station_that_dies_at_its_record_puts_out_nothing_that_follows() {
             sim.step();
         }
         assert_eq!(sim.record().begun(MILL), before + 1, "it is written down that it moves");
-        sim.run_to(sim.now() + Duration::from_secs(1));
+        let end = sim.now() + Duration::from_secs(1);
         assert_eq!(sim.energised(MILL), 0, "and it does not");
+        while sim.next_event() <= end {
+            sim.step();
+            assert_eq!(sim.energised(MILL), 0, "nor later");
+        }
         sim.act(Action::Restart(Process::Station(MILL))).unwrap();
         assert!(sim.controller(MILL).is_some_and(|c| c.marking().any(|place| place.is_incomplete())));
     }
@@ -161,9 +164,8 @@ fn a_record_that_cannot_be_written_and_a_stop_of_a_stranger_stop_the_line() {
             if stranger {
                 sim.act(Action::ForeignStop).unwrap();
             } else {
+                // The line would fall to stand-by; that cannot be written down.
                 sim.act(Action::FillDisk(true)).unwrap();
-                sim.act(Action::Command(Command::Stop)).unwrap();
-                sim.act(Action::Command(Command::Hand)).unwrap();
                 sim.act(Action::Kill(Process::Station(CLAMP))).unwrap();
             }
             sim.run_to(sim.now() + Duration::from_secs(1));
