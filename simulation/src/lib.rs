@@ -10,7 +10,7 @@
 //! ```
 //!
 //! Between the operator's word and the mechanism stands the code that runs on a shop floor. Messages take what [`Network`]
-//! says. Images reach the plant at once or, with [`Options::frames`], as they do there:
+//! gives. Images reach the plant at once or, with [`Options::frames`], as they do there:
 //!
 //! ```text
 //!            Coordinator     Controller ◀──▶ Controller ...     every message whole and numbered

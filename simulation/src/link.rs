@@ -1,7 +1,7 @@
 //! One directed way of messages, from one writer to one reader.
 //!
-//! Messages arrive in their order, as a reliable or a keep-newest reader sees them, each after the network's delay; only a
-//! network that says so lets those overtake each other that are read by their numbers. A way that is cut carries nothing.
+//! Messages arrive in their order, as a reliable or a keep-newest reader sees them, each after the network's delay; only
+//! with [`Network::best_effort`] those that are read by their numbers overtake each other. A way that is cut carries nothing.
 //! Nodes repeat their whole state every refresh period. A repetition that says nothing new to *this* reader only renews
 //! a term: it moves the moment at which the reader's view would run out. Such a message is queued like any other, with
 //! its own delay and its own chance to be lost, but nobody is woken for it: the reader takes it, at the time of its
@@ -40,7 +40,7 @@ pub(crate) enum LinkPayload {
     Command(Command),
     /// Hand-mode buttons held.
     Buttons(u32),
-    /// Something whole.
+    /// A whole message, with its number.
     Whole(Box<Numbered>),
 }
 
@@ -68,7 +68,7 @@ pub(crate) enum Whole {
 }
 
 impl LinkPayload {
-    /// The state of a station, if another one hears of it.
+    /// The state it carries to another station, if any.
     pub(crate) fn report(&self) -> Option<&Report> {
         match self {
             LinkPayload::Report(report) => Some(report),
@@ -201,7 +201,7 @@ impl Link {
         self.push(Message { arrives, said, wakes: !is_known || arrives >= before + self.term });
     }
 
-    /// Says something whole, as message number `number` of its writer.
+    /// Sends a whole message, number `number` of its writer.
     pub(crate) fn say_numbered(&mut self, now: Tick, network: &Network, number: u64, said: Whole) {
         // An order that overtook the end of an emergency stop would cost another reset.
         let overtakes = network.best_effort && !matches!(said, Whole::Order(_));
@@ -217,7 +217,7 @@ impl Link {
         self.push_between(Message { arrives, said, wakes: true });
     }
 
-    /// Says what a person says; it is not lost, unless it is said again anyway and the network is that bad.
+    /// Sends an input of a person. It is not lost; but with [`Network::best_effort`] held buttons, which are repeated, can be.
     pub(crate) fn say_word(&mut self, now: Tick, network: &Network, said: LinkPayload) {
         let is_held = match said {
             LinkPayload::Panel(command) => !matches!(command, PanelCommand::Selector(_)),
@@ -334,7 +334,7 @@ impl Link {
         let Message { arrives, said, .. } = self.queue.pop_front()?;
         self.holds_until = arrives + self.term;
         self.find_wake();
-        // Nobody says again what has a number.
+        // A whole message is not repeated by an [`LinkPayload::Again`].
         if !matches!(said, LinkPayload::Whole(_)) {
             self.heard = Some(said.clone());
         }

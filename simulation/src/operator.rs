@@ -73,9 +73,9 @@ pub enum Action {
     FillDisk(bool),
     /// An operator confirms where a station stands.
     Rejoin(StationId, Option<OpId>),
-    /// A coordinator that nobody follows orders the emergency stop, once.
+    /// Another coordinator, which no station follows, orders the emergency stop once.
     ForeignStop,
-    /// The operator's screen hangs (`true`): what is held is not said again.
+    /// The operator's screen hangs (`true`): held buttons are not repeated.
     Hang(bool),
     /// What the network does otherwise from now on.
     Network(NetworkChange),

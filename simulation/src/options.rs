@@ -11,12 +11,12 @@ pub struct Network {
     pub delay: Duration,
     /// What a message may take longer, drawn for each alone.
     pub jitter: Duration,
-    /// How many of a thousand reports, orders and images are lost. What people say is not.
+    /// How many of a thousand reports, orders and images are lost. Inputs of people are not.
     pub loss_per_mille: u32,
     /// How many of a thousand numbered messages arrive twice.
     pub double_per_mille: u32,
     /// Each message goes its own way: reports and images, which are read by their numbers, overtake each other, and held
-    /// buttons, which are said again, can get lost too.
+    /// buttons, which are repeated, can get lost too.
     pub best_effort: bool,
 }
 

@@ -138,7 +138,7 @@ impl Sim {
         }
     }
 
-    /// Whether what is said to a node arrives. Who has no numbers to go by forgets what a node that is down would be told.
+    /// Whether messages go out to a node. Without numbers none go to one that is down: it would take them for new.
     pub(crate) fn is_reached(&self, node: usize) -> bool {
         self.options.frames || self.is_up(node)
     }
@@ -291,7 +291,7 @@ impl Sim {
         let mut says = false;
         for effect in effects.drain(..) {
             match effect {
-                // Not told, but done: it is written down.
+                // Also when the station is dying: it is written down.
                 StationEffect::Happened(event) => {
                     self.last_event = now;
                     self.record.enter(&self.line, now, id, &event);

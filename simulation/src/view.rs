@@ -76,7 +76,7 @@ impl Sim {
         self.coordinator.is_up.then(|| self.coordinator.shell.coordinator())
     }
 
-    /// The lives of all stations and then of the coordinator, 0 for one that is down: who was restarted has another.
+    /// The lives of all stations and then of the coordinator, 0 for one that is down. Each start gives another.
     pub fn lives(&self) -> Vec<u64> {
         (0..=self.coordinator_node()).map(|node| if self.is_up(node) { self.lives[node] } else { 0 }).collect()
     }
@@ -91,7 +91,7 @@ impl Sim {
         self.answers.get(answer)?.refusal.as_ref().map(|refusal| refusal.text(&self.line))
     }
 
-    /// What the manager of its bus says is wrong with an owner's devices. Without frames there is none.
+    /// What is wrong with an owner's devices, in the words of their bus's manager. Without frames there is none.
     pub fn trouble_of(&self, owner: Owner) -> Vec<String> {
         match &self.field {
             Field::Images(_) => Vec::new(),

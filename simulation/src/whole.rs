@@ -102,7 +102,7 @@ impl Sim {
         }
     }
 
-    /// A station's state goes to everybody who reads it.
+    /// A station's state goes to all its readers.
     pub(crate) fn tell_station(&mut self, at: usize, sequence: u64) {
         self.stations[at].is_to_say();
         self.stations[at].write_report();

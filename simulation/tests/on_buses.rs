@@ -80,14 +80,14 @@ fn run_on_buses(line: &Line) -> (Sim, End) {
 }
 
 #[test]
-fn whoever_reads_a_bus_takes_its_manager_along() {
+fn the_manager_of_a_bus_ends_with_the_process_that_reads_it() {
     let line = with_own_bus();
     let mut sim = during(&line, on_buses(), "clamp_1", "advance clamp");
     sim.run_to(sim.now() + Duration::from_millis(5));
     assert_ne!(sim.energised(CLAMP), 0);
     sim.act(Action::Kill(Process::Station(CLAMP))).unwrap();
     sim.run_to(sim.now() + Duration::from_millis(20));
-    assert_ne!(sim.energised(CLAMP), 0, "its device has not missed it yet");
+    assert_ne!(sim.energised(CLAMP), 0, "its device's heartbeat consumer waits");
     sim.run_to(sim.now() + line.timing.heartbeat_timeout + line.timing.heartbeat);
     assert_eq!(sim.energised(CLAMP), 0);
     sim.act(Action::Restart(Process::Station(CLAMP))).unwrap();
@@ -156,12 +156,12 @@ fn what_is_cut_is_not_heard_until_it_is_joined() {
 }
 
 #[test]
-fn a_record_that_cannot_be_written_and_a_stop_of_a_stranger_stop_the_line() {
+fn a_record_that_cannot_be_written_and_a_stop_of_another_coordinator_stop_the_line() {
     for options in [logged(), on_buses()] {
-        for stranger in [false, true] {
+        for foreign in [false, true] {
             let line = transfer_line(1);
             let mut sim = during(&line, options, "mill_1", "feed main slide");
-            if stranger {
+            if foreign {
                 sim.act(Action::ForeignStop).unwrap();
             } else {
                 // The line would fall to stand-by; that cannot be written down.

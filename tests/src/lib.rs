@@ -1,4 +1,4 @@
-//! Whole lines in the simulation, on their buses: what people do to them, and what is to be said of it.
+//! Whole lines in the simulation, on their buses: what people do to them, and what must hold.
 //!
 //! ```text
 //!   scenario ──▶ Sim: what a person does, by name ──▶ the simulation: nodes, network, frames, devices, plant

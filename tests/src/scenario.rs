@@ -85,13 +85,8 @@ impl Sim {
     /// Makes a device fail, or work again.
     pub fn fail_device(&mut self, device: &str, fault: Option<DeviceFault>) {
         let device = self.device(device);
-        self.inner().disturb(device.owner, format!("{}: {fault:?}", device.name), |rack, now| {
-            match (NodeId::new(device.node_id), rack.plain_mut(&device.name)) {
-                (Some(node), _) => rack.inject(now, node, fault),
-                (None, Some(plain)) => plain.inject(now, fault),
-                (None, None) => {}
-            }
-        });
+        let said = format!("{}: {fault:?}", device.name);
+        self.inner().disturb(device.owner, said, |rack, now| rack.fail_device(now, &device, fault));
     }
 
     /// Makes the line to a device lose and double frames.
@@ -110,12 +105,12 @@ impl Sim {
         self.inner().disturb(device.owner, said, |rack, _| rack.stick(node_of(&device), bit, value));
     }
 
-    /// The manager's interface leaves the bus, or comes back to it; the kernel tells the manager.
+    /// The manager's interface leaves the bus, or comes back to it.
     pub fn bus_off(&mut self, off: bool) {
         self.inner().bus_off(off);
     }
 
-    /// What the manager of the bus says is wrong with a station's devices; nothing while the coordinator is down.
+    /// What is wrong with a station's devices, in the words of the bus's manager; empty while the coordinator is down.
     pub fn trouble(&self, station: StationId) -> Vec<String> {
         self.trouble_of(Owner::Station(station))
     }
@@ -173,7 +168,7 @@ impl Sim {
         self.act(Action::FillDisk(is_full));
     }
 
-    /// A coordinator that nobody follows orders the emergency stop, once.
+    /// Another coordinator, which no station follows, orders the emergency stop once.
     pub fn foreign_stop(&mut self) {
         self.act(Action::ForeignStop);
     }
@@ -193,7 +188,7 @@ impl Sim {
         self.inner().set_networks(network, images);
     }
 
-    /// The operator's screen hangs: held buttons are not said again. Or it goes on.
+    /// The operator's screen hangs: held buttons are not repeated. Or it goes on.
     pub fn freeze_fingers(&mut self, frozen: bool) {
         self.act(Action::Hang(frozen));
     }

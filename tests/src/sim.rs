@@ -13,7 +13,7 @@ use linewright_station_logic::Happening;
 use crate::ledger::Ledger;
 use crate::observer::Observer;
 
-/// A quiet machine: a tenth of a millisecond or so, nothing lost.
+/// A quiet machine: up to half a millisecond, nothing lost.
 pub const QUIET: Network = network((50, 500), 0, 0);
 /// A loaded network: up to 20 ms, 5 % lost, 5 % doubled.
 pub const ROUGH: Network = network((100, 20_000), 50, 50);

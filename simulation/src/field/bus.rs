@@ -13,7 +13,7 @@ use linewright_plant::Rack;
 /// About what a classic CAN frame takes at 1 Mbit/s, with its turn to wait for.
 const FRAME_TIME: Duration = Duration::from_micros(150);
 
-/// What the kernel tells of its interface: it is off the bus, and it has restarted.
+/// Error frames of the kernel: its interface is off the bus, and has restarted.
 const BUS_OFF: &str = "20000040#0000000000000000";
 const RESTARTED: &str = "20000100#0000000000000000";
 
@@ -26,8 +26,8 @@ pub(crate) struct Bus {
     /// None while its reader is down.
     manager: Option<Manager>,
     outbox: Outbox,
-    /// What devices have just said.
-    said: Vec<Frame>,
+    /// Frames of devices that are not on the wire yet.
+    from_devices: Vec<Frame>,
     /// On their way, the oldest first.
     to_devices: VecDeque<(Tick, Frame)>,
     to_manager: VecDeque<(Tick, Frame)>,
@@ -58,7 +58,7 @@ impl Bus {
             devices,
             manager,
             outbox: Outbox::default(),
-            said: Vec::new(),
+            from_devices: Vec::new(),
             to_devices: VecDeque::new(),
             to_manager: VecDeque::new(),
             is_off: false,
@@ -81,7 +81,7 @@ impl Bus {
     /// Plays one thing that is due.
     pub(super) fn play(&mut self, now: Tick) -> Played {
         if let Some(frame) = due(&mut self.to_devices, now) {
-            self.rack.handle(now, &frame, &mut self.said);
+            self.rack.handle(now, &frame, &mut self.from_devices);
         } else if let Some(frame) = due(&mut self.to_manager, now) {
             let is_heard = !self.is_off || frame.cob_id().is_none();
             let Some(manager) = self.manager.as_mut().filter(|_| is_heard) else { return Played::Nothing };
@@ -89,7 +89,7 @@ impl Bus {
             self.find_manager_due();
             return Played::Manager;
         } else if self.rack_due <= now {
-            self.rack.poll(now, &mut self.said);
+            self.rack.poll(now, &mut self.from_devices);
         } else {
             return if self.manager_due <= now { Played::Manager } else { Played::Nothing };
         }
@@ -113,20 +113,20 @@ impl Bus {
         }
     }
 
-    /// One that has not been polled yet wants to be at once.
+    /// A manager that has not been polled yet is due at once.
     fn find_manager_due(&mut self) {
         self.manager_due = self.manager.as_ref().map_or(Tick::NEVER, |m| m.next_deadline().unwrap_or(Tick::ZERO));
     }
 
     /// Does something to the devices or the mechanisms.
     pub(super) fn disturb(&mut self, now: Tick, does: impl FnOnce(&mut Rack, &mut Vec<Frame>)) {
-        does(&mut self.rack, &mut self.said);
-        self.rack.poll(now, &mut self.said);
+        does(&mut self.rack, &mut self.from_devices);
+        self.rack.poll(now, &mut self.from_devices);
         self.rack_due = self.rack.next_deadline().unwrap_or(Tick::NEVER);
         self.send(now);
     }
 
-    /// The manager's interface leaves the bus, or comes back to it; the kernel tells the manager.
+    /// The manager's interface leaves the bus, or comes back to it, with an error frame of the kernel for the manager.
     pub(super) fn turn_off(&mut self, now: Tick, off: bool) {
         self.is_off = off;
         if let Ok(frame) = if off { BUS_OFF } else { RESTARTED }.parse() {
@@ -138,7 +138,7 @@ impl Bus {
     pub(super) fn send(&mut self, now: Tick) {
         self.outbox.events.clear();
         let arrives = now + FRAME_TIME;
-        self.to_manager.extend(self.said.drain(..).map(|frame| (arrives, frame)));
+        self.to_manager.extend(self.from_devices.drain(..).map(|frame| (arrives, frame)));
         let is_off = self.is_off;
         self.to_devices.extend(self.outbox.frames.drain(..).filter(|_| !is_off).map(|frame| (arrives, frame)));
     }

@@ -3,13 +3,13 @@
 //! The coordinator reads the line's bus and carries the images of the stations on it; a station with a bus of its own is
 //! the manager there.
 
-use linewright_fieldbus::{ManagerError, NodeId};
-use linewright_line::{Bus as BusName, Device, InputId, Line, OpId, Owner, StationId, Tick};
+use linewright_fieldbus::ManagerError;
+use linewright_line::{Bus as BusName, InputId, Line, OpId, Owner, StationId, Tick};
 use linewright_plant::{DeviceFault, Fault, Plant, PlantOptions, Rack};
 
 use super::bus::{Bus, Played};
 
-/// An owner's inputs, as the manager of its bus knows them.
+/// An owner's inputs, as the manager of its bus has received them.
 #[derive(Clone, Copy, Debug)]
 pub(crate) struct SeenInputs {
     pub(crate) bits: u128,
@@ -123,7 +123,7 @@ impl Frames {
         self.bus_of(owner).ask(|manager, out| manager.set_outputs(now, owner, outputs, out));
     }
 
-    /// What the manager says is wrong with an owner's devices; nothing while there is none.
+    /// What is wrong with an owner's devices, in the manager's words; empty while there is no manager.
     pub(crate) fn trouble(&self, now: Tick, owner: Owner) -> Vec<String> {
         let manager = self.buses[self.of[self.number(owner)]].manager();
         manager.map(|manager| manager.trouble(now, owner).collect()).unwrap_or_default()
@@ -151,7 +151,7 @@ impl Frames {
     pub(crate) fn unplug(&mut self, line: &Line, now: Tick, device: usize, unplugged: bool) -> usize {
         self.unplugged[device] = unplugged;
         let device = &line.devices[device];
-        self.disturb(now, device.owner, |rack| fail(rack, now, device, unplugged.then_some(DeviceFault::Silent)))
+        self.disturb(now, device.owner, |rack| rack.fail_device(now, device, unplugged.then_some(DeviceFault::Silent)))
     }
 
     pub(crate) fn is_unplugged(&self, device: usize) -> bool {
@@ -168,8 +168,8 @@ impl Frames {
         fault: Option<Fault>,
     ) {
         let axis = line.operation((station, op)).motion.axis;
-        self.bus_of(Owner::Station(station)).disturb(now, |rack, said| {
-            match (rack.fail_axis(now, station, axis, fault, said), normal) {
+        self.bus_of(Owner::Station(station)).disturb(now, |rack, out| {
+            match (rack.fail_axis(now, station, axis, fault, out), normal) {
                 (true, _) => {}
                 (false, true) => rack.plant_mut().inject(now, station, op, fault),
                 (false, false) => rack.plant_mut().inject_recovery(now, station, op, fault),
@@ -180,17 +180,5 @@ impl Frames {
     pub(crate) fn force(&mut self, now: Tick, at: usize, input: InputId, value: Option<bool>) {
         let owner = if at + 1 == self.of.len() { Owner::Console } else { Owner::Station(StationId::at(at)) };
         self.disturb(now, owner, |rack| rack.plant_mut().force(owner, input, value));
-    }
-}
-
-/// Makes a device fail, whatever it speaks, or work again.
-pub(crate) fn fail(rack: &mut Rack, now: Tick, device: &Device, fault: Option<DeviceFault>) {
-    match NodeId::new(device.node_id) {
-        Some(node) => rack.inject(now, node, fault),
-        None => {
-            if let Some(node) = rack.plain_mut(&device.name) {
-                node.inject(now, fault);
-            }
-        }
     }
 }
