@@ -67,6 +67,9 @@ pub struct Args {
     /// scenario says, or 0].
     #[arg(long, value_name = "PERCENT", value_parser = percent)]
     variation: Option<f64>,
+    /// Of a line: carry images in CAN frames and messages, through managers, devices and gateway, as on the machine. Slower.
+    #[arg(long)]
+    frames: bool,
     /// Print one JSON object instead of text.
     #[arg(long)]
     json: bool,
@@ -132,13 +135,16 @@ pub fn run(args: &Args) -> miette::Result<ExitCode> {
 fn told(args: &Args, scenario: Option<&Scenario>) -> (Goal, Options) {
     let default = Network::default();
     let network = scenario.map_or(default, |scenario| scenario.network);
+    let network = Network {
+        delay: args.delay.unwrap_or(network.delay),
+        jitter: args.jitter.unwrap_or(network.jitter),
+        ..network
+    };
     let options = Options {
         seed: args.seed,
-        network: Network {
-            delay: args.delay.unwrap_or(network.delay),
-            jitter: args.jitter.unwrap_or(network.jitter),
-            ..network
-        },
+        network,
+        frames: args.frames,
+        images: network,
         variation: args.variation.unwrap_or(scenario.map_or(0.0, |scenario| scenario.variation)),
         keeps_log: args.trace.is_some() || args.json,
         ..Options::default()

@@ -62,6 +62,22 @@ fn the_shipped_scenario_goes_as_it_expects_and_leaves_its_trace_and_chart() {
 }
 
 #[test]
+fn the_shipped_line_on_its_buses_takes_a_little_longer() {
+    let cycle_time = |args: &[&str]| {
+        let found = json(&simulate(&[&["--json", "--cycles", "4"], args].concat()));
+        assert_eq!((&found["ok"], &found["cycles"]), (&true.into(), &4.into()));
+        found["cycle_time_s"].as_f64().expect("a number")
+    };
+    let (at_once, on_buses) = (cycle_time(&[]), cycle_time(&["--frames"]));
+    // Sixteen motions in a row, each with a message of a millisecond either way, and frames.
+    let longer = on_buses - at_once;
+    assert!((0.030..0.045).contains(&longer), "{at_once} {on_buses}");
+    let scenario = shipped().join("scenarios/jammed-clamp.toml");
+    let output = simulate(&["--frames", "--scenario", scenario.to_str().unwrap()]);
+    assert!(output.status.success(), "{output:?}");
+}
+
+#[test]
 fn a_line_that_cannot_go_on_is_a_failure_with_its_reasons() {
     let scratch = Scratch::new();
     let path = scratch.file("jam.toml", "[[step]]\nwhen = \"cycles >= 1\"\njam = \"transfer: advance transfer\"\n");

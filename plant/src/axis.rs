@@ -30,7 +30,6 @@ impl AxisState {
     }
 
     /// Puts it somewhere, standing: it is moved by something else.
-    #[cfg(feature = "can")]
     pub(crate) fn place(&mut self, now: Tick, at: f64) {
         *self = AxisState { since: now, from: at, travel: None };
     }

@@ -1,6 +1,5 @@
 //! What can be made to go wrong, and by which number over CAN.
 
-#[cfg(feature = "can")]
 use linewright_fieldbus::codec::Abort;
 
 /// Manufacturer object 5F00h of a simulated device. Subindex 0 is the whole device, subindex n output bit n − 1.
@@ -56,7 +55,6 @@ impl Fault {
     }
 }
 
-#[cfg(feature = "can")]
 impl Fault {
     /// The fault a number stands for; 0 clears (`Ok(None)`).
     pub fn from_code(code: u32) -> Result<Option<Self>, Abort> {
@@ -144,7 +142,6 @@ impl DeviceFault {
     }
 }
 
-#[cfg(feature = "can")]
 impl DeviceFault {
     /// The fault a number in 5F00h:00 stands for; 0 clears (`Ok(None)`).
     pub fn from_code(code: u32) -> Result<Option<Self>, Abort> {

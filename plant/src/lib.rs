@@ -5,37 +5,30 @@
 //! - [`DriveNode`]: one CANopen drive, pure as well; it moves its axis itself;
 //! - [`PlainNode`]: one device that speaks no CANopen, but the frames of a DBC file, pure;
 //! - [`Rack`]: the devices of one bus wired to the mechanisms, pure;
-//! - [`run_plant`]: the shell that puts racks on their buses.
+//! - `run_plant`: the shell that puts racks on their buses.
 //!
-//! The last five need the feature `can`, which is on by default. A simulation that carries process images itself does
-//! without it, and is pure.
+//! The last needs the feature `can`, which is on by default. A simulation in virtual time does without it, and is pure.
 //!
 //! The plant knows the description and the laws of motion, and nothing of modes, cycles or controllers: whoever
 //! energises an output moves an axis. That makes it a fair opponent in a test. It can be made to fail, in process or
 //! over CAN.
 
 mod axis;
-#[cfg(feature = "can")]
 mod device;
 mod fault;
 mod mechanism;
 mod parts;
 mod plant;
-#[cfg(feature = "can")]
 mod rack;
 #[cfg(feature = "can")]
 mod run;
-#[cfg(feature = "can")]
 mod wire;
 
-#[cfg(feature = "can")]
 pub use device::{DeviceNode, DeviceOutbox, DriveNode, Order, PlainNode};
 pub use fault::{CLEAR, DeviceFault, FAULT_INDEX, Fault, HOLD_INDEX, Orders, PRESS_INDEX, STUCK_INDEX, TROUBLE_INDEX};
 pub use parts::{Mishap, PartNo, Refused, Spot, Whereabouts};
 pub use plant::{Plant, PlantOptions};
-#[cfg(feature = "can")]
 pub use rack::Rack;
 #[cfg(feature = "can")]
 pub use run::{Options, RackRunner, open_plant, run_plant};
-#[cfg(feature = "can")]
 pub use wire::FrameFaults;

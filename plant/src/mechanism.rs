@@ -130,7 +130,6 @@ impl Mechanism {
     }
 
     /// Puts its axis where something else has moved it to, a drive.
-    #[cfg(feature = "can")]
     pub(crate) fn place(&mut self, now: Tick, at: f64) {
         self.state.place(now, at);
         self.moving = None;

@@ -199,7 +199,6 @@ impl Plant {
     }
 
     /// Puts an axis where something else than an output has moved it to: a drive, which knows its own laws of motion.
-    #[cfg(feature = "can")]
     pub fn place(&mut self, now: Tick, station: StationId, axis: AxisId, at: f64) {
         self.advance(now);
         self.stations[station.index()][axis.index()].place(self.now, at);

@@ -144,6 +144,15 @@ impl Rack {
         }
     }
 
+    /// The same of a device of the description, CANopen or not.
+    pub fn fail_device(&mut self, now: Tick, device: &Device, fault: Option<DeviceFault>) {
+        if let Some(node) = NodeId::new(device.node_id) {
+            self.inject(now, node, fault);
+        } else if let Some(node) = self.plain_mut(&device.name) {
+            node.inject(now, fault);
+        }
+    }
+
     /// Makes the line to a device this bad.
     pub fn disturb(&mut self, node: NodeId, faults: FrameFaults) {
         for slot in self.slots.iter_mut().filter(|slot| slot.device.node_id == node.get()) {

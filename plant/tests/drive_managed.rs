@@ -1,5 +1,4 @@
 //! A manager and a line with a drive on one bus, in virtual time: boot, homing, motion, letting go, losses.
-#![cfg(feature = "can")]
 
 use std::time::Duration;
 

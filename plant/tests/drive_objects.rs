@@ -1,5 +1,4 @@
 //! The simulated drive's object dictionary: as its EDS says, and remapped only as CiA 301 allows.
-#![cfg(feature = "can")]
 
 use std::time::Duration;
 

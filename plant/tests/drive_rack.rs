@@ -1,5 +1,4 @@
 //! A drive among the devices of a line: the axis it moves is the plant's.
-#![cfg(feature = "can")]
 
 use std::time::Duration;
 

@@ -1,6 +1,5 @@
 //! The simulated drive on its own, led through the figure of the profile by controlwords as a technician would send
 //! them: every state and every transition, on the wire.
-#![cfg(feature = "can")]
 
 use std::time::Duration;
 

@@ -1,5 +1,4 @@
 //! The manager's side of a drive against the simulated drive: what moves, when, how far, and what the inputs say.
-#![cfg(feature = "can")]
 
 use std::time::Duration;
 

@@ -1,6 +1,5 @@
 //! The device and its description say the same: every entry that can be read answers with as many bytes as its type
 //! has and, if it has a default, with that; and nothing answers that is not described.
-#![cfg(feature = "can")]
 
 use std::time::Duration;
 

@@ -9,9 +9,19 @@
 //!                          Field: Plant behind devices         Observer looks at positions alone
 //! ```
 //!
-//! Between the operator's word and the mechanism stands the code that runs on a shop floor; what is left out is how
-//! images and messages travel. Images reach the plant at once, messages take what [`Network`] says. There is no clock,
-//! and the same seed gives the same run to the microsecond.
+//! Between the operator's word and the mechanism stands the code that runs on a shop floor. Messages take what [`Network`]
+//! gives. Images reach the plant at once or, with [`Options::frames`], as they do there:
+//!
+//! ```text
+//!            Coordinator     Controller ◀──▶ Controller ...     every message whole and numbered
+//!            + Gateway  ◀──▶ (station 0)     (station 1)
+//!                  │                              │
+//!               Manager                        Manager          of a bus of its own
+//!                  │ CAN frames                   │
+//!                Rack: devices + Plant          Rack ...
+//! ```
+//!
+//! There is no clock, no socket and no thread, and the same seed gives the same run to the microsecond.
 //!
 //! [`cell`] is the same for a flexible cell and its orders.
 //!
@@ -40,10 +50,11 @@ mod sim;
 mod talk;
 mod timers;
 mod view;
+mod whole;
 
 pub use condition::{Compare, Condition, OperationState, StationState};
 pub use critical::{CriticalPath, Link};
-pub use hands::{Hands, RELEASES};
+pub use lives::StartError;
 pub use log::{Entry, Log, What};
 pub use observer::Seen;
 pub use operator::{Action, Process, Way};

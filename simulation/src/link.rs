@@ -1,6 +1,7 @@
 //! One directed way of messages, from one writer to one reader.
 //!
-//! Messages arrive in their order, as a reliable or a keep-newest reader sees them, each after the network's delay.
+//! Messages arrive in their order, as a reliable or a keep-newest reader sees them, each after the network's delay; only
+//! with [`Network::best_effort`] those that are read by their numbers overtake each other. A way that is cut carries nothing.
 //! Nodes repeat their whole state every refresh period. A repetition that says nothing new to *this* reader only renews
 //! a term: it moves the moment at which the reader's view would run out. Such a message is queued like any other, with
 //! its own delay and its own chance to be lost, but nobody is woken for it: the reader takes it, at the time of its
@@ -12,9 +13,10 @@ use std::collections::VecDeque;
 use std::rc::Rc;
 use std::time::Duration;
 
-use linewright_coordinator_logic::{Command, Heard};
+use linewright_coordinator_logic::{Command, Heard, OutputImage};
 use linewright_line::{OpId, StationId, Tick};
 use linewright_station_logic::{ModeOrder, PanelCommand, Report};
+use linewright_station_shell::InputsMessage;
 
 use crate::options::Network;
 use crate::rng::mix;
@@ -30,12 +32,53 @@ pub(crate) enum LinkPayload {
     Heard(Heard),
     /// The coordinator's order.
     Order(ModeOrder),
+    /// An operator's confirmation of where a station stands.
+    Rejoin(Option<OpId>),
     /// A panel's button or selector.
     Panel(PanelCommand),
     /// An operator's command.
     Command(Command),
     /// Hand-mode buttons held.
     Buttons(u32),
+    /// A whole message, with its number.
+    Whole(Box<Numbered>),
+}
+
+/// A message that is read by its number.
+#[derive(Clone, Debug)]
+pub(crate) struct Numbered {
+    /// In its writer's life.
+    pub(crate) number: u64,
+    pub(crate) said: Whole,
+}
+
+/// What such a message carries.
+#[derive(Clone, Debug)]
+pub(crate) enum Whole {
+    /// A station's state, to another station.
+    Report(Rc<Report>),
+    /// A station's state, as far as the coordinator looks at it.
+    Heard(Heard),
+    /// The coordinator's order.
+    Order(ModeOrder),
+    /// A station's inputs, from the gateway.
+    Inputs(InputsMessage),
+    /// A station's outputs, to the gateway.
+    Outputs(OutputImage),
+}
+
+impl LinkPayload {
+    /// The state it carries to another station, if any.
+    pub(crate) fn report(&self) -> Option<&Report> {
+        match self {
+            LinkPayload::Report(report) => Some(report),
+            LinkPayload::Whole(message) => match &message.said {
+                Whole::Report(report) => Some(report),
+                _ => None,
+            },
+            _ => None,
+        }
+    }
 }
 
 #[derive(Clone, Debug)]
@@ -71,6 +114,8 @@ pub(crate) struct Link {
     said_version: u64,
     /// What has arrived last.
     pub(crate) heard: Option<LinkPayload>,
+    /// It carries nothing.
+    pub(crate) is_cut: bool,
     /// The reader is woken by repetitions too.
     pub(crate) wakes_always: bool,
     /// When the first message arrives that wakes the reader.
@@ -101,6 +146,7 @@ impl Link {
             said: None,
             said_version: 0,
             heard: None,
+            is_cut: false,
             wakes_always: false,
             wakes: Tick::NEVER,
         }
@@ -155,9 +201,31 @@ impl Link {
         self.push(Message { arrives, said, wakes: !is_known || arrives >= before + self.term });
     }
 
-    /// Says what a person says; it is not lost.
+    /// Sends a whole message, number `number` of its writer.
+    pub(crate) fn say_numbered(&mut self, now: Tick, network: &Network, number: u64, said: Whole) {
+        // An order that overtook the end of an emergency stop would cost another reset.
+        let overtakes = network.best_effort && !matches!(said, Whole::Order(_));
+        let key = mix(!self.key ^ mix(self.sent));
+        let is_doubled = network.double_per_mille > 0 && key % 1000 < u64::from(network.double_per_mille);
+        let mut way = || if overtakes { self.draw(now, network) } else { self.way(now, network) };
+        let Some(arrives) = way() else { return };
+        let again = is_doubled.then(way).flatten();
+        let said = LinkPayload::Whole(Box::new(Numbered { number, said }));
+        if let Some(arrives) = again {
+            self.push_between(Message { arrives, said: said.clone(), wakes: true });
+        }
+        self.push_between(Message { arrives, said, wakes: true });
+    }
+
+    /// Sends an input of a person. It is not lost; but with [`Network::best_effort`] held buttons, which are repeated, can be.
     pub(crate) fn say_word(&mut self, now: Tick, network: &Network, said: LinkPayload) {
-        if let Some(arrives) = self.way(now, &Network { loss_per_mille: 0, ..*network }) {
+        let is_held = match said {
+            LinkPayload::Panel(command) => !matches!(command, PanelCommand::Selector(_)),
+            LinkPayload::Buttons(_) => true,
+            _ => false,
+        };
+        let loss_per_mille = if network.best_effort && is_held { network.loss_per_mille } else { 0 };
+        if let Some(arrives) = self.way(now, &Network { loss_per_mille, ..*network }) {
             self.push(Message { arrives, said, wakes: true });
         }
     }
@@ -175,11 +243,20 @@ impl Link {
             && (!self.reads_cycle || before.cycle == now.cycle)
     }
 
-    /// When a message arrives that is sent now, if it does.
+    /// When a message arrives that is sent now and stays behind those before it, if it does.
     fn way(&mut self, now: Tick, network: &Network) -> Option<Tick> {
+        let arrives = self.draw(now, network)?;
+        self.last_arrival = self.last_arrival.max(arrives);
+        Some(self.last_arrival)
+    }
+
+    /// When a message arrives that is sent now, if it does.
+    #[inline]
+    fn draw(&mut self, now: Tick, network: &Network) -> Option<Tick> {
         self.sent += 1;
         let mut arrives = now + network.delay;
-        if network.loss_per_mille > 0 && mix(self.key ^ mix(self.sent)) % 1000 < u64::from(network.loss_per_mille) {
+        let loss = u64::from(network.loss_per_mille);
+        if self.is_cut || loss > 0 && mix(self.key ^ mix(self.sent)) % 1000 < loss {
             return None;
         }
         let jitter = network.jitter.as_micros() as u64;
@@ -187,15 +264,22 @@ impl Link {
             let drawn = mix(self.key.rotate_left(32) ^ mix(self.sent)) % (jitter + 1);
             arrives = Tick::from_micros(arrives.as_micros() + drawn);
         }
-        self.last_arrival = self.last_arrival.max(arrives);
-        Some(self.last_arrival)
+        Some(arrives)
     }
 
+    #[inline]
     fn push(&mut self, message: Message) {
         if self.wakes == Tick::NEVER && (self.wakes_always || message.wakes) {
             self.wakes = message.arrives;
         }
         self.queue.push_back(message);
+    }
+
+    /// The same of a message that may arrive before others.
+    fn push_between(&mut self, message: Message) {
+        self.wakes = self.wakes.min(message.arrives);
+        let after = self.queue.partition_point(|before| before.arrives <= message.arrives);
+        self.queue.insert(after, message);
     }
 
     /// When it next wants the reader woken.
@@ -250,7 +334,10 @@ impl Link {
         let Message { arrives, said, .. } = self.queue.pop_front()?;
         self.holds_until = arrives + self.term;
         self.find_wake();
-        self.heard = Some(said.clone());
+        // A whole message is not repeated by an [`LinkPayload::Again`].
+        if !matches!(said, LinkPayload::Whole(_)) {
+            self.heard = Some(said.clone());
+        }
         Some(said)
     }
 
@@ -265,5 +352,61 @@ impl Link {
         self.heard = None;
         self.queue.clear();
         self.wakes = Tick::NEVER;
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use linewright_line::net::ControlMode;
+
+    use super::*;
+
+    const BAD: Network = Network {
+        delay: Duration::from_millis(1),
+        jitter: Duration::from_millis(9),
+        loss_per_mille: 0,
+        double_per_mille: 200,
+        best_effort: true,
+    };
+
+    /// What arrives of a hundred messages, a millisecond apart, in the order in which it does.
+    fn arrivals(network: &Network, said: &Whole) -> Vec<u64> {
+        let mut link = Link::new((0, 1), (Vec::new(), 0), false, Duration::from_secs(1), 1);
+        for number in 1..=100 {
+            link.say_numbered(Tick::from_millis(number), network, number, said.clone());
+        }
+        let mut heard = Vec::new();
+        while link.wakes() != Tick::NEVER {
+            if let Some(LinkPayload::Whole(message)) = link.take_news(link.wakes()) {
+                heard.push(message.number);
+            }
+        }
+        heard
+    }
+
+    #[test]
+    fn images_overtake_each_other_and_come_twice_and_orders_keep_their_order() {
+        let image = Whole::Inputs(InputsMessage::default());
+        let order = Whole::Order(ModeOrder::of(1, 1, ControlMode::Auto, Duration::from_secs(1)));
+        let heard = arrivals(&BAD, &image);
+        assert!(heard.len() > 105 && !heard.is_sorted(), "{heard:?}");
+        let heard = arrivals(&BAD, &order);
+        assert!(heard.len() > 105 && heard.is_sorted(), "{heard:?}");
+        let heard = arrivals(&Network { best_effort: false, double_per_mille: 0, ..BAD }, &image);
+        assert_eq!(heard, (1..=100).collect::<Vec<_>>());
+    }
+
+    #[test]
+    fn held_buttons_get_lost_where_a_network_is_that_bad_and_commands_never() {
+        let network = Network { loss_per_mille: 500, ..BAD };
+        let heard = |network: &Network, said: LinkPayload| {
+            let mut link = Link::new((0, 1), (Vec::new(), 0), false, Duration::from_secs(1), 1);
+            (0..100).for_each(|at| link.say_word(Tick::from_millis(at), network, said.clone()));
+            link.queue.len()
+        };
+        let buttons = heard(&network, LinkPayload::Buttons(1));
+        assert!((30..70).contains(&buttons), "{buttons}");
+        assert_eq!(heard(&network, LinkPayload::Command(Command::Stop)), 100);
+        assert_eq!(heard(&Network { best_effort: false, ..network }, LinkPayload::Buttons(1)), 100);
     }
 }

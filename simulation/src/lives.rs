@@ -3,11 +3,25 @@
 //! A process that dies says nothing any more, and its devices keep what it asked for until they miss it. One that starts
 //! has its journal and nothing else: it hears and says everything anew.
 
+use linewright_coordinator_shell::Remembered;
 use linewright_line::{Bus, StationId, Tick};
 use linewright_station_logic::{CompileError, Restore};
+use thiserror::Error;
 
+use crate::field::{Field, ManagerError};
 use crate::node::{CoordinatorNode, StationNode};
 use crate::sim::Sim;
+
+/// Why a line, or a process of it, cannot be started.
+#[derive(Debug, Error)]
+pub enum StartError {
+    /// A station does not compile.
+    #[error(transparent)]
+    Station(#[from] CompileError),
+    /// The devices of a bus have no manager.
+    #[error(transparent)]
+    Bus(#[from] ManagerError),
+}
 
 impl Sim {
     pub(crate) fn next_life(&mut self) -> u64 {
@@ -18,6 +32,12 @@ impl Sim {
     /// A node begins a life now: it looks at its devices and says its state, now and from now on.
     pub(crate) fn begin(&mut self, node: usize, life: u64) {
         self.lives[node] = life;
+        self.wake_field(node);
+        self.wake_node(node, self.now);
+        if self.options.frames {
+            // It repeats its state by itself, and what is on its way to it still arrives.
+            return;
+        }
         for at in 0..self.out_of[node].len() {
             self.links[self.out_of[node][at]].forget_said();
         }
@@ -27,17 +47,24 @@ impl Sim {
             self.timers.set(link, Tick::NEVER);
         }
         self.repeats.push_front((self.now, node, life));
-        self.wake_field(node);
-        self.wake_node(node, self.now);
     }
 
-    /// Starts a station that is down, from its journal.
-    pub(crate) fn restart_station(&mut self, at: usize) -> Result<(), CompileError> {
+    /// Starts a station that is down, from its journal, or without it.
+    pub(crate) fn restart_station(&mut self, at: usize, remembers: bool) -> Result<(), StartError> {
         let Some(journal) = self.stations[at].journal.take() else { return Ok(()) };
         let life = self.next_life();
         let id = StationId::at(at);
-        self.stations[at] = StationNode::start(&self.line, id, life, Restore::From(journal), self.options.rules)?;
-        self.field.owner_up(self.now, at);
+        let restore = if remembers {
+            Restore::From(journal)
+        } else {
+            self.record.forgotten_by(id);
+            Restore::Fresh
+        };
+        self.stations[at] = StationNode::start(&self.line, id, life, restore, &self.options)?;
+        match &mut self.field {
+            Field::Images(field) => field.owner_up(self.now, at),
+            Field::Frames(frames) => frames.read(&self.line, at, true),
+        }
         self.begin(at, life);
         Ok(())
     }
@@ -54,7 +81,10 @@ impl Sim {
                 Bus::Line => timing.stale,
                 Bus::Own(_) => timing.heartbeat_timeout,
             };
-            self.field.owner_down(at, self.now + until);
+            match &mut self.field {
+                Field::Images(field) => field.owner_down(at, self.now + until),
+                Field::Frames(frames) => frames.read(&self.line, at, false),
+            }
             self.timers.set(self.node_slot(at), Tick::NEVER);
             self.wake_field(at);
         }
@@ -64,22 +94,30 @@ impl Sim {
     pub(crate) fn kill_coordinator(&mut self) {
         if self.coordinator.is_up {
             self.coordinator.is_up = false;
-            self.field.bus_read(self.now, &self.line, false);
+            self.line_bus_read(false);
             self.timers.set(self.node_slot(self.coordinator_node()), Tick::NEVER);
             self.wake_fields();
         }
     }
 
-    /// Starts a coordinator that has the journal of the one before.
-    pub(crate) fn restart_coordinator(&mut self) {
+    /// Starts a coordinator that has the journal of the one before, or has lost it.
+    pub(crate) fn restart_coordinator(&mut self, remembers: bool) {
         if !self.coordinator.is_up {
             let life = self.next_life();
-            self.coordinator = CoordinatorNode::start(&self.line, life, self.coordinator.journal);
+            let journal = if remembers { self.coordinator.journal } else { Remembered::default() };
+            self.coordinator = CoordinatorNode::start(&self.line, life, journal, &self.options);
             self.mode = self.coordinator.shell.coordinator().mode();
             self.entered = (self.now, self.coordinator.shell.coordinator().text());
-            self.field.bus_read(self.now, &self.line, true);
+            self.line_bus_read(true);
             self.wake_fields();
             self.begin(self.coordinator_node(), life);
+        }
+    }
+
+    fn line_bus_read(&mut self, read: bool) {
+        match &mut self.field {
+            Field::Images(field) => field.bus_read(self.now, &self.line, read),
+            Field::Frames(frames) => frames.read(&self.line, self.stations.len(), read),
         }
     }
 }

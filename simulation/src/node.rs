@@ -6,10 +6,12 @@ use std::rc::Rc;
 use linewright_coordinator_logic::Heard;
 use linewright_coordinator_shell::{CoordinatorArrival, CoordinatorEffect, CoordinatorShell, Remembered, heard};
 use linewright_line::{Line, StationId, Tick};
-use linewright_station_logic::{CompileError, Controller, ModeOrder, Report, Restore, Rules, Snapshot};
+use linewright_station_logic::{CompileError, Controller, ModeOrder, Report, Restore, Snapshot};
 use linewright_station_shell::{StationArrival, StationEffect, StationShell};
 
-use crate::link::LinkPayload;
+use crate::field::SeenInputs;
+use crate::link::{LinkPayload, Whole};
+use crate::options::Options;
 
 /// A station's process.
 pub(crate) struct StationNode {
@@ -17,11 +19,16 @@ pub(crate) struct StationNode {
     shell: StationShell,
     /// What its disk holds while it is down.
     pub(crate) journal: Option<Snapshot>,
+    /// What was written down last, if that is kept at all: a state follows from what has happened, and is the same.
+    disk: Option<Snapshot>,
+    /// It dies at its next change, after the record is written and before anything else that follows.
+    pub(crate) dies_at_next_record: bool,
+    pub(crate) is_dying: bool,
     pub(crate) effects: Vec<StationEffect>,
     pub(crate) outputs: u128,
     /// The image it was told last.
     image: (u128, bool),
-    /// Links keep the order of messages, so each is newer than the one before.
+    /// Where links keep the order of messages each is newer than the one before.
     taken: u64,
     /// Its state as reported last, and that state's number.
     pub(crate) report: Rc<Report>,
@@ -41,10 +48,16 @@ impl StationNode {
         id: StationId,
         life: u64,
         how: Restore,
-        rules: Rules,
+        options: &Options,
     ) -> Result<Self, CompileError> {
-        let shell = StationShell::new(line, id, life, how)?.without_refresh().with_rules(rules);
+        let mut shell = StationShell::new(line, id, life, how)?.with_rules(options.rules);
+        if !options.frames {
+            shell = shell.without_refresh();
+        }
         Ok(StationNode {
+            disk: options.frames.then(|| shell.snapshot()),
+            dies_at_next_record: false,
+            is_dying: false,
             id,
             report: Rc::new(shell.controller().report()),
             shell,
@@ -67,17 +80,33 @@ impl StationNode {
         self.journal.is_none()
     }
 
+    pub(crate) fn life(&self) -> u64 {
+        self.shell.boot_id()
+    }
+
     /// Takes a message from `from`.
     pub(crate) fn hear(&mut self, now: Tick, from: usize, said: &LinkPayload) {
         self.taken += 1;
-        let sequence = self.taken;
+        let (station, sequence) = (StationId::at(from), self.taken);
         let arrival = match said {
-            LinkPayload::Report(report) => StationArrival::State { station: StationId::at(from), sequence, report },
+            LinkPayload::Report(report) => StationArrival::State { station, sequence, report },
             LinkPayload::Order(order) => StationArrival::Order { sequence, order: *order },
+            LinkPayload::Whole(message) => match &message.said {
+                Whole::Report(report) => StationArrival::State { station, sequence: message.number, report },
+                Whole::Order(order) => StationArrival::Order { sequence: message.number, order: *order },
+                Whole::Inputs(image) => StationArrival::Inputs(*image),
+                Whole::Heard(_) | Whole::Outputs(_) => return,
+            },
             LinkPayload::Panel(command) => StationArrival::Panel(*command),
+            LinkPayload::Rejoin(within) => StationArrival::Rejoin(*within),
             LinkPayload::Again | LinkPayload::Heard(_) | LinkPayload::Command(_) | LinkPayload::Buttons(_) => return,
         };
         self.shell.handle(now, arrival, &mut self.effects);
+    }
+
+    /// Takes the image of its own bus.
+    pub(crate) fn look(&mut self, now: Tick, SeenInputs { bits, valid, losses }: SeenInputs) {
+        self.shell.handle(now, StationArrival::Devices { bits, valid, losses }, &mut self.effects);
     }
 
     /// Takes its devices' image; gives whether it differs from the last one.
@@ -92,31 +121,34 @@ impl StationNode {
         true
     }
 
-    /// Plays the station one step further; what follows is in `effects`. Gives whether its state is to be said now.
-    pub(crate) fn step(&mut self, now: Tick) -> bool {
+    /// Plays the station one step further and gives what follows.
+    pub(crate) fn step(&mut self, now: Tick) -> Vec<StationEffect> {
         self.shell.act(now, &mut self.effects);
-        let mut says = false;
-        for effect in &self.effects {
-            match effect {
-                StationEffect::Drive(image) => {
-                    self.is_unsaid |= image.bits != self.outputs;
-                    self.outputs = image.bits;
-                }
-                StationEffect::Tell { .. } => says = true,
-                // What its disk holds is asked for when it dies: it changes with the state alone.
-                StationEffect::Remember
-                | StationEffect::Reply(..)
-                | StationEffect::Happened(_)
-                | StationEffect::Ignored { .. } => {}
-            }
+        std::mem::take(&mut self.effects)
+    }
+
+    /// Puts out an image.
+    pub(crate) fn drive(&mut self, outputs: u128) {
+        self.is_unsaid |= outputs != self.outputs;
+        self.outputs = outputs;
+    }
+
+    /// Something may differ from the report.
+    pub(crate) fn is_to_say(&mut self) {
+        self.is_unsaid = true;
+    }
+
+    /// Writes down what is to be remembered. Where no disk is kept it is asked for when the station dies.
+    pub(crate) fn remember(&mut self) {
+        if let Some(disk) = &mut self.disk {
+            *disk = self.shell.snapshot();
         }
-        self.is_unsaid |= says;
-        says
+        self.is_dying |= self.dies_at_next_record;
     }
 
     /// Ends its process.
     pub(crate) fn kill(&mut self) {
-        self.journal = Some(self.shell.snapshot());
+        self.journal = Some(self.disk.take().unwrap_or_else(|| self.shell.snapshot()));
     }
 
     pub(crate) fn next_deadline(&self) -> Tick {
@@ -157,8 +189,10 @@ pub(crate) struct CoordinatorNode {
     pub(crate) effects: Vec<CoordinatorEffect>,
     /// What its disk holds.
     pub(crate) journal: Remembered,
+    /// Its disk takes no record.
+    pub(crate) disk_is_full: bool,
     console: Option<(u128, bool)>,
-    /// Links keep the order of messages, so each is newer than the one before.
+    /// Where links keep the order of messages each is newer than the one before.
     taken: u64,
     /// The number of the order it gives now.
     pub(crate) version: u64,
@@ -166,10 +200,12 @@ pub(crate) struct CoordinatorNode {
 }
 
 impl CoordinatorNode {
-    pub(crate) fn start(line: &Line, life: u64, journal: Remembered) -> Self {
+    pub(crate) fn start(line: &Line, life: u64, journal: Remembered, options: &Options) -> Self {
+        let shell = CoordinatorShell::new(line, life, journal);
         CoordinatorNode {
-            shell: CoordinatorShell::new(line, life, journal).without_refresh_and_gateway(),
+            shell: if options.frames { shell } else { shell.without_refresh_and_gateway() },
             is_up: true,
+            disk_is_full: false,
             effects: Vec::new(),
             journal,
             console: None,
@@ -179,15 +215,26 @@ impl CoordinatorNode {
         }
     }
 
+    /// Takes a message from `from`.
     pub(crate) fn hear(&mut self, now: Tick, from: usize, said: &LinkPayload) {
         self.taken += 1;
+        let (station, sequence) = (StationId::at(from), self.taken);
         let arrival = match said {
-            LinkPayload::Heard(heard) => {
-                CoordinatorArrival::State { station: StationId::at(from), sequence: self.taken, heard: *heard }
-            }
+            LinkPayload::Heard(heard) => CoordinatorArrival::State { station, sequence, heard: *heard },
+            LinkPayload::Whole(message) => match &message.said {
+                Whole::Heard(heard) => CoordinatorArrival::State { station, sequence: message.number, heard: *heard },
+                Whole::Outputs(image) => {
+                    CoordinatorArrival::Outputs { station, sequence: message.number, image: *image }
+                }
+                Whole::Report(_) | Whole::Order(_) | Whole::Inputs(_) => return,
+            },
             LinkPayload::Command(command) => CoordinatorArrival::Command(*command),
             LinkPayload::Buttons(held) => CoordinatorArrival::Buttons(*held),
-            LinkPayload::Again | LinkPayload::Report(_) | LinkPayload::Order(_) | LinkPayload::Panel(_) => return,
+            LinkPayload::Again
+            | LinkPayload::Report(_)
+            | LinkPayload::Order(_)
+            | LinkPayload::Panel(_)
+            | LinkPayload::Rejoin(_) => return,
         };
         self.shell.handle(now, arrival);
     }
@@ -202,10 +249,12 @@ impl CoordinatorNode {
         true
     }
 
-    /// Writes a record down; this disk is never full.
-    pub(crate) fn remember(&mut self, now: Tick, record: Remembered) {
-        self.journal = record;
-        self.shell.remembered(now, record, true);
+    /// Writes a record down. False if what follows is not to be performed.
+    pub(crate) fn remember(&mut self, now: Tick, record: Remembered) -> bool {
+        if !self.disk_is_full {
+            self.journal = record;
+        }
+        self.shell.remembered(now, record, !self.disk_is_full)
     }
 
     /// The order as it stands; its number grows when it differs from the last one asked for.

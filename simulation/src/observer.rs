@@ -10,6 +10,7 @@
 //! an honest line never comes near it: what follows a motion waits for its switch, and the switch is a look.
 
 use linewright_line::{AxisId, Conflict, Line, OpId, Span, StationId, Tick};
+use linewright_plant::Plant;
 
 use crate::field::Field;
 
@@ -68,20 +69,28 @@ impl Observer {
         }
     }
 
-    /// Looks at the conflicts of a station; gives whether one has begun.
-    pub(crate) fn look(&mut self, line: &Line, field: &Field, station: usize) -> bool {
-        let mut begun = false;
-        for &at in &self.of[station] {
-            let [a, b] = &mut self.pairs[at];
-            let holds = a.look(field) & b.look(field);
-            if holds && !self.holds[at] && self.seen.len() < SEEN_MAX {
-                begun = true;
-                let positions = format!("{}; {}", a.text(line), b.text(line));
-                self.seen.push(Seen { at: field.plant().now(), conflict: at, positions });
-            }
-            self.holds[at] = holds;
+    /// Looks at the conflicts of a station.
+    pub(crate) fn look(&mut self, line: &Line, field: &Field, station: usize) {
+        for at in 0..self.of[station].len() {
+            self.look_at(line, field, self.of[station][at]);
         }
-        begun
+    }
+
+    /// Looks at every conflict.
+    pub(crate) fn look_everywhere(&mut self, line: &Line, field: &Field) {
+        for at in 0..self.pairs.len() {
+            self.look_at(line, field, at);
+        }
+    }
+
+    fn look_at(&mut self, line: &Line, field: &Field, at: usize) {
+        let [a, b] = &mut self.pairs[at];
+        let holds = a.look(field.plant_of(a.station)) & b.look(field.plant_of(b.station));
+        if holds && !self.holds[at] && self.seen.len() < SEEN_MAX {
+            let positions = format!("{}; {}", a.text(line), b.text(line));
+            self.seen.push(Seen { at: field.plant_of(a.station).now(), conflict: at, positions });
+        }
+        self.holds[at] = holds;
     }
 
     pub(crate) fn seen(&self) -> &[Seen] {
@@ -91,10 +100,10 @@ impl Observer {
 
 impl Side {
     /// Whether the stretch was touched since the last look.
-    fn look(&mut self, field: &Field) -> bool {
+    fn look(&mut self, plant: &Plant) -> bool {
         std::mem::swap(&mut self.before, &mut self.now);
         for axis in 0..self.axes {
-            self.now[axis] = field.position(self.station, AxisId::at(axis));
+            self.now[axis] = plant.position(self.station, AxisId::at(axis));
         }
         !self.outside.iter().any(|ranges| {
             ranges.iter().enumerate().all(|(axis, &(low, high))| {

@@ -5,13 +5,16 @@
 //! mechanisms, the devices and the processes themselves.
 
 use linewright_coordinator_logic::Command;
-use linewright_line::{InputId, OpId, StationId};
-use linewright_plant::Fault;
-use linewright_station_logic::{CompileError, PanelCommand};
+use linewright_line::net::ControlMode;
+use linewright_line::{InputId, OpId, Owner, StationId, Tick};
+use linewright_plant::{Fault, Rack};
+use linewright_station_logic::{ModeOrder, PanelCommand};
 
+use crate::field::Field;
 use crate::hands::RELEASES;
-use crate::link::LinkPayload;
-use crate::options::NetworkChange;
+use crate::link::{LinkPayload, Whole};
+use crate::lives::StartError;
+use crate::options::{Network, NetworkChange, Options};
 use crate::sim::Sim;
 
 /// Whose process.
@@ -62,8 +65,24 @@ pub enum Action {
     Kill(Process),
     /// A process is started again, with what it has kept.
     Restart(Process),
+    /// The same, but what it has kept is lost.
+    RestartEmpty(Process),
+    /// A station's process dies (`true`) at its next change, between its record and everything after it; or it does not.
+    DieAtRecord(StationId, bool),
+    /// The coordinator's disk takes no record any more (`true`), or takes them again.
+    FillDisk(bool),
+    /// An operator confirms where a station stands.
+    Rejoin(StationId, Option<OpId>),
+    /// Another coordinator, which no station follows, orders the emergency stop once.
+    ForeignStop,
+    /// The operator's screen hangs (`true`): held buttons are not repeated.
+    Hang(bool),
     /// What the network does otherwise from now on.
     Network(NetworkChange),
+    /// Nothing from one process reaches another any more.
+    Cut(Process, Process),
+    /// Whatever was cut is joined.
+    Heal,
 }
 
 impl Sim {
@@ -71,7 +90,7 @@ impl Sim {
     ///
     /// # Errors
     /// When a process that is to be started does not come up.
-    pub fn act(&mut self, action: Action) -> Result<(), CompileError> {
+    pub fn act(&mut self, action: Action) -> Result<(), StartError> {
         let text = action.text(self.line());
         self.note(text);
         let now = self.now;
@@ -93,44 +112,99 @@ impl Sim {
                 self.hands.hold(held, RELEASES);
                 self.say_word(self.coordinator_node(), LinkPayload::Buttons(held));
             }
+            Action::Rejoin(station, within) => self.say_word(station.index(), LinkPayload::Rejoin(within)),
+            Action::ForeignStop => self.say_foreign_stop(),
+            Action::Hang(hangs) => self.hangs = hangs,
             Action::Selector(station, manual) => {
                 self.say_word(station.index(), LinkPayload::Panel(PanelCommand::Selector(manual)));
             }
             Action::Fail(op, way, fault) => {
                 if way != Way::Recovery {
-                    self.field.fail(now, op, true, fault);
+                    self.field.fail(&self.line, now, op, true, fault);
                 }
                 if way != Way::Normal {
-                    self.field.fail(now, op, false, fault);
+                    self.field.fail(&self.line, now, op, false, fault);
                 }
-                self.wake_field(op.0.index());
+                self.wake_devices_of(op.0.index());
             }
             Action::Force(owner, input, value) => {
                 let at = owner.map_or(self.coordinator_node(), StationId::index);
                 self.field.force(now, at, input, value);
-                self.wake_field(at);
+                self.wake_devices_of(at);
             }
             Action::Device(device, unplugged) => {
-                if let Some(at) = self.field.unplug(now, device, unplugged) {
+                if let Some(at) = self.field.unplug(&self.line, now, device, unplugged) {
                     self.wake_field(at);
                 }
             }
             Action::Kill(Process::Station(station)) => self.kill_station(station.index()),
             Action::Kill(Process::Coordinator) => self.kill_coordinator(),
-            Action::Restart(Process::Station(station)) => self.restart_station(station.index())?,
-            Action::Restart(Process::Coordinator) => self.restart_coordinator(),
-            Action::Network(change) => self.options.network = change.of(self.options.network),
+            Action::Restart(Process::Station(station)) => self.restart_station(station.index(), true)?,
+            Action::Restart(Process::Coordinator) => self.restart_coordinator(true),
+            Action::RestartEmpty(Process::Station(station)) => self.restart_station(station.index(), false)?,
+            Action::RestartEmpty(Process::Coordinator) => self.restart_coordinator(false),
+            Action::DieAtRecord(station, dies) => self.stations[station.index()].dies_at_next_record = dies,
+            Action::FillDisk(full) => self.coordinator.disk_is_full = full,
+            Action::Network(change) => {
+                let Options { network, images, .. } = self.options;
+                self.set_networks(change.of(network), change.of(images));
+            }
+            Action::Cut(from, to) => {
+                let (from, to) = (self.node_of(from), self.node_of(to));
+                self.links.iter_mut().filter(|link| (link.from, link.to) == (from, to)).for_each(|l| l.is_cut = true);
+            }
+            Action::Heal => self.links.iter_mut().for_each(|link| link.is_cut = false),
         }
         Ok(())
+    }
+
+    /// Does something to the devices of an owner, and to what they move. Without frames there are none.
+    pub fn disturb(&mut self, owner: Owner, what: String, does: impl FnOnce(&mut Rack, Tick)) {
+        self.note(what);
+        let now = self.now;
+        if let Field::Frames(frames) = &mut self.field {
+            let reader = frames.disturb(now, owner, |rack| does(rack, now));
+            self.wake_field(reader);
+        }
+    }
+
+    /// The interface of the line's manager leaves its bus, or comes back to it. Without frames there is none.
+    pub fn bus_off(&mut self, off: bool) {
+        self.note(format!("the manager's interface is off the bus: {off}"));
+        if let Field::Frames(frames) = &mut self.field {
+            frames.turn_off(self.now, off);
+            self.wake_field(self.coordinator_node());
+        }
+    }
+
+    /// What the network does from now on: to everything but images, and to images.
+    pub fn set_networks(&mut self, network: Network, images: Network) {
+        (self.options.network, self.options.images) = (network, images);
+    }
+
+    fn node_of(&self, process: Process) -> usize {
+        match process {
+            Process::Station(station) => station.index(),
+            Process::Coordinator => self.coordinator_node(),
+        }
+    }
+
+    /// Something was done to the devices of a station, or of the console at the end.
+    fn wake_devices_of(&mut self, at: usize) {
+        self.wake_field(self.field.reader_of(at));
+    }
+
+    fn say_foreign_stop(&mut self) {
+        let order = ModeOrder::of(u64::MAX, 1, ControlMode::EStop, self.line.timing.lease);
+        for station in 0..self.stations.len() {
+            self.send(self.operator_node(), station, 1, Whole::Order(order));
+        }
     }
 
     /// Why an action would change nothing, if so: whoever wrote it down was mistaken about the line.
     pub(crate) fn idle(&self, action: &Action) -> Option<String> {
         let line = self.line();
-        let is_up = |process: Process| match process {
-            Process::Station(id) => self.is_up(id.index()),
-            Process::Coordinator => self.is_up(self.coordinator_node()),
-        };
+        let is_up = |process: Process| self.is_up(self.node_of(process));
         match *action {
             Action::Panel { station, advance, down } if down == self.hands.holds(station, advance) => {
                 let side = if advance { "advance" } else { "return" };
@@ -143,7 +217,9 @@ impl Sim {
                 if unplugged { "lost already" } else { "not lost" }
             )),
             Action::Kill(process) if !is_up(process) => Some(format!("{} is down already", process.name(line))),
-            Action::Restart(process) if is_up(process) => Some(format!("{} is up", process.name(line))),
+            Action::Restart(process) | Action::RestartEmpty(process) if is_up(process) => {
+                Some(format!("{} is up", process.name(line)))
+            }
             _ => None,
         }
     }
@@ -155,6 +231,9 @@ impl Sim {
 
     /// Says again what is held, and what was let go of a moment ago.
     pub(crate) fn say_held(&mut self) {
+        if self.hangs {
+            return;
+        }
         for (station, advance, down) in self.hands.panel_again() {
             self.say_panel(station, advance, down);
         }
@@ -204,6 +283,15 @@ impl Action {
             }
             Action::Kill(process) => format!("{} killed", process.name(line)),
             Action::Restart(process) => format!("{} restarted", process.name(line)),
+            Action::RestartEmpty(process) => format!("{} restarted without memory", process.name(line)),
+            Action::DieAtRecord(station, true) => format!("{} to die at its next record", name(station)),
+            Action::DieAtRecord(station, false) => format!("{} spared", name(station)),
+            Action::FillDisk(full) => format!("the coordinator's disk is full: {full}"),
+            Action::Rejoin(station, _) => format!("rejoin of {}", name(station)),
+            Action::ForeignStop => "emergency stop of another coordinator".to_owned(),
+            Action::Hang(hangs) => format!("the operator's screen hangs: {hangs}"),
+            Action::Cut(from, to) => format!("nothing from {} reaches {}", from.name(line), to.name(line)),
+            Action::Heal => "every link joined".to_owned(),
             Action::Network(change) => {
                 let delay = change.delay.map(|delay| format!("{delay:?} delay"));
                 let jitter = change.jitter.map(|jitter| format!("{jitter:?} jitter"));

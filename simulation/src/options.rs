@@ -11,14 +11,25 @@ pub struct Network {
     pub delay: Duration,
     /// What a message may take longer, drawn for each alone.
     pub jitter: Duration,
-    /// How many of a thousand reports and orders are lost. What people say is not.
+    /// How many of a thousand reports, orders and images are lost. Inputs of people are not.
     pub loss_per_mille: u32,
+    /// How many of a thousand numbered messages arrive twice.
+    pub double_per_mille: u32,
+    /// Each message goes its own way: reports and images, which are read by their numbers, overtake each other, and held
+    /// buttons, which are repeated, can get lost too.
+    pub best_effort: bool,
 }
 
 impl Default for Network {
     /// One millisecond, nothing drawn, nothing lost.
     fn default() -> Self {
-        Network { delay: Duration::from_millis(1), jitter: Duration::ZERO, loss_per_mille: 0 }
+        Network {
+            delay: Duration::from_millis(1),
+            jitter: Duration::ZERO,
+            loss_per_mille: 0,
+            double_per_mille: 0,
+            best_effort: false,
+        }
     }
 }
 
@@ -40,6 +51,7 @@ impl NetworkChange {
             delay: self.delay.unwrap_or(before.delay),
             jitter: self.jitter.unwrap_or(before.jitter),
             loss_per_mille: self.loss_per_mille.unwrap_or(before.loss_per_mille),
+            ..before
         }
     }
 }
@@ -51,6 +63,11 @@ pub struct Options {
     pub seed: u64,
     /// The network.
     pub network: Network,
+    /// Whether process images travel as they do on a shop floor, in frames on buses, in messages through the gateway, and
+    /// every message whole and numbered. Otherwise images are there at once and a repetition costs next to nothing.
+    pub frames: bool,
+    /// With frames: what the network does to process images between the gateway and the stations.
+    pub images: Network,
     /// How far a motion's duration may deviate from the description, as a fraction.
     pub variation: f64,
     /// The rules the station controllers keep. Anything but all of them is for seeing that they are needed.
@@ -67,6 +84,8 @@ impl Default for Options {
         Options {
             seed: 1,
             network: Network::default(),
+            frames: false,
+            images: Network::default(),
             variation: 0.0,
             rules: Rules::default(),
             one_by_one: false,

@@ -101,7 +101,12 @@ pub struct Record {
     /// Something has kept the line's present cycle from going its way.
     is_disturbed: bool,
     undisturbed: Vec<bool>,
+    /// Counts of stations at home.
+    home: Vec<Vec<i32>>,
+    /// Counts before the line's first cycle.
     base: Vec<Vec<i32>>,
+    /// Stations whose counts mean something; not those that have lost their memory, until they are founded anew.
+    is_counted: Vec<bool>,
     counts: Vec<Vec<i32>>,
     /// By arrow: counts of its tail, and when the reader heard them.
     heard: Vec<VecDeque<(i32, Tick)>>,
@@ -148,7 +153,9 @@ impl Record {
             is_disturbed: false,
             undisturbed: Vec::new(),
             counts: base.clone(),
+            home: base.clone(),
             base,
+            is_counted: vec![true; sizes.len()],
             heard: vec![VecDeque::with_capacity(HEARD_MAX + 1); line.arrows.len()],
             waits: vec![Wait::default(); line.arrows.len()],
             into: line
@@ -217,11 +224,11 @@ impl Record {
                 self.is_disturbed |= mode != ControlMode::Auto;
             }
             Happening::PositionLost(..) => self.is_disturbed = true,
+            Happening::Founded => self.found(station),
             Happening::Asked(_)
             | Happening::NotAgreed { .. }
             | Happening::Refused
             | Happening::Devices(_)
-            | Happening::Founded
             | Happening::Rejoined
             | Happening::PositionFound => {}
             // Nobody gives orders in a simulated line.
@@ -237,6 +244,20 @@ impl Record {
     pub(crate) fn lost(&mut self, now: Tick, station: StationId) {
         self.idle[station.index()].enter(now, ControlMode::StandBy);
         self.is_disturbed = true;
+    }
+
+    /// A station has been started without its memory.
+    pub(crate) fn forgotten_by(&mut self, station: StationId) {
+        self.is_counted[station.index()] = false;
+    }
+
+    /// A station's counts begin anew; the line goes on with the cycle it is in.
+    fn found(&mut self, station: StationId) {
+        let (at, cycles) = (station.index(), self.cycles() as i32);
+        self.is_counted[at] = true;
+        self.counts[at].clone_from(&self.home[at]);
+        self.base[at] = self.home[at].iter().map(|home| home - cycles).collect();
+        self.count_missing();
     }
 
     fn started(&mut self, line: &Line, now: Tick, station: StationId, op: OpId, block: Block, cycle: i32) {
@@ -290,6 +311,9 @@ impl Record {
     fn completed(&mut self, line: &Line, now: Tick, station: StationId, op: OpId, cycle: i32) {
         self.done_at[station.index()][op.index()] = now;
         self.idle_at[station.index()][op.index()] = self.idle[station.index()].until(now);
+        if !self.is_counted[station.index()] {
+            return;
+        }
         let count = &mut self.counts[station.index()][op.index()];
         *count += 1;
         if *count != cycle {
@@ -312,6 +336,9 @@ impl Record {
     }
 
     fn take_back(&mut self, station: StationId, ops: u64) {
+        if !self.is_counted[station.index()] {
+            return;
+        }
         for (op, count) in self.counts[station.index()].iter_mut().enumerate() {
             if ops & (1 << op) != 0 {
                 *count -= 1;

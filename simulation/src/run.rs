@@ -5,9 +5,9 @@ use std::time::Duration;
 use linewright_coordinator_logic::Command;
 use linewright_line::net::ControlMode;
 use linewright_line::{Line, Tick};
-use linewright_station_logic::CompileError;
 
 use crate::condition::{Condition, StationState};
+use crate::lives::StartError;
 use crate::options::Options;
 use crate::script::{Deed, Failure, Player, Script, Step};
 use crate::sim::Sim;
@@ -63,8 +63,8 @@ const MESSAGES_IN_A_ROW: u32 = 4;
 /// Runs a line towards a goal.
 ///
 /// # Errors
-/// When a station of the line does not compile.
-pub fn run(line: &Line, options: Options, goal: &Goal) -> Result<(Sim, End), CompileError> {
+/// When the line cannot be started.
+pub fn run(line: &Line, options: Options, goal: &Goal) -> Result<(Sim, End), StartError> {
     let mut sim = Sim::new(line, options)?;
     let end = sim.run(goal);
     Ok((sim, end))

@@ -9,14 +9,15 @@ use std::collections::VecDeque;
 use linewright_coordinator_logic::{Command, Refusal};
 use linewright_coordinator_shell::{CoordinatorEffect, Remembered};
 use linewright_line::net::ControlMode;
-use linewright_line::{Line, Tick};
+use linewright_line::{Line, Owner, Tick};
 use linewright_plant::PlantOptions;
-use linewright_station_logic::{CompileError, Restore};
+use linewright_station_logic::Restore;
 use linewright_station_shell::StationEffect;
 
 use crate::field::Field;
 use crate::hands::Hands;
 use crate::link::{Link, LinkPayload};
+use crate::lives::StartError;
 use crate::log::{Log, What};
 use crate::node::{CoordinatorNode, StationNode};
 use crate::observer::Observer;
@@ -40,6 +41,8 @@ pub struct Sim {
     pub(crate) stations: Vec<StationNode>,
     pub(crate) coordinator: CoordinatorNode,
     pub(crate) hands: Hands,
+    /// The operator's screen hangs.
+    pub(crate) hangs: bool,
     pub(crate) field: Field,
     pub(crate) observer: Observer,
     pub(crate) links: Vec<Link>,
@@ -70,10 +73,12 @@ impl Sim {
     /// A line switched on at time zero.
     ///
     /// # Errors
-    /// When a station does not compile.
-    pub fn new(line: &Line, options: Options) -> Result<Self, CompileError> {
+    /// When a station does not compile, or a bus cannot be managed.
+    pub fn new(line: &Line, mut options: Options) -> Result<Self, StartError> {
+        options.one_by_one |= options.frames;
         let count = line.stations.len();
-        let field = Field::new(line, PlantOptions { seed: options.seed, variation: options.variation, people: false });
+        let plant = PlantOptions { seed: options.seed, variation: options.variation, people: false };
+        let field = Field::new(line, plant, options.frames)?;
         let (links, arrows) = links_of(line, &options);
         let of = |end: &dyn Fn(&Link) -> usize| -> Vec<Vec<usize>> {
             let of_node = |node: usize| (0..links.len()).filter(|&at| end(&links[at]) == node).collect();
@@ -88,8 +93,9 @@ impl Sim {
             arrows,
             field,
             stations: Vec::with_capacity(count),
-            coordinator: CoordinatorNode::start(line, 1, Remembered::default()),
+            coordinator: CoordinatorNode::start(line, 1, Remembered::default(), &options),
             hands: Hands::default(),
+            hangs: false,
             repeats: VecDeque::new(),
             lives: vec![1; count + 2],
             life: 1,
@@ -107,11 +113,11 @@ impl Sim {
         };
         for id in line.station_ids() {
             let life = sim.next_life();
-            sim.stations.push(StationNode::start(line, id, life, Restore::Fresh, options.rules)?);
+            sim.stations.push(StationNode::start(line, id, life, Restore::Fresh, &options)?);
             sim.begin(id.index(), life);
         }
         let life = sim.next_life();
-        sim.coordinator = CoordinatorNode::start(line, life, Remembered::default());
+        sim.coordinator = CoordinatorNode::start(line, life, Remembered::default(), &options);
         sim.begin(sim.coordinator_node(), life);
         sim.repeats.push_back((Tick::ZERO, sim.operator_node(), 1));
         Ok(sim)
@@ -130,6 +136,11 @@ impl Sim {
             Some(station) => station.is_up(),
             None => node != self.coordinator_node() || self.coordinator.is_up,
         }
+    }
+
+    /// Whether messages go out to a node. Without numbers none go to one that is down: it would take them for new.
+    pub(crate) fn is_reached(&self, node: usize) -> bool {
+        self.options.frames || self.is_up(node)
     }
 
     pub(crate) fn field_slot(&self, at: usize) -> usize {
@@ -199,7 +210,7 @@ impl Sim {
 
     fn arrival(&mut self, at: usize) {
         let node = self.links[at].to;
-        if !self.is_up(node) {
+        if !self.is_reached(node) {
             self.links[at].forget_heard();
             self.timers.set(at, Tick::NEVER);
             return;
@@ -207,12 +218,15 @@ impl Sim {
         self.catch_up(node);
         let said = self.links[at].take_news(self.now);
         self.timers.set(at, self.links[at].wakes());
+        if !self.is_up(node) {
+            return;
+        }
         let from = self.links[at].from;
         match self.stations.get_mut(node) {
             Some(station) => {
                 if let Some(said) = &said {
                     station.hear(self.now, from, said);
-                    if let LinkPayload::Report(report) = said {
+                    if let Some(report) = said.report() {
                         self.record.hear(&self.line, self.now, &self.arrows[at], report);
                     }
                 }
@@ -229,19 +243,21 @@ impl Sim {
     }
 
     fn field_changes(&mut self, at: usize) {
-        self.field.poll(self.now, at);
-        if at == self.coordinator_node() {
-            if self.field.has_console() && self.coordinator.is_up {
-                let image = self.field.image(at);
+        let is_console = at == self.coordinator_node();
+        let Field::Images(field) = &mut self.field else { return self.bus_changes(at) };
+        field.poll(self.now, at);
+        if is_console {
+            if field.has_console() && self.coordinator.is_up {
+                let image = field.image(at);
                 self.catch_up(at);
                 if self.coordinator.see(self.now, image) {
                     self.play_coordinator(None);
                 }
             }
         } else {
+            let image = field.image(at);
             self.observer.look(&self.line, &self.field, at);
             if self.stations[at].is_up() {
-                let image = self.field.image(at);
                 self.catch_up(at);
                 // Otherwise only terms have moved; the deadline that is set comes too early, and does no harm.
                 if self.stations[at].see(self.now, image) {
@@ -255,6 +271,10 @@ impl Sim {
 
     fn deadline(&mut self, node: usize) {
         self.catch_up(node);
+        self.play(node);
+    }
+
+    pub(crate) fn play(&mut self, node: usize) {
         if node < self.stations.len() {
             self.play_station(node);
         } else {
@@ -264,26 +284,46 @@ impl Sim {
 
     fn play_station(&mut self, at: usize) {
         let now = self.now;
+        self.look_at_own_bus(at);
         let node = &mut self.stations[at];
-        let before = node.outputs;
-        let says = node.step(now);
-        let (outputs, id) = (node.outputs, node.id);
-        let mut effects = std::mem::take(&mut node.effects);
+        let (id, before) = (node.id, node.outputs);
+        let mut effects = node.step(now);
+        let mut says = false;
         for effect in effects.drain(..) {
-            let StationEffect::Happened(event) = effect else { continue };
-            self.last_event = now;
-            self.record.enter(&self.line, now, id, &event);
-            if self.options.keeps_log {
-                self.log.push(now, What::Station(id, event));
+            match effect {
+                // Also when the station is dying: it is written down.
+                StationEffect::Happened(event) => {
+                    self.last_event = now;
+                    self.record.enter(&self.line, now, id, &event);
+                    if self.options.keeps_log {
+                        self.log.push(now, What::Station(id, event));
+                    }
+                }
+                StationEffect::Remember => self.stations[at].remember(),
+                _ if self.stations[at].is_dying => {}
+                StationEffect::Drive(image) if self.options.frames => self.send_outputs(at, image),
+                StationEffect::Drive(image) => self.stations[at].drive(image.bits),
+                StationEffect::Tell { sequence } if self.options.frames => self.tell_station(at, sequence),
+                StationEffect::Tell { .. } => says = true,
+                StationEffect::Reply(..) | StationEffect::Ignored { .. } => {}
             }
         }
-        self.stations[at].effects = effects;
+        let node = &mut self.stations[at];
+        node.effects = effects;
+        let outputs = node.outputs;
         if outputs != before {
-            self.field.ask(now, at, outputs);
+            if let Field::Images(field) = &mut self.field {
+                field.ask(now, at, outputs);
+            }
             self.observer.look(&self.line, &self.field, at);
             self.timers.set(self.field_slot(at), self.field.deadline(at));
         }
+        self.send_frames(at);
+        if self.stations[at].is_dying {
+            return self.kill_station(at);
+        }
         if says {
+            self.stations[at].is_to_say();
             self.attend(at);
             self.say_station(at);
         }
@@ -293,34 +333,48 @@ impl Sim {
 
     fn play_coordinator(&mut self, asked: Option<Command>) {
         let now = self.now;
-        let mut effects = std::mem::take(&mut self.coordinator.effects);
-        self.coordinator.shell.act(now, &mut effects);
+        self.look_at_line_bus();
         let (mut refusal, mut says) = (None, false);
-        for effect in effects.drain(..) {
-            match effect {
-                CoordinatorEffect::Entered(mode) => self.enter(mode),
-                CoordinatorEffect::Refused(refused) => {
-                    if self.options.keeps_log {
-                        self.log.push(now, What::Refusal(refused.text(&self.line)));
+        // Once more after a record that could not be written: the emergency stop.
+        for _ in 0..2 {
+            let mut effects = std::mem::take(&mut self.coordinator.effects);
+            self.coordinator.shell.act(now, &mut effects);
+            let mut goes_on = true;
+            for effect in effects.drain(..) {
+                match effect {
+                    CoordinatorEffect::Entered(mode) => self.enter(mode),
+                    CoordinatorEffect::Refused(refused) => {
+                        if self.options.keeps_log {
+                            self.log.push(now, What::Refusal(refused.text(&self.line)));
+                        }
+                        refusal = Some(refused);
                     }
-                    refusal = Some(refused);
+                    CoordinatorEffect::Remember(record) => goes_on = self.coordinator.remember(now, record),
+                    CoordinatorEffect::Order { sequence } if self.options.frames => self.send_orders(sequence),
+                    CoordinatorEffect::Order { .. } => says = true,
+                    CoordinatorEffect::Lamps(bits) => self.put(Owner::Console, bits),
+                    CoordinatorEffect::Energise(station, bits) => self.put(Owner::Station(station), bits),
+                    CoordinatorEffect::Inputs { station, sequence, image } => {
+                        self.send_inputs(station, sequence, image);
+                    }
+                    CoordinatorEffect::Tell { .. } => {}
                 }
-                CoordinatorEffect::Remember(record) => self.coordinator.remember(now, record),
-                CoordinatorEffect::Order { .. } => says = true,
-                // Lamps move nothing, and images travel without a gateway.
-                CoordinatorEffect::Lamps(_)
-                | CoordinatorEffect::Energise(..)
-                | CoordinatorEffect::Inputs { .. }
-                | CoordinatorEffect::Tell { .. } => {}
+                if !goes_on {
+                    break;
+                }
+            }
+            self.coordinator.effects = effects;
+            if goes_on {
+                break;
             }
         }
-        self.coordinator.effects = effects;
         if let Some(command) = asked {
             self.answers.push(Answer { command, refusal });
         }
         if says {
             self.say_order();
         }
+        self.send_frames(self.coordinator_node());
         let deadline = self.coordinator.shell.next_deadline(now);
         self.wake_node(self.coordinator_node(), deadline.max(now));
     }

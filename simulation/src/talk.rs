@@ -106,7 +106,7 @@ impl Sim {
     pub(crate) fn say_word(&mut self, to: usize, said: LinkPayload) {
         let operator = self.operator_node();
         let number = self.out_of[operator].iter().copied().find(|&at| self.links[at].to == to);
-        if let Some(number) = number.filter(|_| self.is_up(to)) {
+        if let Some(number) = number.filter(|_| self.is_reached(to)) {
             self.links[number].say_word(self.now, &self.options.network, said);
             self.timers.set(number, self.links[number].wakes());
         }

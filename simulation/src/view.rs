@@ -1,9 +1,12 @@
 //! What a run shows to whoever watches it.
 
+use linewright_coordinator_logic::Coordinator;
 use linewright_line::net::ControlMode;
-use linewright_line::{AxisId, Line, OpId, StationId, Tick};
+use linewright_line::{AxisId, Line, OpId, Owner, StationId, Tick};
+use linewright_plant::Plant;
 use linewright_station_logic::Controller;
 
+use crate::field::Field;
 use crate::log::Log;
 use crate::observer::Seen;
 use crate::record::Record;
@@ -42,7 +45,7 @@ impl Sim {
 
     /// How often drives both ways of one axis came on at once.
     pub fn alarms(&self) -> u64 {
-        self.field.plant().alarms()
+        self.field.alarms()
     }
 
     /// The mode of the line, by the coordinator that was last up.
@@ -66,6 +69,44 @@ impl Sim {
         self.coordinator.is_up
             && self.coordinator.shell.coordinator().hears(station)
             && self.controller(station).is_some_and(|controller| controller.report().devices_valid)
+    }
+
+    /// The mode decision; none while the coordinator's process is down.
+    pub fn coordinator(&self) -> Option<&Coordinator> {
+        self.coordinator.is_up.then(|| self.coordinator.shell.coordinator())
+    }
+
+    /// The lives of all stations and then of the coordinator, 0 for one that is down. Each start gives another.
+    pub fn lives(&self) -> Vec<u64> {
+        (0..=self.coordinator_node()).map(|node| if self.is_up(node) { self.lives[node] } else { 0 }).collect()
+    }
+
+    /// How many commands the coordinator has answered.
+    pub fn answered(&self) -> usize {
+        self.answers.len()
+    }
+
+    /// Why a command was refused, by its place among the answered ones; none if it was obeyed.
+    pub fn refusal(&self, answer: usize) -> Option<String> {
+        self.answers.get(answer)?.refusal.as_ref().map(|refusal| refusal.text(&self.line))
+    }
+
+    /// What is wrong with an owner's devices, in the words of their bus's manager. Without frames there is none.
+    pub fn trouble_of(&self, owner: Owner) -> Vec<String> {
+        match &self.field {
+            Field::Images(_) => Vec::new(),
+            Field::Frames(frames) => frames.trouble(self.now, owner),
+        }
+    }
+
+    /// The actuators of a station that are energised at its devices, a bit per output.
+    pub fn energised(&self, station: StationId) -> u128 {
+        self.field.energised(&self.line, station)
+    }
+
+    /// The mechanisms of a station. With frames those of each bus are by themselves.
+    pub fn plant_of(&self, station: StationId) -> &Plant {
+        self.field.plant_of(station)
     }
 
     /// Where an axis stands.

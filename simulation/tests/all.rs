@@ -4,6 +4,7 @@ mod auto_cycles;
 mod cells;
 mod common;
 mod faults;
+mod on_buses;
 mod one_by_one;
 mod plan;
 mod scenario;

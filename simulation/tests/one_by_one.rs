@@ -16,7 +16,7 @@ fn action(line: &Line, rng: &mut Rng) -> Action {
     let station = StationId::at(rng.below(line.stations.len() as u64) as usize);
     let op = line.station(station).op_ids().nth(rng.below(2) as usize).unwrap();
     let process = if rng.chance(300) { Process::Coordinator } else { Process::Station(station) };
-    match rng.below(16) {
+    match rng.below(22) {
         0 => Action::Command(*rng.pick(&Command::ALL)),
         1 | 2 => Action::Command(*rng.pick(&[Command::Start, Command::Auto])),
         3 => Action::Command(*rng.pick(&[Command::Manual, Command::Hand])),
@@ -30,6 +30,11 @@ fn action(line: &Line, rng: &mut Rng) -> Action {
         12 => Action::Device(rng.below(line.devices.len() as u64) as usize, rng.chance(500)),
         13 => Action::Kill(process),
         14 => Action::Restart(process),
+        15 => Action::Cut(process, Process::Station(station)),
+        16 | 17 => Action::Heal,
+        18 => Action::DieAtRecord(station, rng.chance(500)),
+        19 => Action::RestartEmpty(process),
+        20 => Action::FillDisk(rng.chance(200)),
         _ => Action::Command(Command::Reset),
     }
 }
@@ -40,6 +45,7 @@ fn trace(line: &Line, seed: u64, one_by_one: bool) -> (String, u64) {
         delay: Duration::from_micros(rng.within(1, 5000)),
         jitter: Duration::from_micros(rng.below(2) * rng.within(0, 30_000)),
         loss_per_mille: (rng.below(2) * rng.within(0, 300)) as u32,
+        ..Network::default()
     };
     let options = Options { seed, network, variation: 0.1, one_by_one, keeps_log: true, ..Options::default() };
     let mut sim = Sim::new(line, options).unwrap();

@@ -4,43 +4,32 @@ use std::time::Duration;
 
 use linewright_coordinator_logic::Command;
 use linewright_line::net::ControlMode;
-use linewright_line::{ButtonId, OpId, Owner, StationId, Tick};
-use linewright_station_logic::PanelCommand;
+use linewright_line::{ButtonId, InputId, OpId, Owner, StationId};
+use linewright_simulation::Action;
 
-use crate::network::{Message, Node};
 use crate::sim::Sim;
-use linewright_simulation::What;
 
 /// How long a person waits for something that should happen before calling for help.
 const PATIENCE: Duration = Duration::from_secs(60);
 
-/// How often a release is sent.
-const RELEASES: u8 = linewright_simulation::RELEASES + 1;
-
 impl Sim {
     /// Gives a command, by message.
     pub fn command(&mut self, command: Command) {
-        self.act(format!("command {}", command.name()));
-        self.say(Node::Operator, Node::Coordinator, Message::Command(command));
+        self.act(Action::Command(command));
     }
 
     /// Gives a command and waits for the answer: obeyed, or refused in words. No answer is a refusal too.
     pub fn ask(&mut self, command: Command) -> Result<(), String> {
-        let answered = |sim: &Sim| sim.coordinator.as_ref().map(|c| (c.boot_id(), c.answered));
-        let before = answered(self);
-        let seen = self.log.entries().len();
+        let before = self.answered();
         self.command(command);
-        let end = self.now + Duration::from_secs(1);
-        while answered(self) == before {
-            if self.next_event().is_none_or(|at| at > end) {
+        let end = self.now() + Duration::from_secs(1);
+        while self.answered() == before {
+            if self.next_event() > end {
                 return Err(format!("{}: no answer", command.name()));
             }
             self.step();
         }
-        let refusal = self.log.entries()[seen.min(self.log.entries().len())..]
-            .iter()
-            .find_map(|entry| if let What::Refusal(text) = &entry.what { Some(text.clone()) } else { None });
-        refusal.map_or(Ok(()), Err)
+        self.refusal(before).map_or(Ok(()), Err)
     }
 
     /// Gives a command that must be obeyed.
@@ -52,35 +41,22 @@ impl Sim {
 
     /// Turns the selector of a station.
     pub fn selector(&mut self, station: &str, manual: bool) {
-        let id = self.id(station);
-        self.act(format!("selector of {station} to {}", if manual { "manual" } else { "auto" }));
-        self.say_panel(id, PanelCommand::Selector(manual));
+        self.act(Action::Selector(self.id(station), manual));
     }
 
     /// Presses a panel button and keeps it down.
     pub fn press(&mut self, station: StationId, advance: bool) {
-        let side = if advance { "advance" } else { "return" };
-        self.act(format!("{side} of {} down", self.line.station(station).name));
-        self.hands.press(station, advance);
-        self.say_fingers();
+        self.act(Action::Panel { station, advance, down: true });
     }
 
     /// Lets go of a panel button.
     pub fn release(&mut self, station: StationId, advance: bool) {
-        if self.hands.release(station, advance, RELEASES) {
-            let side = if advance { "advance" } else { "return" };
-            self.act(format!("{side} of {} up", self.line.station(station).name));
-            self.say_fingers();
-        }
+        self.act(Action::Panel { station, advance, down: false });
     }
 
     /// Holds exactly these hand-mode buttons of the main console, by message.
     pub fn hold_buttons(&mut self, held: u32) {
-        if held != self.hands.buttons() {
-            self.act(format!("hand-mode buttons {held:#b}"));
-        }
-        self.hands.hold(held, RELEASES);
-        self.say_fingers();
+        self.act(Action::Buttons(held));
     }
 
     /// Holds exactly this hand-mode button.
@@ -95,15 +71,12 @@ impl Sim {
 
     /// Holds a wired input of a station or the console, or lets go of it.
     pub fn wire(&mut self, owner: Owner, input: &str, value: Option<bool>) {
-        let names = match owner {
-            Owner::Station(id) => &self.line.station(id).inputs,
-            Owner::Console => &self.line.console.inputs,
+        let (station, names) = match owner {
+            Owner::Station(id) => (Some(id), &self.line().station(id).inputs),
+            Owner::Console => (None, &self.line().console.inputs),
         };
         let at = names.iter().position(|name| name == input).unwrap_or_else(|| panic!("no input {input}"));
-        self.act(format!("{input} wired {value:?}"));
-        let now = self.now;
-        self.field.force(now, owner, linewright_line::InputId::at(at), value);
-        self.wake_field();
+        self.act(Action::Force(station, InputId::at(at), value));
     }
 
     /// Runs until something holds.
@@ -118,10 +91,10 @@ impl Sim {
 
     /// Runs until something holds, but no longer than this. Gives whether it holds.
     pub fn wait_for(&mut self, time: Duration, holds: impl Fn(&Sim) -> bool) -> bool {
-        let end = self.now + time;
+        let end = self.now() + time;
         while !holds(self) {
-            if self.next_event().is_none_or(|at| at > end) {
-                self.now = self.now.max(end);
+            if self.next_event() > end {
+                self.run_to(end);
                 return false;
             }
             self.step();
@@ -145,16 +118,12 @@ impl Sim {
 
     /// Every station is running, heard by the coordinator, and hears its devices.
     pub fn all_heard(&self) -> bool {
-        let Some(node) = &self.coordinator else { return false };
-        self.line
-            .station_ids()
-            .all(|id| node.coordinator().hears(id) && self.controller(id).is_some_and(|c| c.report().devices_valid))
+        self.line().station_ids().all(|id| self.hears(id))
     }
 
     /// The console's device is in order.
     fn hears_console(&self) -> bool {
-        let trouble = |node: &crate::coordinator::CoordinatorProcess| node.trouble(self.now, Owner::Console);
-        self.coordinator.as_ref().is_some_and(|node| trouble(node).is_empty())
+        self.coordinator().is_some() && self.trouble_of(Owner::Console).is_empty()
     }
 
     /// Holds a panel button until the operation under way ends, one way or another, then lets go.
@@ -175,7 +144,7 @@ impl Sim {
 
     /// Waits until nothing moves and enters manual for every panel.
     pub fn go_manual(&mut self) {
-        self.run_until("everything stands", |s| s.line.station_ids().all(|id| s.is_stopped(id)));
+        self.run_until("everything stands", |s| s.line().station_ids().all(|id| s.is_stopped(id)));
         // The coordinator hears of it a moment later.
         for _ in 0..20 {
             match self.ask(Command::Manual) {
@@ -183,7 +152,7 @@ impl Sim {
                 Err(_) => self.run_for(Duration::from_millis(100)),
             }
         }
-        self.run_until("manual", |s| s.line.station_ids().all(|id| s.mode_of(id) == Some(ControlMode::Manual)));
+        self.run_until("manual", |s| s.line().station_ids().all(|id| s.mode_of(id) == Some(ControlMode::Manual)));
     }
 
     /// Brings an incomplete station to a completed operation by advancing: resumes what was stopped.
@@ -197,27 +166,27 @@ impl Sim {
     /// In manual, leads every station home: forward where that goes, back where it does not, and again, since one may wait
     /// for another to be out of the way.
     pub fn lead_home(&mut self) {
-        let mut back = vec![false; self.line.stations.len()];
+        let mut back = vec![false; self.line().stations.len()];
         for _ in 0..60 {
             let is_home = |id: &StationId| self.controller(*id).is_some_and(|c| c.is_at_home());
-            let away: Vec<StationId> = self.line.station_ids().filter(|id| !is_home(id)).collect();
+            let away: Vec<StationId> = self.line().station_ids().filter(|id| !is_home(id)).collect();
             if away.is_empty() {
                 return;
             }
             for id in away {
-                let name = self.line.station(id).name.clone();
+                let name = self.line().station(id).name.clone();
                 if !self.jog(&name, !back[id.index()]) {
                     back[id.index()] = !back[id.index()];
                 }
             }
         }
-        let why: Vec<_> = self.line.station_ids().map(|id| (self.marking(id), self.blocked_by(id))).collect();
+        let why: Vec<_> = self.line().station_ids().map(|id| (self.marking(id), self.blocked_by(id))).collect();
         self.give_up(&format!("not all are home: {why:?}"));
     }
 
     /// Whether the counts of all stations may be compared.
     pub fn has_common_start(&self) -> bool {
-        let mut generations = self.line.station_ids().map(|id| self.controller(id).map_or(0, |c| c.generation()));
+        let mut generations = self.line().station_ids().map(|id| self.controller(id).map_or(0, |c| c.generation()));
         let first = generations.next().unwrap_or(0);
         first != 0 && generations.all(|generation| generation == first)
     }
@@ -285,10 +254,5 @@ impl Sim {
             self.bring_back();
         }
         panic!("{station}: {operation} is not done in cycle {cycle}");
-    }
-
-    pub(crate) fn act(&mut self, what: String) {
-        let now: Tick = self.now;
-        self.log.push(now, What::Act(what));
     }
 }

@@ -16,7 +16,7 @@ use linewright_coordinator_logic::Command;
 use linewright_line::Tick;
 use linewright_line::net::{Block, ControlMode};
 use linewright_station_logic::Happening;
-use linewright_tests::{Conditions, Sim, transfer_line, transfer_line_with};
+use linewright_tests::{QUIET, ROUGH, Sim, transfer_line, transfer_line_with};
 
 /// Station, operation, start and end in milliseconds after the first lift of its cycle.
 const CHART: [(&str, &str, i64, i64); 17] = [
@@ -122,7 +122,7 @@ fn the_mill_machines_while_the_bar_returns_and_the_bar_lifts_only_under_an_open_
 
 #[test]
 fn a_rough_network_costs_time_and_perhaps_an_operators_help() {
-    let mut sim = Sim::with(&transfer_line_with(2, 0.5), 3, Conditions::ROUGH, 0.2);
+    let mut sim = Sim::with(&transfer_line_with(2, 0.5), 3, ROUGH, 0.2);
     sim.start_auto();
     for cycle in [6, 12, 18, 24] {
         sim.patiently_until_done("mill_2", "reset main slide", cycle);
@@ -135,10 +135,8 @@ fn a_rough_network_costs_time_and_perhaps_an_operators_help() {
 #[test]
 fn master_stop_halts_every_station_at_home_and_start_and_auto_go_on() {
     // At any moment of the cycle, on a network that loses messages too.
-    for (moment, conditions) in
-        (0..36).map(|n| (n * 100, if n % 2 == 0 { Conditions::QUIET } else { Conditions::ROUGH }))
-    {
-        let mut sim = Sim::with(&transfer_line(1.0), moment, conditions, 0.0);
+    for (moment, network) in (0..36).map(|n| (n * 100, if n % 2 == 0 { QUIET } else { ROUGH })) {
+        let mut sim = Sim::with(&transfer_line(1.0), moment, network, 0.0);
         sim.start_auto();
         sim.run_until_done("transfer", "1st lift", 2);
         sim.run_for(Duration::from_millis(moment));

@@ -12,7 +12,7 @@ use linewright_coordinator_logic::Command;
 use linewright_line::net::{Block, ControlMode};
 use linewright_line::{StationId, Tick};
 use linewright_station_logic::Happening;
-use linewright_tests::{Conditions, Node, Sim, transfer_line};
+use linewright_tests::{Process, ROUGH, Sim, transfer_line};
 
 const STATIONS: [&str; 3] = ["transfer", "clamp_1", "mill_1"];
 
@@ -149,9 +149,9 @@ fn a_station_cut_off_from_the_coordinator_but_not_from_its_neighbours() {
             let mut sim = Sim::in_second_cycle(moment, moment);
             let id = sim.id(station);
             let timing = sim.line().timing;
-            sim.cut(Node::Coordinator, Node::Station(id));
+            sim.cut(Process::Coordinator, Process::Station(id));
             if back_too {
-                sim.cut(Node::Station(id), Node::Coordinator);
+                sim.cut(Process::Station(id), Process::Coordinator);
             }
             let cut = sim.now();
             sim.run_for(Duration::from_secs(3));
@@ -170,8 +170,8 @@ fn neighbours_that_do_not_hear_each_other_wait_and_go_on_when_they_do() {
     for moment in (0..3560).step_by(120) {
         let mut sim = Sim::in_second_cycle(moment, moment);
         let (transfer, clamp) = (sim.id("transfer"), sim.id("clamp_1"));
-        sim.cut(Node::Station(transfer), Node::Station(clamp));
-        sim.cut(Node::Station(clamp), Node::Station(transfer));
+        sim.cut(Process::Station(transfer), Process::Station(clamp));
+        sim.cut(Process::Station(clamp), Process::Station(transfer));
         sim.run_for(Duration::from_secs(5));
         assert_eq!(sim.mode(), Some(ControlMode::Auto), "nothing is wrong with any of them");
         assert!(!sim.anything_energised(), "but none goes on");
@@ -185,7 +185,7 @@ fn neighbours_that_do_not_hear_each_other_wait_and_go_on_when_they_do() {
 #[test]
 fn on_a_rough_network_too() {
     for seed in 0..60 {
-        let mut sim = Sim::with(&transfer_line(1.0), seed, Conditions::ROUGH, 0.1);
+        let mut sim = Sim::with(&transfer_line(1.0), seed, ROUGH, 0.1);
         sim.start_auto();
         sim.patiently_until_done("clamp_1", "return clamp", 2);
         sim.run_for(Duration::from_millis(seed * 59));

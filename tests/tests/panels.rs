@@ -16,7 +16,7 @@ use linewright_line::StationId;
 use linewright_line::net::{ControlMode, Place};
 use linewright_plant::Fault;
 use linewright_station_logic::Happening;
-use linewright_tests::{Conditions, Rng, Sim, soak, transfer_line};
+use linewright_tests::{QUIET, Rng, Sim, network, soak, transfer_line};
 
 /// Breaks the mill's feed in its second cycle, repairs it, and enters manual.
 fn mill_broken_in_its_feed() -> Sim {
@@ -129,8 +129,7 @@ fn a_motion_taken_back_is_not_ended_by_an_image_from_before_it() {
     sim.order(Command::Reset);
     sim.go_manual();
     sim.resume("transfer");
-    let late = Conditions { delay_min_us: 190_000, delay_max_us: 200_000, ..Conditions::QUIET };
-    sim.image_conditions(late);
+    sim.networks(QUIET, network((190_000, 200_000), 0, 0));
     sim.run_for(Duration::from_millis(500));
     let clamp = sim.id("clamp_1");
     sim.press(clamp, true);
@@ -169,23 +168,16 @@ fn fidget(sim: &mut Sim, rng: &mut Rng, stations: &[StationId], presses: u32) {
 
 fn three_operators(seed: u64, late_images: bool) {
     let mut rng = Rng::new(seed);
-    let conditions = Conditions {
-        delay_min_us: 50,
-        delay_max_us: *rng.pick(&[500, 5_000, 40_000, 150_000]),
-        loss_per_mille: *rng.pick(&[0, 0, 100]),
-        double_per_mille: 50,
-    };
-    let mut sim = Sim::with(&transfer_line(0.1), seed, Conditions::QUIET, 0.1);
+    let longest = *rng.pick(&[500, 5_000, 40_000, 150_000]);
+    let rough = network((50, longest), *rng.pick(&[0, 0, 100]), 50);
+    let mut sim = Sim::with(&transfer_line(0.1), seed, QUIET, 0.1);
     sim.start_auto();
     sim.run_for(Duration::from_millis(rng.within(0, 400)));
     sim.command(Command::EStop);
     sim.run_for(Duration::from_millis(20));
     sim.order(Command::Reset);
     sim.go_manual();
-    sim.conditions(conditions);
-    if late_images {
-        sim.image_conditions(conditions);
-    }
+    sim.networks(rough, if late_images { rough } else { QUIET });
     let stations: Vec<StationId> = sim.line().station_ids().collect();
     fidget(&mut sim, &mut rng, &stations, 40);
     for &station in &stations {

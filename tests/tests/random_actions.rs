@@ -13,7 +13,7 @@ use linewright_coordinator_logic::Command;
 use linewright_line::net::ControlMode;
 use linewright_line::{OpId, Owner, StationId};
 use linewright_plant::{DeviceFault, Fault};
-use linewright_tests::{Conditions, Node, Rng, Sim, soak, transfer_line_with};
+use linewright_tests::{Process, QUIET, ROUGH, Rng, Sim, soak, transfer_line_with};
 
 const FAULTS: [Fault; 4] = [Fault::Stick, Fault::Slip, Fault::Break, Fault::SlipBack];
 
@@ -29,9 +29,9 @@ impl World {
     fn new(seed: u64) -> Self {
         let mut rng = Rng::new(seed);
         let line = transfer_line_with(if rng.chance(200) { 2 } else { 1 }, *rng.pick(&[0.1, 0.3, 1.0]));
-        let mut sim = Sim::with(&line, seed, Conditions::QUIET, 0.1);
-        sim.conditions(if rng.chance(400) { Conditions::ROUGH } else { Conditions::QUIET });
-        sim.image_conditions(if rng.chance(300) { Conditions::ROUGH } else { Conditions::QUIET });
+        let mut sim = Sim::with(&line, seed, QUIET, 0.1);
+        let network = if rng.chance(400) { ROUGH } else { QUIET };
+        sim.networks(network, if rng.chance(300) { ROUGH } else { QUIET });
         let stations = line.station_ids().collect();
         World { sim, rng, stations, broken: Vec::new(), unplugged: Vec::new() }
     }
@@ -97,7 +97,7 @@ impl World {
             91..94 => self.plug_in(),
             94..96 => {
                 let other = self.station();
-                let ends = [Node::Coordinator, Node::Station(other), Node::Station(station)];
+                let ends = [Process::Coordinator, Process::Station(other), Process::Station(station)];
                 let (from, to) = (*self.rng.pick(&ends), *self.rng.pick(&ends));
                 self.sim.cut(from, to);
             }
@@ -147,8 +147,7 @@ impl World {
     fn mend(&mut self) {
         self.sim.heal();
         self.sim.freeze_fingers(false);
-        self.sim.conditions(Conditions::QUIET);
-        self.sim.image_conditions(Conditions::QUIET);
+        self.sim.networks(QUIET, QUIET);
         self.repair_motions();
         self.plug_in();
         self.sim.wire(Owner::Console, "ES_pressed", None);

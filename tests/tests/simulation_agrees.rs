@@ -1,6 +1,6 @@
-//! `linewright simulate` leaves out frames and the gateway. It must not come to another end: the same line, played by the
-//! simulation and by the whole stack, does the same operations in the same order as far as the chart orders them, and
-//! takes the same time but for messages.
+//! `linewright simulate` leaves out frames and the gateway. It must not come to another end: the same line, played with
+//! images at once and with frames, does the same operations in the same order as far as the chart orders them, and takes
+//! the same time but for messages.
 
 use std::collections::BTreeMap;
 use std::time::Duration;
@@ -9,7 +9,7 @@ use linewright_line::net::Block;
 use linewright_line::{Line, OpId, StationId, Tick};
 use linewright_simulation::{End, Goal, Options, What, run};
 use linewright_station_logic::{Event, Happening};
-use linewright_tests::{Sim, transfer_line_with};
+use linewright_tests::{QUIET, transfer_line_with};
 
 const CYCLES: i32 = 6;
 
@@ -53,29 +53,25 @@ impl Trace {
     }
 }
 
+fn played(line: &Line, options: Options) -> Trace {
+    let options = Options { keeps_log: true, ..options };
+    let (sim, end) = run(line, options, &Goal::cycles(CYCLES as usize)).expect("the line starts");
+    assert_eq!((end, sim.conflicts(), sim.record().cycles()), (End::Done, &[][..], CYCLES as usize));
+    let mut trace = Trace::default();
+    for entry in sim.log().entries() {
+        if let What::Station(id, event) = entry.what {
+            trace.enter(entry.at, id, event);
+        }
+    }
+    trace
+}
+
 #[test]
-fn the_whole_stack_and_the_simulation_do_the_same() {
+fn images_at_once_and_frames_do_the_same() {
     for machines in [1, 3] {
         let line = transfer_line_with(machines, 1.0);
-        let mut full = Sim::new(&line, 1);
-        full.start_auto();
-        full.run_until_done("mill_1", "reset main slide", CYCLES);
-        full.run_for(Duration::from_secs(4));
-        let mut stack = Trace::default();
-        for id in line.station_ids() {
-            full.log().of(id).for_each(|(at, event)| stack.enter(at, id, event));
-        }
-
-        let options = Options { keeps_log: true, ..Options::default() };
-        let (sim, end) = run(&line, options, &Goal::cycles(CYCLES as usize)).expect("the line compiles");
-        assert_eq!(end, End::Done);
-        let mut pure = Trace::default();
-        for entry in sim.log().entries() {
-            if let What::Station(id, event) = entry.what {
-                pure.enter(entry.at, id, event);
-            }
-        }
-
+        let stack = played(&line, Options { frames: true, network: QUIET, images: QUIET, ..Options::default() });
+        let pure = played(&line, Options::default());
         assert_eq!(pure.order, stack.order, "each station does the same things in the same order");
         assert_eq!(pure.started.len(), stack.started.len());
         assert!(pure.started.len() >= 17 * (CYCLES as usize - 1), "and they are all there");

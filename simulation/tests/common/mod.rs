@@ -2,7 +2,7 @@
 #![allow(dead_code)]
 
 use linewright_line::{Line, OpId, StationId, TransferLine, parse};
-use linewright_simulation::{End, Goal, Options, Scenario, Sim, run};
+use linewright_simulation::{End, Goal, Options, Scenario, Script, Sim, run};
 
 /// The shipped transfer line with so many machines.
 pub fn transfer_line(machines: usize) -> Line {
@@ -23,9 +23,19 @@ pub fn logged() -> Options {
 
 /// Plays a scenario of the transfer line.
 pub fn play(text: &str) -> (Sim, End) {
+    play_with(text, logged())
+}
+
+/// What people do by a scenario's text.
+pub fn script(line: &Line, text: &str) -> Script {
+    Scenario::parse(line, "test.toml", text).unwrap_or_else(|problems| panic!("{problems:#}")).script
+}
+
+/// Plays a scenario of the transfer line; its network and variation are the scenario's.
+pub fn play_with(text: &str, options: Options) -> (Sim, End) {
     let line = transfer_line(1);
     let scenario = Scenario::parse(&line, "test.toml", text).unwrap_or_else(|problems| panic!("{problems:#}"));
-    let options = Options { network: scenario.network, variation: scenario.variation, ..logged() };
+    let options = Options { network: scenario.network, variation: scenario.variation, ..options };
     let goal = Goal { cycles: scenario.cycles.unwrap_or(1), starts: scenario.starts, script: scenario.script };
     run(&line, options, &goal).expect("the line compiles")
 }

@@ -89,6 +89,8 @@ const MAY_USE: [(&str, &[&str]); 24] = [
             "linewright-station-shell",
             "linewright-coordinator-logic",
             "linewright-coordinator-shell",
+            // Its pure part: frames and the manager.
+            "linewright-fieldbus",
             "linewright-plant",
         ],
     ),

@@ -59,6 +59,7 @@ pub fn parts(text: &str) -> Result<(String, u32), String> {
 pub fn run(args: &Args, file: &Path) -> miette::Result<ExitCode> {
     let of_lines = [
         ("--cycles", args.cycles.is_some()),
+        ("--frames", args.frames),
         ("--scenario", args.scenario.is_some()),
         ("--svg", args.svg.is_some()),
         ("--trace", args.trace.is_some()),

@@ -1,11 +1,11 @@
-//! The machine as the controllers meet it: process images of the plant, through devices that may be lost.
+//! The machine by process images that travel at once, through devices that may be lost.
 //!
 //! A lost device neither hears nor is heard. Its outputs stay as they were until its own heartbeat consumer turns them
 //! off, and at the same time its station learns that it is gone; until then the station sees the image as it was. When
 //! it comes back its outputs are off until its station asks for something else. That is what a CANopen device does
 //! (compare the full one in the plant crate), without the frames.
 
-use linewright_line::{AxisId, Bus, Device, InputId, Line, OpId, Owner, StationId, Tick};
+use linewright_line::{Bus, Device, InputId, Line, OpId, Owner, StationId, Tick};
 use linewright_plant::{Fault, Plant, PlantOptions};
 
 struct Slot {
@@ -47,13 +47,13 @@ struct Rack {
 }
 
 /// The plant behind its devices.
-pub(crate) struct Field {
+pub(crate) struct Images {
     plant: Plant,
     racks: Vec<Rack>,
     timeout: std::time::Duration,
 }
 
-impl Field {
+impl Images {
     pub(crate) fn new(line: &Line, options: PlantOptions) -> Self {
         let owners = line.station_ids().map(Owner::Station).chain([Owner::Console]);
         let rack = |owner: Owner| Rack {
@@ -66,7 +66,7 @@ impl Field {
             asked: 0,
             runs_out: Tick::NEVER,
         };
-        Field {
+        Images {
             plant: Plant::new(line, options),
             racks: owners.map(rack).collect(),
             timeout: line.timing.heartbeat_timeout,
@@ -75,10 +75,6 @@ impl Field {
 
     pub(crate) fn plant(&self) -> &Plant {
         &self.plant
-    }
-
-    pub(crate) fn position(&self, station: StationId, axis: AxisId) -> f64 {
-        self.plant.position(station, axis)
     }
 
     /// Whether the console has devices at all.
@@ -242,7 +238,7 @@ mod tests {
     fn a_loss_is_noticed_though_its_owner_acts_at_the_same_moment() {
         let text = TransferLine { machines: 1, time_scale: 1.0 }.text();
         let line = parse("line.toml", &text).expect("it is sound").line;
-        let mut field = Field::new(&line, PlantOptions::default());
+        let mut field = Images::new(&line, PlantOptions::default());
         let device = line.devices.iter().position(|d| d.owner == Owner::Station(StationId(0))).expect("it has one");
         field.unplug(Tick::ZERO, device, true);
         let noticed = Tick::ZERO + line.timing.heartbeat_timeout;
