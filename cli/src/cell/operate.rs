@@ -192,8 +192,8 @@ pub struct ResourceArgs {
 
 #[derive(Debug, Subcommand)]
 enum Is {
-    /// Report a fault of the resource: its activity has failed, and the resource is left out. Its stations end the motion
-    /// under way and go back as far as they can; where that is a danger, give the emergency stop.
+    /// Stop what the resource takes part in: all stations of its activities stand at once, half-way if need be; the activities
+    /// have failed, and the resource is left out. This is no emergency stop.
     Alarm {
         /// What is wrong.
         text: Vec<String>,
@@ -226,7 +226,7 @@ pub async fn resource(args: ResourceArgs, ros: &RosArgs) -> miette::Result<ExitC
     };
     let (what, text, done) = match is {
         Is::Alarm { text } => {
-            (SetResourceRequest::ALARM, text.join(" "), "is left out, and what it was doing has failed")
+            (SetResourceRequest::ALARM, text.join(" "), "is left out, and what it was doing is stopped and has failed")
         }
         Is::Down => (SetResourceRequest::DOWN, String::new(), "is left out"),
         Is::Up => (SetResourceRequest::UP, String::new(), "is counted on again"),

@@ -69,7 +69,9 @@ fn our_manager_boots_a_foreign_device_from_its_eds_and_runs_it() {
     let place = |what: &str| told.iter().position(|line| line.starts_with(what));
     let started = place("state OPERATIONAL").expect("it was started");
     let lets_go = ["written 1029:01 00", "written 6206:01 ff", "written 6207:01 00"];
-    for setting in ["written 2100:00 0f000000", "written 1017:00 f401", "written 1016:01 88137f00"].iter().chain(&lets_go) {
+    for setting in
+        ["written 2100:00 0f000000", "written 1017:00 f401", "written 1016:01 88137f00"].iter().chain(&lets_go)
+    {
         assert!(place(setting).is_some_and(|at| at < started), "{setting} before it was started: {told:?}");
     }
     let motions: Vec<&str> =

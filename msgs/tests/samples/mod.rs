@@ -195,7 +195,7 @@ pub fn order_state() -> OrderState {
 }
 
 pub fn secure_order() -> SecureOrder {
-    SecureOrder { epoch: 3, id: 41 }
+    SecureOrder { epoch: 3, id: 41, stop: true }
 }
 
 pub fn production_request() -> ProductionRequest {

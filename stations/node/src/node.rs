@@ -289,8 +289,8 @@ impl Shell {
                     self.handle(StationArrival::Task(told.command()));
                 }
             }
-            Arrived::Secure(key) => {
-                if let Some(told) = self.says.orders.as_mut().map(|orders| orders.secure(key)) {
+            Arrived::Secure(key, stop) => {
+                if let Some(told) = self.says.orders.as_mut().map(|orders| orders.secure(key, stop)) {
                     self.handle(StationArrival::Task(told.command()));
                 }
             }

@@ -144,6 +144,8 @@ pub enum Send {
         station: StationId,
         /// Which order.
         key: OrderKey,
+        /// Do not go back: stop at once, and stand there.
+        stop: bool,
     },
 }
 

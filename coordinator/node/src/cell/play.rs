@@ -403,7 +403,7 @@ impl Player {
         for send in &out.sends {
             match send {
                 Send::Order(order) => self.says.order(order),
-                Send::Secure { station, key } => self.says.secure(*station, *key),
+                Send::Secure { station, key, stop } => self.says.secure(*station, *key, *stop),
             }
         }
         self.people.reply(&self.line, self.coordination.state(), &mut out);

@@ -6,7 +6,7 @@ use rustc_hash::FxHashMap;
 use super::players::{Event, Message, MustStand, Players};
 use super::stage::ActivityStart;
 use super::station::{Act, Machines};
-use super::{ANSWERED, ActivityExplored, BrokenRule, CLOSED, GIVEN, ProtocolSetting, RESTORED, TWICE, words};
+use super::{ANSWERED, ActivityExplored, BrokenRule, CLOSED, GIVEN, ProtocolSetting, RESTORED, STOPPED, TWICE, words};
 
 /// Messages of one activity and of what follows it, a bit each. With more the exploration is not exhaustive, and reports so.
 const MESSAGES_MAX: u32 = 64;
@@ -86,6 +86,7 @@ pub(super) fn explore(setting: &ProtocolSetting<'_>, stage: ActivityStart) -> Ac
         name,
         stations: search.stations.iter().map(|&station| setting.line.station(station).name.clone()).collect(),
         states: search.states.len(),
+        disturbed: setting.disturbances > 0,
         exhausted,
         wrong,
     }
@@ -142,7 +143,7 @@ impl Search<'_> {
             let mut next = state.to_vec();
             next[at] = self.machines[nth].hear(situation, number, |machine| match message {
                 Message::Order(order) => machine.order(order),
-                Message::Secure { key, .. } => machine.secure(*key),
+                Message::Secure { key, stop, alarmed, .. } => machine.secure(*key, *stop, *alarmed),
             });
             self.station(from, next, nth, Arc::Message(number));
         }
@@ -176,10 +177,15 @@ impl Search<'_> {
     }
 
     fn station(&mut self, from: u32, next: Vec<u32>, nth: usize, by: Arc) {
-        let situation = next[STATIONS + 2 * nth] as usize;
-        if self.machines[nth].all[situation].twice && self.wrong.is_none() {
-            let name = &self.setting.line.station(self.stations[nth]).name;
-            self.wrong = Some((from, by, TWICE, format!("{name} does again what it has done")));
+        let machine = &self.machines[nth].all[next[STATIONS + 2 * nth] as usize];
+        let name = &self.setting.line.station(self.stations[nth]).name;
+        let wrong = if machine.twice {
+            Some((TWICE, format!("{name} does again what it has done")))
+        } else {
+            machine.moves_on.then(|| (STOPPED, format!("{name} moves though it has heard of the alarm")))
+        };
+        if let (Some((rule, end)), None) = (wrong, &self.wrong) {
+            self.wrong = Some((from, by, rule, end));
         }
         self.enter(next.into(), from, by);
     }
@@ -203,6 +209,7 @@ impl Search<'_> {
                 let (rule, what) = match reason {
                     MustStand::Answered => (ANSWERED, "the answer is taken"),
                     MustStand::Restored => (RESTORED, "tokens and part are put where the answer says"),
+                    MustStand::Asked => (STOPPED, "somebody is asked"),
                 };
                 let and = if moves && slot.is_some() { ", and moves" } else { "" };
                 wrong = wrong.or(Some((rule, format!("{what} while {name} {doing}{and}"))));

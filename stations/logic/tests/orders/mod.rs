@@ -9,3 +9,4 @@ mod doing;
 mod memory;
 mod people;
 mod random;
+mod stop;

@@ -72,19 +72,18 @@ impl Coordination {
         }
     }
 
-    /// Takes an alarm that a person gives of a resource: it is left out, and what it is doing has failed.
+    /// Takes an alarm that a person gives of a resource: it is left out, and what it is doing has failed and is stopped.
     pub(in super::super) fn alarmed(&mut self, now: Tick, resource: ResourceId, text: &str, out: &mut Outbox) {
         if self.state.table().handling().resource(resource).is_none() {
             let why = Objection::NoSuchResource;
             return out.events.push(Event::Objected { to: Asked::Alarm(resource), why });
         }
-        if self.state.exceptions().is_down(resource).is_none() {
-            let why = DownCause::ByHand { text: text.to_owned() };
+        if self.state.exceptions().is_down(resource).is_none_or(|down| !down.why.is_alarm()) {
+            let why = DownCause::Alarm { text: text.to_owned() };
             self.except(now, Step::Down { resource, why }, out);
         }
-        let handling = self.state.table().handling();
         let running = self.state.firings().filter(|firing| firing.phase == Phase::Running);
-        let its = running.filter(|firing| handling.mode(firing.mode).resources().any(|of| of == resource));
+        let its = running.filter(|firing| self.state.concerns(firing, resource));
         let its: Vec<FiringId> = its.map(|firing| firing.id).collect();
         for firing in its {
             self.fail(now, firing, Cause::ByHand { resource }, out);

@@ -4,7 +4,7 @@
 
 use std::collections::BTreeMap;
 
-use linewright_line::Tick;
+use linewright_line::{StationId, Tick};
 use serde::{Deserialize, Serialize};
 
 use super::super::ids::{AlarmId, FiringId, ModeId, OrderKey, PartId, ResourceId};
@@ -18,6 +18,8 @@ pub struct Exceptions {
     pub(super) alarms: BTreeMap<AlarmId, Alarm>,
     pub(super) down: BTreeMap<ResourceId, Down>,
     pub(super) retries: BTreeMap<(ModeId, Option<PartId>), Retry>,
+    /// Orders that stations were told to stop and may not have, of activities that are over: the latest of each.
+    pub(super) unstopped: BTreeMap<StationId, OrderKey>,
     pub(super) last_alarm: u64,
     pub(super) scrapped: u64,
 }

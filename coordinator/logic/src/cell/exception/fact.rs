@@ -179,10 +179,25 @@ pub enum DownCause {
         /// And why; empty if not.
         text: String,
     },
+    /// Somebody has given alarm of it: nothing that it takes part in may move by itself.
+    Alarm {
+        /// Why; empty if that was not said.
+        text: String,
+    },
     /// The rule by which an activity was closed says so.
     Rule(FiringId),
     /// Its station could not come to rest, or could not work, when an activity was closed.
     Station(FiringId),
     /// Its sensor says otherwise than the model.
     Mismatch,
+}
+
+impl DownCause {
+    /// Alarm was given.
+    pub fn is_alarm(&self) -> bool {
+        match self {
+            DownCause::Alarm { .. } => true,
+            DownCause::ByHand { .. } | DownCause::Rule(_) | DownCause::Station(_) | DownCause::Mismatch => false,
+        }
+    }
 }

@@ -86,6 +86,8 @@ pub(super) struct Seen {
 pub(super) struct Told {
     /// When last.
     pub at: Tick,
+    /// And to stop at once.
+    pub stop: bool,
     /// When it has answered, and whether it is still at it.
     pub answered: Option<(Tick, bool)>,
 }

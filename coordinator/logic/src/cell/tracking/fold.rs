@@ -392,7 +392,8 @@ impl Tracking {
 fn out(why: &DownCause) -> String {
     match why {
         DownCause::ByHand { text } if text.is_empty() => "left out by hand".to_owned(),
-        DownCause::ByHand { text } => text.clone(),
+        DownCause::Alarm { text } if text.is_empty() => "alarm given by hand".to_owned(),
+        DownCause::ByHand { text } | DownCause::Alarm { text } => text.clone(),
         DownCause::Rule(_) => "left out by a rule".to_owned(),
         DownCause::Station(_) => "its station could not work".to_owned(),
         DownCause::Mismatch => "model and plant differ".to_owned(),
