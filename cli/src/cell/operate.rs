@@ -202,6 +202,9 @@ enum Is {
     Down,
     /// Count on it again.
     Up,
+    /// Reset its station, which went into emergency stop by itself when something failed. It follows the line's mode again;
+    /// what was stopped half-way is led on in manual. A station can be named instead.
+    Reset,
 }
 
 /// `linewright resource`
@@ -221,7 +224,7 @@ pub async fn resource(args: ResourceArgs, ros: &RosArgs) -> miette::Result<ExitC
             }
             return Ok(ExitCode::SUCCESS);
         }
-        (Some(name), None) => return Err(miette!("how is {name}? Say alarm, down or up behind it")),
+        (Some(name), None) => return Err(miette!("how is {name}? Say alarm, down, up or reset behind it")),
         (None, Some(_)) => return Err(miette!("which resource? Name it before what is said of it")),
     };
     let (what, text, done) = match is {
@@ -230,6 +233,7 @@ pub async fn resource(args: ResourceArgs, ros: &RosArgs) -> miette::Result<ExitC
         }
         Is::Down => (SetResourceRequest::DOWN, String::new(), "is left out"),
         Is::Up => (SetResourceRequest::UP, String::new(), "is counted on again"),
+        Is::Reset => (SetResourceRequest::RESET, String::new(), "is reset"),
     };
     client.resource(&name, what, &text).await?;
     say!("{name} {done}");

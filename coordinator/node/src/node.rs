@@ -213,7 +213,7 @@ impl Shell {
                     Some(arrived) => self.arrived(arrived),
                     None => return Err(NodeError::Middleware),
                 },
-                failed = Playing::failure(&mut self.cell) => return Err(failed.into()),
+                news = Playing::news(&mut self.cell) => news?,
                 () = self.clock.sleep_until(Some(deadline)) => {}
                 () = tokio::time::sleep(Watchdog::FEED) => {}
             }
@@ -335,7 +335,8 @@ impl Shell {
         let now = self.clock.now();
         self.look();
         if let Some(cell) = &self.cell {
-            self.shell.plays_cell(cell.isolated().iter().copied());
+            let apart = cell.apart();
+            self.shell.plays_cell(apart.isolated.iter().copied(), apart.stopped.iter().copied());
         }
         self.devices.act(now, &self.driver);
         // The reason first, so that a station that sees the loss can say why.
@@ -431,6 +432,7 @@ impl Shell {
             lease_ms: u32::try_from(order.lease.as_millis()).unwrap_or(u32::MAX),
             found_generation: found.first().map_or(0, |founding| founding.generation),
             found_lives: found.iter().map(|founding| founding.boot_id).collect(),
+            stopped: self.shell.stopped().iter().map(|&id| self.line.station(id).name.clone()).collect(),
         });
     }
 

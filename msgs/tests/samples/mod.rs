@@ -99,6 +99,7 @@ pub fn mode_order() -> ModeOrder {
         lease_ms: 500,
         found_generation: 9,
         found_lives: vec![3, 4],
+        stopped: vec!["robot".into()],
     }
 }
 

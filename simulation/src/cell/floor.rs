@@ -5,7 +5,7 @@
 //! hand. People put parts in and take them out as the records say, and look nowhere else: from there on the parts are the
 //! truth, which no controller and no coordinator sees.
 
-use std::collections::BTreeMap;
+use std::collections::{BTreeMap, BTreeSet};
 use std::time::Duration;
 
 use linewright_coordinator_logic::cell::{
@@ -58,8 +58,9 @@ pub struct Floor {
     processes: Vec<Process>,
     now: Tick,
     lives: u64,
-    /// The mode of all stations.
+    /// The mode of all stations, but for those that are in emergency stop by themselves.
     order: ModeOrder,
+    stopped: BTreeSet<StationId>,
     /// By store of the table.
     stores: Vec<HolderId>,
     /// By the name of a resource that is no store: where it has its part.
@@ -93,6 +94,7 @@ impl Floor {
             now: Tick::ZERO,
             lives: 0,
             order: ModeOrder { manual_all: true, ..ModeOrder::of(1, 1, ControlMode::Auto, ModeOrder::FOR_GOOD) },
+            stopped: BTreeSet::new(),
             stores: table.stores().iter().filter_map(|store| line.handling.holder_named(&store.name)).collect(),
             nests: nests.iter().map(|(name, nest)| ((*name).to_owned(), *nest)).collect(),
             firings: BTreeMap::new(),
@@ -160,8 +162,26 @@ impl Floor {
         self.settle();
     }
 
+    /// These stations are in emergency stop by themselves, and no others; as the mode decision orders it.
+    pub(super) fn stop(&mut self, stations: BTreeSet<StationId>) {
+        if self.stopped != stations {
+            self.order.epoch += u64::from(!self.stopped.is_subset(&stations));
+            self.stopped = stations;
+            for index in 0..self.processes.len() {
+                self.tell_mode(index);
+            }
+            self.settle();
+        }
+    }
+
     fn tell_mode(&mut self, index: usize) {
-        self.processes[index].controller.handle(self.now, Input::Order(self.order));
+        let order = self.order_for(StationId::at(index));
+        self.processes[index].controller.handle(self.now, Input::Order(order));
+    }
+
+    fn order_for(&self, station: StationId) -> ModeOrder {
+        let mode = if self.stopped.contains(&station) { ControlMode::EStop } else { self.order.mode };
+        ModeOrder { mode, ..self.order }
     }
 
     /// In manual somebody holds this button of a station, motion by motion, until it stands at a rest. Gives when it does.
@@ -196,7 +216,7 @@ impl Floor {
     fn started(&mut self, id: StationId, restore: Restore) -> Result<Process, CompileError> {
         self.lives += 1;
         let mut controller = Controller::new(&self.line, id, self.lives, restore)?;
-        controller.handle(self.now, Input::Order(self.order));
+        controller.handle(self.now, Input::Order(self.order_for(id)));
         let (out, said) = (station::Outbox::default(), OrderReport::default());
         Ok(Process { controller, out, image: None, said, down: None })
     }

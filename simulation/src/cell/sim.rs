@@ -1,6 +1,6 @@
 //! The token player with pretended stations, in virtual time.
 
-use std::collections::BTreeMap;
+use std::collections::{BTreeMap, BTreeSet};
 use std::sync::Arc;
 use std::time::Duration;
 
@@ -254,6 +254,11 @@ impl CellSim {
         self.coordination.step(self.now, &inputs, dispatcher, &mut out);
         if !self.perform(out) {
             self.asked = asked;
+        }
+        let stopped: BTreeSet<StationId> = self.state().exceptions().stopped().collect();
+        match &mut self.floor {
+            Some(floor) => floor.stop(stopped),
+            None => stopped.iter().for_each(|id| self.stations[id.index()].emergency_stop(self.now)),
         }
         if self.options.replays {
             let replayed = State::replay(self.table.clone(), &self.log);

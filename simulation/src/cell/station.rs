@@ -104,6 +104,14 @@ impl Station {
         }
     }
 
+    /// Whatever it does ends where it is.
+    pub(super) fn emergency_stop(&mut self, now: Tick) {
+        if let Some((key, _)) = self.doing.take() {
+            self.is_held = true;
+            self.end(now, key, Outcome::Failed(INTERRUPTED));
+        }
+    }
+
     /// When it will have done what it is doing.
     pub fn ends(&self) -> Option<Tick> {
         let (_, until) = self.doing?;

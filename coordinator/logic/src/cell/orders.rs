@@ -50,6 +50,8 @@ pub enum Input<'a> {
         /// Again.
         up: bool,
     },
+    /// A person resets a station that is in emergency stop by itself.
+    Reset(StationId),
 }
 
 /// What a reply to somebody is known by; the caller's affair.

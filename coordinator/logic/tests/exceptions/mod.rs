@@ -4,6 +4,7 @@
 mod alarms;
 mod bench;
 mod crash;
+mod emergency;
 mod missed;
 mod moves;
 mod rows;

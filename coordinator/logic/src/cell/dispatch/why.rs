@@ -121,6 +121,7 @@ fn left_out(state: &State, now: Tick, resource: ResourceId) -> String {
         DownCause::ByHand { text } | DownCause::Alarm { text } => format!("somebody has given alarm: {text}"),
         DownCause::Rule(firing) => format!("the rule for {firing} leaves it out"),
         DownCause::Station(firing) => format!("its station could not work after {firing}"),
+        DownCause::EmergencyStop(firing) => format!("its station went into emergency stop after {firing}"),
         DownCause::Mismatch => "its sensor says otherwise than the model".to_owned(),
     };
     format!("{name} has been left out for {since} s: {why}")

@@ -127,10 +127,8 @@ impl Coordination {
     /// A resource is up if its station can work, nothing of it waits for an answer, and its sensor agrees.
     fn try_up(&mut self, now: Tick, resource: ResourceId, out: &mut Outbox) -> Result<(), Objection> {
         let handling = self.state.table().handling();
-        let (station, is_sensed, stale) = {
-            let of = handling.resource(resource).ok_or(Objection::NoSuchResource)?;
-            (of.station, of.is_sensed, handling.stale)
-        };
+        let of = handling.resource(resource).ok_or(Objection::NoSuchResource)?;
+        let (station, is_sensed) = (of.station, of.is_sensed);
         if self.state.exceptions().is_down(resource).is_none() {
             return Err(Objection::AlreadySo);
         }
@@ -139,7 +137,7 @@ impl Coordination {
         if self.state.exceptions().open().any(is_open) {
             return Err(Objection::Open(resource));
         }
-        if let Some(why) = station.and_then(|station| self.watch.objection(station, now, stale)) {
+        if let Some(why) = station.and_then(|station| self.objection(now, station)) {
             return Err(why);
         }
         if let Some(found) = self.difference(resource) {

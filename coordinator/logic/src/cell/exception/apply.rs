@@ -54,6 +54,15 @@ impl State {
                 About::Resource(resource) => self.known(*resource),
             },
             Step::Missing { resource, mode, part } => self.missing(*resource, *mode, *part),
+            Step::Stopped { firing, station } => {
+                self.trouble(*firing)?.stopped.push(station.0);
+                self.exceptions.stopped.entry(*station).or_insert(*firing);
+                Ok(())
+            }
+            Step::Reset { station } => {
+                let was = self.exceptions.stopped.remove(station).map(|_| ());
+                was.ok_or_else(|| format!("station {} is not in emergency stop", station.0))
+            }
             Step::Down { resource, why } => self.down(*resource, Down { since: at, why: why.clone() }),
             Step::Up { resource, unchecked: _ } => self.up(*resource),
         }
@@ -61,7 +70,7 @@ impl State {
 
     /// An activity has failed: its exception begins.
     pub(in super::super) fn exception_begins(&mut self, firing: FiringId, at: Tick) {
-        let trouble = Trouble { since: at, standing: Vec::new(), stage: Stage::Securing };
+        let trouble = Trouble { since: at, standing: Vec::new(), stopped: Vec::new(), stage: Stage::Securing };
         self.exceptions.open.insert(firing, trouble);
     }
 

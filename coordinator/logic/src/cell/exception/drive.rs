@@ -30,12 +30,12 @@ impl Coordination {
 
     /// What follows of a station's state beside what it says of its orders.
     pub(in super::super) fn watch_station(&mut self, now: Tick, station: StationId, heard: &Heard, out: &mut Outbox) {
-        let (stale, before) = (self.state.table().handling().stale, self.watch.seen(station));
-        let could = self.watch.can_work(station, now, stale);
+        let before = self.watch.seen(station);
+        let could = self.can_work(now, station);
         let is_first = before.is_none_or(|seen| seen.heard.presence != heard.presence);
         let moved = self.moves(now, station);
         self.watch.hear(now, station, heard);
-        if is_first || moved != self.moves(now, station) || could != self.watch.can_work(station, now, stale) {
+        if is_first || moved != self.moves(now, station) || could != self.can_work(now, station) {
             // No record says that something can start now that could not.
             self.reconsider();
         }
@@ -116,6 +116,10 @@ impl Coordination {
     /// Takes every exception as far as it goes now.
     pub(in super::super) fn attend(&mut self, now: Tick, out: &mut Outbox) {
         let open: Vec<FiringId> = self.state.exceptions().open.keys().copied().collect();
+        for &id in &open {
+            self.stop_stations(now, id, out);
+        }
+        self.leave_out_stopped(now, out);
         for id in open {
             self.secured(now, id, out);
             self.restored(now, id, out);
@@ -256,7 +260,7 @@ impl Coordination {
         let mut down: Vec<_> = named.chain(as_whom).map(|id| (id, DownCause::Rule(firing.id))).collect();
         for order in &firing.orders {
             let stands = self.state.exceptions().stands(firing.id, order.key);
-            let is_lost = stands == Some(Standing::Unknown) || !self.watch.can_work(order.station, now, handling.stale);
+            let is_lost = stands == Some(Standing::Unknown) || !self.can_work(now, order.station);
             if is_lost {
                 let of =
                     handling.resource_ids().filter(|id| handling.resources[id.index()].station == Some(order.station));

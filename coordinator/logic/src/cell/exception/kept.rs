@@ -19,6 +19,8 @@ pub struct KeptExceptions {
     down: Vec<(ResourceId, Down)>,
     retries: Vec<(ModeId, Option<PartId>, Retry)>,
     #[serde(default)]
+    stopped: Vec<(u16, FiringId)>,
+    #[serde(default)]
     unstopped: Vec<(u16, OrderKey)>,
     last_alarm: u64,
     scrapped: u64,
@@ -32,6 +34,7 @@ impl Exceptions {
             alarms: self.alarms.values().cloned().collect(),
             down: self.down.iter().map(|(&resource, down)| (resource, down.clone())).collect(),
             retries: self.retries.iter().map(|(&(mode, part), &retry)| (mode, part, retry)).collect(),
+            stopped: self.stopped.iter().map(|(&StationId(station), &firing)| (station, firing)).collect(),
             unstopped: self.unstopped.iter().map(|(&StationId(station), &key)| (station, key)).collect(),
             last_alarm: self.last_alarm,
             scrapped: self.scrapped,
@@ -54,6 +57,7 @@ impl State {
         new.alarms = of.alarms.into_iter().map(|alarm| (alarm.id, alarm)).collect();
         new.down = of.down.into_iter().collect();
         new.retries = of.retries.into_iter().map(|(mode, part, retry)| ((mode, part), retry)).collect();
+        new.stopped = of.stopped.into_iter().map(|(station, firing)| (StationId(station), firing)).collect();
         new.unstopped = of.unstopped.into_iter().map(|(station, key)| (StationId(station), key)).collect();
         let has = (new.open.len(), new.alarms.len(), new.down.len(), new.retries.len());
         if has != (open, alarms, down, retries) {

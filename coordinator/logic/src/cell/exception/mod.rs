@@ -27,6 +27,7 @@ mod answer;
 mod apply;
 mod book;
 mod drive;
+mod emergency;
 mod fact;
 mod handling;
 mod isolation;

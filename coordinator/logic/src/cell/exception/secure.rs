@@ -35,9 +35,9 @@ impl State {
     }
 
     /// Whether a station is to stop what it does for an order: alarm was given of a resource that its activity has to do with,
-    /// also if that is over by now, or of the station's own.
+    /// also if that is over by now, or of the station's own, or the station is in emergency stop.
     pub fn stops(&self, station: StationId, key: OrderKey) -> bool {
-        if self.exceptions().unstopped.get(&station) == Some(&key) {
+        if self.exceptions().is_stopped(station) || self.exceptions().unstopped.get(&station) == Some(&key) {
             return true;
         }
         let handling = self.table().handling();

@@ -317,7 +317,9 @@ impl Tracking {
             | Step::Alarmed { .. }
             | Step::Answered { .. }
             | Step::Carried { .. }
-            | Step::Mismatch { .. } => (),
+            | Step::Mismatch { .. }
+            | Step::Stopped { .. }
+            | Step::Reset { .. } => (),
         }
     }
 
@@ -396,6 +398,7 @@ fn out(why: &DownCause) -> String {
         DownCause::ByHand { text } | DownCause::Alarm { text } => text.clone(),
         DownCause::Rule(_) => "left out by a rule".to_owned(),
         DownCause::Station(_) => "its station could not work".to_owned(),
+        DownCause::EmergencyStop(_) => "its station went into emergency stop".to_owned(),
         DownCause::Mismatch => "model and plant differ".to_owned(),
     }
 }
