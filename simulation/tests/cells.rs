@@ -3,6 +3,7 @@
 //! said to lie, and each has had the work of its plan.
 
 mod alarm;
+mod emergency;
 mod expiry;
 
 use std::collections::BTreeMap;
@@ -32,10 +33,15 @@ struct Shipped {
 }
 
 fn shipped(name: &str, parts: &[u32]) -> Shipped {
+    shipped_but(name, parts, |text| text)
+}
+
+/// The same, described otherwise.
+fn shipped_but(name: &str, parts: &[u32], change: impl Fn(String) -> String) -> Shipped {
     let dir = Path::new(env!("CARGO_MANIFEST_DIR")).join("../launch-config/lines").join(name);
     let text = |file: &str| std::fs::read_to_string(dir.join(file)).expect("it is there");
     let line = linewright_line::parse("line.toml", &text("line.toml")).unwrap_or_else(|why| panic!("{why:#}")).line;
-    let cell = linewright_cell::parse("cell.toml", &text("cell.toml"), Some(&line));
+    let cell = linewright_cell::parse("cell.toml", &change(text("cell.toml")), Some(&line));
     let cell = cell.unwrap_or_else(|why| panic!("{why:#}")).cell;
     let made = described(&cell, Some(&line), Supply::Batch(parts), PACE).unwrap_or_else(|why| panic!("{why}"));
     Shipped { table: Arc::new(made.table), cell, line, parts: parts.iter().sum() }

@@ -234,6 +234,17 @@ mod tests {
     use super::*;
 
     #[test]
+    fn a_station_that_is_named_is_in_emergency_stop() {
+        let mode = mode_to_code(ControlMode::Auto);
+        let message = ModeOrder { boot_id: 1, epoch: 2, mode, stopped: vec!["robot".into()], ..ModeOrder::default() };
+        let order = |name| order_from_message(&message, (StationId(0), name)).map(|order| (order.epoch, order.mode));
+        assert_eq!(order("robot"), Ok((2, ControlMode::EStop)));
+        assert_eq!(order("robo"), Ok((2, ControlMode::Auto)));
+        let unknown = ModeOrder { mode: 200, ..message.clone() };
+        assert_eq!(order_from_message(&unknown, (StationId(0), "robot")), Err(ConvertError::Mode(200)));
+    }
+
+    #[test]
     fn the_age_of_an_image_counts_the_time_since_the_step() {
         let line = parse("line.toml", include_str!("../../../model/line/tests/descriptions/cell.toml"));
         let line = line.unwrap_or_else(|problems| panic!("{problems:#}")).line;

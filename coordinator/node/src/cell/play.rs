@@ -4,7 +4,7 @@
 //! decision over. The rest of the coordinator (the mode, the console, the gateway to the devices) must not wait for either,
 //! and tells this one nothing but whether activities may start. Should this one end, the coordinator ends with it.
 
-use std::path::{Path, PathBuf};
+use std::path::PathBuf;
 use std::sync::Arc;
 use std::time::{Duration, SystemTime};
 
@@ -16,8 +16,8 @@ use linewright_coordinator_logic::cell::exception::{Asked, Handling, Unable};
 use linewright_coordinator_logic::cell::production::Request;
 use linewright_coordinator_logic::cell::schedule::{Bar, Foreman};
 use linewright_coordinator_logic::cell::{
-    AlarmId, CellTable, Coordination, Event, Fact, Heard, Input, OldEpoch, OrderKey, Outbox, ProductionCommand,
-    Reply as Answered, Send, State, Ticket,
+    AlarmId, Coordination, Event, Fact, Heard, Input, OldEpoch, OrderKey, Outbox, ProductionCommand, Reply as Answered,
+    Send, Ticket,
 };
 use linewright_coordinator_logic::described::{Pace, Unplayable, described, foreman};
 use linewright_history::Note;
@@ -30,7 +30,7 @@ use thiserror::Error;
 use tokio::sync::{mpsc, oneshot, watch};
 
 use super::history::{Chronicle, begin};
-use super::log::{CellLog, CellLogError};
+use super::log::{CellLog, CellLogError, known};
 use super::people::{Customer, Operator, People, denied_all};
 use super::situation::{Apart, Situation};
 use super::topics::{News, Says, open};
@@ -218,20 +218,6 @@ struct Player {
     /// When the state was told, by the player's time; and whether it has changed since.
     said: Tick,
     changed: bool,
-}
-
-/// What is on disk, or the beginning.
-fn known(dir: Option<&Path>, cell: &str, table: &Arc<CellTable>) -> Result<(State, Option<CellLog>), CellLogError> {
-    let Some(dir) = dir else { return Ok((State::new(table.clone()), None)) };
-    let found = CellLog::open(&dir.join("cell.log"), cell, table)?;
-    if found.cut > 0 {
-        tracing::warn!("the log's last {} bytes were torn, and are cut off", found.cut);
-    }
-    if found.state.sequence() > 0 {
-        let (parts, running) = (found.state.parts().len(), found.state.firings().len());
-        tracing::info!("goes on from its log: {parts} parts inside, {running} activities in progress");
-    }
-    Ok((found.state, Some(found.log)))
 }
 
 impl Player {

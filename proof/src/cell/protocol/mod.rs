@@ -17,8 +17,8 @@
 //!
 //! Disturbances, that is faults, restarts, alarms given by hand and reports that are heard late, are limited in number
 //! ([`ProtocolSetting::disturbances`]). What was sent to stations may always be lost, late and doubled. Nothing is looked at
-//! after the next start at these stations. Not explored: hand and manual mode, sensors that contradict an answer, and a station
-//! that is not heard for so long that the player goes on without it and records that.
+//! after the next start at these stations. Not explored: hand and manual mode, emergency stops, sensors that contradict an
+//! answer, and a station that is not heard for so long that the player goes on without it and records that.
 
 mod players;
 mod search;
