@@ -319,7 +319,7 @@ message! {
         /// Who says so.
         by: String,
     }
-    ros name "SetResource_Request", meaning |m| within("what", m.what, Self::ALARM, Self::UP)
+    ros name "SetResource_Request", meaning |m| within("what", m.what, Self::ALARM, Self::RESET)
 }
 
 message! {
