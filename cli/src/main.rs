@@ -80,7 +80,8 @@ enum Command {
     Why(cell::WhyArgs),
     /// Answer an alarm of a running cell, or show those that stand.
     Answer(cell::AnswerArgs),
-    /// Show which resources of a running cell are left out; give alarm of one, leave it out, or count on it again.
+    /// Show which resources of a running cell are left out; give alarm of one, leave it out, count on it again,
+    /// or reset its station.
     Resource(cell::ResourceArgs),
     /// Show the line as it runs.
     Watch(watch::Args),

@@ -306,6 +306,8 @@ message! {
         const DOWN: u8 = 1;
         /// It is counted on again.
         const UP: u8 = 2;
+        /// Its station, which went into emergency stop by itself when something failed, follows the line's mode again.
+        const RESET: u8 = 3;
     }
     fields {
         /// Its name in the cell's description.
@@ -317,7 +319,7 @@ message! {
         /// Who says so.
         by: String,
     }
-    ros name "SetResource_Request", meaning |m| within("what", m.what, Self::ALARM, Self::UP)
+    ros name "SetResource_Request", meaning |m| within("what", m.what, Self::ALARM, Self::RESET)
 }
 
 message! {

@@ -35,6 +35,8 @@ message! {
         found_generation: u64,
         /// For each station, in the order of the description, the boot id that was seen at home: the life it is for.
         found_lives: Vec<u64>,
+        /// Stations for which the mode is emergency stop, whatever it is for the others.
+        stopped: Vec<String>,
     }
     ros name "ModeOrder", meaning |m| {
         present("boot_id", m.boot_id != 0)?;

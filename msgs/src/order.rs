@@ -219,13 +219,15 @@ message! {
 
 message! {
     /// To a station that works on order: leave this order be, and go back to the rest where its task began, as far as that
-    /// goes by itself.
+    /// goes by itself; or stop at once, and stand where it is.
     "linewright_msgs" / SecureOrder
     fields {
         /// The order's epoch.
         epoch: u64,
         /// Its number.
         id: u64,
+        /// Nothing of it moves any more, neither on nor back.
+        stop: bool,
     }
     ros name "SecureOrder", meaning |m| {
         present("epoch", m.epoch != 0)?;

@@ -72,17 +72,23 @@ fn version_1() {
     holds("v1", goal);
     holds("v1", result);
     holds("v1", feedback);
-    holds("v1", samples::secure_order());
     holds("v1", samples::production_request());
     holds("v1", samples::cell_state());
 }
 
-/// A station reports which order it was to leave, its generation and its measured positions; images carry an epoch, and mode
-/// orders found generations. No node was released that used the first version of these messages.
+/// A station reports which order it was to leave, its generation and its measured positions; images carry an epoch, and
+/// orders can be stopped. No node was released that used the first version of these messages.
 #[test]
 fn version_2() {
     holds("v2", samples::order_state());
     holds("v2", samples::station_state());
     holds("v2", samples::process_image());
-    holds("v2", samples::mode_order());
+    holds("v2", samples::secure_order());
+}
+
+/// Mode orders found generations, and name stations that are in emergency stop by themselves. No node was released that used
+/// an earlier version.
+#[test]
+fn version_3() {
+    holds("v3", samples::mode_order());
 }

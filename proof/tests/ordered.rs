@@ -84,7 +84,7 @@ struct Served {
 
 enum Flying {
     Order(OrderMessage),
-    Secure(StationId, Key),
+    Secure(StationId, Key, bool),
     Answer(StationId, Key, Answer),
     State(StationId, u64, Heard),
 }
@@ -239,7 +239,7 @@ impl World {
         while let Some(entry) = self.flying.first_entry().filter(|entry| entry.key().0 <= self.now) {
             match entry.remove() {
                 Flying::Order(message) => self.deliver(&message),
-                Flying::Secure(station, key) => self.secure(station, key),
+                Flying::Secure(station, key, stop) => self.secure(station, key, stop),
                 Flying::Answer(station, key, answer) => arrived.push((station, Err((key, answer)))),
                 Flying::State(station, number, heard) if number > self.newest[station.index()] => {
                     self.newest[station.index()] = number;
@@ -260,7 +260,7 @@ impl World {
         for send in out.sends {
             match send {
                 Send::Order(message) => self.fly(|| Flying::Order(message.clone())),
-                Send::Secure { station, key } => self.fly(|| Flying::Secure(station, key)),
+                Send::Secure { station, key, stop } => self.fly(|| Flying::Secure(station, key, stop)),
             }
         }
     }
@@ -281,9 +281,9 @@ impl World {
     }
 
     /// What it answers the coordinator hears by its state as well.
-    fn secure(&mut self, to: StationId, key: Key) {
+    fn secure(&mut self, to: StationId, key: Key, stop: bool) {
         let station = &mut self.stations[to.index()];
-        station.controller.handle(self.now, Input::Task(TaskCommand::Secure(orders::key(key))));
+        station.controller.handle(self.now, Input::Task(orders::leave(key, stop)));
         station.step(&self.line, self.now);
         station.out.replies.clear();
     }

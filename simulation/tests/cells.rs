@@ -2,6 +2,8 @@
 //! plant's parts, which neither the coordinator nor any station sees: none is lost, none is made twice, each lies where it is
 //! said to lie, and each has had the work of its plan.
 
+mod alarm;
+mod emergency;
 mod expiry;
 
 use std::collections::BTreeMap;
@@ -31,10 +33,15 @@ struct Shipped {
 }
 
 fn shipped(name: &str, parts: &[u32]) -> Shipped {
+    shipped_but(name, parts, |text| text)
+}
+
+/// The same, described otherwise.
+fn shipped_but(name: &str, parts: &[u32], change: impl Fn(String) -> String) -> Shipped {
     let dir = Path::new(env!("CARGO_MANIFEST_DIR")).join("../launch-config/lines").join(name);
     let text = |file: &str| std::fs::read_to_string(dir.join(file)).expect("it is there");
     let line = linewright_line::parse("line.toml", &text("line.toml")).unwrap_or_else(|why| panic!("{why:#}")).line;
-    let cell = linewright_cell::parse("cell.toml", &text("cell.toml"), Some(&line));
+    let cell = linewright_cell::parse("cell.toml", &change(text("cell.toml")), Some(&line));
     let cell = cell.unwrap_or_else(|why| panic!("{why:#}")).cell;
     let made = described(&cell, Some(&line), Supply::Batch(parts), PACE).unwrap_or_else(|why| panic!("{why}"));
     Shipped { table: Arc::new(made.table), cell, line, parts: parts.iter().sum() }
@@ -82,6 +89,11 @@ impl Shipped {
 
     /// All parts have left, each once, and nothing that should not have happened has.
     fn is_done(&self, sim: &CellSim) {
+        self.is_done_after(sim, 0);
+    }
+
+    /// The same, and so many parts were dropped.
+    fn is_done_after(&self, sim: &CellSim, dropped: usize) {
         let floor = sim.floor.as_ref().expect("real stations");
         let firing = sim.state().firings().next();
         if firing.is_some() {
@@ -94,7 +106,7 @@ impl Shipped {
             println!("{:?}", floor.plant().parts().collect::<Vec<_>>());
         }
         assert_eq!((&sim.events[..], firing), (&[][..], None), "at {}", sim.now);
-        assert_eq!((&floor.trouble[..], floor.plant().mishaps().1), (&[][..], 0));
+        assert_eq!((&floor.trouble[..], floor.plant().mishaps().1), (&[][..], dropped as u64));
         assert_eq!(sim.state().left(), u64::from(self.parts));
         let mut left = floor.left.clone();
         left.sort_unstable();

@@ -192,8 +192,8 @@ pub struct ResourceArgs {
 
 #[derive(Debug, Subcommand)]
 enum Is {
-    /// Report a fault of the resource: its activity has failed, and the resource is left out. Its stations end the motion
-    /// under way and go back as far as they can; where that is a danger, give the emergency stop.
+    /// Stop what the resource takes part in: all stations of its activities stand at once, half-way if need be; the activities
+    /// have failed, and the resource is left out. This is no emergency stop.
     Alarm {
         /// What is wrong.
         text: Vec<String>,
@@ -202,6 +202,9 @@ enum Is {
     Down,
     /// Count on it again.
     Up,
+    /// Reset its station, which went into emergency stop by itself when something failed. It follows the line's mode again;
+    /// what was stopped half-way is led on in manual. A station can be named instead.
+    Reset,
 }
 
 /// `linewright resource`
@@ -221,15 +224,16 @@ pub async fn resource(args: ResourceArgs, ros: &RosArgs) -> miette::Result<ExitC
             }
             return Ok(ExitCode::SUCCESS);
         }
-        (Some(name), None) => return Err(miette!("how is {name}? Say alarm, down or up behind it")),
+        (Some(name), None) => return Err(miette!("how is {name}? Say alarm, down, up or reset behind it")),
         (None, Some(_)) => return Err(miette!("which resource? Name it before what is said of it")),
     };
     let (what, text, done) = match is {
         Is::Alarm { text } => {
-            (SetResourceRequest::ALARM, text.join(" "), "is left out, and what it was doing has failed")
+            (SetResourceRequest::ALARM, text.join(" "), "is left out, and what it was doing is stopped and has failed")
         }
         Is::Down => (SetResourceRequest::DOWN, String::new(), "is left out"),
         Is::Up => (SetResourceRequest::UP, String::new(), "is counted on again"),
+        Is::Reset => (SetResourceRequest::RESET, String::new(), "is reset"),
     };
     client.resource(&name, what, &text).await?;
     say!("{name} {done}");

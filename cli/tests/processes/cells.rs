@@ -127,6 +127,44 @@ fn whoever_is_killed_every_part_that_was_ordered_is_made_once() {
     assert_eq!(report["restarts"], 4, "{report}");
 }
 
+/// Somebody gives alarm of robot 2 while it assembles, and the rule for that puts it into emergency stop: it stands at once, the
+/// others stay in auto, a coordinator that is started again knows it, and only a reset leads out.
+#[test]
+fn alarm_stops_a_station_by_itself_until_it_is_reset() {
+    let mut rig = cell("assembly-cell", 2.0);
+    let rule = "[[exception]]\nin = \"robot_2.process\"\ncode = \"alarm\"\ntell = \"Look at part {part}.\"\n\
+                emergency_stop = [\"*\"]\nanswers = [{ word = \"as-done\", part = \"to\", then = \"forward\" }]\n[cell]";
+    rig.change("cell.toml", &[("[cell]", rule)]);
+    rig.start(&["--no-auto"]);
+    let operator = Operator::join_line(&rig, "/assembly_cell", &["robot_1", "robot_2", "human"]);
+    to_auto(&operator);
+    order(&rig, "1", "first");
+    rig.eye.within(LONG, "robot 2 assembles", |seen| seen.output("robot_2", "assemble"));
+    rig.said(&["resource"], &["robot_2", "alarm", "smoke"]).expect("it is taken");
+    let is_stopped = |heard: &crate::support::operator::Heard| {
+        heard.station("robot_2").mode == StationState::MODE_ESTOP && !heard.station("robot_2").incomplete.is_empty()
+    };
+    operator.wait("robot 2 is in emergency stop", is_stopped);
+    rig.eye.within(LONG, "its outputs are off", |seen| !seen.output("robot_2", "assemble"));
+    assert_eq!(rig.eye.seen().arrivals("robot_2", "assemble"), 0, "it has not gone on");
+    assert_eq!(operator.heard().line.mode, StationState::MODE_AUTO);
+    assert_eq!(operator.station("robot_1").mode, StationState::MODE_AUTO);
+    operator.wait("people are told", |heard| heard.line.text.contains("robot_2 in emergency stop"));
+
+    coordinator_is_killed(&rig, &operator);
+    operator.wait("it still is", is_stopped);
+    let mode = operator.heard().line.mode;
+    assert_eq!(mode, StationState::MODE_HOME, "{}", operator.picture());
+    let why = rig.said(&["resource"], &["robot_2", "up"]).expect_err("not without looking");
+    assert!(why.contains("activity of robot_2 has failed"), "{why}");
+    let is_reset = || rig.said(&["resource"], &["robot_2", "reset"]).is_ok();
+    assert!(wait_for(LONG, is_reset), "{:?}", rig.said(&["resource"], &["robot_2", "reset"]));
+    operator.wait("it follows the line again", |heard| heard.station("robot_2").mode != StationState::MODE_ESTOP);
+    put_right(&rig, &operator);
+    until(&rig, &["order"], |said| is_made(said, "first"));
+    assert_eq!(rig.eye.seen().arrivals("robot_2", "assemble"), 1);
+}
+
 fn order(rig: &Rig, product: &str, name: &str) {
     rig.said(&["order"], &["submit", product, "--name", name]).unwrap_or_else(|error| panic!("{name}: {error}"));
 }

@@ -6,6 +6,7 @@
 //! nothing starts by itself. A master stop begins such an epoch too. Everything unknown counts against motion: a station
 //! that is not heard is trouble, and a console that was heard and is no longer heard counts as a pressed emergency stop.
 
+mod alone;
 mod exchange;
 mod founding;
 mod obey;
@@ -33,6 +34,10 @@ struct Station {
     on_order: bool,
     /// What is wrong with it is an exception of its order (see [`Coordinator::isolate`]).
     isolated: bool,
+    /// In emergency stop by itself (see [`Coordinator::stop_alone`]).
+    stopped: bool,
+    /// The epoch in which it was reset from that last.
+    reset_in: u64,
 }
 
 impl Station {
@@ -214,26 +219,6 @@ impl Coordinator {
         }
     }
 
-    /// Leaves these stations out, and no others: what is wrong with them is an exception of the cell they work in
-    /// ([`crate::cell::exception::isolated`]), and the others work on. Only stations on order can be left out. Call it
-    /// whenever that changes, before [`Coordinator::step`]. `stations` is told as well whether a station is heard.
-    pub fn isolate(&mut self, stations: impl Fn(StationId, bool) -> bool) {
-        for (id, station) in self.line.station_ids().zip(&mut self.stations) {
-            let isolated = station.on_order && stations(id, self.now < station.known_until);
-            self.changed |= station.isolated != isolated;
-            station.isolated = isolated;
-        }
-    }
-
-    /// The stations that the mode depends on. Where people move stations, and in the emergency stop, that is all of them.
-    fn counted(&self) -> impl Iterator<Item = (StationId, &Station)> {
-        let leaves_out = match self.mode {
-            ControlMode::Home | ControlMode::StandBy | ControlMode::Auto => true,
-            ControlMode::Hand | ControlMode::Manual | ControlMode::EStop => false,
-        };
-        self.line.station_ids().zip(&self.stations).filter(move |(_, station)| !(leaves_out && station.isolated))
-    }
-
     fn hear_console(&mut self, bits: u128, valid: bool) {
         let before = self.console;
         if before == (bits, valid) {
@@ -283,10 +268,7 @@ impl Coordinator {
         station.known_until = now + self.line.timing.stale;
         self.changed |= news;
         self.follow_founding();
-        // Another coordinator, or one before that left no journal, has stopped it.
-        if heard.estopped && self.mode != ControlMode::EStop && heard.mode_epoch >= self.released {
-            self.estop = true;
-        }
+        self.estop |= self.is_stopped_by_another(id, heard);
         // The stations have obeyed a later epoch than ours: somebody coordinated them before us. Go above it, and to
         // a mode in which nothing starts.
         if heard.mode_epoch > self.epoch {
@@ -460,41 +442,5 @@ impl Coordinator {
         ];
         let lamps = self.line.console.lamps.iter().zip(on);
         lamps.fold(0, |bits, (lamp, on)| bits | lamp.filter(|_| on).map_or(0, |lamp| 1 << lamp.0))
-    }
-
-    /// Stations that have not acknowledged the epoch of a mode that enables motion.
-    pub fn waiting_for(&self) -> Vec<StationId> {
-        if !self.mode.enables_motion() || self.enabled {
-            return Vec::new();
-        }
-        let waits = |s: &Station| !self.is_known(s) || s.heard.mode_epoch < self.epoch;
-        self.counted().filter(|&(id, s)| waits(s) || !self.has_founded(id)).map(|(id, _)| id).collect()
-    }
-
-    /// Whether a station is heard.
-    pub fn hears(&self, station: StationId) -> bool {
-        self.stations.get(station.index()).is_some_and(|s| self.is_known(s))
-    }
-
-    /// The mode in words, with what keeps it: `auto`, `auto, stopping at home`, `stand-by: mill_1 is not heard`.
-    pub fn text(&self) -> String {
-        let mut text = self.mode.name().to_owned();
-        if self.stopping {
-            text.push_str(", stopping at home");
-        }
-        let waiting: Vec<&str> = self.waiting_for().iter().map(|&s| self.line.station(s).name.as_str()).collect();
-        if !waiting.is_empty() {
-            text.push_str(&format!(", waiting for {}", waiting.join(", ")));
-        }
-        let alone = self.line.station_ids().zip(&self.stations).filter(|(_, station)| station.isolated);
-        let alone: Vec<&str> = alone.map(|(id, _)| self.line.station(id).name.as_str()).collect();
-        if !alone.is_empty() {
-            text.push_str(&format!(", without {}", alone.join(", ")));
-        }
-        let troubles: Vec<String> = self.troubles().iter().map(|reason| reason.text(&self.line)).collect();
-        if !troubles.is_empty() {
-            text.push_str(&format!(": {}", troubles.join("; ")));
-        }
-        text
     }
 }

@@ -77,3 +77,46 @@ fn in_the_emergency_stop_all_count() {
     bench.beat();
     assert_eq!(bench.mode(), ControlMode::Manual);
 }
+
+/// In emergency stop by itself, a station is none of the line's, until it is reset; and then only by an epoch of its own.
+#[test]
+fn one_that_is_stopped_alone_stops_nobody_else() {
+    let mut bench = bench();
+    let before = bench.coordinator.epoch();
+    bench.coordinator.stop_alone(|id| id == ON_ORDER);
+    bench.heard[1].estopped = true;
+    bench.heard[1].incomplete = true;
+    bench.beat();
+    assert_eq!((bench.mode(), bench.coordinator.epoch()), (ControlMode::Auto, before));
+    assert!(bench.coordinator.is_stopped(ON_ORDER) && !bench.coordinator.is_stopped(StationId(0)));
+    assert!(bench.coordinator.text().ends_with(", clamp_1 in emergency stop"), "{}", bench.coordinator.text());
+    assert!(bench.coordinator.order().enabled);
+
+    // Its state from before it has heard of its reset says nothing new. The others go on.
+    bench.heard[1].incomplete = false;
+    bench.heard[1].mode_epoch = before;
+    bench.coordinator.stop_alone(|_| false);
+    let reset = bench.coordinator.epoch();
+    assert_eq!(reset, before + 1);
+    assert_eq!(bench.coordinator.stopped_until(ON_ORDER), reset);
+    assert!(bench.coordinator.stopped_until(StationId(0)) < reset);
+    let heard = bench.heard[1];
+    bench.coordinator.handle(bench.now, linewright_coordinator_logic::Input::Station(ON_ORDER, heard));
+    bench.coordinator.step(bench.now, &mut linewright_coordinator_logic::Outbox::default());
+    assert_eq!(bench.mode(), ControlMode::Auto);
+    assert!(bench.coordinator.order().enabled);
+
+    // If it is in one still though it has, somebody else has stopped it.
+    let heard = linewright_coordinator_logic::Heard { mode_epoch: reset, ..heard };
+    bench.coordinator.handle(bench.now, linewright_coordinator_logic::Input::Station(ON_ORDER, heard));
+    bench.coordinator.step(bench.now, &mut linewright_coordinator_logic::Outbox::default());
+    assert_eq!(bench.mode(), ControlMode::EStop);
+}
+
+#[test]
+fn only_stations_on_order_are_stopped_alone() {
+    let mut bench = bench();
+    bench.coordinator.stop_alone(|_| true);
+    let stopped = bench.line.station_ids().filter(|&id| bench.coordinator.is_stopped(id));
+    assert_eq!(stopped.collect::<Vec<_>>(), [ON_ORDER]);
+}

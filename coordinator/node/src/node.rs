@@ -101,8 +101,7 @@ const ANSWER_EVERY: Duration = Duration::from_millis(20);
 /// How often the mode is told in words when it does not change.
 const TEXT_EVERY: Duration = Duration::from_secs(1);
 
-/// So many messages are taken between two steps: what waits is taken in before anything is decided, and no flood of
-/// messages keeps the bus or an order to stop waiting.
+/// So many messages are taken between two steps, so that no flood of them keeps the bus waiting.
 const TAKEN_AT_ONCE: usize = 256;
 
 pub(crate) struct Shell {
@@ -215,7 +214,7 @@ impl Shell {
                     Some(arrived) => self.waiting.arrived.push_back(arrived),
                     None => return Err(NodeError::Middleware),
                 },
-                failed = Playing::failure(&mut self.cell) => return Err(failed.into()),
+                news = Playing::news(&mut self.cell) => news?,
                 () = self.clock.sleep_until(Some(deadline)) => {}
                 () = tokio::time::sleep(Watchdog::FEED) => {}
             }
@@ -360,7 +359,8 @@ impl Shell {
         let now = self.clock.now();
         self.look();
         if let Some(cell) = &self.cell {
-            self.shell.plays_cell(cell.isolated().iter().copied());
+            let apart = cell.apart();
+            self.shell.plays_cell(apart.isolated.iter().copied(), apart.stopped.iter().copied());
         }
         self.devices.act(now, &self.driver);
         // The reason first, so that a station that sees the loss can say why.
@@ -461,6 +461,7 @@ impl Shell {
             lease_ms: u32::try_from(order.lease.as_millis()).unwrap_or(u32::MAX),
             found_generation: found.first().map_or(0, |founding| founding.generation),
             found_lives: found.iter().map(|founding| founding.boot_id).collect(),
+            stopped: self.shell.stopped().iter().map(|&id| self.line.station(id).name.clone()).collect(),
         });
     }
 

@@ -66,17 +66,16 @@ impl Behind {
         (self.put, self.sent) = (None, None);
     }
 
-    /// Takes off the bus what is not to be on any more, before a record that may take long. `life` is the coordinator's,
-    /// `since` the epoch of the last emergency stop.
+    /// Takes off the bus what is not to be on any more, before a record that may take long. `life` is the coordinator's.
     pub(crate) fn take_off(
         &mut self,
         now: Tick,
         gateway: &Gateway,
-        (life, since): (u64, u64),
+        (life, stop): (u64, Stop),
         effects: &mut Vec<CoordinatorEffect>,
     ) {
         self.performed();
-        let staying = self.on_bus & gateway.in_force(now, self.station, self.lives(life), since).bits;
+        let staying = self.on_bus & self.in_force(now, gateway, self.lives(life), stop).bits;
         if staying != self.on_bus {
             self.on_bus = staying;
             if let Some((put, _)) = &mut self.put {
@@ -90,6 +89,13 @@ impl Behind {
     fn performed(&mut self) {
         if let Some((put, _)) = self.put {
             self.on_bus = put;
+        }
+    }
+
+    fn in_force(&self, now: Tick, gateway: &Gateway, lives: u64, stop: Stop) -> InForce {
+        match stop {
+            Stop::InForce => InForce::default(),
+            Stop::Since(epoch) => gateway.in_force(now, self.station, lives, epoch),
         }
     }
 
@@ -110,10 +116,7 @@ impl Behind {
         self.performed();
         let (bits, valid, _) = self.devices;
         let lives = self.lives(life);
-        let in_force = match stop {
-            Stop::InForce => InForce::default(),
-            Stop::Since(epoch) => gateway.in_force(now, self.station, lives, epoch),
-        };
+        let in_force = self.in_force(now, gateway, lives, stop);
         // After a loss the bus has forgotten what it was given, so it is given again.
         if self.put.replace((in_force.bits, lives)) != Some((in_force.bits, lives)) {
             effects.push(CoordinatorEffect::Energise(self.station, in_force.bits));

@@ -4,7 +4,7 @@
 //! and under a checker, these functions do.
 
 use linewright_coordinator_logic::cell::{Heard, OrderKey, OrderMessage, Outcome, Refusal, Reply};
-use linewright_station_logic::{self as station, OrderReport, TaskOrder};
+use linewright_station_logic::{self as station, OrderReport, TaskCommand, TaskOrder};
 
 /// A station's report of its orders, as the token player reads it.
 pub fn heard(report: &OrderReport) -> Heard {
@@ -52,6 +52,11 @@ pub fn order(message: &OrderMessage) -> TaskOrder {
         parameters: message.parameters.iter().map(|(name, value)| (name.to_string(), *value)).collect(),
         limit: message.limit,
     }
+}
+
+/// To leave an order, or to stop at once, as the station reads it.
+pub fn leave(of: OrderKey, stop: bool) -> TaskCommand<'static> {
+    if stop { TaskCommand::Stop(key(of)) } else { TaskCommand::Secure(key(of)) }
 }
 
 /// The key of an order, as the station knows it.

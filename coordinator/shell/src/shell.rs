@@ -44,8 +44,9 @@ pub struct CoordinatorShell {
     has_devices: Vec<bool>,
     /// By station: its last report has its devices or a position lost, or something stopped in the middle.
     in_trouble: Vec<bool>,
-    /// In a cell: the stations whose trouble is the cell's alone.
+    /// In a cell: the stations whose trouble is the cell's alone, and those that it has stopped.
     isolated: Option<Vec<StationId>>,
+    stopped: Vec<StationId>,
     /// What is known to be written down.
     written: Remembered,
     /// The last attempt to write failed; when the next is due.
@@ -85,6 +86,7 @@ impl CoordinatorShell {
             has_devices: vec![false; stations],
             in_trouble: vec![false; stations],
             isolated: None,
+            stopped: Vec::new(),
             written: Remembered::default(),
             write_again: None,
             order_sequence: 0,
@@ -134,12 +136,20 @@ impl CoordinatorShell {
         self.has_devices[station.index()]
     }
 
-    /// A cell is played on this line, and the trouble of these stations is the cell's alone. Call it before
-    /// [`CoordinatorShell::act`] whenever that changes.
-    pub fn plays_cell(&mut self, isolated: impl Iterator<Item = StationId>) {
+    /// A cell is played on this line; the trouble of some stations is the cell's alone, and some it has put into emergency stop.
+    /// Call it before anything is handled, and before [`CoordinatorShell::act`] whenever that changes.
+    pub fn plays_cell(&mut self, isolated: impl Iterator<Item = StationId>, stopped: impl Iterator<Item = StationId>) {
         let known = self.isolated.get_or_insert_default();
         known.clear();
         known.extend(isolated);
+        self.stopped.clear();
+        self.stopped.extend(stopped);
+        self.coordinator.stop_alone(|id| self.stopped.contains(&id));
+    }
+
+    /// The stations that the cell has put into emergency stop.
+    pub fn stopped(&self) -> &[StationId] {
+        &self.stopped
     }
 
     /// The order as it stands.
@@ -158,11 +168,14 @@ impl CoordinatorShell {
         }
     }
 
-    /// The order as it goes to one station: while a generation is founded it names that station's life.
+    /// The order as it goes to one station: while a generation is founded it names that station's life. A station may be in
+    /// emergency stop by itself.
     pub fn order_for(&self, station: StationId) -> ModeOrder {
         let found = self.coordinator.founding(station);
         let found = found.map(|(generation, boot_id)| Founding { generation, boot_id });
-        ModeOrder { found, ..self.order() }
+        let order = self.order();
+        let mode = if self.coordinator.is_stopped(station) { ControlMode::EStop } else { order.mode };
+        ModeOrder { found, mode, ..order }
     }
 
     /// Takes what has arrived. Follow with [`CoordinatorShell::act`], once everything that waits has been taken. False if it is
@@ -257,14 +270,16 @@ impl CoordinatorShell {
         let is_stopped = self.coordinator.mode() == ControlMode::EStop;
         self.acted = now;
         if !is_stopped {
-            let since = self.coordinator.stopped_in();
-            self.behind.iter_mut().for_each(|b| b.take_off(now, &self.gateway, (self.boot_id, since), effects));
+            for behind in &mut self.behind {
+                let stop = stop_of(&self.coordinator, behind.station);
+                behind.take_off(now, &self.gateway, (self.boot_id, stop), effects);
+            }
             self.remember(now, effects);
         }
         effects.push(CoordinatorEffect::Lamps(self.outbox.lamps));
         for behind in &mut self.behind {
             let numbers = (self.boot_id, &mut self.image_sequence);
-            let stop = if is_stopped { Stop::InForce } else { Stop::Since(self.coordinator.stopped_in()) };
+            let stop = stop_of(&self.coordinator, behind.station);
             behind.act(now, &self.gateway, numbers, (stop, is_due), effects);
         }
         if changed || is_due {
@@ -333,5 +348,13 @@ impl CoordinatorShell {
     pub fn next_deadline(&self, now: Tick) -> Tick {
         let deadlines = [self.coordinator.next_deadline(), self.gateway.next_deadline(now), self.write_again];
         deadlines.into_iter().flatten().fold(self.refresh_due, Tick::min)
+    }
+}
+
+/// The emergency stop of a station, as the gateway sees it.
+fn stop_of(coordinator: &Coordinator, station: StationId) -> Stop {
+    match coordinator.is_stopped(station) {
+        true => Stop::InForce,
+        false => Stop::Since(coordinator.stopped_until(station)),
     }
 }

@@ -5,7 +5,7 @@ use std::time::Duration;
 use linewright_coordinator_logic::{Command, Heard, OutputImage};
 use linewright_coordinator_shell::{CoordinatorArrival, CoordinatorEffect, CoordinatorShell, Remembered};
 use linewright_line::net::ControlMode;
-use linewright_line::{Line, StationId, Tick, TransferLine, parse};
+use linewright_line::{Line, Rest, RestId, StationId, Task, Tick, TransferLine, parse};
 
 pub const LIFE: u64 = 3;
 
@@ -26,7 +26,21 @@ pub struct Rig {
 
 impl Rig {
     pub fn new(remembered: Remembered) -> Self {
-        let line = parse("line.toml", &TransferLine::default().text()).expect("the shipped line").line;
+        Rig::of(parse("line.toml", &TransferLine::default().text()).expect("the shipped line").line, remembered)
+    }
+
+    /// With one station that works on order.
+    pub fn with_one_on_order(remembered: Remembered) -> Self {
+        let mut line = parse("line.toml", &TransferLine::default().text()).expect("the shipped line").line;
+        let id = line.station_named("clamp_1").expect("a clamp");
+        let station = &mut line.stations[id.index()];
+        station.rests = vec![Rest { name: "home".to_owned(), at: Vec::new() }];
+        let (name, steps, limit) = ("everything".to_owned(), 0..station.steps.len(), Duration::from_secs(1));
+        station.tasks = vec![Task { name, steps, from: RestId(0), to: RestId(0), limit, parameters: Vec::new() }];
+        Rig::of(line, remembered)
+    }
+
+    fn of(line: Line, remembered: Remembered) -> Self {
         let at_home = Heard {
             boot_id: 7,
             follows: LIFE,

@@ -104,3 +104,60 @@ fn a_station_in_an_emergency_stop_is_believed_whatever_its_epoch() {
     assert_eq!(rig.mode(), ControlMode::EStop);
     assert!(rig.shell.coordinator().epoch() < 1 << 20, "its epoch is not followed");
 }
+
+/// The cell has put one station into emergency stop: its outputs go off and its order says so, at once; the others go on. Reset,
+/// nothing that it decided before is put out.
+#[test]
+fn a_station_is_stopped_by_itself_and_follows_again_in_an_epoch_of_its_own() {
+    let mut rig = Rig::with_one_on_order(Remembered::default());
+    rig.shell.plays_cell([].into_iter(), [].into_iter());
+    rig.in_auto();
+    let (id, other) = (rig.line.station_named("clamp_1").expect("there"), StationId(0));
+    rig.outputs(id, 1);
+    assert!(rig.act().contains(&CoordinatorEffect::Energise(id, 1)));
+    let epoch = rig.shell.order().epoch;
+
+    rig.shell.plays_cell([id].into_iter(), [id].into_iter());
+    let done = rig.act();
+    assert!(done.contains(&CoordinatorEffect::Energise(id, 0)), "{done:?}");
+    assert!(done.iter().any(|effect| matches!(effect, CoordinatorEffect::Order { .. })), "{done:?}");
+    assert_eq!(
+        (rig.shell.order_for(id).mode, rig.shell.order_for(other).mode),
+        (ControlMode::EStop, ControlMode::Auto)
+    );
+    assert_eq!((rig.shell.order_for(id).epoch, rig.shell.order_for(other).enabled), (epoch, true));
+    rig.heard[id.index()].estopped = true;
+    rig.heard[id.index()].incomplete = true;
+    rig.outputs(id, 1);
+    let done = rig.refresh();
+    assert!(!done.contains(&CoordinatorEffect::Energise(id, 1)), "{done:?}");
+    assert_eq!(rig.mode(), ControlMode::Auto);
+
+    // What it decided in the epoch before its reset comes late.
+    rig.outputs(id, 1);
+    rig.shell.plays_cell([id].into_iter(), [].into_iter());
+    let done = rig.act();
+    assert!(!done.contains(&CoordinatorEffect::Energise(id, 1)), "{done:?}");
+    assert_eq!((rig.shell.order_for(id).mode, rig.shell.order_for(id).epoch), (ControlMode::Auto, epoch + 1));
+    assert_eq!(rig.record.epoch, epoch + 1, "it is written down");
+    rig.heard[id.index()].estopped = false;
+    rig.refresh();
+    rig.outputs(id, 1);
+    assert!(rig.act().contains(&CoordinatorEffect::Energise(id, 1)));
+}
+
+/// Its coordinator has been started again: what the cell's log says is known before anybody is heard. Without the log nobody
+/// knows why the station is stopped, and the line is.
+#[test]
+fn a_new_coordinator_knows_the_station_or_stops_the_line() {
+    for is_known in [true, false] {
+        let mut rig = Rig::with_one_on_order(Remembered { epoch: 40, estop: false });
+        let id = rig.line.station_named("clamp_1").expect("there");
+        let stopped = is_known.then_some(id);
+        rig.shell.plays_cell(stopped.into_iter(), stopped.into_iter());
+        rig.heard[id.index()] = Heard { estopped: true, mode_epoch: 41, ..rig.heard[id.index()] };
+        rig.refresh();
+        assert_eq!(rig.mode() == ControlMode::EStop, !is_known, "{}", rig.shell.coordinator().text());
+        assert_eq!(rig.shell.order_for(id).mode, ControlMode::EStop);
+    }
+}

@@ -230,6 +230,8 @@ pub struct ExceptionRule {
     pub retries: u32,
     /// Nobody needs to answer: it is as the first answer says.
     pub automatic: bool,
+    /// The stations that go into emergency stop at once (seed 001 §5.2, L206).
+    pub emergency_stop: Vec<StopOf>,
     /// What the operator can answer.
     pub answers: Vec<Answer>,
 }
@@ -245,6 +247,15 @@ pub struct Answer {
     pub then: Strategy,
     /// What is left out then, until somebody says that it is up again.
     pub down: Vec<LeftOut>,
+}
+
+/// What goes into emergency stop after a failure.
+#[derive(Clone, Copy, Debug, PartialEq, Eq, Hash)]
+pub enum StopOf {
+    /// All stations that have an order in the activity.
+    Activity,
+    /// This station.
+    Station(ControllerId),
 }
 
 /// A resource that is left out after a failure.

@@ -267,6 +267,9 @@ fn exceptions() {
         ("telling what nobody knows", &[("{slot}", "{slto}")]),
         ("a brace that stays open", &[("{from}", "{from")]),
         ("no answer", &[("answers = [", "answers = []\nold = [")]),
+        ("stopping what there is not", &[("retries = 2", "retries = 2\nemergency_stop = [\"robto\", \"*\"]")]),
+        ("stopping a resource", &[("retries = 2", "retries = 2\nemergency_stop = [\"M1\", \"ST\"]")]),
+        ("stopping without anybody", &[("retries = 2", "retries = 2\nautomatic = true\nemergency_stop = [\"robot\"]")]),
         (
             "leaving out what there is not",
             &[

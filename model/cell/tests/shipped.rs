@@ -2,7 +2,7 @@
 
 use std::time::Duration;
 
-use linewright_cell::{ActivityKind, LeftOut, ParameterSource, Prototype, Rule, Whereabouts};
+use linewright_cell::{ActivityKind, LeftOut, ParameterSource, Prototype, Rule, StopOf, Whereabouts};
 
 use crate::common::{ASSEMBLY, C1, cell};
 
@@ -72,6 +72,15 @@ fn answers_leave_resources_out() {
     let renamed = text.replace("\"R\"", "\"carrier\"").replace("\"R.", "\"carrier.");
     let down = &self::cell(&renamed).exceptions[0].answers[0].down;
     assert_eq!(down[1], LeftOut::Resource(linewright_cell::ResourceId::at(4)), "a name comes first");
+}
+
+/// Stations go into emergency stop by name, or all of the activity.
+#[test]
+fn a_rule_stops_stations() {
+    let cell = cell(&C1.replacen("retries = 2", "retries = 2\nemergency_stop = [\"*\", \"m2\"]", 1));
+    let m2 = cell.controllers.iter().position(|name| name == "m2").expect("it is there");
+    let m2 = StopOf::Station(linewright_cell::ControllerId::at(m2));
+    assert_eq!(cell.exceptions[0].emergency_stop, [StopOf::Activity, m2]);
 }
 
 /// `or` begins where another step begins, `then` leads on to where a later one does.

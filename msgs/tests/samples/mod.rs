@@ -99,6 +99,7 @@ pub fn mode_order() -> ModeOrder {
         lease_ms: 500,
         found_generation: 9,
         found_lives: vec![3, 4],
+        stopped: vec!["robot".into()],
     }
 }
 
@@ -195,7 +196,7 @@ pub fn order_state() -> OrderState {
 }
 
 pub fn secure_order() -> SecureOrder {
-    SecureOrder { epoch: 3, id: 41 }
+    SecureOrder { epoch: 3, id: 41, stop: true }
 }
 
 pub fn production_request() -> ProductionRequest {

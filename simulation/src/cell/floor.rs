@@ -5,7 +5,7 @@
 //! hand. People put parts in and take them out as the records say, and look nowhere else: from there on the parts are the
 //! truth, which no controller and no coordinator sees.
 
-use std::collections::BTreeMap;
+use std::collections::{BTreeMap, BTreeSet};
 use std::time::Duration;
 
 use linewright_coordinator_logic::cell::{
@@ -16,11 +16,15 @@ use linewright_line::net::ControlMode;
 use linewright_line::{HolderId, Line, OpId, Owner, StationId, Tick};
 use linewright_plant::{PartNo, Plant, PlantOptions, Spot};
 use linewright_station_logic::{
-    self as station, CompileError, Controller, Input, ModeOrder, NO_DELAY, OrderReport, Restore, Snapshot, TaskCommand,
+    self as station, CompileError, Controller, Input, ModeOrder, NO_DELAY, OrderReport, PanelCommand, Restore,
+    Snapshot, TaskCommand,
 };
 
 /// Stations answer each other's motions so often at one moment at most.
 const PASSES_MAX: usize = 100;
+/// Longer than any motion takes.
+const HELD: Duration = Duration::from_secs(6);
+const PRESSED_EVERY: Duration = Duration::from_millis(50);
 
 /// Something that was really done to a part.
 #[derive(Clone, Debug, PartialEq, Eq)]
@@ -54,6 +58,9 @@ pub struct Floor {
     processes: Vec<Process>,
     now: Tick,
     lives: u64,
+    /// The mode of all stations, but for those that are in emergency stop by themselves.
+    order: ModeOrder,
+    stopped: BTreeSet<StationId>,
     /// By store of the table.
     stores: Vec<HolderId>,
     /// By the name of a resource that is no store: where it has its part.
@@ -86,6 +93,8 @@ impl Floor {
             processes: Vec::new(),
             now: Tick::ZERO,
             lives: 0,
+            order: ModeOrder { manual_all: true, ..ModeOrder::of(1, 1, ControlMode::Auto, ModeOrder::FOR_GOOD) },
+            stopped: BTreeSet::new(),
             stores: table.stores().iter().filter_map(|store| line.handling.holder_named(&store.name)).collect(),
             nests: nests.iter().map(|(name, nest)| ((*name).to_owned(), *nest)).collect(),
             firings: BTreeMap::new(),
@@ -144,11 +153,70 @@ impl Floor {
         Ok(())
     }
 
+    /// All stations are in this mode from now on.
+    pub fn mode(&mut self, mode: ControlMode) {
+        self.order = ModeOrder { mode, epoch: self.order.epoch + 1, ..self.order };
+        for index in 0..self.processes.len() {
+            self.tell_mode(index);
+        }
+        self.settle();
+    }
+
+    /// These stations are in emergency stop by themselves, and no others; as the mode decision orders it.
+    pub(super) fn stop(&mut self, stations: BTreeSet<StationId>) {
+        if self.stopped != stations {
+            self.order.epoch += u64::from(!self.stopped.is_subset(&stations));
+            self.stopped = stations;
+            for index in 0..self.processes.len() {
+                self.tell_mode(index);
+            }
+            self.settle();
+        }
+    }
+
+    fn tell_mode(&mut self, index: usize) {
+        let order = self.order_for(StationId::at(index));
+        self.processes[index].controller.handle(self.now, Input::Order(order));
+    }
+
+    fn order_for(&self, station: StationId) -> ModeOrder {
+        let mode = if self.stopped.contains(&station) { ControlMode::EStop } else { self.order.mode };
+        ModeOrder { mode, ..self.order }
+    }
+
+    /// In manual somebody holds this button of a station, motion by motion, until it stands at a rest. Gives when it does.
+    pub fn lead(&mut self, station: StationId, button: PanelCommand) -> Tick {
+        let release = match button {
+            PanelCommand::Advance(_) => PanelCommand::Advance(false),
+            PanelCommand::Retract(_) | PanelCommand::Selector(_) => PanelCommand::Retract(false),
+        };
+        for _ in 0..PASSES_MAX {
+            let order = self.controller(station).report().order;
+            let moves = self.controller(station).marking().any(|place| place.is_operating());
+            if !moves && order.is_some_and(|order| order.rest.is_some()) {
+                break;
+            }
+            self.press(station, release);
+            // A button is held by being said again.
+            let end = self.now + HELD;
+            while self.now < end {
+                self.press(station, button);
+                self.now = self.now + PRESSED_EVERY;
+                self.settle();
+            }
+        }
+        self.now
+    }
+
+    fn press(&mut self, station: StationId, button: PanelCommand) {
+        self.processes[station.index()].controller.handle(self.now, Input::Panel(button));
+        self.settle();
+    }
+
     fn started(&mut self, id: StationId, restore: Restore) -> Result<Process, CompileError> {
         self.lives += 1;
         let mut controller = Controller::new(&self.line, id, self.lives, restore)?;
-        let auto = ModeOrder::of(1, 1, ControlMode::Auto, ModeOrder::FOR_GOOD);
-        controller.handle(self.now, Input::Order(auto));
+        controller.handle(self.now, Input::Order(self.order_for(id)));
         let (out, said) = (station::Outbox::default(), OrderReport::default());
         Ok(Process { controller, out, image: None, said, down: None })
     }
@@ -241,8 +309,8 @@ impl Floor {
     }
 
     /// What a station answers when it is told to leave an order.
-    pub(super) fn told_to_leave(&mut self, now: Tick, to: StationId, key: OrderKey) -> Option<Reply> {
-        self.command(now, to, TaskCommand::Secure(orders::key(key)))
+    pub(super) fn told_to_leave(&mut self, now: Tick, to: StationId, key: OrderKey, stop: bool) -> Option<Reply> {
+        self.command(now, to, orders::leave(key, stop))
     }
 
     fn command(&mut self, now: Tick, to: StationId, command: TaskCommand<'_>) -> Option<Reply> {

@@ -1,6 +1,6 @@
 //! The token player with pretended stations, in virtual time.
 
-use std::collections::BTreeMap;
+use std::collections::{BTreeMap, BTreeSet};
 use std::sync::Arc;
 use std::time::Duration;
 
@@ -73,8 +73,8 @@ enum Flying {
     /// To a station, for which it will be so much work.
     Order(OrderMessage, Duration),
     Reply(usize, OrderKey, Reply),
-    /// To a station, that it is to leave an order; and what it says to that.
-    Secure(usize, OrderKey),
+    /// To a station, that it is to leave an order, or to stop; and what it says to that.
+    Secure(usize, OrderKey, bool),
     Secured(usize, OrderKey, Reply),
     /// With a number that rises.
     State(usize, u64, Heard),
@@ -255,6 +255,11 @@ impl CellSim {
         if !self.perform(out) {
             self.asked = asked;
         }
+        let stopped: BTreeSet<StationId> = self.state().exceptions().stopped().collect();
+        match &mut self.floor {
+            Some(floor) => floor.stop(stopped),
+            None => stopped.iter().for_each(|id| self.stations[id.index()].emergency_stop(self.now)),
+        }
         if self.options.replays {
             let replayed = State::replay(self.table.clone(), &self.log);
             assert_eq!(replayed.as_ref(), Ok(self.state()), "at {}", self.now);
@@ -339,11 +344,11 @@ impl CellSim {
                         self.fly(|| Flying::Reply(index, order.key, reply));
                     }
                 }
-                Flying::Secure(index, key) => {
+                Flying::Secure(index, key, stop) => {
                     let now = self.now;
                     let reply = match &mut self.floor {
-                        Some(floor) => floor.told_to_leave(now, StationId::at(index), key),
-                        None => self.stations.get_mut(index).and_then(|station| station.told_to_leave(now, key)),
+                        Some(floor) => floor.told_to_leave(now, StationId::at(index), key, stop),
+                        None => self.stations.get_mut(index).and_then(|station| station.told_to_leave(now, key, stop)),
                     };
                     if let Some(reply) = reply {
                         self.fly(|| Flying::Secured(index, key, reply));
@@ -389,7 +394,7 @@ impl CellSim {
                     let takes = self.takes(&order);
                     self.fly(|| Flying::Order(order.clone(), takes));
                 }
-                Send::Secure { station, key } => self.fly(|| Flying::Secure(station.index(), key)),
+                Send::Secure { station, key, stop } => self.fly(|| Flying::Secure(station.index(), key, stop)),
             }
         }
         if !out.replies.is_empty() {

@@ -24,6 +24,8 @@ const OUT_OF_TIME: u16 = 1000;
 const INTERRUPTED: u16 = 1002;
 const CANCELLED: u16 = 1004;
 const HELD: u16 = 1005;
+/// What a station says that was told to stop.
+const STOPPED: u16 = 1006;
 /// How long it takes to go back.
 const WAY_BACK: Duration = Duration::from_millis(400);
 
@@ -98,6 +100,14 @@ impl Station {
     pub fn bring_to_rest(&mut self, now: Tick) {
         self.is_held = false;
         if let Some((key, _)) = self.doing.take() {
+            self.end(now, key, Outcome::Failed(INTERRUPTED));
+        }
+    }
+
+    /// Whatever it does ends where it is.
+    pub(super) fn emergency_stop(&mut self, now: Tick) {
+        if let Some((key, _)) = self.doing.take() {
+            self.is_held = true;
             self.end(now, key, Outcome::Failed(INTERRUPTED));
         }
     }
@@ -193,14 +203,14 @@ impl Station {
     }
 
     /// What it answers when it is told to leave an order; none if it does not hear it.
-    pub(super) fn told_to_leave(&mut self, now: Tick, key: OrderKey) -> Option<Reply> {
+    pub(super) fn told_to_leave(&mut self, now: Tick, key: OrderKey, stop: bool) -> Option<Reply> {
         if self.is_away {
             return None;
         }
         if self.doing() == Some(key) {
-            if self.holds {
+            if self.holds || stop {
                 (self.doing, self.is_held) = (None, true);
-                return Some(self.end(now, key, Outcome::Failed(HELD)));
+                return Some(self.end(now, key, Outcome::Failed(if stop { STOPPED } else { HELD })));
             }
             if self.is_securing.is_none() {
                 let code = self.waits_code.filter(|_| self.is_stuck).unwrap_or(CANCELLED);

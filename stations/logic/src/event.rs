@@ -20,6 +20,8 @@ pub enum Cause {
     Released,
     /// Emergency stop.
     EStop,
+    /// Whoever gave the order has said to stop.
+    Ordered,
     /// The controller was restarted in the middle of it.
     Restart,
     /// The station was switched on away from its home position.
@@ -57,6 +59,7 @@ impl Cause {
             Cause::Devices => "devices lost",
             Cause::Released => "button released",
             Cause::EStop => "emergency stop",
+            Cause::Ordered => "told to stop",
             Cause::Restart => "controller restarted",
             Cause::NotAtHome => "not at home when switched on",
             Cause::Interlock { .. } => "interlock: another station is in the way",

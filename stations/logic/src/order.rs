@@ -48,6 +48,8 @@ pub enum TaskCommand<'a> {
     Run(&'a TaskOrder),
     /// To leave an order be, and to go back to the rest where the task began, as far as it can by itself.
     Secure(OrderKey),
+    /// To leave an order be, and to stand still at once, wherever that is.
+    Stop(OrderKey),
 }
 
 /// What it says to that.
@@ -87,6 +89,8 @@ pub enum Failure {
     Cancelled,
     /// It was told to leave it, and stands where it could not go on by itself.
     Held,
+    /// It was told to stop, and stands where it was then.
+    Stopped,
 }
 
 /// Why a station does not take an order on.
@@ -170,6 +174,7 @@ impl Failure {
             Failure::Restarted => 1003,
             Failure::Cancelled => 1004,
             Failure::Held => 1005,
+            Failure::Stopped => 1006,
         }
     }
 
@@ -183,6 +188,7 @@ impl Failure {
             1003 => Failure::Restarted,
             1004 => Failure::Cancelled,
             1005 => Failure::Held,
+            1006 => Failure::Stopped,
             _ => return None,
         })
     }

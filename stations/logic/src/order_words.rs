@@ -21,6 +21,7 @@ impl Failure {
             Failure::Restarted => "the controller was restarted".to_owned(),
             Failure::Cancelled => "it was taken back".to_owned(),
             Failure::Held => "it was taken back, as far as it could be".to_owned(),
+            Failure::Stopped => "it was stopped where it was".to_owned(),
         }
     }
 }

@@ -62,11 +62,13 @@ pub struct OrderRules {
     pub does_once: bool,
     /// An order that is meant for another memory is refused. Off: it is done.
     pub own_memory: bool,
+    /// Told to stop it stands at once, and copies of a message to go back move nothing later. Off: it goes back.
+    pub stops_at_once: bool,
 }
 
 impl Default for OrderRules {
     fn default() -> Self {
-        OrderRules { ends_standing: true, secures_once: true, does_once: true, own_memory: true }
+        OrderRules { ends_standing: true, secures_once: true, does_once: true, own_memory: true, stops_at_once: true }
     }
 }
 

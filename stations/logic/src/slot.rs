@@ -3,7 +3,7 @@
 //! ```text
 //!            taken on                       its last operation is complete
 //!   no order ────────▶ running ────────────────────────────────────────────▶ done
-//!                       │   │ a fault, another mode, a restart
+//!                       │   │ a fault, another mode, a restart, told to stop
 //!                       │   └──────────────────────────────────────────────▶ failed: stands where it is
 //!                       │ its time is over ┐
 //!                       │ told to secure   ├─▶ securing ──it stands: where the task began, or as far as it goes──▶ failed
@@ -13,7 +13,8 @@
 //! An order that is given up has not ended before the station stands: until then it is in the slot, and no result says
 //! otherwise. Both ways to give it up mean the same: it fails with the code of the inputs that it waited for, if it did;
 //! else because its time was over, or because it was told to leave it. One that a fault has ended may be told to secure
-//! once; it is in the slot again until it stands, and copies of that message start nothing later.
+//! once; it is in the slot again until it stands, and copies of that message start nothing later. What it is to do when it
+//! is told to stop is in `stop`.
 //!
 //! What it refuses for good it remembers: a copy of the message that comes late, when the reason has gone, is refused all
 //! the same. What it refuses for now it forgets. All that it remembers is in its snapshot, which is kept before anything is
@@ -24,6 +25,7 @@
 //! no word of a later life of the coordinator.
 
 mod report;
+mod stop;
 
 use std::cmp::Ordering;
 
@@ -31,7 +33,7 @@ use linewright_line::net::{ControlMode, Kind, Place};
 use linewright_line::{OpId, RestId, TaskId, Tick};
 
 use crate::controller::Controller;
-use crate::event::{Cause, Happening};
+use crate::event::Happening;
 use crate::order::{
     EPOCH_AHEAD_MAX, Failure, OrderKey, OrderMemory, Outcome, RESULTS_MAX, Refusal, Reply, TaskCommand, TaskOrder,
 };
@@ -175,12 +177,13 @@ impl Controller {
         let epoch = orders.epoch;
         let (key, known) = match command {
             TaskCommand::Run(order) => (order.key, orders.known(order.key).filter(|_| orders.rules.does_once)),
-            TaskCommand::Secure(key) => (key, None),
+            TaskCommand::Secure(key) | TaskCommand::Stop(key) => (key, None),
         };
         let reply = match (known, command) {
             (Some(reply), _) => reply,
             (None, TaskCommand::Run(order)) => self.run(order),
             (None, TaskCommand::Secure(key)) => self.secure(key),
+            (None, TaskCommand::Stop(key)) => self.stop_order(key),
         };
         if let Some(orders) = &mut self.orders {
             orders.replies.push((key, reply));
@@ -357,29 +360,6 @@ impl Controller {
         let Some(slot) = self.slot().filter(|slot| slot.begun) else { return };
         if self.program.on_order.as_ref().is_some_and(|tasks| tasks.task(slot.task).last == op) {
             self.conclude(Outcome::Done);
-        }
-    }
-
-    /// An operation was stopped: nothing goes on by itself.
-    pub(crate) fn order_stops(&mut self, cause: Cause) {
-        if let Some(slot) = self.slot() {
-            let failure = match cause {
-                Cause::EStop | Cause::Released => Failure::Interrupted,
-                Cause::Restart => Failure::Restarted,
-                Cause::Signal
-                | Cause::Watchdog
-                | Cause::SwitchStuck
-                | Cause::Devices
-                | Cause::NotAtHome
-                | Cause::Interlock { .. }
-                | Cause::PositionLost { .. }
-                | Cause::Ambiguous => Failure::Fault,
-            };
-            self.conclude(Outcome::Failed(match slot.phase {
-                Phase::Running => failure,
-                Phase::Securing { failure } => failure.unwrap_or(Failure::Held),
-                Phase::Returning => Failure::Held,
-            }));
         }
     }
 

@@ -7,8 +7,8 @@ use std::time::Duration;
 
 use linewright_line::net::{Block, ControlMode};
 use linewright_line::{InputId, Line, OpId, StationId};
-use linewright_msgs::{Answer as AnswerMessage, StationEvent, StationState};
-use linewright_station_logic::{Answer, Controller, Event, Happening, Report, Request};
+use linewright_msgs::{Answer as AnswerMessage, ModeOrder, StationEvent, StationState};
+use linewright_station_logic::{Answer, Controller, Event, Founding, Happening, ModeOrder as Order, Report, Request};
 use thiserror::Error;
 
 use crate::foreign::quoted;
@@ -205,12 +205,44 @@ pub(crate) fn kind_of(event: &Event) -> (u8, Option<OpId>) {
     }
 }
 
+/// The coordinator's order, as it is for a station of this name.
+///
+/// # Errors
+/// When its mode is none.
+pub fn order_from_message(message: &ModeOrder, (own, name): (StationId, &str)) -> Result<Order, ConvertError> {
+    let life = message.found_lives.get(own.index()).copied().filter(|_| message.found_generation != 0);
+    let is_stopped = message.stopped.iter().any(|stopped| stopped == name);
+    let mode = mode_from_code(message.mode)?;
+    Ok(Order {
+        boot_id: message.boot_id,
+        epoch: message.epoch,
+        mode: if is_stopped { ControlMode::EStop } else { mode },
+        enabled: message.enabled,
+        master_stop: message.master_stop.then_some(message.stop_round),
+        manual_all: message.manual_all,
+        buttons: message.buttons,
+        lease: Duration::from_millis(message.lease_ms.into()),
+        found: life.map(|boot_id| Founding { generation: message.found_generation, boot_id }),
+    })
+}
+
 #[cfg(test)]
 mod tests {
     use linewright_line::{Tick, parse};
     use linewright_station_logic::{Input, Outbox, Restore};
 
     use super::*;
+
+    #[test]
+    fn a_station_that_is_named_is_in_emergency_stop() {
+        let mode = mode_to_code(ControlMode::Auto);
+        let message = ModeOrder { boot_id: 1, epoch: 2, mode, stopped: vec!["robot".into()], ..ModeOrder::default() };
+        let order = |name| order_from_message(&message, (StationId(0), name)).map(|order| (order.epoch, order.mode));
+        assert_eq!(order("robot"), Ok((2, ControlMode::EStop)));
+        assert_eq!(order("robo"), Ok((2, ControlMode::Auto)));
+        let unknown = ModeOrder { mode: 200, ..message.clone() };
+        assert_eq!(order_from_message(&unknown, (StationId(0), "robot")), Err(ConvertError::Mode(200)));
+    }
 
     #[test]
     fn the_age_of_an_image_counts_the_time_since_the_step() {

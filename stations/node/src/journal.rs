@@ -258,7 +258,7 @@ mod tests {
         orders.slot = Some(OrderKey { epoch: 2, id: 6 });
         orders.secured = Some(OrderKey { epoch: 2, id: 4 });
         let failures =
-            [1, 999, 1000, 1001, 1002, 1003, 1004, 1005].map(|code| Failure::from_code(code).expect("known"));
+            [1, 999, 1000, 1001, 1002, 1003, 1004, 1005, 1006].map(|code| Failure::from_code(code).expect("known"));
         let ends = failures.map(|failure| Reply::Ended(Outcome::Failed(failure)));
         let replies = [Reply::Ended(Outcome::Done)].into_iter().chain(ends);
         let replies = replies.chain(REFUSALS.map(|(_, refusal)| Reply::Refused(refusal)));

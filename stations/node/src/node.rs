@@ -1,22 +1,21 @@
 //! The shell's loop: wait for anything, hand it to the controller, perform what it gives.
 
 use std::path::PathBuf;
-use std::time::Duration;
 
 use linewright_fieldbus::{
     Bus as CanBus, BusError, Clock, Driver, DriverError, Event as BusEvent, Manager, ManagerError,
 };
 use linewright_line::{Bus, Line, OpId, Owner, StationId, Tick};
-use linewright_msgs::{ModeOrder, ProcessImage, StationEvent, StationState, fitting};
+use linewright_msgs::{ProcessImage, StationEvent, StationState, fitting};
 use linewright_node_shell::{
     Forward, JournalError, OpenError, Participant, Recorder, TopicError, Watchdog, fresh_boot_id, stamp,
 };
-use linewright_station_logic::{CompileError, Event, Founding, Happening, ModeOrder as Order, PanelCommand, Restore};
+use linewright_station_logic::{CompileError, Event, Happening, PanelCommand, Restore};
 use linewright_station_shell::{Driven, InputsMessage, StationArrival, StationEffect, StationShell};
 use thiserror::Error;
 use tokio::sync::{mpsc, watch};
 
-use crate::convert::{kind_of, mode_from_code, report_from_message, report_to_message};
+use crate::convert::{kind_of, order_from_message, report_from_message, report_to_message};
 use crate::devices::{Asked, Devices, Trouble};
 use crate::foreign::quoted;
 use crate::journal::from_record;
@@ -267,7 +266,7 @@ impl Shell {
 
     fn arrived(&mut self, arrived: Arrived) {
         match arrived {
-            Arrived::Order(message) => match order_from_message(&message, self.station) {
+            Arrived::Order(message) => match order_from_message(&message, (self.station, &self.name)) {
                 Ok(order) => self.handle(StationArrival::Order { sequence: message.sequence, order }),
                 Err(error) => self.ignore(error),
             },
@@ -296,8 +295,8 @@ impl Shell {
                     self.handle(StationArrival::Task(told.command()));
                 }
             }
-            Arrived::Secure(key) => {
-                if let Some(told) = self.says.orders.as_mut().map(|orders| orders.secure(key)) {
+            Arrived::Secure(key, stop) => {
+                if let Some(told) = self.says.orders.as_mut().map(|orders| orders.secure(key, stop)) {
                     self.handle(StationArrival::Task(told.command()));
                 }
             }
@@ -482,19 +481,4 @@ impl Shell {
 fn host_start() -> String {
     let id = std::fs::read_to_string("/proc/sys/kernel/random/boot_id").unwrap_or_default();
     id.trim().to_owned()
-}
-
-fn order_from_message(message: &ModeOrder, own: StationId) -> Result<Order, crate::ConvertError> {
-    let life = message.found_lives.get(own.index()).copied().filter(|_| message.found_generation != 0);
-    Ok(Order {
-        boot_id: message.boot_id,
-        epoch: message.epoch,
-        mode: mode_from_code(message.mode)?,
-        enabled: message.enabled,
-        master_stop: message.master_stop.then_some(message.stop_round),
-        manual_all: message.manual_all,
-        buttons: message.buttons,
-        lease: Duration::from_millis(message.lease_ms.into()),
-        found: life.map(|boot_id| Founding { generation: message.found_generation, boot_id }),
-    })
 }

@@ -1,7 +1,7 @@
 //! What a station on order hears and says of its orders over ROS 2.
 //!
 //! Orders come as goals of the action `~/run_task`; one order may come by any number of goals, and each of them ends as the
-//! order does. Who no longer wants it cancels a goal, or says so on `~/secure`. All that is known of orders goes out on
+//! order does. Who no longer wants it cancels a goal, or says so on `~/secure`, where it can be stopped as well. All that is known of orders goes out on
 //! `~/order`, whole each time: whoever gives orders reads the ends there, and need not wait for any single answer. Nothing is
 //! decided here; what becomes of an order is the controller's affair.
 
@@ -28,6 +28,8 @@ pub enum Told {
     Run(TaskOrder),
     /// To leave an order be.
     Secure(OrderKey),
+    /// To stop at once what is done of an order.
+    Stop(OrderKey),
 }
 
 impl Told {
@@ -36,6 +38,7 @@ impl Told {
         match self {
             Told::Run(order) => TaskCommand::Run(order),
             Told::Secure(key) => TaskCommand::Secure(*key),
+            Told::Stop(key) => TaskCommand::Stop(*key),
         }
     }
 }
@@ -70,7 +73,7 @@ impl Orders {
         let (owner, serving) = serve_action(node.action::<RunTask>("~/run_task")?, to.clone(), Arrived::Goal);
         tasks.push(serving);
         tasks.push(forward(node.subscription("~/secure", qos::command())?, to.clone(), |message: SecureOrder, _| {
-            Some(Arrived::Secure(OrderKey { epoch: message.epoch, id: message.id }))
+            Some(Arrived::Secure(OrderKey { epoch: message.epoch, id: message.id }, message.stop))
         }));
         let message = OrderState { boot_id, station: station.to_owned(), ..OrderState::default() };
         Ok(Orders { owner, state, goals: Vec::new(), told: None, report: Report::default(), message })
@@ -88,16 +91,16 @@ impl Orders {
                 let live = self.goals.iter_mut().find(|live| live.goal == goal)?;
                 live.is_cancelled = true;
                 let key = live.key;
-                Some(self.secure(key))
+                Some(self.secure(key, false))
             }
         }
     }
 
-    /// What the controller is told when an order is to be left.
-    pub fn secure(&mut self, key: OrderKey) -> Told {
+    /// What the controller is told when an order is to be left, or stopped.
+    pub fn secure(&mut self, key: OrderKey, stop: bool) -> Told {
         // Said from the next state on, which is made after the controller has taken it in.
         (self.message.secured_epoch, self.message.secured_id) = (key.epoch, key.id);
-        Told::Secure(key)
+        if stop { Told::Stop(key) } else { Told::Secure(key) }
     }
 
     /// Says what has become of orders, once it is remembered. The whole state goes out when it is `due`.

@@ -31,7 +31,7 @@ pub enum Arrived {
     /// Somebody orders a task, or no longer wants it.
     Goal(Asked<RunTaskGoal>),
     /// An order is to be left be.
-    Secure(OrderKey),
+    Secure(OrderKey, bool),
 }
 
 /// The publishers of a station.

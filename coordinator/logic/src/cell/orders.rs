@@ -50,6 +50,8 @@ pub enum Input<'a> {
         /// Again.
         up: bool,
     },
+    /// A person resets a station that is in emergency stop by itself.
+    Reset(StationId),
 }
 
 /// What a reply to somebody is known by; the caller's affair.
@@ -144,6 +146,8 @@ pub enum Send {
         station: StationId,
         /// Which order.
         key: OrderKey,
+        /// Do not go back: stop at once, and stand there.
+        stop: bool,
     },
 }
 

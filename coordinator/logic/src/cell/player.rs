@@ -147,6 +147,7 @@ impl Coordination {
                 Input::Answer { alarm, word } => self.answer(now, alarm, word, out),
                 Input::Alarm { resource, text } => self.alarmed(now, resource, text, out),
                 Input::Resource { resource, up } => self.set_resource(now, resource, up, out),
+                Input::Reset(station) => self.reset(now, station, out),
             }
         }
         let (mut room, mut starts) = (FIRINGS_MAX, FIRINGS_MAX);
@@ -386,10 +387,9 @@ impl Coordination {
     /// Whether all stations that a mode needs were heard in this life, and can work, and its resources were compared with
     /// the model. Until then it waits; it is not an exception.
     pub(super) fn is_heard(&self, now: Tick, mode: ModeId) -> bool {
-        let (table, stale) = (&self.state.table, self.state.table.handling().stale);
-        let can_work = |station| {
-            self.heard.contains(&station) && self.watch.can_work(station, now, stale) && !self.moves(now, station)
-        };
+        let table = &self.state.table;
+        let can_work =
+            |station| self.heard.contains(&station) && self.can_work(now, station) && !self.moves(now, station);
         table.activity(mode).orders.iter().all(|order| can_work(order.station))
             && !table.handling().mode(mode).resources().any(|id| self.watch.is_to_be_compared(&self.state, id))
     }

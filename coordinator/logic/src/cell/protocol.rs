@@ -14,11 +14,13 @@ pub struct ProtocolRules {
     pub slot_counts: bool,
     /// Somebody is asked, and an answer taken, only when the stations stand. Off: at once.
     pub stands_first: bool,
+    /// After an alarm given by hand stations are told to stop. Off: to go back, as after any other failure.
+    pub stops: bool,
 }
 
 impl Default for ProtocolRules {
     fn default() -> Self {
-        ProtocolRules { slot_counts: true, stands_first: true }
+        ProtocolRules { slot_counts: true, stands_first: true, stops: true }
     }
 }
 

@@ -3,7 +3,7 @@
 use std::collections::BTreeMap;
 
 use linewright_cell::net::{CellNet, Meaning, Supply};
-use linewright_cell::{Activity, ActivityId, Cell, ExceptionRule, LeftOut, ResourceId as Of, Role};
+use linewright_cell::{Activity, ActivityId, Cell, ExceptionRule, LeftOut, ResourceId as Of, Role, StopOf};
 use linewright_line::StationId;
 use linewright_nets::coloured::Unfolding;
 
@@ -32,7 +32,7 @@ pub(super) fn handling(
     Handling {
         resources: cell.resource_ids().map(resource).collect(),
         modes: table.modes().map(|mode| made.mode(mode)).collect(),
-        rules: cell.exceptions.iter().map(rule).collect(),
+        rules: cell.exceptions.iter().map(|of| rule(of, stations)).collect(),
         stations: stations.iter().zip(&cell.controllers).map(|(&id, name)| (id, name.as_str().into())).collect(),
         ..Handling::default()
     }
@@ -134,12 +134,18 @@ fn number(id: Of) -> ResourceId {
     ResourceId(id.index() as u32)
 }
 
-fn rule(of: &ExceptionRule) -> Rule {
+fn rule(of: &ExceptionRule, stations: &[StationId]) -> Rule {
+    let named = |stop: &StopOf| match *stop {
+        StopOf::Activity => None,
+        StopOf::Station(controller) => Some(stations[controller.index()]),
+    };
     Rule {
         code: if of.code == "*" { Fits::Any } else { Fits::Word(of.code.as_str().into()) },
         tell: of.tell.as_str().into(),
         retries: of.retries,
         is_automatic: of.automatic,
+        stops: of.emergency_stop.iter().filter_map(named).collect(),
+        stops_activity: of.emergency_stop.contains(&StopOf::Activity),
         answers: of.answers.iter().map(answer).collect(),
     }
 }

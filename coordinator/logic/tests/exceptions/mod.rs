@@ -1,8 +1,10 @@
 //! What becomes of what fails: in a cell in virtual time, with sensors that see where the parts really are, and somebody who
 //! looks and answers.
 
+mod alarms;
 mod bench;
 mod crash;
+mod emergency;
 mod missed;
 mod moves;
 mod rows;

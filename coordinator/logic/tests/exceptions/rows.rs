@@ -21,7 +21,7 @@ fn answering(others: &str) -> String {
 
 impl Bench {
     /// Robot and machine wait for each other until both have come to rest and somebody is told.
-    fn load_fails(&mut self) -> Firing {
+    pub fn load_fails(&mut self) -> Firing {
         self.at("robot").is_stuck = true;
         self.at("m1").is_stuck = true;
         self.until_that(|bench| bench.state().exceptions().alarms().len() > 0);
@@ -30,20 +30,20 @@ impl Bench {
         self.firing(LOAD).expect("it has failed").clone()
     }
 
-    fn closed(&mut self, firing: FiringId) -> Step {
+    pub fn closed(&mut self, firing: FiringId) -> Step {
         let is_it = |step: &Step| matches!(step, Step::Closed { firing: of, .. } if *of == firing);
         self.until_that(|bench| bench.steps().into_iter().any(is_it));
         self.steps().into_iter().find(|step| is_it(step)).expect("it is closed").clone()
     }
 
     /// The state before a record, and after it.
-    fn around(&self, is: impl Fn(&Fact) -> bool) -> [State; 2] {
+    pub fn around(&self, is: impl Fn(&Fact) -> bool) -> [State; 2] {
         let at = self.sim.log.iter().position(|record| is(&record.fact)).expect("it was written");
         [at, at + 1].map(|end| State::replay(self.table.clone(), &self.sim.log[..end]).expect("it fits"))
     }
 
     /// What an activity has changed from before its start until after its end: of each cell that changed its name.
-    fn changed(&self, firing: FiringId) -> Vec<(String, i64)> {
+    pub fn changed(&self, firing: FiringId) -> Vec<(String, i64)> {
         let [before, _] = self.around(|fact| matches!(fact, Fact::Started { firing: of, .. } if *of == firing));
         let ends = |fact: &Fact| matches!(fact, Fact::Exception(Step::Closed { firing: of, .. }) if *of == firing);
         let [_, after] = self.around(ends);
@@ -55,7 +55,7 @@ impl Bench {
         all.filter(|(_, by)| *by != 0).collect()
     }
 
-    fn all_leave(&mut self, parts: u64) {
+    pub fn all_leave(&mut self, parts: u64) {
         self.until_that(|bench| bench.state().left() == parts);
         assert_eq!(self.state().parts().len(), 0);
     }
@@ -68,7 +68,7 @@ impl Bench {
         self.sim.events.iter().filter_map(objected).collect()
     }
 
-    fn down(&self) -> Vec<(String, DownCause)> {
+    pub fn down(&self) -> Vec<(String, DownCause)> {
         let name = |id| self.table.handling().resource_name(id).to_owned();
         self.state().exceptions().down().map(|(id, down)| (name(id), down.why.clone())).collect()
     }
@@ -355,26 +355,6 @@ fn a_station_without_its_memory_and_one_without_its_devices_are_told_of() {
 }
 
 /// An alarm by hand stops what the resource is doing, and leaves it out.
-#[test]
-fn a_person_can_give_alarm_of_a_machine() {
-    let mut bench = Bench::c1(&[1, 1]);
-    bench.until_that(|bench| bench.firing("M1.process<A.new>").is_some());
-    let m1 = bench.resource("M1");
-    bench.say(Input::Alarm { resource: m1, text: "smoke" });
-    bench.until_that(|bench| bench.state().exceptions().alarms().len() > 0);
-    let firing = bench.firing("M1.process<A.new>").expect("it has failed").clone();
-    assert_eq!(firing.phase, Phase::Failed(Cause::ByHand { resource: m1 }));
-    assert_eq!(bench.down(), [("M1".to_owned(), DownCause::ByHand { text: "smoke".to_owned() })]);
-    bench.say(Input::Resource { resource: m1, up: true });
-    assert_eq!(bench.objections(), [(Asked::Up(m1), Objection::Open(m1))]);
-    // The other part is made meanwhile: B needs M3 and M2 only.
-    bench.until_that(|bench| bench.state().left() == 1);
-    bench.answer("as-before");
-    bench.closed(firing.id);
-    bench.say(Input::Resource { resource: m1, up: true });
-    bench.all_leave(2);
-}
-
 /// Each restart compares model and plant; a difference leaves the resource out until it is put right.
 #[test]
 fn after_a_restart_a_part_too_many_is_found() {

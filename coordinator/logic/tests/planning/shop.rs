@@ -150,7 +150,7 @@ impl Shop {
             for send in out.sends {
                 let order = match send {
                     Send::Order(order) => order,
-                    Send::Secure { station, key } => {
+                    Send::Secure { station, key, stop: _ } => {
                         inputs.push(Input::Secured(station, key, Reply::Ended(Outcome::Failed(7))));
                         continue;
                     }

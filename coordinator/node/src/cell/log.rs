@@ -172,3 +172,21 @@ impl CellLog {
         (self.log.name(), self.log.bytes())
     }
 }
+
+/// What is on disk, or the beginning.
+pub(super) fn known(
+    dir: Option<&Path>,
+    cell: &str,
+    table: &Arc<CellTable>,
+) -> Result<(State, Option<CellLog>), CellLogError> {
+    let Some(dir) = dir else { return Ok((State::new(table.clone()), None)) };
+    let found = CellLog::open(&dir.join("cell.log"), cell, table)?;
+    if found.cut > 0 {
+        tracing::warn!("the log's last {} bytes were torn, and are cut off", found.cut);
+    }
+    if found.state.sequence() > 0 {
+        let (parts, running) = (found.state.parts().len(), found.state.firings().len());
+        tracing::info!("goes on from its log: {parts} parts inside, {running} activities in progress");
+    }
+    Ok((found.state, Some(found.log)))
+}

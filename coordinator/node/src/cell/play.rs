@@ -4,8 +4,7 @@
 //! decision over. The rest of the coordinator (the mode, the console, the gateway to the devices) must not wait for either,
 //! and tells this one nothing but whether activities may start. Should this one end, the coordinator ends with it.
 
-use std::collections::BTreeSet;
-use std::path::{Path, PathBuf};
+use std::path::PathBuf;
 use std::sync::Arc;
 use std::time::{Duration, SystemTime};
 
@@ -13,12 +12,12 @@ use linewright_cell::Cell;
 use linewright_cell::net::Supply;
 use linewright_coordinator_logic::cell::dispatch::Ways;
 use linewright_coordinator_logic::cell::dispatch::words::Reasons;
-use linewright_coordinator_logic::cell::exception::{Asked, Handling, Unable, isolated};
+use linewright_coordinator_logic::cell::exception::{Asked, Handling, Unable};
 use linewright_coordinator_logic::cell::production::Request;
 use linewright_coordinator_logic::cell::schedule::{Bar, Foreman};
 use linewright_coordinator_logic::cell::{
-    AlarmId, CellTable, Coordination, Event, Fact, Heard, Input, OldEpoch, OrderKey, Outbox, ProductionCommand,
-    Reply as Answered, Send, State, Ticket,
+    AlarmId, Coordination, Event, Fact, Heard, Input, OldEpoch, OrderKey, Outbox, ProductionCommand, Reply as Answered,
+    Send, Ticket,
 };
 use linewright_coordinator_logic::described::{Pace, Unplayable, described, foreman};
 use linewright_history::Note;
@@ -31,9 +30,9 @@ use thiserror::Error;
 use tokio::sync::{mpsc, oneshot, watch};
 
 use super::history::{Chronicle, begin};
-use super::log::{CellLog, CellLogError};
+use super::log::{CellLog, CellLogError, known};
 use super::people::{Customer, Operator, People, denied_all};
-use super::situation::Situation;
+use super::situation::{Apart, Situation};
 use super::topics::{News, Says, open};
 use super::why::why;
 use super::wire;
@@ -82,7 +81,7 @@ pub struct CellOptions {
 /// A cell that is played.
 pub struct Playing {
     situation: watch::Sender<Situation>,
-    isolated: watch::Receiver<BTreeSet<StationId>>,
+    apart: watch::Receiver<Apart>,
     ended: oneshot::Receiver<CellError>,
     tasks: Vec<Forward>,
 }
@@ -103,8 +102,10 @@ impl Playing {
     pub fn open(options: CellOptions, node: &mut Node) -> Result<Self, CellError> {
         let (says, from, tasks) = open(node, &options.line)?;
         let (say, situation) = watch::channel(Situation::new(options.line.stations.len()));
-        let (isolate, isolated) = watch::channel(BTreeSet::new());
-        let mut player = Player::new(options, says, from, situation, isolate)?;
+        let (tell_apart, apart) = watch::channel(Apart::default());
+        let mut player = Player::new(options, says, from, situation, tell_apart)?;
+        // Before anybody is heard: a station that is stopped is no emergency stop of the line.
+        player.tell_apart(false);
         let (end, ended) = oneshot::channel();
         let play = move || {
             let runtime = tokio::runtime::Builder::new_current_thread().enable_time().build();
@@ -119,7 +120,7 @@ impl Playing {
         };
         let spawned = std::thread::Builder::new().name("cell".to_owned()).spawn(play);
         spawned.map_err(|error| CellError::Thread(error.to_string()))?;
-        Ok(Playing { situation: say, isolated, ended, tasks })
+        Ok(Playing { situation: say, apart, ended, tasks })
     }
 
     /// Says how the line stands, if it stands otherwise than before.
@@ -133,17 +134,22 @@ impl Playing {
         });
     }
 
-    /// The stations whose trouble is the cell's alone.
-    pub fn isolated(&self) -> watch::Ref<'_, BTreeSet<StationId>> {
-        self.isolated.borrow()
+    /// The stations that are not treated like the others.
+    pub fn apart(&self) -> watch::Ref<'_, Apart> {
+        self.apart.borrow()
     }
 
-    /// Waits for an end that should not be; where there is no cell, for ever.
-    pub async fn failure(playing: &mut Option<Self>) -> CellError {
+    /// Waits until other stations are apart than before, or for an end that should not be; where there is no cell, for ever.
+    pub async fn news(playing: &mut Option<Self>) -> Result<(), CellError> {
         let Some(playing) = playing else { return std::future::pending().await };
-        match (&mut playing.ended).await {
-            Ok(error) => error,
-            Err(_) => CellError::Thread("it has ended".to_owned()),
+        let ended =
+            |end: Result<CellError, _>| Err(end.unwrap_or_else(|_| CellError::Thread("it has ended".to_owned())));
+        tokio::select! {
+            end = &mut playing.ended => ended(end),
+            changed = playing.apart.changed() => match changed {
+                Ok(()) => Ok(()),
+                Err(_) => ended((&mut playing.ended).await),
+            },
         }
     }
 
@@ -178,6 +184,7 @@ impl Told {
                 Asked::Alarm(resource) => Input::Alarm { resource, text },
                 Asked::Down(resource) => Input::Resource { resource, up: false },
                 Asked::Up(resource) => Input::Resource { resource, up: true },
+                Asked::Reset(station) => Input::Reset(station),
             },
         }
     }
@@ -206,25 +213,11 @@ struct Player {
     /// Why stations could do nothing now, as they say; and the inputs that see their parts.
     unable: Vec<Option<Unable>>,
     sensors: Vec<Option<InputId>>,
-    isolated: watch::Sender<BTreeSet<StationId>>,
+    apart: watch::Sender<Apart>,
     message: CellState,
     /// When the state was told, by the player's time; and whether it has changed since.
     said: Tick,
     changed: bool,
-}
-
-/// What is on disk, or the beginning.
-fn known(dir: Option<&Path>, cell: &str, table: &Arc<CellTable>) -> Result<(State, Option<CellLog>), CellLogError> {
-    let Some(dir) = dir else { return Ok((State::new(table.clone()), None)) };
-    let found = CellLog::open(&dir.join("cell.log"), cell, table)?;
-    if found.cut > 0 {
-        tracing::warn!("the log's last {} bytes were torn, and are cut off", found.cut);
-    }
-    if found.state.sequence() > 0 {
-        let (parts, running) = (found.state.parts().len(), found.state.firings().len());
-        tracing::info!("goes on from its log: {parts} parts inside, {running} activities in progress");
-    }
-    Ok((found.state, Some(found.log)))
 }
 
 impl Player {
@@ -233,7 +226,7 @@ impl Player {
         says: Says,
         from: mpsc::Receiver<News>,
         situation: watch::Receiver<Situation>,
-        isolated: watch::Sender<BTreeSet<StationId>>,
+        apart: watch::Sender<Apart>,
     ) -> Result<Self, CellError> {
         let CellOptions { cell, line, state_dir, boot_id } = options;
         let pace = Pace { refresh: line.timing.stale, grace: line.timing.stale * 2 };
@@ -276,7 +269,7 @@ impl Player {
             people: People::default(),
             unable: vec![None; line.stations.len()],
             sensors: wire::sensors(&cell, &line),
-            isolated,
+            apart,
             message: CellState { boot_id, cell: cell.name, ..CellState::default() },
             said: Tick::ZERO,
             changed: true,
@@ -289,7 +282,6 @@ impl Player {
     }
 
     async fn play(&mut self) -> Result<(), CellError> {
-        self.isolate();
         loop {
             self.act()?;
             let wake = self.began + self.deadline().since(self.origin);
@@ -394,6 +386,8 @@ impl Player {
         inputs.extend(told.iter().map(Told::input));
         let mut out = Outbox::default();
         self.coordination.step(now, &inputs, &mut self.foreman, &mut out);
+        // Like the line's, a station's emergency stop is in force before it is written down.
+        self.tell_apart(true);
         if let Some(log) = &mut self.log {
             log.write(&out)?;
         }
@@ -403,12 +397,12 @@ impl Player {
         for send in &out.sends {
             match send {
                 Send::Order(order) => self.says.order(order),
-                Send::Secure { station, key } => self.says.secure(*station, *key),
+                Send::Secure { station, key, stop } => self.says.secure(*station, *key, *stop),
             }
         }
         self.people.reply(&self.line, self.coordination.state(), &mut out);
         if !out.records.is_empty() {
-            self.isolate();
+            self.tell_apart(false);
         }
         for event in out.events {
             self.event(event)?;
@@ -423,13 +417,19 @@ impl Player {
         }
     }
 
-    /// Says which stations are the cell's affair alone. It follows from the state, which only records change.
-    fn isolate(&self) {
-        let isolated = isolated(self.coordination.state());
-        self.isolated.send_if_modified(|now| {
-            let changed = *now != isolated;
-            *now = isolated;
-            changed
+    /// Says which stations are the cell's affair alone. It follows from the state, which only records change. Before they are
+    /// on disk it is only said which ones stop as well.
+    fn tell_apart(&self, only_stops: bool) {
+        let apart = Apart::of(self.coordination.state());
+        self.apart.send_if_modified(|now| {
+            let before = now.clone();
+            if !only_stops {
+                *now = apart;
+            } else if !apart.stopped.is_subset(&now.stopped) {
+                now.isolated.extend(&apart.stopped);
+                now.stopped.extend(apart.stopped);
+            }
+            *now != before
         });
     }
 

@@ -1,6 +1,12 @@
-//! What the rest of the coordinator tells the cell: whether activities may start, and what the cell's database keeps of it.
+//! What the rest of the coordinator tells the cell: whether activities may start, and what the cell's database keeps of it;
+//! and what it hears from the cell.
 
+use std::collections::BTreeSet;
+
+use linewright_coordinator_logic::cell::State;
+use linewright_coordinator_logic::cell::exception::isolated;
 use linewright_history::Note;
+use linewright_line::StationId;
 use linewright_line::net::ControlMode;
 
 /// How the line stands.
@@ -14,6 +20,22 @@ pub struct Situation {
     pub heard: Vec<bool>,
     /// By station: it has its devices, as far as was heard.
     pub devices: Vec<bool>,
+}
+
+/// What the cell tells the rest of the coordinator: stations that are not treated like the others.
+#[derive(Clone, Debug, Default, PartialEq, Eq)]
+pub struct Apart {
+    /// Their trouble is the cell's alone.
+    pub isolated: BTreeSet<StationId>,
+    /// They are in emergency stop by themselves.
+    pub stopped: BTreeSet<StationId>,
+}
+
+impl Apart {
+    /// As it follows from what is known of the cell.
+    pub fn of(state: &State) -> Self {
+        Apart { isolated: isolated(state), stopped: state.exceptions().stopped().collect() }
+    }
 }
 
 impl Situation {

@@ -54,9 +54,9 @@ impl Says {
     }
 
     /// Tells a station to leave an order be.
-    pub fn secure(&self, station: StationId, key: OrderKey) {
+    pub fn secure(&self, station: StationId, key: OrderKey, stop: bool) {
         if let Some(station) = self.station(station) {
-            station.secure.send(SecureOrder { epoch: key.epoch, id: key.id });
+            station.secure.send(SecureOrder { epoch: key.epoch, id: key.id, stop });
         }
     }
 

@@ -75,7 +75,11 @@ pub fn refused(line: &Line, state: &State, asked: Asked, why: Objection) -> Stri
             format!("answers to {} are {}", asked_for(asked), words.unwrap_or_default())
         }
         Objection::NoSuchResource => "there is no such resource".to_owned(),
+        Objection::AlreadySo if matches!(asked, Asked::Reset(_)) => "it is not in emergency stop by itself".to_owned(),
         Objection::AlreadySo => "it is so already".to_owned(),
+        Objection::Moves(id) if matches!(asked, Asked::Reset(_)) => {
+            format!("{} has not been heard to stand", station(id))
+        }
         Objection::Moves(id) => {
             format!("{} still moves; wait until it stands, look again where the part is, then answer", station(id))
         }
@@ -92,6 +96,9 @@ pub fn refused(line: &Line, state: &State, asked: Asked, why: Objection) -> Stri
             format!("an operation of {} was stopped before its end; complete or undo it in manual", station(id))
         }
         Objection::CannotWork(id, Unable::ByHand) => format!("{} is moved by hand", station(id)),
+        Objection::EmergencyStop(id) => {
+            format!("{} is in emergency stop; look why, then give reset", station(id))
+        }
         Objection::Open(id) => format!("an activity of {} has failed; answer its alarm first", resource(id)),
     }
 }
@@ -99,6 +106,6 @@ pub fn refused(line: &Line, state: &State, asked: Asked, why: Objection) -> Stri
 fn asked_for(asked: Asked) -> String {
     match asked {
         Asked::Answer(alarm) => format!("alarm {}", alarm.0),
-        Asked::Alarm(_) | Asked::Down(_) | Asked::Up(_) => "such alarm".to_owned(),
+        Asked::Alarm(_) | Asked::Down(_) | Asked::Up(_) | Asked::Reset(_) => "such alarm".to_owned(),
     }
 }

@@ -145,12 +145,21 @@ pub fn request(message: &ProductionRequest, drawn: u128) -> Result<Request, Stri
     })
 }
 
-/// What a person says of a resource.
+/// What a person says of a resource; a station is reset by its own name as well.
 ///
 /// # Errors
 /// That there is no such resource, or no such thing to be said.
 pub fn said(state: &State, resource: &str, what: u8) -> Result<Asked, String> {
     let handling = state.table().handling();
+    if what == SetResourceRequest::RESET {
+        let own = handling.resource_named(resource).map(|id| handling.resource(id).and_then(|of| of.station));
+        let named = || handling.stations.iter().find(|(_, name)| **name == *resource).map(|(id, _)| *id);
+        match own.or_else(|| Some(Some(named()?))) {
+            Some(Some(station)) => return Ok(Asked::Reset(station)),
+            Some(None) => return Err(format!("`{resource}` has no station")),
+            None => (),
+        }
+    }
     let id = handling.resource_named(resource).ok_or_else(|| {
         let names = || handling.resources.iter().map(|resource| resource.name.as_ref());
         let hint = suggestion(resource, names()).map(|hint| format!("; {hint}")).unwrap_or_default();

@@ -9,7 +9,9 @@ use linewright_line::Line;
 use linewright_text::{At, Table, Where};
 
 use super::raw::{RawCell, RawException, RawOrder, RawPart, RawResource, RawStep};
-use crate::{ActivityId, ActivityKind, ControllerId, LeftOut, ParameterSource, Prototype, ResourceId, Role, Use};
+use crate::{
+    ActivityId, ActivityKind, ControllerId, LeftOut, ParameterSource, Prototype, ResourceId, Role, StopOf, Use,
+};
 
 pub(super) struct Draft<'a> {
     pub raw: &'a RawCell,
@@ -74,6 +76,7 @@ pub(super) struct DraftException<'a> {
     pub activities: Vec<ActivityId>,
     /// By answer, what is left out after it.
     pub down: Vec<Vec<LeftOut>>,
+    pub emergency_stop: Vec<StopOf>,
 }
 
 impl<'a> Draft<'a> {

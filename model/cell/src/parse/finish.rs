@@ -158,6 +158,7 @@ fn exception(draft: &DraftException<'_>) -> Option<ExceptionRule> {
         tell: raw.tell.as_ref()?.value.clone(),
         retries: u32::try_from(raw.retries).ok()?,
         automatic: raw.automatic,
+        emergency_stop: draft.emergency_stop.clone(),
         answers: answers.collect::<Option<_>>()?,
     })
 }

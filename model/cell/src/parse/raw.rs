@@ -103,6 +103,7 @@ pub(super) struct RawException {
     pub tell: Option<Name>,
     pub retries: i64,
     pub automatic: bool,
+    pub emergency_stop: Option<At<Vec<Name>>>,
     pub down: Option<At<Vec<Name>>>,
     pub answers: Vec<RawAnswer>,
 }

@@ -170,6 +170,7 @@ fn exception(mut f: Fields<'_>, report: &mut Report) -> RawException {
         retries: f.whole(report, "retries", 0, 100).map_or(0, |retries| retries.value),
         down: f.texts(report, "down", DOWN_MAX),
         automatic: f.flag(report, "automatic").is_some_and(|flag| flag.value),
+        emergency_stop: f.texts(report, "emergency_stop", DOWN_MAX),
         answers: each(f.tables(report, "answers", "an answer", ANSWERS_MAX), report, answer),
     };
     f.finish(report);

@@ -11,7 +11,7 @@ use super::names::{Names, OUTSIDE};
 use super::plan::plan;
 use super::raw::{RawAction, RawCell, RawException, RawOrder, RawPart, RawResource, RawSync};
 use crate::{
-    Action, ActivityId, ActivityKind, ControllerId, LeftOut, ParameterSource, Prototype, ResourceId, Role, Use,
+    Action, ActivityId, ActivityKind, ControllerId, LeftOut, ParameterSource, Prototype, ResourceId, Role, StopOf, Use,
     Whereabouts,
 };
 
@@ -28,7 +28,8 @@ pub(super) fn resolve<'a>(
     let mut activities: Vec<_> = raw.syncs.iter().map(|sync| scope.sync(sync, report)).collect();
     activities.extend(scope.processes(&raw.actions, report));
     let parts = raw.parts.iter().zip(&names.steps).map(|(part, steps)| scope.part(part, steps, report)).collect();
-    let exceptions = raw.exceptions.iter().map(|raw| exception(raw, &activities, names, report)).collect();
+    let among = (&activities[..], &resources[..], &controllers);
+    let exceptions = raw.exceptions.iter().map(|raw| exception(raw, among, names, report)).collect();
     Draft { raw, line, controllers, resources, activities, parts, exceptions }
 }
 
@@ -227,10 +228,12 @@ impl<'a> Scope<'a, '_> {
 
 fn exception<'a>(
     raw: &'a RawException,
-    activities: &[DraftActivity<'_>],
+    (activities, resources, controllers): (&[DraftActivity<'_>], &[DraftResource<'_>], &Table<'_>),
     names: &Names<'_>,
     report: &mut Report,
 ) -> DraftException<'a> {
+    let stopped = raw.emergency_stop.iter().flat_map(|names| &names.value);
+    let emergency_stop = stopped.filter_map(|name| stop_of(name, resources, controllers, report)).collect();
     let always = left_out(raw.down.as_ref(), names, report);
     let down = raw.answers.iter().map(|answer| {
         let mut down = left_out(answer.down.as_ref(), names, report);
@@ -238,7 +241,9 @@ fn exception<'a>(
         down
     });
     let down = down.collect();
-    let Some(pattern) = &raw.within else { return DraftException { raw, activities: Vec::new(), down } };
+    let Some(pattern) = &raw.within else {
+        return DraftException { raw, activities: Vec::new(), down, emergency_stop };
+    };
     let meant = activities.iter().enumerate().filter(|(_, activity)| matches(&pattern.value, &activity.name));
     let found: Vec<_> = meant.map(|(id, _)| ActivityId::at(id)).collect();
     if found.is_empty() {
@@ -248,7 +253,34 @@ fn exception<'a>(
                 .maybe_hint(suggestion(&pattern.value, names)),
         );
     }
-    DraftException { raw, activities: found, down }
+    DraftException { raw, activities: found, down, emergency_stop }
+}
+
+/// A station by its name, or all of the activity.
+fn stop_of(
+    name: &Name,
+    resources: &[DraftResource<'_>],
+    controllers: &Table<'_>,
+    report: &mut Report,
+) -> Option<StopOf> {
+    if name.value == "*" {
+        return Some(StopOf::Activity);
+    }
+    if let Some(id) = controllers.get(&name.value) {
+        return Some(StopOf::Station(ControllerId::at(id)));
+    }
+    let own = resources.iter().find(|resource| resource.name == name.value);
+    let problem = Problem::error(name.at.clone(), format!("there is no station `{}`", name.value));
+    report.add(match own {
+        Some(resource) => match &resource.raw.station {
+            Some(station) => {
+                problem.hint(format!("`{}` is a resource; its station is `{}`", name.value, station.value))
+            }
+            None => problem.hint(format!("`{}` is a resource, and has none", name.value)),
+        },
+        None => problem.maybe_hint(suggestion(&name.value, controllers.names())),
+    });
+    None
 }
 
 /// Resources by name, or by what they are for the part: a resource of such a name comes first.

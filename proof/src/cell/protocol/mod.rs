@@ -3,8 +3,8 @@
 //! What may happen: an order or a message to leave one arrives, at any time after it was sent, any number of times or never;
 //! what a station says arrives late or never; motions arrive and fail, inputs that are waited for come and go; the time of
 //! an order is over at the station, at the coordinator, in either order; nodes of stations are started again, with their
-//! memories and without, and so is the coordinator; a person gives alarm, and answers with any word as soon as somebody is
-//! asked. Afterwards anything may start that uses the same stations.
+//! memories and without, and so is the coordinator; a person gives alarm, before the activity fails or afterwards, and answers
+//! with any word as soon as somebody is asked. Afterwards anything may start that uses the same stations.
 //!
 //! **Why one activity at a time is enough.** What is in progress holds the tokens of all that takes part, so another activity
 //! uses none of its stations meanwhile, but for what may start when it is over, which is explored behind it. Activities that
@@ -17,7 +17,7 @@
 //!
 //! Disturbances, that is faults, restarts, alarms given by hand, reports that are heard late and people who lead a station on
 //! or back by one motion in manual mode, are limited in number ([`ProtocolSetting::disturbances`]). What was sent to stations
-//! may always be lost, late and doubled. Nothing is looked at after the next start at these stations. Not explored: hand mode,
+//! may always be lost, late and doubled. Nothing is looked at after the next start at these stations. Not explored: hand mode, emergency stops,
 //! what happens while a station is led, sensors that contradict an answer, and a station that is not heard for so long that
 //! the player goes on without it and records that.
 
@@ -82,6 +82,8 @@ pub struct ActivityExplored {
     pub stations: Vec<String>,
     /// States seen.
     pub states: usize,
+    /// Faults, restarts and alarms given by hand have occurred.
+    pub disturbed: bool,
     /// Everything was seen, or something wrong.
     pub exhausted: bool,
     /// What is wrong, if something is.
@@ -109,10 +111,12 @@ pub const ANSWERED: &str = "no answer is taken while anything moves";
 pub const ENDED: &str = "what has ended moves only when it is told to";
 /// Nothing is done twice.
 pub const TWICE: &str = "nothing is done twice";
+/// Whoever gives alarm stops the stations.
+pub const STOPPED: &str = "an alarm given by hand stops the stations, and they stand before anybody is asked";
 /// From every state the activity can be closed.
 pub const CLOSED: &str = "every activity can be closed";
 /// All of them.
-pub const ALL: [&str; 6] = [GIVEN, RESTORED, ANSWERED, ENDED, TWICE, CLOSED];
+pub const ALL: [&str; 7] = [GIVEN, RESTORED, ANSWERED, ENDED, TWICE, STOPPED, CLOSED];
 
 /// Explores every activity of a cell that orders something from stations; those that order the same from the same stations
 /// once.
@@ -131,7 +135,9 @@ pub fn check_protocol(setting: &ProtocolSetting<'_>) -> Result<Vec<ActivityExplo
 /// What follows of a cell, property by property.
 pub fn properties(found: &[ActivityExplored]) -> Vec<Property> {
     let states: usize = found.iter().map(|one| one.states).sum();
-    let all = ALL.iter().map(|&name| {
+    // Where nobody gives alarm nothing is known of it.
+    let asked = ALL.iter().filter(|&&name| name != STOPPED || found.iter().any(|one| one.disturbed));
+    let all = asked.map(|&name| {
         let wrong = found.iter().find_map(|one| one.wrong.as_ref().filter(|of| of.rule == name).map(|of| (one, of)));
         let open = found.iter().find(|one| !one.exhausted || one.wrong.is_some());
         let (verdict, reason) = match (wrong, open) {

@@ -22,7 +22,13 @@ const RESENT: Duration = Duration::from_secs(12 * 3600);
 #[derive(Clone, Debug, PartialEq, Eq)]
 pub(super) enum Message {
     Order(OrderMessage),
-    Secure { station: StationId, key: OrderKey },
+    Secure {
+        station: StationId,
+        key: OrderKey,
+        stop: bool,
+        /// It was sent after a person had given alarm of the activity: whatever it says, nothing may move for this order any more.
+        alarmed: bool,
+    },
 }
 
 impl Message {
@@ -70,6 +76,8 @@ pub(super) enum MustStand {
     Answered,
     /// Tokens are given back.
     Restored,
+    /// Somebody is asked, after an alarm given by hand.
+    Asked,
 }
 
 #[derive(Clone)]
@@ -80,6 +88,8 @@ pub(super) struct Player {
     pub starts: u8,
     /// The activity that is looked at.
     pub firing: Option<FiringId>,
+    /// Its orders, once a person has given alarm of it.
+    pub alarmed: Vec<OrderKey>,
 }
 
 /// Lets one mode start, and nothing else.
@@ -178,7 +188,7 @@ impl Players {
         if alarm_of(player).is_some() {
             events.push(Event::Answer);
         }
-        if player.firing.and_then(|id| state.firing(id)).is_some_and(|of| of.phase == Phase::Running) {
+        if player.alarmed.is_empty() && player.firing.is_some_and(|id| state.firing(id).is_some()) {
             events.push(Event::Alarm);
         }
         events.push(Event::Restart);
@@ -240,7 +250,9 @@ impl Players {
             }
             Event::Alarm => {
                 let state = next.coordination.state();
-                let mode = next.firing.and_then(|id| state.firing(id)).map(|firing| firing.mode);
+                let firing = next.firing.and_then(|id| state.firing(id));
+                next.alarmed = firing.iter().flat_map(|firing| &firing.orders).map(|order| order.key).collect();
+                let mode = firing.map(|firing| firing.mode);
                 let resource = mode.and_then(|mode| state.table().handling().mode(mode).resources().next());
                 if let Some(resource) = resource {
                     let input = Input::Alarm { resource, text: "alarm" };
@@ -261,12 +273,14 @@ impl Players {
                 next.coordination.step(next.now, &[starts], &mut wanted, &mut out);
             }
         }
-        let mut stepped = self.must_stand(from, &out);
+        let mut stepped = self.must_stand(from, &out, &next.alarmed);
         next.starts += out.records.iter().filter(|record| matches!(record.fact, Fact::Started { .. })).count() as u8;
         for send in out.sends {
             let message = match send {
                 Send::Order(order) => Message::Order(OrderMessage { limit: Duration::ZERO, ..order }),
-                Send::Secure { station, key } => Message::Secure { station, key },
+                Send::Secure { station, key, stop } => {
+                    Message::Secure { station, key, stop, alarmed: next.alarmed.contains(&key) }
+                }
             };
             if !self.stations.contains(&message.station()) {
                 continue;
@@ -283,13 +297,16 @@ impl Players {
     }
 
     /// What its records require of stations. Left out are those whose standing it recorded as unknown.
-    fn must_stand(&self, from: u32, out: &Outbox) -> Stepped {
+    fn must_stand(&self, from: u32, out: &Outbox, alarmed: &[OrderKey]) -> Stepped {
         let mut stepped = Stepped::default();
         let mut state = self.all[from as usize].coordination.state().clone();
         for record in &out.records {
             let reason = match &record.fact {
                 Fact::Exception(Step::Answered { firing, .. }) => Some((MustStand::Answered, *firing)),
                 Fact::Exception(Step::Closed { firing, .. }) => Some((MustStand::Restored, *firing)),
+                Fact::Exception(Step::Alarmed { about: About::Firing(firing), .. }) if !alarmed.is_empty() => {
+                    Some((MustStand::Asked, *firing))
+                }
                 _ => None,
             };
             if let Some((reason, id)) = reason {

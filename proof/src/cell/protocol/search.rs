@@ -6,7 +6,9 @@ use rustc_hash::FxHashMap;
 use super::players::{Event, Message, MustStand, Players};
 use super::stage::ActivityStart;
 use super::station::{Act, Machines};
-use super::{ANSWERED, ActivityExplored, BrokenRule, CLOSED, ENDED, GIVEN, ProtocolSetting, RESTORED, TWICE, words};
+use super::{
+    ANSWERED, ActivityExplored, BrokenRule, CLOSED, ENDED, GIVEN, ProtocolSetting, RESTORED, STOPPED, TWICE, words,
+};
 
 /// Messages of one activity and of what follows it, a bit each. With more the exploration is not exhaustive, and reports so.
 const MESSAGES_MAX: u32 = 64;
@@ -86,6 +88,7 @@ pub(super) fn explore(setting: &ProtocolSetting<'_>, stage: ActivityStart) -> Ac
         name,
         stations: search.stations.iter().map(|&station| setting.line.station(station).name.clone()).collect(),
         states: search.states.len(),
+        disturbed: setting.disturbances > 0,
         exhausted,
         wrong,
     }
@@ -142,7 +145,7 @@ impl Search<'_> {
             let mut next = state.to_vec();
             next[at] = self.machines[nth].hear(situation, number, |machine| match message {
                 Message::Order(order) => machine.order(order),
-                Message::Secure { key, .. } => machine.secure(*key),
+                Message::Secure { key, stop, alarmed, .. } => machine.secure(*key, *stop, *alarmed),
             });
             self.station(from, next, nth, Arc::Message(number));
         }
@@ -179,8 +182,9 @@ impl Search<'_> {
         let machine = &self.machines[nth].all[next[STATIONS + 2 * nth] as usize];
         let name = &self.setting.line.station(self.stations[nth]).name;
         let twice = machine.twice.then(|| (TWICE, format!("{name} does again what it has done")));
+        let on = machine.moves_on.then(|| (STOPPED, format!("{name} moves though it has heard of the alarm")));
         let ended = machine.goes_on().map(|_| (ENDED, format!("{name} says that it has ended what it is still at")));
-        for (rule, end) in twice.into_iter().chain(ended) {
+        for (rule, end) in twice.into_iter().chain(on).chain(ended) {
             self.found(from, by, rule, end);
         }
         self.enter(next.into(), from, by);
@@ -205,6 +209,7 @@ impl Search<'_> {
                 let (rule, what) = match reason {
                     MustStand::Answered => (ANSWERED, "the answer is taken"),
                     MustStand::Restored => (RESTORED, "tokens and part are put where the answer says"),
+                    MustStand::Asked => (STOPPED, "somebody is asked"),
                 };
                 let and = if moves && slot.is_some() { ", and moves" } else { "" };
                 wrong.push((rule, format!("{what} while {name} {doing}{and}")));

@@ -103,7 +103,8 @@ fn play(
             let activity = table.activity(mode);
             let mut stations: Vec<StationId> = activity.orders.iter().map(|order| order.station).collect();
             stations.dedup();
-            let player = Player { coordination: coordination.clone(), now, starts: 0, firing: None };
+            let player =
+                Player { coordination: coordination.clone(), now, starts: 0, firing: None, alarmed: Vec::new() };
             stages.push(ActivityStart {
                 name: activity.name.to_string(),
                 mode,

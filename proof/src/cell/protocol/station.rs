@@ -8,7 +8,7 @@ use std::fmt::Write;
 use std::time::Duration;
 
 use linewright_coordinator_logic::cell::{self as player, Heard, OrderMessage, Unable};
-use linewright_coordinator_shell::orders::{heard, key, known, order, refusal};
+use linewright_coordinator_shell::orders::{heard, key, known, leave, order, refusal};
 use linewright_line::net::{Block, ControlMode, Place};
 use linewright_line::{Line, Module, OpId, StationId, Tick};
 use linewright_station_logic::{
@@ -69,6 +69,10 @@ pub(super) struct Machine {
     begun: BTreeSet<OrderKey>,
     /// One of them was begun again.
     pub twice: bool,
+    /// The orders of which it has heard, in all its lives, that nothing may move for them any more.
+    stopped: BTreeSet<OrderKey>,
+    /// Something has moved all the same.
+    pub moves_on: bool,
     rules: OrderRules,
 }
 
@@ -96,6 +100,8 @@ impl Machine {
             secured: None,
             begun: BTreeSet::new(),
             twice: false,
+            stopped: BTreeSet::new(),
+            moves_on: false,
             rules: OrderRules::default(),
         };
         machine.wake(line);
@@ -163,11 +169,20 @@ impl Machine {
         }
     }
 
-    /// Hears that it is to leave an order.
-    pub fn secure(&mut self, of: player::OrderKey) {
+    /// Hears that it is to leave an order, or to stop; `alarmed` if nothing may move for it any more.
+    pub fn secure(&mut self, of: player::OrderKey, stop: bool, alarmed: bool) {
         self.secured = Some(key(of));
-        self.controller.handle(self.now, Input::Task(TaskCommand::Secure(key(of))));
+        if alarmed {
+            self.stopped.insert(key(of));
+        }
+        self.controller.handle(self.now, Input::Task(leave(of, stop)));
         self.step();
+    }
+
+    /// Looks whether it drives what it should not.
+    fn look(&mut self, line: &Line) {
+        let is_stopped = !self.stopped.is_empty() && self.slot().is_none_or(|slot| self.stopped.contains(&slot));
+        self.moves_on |= is_stopped && self.moving(line).is_some();
     }
 
     fn slot(&self) -> Option<OrderKey> {
@@ -296,8 +311,15 @@ impl Machine {
         // Writing to a string does not fail.
         let _ = write!(
             out,
-            "{words:?} {order:?} {} {} {:?} {:?} {} {}",
-            self.switches, self.sensors, self.secured, self.begun, self.twice, self.outputs
+            "{words:?} {order:?} {} {} {:?} {:?} {} {:?} {} {}",
+            self.switches,
+            self.sensors,
+            self.secured,
+            self.begun,
+            self.twice,
+            self.stopped,
+            self.moves_on,
+            self.outputs
         );
     }
 }
@@ -362,6 +384,7 @@ impl<'l> Machines<'l> {
         }
         let mut next = self.all[from as usize].clone();
         next.act(self.line, act);
+        next.look(self.line);
         let to = self.enter(next);
         self.acted.insert((from, act), to);
         to
@@ -374,6 +397,7 @@ impl<'l> Machines<'l> {
         }
         let mut next = self.all[from as usize].clone();
         tell(&mut next);
+        next.look(self.line);
         let to = self.enter(next);
         self.heard.insert((from, number), to);
         to

@@ -12,8 +12,9 @@ pub(super) fn message(line: &Line, message: &Message) -> String {
         Message::Order(order) => {
             format!("{} hears order {}: {}", name(order.station), number(order.key), order.task)
         }
-        Message::Secure { station, key } => {
-            format!("{} hears that it is to leave order {}", name(*station), number(*key))
+        Message::Secure { station, key, stop, alarmed: _ } => {
+            let what = if *stop { "stop" } else { "leave" };
+            format!("{} hears that it is to {what} order {}", name(*station), number(*key))
         }
     }
 }

@@ -212,6 +212,11 @@ impl Bench {
         self.told(TaskCommand::Secure(key), key)
     }
 
+    /// Told to stop at once.
+    pub fn stop(&mut self, key: OrderKey) -> Reply {
+        self.told(TaskCommand::Stop(key), key)
+    }
+
     fn told(&mut self, command: TaskCommand<'_>, key: OrderKey) -> Reply {
         self.is_taken = self.controller.handle(self.now, Input::Task(command));
         self.step();

@@ -10,3 +10,4 @@ mod doing;
 mod memory;
 mod people;
 mod random;
+mod stop;

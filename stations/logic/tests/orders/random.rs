@@ -1,7 +1,7 @@
 //! Anything in any order: orders new, old, doubled and for other memories, faults, modes, people, restarts. An independent
 //! ledger is kept from the outputs and the answers alone.
 
-use std::collections::BTreeMap;
+use std::collections::{BTreeMap, BTreeSet};
 use std::time::Duration;
 
 use linewright_line::net::{Block, ControlMode};
@@ -15,6 +15,7 @@ use super::bench::{Bench, MEMORY, key, order};
 enum Act {
     Run { id: u64, epoch: u64, task: usize, memory: u64, limit_ms: u64 },
     Secure(u64),
+    Stop(u64),
     Arrive,
     Mode(usize),
     Input(usize, bool),
@@ -31,6 +32,7 @@ fn act() -> impl Strategy<Value = Act> {
                 id, epoch, task, memory: if mine { MEMORY } else { 99 }, limit_ms,
             }),
         2 => (0u64..12).prop_map(Act::Secure),
+        1 => (0u64..12).prop_map(Act::Stop),
         8 => Just(Act::Arrive),
         3 => (0usize..9).prop_map(Act::Mode),
         2 => (0usize..2, any::<bool>()).prop_map(|(input, on)| Act::Input(input, on)),
@@ -48,6 +50,8 @@ const TASKS: [&str; 4] = ["clamp", "machine", "release", "dance"];
 struct Ledger {
     ended: BTreeMap<OrderKey, Outcome>,
     begun: BTreeMap<OrderKey, usize>,
+    /// It was told to stop these.
+    stopped: BTreeSet<OrderKey>,
 }
 
 impl Ledger {
@@ -64,6 +68,9 @@ impl Ledger {
         let orders = m1.orders();
         for &(key, outcome) in &orders.results {
             self.hears(key, Reply::Ended(outcome))?;
+        }
+        if let Some(slot) = orders.slot {
+            prop_assert!(!self.stopped.contains(&slot.key), "{:?} was stopped, and goes on or back", slot.key);
         }
         if let Some(slot) = orders.slot.filter(|slot| !slot.is_securing) {
             prop_assert!(!self.ended.contains_key(&slot.key), "{:?} is done again", slot.key);
@@ -121,6 +128,14 @@ proptest! {
                     let key = m1.slot().filter(|_| id < 8).unwrap_or(key(1, newest.saturating_sub(id)));
                     let reply = m1.secure(key);
                     ledger.hears(key, reply)?;
+                }
+                Act::Stop(id) => {
+                    let key = m1.slot().filter(|_| id < 8).unwrap_or(key(1, newest.saturating_sub(id)));
+                    let was_at_it = m1.slot() == Some(key);
+                    let reply = m1.stop(key);
+                    ledger.hears(key, reply)?;
+                    prop_assert!(!was_at_it || m1.outputs == 0, "{:?} is on after a stop", m1.on());
+                    ledger.stopped.insert(key);
                 }
                 Act::Arrive if m1.marking().is_operating() => m1.arrive(),
                 Act::Arrive => {}

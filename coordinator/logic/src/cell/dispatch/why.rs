@@ -117,9 +117,11 @@ fn left_out(state: &State, now: Tick, resource: ResourceId) -> String {
     let since = seconds(now.since(down.since));
     let why = match &down.why {
         DownCause::ByHand { text } if text.is_empty() => "somebody has left it out".to_owned(),
-        DownCause::ByHand { text } => format!("somebody has given alarm: {text}"),
+        DownCause::Alarm { text } if text.is_empty() => "somebody has given alarm".to_owned(),
+        DownCause::ByHand { text } | DownCause::Alarm { text } => format!("somebody has given alarm: {text}"),
         DownCause::Rule(firing) => format!("the rule for {firing} leaves it out"),
         DownCause::Station(firing) => format!("its station could not work after {firing}"),
+        DownCause::EmergencyStop(firing) => format!("its station went into emergency stop after {firing}"),
         DownCause::Mismatch => "its sensor says otherwise than the model".to_owned(),
     };
     format!("{name} has been left out for {since} s: {why}")

@@ -72,19 +72,18 @@ impl Coordination {
         }
     }
 
-    /// Takes an alarm that a person gives of a resource: it is left out, and what it is doing has failed.
+    /// Takes an alarm that a person gives of a resource: it is left out, and what it is doing has failed and is stopped.
     pub(in super::super) fn alarmed(&mut self, now: Tick, resource: ResourceId, text: &str, out: &mut Outbox) {
         if self.state.table().handling().resource(resource).is_none() {
             let why = Objection::NoSuchResource;
             return out.events.push(Event::Objected { to: Asked::Alarm(resource), why });
         }
-        if self.state.exceptions().is_down(resource).is_none() {
-            let why = DownCause::ByHand { text: text.to_owned() };
+        if self.state.exceptions().is_down(resource).is_none_or(|down| !down.why.is_alarm()) {
+            let why = DownCause::Alarm { text: text.to_owned() };
             self.except(now, Step::Down { resource, why }, out);
         }
-        let handling = self.state.table().handling();
         let running = self.state.firings().filter(|firing| firing.phase == Phase::Running);
-        let its = running.filter(|firing| handling.mode(firing.mode).resources().any(|of| of == resource));
+        let its = running.filter(|firing| self.state.concerns(firing, resource));
         let its: Vec<FiringId> = its.map(|firing| firing.id).collect();
         for firing in its {
             self.fail(now, firing, Cause::ByHand { resource }, out);
@@ -128,10 +127,8 @@ impl Coordination {
     /// A resource is up if its station can work, nothing of it waits for an answer, and its sensor agrees.
     fn try_up(&mut self, now: Tick, resource: ResourceId, out: &mut Outbox) -> Result<(), Objection> {
         let handling = self.state.table().handling();
-        let (station, is_sensed, stale) = {
-            let of = handling.resource(resource).ok_or(Objection::NoSuchResource)?;
-            (of.station, of.is_sensed, handling.stale)
-        };
+        let of = handling.resource(resource).ok_or(Objection::NoSuchResource)?;
+        let (station, is_sensed) = (of.station, of.is_sensed);
         if self.state.exceptions().is_down(resource).is_none() {
             return Err(Objection::AlreadySo);
         }
@@ -140,7 +137,7 @@ impl Coordination {
         if self.state.exceptions().open().any(is_open) {
             return Err(Objection::Open(resource));
         }
-        if let Some(why) = station.and_then(|station| self.watch.objection(station, now, stale)) {
+        if let Some(why) = station.and_then(|station| self.objection(now, station)) {
             return Err(why);
         }
         if let Some(found) = self.difference(resource) {

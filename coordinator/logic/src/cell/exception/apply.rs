@@ -54,22 +54,23 @@ impl State {
                 About::Resource(resource) => self.known(*resource),
             },
             Step::Missing { resource, mode, part } => self.missing(*resource, *mode, *part),
-            Step::Down { resource, why } => {
-                self.known(*resource)?;
-                if self.exceptions.down.contains_key(resource) {
-                    return Err(format!("{resource} is down already"));
-                }
-                self.exceptions.down.insert(*resource, Down { since: at, why: why.clone() });
-                self.block_down();
+            Step::Stopped { firing, station } => {
+                self.trouble(*firing)?.stopped.push(station.0);
+                self.exceptions.stopped.entry(*station).or_insert(*firing);
                 Ok(())
             }
+            Step::Reset { station } => {
+                let was = self.exceptions.stopped.remove(station).map(|_| ());
+                was.ok_or_else(|| format!("station {} is not in emergency stop", station.0))
+            }
+            Step::Down { resource, why } => self.down(*resource, Down { since: at, why: why.clone() }),
             Step::Up { resource, unchecked: _ } => self.up(*resource),
         }
     }
 
     /// An activity has failed: its exception begins.
     pub(in super::super) fn exception_begins(&mut self, firing: FiringId, at: Tick) {
-        let trouble = Trouble { since: at, standing: Vec::new(), stage: Stage::Securing };
+        let trouble = Trouble { since: at, standing: Vec::new(), stopped: Vec::new(), stage: Stage::Securing };
         self.exceptions.open.insert(firing, trouble);
     }
 
@@ -182,6 +183,19 @@ impl State {
         Ok(())
     }
 
+    /// Alarm can be given of what is left out already.
+    fn down(&mut self, resource: ResourceId, new: Down) -> Fits {
+        self.known(resource)?;
+        let before = self.exceptions.down.get(&resource);
+        if before.is_some_and(|before| before.why.is_alarm() || !new.why.is_alarm()) {
+            return Err(format!("{resource} is down already"));
+        }
+        let since = before.map_or(new.since, |before| before.since);
+        self.exceptions.down.insert(resource, Down { since, ..new });
+        self.block_down();
+        Ok(())
+    }
+
     fn up(&mut self, resource: ResourceId) -> Fits {
         if self.exceptions.down.remove(&resource).is_none() {
             return Err(format!("{resource} is not down"));
@@ -206,6 +220,8 @@ impl State {
         };
         let gone =
             gone.ok_or_else(|| format!("`{}` does not say what is left without its part", table.mode_name(mode)))?;
+        let unstopped: Vec<_> = self.unstopped(id).collect();
+        self.exceptions.unstopped.extend(unstopped);
         self.forget(id);
         self.exceptions.open.remove(&id);
         let times = self.exceptions.times(mode, self.retry_key(mode, part).1);

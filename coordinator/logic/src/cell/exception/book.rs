@@ -4,7 +4,7 @@
 
 use std::collections::BTreeMap;
 
-use linewright_line::Tick;
+use linewright_line::{StationId, Tick};
 use serde::{Deserialize, Serialize};
 
 use super::super::ids::{AlarmId, FiringId, ModeId, OrderKey, PartId, ResourceId};
@@ -18,6 +18,10 @@ pub struct Exceptions {
     pub(super) alarms: BTreeMap<AlarmId, Alarm>,
     pub(super) down: BTreeMap<ResourceId, Down>,
     pub(super) retries: BTreeMap<(ModeId, Option<PartId>), Retry>,
+    /// The stations in emergency stop, and because of which activity each went into it first.
+    pub(super) stopped: BTreeMap<StationId, FiringId>,
+    /// Orders that stations were told to stop and may not have, of activities that are over: the latest of each.
+    pub(super) unstopped: BTreeMap<StationId, OrderKey>,
     pub(super) last_alarm: u64,
     pub(super) scrapped: u64,
 }
@@ -31,6 +35,9 @@ pub struct Trouble {
     pub since: Tick,
     /// How the stations stand that had to be told to come to rest, those that are known.
     pub standing: Vec<(OrderKey, Standing)>,
+    /// The stations that went into emergency stop because of it. Those that were reset since do not do so again.
+    #[serde(default)]
+    pub stopped: Vec<u16>,
     /// Where it is.
     pub stage: Stage,
 }
@@ -125,6 +132,16 @@ impl Exceptions {
     /// Why a resource is left out, if it is.
     pub fn is_down(&self, resource: ResourceId) -> Option<&Down> {
         self.down.get(&resource)
+    }
+
+    /// The stations that are in emergency stop by themselves, whatever the mode of the line.
+    pub fn stopped(&self) -> impl ExactSizeIterator<Item = StationId> {
+        self.stopped.keys().copied()
+    }
+
+    /// Whether a station is in emergency stop by itself.
+    pub fn is_stopped(&self, station: StationId) -> bool {
+        self.stopped.contains_key(&station)
     }
 
     /// How many parts are no more.

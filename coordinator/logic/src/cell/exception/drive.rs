@@ -4,13 +4,13 @@ use linewright_line::{StationId, Tick};
 
 use super::super::firing::{Firing, Phase};
 use super::super::ids::{AlarmId, FiringId, ModeId, OrderKey, PartId, ResourceId};
-use super::super::orders::{Heard, Outbox, Send};
+use super::super::orders::{Heard, Outbox};
 use super::super::player::Coordination;
 use super::super::record::{Cause, Fact, Failure};
 use super::book::Stage;
 use super::fact::{About, By, Difference, DownCause, Ruling, Standing, Step, Strategy, Whereabouts};
 use super::handling::{Answer, usual};
-use super::watch::{Presence, Told, Unable};
+use super::watch::{Presence, Unable};
 use super::words;
 
 /// What sensors say to an answer.
@@ -30,12 +30,12 @@ impl Coordination {
 
     /// What follows of a station's state beside what it says of its orders.
     pub(in super::super) fn watch_station(&mut self, now: Tick, station: StationId, heard: &Heard, out: &mut Outbox) {
-        let (stale, before) = (self.state.table().handling().stale, self.watch.seen(station));
-        let could = self.watch.can_work(station, now, stale);
+        let before = self.watch.seen(station);
+        let could = self.can_work(now, station);
         let is_first = before.is_none_or(|seen| seen.heard.presence != heard.presence);
         let moved = self.moves(now, station);
         self.watch.hear(now, station, heard);
-        if is_first || moved != self.moves(now, station) || could != self.watch.can_work(station, now, stale) {
+        if is_first || moved != self.moves(now, station) || could != self.can_work(now, station) {
             // No record says that something can start now that could not.
             self.reconsider();
         }
@@ -65,7 +65,7 @@ impl Coordination {
     }
 
     /// Whether what is in a station's slot is what it does, also where a result says that this has ended.
-    fn counts(&self, heard: &Heard) -> bool {
+    pub(super) fn counts(&self, heard: &Heard) -> bool {
         let has_ended = |key| heard.results.iter().any(|(of, _)| Some(*of) == key);
         self.rules.stands_first && (self.rules.slot_counts || !has_ended(heard.slot))
     }
@@ -116,6 +116,10 @@ impl Coordination {
     /// Takes every exception as far as it goes now.
     pub(in super::super) fn attend(&mut self, now: Tick, out: &mut Outbox) {
         let open: Vec<FiringId> = self.state.exceptions().open.keys().copied().collect();
+        for &id in &open {
+            self.stop_stations(now, id, out);
+        }
+        self.leave_out_stopped(now, out);
         for id in open {
             self.secured(now, id, out);
             self.restored(now, id, out);
@@ -131,7 +135,7 @@ impl Coordination {
             Stage::Restoring { ruling: _, since } => Some(*since + secure.max(refresh)),
             Stage::Waiting(_) => None,
         });
-        let again = self.to_secure().into_iter().map(|(_, key)| match self.watch.told.get(&key) {
+        let again = self.to_secure().into_iter().map(|leave| match self.told(leave) {
             Some(told) => told.at + refresh,
             None => self.state.now(),
         });
@@ -140,87 +144,6 @@ impl Coordination {
             None => self.first_to_miss().map(|(at, _)| at),
         };
         limit.chain(again).chain(missed).min()
-    }
-
-    /// The stations that have to be told to leave an order.
-    fn to_secure(&self) -> Vec<(StationId, OrderKey)> {
-        if self.is_superseded() {
-            return Vec::new();
-        }
-        let strays =
-            self.watch.strays.iter().filter_map(|&station| Some((station, self.watch.seen(station)?.heard.slot?)));
-        let mut all: Vec<_> = strays.collect();
-        let open = self.state.exceptions().open();
-        for (id, _) in open.filter(|(_, trouble)| trouble.stage == Stage::Securing) {
-            let Some(firing) = self.state.firing(id) else { continue };
-            for order in self.state.owed(firing) {
-                // Keys reach a station rising: an older order that it has not heard would be too old for it.
-                let older = self.state.unheard.get(&order.station).and_then(|keys| keys.first());
-                if older.is_none_or(|&older| order.key < older) {
-                    all.push((order.station, order.key));
-                }
-            }
-        }
-        all.sort_unstable();
-        all.dedup();
-        all
-    }
-
-    /// Tells them, again and again until they have.
-    pub(in super::super) fn send_secure(&mut self, now: Tick, out: &mut Outbox) {
-        let all = self.to_secure();
-        if all.is_empty() && self.watch.told.is_empty() {
-            return;
-        }
-        self.watch.told.retain(|key, _| all.iter().any(|(_, of)| of == key));
-        let refresh = self.state.table().refresh();
-        for (station, key) in all {
-            let told = self.watch.told.get(&key).copied();
-            if told.is_none_or(|told| told.at + refresh <= now) {
-                let answered = told.and_then(|told| told.answered);
-                self.watch.told.insert(key, Told { at: now, answered });
-                out.sends.push(Send::Secure { station, key });
-            }
-        }
-    }
-
-    /// How a station stands that was told to leave an order; none as long as that is not known.
-    fn standing(&self, station: StationId, key: OrderKey) -> Option<Standing> {
-        if !self.rules.stands_first {
-            return Some(Standing::AtRest);
-        }
-        let is_at_it = |heard: &Heard| heard.slot == Some(key) && self.counts(heard);
-        let seen = self.watch.seen(station).filter(|seen| !is_at_it(&seen.heard))?;
-        let answered = self.watch.told.get(&key).and_then(|told| told.answered);
-        // Before it was told it may not have begun to go back.
-        let has_left = answered.is_some_and(|(at, is_at_it)| !is_at_it && at <= seen.at);
-        let has_ended = seen.heard.results.iter().any(|(of, _)| *of == key);
-        match (has_left, has_ended, seen.heard.is_held) {
-            (true, _, true) => Some(Standing::Held),
-            (true, _, false) | (_, true, false) => Some(Standing::AtRest),
-            (false, false, _) | (false, true, true) => None,
-        }
-    }
-
-    /// Writes down who has come to rest; asks when all have.
-    fn secured(&mut self, now: Tick, id: FiringId, out: &mut Outbox) {
-        let Some(trouble) = self.state.exceptions().trouble(id).filter(|of| of.stage == Stage::Securing) else {
-            return;
-        };
-        let Some(firing) = self.state.firing(id) else { return };
-        let is_late = trouble.since + self.state.table().handling().secure <= now;
-        let stands = |order: &super::super::firing::Order| {
-            let late = is_late.then_some(Standing::Unknown);
-            Some((order.key, self.standing(order.station, order.key).or(late)?))
-        };
-        let known: Vec<_> = self.state.owed(firing).filter_map(stands).collect();
-        for (key, standing) in known {
-            self.except(now, Step::Secured { firing: id, key, standing }, out);
-        }
-        let is_over = self.state.firing(id).is_none_or(|firing| self.state.owed(firing).next().is_none());
-        if is_over {
-            self.ask_people(now, id, out);
-        }
     }
 
     /// What can be answered for a failed activity.
@@ -241,7 +164,7 @@ impl Coordination {
     }
 
     /// Nobody has to be asked where a rule is automatic and all stations are at rest; otherwise people are told.
-    fn ask_people(&mut self, now: Tick, id: FiringId, out: &mut Outbox) {
+    pub(super) fn ask_people(&mut self, now: Tick, id: FiringId, out: &mut Outbox) {
         let Some((firing, cause)) = self.failed(id) else { return };
         let rule = self.state.table().handling().rule(firing.mode, cause);
         let answers = self.answers(firing, cause);
@@ -337,7 +260,7 @@ impl Coordination {
         let mut down: Vec<_> = named.chain(as_whom).map(|id| (id, DownCause::Rule(firing.id))).collect();
         for order in &firing.orders {
             let stands = self.state.exceptions().stands(firing.id, order.key);
-            let is_lost = stands == Some(Standing::Unknown) || !self.watch.can_work(order.station, now, handling.stale);
+            let is_lost = stands == Some(Standing::Unknown) || !self.can_work(now, order.station);
             if is_lost {
                 let of =
                     handling.resource_ids().filter(|id| handling.resources[id.index()].station == Some(order.station));

@@ -1,8 +1,10 @@
 //! What is written down of an exception.
 
+use linewright_line::StationId;
 use serde::{Deserialize, Serialize};
 
 use super::super::ids::{AlarmId, FiringId, ModeId, OrderKey, PartId, ResourceId};
+use super::super::serial;
 
 /// A step of an exception.
 #[derive(Clone, Debug, PartialEq, Eq, Serialize, Deserialize)]
@@ -71,6 +73,20 @@ pub enum Step {
         mode: ModeId,
         /// Which part.
         part: PartId,
+    },
+    /// A station goes into emergency stop, and stays in it until it is reset.
+    Stopped {
+        /// The failed activity whose rule says so.
+        firing: FiringId,
+        /// Which station.
+        #[serde(with = "serial::station")]
+        station: StationId,
+    },
+    /// Somebody has reset it.
+    Reset {
+        /// Which station.
+        #[serde(with = "serial::station")]
+        station: StationId,
     },
     /// A resource is left out.
     Down {
@@ -179,10 +195,31 @@ pub enum DownCause {
         /// And why; empty if not.
         text: String,
     },
+    /// Somebody has given alarm of it: nothing that it takes part in may move by itself.
+    Alarm {
+        /// Why; empty if that was not said.
+        text: String,
+    },
     /// The rule by which an activity was closed says so.
     Rule(FiringId),
     /// Its station could not come to rest, or could not work, when an activity was closed.
     Station(FiringId),
     /// Its sensor says otherwise than the model.
     Mismatch,
+    /// Its station went into emergency stop when this activity failed.
+    EmergencyStop(FiringId),
+}
+
+impl DownCause {
+    /// Alarm was given.
+    pub fn is_alarm(&self) -> bool {
+        match self {
+            DownCause::Alarm { .. } => true,
+            DownCause::ByHand { .. }
+            | DownCause::Rule(_)
+            | DownCause::Station(_)
+            | DownCause::Mismatch
+            | DownCause::EmergencyStop(_) => false,
+        }
+    }
 }

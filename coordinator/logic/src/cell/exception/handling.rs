@@ -73,6 +73,10 @@ pub struct Rule {
     pub retries: u32,
     /// Nobody has to be asked as long as all stations are at rest.
     pub is_automatic: bool,
+    /// These stations go into emergency stop.
+    pub stops: Vec<StationId>,
+    /// And so do all that have an order in the activity.
+    pub stops_activity: bool,
     /// What can be answered.
     pub answers: Vec<Answer>,
 }

@@ -2,7 +2,7 @@
 //!
 //! In a line without a cell a fault in auto is the line's: all stand by. In a cell it is an exception of the order in which
 //! it happens, and the others work on. So the stations of what has failed, and those of what is down, are *isolated* until
-//! that is put right; it follows from the state, so nothing about it is remembered.
+//! that is put right; it follows from the state, so nothing about it is remembered. Stations in emergency stop are so as well.
 
 use std::collections::BTreeSet;
 
@@ -16,5 +16,5 @@ pub fn isolated(state: &State) -> BTreeSet<StationId> {
     let failed = state.exceptions().open().filter_map(|(id, _)| state.firing(id));
     let stations = failed.flat_map(|firing| firing.orders.iter().map(|order| order.station));
     let down = state.exceptions().down().filter_map(|(id, _)| handling.resource(id)?.station);
-    stations.chain(down).collect()
+    stations.chain(down).chain(state.exceptions().stopped()).collect()
 }

@@ -1,9 +1,10 @@
 //! Exceptions to be written down in the place of the records that led to them.
 
+use linewright_line::StationId;
 use serde::{Deserialize, Serialize};
 
 use super::super::firing::Phase;
-use super::super::ids::{AlarmId, FiringId, ModeId, PartId, ResourceId};
+use super::super::ids::{AlarmId, FiringId, ModeId, OrderKey, PartId, ResourceId};
 use super::super::snapshot::NUMBER_MAX;
 use super::super::state::State;
 use super::book::{Alarm, Down, Exceptions, Retry, Stage, Trouble};
@@ -17,6 +18,10 @@ pub struct KeptExceptions {
     alarms: Vec<Alarm>,
     down: Vec<(ResourceId, Down)>,
     retries: Vec<(ModeId, Option<PartId>, Retry)>,
+    #[serde(default)]
+    stopped: Vec<(u16, FiringId)>,
+    #[serde(default)]
+    unstopped: Vec<(u16, OrderKey)>,
     last_alarm: u64,
     scrapped: u64,
 }
@@ -29,6 +34,8 @@ impl Exceptions {
             alarms: self.alarms.values().cloned().collect(),
             down: self.down.iter().map(|(&resource, down)| (resource, down.clone())).collect(),
             retries: self.retries.iter().map(|(&(mode, part), &retry)| (mode, part, retry)).collect(),
+            stopped: self.stopped.iter().map(|(&StationId(station), &firing)| (station, firing)).collect(),
+            unstopped: self.unstopped.iter().map(|(&StationId(station), &key)| (station, key)).collect(),
             last_alarm: self.last_alarm,
             scrapped: self.scrapped,
         }
@@ -50,6 +57,8 @@ impl State {
         new.alarms = of.alarms.into_iter().map(|alarm| (alarm.id, alarm)).collect();
         new.down = of.down.into_iter().collect();
         new.retries = of.retries.into_iter().map(|(mode, part, retry)| ((mode, part), retry)).collect();
+        new.stopped = of.stopped.into_iter().map(|(station, firing)| (StationId(station), firing)).collect();
+        new.unstopped = of.unstopped.into_iter().map(|(station, key)| (StationId(station), key)).collect();
         let has = (new.open.len(), new.alarms.len(), new.down.len(), new.retries.len());
         if has != (open, alarms, down, retries) {
             return Err("something of an exception is in it twice".to_owned());

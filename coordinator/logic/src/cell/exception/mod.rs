@@ -15,6 +15,8 @@
 //! where the answer says they are: where they were, where they were to go, or nowhere. Nothing else changes a marking:
 //! sensors can contradict an answer, and then it is said so and asked again; they never correct the model by themselves.
 //!
+//! Securing takes stations back to where their orders began. Where alarm was given of a resource it stops them where they are.
+//!
 //! A resource can be *down* beside that: by hand, by what a rule says, or since its station could not come to rest. Its
 //! tokens stay where they are, so nothing can get lost by it, and no mode is enabled that needs it; whatever else a plan
 //! allows is. Somebody has to say that it is up again, and it is only if its station can work and its sensor agrees.
@@ -25,10 +27,12 @@ mod answer;
 mod apply;
 mod book;
 mod drive;
+mod emergency;
 mod fact;
 mod handling;
 mod isolation;
 mod kept;
+mod secure;
 mod watch;
 mod words;
 

@@ -43,6 +43,8 @@ pub enum Asked {
     Down(ResourceId),
     /// To count on a resource again.
     Up(ResourceId),
+    /// To reset a station that is in emergency stop by itself.
+    Reset(StationId),
 }
 
 /// Why it was not done.
@@ -70,6 +72,8 @@ pub enum Objection {
     CannotWork(StationId, Unable),
     /// The resource's activity is open: its alarm has to be answered first.
     Open(ResourceId),
+    /// The station is in emergency stop, and has to be reset first.
+    EmergencyStop(StationId),
 }
 
 /// What was last heard of a station.
@@ -86,6 +90,8 @@ pub(super) struct Seen {
 pub(super) struct Told {
     /// When last.
     pub at: Tick,
+    /// And to stop at once.
+    pub stop: bool,
     /// When it has answered, and whether it is still at it.
     pub answered: Option<(Tick, bool)>,
 }
@@ -147,11 +153,6 @@ impl Watch {
     /// When a station was last heard; when this life began if it was not.
     pub(super) fn last(&self, station: StationId) -> Tick {
         self.seen.get(&station).map_or(self.began, |seen| seen.at)
-    }
-
-    /// Whether a station that was heard in this life can be told something.
-    pub fn can_work(&self, station: StationId, now: Tick, stale: Option<Duration>) -> bool {
-        self.objection(station, now, stale).is_none()
     }
 
     /// What was heard of a station, unless that is too long ago.

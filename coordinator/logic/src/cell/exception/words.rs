@@ -39,7 +39,9 @@ fn facts(state: &State, firing: &Firing, cause: Cause, now: Tick) -> String {
     );
     let mut joint = ";";
     for order in &firing.orders {
+        let is_stopped = state.exceptions().is_stopped(order.station);
         let how = match (state.exceptions().stands(firing.id, order.key), order.state) {
+            _ if is_stopped => "is in emergency stop",
             (_, OrderState::Ended) => "has done its part",
             (Some(Standing::AtRest), _) => "is at rest",
             (Some(Standing::Held), _) => "stands between rests",
@@ -49,6 +51,11 @@ fn facts(state: &State, firing: &Firing, cause: Cause, now: Tick) -> String {
         };
         // Writing to a string does not fail.
         let _ = write!(text, "{joint} {} {how}", handling.station_name(order.station));
+        joint = ",";
+    }
+    let others = state.exceptions().stopped().filter(|id| firing.orders.iter().all(|order| order.station != *id));
+    for station in others {
+        let _ = write!(text, "{joint} {} is in emergency stop", handling.station_name(station));
         joint = ",";
     }
     text

@@ -156,7 +156,9 @@ impl Dispatcher for Foreman {
                 | Step::Alarmed { .. }
                 | Step::Answered { .. }
                 | Step::Carried { .. }
-                | Step::Mismatch { .. },
+                | Step::Mismatch { .. }
+                | Step::Stopped { .. }
+                | Step::Reset { .. },
             )
             | Fact::Epoch { .. }
             | Fact::Memory { .. }

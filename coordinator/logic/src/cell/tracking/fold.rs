@@ -317,7 +317,9 @@ impl Tracking {
             | Step::Alarmed { .. }
             | Step::Answered { .. }
             | Step::Carried { .. }
-            | Step::Mismatch { .. } => (),
+            | Step::Mismatch { .. }
+            | Step::Stopped { .. }
+            | Step::Reset { .. } => (),
         }
     }
 
@@ -392,9 +394,11 @@ impl Tracking {
 fn out(why: &DownCause) -> String {
     match why {
         DownCause::ByHand { text } if text.is_empty() => "left out by hand".to_owned(),
-        DownCause::ByHand { text } => text.clone(),
+        DownCause::Alarm { text } if text.is_empty() => "alarm given by hand".to_owned(),
+        DownCause::ByHand { text } | DownCause::Alarm { text } => text.clone(),
         DownCause::Rule(_) => "left out by a rule".to_owned(),
         DownCause::Station(_) => "its station could not work".to_owned(),
+        DownCause::EmergencyStop(_) => "its station went into emergency stop".to_owned(),
         DownCause::Mismatch => "model and plant differ".to_owned(),
     }
 }

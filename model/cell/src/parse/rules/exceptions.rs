@@ -73,6 +73,16 @@ pub(super) fn tells_what_is_known(exception: &DraftException<'_>, report: &mut R
     }
 }
 
+/// Whoever is needed to reset a station can answer as well.
+pub(super) fn whoever_resets_answers(exception: &DraftException<'_>, report: &mut Report) {
+    if let Some(stop) = exception.raw.emergency_stop.as_ref().filter(|_| exception.raw.automatic) {
+        report.add(
+            Problem::error(stop.at.clone(), "an emergency stop in a rule that is automatic")
+                .hint("somebody has to come and to reset the station; leave out `automatic`"),
+        );
+    }
+}
+
 pub(super) fn somebody_answers(exception: &DraftException<'_>, report: &mut Report) {
     if exception.raw.answers.is_empty() {
         report.add(

@@ -60,6 +60,7 @@ pub(super) fn check(draft: &Draft<'_>, report: &mut Report) -> Option<Routes> {
         exceptions::retries_are_allowed(exception, report);
         exceptions::tells_what_is_known(exception, report);
         exceptions::somebody_answers(exception, report);
+        exceptions::whoever_resets_answers(exception, report);
     }
     let routes = ways::routes(draft)?;
     for (at, part) in draft.parts.iter().enumerate() {

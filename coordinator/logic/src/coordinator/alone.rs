@@ -1,0 +1,111 @@
+//! Stations that are not treated like the rest of the line, and how the mode reads that has them.
+//!
+//! In a cell the trouble of a station is an exception of its order. The station is then left out of the mode decision, or it
+//! is in emergency stop by itself, whatever the mode: which ones, the cell says again and again, and nothing here remembers it.
+//! A station leaves its emergency stop only by an epoch of its own, so that no order which is older than its reset can end it;
+//! until it has heard of that epoch its being stopped is no news.
+
+use linewright_line::StationId;
+use linewright_line::net::ControlMode;
+
+use super::{Coordinator, Heard, Station};
+
+impl Coordinator {
+    /// Leaves these stations out, and no others: what is wrong with them is an exception of the cell they work in
+    /// ([`crate::cell::exception::isolated`]), and the others work on. Only stations on order can be left out. Call it
+    /// whenever that changes, before [`Coordinator::step`]. `stations` is told as well whether a station is heard.
+    pub fn isolate(&mut self, stations: impl Fn(StationId, bool) -> bool) {
+        for (id, station) in self.line.station_ids().zip(&mut self.stations) {
+            let isolated = station.on_order && stations(id, self.now < station.known_until);
+            self.changed |= station.isolated != isolated;
+            station.isolated = isolated;
+        }
+    }
+
+    /// The stations that the mode depends on. Where people move stations, and in the emergency stop, that is all of them.
+    pub(super) fn counted(&self) -> impl Iterator<Item = (StationId, &Station)> {
+        let leaves_out = match self.mode {
+            ControlMode::Home | ControlMode::StandBy | ControlMode::Auto => true,
+            ControlMode::Hand | ControlMode::Manual | ControlMode::EStop => false,
+        };
+        let is_out = move |station: &Station| leaves_out && (station.isolated || station.stopped);
+        self.line.station_ids().zip(&self.stations).filter(move |(_, station)| !is_out(station))
+    }
+
+    /// These stations are in emergency stop by themselves, and no others. Only stations on order can be. Call it whenever that
+    /// changes, before [`Coordinator::step`].
+    pub fn stop_alone(&mut self, stations: impl Fn(StationId) -> bool) {
+        let next = self.epoch.saturating_add(1);
+        let mut any_is_reset = false;
+        for (id, station) in self.line.station_ids().zip(&mut self.stations) {
+            let stopped = station.on_order && stations(id);
+            self.changed |= station.stopped != stopped;
+            if station.stopped && !stopped {
+                (station.reset_in, any_is_reset) = (next, true);
+            }
+            station.stopped = stopped;
+        }
+        if any_is_reset {
+            // The mode stays, and goes on meanwhile.
+            self.epoch = next;
+        }
+    }
+
+    /// Whether a station is in emergency stop, by itself or with the line.
+    pub fn is_stopped(&self, station: StationId) -> bool {
+        self.mode == ControlMode::EStop || self.stations.get(station.index()).is_some_and(|station| station.stopped)
+    }
+
+    /// The epoch in which a station's emergency stop was entered or left last: what was decided before is not acted on after.
+    pub fn stopped_until(&self, station: StationId) -> u64 {
+        self.stopped_in.max(self.stations.get(station.index()).map_or(0, |station| station.reset_in))
+    }
+
+    /// Whether somebody else has stopped a station: another coordinator, or one before that left no journal.
+    pub(super) fn is_stopped_by_another(&self, id: StationId, heard: Heard) -> bool {
+        let station = &self.stations[id.index()];
+        let knows_better = heard.mode_epoch >= self.released.max(station.reset_in);
+        heard.estopped && !self.is_stopped(id) && knows_better
+    }
+
+    /// Stations that have not acknowledged the epoch of a mode that enables motion.
+    pub fn waiting_for(&self) -> Vec<StationId> {
+        if !self.mode.enables_motion() || self.enabled {
+            return Vec::new();
+        }
+        let waits = |s: &Station| !self.is_known(s) || s.heard.mode_epoch < self.epoch;
+        self.counted().filter(|&(id, s)| waits(s) || !self.has_founded(id)).map(|(id, _)| id).collect()
+    }
+
+    /// Whether a station is heard.
+    pub fn hears(&self, station: StationId) -> bool {
+        self.stations.get(station.index()).is_some_and(|s| self.is_known(s))
+    }
+
+    /// The mode in words, with what keeps it: `auto`, `auto, stopping at home`, `stand-by: mill_1 is not heard`.
+    pub fn text(&self) -> String {
+        let mut text = self.mode.name().to_owned();
+        if self.stopping {
+            text.push_str(", stopping at home");
+        }
+        let waiting: Vec<&str> = self.waiting_for().iter().map(|&s| self.line.station(s).name.as_str()).collect();
+        if !waiting.is_empty() {
+            text.push_str(&format!(", waiting for {}", waiting.join(", ")));
+        }
+        let alone = self.line.station_ids().zip(&self.stations).filter(|(_, station)| station.isolated);
+        let alone: Vec<&str> = alone.map(|(id, _)| self.line.station(id).name.as_str()).collect();
+        if !alone.is_empty() {
+            text.push_str(&format!(", without {}", alone.join(", ")));
+        }
+        let stopped = self.line.station_ids().zip(&self.stations).filter(|(_, station)| station.stopped);
+        let stopped: Vec<&str> = stopped.map(|(id, _)| self.line.station(id).name.as_str()).collect();
+        if !stopped.is_empty() {
+            text.push_str(&format!(", {} in emergency stop", stopped.join(" and ")));
+        }
+        let troubles: Vec<String> = self.troubles().iter().map(|reason| reason.text(&self.line)).collect();
+        if !troubles.is_empty() {
+            text.push_str(&format!(": {}", troubles.join("; ")));
+        }
+        text
+    }
+}

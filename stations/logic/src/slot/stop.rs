@@ -1,0 +1,76 @@
+//! An order whose motion is stopped: by a fault, or because the station is told to stop.
+//!
+//! Told to leave an order a station ends the motion under way and goes back. Told to stop it stands where it is, as a fault
+//! would stop it: the operation is incomplete, and only a person leads on from there. That lasts. The order counts as secured
+//! from then on, also after a restart, so no copy of a message to leave it moves anything later; and one that was on its way
+//! is not begun.
+//!
+//! It is the order that is stopped, not the station: a message about another order than the one in the slot stops nothing.
+
+use crate::controller::Controller;
+use crate::event::Cause;
+use crate::order::{Failure, OrderKey, Outcome, Refusal, Reply};
+
+use super::Phase;
+
+impl Controller {
+    /// Stops what is done of an order, whichever way it goes.
+    pub(super) fn stop_order(&mut self, key: OrderKey) -> Reply {
+        let Some(orders) = &self.orders else { return Reply::Refused(Refusal::Unknown) };
+        if !orders.rules.stops_at_once {
+            return self.secure(key);
+        }
+        if let Some(slot) = orders.slot.filter(|slot| slot.key == key) {
+            let waited = self.waited_for().map_or(Failure::Cancelled, Failure::Waiting);
+            while let Some(moving) = self.tokens().iter().position(|token| self.place(token).is_operating()) {
+                self.stop(moving, Cause::Ordered);
+            }
+            // Where nothing moves nothing was stopped, and the order is over all the same.
+            let failure = if slot.begun { Failure::Stopped } else { waited };
+            self.conclude(Outcome::Failed(slot.phase.failed_with(failure)));
+            self.stays_where_it_is(key);
+        } else if orders.last_has_failed() == Some(key) {
+            self.stays_where_it_is(key);
+        }
+        self.secure(key)
+    }
+
+    /// Nothing goes back from this order any more.
+    fn stays_where_it_is(&mut self, key: OrderKey) {
+        let Some(orders) = &mut self.orders else { return };
+        if orders.secured.replace(key) != Some(key) {
+            (self.changed, self.dirty) = (true, true);
+        }
+    }
+
+    /// An operation was stopped: nothing goes on by itself.
+    pub(crate) fn order_stops(&mut self, cause: Cause) {
+        let Some(slot) = self.slot() else { return };
+        let failure = match cause {
+            Cause::EStop | Cause::Released => Failure::Interrupted,
+            Cause::Restart => Failure::Restarted,
+            Cause::Ordered => Failure::Stopped,
+            Cause::Signal
+            | Cause::Watchdog
+            | Cause::SwitchStuck
+            | Cause::Devices
+            | Cause::NotAtHome
+            | Cause::Interlock { .. }
+            | Cause::PositionLost { .. }
+            | Cause::Ambiguous => Failure::Fault,
+        };
+        self.conclude(Outcome::Failed(slot.phase.failed_with(failure)));
+    }
+}
+
+impl Phase {
+    /// How an order ends that something has stopped: as that says, unless it was given up before.
+    fn failed_with(self, stopped: Failure) -> Failure {
+        match (self, stopped) {
+            (Phase::Securing { failure: Some(failure) }, _) => failure,
+            (Phase::Running, stopped) => stopped,
+            (Phase::Securing { failure: None } | Phase::Returning, Failure::Stopped) => Failure::Stopped,
+            (Phase::Securing { failure: None } | Phase::Returning, _) => Failure::Held,
+        }
+    }
+}
