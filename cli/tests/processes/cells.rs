@@ -186,7 +186,7 @@ fn to_auto(operator: &Operator) {
 
 /// Robot 2 has been stopped while it assembled. Somebody leads it to the end of its task by hand, and says that it is done.
 fn put_right(rig: &Rig, operator: &Operator) {
-    let said = until(rig, &["answer"], |said| said.contains("robot_2.process with part"));
+    let said = until(rig, &["answer"], |said| said.starts_with("alarm ") && said.contains("robot_2.process"));
     if operator.heard().line.mode == StationState::MODE_AUTO {
         operator.order("stop", StationState::MODE_HOME);
     }

@@ -105,8 +105,16 @@ struct Stop {
     /// Life and epoch in which the coordinator that is followed has ordered it. Only a later epoch of that life ends it:
     /// no other coordinator is known to have heard of it.
     ordered: Option<(u64, u64)>,
-    /// Heard from a coordinator that is not followed; it counts as still given until then.
-    other_until: Tick,
+    /// Heard last from this life of a coordinator that was not followed; it counts as still given until then, or until that
+    /// life is the one that is followed: then what it has ordered since counts.
+    other: (u64, Tick),
+}
+
+impl Stop {
+    fn is_given_by_another(&self, followed: u64, now: Tick) -> bool {
+        let (life, until) = self.other;
+        now < until && life != followed
+    }
 }
 
 /// The commands in force.
@@ -162,7 +170,8 @@ impl Commands {
         if is_stop {
             self.stop.get_or_insert_default().ordered = Some(given);
         } else if self.stop.is_some_and(|stop| {
-            stop.ordered.is_some_and(|(life, epoch)| life == given.0 && epoch < given.1) && stop.other_until <= now
+            let is_ended = stop.ordered.is_some_and(|(life, epoch)| life == given.0 && epoch < given.1);
+            is_ended && !stop.is_given_by_another(order.boot_id, now)
         }) {
             self.stop = None;
         }
@@ -175,7 +184,7 @@ impl Commands {
     pub(crate) fn stop(&mut self, now: Tick, life: u64, term: Duration) {
         let stop = self.stop.get_or_insert_default();
         if self.order.is_none_or(|order| order.boot_id != life) {
-            stop.other_until = now + term;
+            stop.other = (life, now + term);
         }
     }
 
@@ -303,7 +312,8 @@ impl Commands {
         let order = self.order.map(|o| (o.mode as i64, o.enabled, o.manual_all, o.buttons, o.master_stop));
         let (mode, enabled, manual_all, buttons, stop) = order.unwrap_or((-1, false, false, 0, None));
         out.extend([mode, i64::from(buttons), stop.map_or(i64::MIN, i64::from)]);
-        let stop = self.stop.map(|stop| (stop.ordered.is_some(), now < stop.other_until));
+        let by_another = |stop: &Stop| stop.is_given_by_another(self.followed(), now);
+        let stop = self.stop.map(|stop| (stop.ordered.is_some(), by_another(&stop)));
         out.push(stop.map_or(-1, |(ordered, other)| i64::from(ordered) * 2 + i64::from(other)));
         out.extend([live, enabled, manual_all, self.panel_is_live, self.selector_manual()].map(i64::from));
         let levels = [self.wired.1, self.wired.2, self.advance.is_held(now), self.retract.is_held(now)];

@@ -97,3 +97,22 @@ fn everything_is_off_at_the_end_whatever_the_reason() {
     rig.act();
     assert!(rig.driven().is_none_or(|image| image.sequence > off.sequence && image.number != off.number));
 }
+
+/// It gives the stop while its predecessor is still believed, then it is followed and ends it.
+#[test]
+fn a_successor_that_gave_it_before_it_was_followed_ends_it() {
+    let mut rig = Rig::new();
+    rig.order(FOLLOWED, 6, EStop);
+    rig.act();
+    let mut sequence = 0;
+    while rig.shell.controller().report().mode_epoch != 7 {
+        sequence += 1;
+        assert!(sequence < 100, "its predecessor is silent");
+        rig.pass(rig.timing().refresh);
+        rig.order_numbered(sequence, OTHER, 7, EStop);
+        rig.act();
+    }
+    rig.order_numbered(sequence + 1, OTHER, 8, Manual);
+    rig.act();
+    assert_eq!(rig.mode(), Manual);
+}
