@@ -166,10 +166,20 @@ pub async fn rejoin(args: RejoinArgs, ros: &RosArgs) -> miette::Result<ExitCode>
     print_station(&client, id);
     let after = client.station(id).map(|state| (state.places.clone(), state.fault.clone()));
     if before == after {
-        crate::out::complain!(
-            "nothing changed: rejoin is for a station without a memory of common counts that moves nothing, and its switches \
-             must fit what is confirmed"
-        );
+        let state = client.station(id);
+        let advice = state.and_then(|state| state.blocked_by.iter().find_map(|why| why.strip_prefix("rejoin: ")));
+        let why = match (state, advice) {
+            (None, _) => "the station is not heard".to_owned(),
+            (Some(state), _) if !state.stopped => "the station moves; rejoin is for one that stands".to_owned(),
+            (Some(_), None) => {
+                "the station asks for no rejoin: it knows where it stands, or its switches do not tell".to_owned()
+            }
+            (Some(_), Some(advice)) => match &args.within {
+                Some(op) => format!("its switches do not fit `{op}`: {advice}"),
+                None => advice.to_owned(),
+            },
+        };
+        crate::out::complain!("nothing changed: {why}");
         return Ok(ExitCode::FAILURE);
     }
     Ok(ExitCode::SUCCESS)

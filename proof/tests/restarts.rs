@@ -4,6 +4,9 @@
 use linewright_line::net::ControlMode;
 use linewright_line::{Line, TransferLine, parse};
 use linewright_proof::explore::{Explored, Limits, Setting, explore};
+use linewright_proof::generate::{self, Shape};
+
+use crate::common::{explored, lines};
 
 fn shipped() -> Line {
     parse("line.toml", &TransferLine::default().text()).expect("the shipped line is sound").line
@@ -44,4 +47,15 @@ fn a_restart_with_its_memory_changes_no_verdict() {
     let explored = found(&setting);
     println!("{} states, {} kept", explored.states, explored.kept);
     assert!(explored.exhausted && explored.holds(), "{:?}", explored.properties);
+}
+
+/// Lines of all kinds. A station without its memory takes nothing back, and asks nobody to agree to that.
+#[test]
+fn without_its_memory_a_station_asks_for_nothing() {
+    for seed in 0..lines(24) {
+        let line = generate::line(&Shape { operations: 2..=3, ..Shape::small() }, seed);
+        let explored = explored(&Setting::new(&line).with_lost_memories(), 60_000);
+        let asks = explored.properties.iter().find(|property| property.reason.contains("of no generation"));
+        assert_eq!(asks.map(|property| &property.counterexample), None, "line {seed}");
+    }
 }

@@ -430,6 +430,9 @@ impl Session {
                 conflicts.len(),
                 report.frames_seen
             );
+            for conflict in &report.conflicts_seen {
+                crate::out::say!("conflict: {conflict}");
+            }
             for conflict in &report.conflicts_not_watched {
                 crate::out::say!("not watched, its switches are in frames this observer does not read: {conflict}");
             }

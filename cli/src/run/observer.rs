@@ -135,10 +135,24 @@ impl Observer {
         for (index, conflict) in self.line.conflicts.iter().enumerate() {
             let holds = self.watched[index] && self.is_inside(&conflict.a) && self.is_inside(&conflict.b);
             if holds && !self.holds[index] {
-                self.seen.push(describe(&self.line, conflict));
+                let off = [&conflict.a, &conflict.b].map(|span| self.switches_off(span)).join("; ");
+                self.seen.push(format!(
+                    "{}; off on the bus: {off} (or such a switch is wrong)",
+                    describe(&self.line, conflict)
+                ));
             }
             self.holds[index] = holds;
         }
+    }
+
+    /// The switches that say the station is outside, by name.
+    fn switches_off(&self, span: &Span) -> String {
+        let station = self.line.station(span.station);
+        let (from, until) = switches(&self.line, span);
+        let mut names: Vec<&str> =
+            from.into_iter().chain([until]).map(|input| station.inputs[input.index()].as_str()).collect();
+        names.dedup();
+        format!("{} of {}", names.join(" and "), station.name)
     }
 
     fn is_inside(&self, span: &Span) -> bool {

@@ -97,6 +97,19 @@ impl Controller {
                 "rejoin: {why}; by its switches `{}` is complete: confirm that with rejoin",
                 self.op_names(line, self.ops_of_step(step).fold(0, |bits, op| bits | 1 << op.0))
             ),
+            None if forgot && self.marking().any(not_home) => {
+                let may_be = self.done.iter().enumerate().map(|(op, _)| OpId::at(op)).filter(|&op| self.stands_within(op));
+                let may_be: Vec<&str> = may_be.map(|op| self.op_name(line, op)).collect();
+                let advice = match may_be.as_slice() {
+                    [] => "its switches fit no operation of the chart: bring its axes to a switch by hand".to_owned(),
+                    ops => format!(
+                        "it stands between two switches: look, and name with rejoin the operation that it stands within; by its \
+                         switches that may be `{}`",
+                        ops.join("`, `")
+                    ),
+                };
+                format!("rejoin: {why}; {advice}")
+            }
             None if is_lost => format!(
                 "rejoin: {why}, and its switches fit no place of the chart: bring the axis back to its switch by hand, \
                  or name with rejoin the operation that it stands within"
@@ -111,9 +124,12 @@ impl Controller {
         match place.stage {
             Stage::Operating => self.explain_motion(line, place, reasons),
             Stage::Incomplete => {
-                reasons.push(match self.causes_of_stop[place.op.index()] {
-                    Cause::Released => format!("{name} to be finished or taken back in manual"),
-                    cause => format!("recovery of {name} in manual ({})", cause.text()),
+                // What it stands in is not known before rejoin.
+                let unknown = self.rules.generations && self.views.generation == 0 && self.program.on_order.is_none();
+                reasons.extend(match self.causes_of_stop[place.op.index()] {
+                    Cause::NotAtHome if unknown && !self.program.peers.is_empty() => None,
+                    Cause::Released => Some(format!("{name} to be finished or taken back in manual")),
+                    cause => Some(format!("recovery of {name} in manual ({})", cause.text())),
                 });
                 if self.mode() == ControlMode::Manual {
                     self.explain_guard(line, Place { stage: Stage::Operating, ..place }, reasons);

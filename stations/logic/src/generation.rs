@@ -108,7 +108,7 @@ impl Controller {
 
     /// Whether the station can have been stopped in this operation: all other axes are measured where the chart has them,
     /// and its own one at no switch.
-    fn stands_within(&self, op: OpId) -> bool {
+    pub(crate) fn stands_within(&self, op: OpId) -> bool {
         let alone = self.ops_of_step(usize::from(self.program.step_of[op.index()])).count() == 1;
         let expected = self.program.measured_within[op.index()].filter(|_| alone && self.devices_valid);
         expected.is_some_and(|expected| self.inputs & self.program.switches == expected)

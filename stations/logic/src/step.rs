@@ -60,7 +60,9 @@ impl Controller {
     /// Notes that a position is lost, or measured again.
     fn follow_position(&mut self) {
         let lost = self.position_lost();
-        if lost != self.lost_before {
+        // An axis that is on its way is missed nowhere; whether it is where it should be shows when it has come to rest.
+        let moves = self.tokens().iter().any(|token| self.place(token).is_operating());
+        if lost != self.lost_before && (lost.is_some() || !moves) {
             self.lost_before = lost;
             self.changed = true;
             self.note(lost.map_or(Happening::PositionFound, |(op, input)| Happening::PositionLost(op, input)));
@@ -335,10 +337,24 @@ impl Controller {
             }
         }
         // One request at a time: a command given while another waits is given too early.
-        if must_ask && self.pending.is_none() {
+        if must_ask && self.pending.is_none() && self.may_ask(rows, mode) {
             self.ask(rows, mode);
         }
         fired
+    }
+
+    /// Whether this station and those to be asked could compare counts: without a common generation none agrees, or ever will.
+    fn may_ask(&self, rows: &[u16], mode: ControlMode) -> bool {
+        let needs =
+            rows.iter().map(|&row| &self.program.rows[row as usize]).filter(|row| row.withdraws).fold(0, |all, row| {
+                all | self.dependents(self.taken_back(self.program.actions[row.transition as usize].kind), mode)
+            });
+        let peers = (0..self.views.peers.len()).filter(|&peer| needs & (1 << peer) != 0);
+        if self.rules.generations && self.views.generation == 0 && needs != 0 {
+            return false;
+        }
+        let mut standings = peers.map(|peer| self.views.standing(peer, self.cycle, self.now));
+        standings.all(|standing| standing != crate::views::Standing::OtherGeneration)
     }
 
     fn need_agreement(&self, rows: &[u16], mode: ControlMode) -> bool {
