@@ -17,7 +17,7 @@ use linewright_node_shell::{
 };
 use linewright_station_logic::Founding;
 use linewright_station_node::devices::{Devices, in_words};
-use linewright_station_node::{mode_to_code, quoted, report_from_message};
+use linewright_station_node::{Waiting, mode_to_code, quoted, report_from_message};
 use thiserror::Error;
 use tokio::sync::{mpsc, watch};
 
@@ -25,7 +25,7 @@ use crate::behind::{Behind, inputs_message};
 use crate::cell::{CellError, CellOptions, Playing, Situation};
 use crate::remembered::remembered;
 use crate::topics::{Arrived, Says, open};
-use crate::waiting::{Recorded, Waiting};
+use crate::waiting::Recorded;
 
 /// Why the coordinator's node cannot run, or had to end.
 #[derive(Debug, Error)]
@@ -101,20 +101,17 @@ const ANSWER_EVERY: Duration = Duration::from_millis(20);
 /// How often the mode is told in words when it does not change.
 const TEXT_EVERY: Duration = Duration::from_secs(1);
 
-/// So many messages are taken between two steps, so that no flood of them keeps the bus waiting.
-const TAKEN_AT_ONCE: usize = 256;
-
 pub(crate) struct Shell {
     pub(crate) line: Line,
     pub(crate) clock: Clock,
     pub(crate) shell: CoordinatorShell,
     /// What there is to do, in this order.
     effects: Vec<CoordinatorEffect>,
-    cell: Option<Playing>,
+    pub(crate) cell: Option<Playing>,
     pub(crate) driver: Driver,
     devices: Devices,
     pub(crate) journal: Option<Recorder>,
-    pub(crate) waiting: Waiting,
+    pub(crate) waiting: Waiting<Arrived>,
     says: Says,
     pub(crate) from: mpsc::Receiver<Arrived>,
     tasks: Vec<Forward>,
@@ -230,17 +227,6 @@ impl Shell {
         }
     }
 
-    /// Takes in what has arrived, what has waited first.
-    fn take(&mut self) {
-        if let Some(events) = self.waiting.take_events() {
-            self.bus_events(&events);
-        }
-        for _ in 0..TAKEN_AT_ONCE {
-            let Some(arrived) = self.waiting.arrived.pop_front().or_else(|| self.from.try_recv().ok()) else { break };
-            self.arrived(arrived);
-        }
-    }
-
     fn ignore(&mut self, why: impl std::fmt::Display) {
         self.ignored += 1;
         if self.ignored.is_power_of_two() {
@@ -252,7 +238,7 @@ impl Shell {
         self.shell.handle(self.clock.now(), arrival);
     }
 
-    fn arrived(&mut self, arrived: Arrived) {
+    pub(crate) fn arrived(&mut self, arrived: Arrived) {
         match arrived {
             Arrived::Command(word) => match Command::parse(&word) {
                 Some(command) => {
@@ -318,7 +304,7 @@ impl Shell {
         self.shell.answer_soon();
     }
 
-    fn bus_events(&mut self, events: &[BusEvent]) {
+    pub(crate) fn bus_events(&mut self, events: &[BusEvent]) {
         for event in events {
             match event {
                 BusEvent::InputsChanged { .. } | BusEvent::Answered { .. } => {}

@@ -3,35 +3,19 @@
 //! It waits: what follows the record was decided without it. An emergency stop, by command or from the console, comes first:
 //! what follows the record is dropped then, and decided again.
 
-use std::collections::VecDeque;
-
 use linewright_coordinator_logic::Command;
 use linewright_coordinator_shell::Remembered;
 use linewright_fieldbus::Event as BusEvent;
 use linewright_line::Owner;
 use linewright_line::net::ControlMode;
 
+use crate::cell::Playing;
 use crate::node::{NodeError, Shell};
 use crate::remembered::record_of;
 use crate::topics::Arrived;
 
-/// What has arrived and is not taken yet. A record that takes longer than [`linewright_node_shell::Watchdog::LIMIT`] ends the
-/// process, so this does not grow for ever.
-#[derive(Default)]
-pub(crate) struct Waiting {
-    pub(crate) arrived: VecDeque<Arrived>,
-    pub(crate) events: Vec<BusEvent>,
-}
-
-impl Waiting {
-    pub(crate) fn is_empty(&self) -> bool {
-        self.arrived.is_empty() && self.events.is_empty()
-    }
-
-    pub(crate) fn take_events(&mut self) -> Option<Vec<BusEvent>> {
-        (!self.events.is_empty()).then(|| std::mem::take(&mut self.events))
-    }
-}
+/// So many messages are taken between two steps, so that no flood of them keeps the bus waiting.
+const TAKEN_AT_ONCE: usize = 256;
 
 /// What has become of a record.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
@@ -43,6 +27,21 @@ pub(crate) enum Recorded {
 }
 
 impl Shell {
+    /// Takes in what has arrived, what has waited first.
+    pub(crate) fn take(&mut self) {
+        if let Some(events) = self.waiting.take_events() {
+            self.bus_events(&events);
+        }
+        // All of it: an emergency stop among it must not wait for another record.
+        while let Some(arrived) = self.waiting.arrived.pop_front() {
+            self.arrived(arrived);
+        }
+        for _ in 0..TAKEN_AT_ONCE {
+            let Ok(arrived) = self.from.try_recv() else { break };
+            self.arrived(arrived);
+        }
+    }
+
     /// Writes a record down, after the one that may still be under way.
     pub(crate) async fn remember(&mut self, record: Remembered) -> Result<Recorded, NodeError> {
         let Some(journal) = &self.journal else { return Ok(Recorded::Yes) };
@@ -77,6 +76,11 @@ impl Shell {
                     let may_stop = events.iter().any(of_console);
                     self.waiting.events.extend(events);
                     may_stop
+                }
+                // The cell may have put a station into emergency stop.
+                news = Playing::news(&mut self.cell) => {
+                    news?;
+                    true
                 }
                 arrived = self.from.recv() => {
                     let Some(arrived) = arrived else { return Err(NodeError::Middleware) };

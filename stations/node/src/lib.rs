@@ -17,3 +17,4 @@ mod words;
 pub use convert::{ConvertError, mode_from_code, mode_to_code, report_from_message, report_to_message};
 pub use foreign::quoted;
 pub use node::{NodeError, Options, run};
+pub use waiting::Waiting;

@@ -123,7 +123,7 @@ pub(crate) struct Shell {
     trouble: Option<Trouble>,
     words: Words,
     pub(crate) journal: Option<Recorder>,
-    pub(crate) waiting: Waiting,
+    pub(crate) waiting: Waiting<Arrived>,
     /// Which start of the host this is.
     pub(crate) host: String,
     says: Says,
@@ -235,10 +235,12 @@ impl Shell {
             if let Some(events) = self.waiting.take_events() {
                 self.bus_events(&events);
             }
+            // All of it: an emergency stop among it must not wait for another record.
+            while let Some(arrived) = self.waiting.arrived.pop_front() {
+                self.arrived(arrived);
+            }
             for _ in 0..TAKEN_AT_ONCE {
-                let Some(arrived) = self.waiting.arrived.pop_front().or_else(|| self.from.try_recv().ok()) else {
-                    break;
-                };
+                let Ok(arrived) = self.from.try_recv() else { break };
                 self.arrived(arrived);
             }
             self.act().await?;

@@ -5,27 +5,37 @@
 use std::collections::VecDeque;
 
 use linewright_fieldbus::Event as BusEvent;
+use linewright_line::StationId;
 use linewright_line::net::ControlMode;
 
-use crate::convert::mode_from_code;
+use crate::convert::order_from_message;
 use crate::journal::to_record;
 use crate::node::{NodeError, Shell, next_bus_events};
 use crate::topics::Arrived;
 
 /// What has arrived and is not taken yet. A record that takes longer than [`linewright_node_shell::Watchdog::LIMIT`] ends the
 /// process, so this does not grow for ever.
-#[derive(Default)]
-pub(crate) struct Waiting {
-    pub(crate) arrived: VecDeque<Arrived>,
-    pub(crate) events: Vec<BusEvent>,
+pub struct Waiting<A> {
+    /// Messages, oldest first.
+    pub arrived: VecDeque<A>,
+    /// What the bus has brought.
+    pub events: Vec<BusEvent>,
 }
 
-impl Waiting {
-    pub(crate) fn is_empty(&self) -> bool {
+impl<A> Default for Waiting<A> {
+    fn default() -> Self {
+        Waiting { arrived: VecDeque::new(), events: Vec::new() }
+    }
+}
+
+impl<A> Waiting<A> {
+    /// Nothing has arrived.
+    pub fn is_empty(&self) -> bool {
         self.arrived.is_empty() && self.events.is_empty()
     }
 
-    pub(crate) fn take_events(&mut self) -> Option<Vec<BusEvent>> {
+    /// What the bus has brought, if anything.
+    pub fn take_events(&mut self) -> Option<Vec<BusEvent>> {
         (!self.events.is_empty()).then(|| std::mem::take(&mut self.events))
     }
 }
@@ -50,7 +60,7 @@ impl Shell {
                 },
                 arrived = self.from.recv() => match arrived {
                     Some(arrived) => {
-                        let is_stop = is_emergency_stop(&arrived);
+                        let is_stop = is_emergency_stop(&arrived, (self.station, &self.name));
                         self.waiting.arrived.push_back(arrived);
                         is_stop
                     }
@@ -70,6 +80,7 @@ impl Shell {
     }
 }
 
-fn is_emergency_stop(arrived: &Arrived) -> bool {
-    matches!(arrived, Arrived::Order(order) if mode_from_code(order.mode) == Ok(ControlMode::EStop))
+fn is_emergency_stop(arrived: &Arrived, own: (StationId, &str)) -> bool {
+    let Arrived::Order(order) = arrived else { return false };
+    order_from_message(order, own).is_ok_and(|order| order.mode == ControlMode::EStop)
 }
