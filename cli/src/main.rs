@@ -153,5 +153,8 @@ fn asynchronous(work: impl Future<Output = miette::Result<ExitCode>>) -> miette:
         .enable_all()
         .build()
         .map_err(|error| miette::miette!("cannot start the runtime: {error}"))?;
-    runtime.block_on(work)
+    let ended = runtime.block_on(work);
+    // A record that is still being written by a disk that hangs does not hold up the end.
+    runtime.shutdown_background();
+    ended
 }

@@ -273,7 +273,7 @@ impl Options {
         let mut setting = self.setting(line).with_lost_memories();
         setting.rules.generations = !self.without.contains(&Rule::Generations);
         if !setting.modes.is_empty() && found.iter().all(Exploration::holds) {
-            found.push(self.one(&setting, &format!("{what}, restarted with and without memories"))?);
+            found.push(self.one(&setting, &format!("{what}, restarted with memories, and in auto and hand without"))?);
         }
         Ok(found)
     }

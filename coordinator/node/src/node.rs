@@ -205,7 +205,11 @@ impl Shell {
                     }
                 }
                 // On another manager's bus nothing is sent, and on one that is gone nothing arrives.
-                events = self.driver.next() => self.bus_events(&events?),
+                events = self.driver.next() => {
+                    self.waiting.events.extend(events?);
+                    let events = std::mem::take(&mut self.waiting.events);
+                    self.bus_events(&events);
+                }
                 asked = self.devices.next() => self.devices.ask(asked, &mut self.driver),
                 arrived = self.from.recv() => match arrived {
                     Some(arrived) => self.waiting.arrived.push_back(arrived),
@@ -430,7 +434,7 @@ impl Shell {
         }
     }
 
-    fn send_order(&mut self, sequence: u64) {
+    pub(crate) fn send_order(&mut self, sequence: u64) {
         let order = self.shell.order();
         let found: Vec<Founding> = self.line.station_ids().filter_map(|id| self.shell.order_for(id).found).collect();
         self.says.order.send(ModeOrder {

@@ -6,8 +6,8 @@
 use linewright_coordinator_logic::Command;
 use linewright_coordinator_shell::Remembered;
 use linewright_fieldbus::Event as BusEvent;
-use linewright_line::Owner;
 use linewright_line::net::ControlMode;
+use linewright_line::{Owner, Tick};
 
 use crate::cell::Playing;
 use crate::node::{NodeError, Shell};
@@ -57,7 +57,11 @@ impl Shell {
     /// Waits for the record that is being written. Where it takes longer than images are valid for, outputs of stations go
     /// off: what they follow from is not looked at meanwhile.
     async fn recorded(&mut self) -> Result<Recorded, NodeError> {
-        let mut due = Some(self.clock.now() + self.line.timing.stale);
+        let now = self.clock.now();
+        let mut due = Some(self.shell.images_until(now).unwrap_or(Tick::NEVER).min(now + self.line.timing.stale));
+        // An emergency stop that got lost on its way is given again, whatever the disk does.
+        let in_stop = self.shell.coordinator().mode() == ControlMode::EStop;
+        let mut repeat = in_stop.then(|| now + self.line.timing.refresh);
         while let Some(journal) = &mut self.journal {
             let may_stop = tokio::select! {
                 biased;
@@ -68,15 +72,6 @@ impl Shell {
                         Recorded::No
                     }
                 }),
-                events = self.driver.next() => {
-                    let events = events?;
-                    let of_console = |event: &BusEvent| {
-                        matches!(event, BusEvent::InputsChanged { owner: Owner::Console })
-                    };
-                    let may_stop = events.iter().any(of_console);
-                    self.waiting.events.extend(events);
-                    may_stop
-                }
                 // The cell may have put a station into emergency stop.
                 news = Playing::news(&mut self.cell) => {
                     news?;
@@ -85,8 +80,20 @@ impl Shell {
                 arrived = self.from.recv() => {
                     let Some(arrived) = arrived else { return Err(NodeError::Middleware) };
                     let is_stop = is_emergency_stop(&arrived);
+                    if let Arrived::Outputs(station, image) = &arrived {
+                        let wanted = if image.valid { image.word() } else { 0 };
+                        if let Some(staying) = self.shell.keep_only(*station, wanted) {
+                            self.driver.set_outputs(Owner::Station(*station), staying);
+                        }
+                    }
                     self.waiting.arrived.push_back(arrived);
                     is_stop
+                }
+                () = self.clock.sleep_until(repeat) => {
+                    repeat = Some(self.clock.now() + self.line.timing.refresh);
+                    let sequence = self.shell.repeat_order();
+                    self.send_order(sequence);
+                    false
                 }
                 () = self.clock.sleep_until(due) => {
                     tracing::warn!("the journal is slow: outputs of stations off until it is written");
@@ -96,9 +103,18 @@ impl Shell {
                     }
                     false
                 }
+                events = self.driver.next() => {
+                    let events = events?;
+                    let of_console = |event: &BusEvent| {
+                        matches!(event, BusEvent::InputsChanged { owner: Owner::Console })
+                    };
+                    let may_stop = events.iter().any(of_console);
+                    self.waiting.events.extend(events);
+                    may_stop
+                }
             };
             // In the emergency stop the record comes last.
-            if may_stop && self.shell.coordinator().mode() != ControlMode::EStop {
+            if may_stop && !in_stop {
                 return Ok(Recorded::Interrupted);
             }
         }

@@ -85,6 +85,17 @@ impl Behind {
         }
     }
 
+    /// Of what is on the bus only this stays; nothing if that is all of it. The next step gives outputs anew.
+    pub(crate) fn keep_only(&mut self, bits: u128) -> Option<u128> {
+        let staying = self.on_bus & bits;
+        if staying == self.on_bus {
+            return None;
+        }
+        self.on_bus = staying;
+        self.put = None;
+        Some(staying)
+    }
+
     /// Outputs given in an earlier step are on the bus: had they not been put out, [`Behind::forget`] would have cleared them.
     fn performed(&mut self) {
         if let Some((put, _)) = self.put {

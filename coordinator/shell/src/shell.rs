@@ -320,6 +320,23 @@ impl CoordinatorShell {
         goes_on
     }
 
+    /// Until when the next of the output images in force is not too old.
+    pub fn images_until(&self, now: Tick) -> Option<Tick> {
+        self.gateway.next_deadline(now)
+    }
+
+    /// While a record is being written a newer image of a station has arrived: of what is on its bus only what that image has
+    /// stays. Gives this where something is to go off.
+    pub fn keep_only(&mut self, station: StationId, bits: u128) -> Option<u128> {
+        self.behind.iter_mut().find(|behind| behind.station == station)?.keep_only(bits)
+    }
+
+    /// The order as it stands is given once more, in the emergency stop while a record is being written; its number.
+    pub fn repeat_order(&mut self) -> u64 {
+        self.order_sequence += 1;
+        self.order_sequence
+    }
+
     /// What followed a record was not performed, since an emergency stop arrived while the record was being written. Act again
     /// at once; the record is asked for again.
     pub fn interrupted(&mut self, now: Tick) {

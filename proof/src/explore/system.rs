@@ -307,7 +307,8 @@ impl System {
                 continue;
             }
             let has_base = self.words[link].has_base();
-            if lag == 0 || (has_base && word.base - self.held(state, link).base >= CYCLES_BEHIND_MAX) {
+            let is_apart = has_base && word.has_base() && word.base - self.held(state, link).base >= CYCLES_BEHIND_MAX;
+            if lag == 0 || is_apart {
                 state.mail[link * lag..][..lag].fill(Word::NONE);
                 self.deliver(state, link, word, loose)?;
                 continue;

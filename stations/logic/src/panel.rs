@@ -105,15 +105,23 @@ struct Stop {
     /// Life and epoch in which the coordinator that is followed has ordered it. Only a later epoch of that life ends it:
     /// no other coordinator is known to have heard of it.
     ordered: Option<(u64, u64)>,
-    /// Heard last from this life of a coordinator that was not followed; it counts as still given until then, or until that
+    /// Heard last from these lives of coordinators that were not followed; it counts as still given until then, or until such a
     /// life is the one that is followed: then what it has ordered since counts.
-    other: (u64, Tick),
+    others: [(u64, Tick); OTHERS_MAX],
 }
+
+/// So many coordinators beside the one that is followed are kept apart; of more the latest are.
+const OTHERS_MAX: usize = 3;
 
 impl Stop {
     fn is_given_by_another(&self, followed: u64, now: Tick) -> bool {
-        let (life, until) = self.other;
-        now < until && life != followed
+        self.others.iter().any(|&(life, until)| now < until && life != followed)
+    }
+
+    fn hear_another(&mut self, life: u64, until: Tick) {
+        let known = self.others.iter().position(|&(known, _)| known == life);
+        let oldest = (0..OTHERS_MAX).min_by_key(|&at| self.others[at].1).unwrap_or(0);
+        self.others[known.unwrap_or(oldest)] = (life, until);
     }
 }
 
@@ -184,7 +192,7 @@ impl Commands {
     pub(crate) fn stop(&mut self, now: Tick, life: u64, term: Duration) {
         let stop = self.stop.get_or_insert_default();
         if self.order.is_none_or(|order| order.boot_id != life) {
-            stop.other = (life, now + term);
+            stop.hear_another(life, now + term);
         }
     }
 

@@ -320,7 +320,7 @@ mod tests {
         let refused =
             |record: &[u8]| from_record(&line, StationId(0), record, "host").expect_err("refused").to_string();
         assert!(refused(&without).contains("belongs to another description (orders)"));
-        for odd in ["1006", "-1", "fine", ""] {
+        for odd in ["1007", "-1", "fine", ""] {
             let text = with.replace("\"1004\"", &format!("\"{odd}\""));
             assert_ne!(text, with);
             assert!(refused(text.as_bytes()).contains("(orders)"), "{odd}");

@@ -220,7 +220,11 @@ impl Shell {
                     }
                 }
                 events = next_bus_events(&mut self.driver) => match events {
-                    Ok(events) => self.bus_events(&events),
+                    Ok(events) => {
+                        self.waiting.events.extend(events);
+                        let events = std::mem::take(&mut self.waiting.events);
+                        self.bus_events(&events);
+                    }
                     // On another manager's bus nothing is sent, and on one that is gone nothing arrives.
                     Err(error) => return Err(NodeError::Driver { station: self.name.clone(), error }),
                 },

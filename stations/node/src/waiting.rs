@@ -51,13 +51,6 @@ impl Shell {
             let must_stop = tokio::select! {
                 biased;
                 written = journal.written() => return Ok(written?),
-                events = next_bus_events(&mut self.driver) => match events {
-                    Ok(events) => {
-                        self.waiting.events.extend(events);
-                        false
-                    }
-                    Err(error) => return Err(NodeError::Driver { station: self.name.clone(), error }),
-                },
                 arrived = self.from.recv() => match arrived {
                     Some(arrived) => {
                         let is_stop = is_emergency_stop(&arrived, (self.station, &self.name));
@@ -70,6 +63,13 @@ impl Shell {
                     tracing::warn!(station = self.name, "the journal is slow: outputs off until it is written");
                     true
                 }
+                events = next_bus_events(&mut self.driver) => match events {
+                    Ok(events) => {
+                        self.waiting.events.extend(events);
+                        false
+                    }
+                    Err(error) => return Err(NodeError::Driver { station: self.name.clone(), error }),
+                },
             };
             if must_stop && due.take().is_some() {
                 let off = self.shell.interrupt();

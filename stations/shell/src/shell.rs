@@ -322,7 +322,7 @@ impl StationShell {
     /// that follow in the same effects are not put out, as they were decided on what is old now. All else that follows is
     /// performed, and [`StationShell::act`] is due at once.
     pub fn remembered(&mut self, now: Tick) -> bool {
-        let is_late = now > self.acted + self.refresh || std::mem::take(&mut self.is_interrupted);
+        let is_late = std::mem::take(&mut self.is_interrupted) || now > self.acted + self.refresh;
         if is_late {
             // What it would switch on is not: the image before is the last one that was given.
             if let Some(before) = self.before.take() {

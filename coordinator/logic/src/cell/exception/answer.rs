@@ -132,7 +132,7 @@ impl Coordination {
         if self.state.exceptions().is_down(resource).is_none() {
             return Err(Objection::AlreadySo);
         }
-        let is_its = |firing: &Firing| handling.mode(firing.mode).resources().any(|of| of == resource);
+        let is_its = |firing: &Firing| self.state.concerns(firing, resource);
         let is_open = |(id, _)| self.state.firing(id).is_some_and(is_its);
         if self.state.exceptions().open().any(is_open) {
             return Err(Objection::Open(resource));

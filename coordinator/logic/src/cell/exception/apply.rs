@@ -54,6 +54,9 @@ impl State {
                 About::Resource(resource) => self.known(*resource),
             },
             Step::Missing { resource, mode, part } => self.missing(*resource, *mode, *part),
+            Step::Stopped { station, .. } if !self.table().handling().knows_station(*station) => {
+                Err(format!("station {} is none of this cell", station.0))
+            }
             Step::Stopped { firing, station } => {
                 self.trouble(*firing)?.stopped.push(station.0);
                 self.exceptions.stopped.entry(*station).or_insert(*firing);

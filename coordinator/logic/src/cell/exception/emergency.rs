@@ -14,6 +14,7 @@ use std::collections::BTreeSet;
 
 use linewright_line::{StationId, Tick};
 
+use super::super::firing::Phase;
 use super::super::ids::{FiringId, ResourceId};
 use super::super::orders::{Event, Outbox};
 use super::super::player::Coordination;
@@ -63,9 +64,15 @@ impl Coordination {
         }
         match self.watch.fresh(station, now, self.state.table().handling().stale) {
             None => Some(Objection::NotHeard(station)),
-            // It has not heard of the stop.
-            Some(heard) => heard.slot.map(|_| Objection::Moves(station)),
+            // It has not heard of the stop, or an activity that it works for has not failed yet: the station would be told to go
+            // back, and would do so once it is reset.
+            Some(heard) => (heard.slot.is_some() || self.is_working(station)).then_some(Objection::Moves(station)),
         }
+    }
+
+    fn is_working(&self, station: StationId) -> bool {
+        let mut running = self.state.firings().filter(|firing| firing.phase == Phase::Running);
+        running.any(|firing| firing.orders.iter().any(|order| order.station == station))
     }
 
     /// Why a station could not be told anything.

@@ -141,6 +141,11 @@ impl Handling {
         self.resource(id).map_or("?", |resource| &resource.name)
     }
 
+    /// Whether a station is one of the cell's.
+    pub(super) fn knows_station(&self, station: StationId) -> bool {
+        self.stations.iter().any(|(id, _)| *id == station)
+    }
+
     /// What people call a station.
     pub fn station_name(&self, station: StationId) -> String {
         let known = self.stations.iter().find(|(id, _)| *id == station);

@@ -59,6 +59,10 @@ impl State {
         new.retries = of.retries.into_iter().map(|(mode, part, retry)| ((mode, part), retry)).collect();
         new.stopped = of.stopped.into_iter().map(|(station, firing)| (StationId(station), firing)).collect();
         new.unstopped = of.unstopped.into_iter().map(|(station, key)| (StationId(station), key)).collect();
+        let handling = self.table().handling();
+        if let Some(station) = new.stopped.keys().chain(new.unstopped.keys()).find(|id| !handling.knows_station(**id)) {
+            return Err(format!("station {} in it is none of this cell", station.0));
+        }
         let has = (new.open.len(), new.alarms.len(), new.down.len(), new.retries.len());
         if has != (open, alarms, down, retries) {
             return Err("something of an exception is in it twice".to_owned());
