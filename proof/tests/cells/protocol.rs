@@ -65,7 +65,7 @@ fn loading_in_c1_keeps_the_rules_whatever_disturbs_it_once() {
     assert!(properties(&found).iter().all(|property| property.verdict == Verdict::Holds), "{}", told(&found));
 }
 
-/// The first 300,000 states of the ignored test above; every rule broken below is found among the first 20,000.
+/// The first 300,000 states of the ignored test above; every rule broken below is found among the first 50,000.
 #[test]
 fn loading_in_c1_keeps_the_rules_when_alarm_is_given_as_far_as_is_looked() {
     let (cell, line) = shipped("workcell-c1");
