@@ -201,7 +201,6 @@ fn what_is_not_there_cannot_be_asked_about() {
     assert!(output.status.success() && text(&output.stdout).contains("without --structure"), "{output:?}");
 }
 
-/// What is written is what was checked: as many states, and no deadlock.
 /// The shipped workcell, with a conflict of tasks at the end of its line.
 fn in_conflict(scratch: &Scratch, a: (&str, &str), b: (&str, &str)) -> String {
     let dir = shipped().join("../workcell-c1");
@@ -237,6 +236,7 @@ fn tasks_in_conflict_are_kept_apart_by_the_cell_or_it_is_told_how_they_are_not()
     assert!(text(&plain.stdout).contains("- whether tasks in conflict are ordered at once"), "{plain:?}");
 }
 
+/// What is written is what was checked: as many states, and no deadlock.
 #[test]
 fn the_nets_of_a_cell_are_written_and_are_those_that_were_checked() {
     let scratch = Scratch::new();

@@ -19,7 +19,7 @@ pub(crate) struct StationNode {
     shell: StationShell,
     /// What its disk holds while it is down.
     pub(crate) journal: Option<Snapshot>,
-    /// What was written down last, if that is kept at all: a state follows from what has happened, and is the same.
+    /// The last record, kept with frames only. Without them the state at its death is what was written down.
     disk: Option<Snapshot>,
     /// It dies at its next change, after the record is written and before anything else that follows.
     pub(crate) dies_at_next_record: bool,

@@ -1,6 +1,6 @@
-//! `linewright simulate` leaves out frames and the gateway. It must not come to another end: the same line, played with
-//! images at once and with frames, does the same operations in the same order as far as the chart orders them, and takes
-//! the same time but for messages.
+//! `linewright simulate` leaves out frames and the gateway, unless it is given `--frames`. It must not come to another end:
+//! the same line, played with images at once and with frames, does the same operations in the same order as far as the
+//! chart orders them, and takes the same time but for messages.
 
 use std::collections::BTreeMap;
 use std::time::Duration;

@@ -48,22 +48,7 @@ struct Life {
 }
 
 /// Which way out was taken: of which mode, after the carrier was said to have the part or not.
-type Taken = (ModeId, bool, &'static str, &'static str);
-
-fn words(part: Whereabouts, then: Strategy) -> (&'static str, &'static str) {
-    let part = match part {
-        Whereabouts::From => "from",
-        Whereabouts::To => "to",
-        Whereabouts::Carrier => "carrier",
-        Whereabouts::Gone => "gone",
-    };
-    let then = match then {
-        Strategy::Redo => "redo",
-        Strategy::Backward => "backward",
-        Strategy::Forward => "forward",
-    };
-    (part, then)
-}
+type Taken = (ModeId, bool, Whereabouts, Strategy);
 
 impl Life {
     fn step(&mut self, inputs: &[Input<'_>], wanted: &mut Wanted) -> Vec<Record> {
@@ -170,8 +155,7 @@ impl Check<'_> {
             let name = life.player.state().table().mode_name(mode);
             let way = ways.iter().find(|way| (way.part, way.then) == (ruling.part, ruling.then));
             let way = way.unwrap_or_else(|| panic!("{name}: the net has no {ruling:?}"));
-            let (part, then) = words(ruling.part, ruling.then);
-            self.taken.insert((mode, is_carried, part, then));
+            self.taken.insert((mode, is_carried, ruling.part, ruling.then));
             let mut life = life.clone();
             let mut state = life.player.state().clone();
             let mut records = life.step(&[Input::Answer { alarm, word: &ruling.word }], &mut Wanted::default());
@@ -255,10 +239,7 @@ fn held_against(text: &str) -> (RecoveryNet, usize) {
     assert!(open.is_empty(), "never started: {:?}", open.iter().map(|&mode| table.mode_name(mode)).collect::<Vec<_>>());
     let all = net.errors.iter().flat_map(|part| {
         let ways = part.recoveries.iter().map(|way| (false, way)).chain(part.brought.iter().map(|way| (true, way)));
-        ways.map(|(carried, way)| {
-            let (place, then) = words(way.part, way.then);
-            (part.mode, carried, place, then)
-        })
+        ways.map(|(carried, way)| (part.mode, carried, way.part, way.then))
     });
     let all: BTreeSet<Taken> = all.collect();
     assert_eq!(check.taken, all, "what the player offers, and the ways out of the net");

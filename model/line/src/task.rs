@@ -82,12 +82,12 @@ impl Parameter {
 }
 
 impl Line {
-    /// Whether a conflict is of tasks: who gives the orders keeps its states apart, and no arrows do.
+    /// Whether a conflict is of tasks: orders keep its states apart, and no arrows do.
     pub fn is_of_tasks(&self, conflict: &Conflict) -> bool {
         [conflict.a, conflict.b].iter().all(|span| self.station(span.station).works_on_order())
     }
 
-    /// The line as controllers have it that know of no conflicts of tasks.
+    /// The line without its conflicts of tasks.
     pub fn without_conflicts_of_tasks(&self) -> Line {
         let mut line = self.clone();
         line.conflicts.retain(|conflict| !self.is_of_tasks(conflict));

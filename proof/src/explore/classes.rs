@@ -253,7 +253,7 @@ fn by_itself(
     act: MemberAct,
 ) -> Option<u32> {
     let what = station.facts[act.from as usize].acts[act.nth as usize];
-    // What is lost is not come back to.
+    // A lost memory does not come back: no class holds both.
     if !setting.lumped || !setting.lets(granted, what) || takes_up_a_mode(setting, what) || what == Act::Forget {
         return None;
     }

@@ -65,6 +65,16 @@ fn loading_in_c1_keeps_the_rules_whatever_disturbs_it_once() {
     assert!(properties(&found).iter().all(|property| property.verdict == Verdict::Holds), "{}", told(&found));
 }
 
+/// The first 300,000 states of the ignored test above; every rule broken below is found among the first 50,000.
+#[test]
+fn loading_in_c1_keeps_the_rules_when_alarm_is_given_as_far_as_is_looked() {
+    let (cell, line) = shipped("workcell-c1");
+    let all = ProtocolSetting::new(&cell, &line);
+    let setting = ProtocolSetting { disturbances: 1, states: 300_000, only: Some(LOAD), ..all };
+    let found = check_protocol(&setting).unwrap_or_else(|why| panic!("{why}"));
+    assert_eq!((found.len(), &found[0].wrong, found[0].states >= 300_000), (1, &None, true), "{}", told(&found));
+}
+
 /// What is found with some rules off.
 fn without(only: &'static str, disturbances: u8, change: impl Fn(&mut ProtocolSetting<'_>)) -> BrokenRule {
     let (cell, line) = shipped("workcell-c1");
@@ -140,17 +150,6 @@ fn a_station_that_does_what_it_has_done_does_it_twice() {
 fn an_order_for_another_memory_is_done_twice() {
     let found = without(LOAD, 1, |setting| setting.order_rules.own_memory = false);
     assert_eq!(found.rule, TWICE);
-}
-
-/// Two stations, and somebody who gives alarm, or one other disturbance. That is too much to see all of it; what is broken
-/// has so far been found among the first twenty thousand states.
-#[test]
-fn loading_in_c1_keeps_the_rules_when_alarm_is_given_as_far_as_is_looked() {
-    let (cell, line) = shipped("workcell-c1");
-    let all = ProtocolSetting::new(&cell, &line);
-    let setting = ProtocolSetting { disturbances: 1, states: 300_000, only: Some("load M1"), ..all };
-    let found = check_protocol(&setting).unwrap_or_else(|why| panic!("{why}"));
-    assert_eq!((found.len(), &found[0].wrong, found[0].states >= 300_000), (1, &None, true), "{}", told(&found));
 }
 
 #[test]

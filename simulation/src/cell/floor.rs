@@ -22,6 +22,8 @@ use linewright_station_logic::{
 
 /// Stations answer each other's motions so often at one moment at most.
 const PASSES_MAX: usize = 100;
+/// More motions than any task has.
+const LED_MAX: usize = 100;
 /// Longer than any motion takes.
 const HELD: Duration = Duration::from_secs(6);
 const PRESSED_EVERY: Duration = Duration::from_millis(50);
@@ -40,7 +42,7 @@ pub struct Work {
 }
 
 /// A station's process.
-struct Process {
+struct Running {
     controller: Controller,
     out: station::Outbox,
     /// The image it was told last.
@@ -55,7 +57,7 @@ struct Process {
 pub struct Floor {
     line: Line,
     plant: Plant,
-    processes: Vec<Process>,
+    processes: Vec<Running>,
     now: Tick,
     lives: u64,
     /// The mode of all stations, but for those that are in emergency stop by themselves.
@@ -190,10 +192,8 @@ impl Floor {
             PanelCommand::Advance(_) => PanelCommand::Advance(false),
             PanelCommand::Retract(_) | PanelCommand::Selector(_) => PanelCommand::Retract(false),
         };
-        for _ in 0..PASSES_MAX {
-            let order = self.controller(station).report().order;
-            let moves = self.controller(station).marking().any(|place| place.is_operating());
-            if !moves && order.is_some_and(|order| order.rest.is_some()) {
+        for _ in 0..LED_MAX {
+            if self.is_at_rest(station) {
                 break;
             }
             self.press(station, release);
@@ -205,7 +205,14 @@ impl Floor {
                 self.settle();
             }
         }
+        assert!(self.is_at_rest(station), "{} does not come to a rest", self.line.station(station).name);
         self.now
+    }
+
+    fn is_at_rest(&self, station: StationId) -> bool {
+        let controller = self.controller(station);
+        let moves = controller.marking().any(|place| place.is_operating());
+        !moves && controller.report().order.is_some_and(|order| order.rest.is_some())
     }
 
     fn press(&mut self, station: StationId, button: PanelCommand) {
@@ -213,12 +220,12 @@ impl Floor {
         self.settle();
     }
 
-    fn started(&mut self, id: StationId, restore: Restore) -> Result<Process, CompileError> {
+    fn started(&mut self, id: StationId, restore: Restore) -> Result<Running, CompileError> {
         self.lives += 1;
         let mut controller = Controller::new(&self.line, id, self.lives, restore)?;
         controller.handle(self.now, Input::Order(self.order_for(id)));
         let (out, said) = (station::Outbox::default(), OrderReport::default());
-        Ok(Process { controller, out, image: None, said, down: None })
+        Ok(Running { controller, out, image: None, said, down: None })
     }
 
     /// When something happens by itself.
@@ -394,7 +401,7 @@ impl Floor {
     }
 }
 
-impl Process {
+impl Running {
     /// One step with this image; what it drives.
     fn step(&mut self, now: Tick, image: u128) -> u128 {
         if self.image.replace(image) != Some(image) {

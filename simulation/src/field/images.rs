@@ -33,7 +33,7 @@ impl Slot {
 }
 
 /// The devices of one owner: of a station or, at the end, of the console.
-struct Rack {
+struct Owned {
     owner: Owner,
     slots: Vec<Slot>,
     /// Of lost devices: inputs as last seen, outputs as last heard.
@@ -49,14 +49,14 @@ struct Rack {
 /// The plant behind its devices.
 pub(crate) struct Images {
     plant: Plant,
-    racks: Vec<Rack>,
+    owned: Vec<Owned>,
     timeout: std::time::Duration,
 }
 
 impl Images {
     pub(crate) fn new(line: &Line, options: PlantOptions) -> Self {
         let owners = line.station_ids().map(Owner::Station).chain([Owner::Console]);
-        let rack = |owner: Owner| Rack {
+        let owned = |owner: Owner| Owned {
             owner,
             slots: line.devices.iter().enumerate().filter(|(_, d)| d.owner == owner).map(slot).collect(),
             frozen_inputs: 0,
@@ -68,7 +68,7 @@ impl Images {
         };
         Images {
             plant: Plant::new(line, options),
-            racks: owners.map(rack).collect(),
+            owned: owners.map(owned).collect(),
             timeout: line.timing.heartbeat_timeout,
         }
     }
@@ -79,22 +79,22 @@ impl Images {
 
     /// Whether the console has devices at all.
     pub(crate) fn has_console(&self) -> bool {
-        self.racks.last().is_some_and(|rack| !rack.slots.is_empty())
+        self.owned.last().is_some_and(|owned| !owned.slots.is_empty())
     }
 
-    /// Lets time pass for everything, and notices what is to be noticed at rack `at`.
+    /// Lets time pass for everything, and notices what is to be noticed of owner `at`.
     pub(crate) fn poll(&mut self, now: Tick, at: usize) {
         self.plant.advance(now);
-        let rack = &mut self.racks[at];
+        let owned = &mut self.owned[at];
         let mut changes = false;
-        for slot in rack.slots.iter_mut().filter(|slot| slot.is_due(now)) {
+        for slot in owned.slots.iter_mut().filter(|slot| slot.is_due(now)) {
             slot.is_noticed = true;
-            rack.frozen_outputs &= !slot.outputs;
+            owned.frozen_outputs &= !slot.outputs;
             changes = true;
         }
-        if rack.runs_out <= now {
-            rack.asked = 0;
-            rack.runs_out = Tick::NEVER;
+        if owned.runs_out <= now {
+            owned.asked = 0;
+            owned.runs_out = Tick::NEVER;
             changes = true;
         }
         if changes {
@@ -104,50 +104,50 @@ impl Images {
 
     /// The image of an owner's inputs, and whether its devices vouch for it.
     pub(crate) fn image(&self, at: usize) -> (u128, bool) {
-        let rack = &self.racks[at];
-        let gone = rack.slots.iter().any(|slot| slot.is_lost() && slot.is_noticed);
-        let bits = self.plant.inputs(rack.owner) & !rack.lost_inputs | rack.frozen_inputs;
+        let owned = &self.owned[at];
+        let gone = owned.slots.iter().any(|slot| slot.is_lost() && slot.is_noticed);
+        let bits = self.plant.inputs(owned.owner) & !owned.lost_inputs | owned.frozen_inputs;
         if gone { (0, false) } else { (bits, true) }
     }
 
     /// What an owner asks of its outputs from now on.
     pub(crate) fn ask(&mut self, now: Tick, at: usize, outputs: u128) {
         self.plant.advance(now);
-        self.racks[at].asked = outputs;
+        self.owned[at].asked = outputs;
         self.carry(now, at);
     }
 
     fn carry(&mut self, now: Tick, at: usize) {
-        let rack = &self.racks[at];
-        let outputs = rack.asked & !rack.lost_outputs | rack.frozen_outputs;
-        self.plant.set_outputs(now, rack.owner, outputs);
+        let owned = &self.owned[at];
+        let outputs = owned.asked & !owned.lost_outputs | owned.frozen_outputs;
+        self.plant.set_outputs(now, owned.owner, outputs);
     }
 
-    /// When a rack wants to be polled next.
+    /// When an owner's devices want to be polled next.
     pub(crate) fn deadline(&self, at: usize) -> Tick {
-        let rack = &self.racks[at];
-        let change = match rack.owner {
+        let owned = &self.owned[at];
+        let change = match owned.owner {
             Owner::Station(id) => self.plant.next_change_of(id).unwrap_or(Tick::NEVER),
             Owner::Console => Tick::NEVER,
         };
-        let noticed = rack.slots.iter().filter(|slot| slot.is_lost() && !slot.is_noticed).map(|slot| slot.noticed);
-        noticed.fold(change, Tick::min).min(rack.runs_out)
+        let noticed = owned.slots.iter().filter(|slot| slot.is_lost() && !slot.is_noticed).map(|slot| slot.noticed);
+        noticed.fold(change, Tick::min).min(owned.runs_out)
     }
 
     /// The owner's process has died: what it asked for stands until `until`.
     pub(crate) fn owner_down(&mut self, at: usize, until: Tick) {
-        self.racks[at].runs_out = until;
+        self.owned[at].runs_out = until;
     }
 
     /// The owner's process is back.
     pub(crate) fn owner_up(&mut self, now: Tick, at: usize) {
-        self.racks[at].runs_out = Tick::NEVER;
+        self.owned[at].runs_out = Tick::NEVER;
         self.ask(now, at, 0);
     }
 
-    /// Unplugs a device of the description, or plugs it in again. Gives the rack it is in.
+    /// Unplugs a device of the description, or plugs it in again. Gives the place of its owner.
     pub(crate) fn unplug(&mut self, now: Tick, device: usize, unplugged: bool) -> Option<usize> {
-        let at = self.racks.iter().position(|rack| rack.slots.iter().any(|slot| slot.device == device))?;
+        let at = self.owned.iter().position(|owned| owned.slots.iter().any(|slot| slot.device == device))?;
         self.lose(now, at, |slot| {
             if slot.device == device {
                 slot.unplugged = unplugged;
@@ -158,12 +158,12 @@ impl Images {
 
     /// Whether a device of the description is unplugged.
     pub(crate) fn is_unplugged(&self, device: usize) -> bool {
-        self.racks.iter().flat_map(|rack| &rack.slots).any(|slot| slot.device == device && slot.unplugged)
+        self.owned.iter().flat_map(|owned| &owned.slots).any(|slot| slot.device == device && slot.unplugged)
     }
 
     /// The node that reads the line's bus is down, or up again.
     pub(crate) fn bus_read(&mut self, now: Tick, line: &Line, read: bool) {
-        for at in 0..self.racks.len() {
+        for at in 0..self.owned.len() {
             self.lose(now, at, |slot| {
                 if line.devices[slot.device].bus == Bus::Line {
                     slot.unread = !read;
@@ -174,27 +174,27 @@ impl Images {
 
     fn lose(&mut self, now: Tick, at: usize, change: impl Fn(&mut Slot)) {
         self.plant.advance(now);
-        let seen = self.plant.inputs(self.racks[at].owner);
+        let seen = self.plant.inputs(self.owned[at].owner);
         let noticed = now + self.timeout;
-        let rack = &mut self.racks[at];
-        for slot in &mut rack.slots {
+        let owned = &mut self.owned[at];
+        for slot in &mut owned.slots {
             let was = slot.is_lost();
             change(slot);
             if slot.is_lost() && !was {
                 (slot.noticed, slot.is_noticed) = (noticed, false);
-                rack.lost_inputs |= slot.inputs;
-                rack.lost_outputs |= slot.outputs;
-                rack.frozen_inputs |= seen & slot.inputs;
-                rack.frozen_outputs |= rack.asked & slot.outputs;
+                owned.lost_inputs |= slot.inputs;
+                owned.lost_outputs |= slot.outputs;
+                owned.frozen_inputs |= seen & slot.inputs;
+                owned.frozen_outputs |= owned.asked & slot.outputs;
             }
             if was && !slot.is_lost() {
-                rack.lost_inputs &= !slot.inputs;
-                rack.lost_outputs &= !slot.outputs;
-                rack.frozen_inputs &= !slot.inputs;
-                rack.frozen_outputs &= !slot.outputs;
+                owned.lost_inputs &= !slot.inputs;
+                owned.lost_outputs &= !slot.outputs;
+                owned.frozen_inputs &= !slot.inputs;
+                owned.frozen_outputs &= !slot.outputs;
                 if slot.is_noticed {
                     // It started over: what was asked for before is not put on again.
-                    rack.asked &= !slot.outputs;
+                    owned.asked &= !slot.outputs;
                 }
             }
         }
@@ -211,7 +211,7 @@ impl Images {
 
     pub(crate) fn force(&mut self, now: Tick, at: usize, input: InputId, value: Option<bool>) {
         self.plant.advance(now);
-        self.plant.force(self.racks[at].owner, input, value);
+        self.plant.force(self.owned[at].owner, input, value);
     }
 }
 

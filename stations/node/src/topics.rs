@@ -30,7 +30,7 @@ pub enum Arrived {
     Retract(bool),
     /// Somebody orders a task, or no longer wants it.
     Goal(Asked<RunTaskGoal>),
-    /// An order is to be left be.
+    /// An order is to be left; with true, the station is to stop at once.
     Secure(OrderKey, bool),
 }
 

@@ -1,9 +1,9 @@
-//! Stations that are not treated like the rest of the line, and how the mode reads that has them.
+//! Stations that are left out of the mode decision or in emergency stop by themselves; and the mode in words.
 //!
 //! In a cell the trouble of a station is an exception of its order. The station is then left out of the mode decision, or it
 //! is in emergency stop by itself, whatever the mode: which ones, the cell says again and again, and nothing here remembers it.
 //! A station leaves its emergency stop only by an epoch of its own, so that no order which is older than its reset can end it;
-//! until it has heard of that epoch its being stopped is no news.
+//! until it has acknowledged that epoch, its report of an emergency stop is ignored.
 
 use linewright_line::StationId;
 use linewright_line::net::ControlMode;

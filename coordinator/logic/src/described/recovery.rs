@@ -45,10 +45,6 @@ pub struct ErrorPart {
     pub asked: PlaceId,
     /// The carrier has the part, and somebody is asked again.
     pub carried: Option<PlaceId>,
-    /// The start.
-    pub start: TransitionId,
-    /// The end.
-    pub end: TransitionId,
     /// The ways out of `asked`.
     pub recoveries: Vec<Recovery>,
     /// The ways out of `carried`.
@@ -91,21 +87,12 @@ fn ways(handling: &Handling, mode: ModeId) -> Vec<Way> {
         let possible = possible.filter(|&(part, then)| can_be(part) && (then != Strategy::Redo || rule.retries > 0));
         // Once it has been tried often enough, what is left are the others; the usual ones where there are none.
         usual |= !possible.clone().any(|(_, then)| then != Strategy::Redo);
-        ways.extend(possible.map(index));
+        ways.extend(possible);
     }
     if usual {
-        ways.extend(USUAL.into_iter().filter(|(part, _)| can_be(*part)).map(index));
+        ways.extend(USUAL.into_iter().filter(|(part, _)| can_be(*part)));
     }
-    ways.into_iter().map(|(part, then)| (PARTS[part], STRATEGIES[then])).collect()
-}
-
-const PARTS: [Whereabouts; 4] = [Whereabouts::From, Whereabouts::To, Whereabouts::Carrier, Whereabouts::Gone];
-const STRATEGIES: [Strategy; 3] = [Strategy::Redo, Strategy::Backward, Strategy::Forward];
-
-/// The places of a way in the two lists above: an order.
-fn index((part, then): Way) -> (usize, usize) {
-    let part = PARTS.iter().position(|of| *of == part).unwrap_or_default();
-    (part, STRATEGIES.iter().position(|of| *of == then).unwrap_or_default())
+    ways.into_iter().collect()
 }
 
 fn word((part, then): Way) -> String {
@@ -194,7 +181,7 @@ impl Builder<'_> {
         let brought = carried
             .map(|carried| self.ways_out(mode, &format!("{name}.carried"), usual.collect(), [carried, idle], None))
             .unwrap_or_default();
-        ErrorPart { mode, busy, failed, asked, carried, start, end, recoveries, brought }
+        ErrorPart { mode, busy, failed, asked, carried, recoveries, brought }
     }
 
     fn ways_out(

@@ -33,8 +33,8 @@ fn a_person_can_give_alarm_of_a_machine() {
     bench.all_leave(2);
 }
 
-/// Nobody who gives alarm watches the way back: a station that is on it stops as well, whoever failed before, and in
-/// whichever life of the coordinator.
+/// After an alarm a station on its way back stops as well, whatever had failed before, and in whichever life of the
+/// coordinator.
 #[test]
 fn an_alarm_stops_what_goes_back_from_another_failure() {
     for crash in [false, true] {

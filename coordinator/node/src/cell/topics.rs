@@ -53,7 +53,7 @@ impl Says {
         }
     }
 
-    /// Tells a station to leave an order be.
+    /// Tells a station to leave an order, or with `stop` to stand at once.
     pub fn secure(&self, station: StationId, key: OrderKey, stop: bool) {
         if let Some(station) = self.station(station) {
             station.secure.send(SecureOrder { epoch: key.epoch, id: key.id, stop });

@@ -17,9 +17,9 @@
 //!
 //! Disturbances, that is faults, restarts, alarms given by hand, reports that are heard late and people who lead a station on
 //! or back by one motion in manual mode, are limited in number ([`ProtocolSetting::disturbances`]). What was sent to stations
-//! may always be lost, late and doubled. Nothing is looked at after the next start at these stations. Not explored: hand mode, emergency stops,
-//! what happens while a station is led, sensors that contradict an answer, and a station that is not heard for so long that
-//! the player goes on without it and records that.
+//! may always be lost, late and doubled. Nothing is looked at after the next start at these stations. Not explored: hand
+//! mode, emergency stops, what happens while a station is led, sensors that contradict an answer, and a station that is not
+//! heard for so long that the player goes on without it and records that.
 
 mod players;
 mod search;
@@ -82,7 +82,7 @@ pub struct ActivityExplored {
     pub stations: Vec<String>,
     /// States seen.
     pub states: usize,
-    /// Faults, restarts and alarms given by hand have occurred.
+    /// Faults, restarts and alarms given by hand were allowed.
     pub disturbed: bool,
     /// Everything was seen, or something wrong.
     pub exhausted: bool,

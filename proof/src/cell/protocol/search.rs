@@ -183,7 +183,7 @@ impl Search<'_> {
         let name = &self.setting.line.station(self.stations[nth]).name;
         let twice = machine.twice.then(|| (TWICE, format!("{name} does again what it has done")));
         let on = machine.moves_on.then(|| (STOPPED, format!("{name} moves though it has heard of the alarm")));
-        let ended = machine.goes_on().map(|_| (ENDED, format!("{name} says that it has ended what it is still at")));
+        let ended = machine.goes_on().then(|| (ENDED, format!("{name} says that it has ended what it is still at")));
         for (rule, end) in twice.into_iter().chain(on).chain(ended) {
             self.found(from, by, rule, end);
         }

@@ -196,11 +196,11 @@ impl Machine {
         self.controller.marking().find(|place| place.is_operating() && drives(place))
     }
 
-    /// The order that it says has ended while it is still at it, unless it was told to go back from it.
-    pub fn goes_on(&self) -> Option<OrderKey> {
-        let report = self.controller.report().order?;
-        let slot = report.slot.map(|slot| slot.key).filter(|key| self.secured != Some(*key))?;
-        report.results.iter().any(|(key, _)| *key == slot).then_some(slot)
+    /// Whether it says that an order has ended which it is still at, unless it was told to go back from it.
+    pub fn goes_on(&self) -> bool {
+        let Some(report) = self.controller.report().order else { return false };
+        let slot = report.slot.map(|slot| slot.key).filter(|key| self.secured != Some(*key));
+        slot.is_some_and(|slot| report.results.iter().any(|(key, _)| *key == slot))
     }
 
     /// The order it has or goes back from, if it does, and whether anything moves.

@@ -139,7 +139,7 @@ pub struct Ruling {
 }
 
 /// Where a part is after a failure.
-#[derive(Clone, Copy, Debug, PartialEq, Eq, Serialize, Deserialize)]
+#[derive(Clone, Copy, Debug, PartialEq, Eq, PartialOrd, Ord, Serialize, Deserialize)]
 #[serde(rename_all = "kebab-case")]
 pub enum Whereabouts {
     /// Where it was.
@@ -153,7 +153,7 @@ pub enum Whereabouts {
 }
 
 /// How to go on after a failure. The source names the three (seed 000, L3101-3104); what they mean here is ours.
-#[derive(Clone, Copy, Debug, PartialEq, Eq, Serialize, Deserialize)]
+#[derive(Clone, Copy, Debug, PartialEq, Eq, PartialOrd, Ord, Serialize, Deserialize)]
 #[serde(rename_all = "kebab-case")]
 pub enum Strategy {
     /// The same once more, from its beginning.
@@ -192,7 +192,7 @@ pub struct Difference {
 pub enum DownCause {
     /// Somebody has said so.
     ByHand {
-        /// And why; empty if not.
+        /// Always empty; logs from before alarms had a cause of their own have a text.
         text: String,
     },
     /// Somebody has given alarm of it: nothing that it takes part in may move by itself.

@@ -73,7 +73,7 @@ pub(super) fn stations_on_order_are_not_joined(draft: &Draft<'_>, report: &mut R
     }
 }
 
-/// Two tasks are kept apart by who gives the orders, two stretches by arrows; nothing keeps one of each apart.
+/// Two tasks are kept apart by orders, two stretches by arrows; nothing keeps one of each apart.
 pub(super) fn tasks_are_in_conflict_with_tasks(draft: &Draft<'_>, report: &mut Report) {
     let on_order = |station: crate::StationId| draft.stations[station.index()].works_on_order();
     for conflict in &draft.conflicts {
