@@ -16,7 +16,7 @@ use linewright_msgs::{ModeOrder, StationState};
 use linewright_node_shell::{Node, Participant, RosArgs, qos};
 
 use crate::support::operator::Operator;
-use crate::support::rig::{Rig, line, send_signal};
+use crate::support::rig::{OWN_BUS, Rig, line, send_signal};
 use crate::support::{PATIENCE, pause, wait_for};
 
 const OTHER: u64 = 4711;
@@ -95,7 +95,9 @@ fn a_second_coordinator_ends_and_names_the_first() {
 
 #[test]
 fn while_two_coordinators_are_up_nothing_moves_and_the_emergency_stop_of_either_is_obeyed() {
-    let mut rig = Rig::new(&line(1.0));
+    // The mill drives its devices itself, the others are behind the gateway.
+    let own = format!("name = \"mill_1\"\nbus = \"{OWN_BUS}\"\n");
+    let mut rig = Rig::new(&line(1.0).replacen("name = \"mill_1\"\n", &own, 1));
     let operator = rig.in_auto();
     for stops in [both_stop_by_the_other as fn(&Operator, &Other), both_stop_by_the_followed] {
         rig.eye.wait("something moves", |seen| !seen.energised().is_empty());
