@@ -64,7 +64,7 @@ fn lead_home(sim: &mut Sim, lost: StationId, stood: Place) {
     if sim.mode() != Some(ControlMode::Manual) {
         sim.go_manual();
     }
-    let asks = |sim: &Sim| sim.blocked_by(lost).iter().any(|reason| reason.contains("rejoin"));
+    let asks = |sim: &Sim| sim.blocked_by(lost).iter().any(|reason| reason.contains("confirm that with rejoin"));
     let is_home = |sim: &Sim, id: StationId| sim.controller(id).is_some_and(|c| c.is_at_home());
     if !is_home(sim, lost) {
         let within = (!asks(sim)).then_some(stood.op);
