@@ -38,8 +38,6 @@ type Result<T> = std::result::Result<T, Box<dyn std::error::Error>>;
 const TIME_SCALE: f64 = 100.0;
 const BAR: StationId = StationId(0);
 const JOURNALS: &[&str] = &["coordinator.journal", "transfer.journal", "clamp_1.journal", "mill_1.journal"];
-/// Each takes many seconds, since every way into manual is written down.
-const SLOW_SAMPLES: usize = 20;
 /// A held button is sent over and over.
 const REFRESH: Duration = Duration::from_millis(20);
 const PATIENCE: Duration = Duration::from_secs(20);
@@ -67,12 +65,11 @@ async fn arrangement(own: bool, samples: usize) -> Result<()> {
         let loaded = Loaded::begin(load, &running.dir.join("state"))?;
         let slow = if load == Load::SlowRecords { JOURNALS } else { [].as_slice() };
         let gates = gates.get().ok_or("the processes have gates")?;
-        let _slow: Vec<Gate> = slow.iter().map(|name| gates.delay(name, 1000)).collect();
-        let samples = if load == Load::SlowRecords { samples.min(SLOW_SAMPLES) } else { samples };
+        let slow = || slow.iter().map(|name| gates.delay(name, 1000)).collect();
         for by_frame in [false, true] {
             let mut all = Vec::new();
             for nth in 0..samples {
-                all.push(bench.sample(by_frame, nth).await?);
+                all.push(bench.sample(by_frame, nth, slow).await?);
             }
             let what = if by_frame { "console's frame" } else { "command" };
             print_samples(&format!("{}: {what} to outputs off", load.text()), &mut all);
@@ -127,7 +124,9 @@ impl Bench {
     }
 
     /// The bar moves in manual mode, is stopped, and everything is reset again.
-    async fn sample(&mut self, by_frame: bool, nth: usize) -> Result<Duration> {
+    /// With `slow` the disk is so from shortly before the stop until the outputs are off: a line whose every record takes longer
+    /// than its ages does not move at all.
+    async fn sample(&mut self, by_frame: bool, nth: usize, slow: impl Fn() -> Vec<Gate>) -> Result<Duration> {
         let end = Instant::now() + PATIENCE;
         let mut due = Instant::now();
         while self.outputs == 0 {
@@ -152,6 +151,7 @@ impl Bench {
             self.advance.send(Flag { data: true });
             self.watch(REFRESH + Duration::from_micros(500 * (nth as u64 % 7)), None).await;
         }
+        let slow = slow();
         let given = Instant::now();
         if by_frame {
             self.press(true)?;
@@ -166,6 +166,7 @@ impl Bench {
             off = self.watch(REFRESH, Some(0)).await;
             self.advance.send(Flag { data: true });
         }
+        drop(slow);
         self.advance.send(Flag { data: false });
         self.watch(Duration::from_millis(200), None).await;
         self.press(false)?;
