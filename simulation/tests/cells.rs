@@ -32,6 +32,17 @@ struct Shipped {
     parts: u32,
 }
 
+/// The robot of C1 misses what it grasps for M1 or M2, or does not any more.
+fn grasps(of: &Shipped, sim: &mut CellSim, fault: Option<Fault>) {
+    let robot = of.line.station_named("robot").expect("there");
+    let now = sim.now;
+    let plant = sim.floor.as_mut().expect("real stations").plant_mut();
+    for machine in ["m1", "m2"] {
+        let grasp = of.line.station(robot).operation_named(&format!("grasp for {machine}"));
+        plant.inject(now, robot, grasp.expect("it does that"), fault);
+    }
+}
+
 fn shipped(name: &str, parts: &[u32]) -> Shipped {
     shipped_but(name, parts, |text| text)
 }
@@ -305,15 +316,7 @@ fn the_story_of_a_part_that_was_not_grasped_with_real_stations() {
     let mut sim = of.sim(options(1, 0, Vec::new()), 0.0);
     let mut dispatcher = dispatcher(&of.cell, &of.table);
     let robot = of.line.station_named("robot").expect("there");
-    let grasps = |sim: &mut CellSim, fault| {
-        let now = sim.now;
-        let plant = sim.floor.as_mut().expect("real stations").plant_mut();
-        for machine in ["m1", "m2"] {
-            let grasp = of.line.station(robot).operation_named(&format!("grasp for {machine}"));
-            plant.inject(now, robot, grasp.expect("it does that"), fault);
-        }
-    };
-    grasps(&mut sim, Some(Fault::Miss));
+    grasps(&of, &mut sim, Some(Fault::Miss));
 
     // It has come to rest when the robot's 24 s are over, and what was loaded is where it was.
     sim.run(&mut dispatcher, LONG);
@@ -345,7 +348,7 @@ fn the_story_of_a_part_that_was_not_grasped_with_real_stations() {
     assert!(sim.state().firings().next().is_some(), "the loading is open");
 
     // The gripper works again; the part has not left its slot. That is said, and believed.
-    grasps(&mut sim, None);
+    grasps(&of, &mut sim, None);
     let word = "in-store";
     sim.say(&mut dispatcher, &[Input::Answer { alarm, word }]);
     assert_eq!(lies(&sim), in_store);

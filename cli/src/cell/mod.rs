@@ -31,7 +31,7 @@ const TRIES: u32 = 10;
 /// So long after a first state a newer one may still come: it is told ten times a second when something changes.
 const SETTLE: Duration = Duration::from_millis(250);
 
-/// A coordinator that has not told its cell's state for this long may have been replaced: twice its period, and some.
+/// The age at which a coordinator's last `CellState` no longer shows that this coordinator runs: two and a half periods.
 const SILENT: Duration = Duration::from_millis(2500);
 
 /// A person's connection to a cell.

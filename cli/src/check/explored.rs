@@ -267,7 +267,8 @@ impl Options {
         Limits { states: self.states, bytes: self.memory.saturating_mul(1 << 20) }
     }
 
-    /// With memories that last, and with memories that get lost. What is wrong with the first need not be found twice.
+    /// The exploration with intact memories, then the one with restarts and lost memories; only the first where a property fails
+    /// in it.
     fn both(&self, line: &Line, what: &str) -> Result<Vec<Exploration>, NotExplorable> {
         let mut found = self.each(line, what)?;
         let mut setting = self.setting(line).with_lost_memories();

@@ -23,7 +23,7 @@ const RING: &str = "what a report can do that arrives after newer ones were sent
      other in a ring of three or more, where that may matter";
 /// What parts leave open.
 const IN_PARTS: &str = "whether home can be reached from every state of the whole line: parts decide conflicts alone";
-/// What no line alone says of tasks.
+/// Reported as not decided for a line without its cell that has conflicts of tasks.
 const TASKS: &str = "whether tasks in conflict are ordered at once: a cell's description says what is ordered";
 
 /// Everything that was found.

@@ -17,7 +17,7 @@ use tempfile::TempDir;
 use crate::support::rig::{free_domain, line, send_signal};
 use crate::support::{PATIENCE, alone, wait_for};
 
-/// A machine whose runtime directory nobody else uses. Nothing says where its virtual buses are to be.
+/// A runtime directory of its own, as on another machine. LINEWRIGHT_BUS_DIR is not set.
 struct Machine {
     directory: TempDir,
     _alone: RwLockWriteGuard<'static, ()>,

@@ -4,7 +4,7 @@ use std::fs::{self, File};
 use std::path::{Path, PathBuf};
 use std::process::Command;
 
-/// The directory that says which files have to wait, and the library that lets them.
+/// A directory with one file for each name whose writes are delayed, and the preloaded library that reads it.
 pub struct Gates {
     directory: PathBuf,
     library: PathBuf,

@@ -220,7 +220,7 @@ impl Rig {
         symlink(path, self.state().join(format!("{name}.log"))).expect("a link");
     }
 
-    /// What one process logs goes into a pipe that is full, and that nobody reads.
+    /// The log of one process becomes a full pipe without a reader.
     pub fn log_into_a_full_pipe(&self, name: &str) -> FullPipe {
         let path = self.state().join(format!("{name}.log"));
         let made = Command::new("mkfifo").arg(&path).status().expect("the mkfifo command is there");
@@ -280,7 +280,7 @@ impl Rig {
     }
 }
 
-/// Keeps a pipe open that nobody reads.
+/// An open pipe without a reader.
 pub struct FullPipe {
     _open: File,
 }

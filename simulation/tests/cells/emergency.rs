@@ -10,7 +10,7 @@ use linewright_plant::Fault;
 use linewright_simulation::cell::CellSim;
 use linewright_station_logic::PanelCommand;
 
-use super::{LONG, dispatcher, is_machined, options, shipped_but};
+use super::{LONG, dispatcher, grasps, is_machined, options, shipped_but};
 
 const MILLIS: fn(u64) -> Duration = Duration::from_millis;
 
@@ -27,15 +27,7 @@ fn the_stations_of_a_failed_loading_go_into_emergency_stop_and_the_others_work_o
         let mut dispatcher = dispatcher(&of.cell, &of.table);
         let robot = of.line.station_named("robot").expect("there");
         // The first part that goes to M1 or M2 is missed.
-        let grasps = |sim: &mut CellSim, fault| {
-            let now = sim.now;
-            let plant = sim.floor.as_mut().expect("real stations").plant_mut();
-            for machine in ["m1", "m2"] {
-                let grasp = of.line.station(robot).operation_named(&format!("grasp for {machine}"));
-                plant.inject(now, robot, grasp.expect("it does that"), fault);
-            }
-        };
-        grasps(&mut sim, Some(Fault::Miss));
+        grasps(&of, &mut sim, Some(Fault::Miss));
         let mut now = Tick::ZERO;
         let firing = loop {
             now = now + MILLIS(10);
@@ -82,7 +74,7 @@ fn the_stations_of_a_failed_loading_go_into_emergency_stop_and_the_others_work_o
             sim.say(&mut dispatcher, &[Input::Reset(station)]);
             assert_eq!(mode(&sim, station), ControlMode::Manual, "{:?}", sim.events.last());
         }
-        grasps(&mut sim, None);
+        grasps(&of, &mut sim, None);
         let floor = sim.floor.as_mut().expect("real stations");
         for &station in &stations {
             now = now.max(floor.lead(station, PanelCommand::Retract(true)));

@@ -10,7 +10,7 @@ use linewright_plant::Fault;
 use linewright_simulation::Rng;
 use linewright_simulation::cell::{CellOptions, CellSim};
 
-use super::{LONG, Shipped, dispatcher, is_machined, options, shipped};
+use super::{LONG, Shipped, dispatcher, grasps, is_machined, options, shipped};
 
 const MILLIS: fn(u64) -> Duration = Duration::from_millis;
 
@@ -31,15 +31,7 @@ fn run(of: &Shipped, options: CellOptions, fast: Duration) -> bool {
     sim.floor.as_mut().expect("real stations").fast = fast;
     let mut dispatcher = dispatcher(&of.cell, &of.table);
     let robot = of.line.station_named("robot").expect("there");
-    let grasps = |sim: &mut CellSim, fault| {
-        let now = sim.now;
-        for machine in ["m1", "m2"] {
-            let grasp = of.line.station(robot).operation_named(&format!("grasp for {machine}"));
-            let plant = sim.floor.as_mut().expect("real stations").plant_mut();
-            plant.inject(now, robot, grasp.expect("it does that"), fault);
-        }
-    };
-    grasps(&mut sim, Some(Fault::Miss));
+    grasps(of, &mut sim, Some(Fault::Miss));
     let (mut now, mut station_first, mut told) = (Tick::ZERO, None, None);
     loop {
         now = now + MILLIS(5);
@@ -61,7 +53,7 @@ fn run(of: &Shipped, options: CellOptions, fast: Duration) -> bool {
             told = Some(alarm.id);
         }
         let moving: Vec<StationId> = of.line.station_ids().filter(|&station| moves(of, &sim, station)).collect();
-        grasps(&mut sim, None);
+        grasps(of, &mut sim, None);
         sim.say(&mut dispatcher, &[Input::Answer { alarm: alarm.id, word: "in-store" }]);
         if sim.state().exceptions().alarm(alarm.id).is_none() {
             assert_eq!(moving, [], "{seed}: it was taken at {} while these move", sim.now);

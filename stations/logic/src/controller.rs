@@ -184,16 +184,7 @@ impl Controller {
         let views = Views::new(&program, &operations_of, line.timing.stale);
         let round = described.initial_round();
         let counts: Vec<i32> = described.op_ids().map(|op| described.home_count(op, round)).collect();
-        let idle = Token {
-            place: program.home_place,
-            run: Run::Auto,
-            left_start: true,
-            awaits_image: false,
-            driven_since: 0,
-            driven: false,
-            deadline: Tick::NEVER,
-            remaining: Duration::ZERO,
-        };
+        let idle = Token::at(program.home_place);
         let mut controller = Controller {
             rules: Rules::default(),
             boot_id,

@@ -26,6 +26,22 @@ pub struct Founding {
     pub boot_id: u64,
 }
 
+impl Token {
+    /// It stands in this place, and nothing of its motion has been driven.
+    pub fn at(place: u16) -> Self {
+        Token {
+            place,
+            run: Run::Auto,
+            left_start: true,
+            awaits_image: false,
+            driven_since: 0,
+            driven: false,
+            deadline: Tick::NEVER,
+            remaining: std::time::Duration::ZERO,
+        }
+    }
+}
+
 impl Controller {
     /// The generation its counts belong to; 0 for none.
     pub fn generation(&self) -> u64 {
@@ -78,16 +94,7 @@ impl Controller {
 
     fn stand_at(&mut self, places: &[Place]) {
         for (index, place) in places.iter().enumerate() {
-            self.tokens[index] = Token {
-                place: self.program.index_of(*place),
-                run: Run::Auto,
-                left_start: true,
-                awaits_image: false,
-                driven_since: 0,
-                driven: false,
-                deadline: Tick::NEVER,
-                remaining: std::time::Duration::ZERO,
-            };
+            self.tokens[index] = Token::at(self.program.index_of(*place));
         }
         self.token_count = places.len();
     }

@@ -327,41 +327,38 @@ impl Controller {
     /// Fires the transitions of these rows, or asks for the agreement they need. Neighbours that go back together are
     /// one request: none of them moves before all may.
     fn act(&mut self, rows: &[u16], mode: ControlMode) -> bool {
-        let must_ask = self.rules.ask && self.rules.arrows && self.need_agreement(rows, mode);
+        let asks = self.rules.ask && self.rules.arrows;
+        let needs = if asks { self.to_be_asked(rows, mode) } else { 0 };
         let mut fired = false;
         for &row in rows {
             let row = self.program.rows[row as usize];
-            if !(must_ask && row.withdraws) {
+            if !(needs != 0 && row.withdraws) {
                 self.fire(row.transition);
                 fired = true;
             }
         }
         // One request at a time: a command given while another waits is given too early.
-        if must_ask && self.pending.is_none() && self.may_ask(rows, mode) {
+        if needs != 0 && self.pending.is_none() && self.can_agree(needs) {
             self.ask(rows, mode);
         }
         fired
     }
 
-    /// Whether this station and those to be asked could compare counts: without a common generation none agrees, or ever will.
-    fn may_ask(&self, rows: &[u16], mode: ControlMode) -> bool {
-        let needs =
-            rows.iter().map(|&row| &self.program.rows[row as usize]).filter(|row| row.withdraws).fold(0, |all, row| {
-                all | self.dependents(self.taken_back(self.program.actions[row.transition as usize].kind), mode)
-            });
-        let peers = (0..self.views.peers.len()).filter(|&peer| needs & (1 << peer) != 0);
-        if self.rules.generations && self.views.generation == 0 && needs != 0 {
-            return false;
-        }
-        let mut standings = peers.map(|peer| self.views.standing(peer, self.cycle, self.now));
-        standings.all(|standing| standing != crate::views::Standing::OtherGeneration)
+    /// The peers whose agreement these rows need, a bit each.
+    fn to_be_asked(&self, rows: &[u16], mode: ControlMode) -> u64 {
+        let rows = rows.iter().map(|&row| &self.program.rows[row as usize]).filter(|row| row.withdraws);
+        rows.fold(0, |needs, row| {
+            needs | self.dependents(self.taken_back(self.program.actions[row.transition as usize].kind), mode)
+        })
     }
 
-    fn need_agreement(&self, rows: &[u16], mode: ControlMode) -> bool {
-        rows.iter().map(|&row| &self.program.rows[row as usize]).any(|row| {
-            row.withdraws
-                && self.dependents(self.taken_back(self.program.actions[row.transition as usize].kind), mode) != 0
-        })
+    /// Whether this station and these peers could compare counts: without a common generation none agrees, or ever will.
+    fn can_agree(&self, needs: u64) -> bool {
+        if self.rules.generations && self.views.generation == 0 {
+            return false;
+        }
+        let mut peers = (0..self.views.peers.len()).filter(|&peer| needs & (1 << peer) != 0);
+        peers.all(|peer| self.views.standing(peer, self.cycle, self.now) != crate::views::Standing::OtherGeneration)
     }
 
     /// The operations whose counts a transition takes back.

@@ -239,12 +239,9 @@ impl Shell {
             if let Some(events) = self.waiting.take_events() {
                 self.bus_events(&events);
             }
+            self.waiting.fill(&mut self.from, TAKEN_AT_ONCE);
             // All of it: an emergency stop among it must not wait for another record.
             while let Some(arrived) = self.waiting.arrived.pop_front() {
-                self.arrived(arrived);
-            }
-            for _ in 0..TAKEN_AT_ONCE {
-                let Ok(arrived) = self.from.try_recv() else { break };
                 self.arrived(arrived);
             }
             self.act().await?;

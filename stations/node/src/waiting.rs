@@ -7,6 +7,7 @@ use std::collections::VecDeque;
 use linewright_fieldbus::Event as BusEvent;
 use linewright_line::StationId;
 use linewright_line::net::ControlMode;
+use tokio::sync::mpsc;
 
 use crate::convert::order_from_message;
 use crate::journal::to_record;
@@ -29,6 +30,11 @@ impl<A> Default for Waiting<A> {
 }
 
 impl<A> Waiting<A> {
+    /// Takes from the channel what has arrived there, at most so many messages: no flood of them keeps the bus waiting.
+    pub fn fill(&mut self, from: &mut mpsc::Receiver<A>, at_most: usize) {
+        self.arrived.extend(std::iter::from_fn(|| from.try_recv().ok()).take(at_most));
+    }
+
     /// Nothing has arrived.
     pub fn is_empty(&self) -> bool {
         self.arrived.is_empty() && self.events.is_empty()
