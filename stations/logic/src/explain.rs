@@ -38,7 +38,7 @@ impl Controller {
     pub fn fault_text(&self, line: &Line) -> String {
         let mut parts = Vec::new();
         for place in self.marking().filter(|place| place.is_incomplete()) {
-            let cause = self.causes_of_stop[place.op.index()];
+            let cause = self.marking.causes_of_stop[place.op.index()];
             if cause.is_fault() {
                 let text = cause.text_of(line, self.program.station, place.op, place.block);
                 parts.push(format!("{}: {text}", self.op_name(line, place.op)));
@@ -56,7 +56,7 @@ impl Controller {
         if let Some((followed, other)) = self.commands.contested(now) {
             reasons.push(format!("two coordinators give orders (boot ids {followed} and {other}): end one of them"));
         }
-        if !self.devices_valid {
+        if !self.image.valid {
             reasons.push(DEVICES_INVALID.to_owned());
         }
         if let Some((op, input)) = self.position_lost() {
@@ -66,10 +66,10 @@ impl Controller {
         for place in self.marking() {
             self.explain_place(line, place, now, &mut reasons);
         }
-        if let Some(pending) = &self.pending {
+        if let Some(pending) = &self.agreement.pending {
             self.explain_request(line, pending.request.ops, pending.needs, now, &mut reasons);
         }
-        if let Some((by, in_the_way, ops)) = self.refusal {
+        if let Some((by, in_the_way, ops)) = self.agreement.refusal {
             reasons.push(format!(
                 "{} cannot be taken back: {}: {} has started on it",
                 self.op_names(line, ops),
@@ -89,7 +89,7 @@ impl Controller {
         if !compares || !(is_lost || (forgot && !self.is_at_home())) {
             return;
         }
-        let not_home = |place: Place| self.causes_of_stop[place.op.index()] == Cause::NotAtHome;
+        let not_home = |place: Place| self.marking.causes_of_stop[place.op.index()] == Cause::NotAtHome;
         let why =
             if forgot { "it has no memory of where it stands" } else { "its axes are not where its chart has them" };
         reasons.push(match self.read_off() {
@@ -98,7 +98,7 @@ impl Controller {
                 self.op_names(line, self.ops_of_step(step).fold(0, |bits, op| bits | 1 << op.0))
             ),
             None if forgot && self.marking().any(not_home) => {
-                let may_be = self.done.iter().enumerate().map(|(op, _)| OpId::at(op)).filter(|&op| self.stands_within(op));
+                let may_be = self.counts.done.iter().enumerate().map(|(op, _)| OpId::at(op)).filter(|&op| self.stands_within(op));
                 let may_be: Vec<&str> = may_be.map(|op| self.op_name(line, op)).collect();
                 let advice = match may_be.as_slice() {
                     [] => "its switches fit no operation of the chart: bring its axes to a switch by hand".to_owned(),
@@ -126,7 +126,7 @@ impl Controller {
             Stage::Incomplete => {
                 // What it stands in is not known before rejoin.
                 let unknown = self.rules.generations && self.views.generation == 0 && self.program.on_order.is_none();
-                reasons.extend(match self.causes_of_stop[place.op.index()] {
+                reasons.extend(match self.marking.causes_of_stop[place.op.index()] {
                     Cause::NotAtHome if unknown && !self.program.peers.is_empty() => None,
                     Cause::Released => Some(format!("{name} to be finished or taken back in manual")),
                     cause => Some(format!("recovery of {name} in manual ({})", cause.text())),
@@ -142,7 +142,7 @@ impl Controller {
 
     fn explain_motion(&self, line: &Line, place: Place, reasons: &mut Vec<String>) {
         let held_by_hand = self.tokens().iter().any(|t| self.place(t) == place && !t.driven);
-        if held_by_hand && self.devices_valid && self.mode() != ControlMode::EStop {
+        if held_by_hand && self.image.valid && self.mode() != ControlMode::EStop {
             let hand = line.operation((self.program.station, place.op)).hand;
             let button = match place.block {
                 Block::Normal => Some(hand.forward()),
@@ -219,11 +219,11 @@ impl Controller {
 
     fn explain_way_home(&self, line: &Line, place: Place, now: Tick, reasons: &mut Vec<String>) {
         let Some(path) = self.program.paths.iter().position(|&op| op == place.op) else { return };
-        if self.path.is_some() || self.mode() != ControlMode::Manual {
+        if self.marking.path.is_some() || self.mode() != ControlMode::Manual {
             return;
         }
         for &(step, ahead) in &self.program.ways_home[path] {
-            let cycle = self.cycle + ahead;
+            let cycle = self.counts.cycle + ahead;
             let causes =
                 self.program.causes[usize::from(step)].iter().filter(|c| c.modes[ControlMode::Manual as usize]);
             for cause in causes.filter(|cause| !self.views.holds(cause, ControlMode::Manual, cycle, now)) {
@@ -252,7 +252,7 @@ impl Controller {
     }
 
     fn explain_guard(&self, line: &Line, place: Place, reasons: &mut Vec<String>) {
-        if let Some(guard) = self.violated(place, self.path) {
+        if let Some(guard) = self.violated(place, self.marking.path) {
             let text = self.interlock(&guard).detail(line, self.program.station);
             reasons.push(format!("{text}, for {}", self.op_name(line, place.op)));
         }
@@ -288,7 +288,7 @@ impl Controller {
     fn explain_request(&self, line: &Line, ops: u64, needs: u64, now: Tick, reasons: &mut Vec<String>) {
         for (index, view) in self.views.peers.iter().enumerate().filter(|&(i, _)| needs & (1 << i) != 0) {
             let heard = if now < view.known_until { "" } else { " (not heard)" };
-            let agreed = matches!(view.verdict, Some((_, number, None)) if Some(number) == self.pending.map(|p| p.request.number));
+            let agreed = matches!(view.verdict, Some((_, number, None)) if Some(number) == self.agreement.pending.map(|p| p.request.number));
             if !agreed {
                 let station = &line.station(self.program.peers[index]).name;
                 reasons.push(format!("{station}{heard} to agree that {} is taken back", self.op_names(line, ops)));

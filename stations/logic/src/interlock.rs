@@ -236,16 +236,16 @@ impl Controller {
     fn positions_known(&self, guard: &PositionGuard) -> PositionsKnown {
         let peer = usize::from(guard.peer);
         PositionsKnown {
-            own: self.devices_valid.then_some(self.inputs),
+            own: self.image.valid.then_some(self.image.bits),
             is_placed: self.is_placed(),
             other: self.views.measured(peer, self.now),
-            counts: self.views.standing(peer, self.cycle, self.now) == Standing::Comparable,
+            counts: self.views.standing(peer, self.counts.cycle, self.now) == Standing::Comparable,
         }
     }
 
     /// Whether the chart says where its axes stand.
     fn is_placed(&self) -> bool {
-        !self.unconfirmed && self.placed && self.position_lost().is_none()
+        !self.marking.unconfirmed && self.marking.placed && self.position_lost().is_none()
     }
 
     /// Whether this station may leave its state although the other is in the way: in manual mode, while the other stands and
@@ -268,18 +268,19 @@ impl Controller {
 
     /// An axis that stands still by the chart and is not measured there: the operation at whose place, and the switch.
     pub fn position_lost(&self) -> Option<(OpId, InputId)> {
-        if !self.rules.positions || !self.devices_valid || self.path.is_some() || self.unconfirmed {
+        if !self.rules.positions || !self.image.valid || self.marking.path.is_some() || self.marking.unconfirmed {
             return None;
         }
         // A station that is not at home claims nothing of its axes until it is led there.
-        let claims = |place: Place| !place.is_incomplete() || self.causes_of_stop[place.op.index()] != Cause::NotAtHome;
+        let claims =
+            |place: Place| !place.is_incomplete() || self.marking.causes_of_stop[place.op.index()] != Cause::NotAtHome;
         let tokens = self.tokens().iter().filter(|token| claims(self.place(token)));
         tokens.map(|token| token.place).find_map(|place| self.rest_missing(place))
     }
 
     fn rest_missing(&self, place: u16) -> Option<(OpId, InputId)> {
         let table = &self.program.places[usize::from(place)];
-        let off = table.rest & !self.inputs;
+        let off = table.rest & !self.image.bits;
         (off != 0).then(|| (table.place.op, InputId(off.trailing_zeros() as u16)))
     }
 
@@ -290,7 +291,7 @@ impl Controller {
         }
         let path = match action.kind {
             Kind::EnterPath(failed) => Some(failed),
-            _ => self.path,
+            _ => self.marking.path,
         };
         for &to in &action.to {
             let place = self.program.places[usize::from(to)].place;
@@ -313,19 +314,19 @@ impl Controller {
 
     /// Why a motion under way may not go on.
     pub(crate) fn unsafe_motion(&self, index: usize) -> Option<Cause> {
-        let token = &self.tokens[index];
+        let token = &self.marking.tokens[index];
         // What is measured not to be clear stops the motion. What is not measured any more keeps the next one from starting: the
         // mode decision has the line finish what runs, and a cut that is broken off for a lost message would spoil the part.
         // A motion that leads out, in manual mode, may have started only because the other station stood: it stops as soon as
         // that is not known.
-        if let Some((guard, leaves)) = self.violated_leaving(self.place(token), self.path) {
+        if let Some((guard, leaves)) = self.violated_leaving(self.place(token), self.marking.path) {
             let cause = self.interlock(&guard);
             let is_measured = matches!(cause, Cause::Interlock { input: Some(_), .. });
             if is_measured || (leaves && self.commands.mode() == ControlMode::Manual) {
                 return Some(cause);
             }
         }
-        let checked = self.rules.positions && self.devices_valid && self.path.is_none();
+        let checked = self.rules.positions && self.image.valid && self.marking.path.is_none();
         let lost = if checked { self.rest_missing(token.place) } else { None };
         lost.map(|(op, input)| Cause::PositionLost { op, input })
     }

@@ -10,6 +10,7 @@ use linewright_line::Tick;
 use linewright_line::net::ControlMode;
 
 use crate::generation::Founding;
+use crate::ignored::Ignored;
 use crate::program::bit;
 
 /// The coordinator's order of the mode.
@@ -162,13 +163,14 @@ impl Commands {
 
     /// Takes an order unless it is older than the one in force. A new coordinator's epochs start above all it heard,
     /// so the epoch alone decides. An emergency stop is obeyed in any epoch; one that is not followed lasts for `term`.
-    pub(crate) fn order(&mut self, now: Tick, order: ModeOrder, term: Duration) -> bool {
+    pub(crate) fn order(&mut self, now: Tick, order: ModeOrder, term: Duration) -> Result<(), Ignored> {
         let is_stop = order.mode == ControlMode::EStop;
         if self.order.is_some_and(|current| order.epoch < current.epoch) {
-            if is_stop {
-                self.stop(now, order.boot_id, term);
+            if !is_stop {
+                return Err(Ignored::OlderEpoch);
             }
-            return is_stop;
+            self.stop(now, order.boot_id, term);
+            return Ok(());
         }
         // What another coordinator holds down was not pressed now.
         if self.order.is_some_and(|current| order.boot_id != current.boot_id) {
@@ -185,7 +187,7 @@ impl Commands {
         }
         self.order = Some(order);
         self.order_until = now + order.lease;
-        true
+        Ok(())
     }
 
     /// An emergency stop that is no newer order, of this life of a coordinator.

@@ -34,6 +34,7 @@ use linewright_line::{OpId, RestId, TaskId, Tick};
 
 use crate::controller::Controller;
 use crate::event::Happening;
+use crate::ignored::Ignored;
 use crate::order::{
     EPOCH_AHEAD_MAX, Failure, OrderKey, OrderMemory, Outcome, RESULTS_MAX, Refusal, Reply, TaskCommand, TaskOrder,
 };
@@ -172,8 +173,8 @@ impl Orders {
 
 impl Controller {
     /// Takes a command. Gives false at a station that does not work on order.
-    pub(crate) fn command(&mut self, command: TaskCommand<'_>) -> bool {
-        let Some(orders) = &self.orders else { return false };
+    pub(crate) fn command(&mut self, command: TaskCommand<'_>) -> Result<(), Ignored> {
+        let orders = self.orders.as_ref().ok_or(Ignored::NoTasks)?;
         let epoch = orders.epoch;
         let (key, known) = match command {
             TaskCommand::Run(order) => (order.key, orders.known(order.key).filter(|_| orders.rules.does_once)),
@@ -188,8 +189,8 @@ impl Controller {
         if let Some(orders) = &mut self.orders {
             orders.replies.push((key, reply));
         }
-        self.settled = false;
-        key.epoch <= ahead_of(epoch)
+        self.due.settled = false;
+        if key.epoch <= ahead_of(epoch) { Ok(()) } else { Err(Ignored::EpochTooHigh) }
     }
 
     fn run(&mut self, order: &TaskOrder) -> Reply {
@@ -206,7 +207,7 @@ impl Controller {
         if orders.epoch != order.key.epoch {
             // Numbers rise within a life; a coordinator that has lost its records begins anew with both.
             (orders.epoch, orders.last) = (order.key.epoch, 0);
-            self.changed = true;
+            self.due.report = true;
         }
         if orders.slot.is_some() {
             return Reply::Refused(Refusal::Busy);
@@ -217,11 +218,11 @@ impl Controller {
         let begun = self.begin(order);
         let Some(orders) = &mut self.orders else { return Reply::Refused(Refusal::Unknown) };
         orders.last = order.key.id;
-        self.changed = true;
+        self.due.report = true;
         match begun {
             Ok(slot) => {
                 orders.slot = Some(slot);
-                self.dirty = true;
+                self.due.outputs = true;
                 self.note(Happening::Ordered(slot.task));
                 Reply::Running
             }
@@ -250,7 +251,7 @@ impl Controller {
             let given = order.parameters.iter().find(|(name, _)| *name == parameter.name);
             image |= given.and_then(|(_, value)| parameter.image(*value)).ok_or(Refusal::Unknown)?;
         }
-        if !self.devices_valid {
+        if !self.image.valid {
             return Err(Refusal::Devices);
         }
         if self.marking().any(Place::is_incomplete) {
@@ -285,7 +286,7 @@ impl Controller {
             if let Some(task) = task.filter(|_| is_first) {
                 let phase = Phase::Returning;
                 orders.slot = Some(Slot { key, task, image: 0, limit: Tick::NEVER, begun: true, phase });
-                self.changed = true;
+                self.due.report = true;
                 self.note(Happening::Securing(task));
             }
         } else if orders.known(key).is_none() {
@@ -298,7 +299,7 @@ impl Controller {
             }
             orders.remember(key, Reply::Ended(Outcome::Failed(Failure::Cancelled)));
             orders.secured = Some(key);
-            self.changed = true;
+            self.due.report = true;
         }
         self.orders.as_ref().and_then(|orders| orders.known(key)).unwrap_or(Reply::Running)
     }
@@ -309,7 +310,7 @@ impl Controller {
 
     /// The rest a station on order stands at.
     pub(crate) fn rest(&self) -> Option<RestId> {
-        let tasks = self.program.on_order.as_ref().filter(|_| self.path.is_none())?;
+        let tasks = self.program.on_order.as_ref().filter(|_| self.marking.path.is_none())?;
         let place = self.marking().next()?;
         let task = tasks.task(tasks.task_of[place.op.index()]);
         if place == Place::completed(task.last) {
@@ -323,15 +324,15 @@ impl Controller {
     pub(crate) fn order_bits(&self) -> u128 {
         match self.slot() {
             Some(Slot { phase: Phase::Running, task, .. }) => task_bit(task),
-            Some(Slot { phase: Phase::Securing { .. } | Phase::Returning, .. }) if self.devices_valid => bit::SECURE,
+            Some(Slot { phase: Phase::Securing { .. } | Phase::Returning, .. }) if self.image.valid => bit::SECURE,
             Some(Slot { phase: Phase::Securing { .. } | Phase::Returning, .. }) | None => 0,
         }
     }
 
     fn refresh_orders(&mut self) {
         let bits = self.order_bits();
-        self.levels = self.levels & !bit::ORDERS | bits;
-        self.levels_before = self.levels_before & !bit::ORDERS | bits;
+        self.levels.now = self.levels.now & !bit::ORDERS | bits;
+        self.levels.before = self.levels.before & !bit::ORDERS | bits;
     }
 
     fn slot(&self) -> Option<Slot> {
@@ -399,7 +400,7 @@ impl Controller {
             slot.phase = Phase::Returning;
             orders.remember(key, Reply::Ended(Outcome::Failed(failure)));
         }
-        self.changed = true;
+        self.due.report = true;
         self.note(Happening::Securing(task));
     }
 
@@ -441,14 +442,14 @@ impl Controller {
     fn rests(&mut self) {
         let failed = self.orders.as_ref().and_then(|orders| orders.last_has_failed().filter(|_| self.rest().is_some()));
         if let (Some(key), Some(orders)) = (failed, &mut self.orders) {
-            self.changed |= orders.secured != Some(key);
+            self.due.report |= orders.secured != Some(key);
             orders.secured = Some(key);
         }
     }
 
     /// Whether something leads back from a place in auto. On a recovery path nothing does by itself.
     fn goes_back_from(&self, place: Place) -> bool {
-        if self.path.is_some() {
+        if self.marking.path.is_some() {
             return false;
         }
         let (start, end) =
@@ -473,8 +474,8 @@ impl Controller {
                 Outcome::Failed(failure) => Happening::OrderFailed(slot.task, failure),
             });
         }
-        self.changed = true;
-        self.dirty = true;
+        self.due.report = true;
+        self.due.outputs = true;
         self.refresh_orders();
     }
 }

@@ -15,6 +15,7 @@ use std::time::Duration;
 use linewright_line::net::ControlMode;
 use linewright_line::{OpId, StationId, Tick};
 
+use crate::ignored::Ignored;
 use crate::program::{IncomingArrow as Cause, Program};
 use crate::report::{Answer, Report, Request};
 use crate::rules::Rules;
@@ -100,8 +101,10 @@ impl Views {
         }
     }
 
-    /// Takes a report that is newer than the last one of that station. Gives false, and changes nothing, if it is not
-    /// a peer's or does not fit its description.
+    /// Takes a report that is newer than the last one of that station.
+    ///
+    /// # Errors
+    /// When it is not a peer's or does not fit its description; nothing has changed.
     pub(crate) fn hear(
         &mut self,
         now: Tick,
@@ -110,14 +113,14 @@ impl Views {
         started: &[i32],
         from: StationId,
         report: &Report,
-    ) -> bool {
-        let Some(index) = self.peers.iter().position(|v| v.station == from) else { return false };
+    ) -> Result<(), Ignored> {
+        let index = self.peers.iter().position(|v| v.station == from).ok_or(Ignored::NotAPeer)?;
         let view = &mut self.peers[index];
         let bits = view.done.len();
         let fits = |request: &Request| bits >= 64 || request.ops < 1 << bits;
         let named = |answer: &Answer| answer.in_the_way.is_none_or(|op| op.index() < bits);
         if report.done.len() != bits || !report.request.as_ref().is_none_or(fits) || !report.answers.iter().all(named) {
-            return false;
+            return Err(Ignored::Misfit);
         }
         view.known_until = now + self.stale;
         view.generation = report.generation;
@@ -144,7 +147,7 @@ impl Views {
             });
             self.peers[index].answer = answer;
         }
-        true
+        Ok(())
     }
 
     /// Whether a report of the peer is there that is not too old.

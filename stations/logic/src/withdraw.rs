@@ -63,9 +63,9 @@ impl Controller {
 
     /// Opens a request for the rows that take counts back. Those of one step (concurrent neighbours) are one request.
     pub(crate) fn ask(&mut self, rows: &[u16], mode: ControlMode) {
-        let number = self.next_request;
+        let number = self.agreement.next_request;
         if self.rules.fresh_numbers {
-            self.next_request += 1;
+            self.agreement.next_request += 1;
         }
         let mut pending =
             Pending { request: Request { number, ops: 0 }, rows: [0; BRANCHES_MAX], count: 0, hold: 0, mode, needs: 0 };
@@ -79,14 +79,14 @@ impl Controller {
             }
         }
         pending.needs = self.dependents(pending.request.ops, mode);
-        self.pending = Some(pending);
-        self.changed = true;
+        self.agreement.pending = Some(pending);
+        self.due.report = true;
         self.note(Happening::Asked(number));
     }
 
     /// Where the open request stands. A refusal closes it and says who is in the way.
     pub(crate) fn standing(&mut self, pending: &Pending, levels: u128, mode: ControlMode) -> Standing {
-        if mode != pending.mode || levels & pending.hold != pending.hold || !self.devices_valid {
+        if mode != pending.mode || levels & pending.hold != pending.hold || !self.image.valid {
             return Standing::GivenUp;
         }
         let mut missing = false;
@@ -103,7 +103,7 @@ impl Controller {
                     let by = view.station;
                     self.note(Happening::NotAgreed { by, in_the_way });
                     self.note(Happening::Refused);
-                    self.refusal = Some((by, in_the_way, pending.request.ops));
+                    self.agreement.refusal = Some((by, in_the_way, pending.request.ops));
                     return Standing::NotAgreed;
                 }
                 Some(_) | None => missing = true,

@@ -42,7 +42,7 @@ const FORBIDDEN: [&str; 9] = [
 ];
 
 /// For each crate, those of the workspace it may build on. Dependencies point one way; a new crate gets a row here.
-const MAY_USE: [(&str, &[&str]); 25] = [
+const MAY_USE: [(&str, &[&str]); 26] = [
     ("linewright-nets", &[]),
     ("linewright-problems", &[]),
     ("linewright-text", &[]),
@@ -130,6 +130,7 @@ const MAY_USE: [(&str, &[&str]); 25] = [
     ),
     ("linewright", EVERYTHING),
     ("linewright-tests", EVERYTHING),
+    ("linewright-examples", EVERYTHING),
     ("xtask", &[]),
 ];
 

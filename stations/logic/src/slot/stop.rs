@@ -39,7 +39,7 @@ impl Controller {
     fn stays_where_it_is(&mut self, key: OrderKey) {
         let Some(orders) = &mut self.orders else { return };
         if orders.secured.replace(key) != Some(key) {
-            (self.changed, self.dirty) = (true, true);
+            (self.due.report, self.due.outputs) = (true, true);
         }
     }
 

@@ -3,7 +3,7 @@
 use std::time::Duration;
 
 use linewright_line::net::ControlMode;
-use linewright_station_logic::{Input, PanelCommand};
+use linewright_station_logic::{Handled, Ignored, Input, PanelCommand};
 
 use super::rig::Rig;
 use crate::build::{PANEL, alone, r};
@@ -174,7 +174,7 @@ fn an_order_of_an_older_epoch_is_not_taken() {
     let mut yesterday = rig.order;
     yesterday.epoch -= 1;
     yesterday.mode = ControlMode::Manual;
-    assert!(!rig.controller.handle(rig.now, Input::Order(yesterday)));
+    assert_eq!(rig.controller.handle(rig.now, Input::Order(yesterday)), Handled::Ignored(Ignored::OlderEpoch));
     rig.step();
     assert_eq!(rig.controller.mode(), ControlMode::Auto);
     assert_eq!(rig.report().mode_epoch, rig.order.epoch);

@@ -4,7 +4,9 @@ use std::time::Duration;
 
 use linewright_line::net::ControlMode;
 use linewright_line::{Line, OpId, StationId, Tick};
-use linewright_station_logic::{Answer, Controller, Input, ModeOrder, Outbox, PanelCommand, Report, Request, Restore};
+use linewright_station_logic::{
+    Answer, Controller, Handled, Ignored, Input, ModeOrder, Outbox, PanelCommand, Report, Request, Restore,
+};
 use proptest::prelude::*;
 
 use super::rig::{Rig, peer_says};
@@ -27,11 +29,15 @@ fn a_report_that_does_not_fit_the_description_is_not_taken() {
         Report { answers: vec![answer(2)], ..good.clone() },
     ];
     for report in &bad {
-        assert!(!rig.controller.handle(rig.now, Input::View(StationId(1), report)));
+        assert_eq!(
+            rig.controller.handle(rig.now, Input::View(StationId(1), report)),
+            Handled::Ignored(Ignored::Misfit)
+        );
     }
-    assert!(!rig.controller.handle(rig.now, Input::View(StationId(0), &good)), "its own");
-    assert!(!rig.controller.handle(rig.now, Input::View(StationId(9), &good)), "nobody's");
-    assert!(rig.controller.handle(rig.now, Input::View(StationId(1), &good)));
+    let ignored = Handled::Ignored(Ignored::NotAPeer);
+    assert_eq!(rig.controller.handle(rig.now, Input::View(StationId(0), &good)), ignored, "its own");
+    assert_eq!(rig.controller.handle(rig.now, Input::View(StationId(9), &good)), ignored, "not described");
+    assert!(rig.controller.handle(rig.now, Input::View(StationId(1), &good)).is_taken());
 }
 
 #[derive(Clone, Debug)]

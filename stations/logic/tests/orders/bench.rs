@@ -218,7 +218,7 @@ impl Bench {
     }
 
     fn told(&mut self, command: TaskCommand<'_>, key: OrderKey) -> Reply {
-        self.is_taken = self.controller.handle(self.now, Input::Task(command));
+        self.is_taken = self.controller.handle(self.now, Input::Task(command)).is_taken();
         self.step();
         let mut replies = std::mem::take(&mut self.out.replies);
         let reply = replies.pop().expect("whatever it is told it answers");
