@@ -5,7 +5,7 @@
 //! - [`structure`]: each station's net, the chart as an event graph, the mode decision.
 //! - [`explore`]: the real controllers of several stations, composed.
 //! - [`positions`]: the second barrier by itself, conflict by conflict.
-//! - [`parts`]: a large line as overlapping parts of a few stations each, conflict by conflict.
+//! - [`parts`]: a large line in parts of a few stations each, conflict by conflict.
 //! - [`cell`]: whether parts of a flexible cell get stuck; tasks in conflict; the net with what fails; task orders between
 //!   the real player and the real controllers.
 //! - [`generate`]: random lines and cells, and lines broken on purpose.
