@@ -12,7 +12,7 @@ use linewright_cell::net::Supply;
 use linewright_coordinator_cell::described::{Pace, described, dispatcher};
 use linewright_coordinator_cell::exception::{About, Stage, Step};
 use linewright_coordinator_cell::{CellTable, Fact, Firing, OrderKey, Unable};
-use linewright_proof::cell::{Setting, check};
+use linewright_proof::cell::{CellExploration, check};
 use linewright_proof::generate::{self, CellShape, Random};
 use linewright_simulation::cell::{CellOptions, CellSim, Operator, Pace as Takes};
 
@@ -35,7 +35,7 @@ fn sound(seed: u64) -> Option<Cell> {
     text = text.split("[[sync]]").map(timed).collect::<Vec<_>>().join("[[sync]]");
     let cell =
         linewright_cell::parse("cell.toml", &text, None).unwrap_or_else(|problems| panic!("{problems:?}\n{text}")).cell;
-    let checked = check(&Setting::new(&cell)).ok()?;
+    let checked = check(&CellExploration::new(&cell)).ok()?;
     (checked.sound >= cell.limits.wip_max).then_some(cell)
 }
 

@@ -8,7 +8,7 @@ use std::time::Duration;
 
 use linewright_line::net::Block;
 use linewright_line::{Line, Tick};
-use linewright_proof::generate::{Shape, line};
+use linewright_proof::generate::{LineShape, line};
 use linewright_simulation::{By, CriticalPath, End, Goal, Network, Options, Plan, Sim, run};
 
 const CYCLES: usize = 40;
@@ -40,7 +40,7 @@ fn starts_and_ends_where_planned(line: &Line, sim: &Sim) {
 #[test]
 fn every_start_is_where_the_plan_has_it_and_has_its_cause() {
     for seed in 1..=400 {
-        let line = line(&Shape { stations: 2..=4, more_arrows: 4, ..Shape::default() }, seed);
+        let line = line(&LineShape { stations: 2..=4, more_arrows: 4, ..LineShape::default() }, seed);
         let sim = played(&line);
         starts_and_ends_where_planned(&line, &sim);
         let began = sim.record().began();

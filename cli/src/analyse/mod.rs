@@ -16,7 +16,7 @@ use std::path::PathBuf;
 use std::process::ExitCode;
 use std::time::Instant;
 
-use linewright_nets::explicit::Limits;
+use linewright_nets::explicit::ExplorationLimits;
 use miette::{IntoDiagnostic, miette};
 
 use crate::out::say;
@@ -62,9 +62,9 @@ pub struct Args {
 }
 
 impl Args {
-    fn limits(&self) -> Limits {
+    fn limits(&self) -> ExplorationLimits {
         let cores = || std::thread::available_parallelism().map_or(1, usize::from);
-        Limits {
+        ExplorationLimits {
             states: self.states.unwrap_or(STATES),
             bytes: self.memory.unwrap_or(MEGABYTES).saturating_mul(1 << 20),
             threads: self.threads.unwrap_or_else(cores).clamp(1, 64),

@@ -1,7 +1,7 @@
 //! Counterexamples: a way to play the net that shows why something does not hold.
 
-use linewright_nets::certificate::{Certificate, Evidence, Run};
-use linewright_nets::explicit::{Limits, find, find_marking};
+use linewright_nets::certificate::{Certificate, Evidence, RepeatedFiring};
+use linewright_nets::explicit::{ExplorationLimits, find, find_marking};
 use linewright_nets::{Marking, Net, TransitionId};
 use serde::Serialize;
 
@@ -56,7 +56,7 @@ pub fn plays(net: &Net, findings: &Findings) -> Vec<Play> {
 /// From the facts of an exploration, with ways that a second search finds.
 fn explored(net: &Net, findings: &Findings) -> Vec<Play> {
     let Some(facts) = findings.facts() else { return Vec::new() };
-    let limits = Limits { states: STATES_MAX.min(facts.states), bytes: BYTES_MAX, threads: 1 };
+    let limits = ExplorationLimits { states: STATES_MAX.min(facts.states), bytes: BYTES_MAX, threads: 1 };
     let way_to = |marking: &Marking| {
         let found = (facts.states <= STATES_MAX).then(|| find_marking(net, &limits, marking));
         found.and_then(|found| found.ok().flatten()).map(|found| found.path)
@@ -101,9 +101,9 @@ fn grows(net: &Net, findings: &Findings) -> Option<Play> {
 }
 
 /// A sequence written out; none if it is too long to be read.
-fn fired(runs: &[Run]) -> Option<Vec<TransitionId>> {
+fn fired(runs: &[RepeatedFiring]) -> Option<Vec<TransitionId>> {
     let steps: u64 = runs.iter().map(|run| run.times).fold(0, u64::saturating_add);
-    let each = |run: &Run| std::iter::repeat_n(run.transition, run.times as usize);
+    let each = |run: &RepeatedFiring| std::iter::repeat_n(run.transition, run.times as usize);
     (steps <= STEPS_MAX as u64).then(|| runs.iter().flat_map(each).collect())
 }
 

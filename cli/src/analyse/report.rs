@@ -1,6 +1,6 @@
 //! What is known of a net, as data: the JSON of `--json`, and what the table is made from.
 
-use linewright_nets::certificate::{Bound, Property};
+use linewright_nets::certificate::{NetProperty, TokenBound};
 use linewright_nets::semiflows::{Semiflow, Semiflows};
 use linewright_nets::{Net, explicit};
 use serde::Serialize;
@@ -93,7 +93,7 @@ pub struct Flow {
 
 /// Puts together what the analyses say.
 pub fn report(net: &Net, findings: &Findings, seconds: f64) -> Report {
-    let answer = |property: Property| {
+    let answer = |property: NetProperty| {
         let by = [
             ("structure", findings.by_structure(property)),
             ("exploration", findings.by_exploration(property)),
@@ -101,7 +101,7 @@ pub fn report(net: &Net, findings: &Findings, seconds: f64) -> Report {
         ];
         by.into_iter().find_map(|(by, holds)| Some((holds?, by)))
     };
-    let [deadlock_free, live, bounded, safe, reversible] = Property::ALL.map(answer);
+    let [deadlock_free, live, bounded, safe, reversible] = NetProperty::ALL.map(answer);
     let holds = |answer: Option<(bool, _)>| answer.map(|(holds, _)| holds);
     let by = |answer: Option<(_, &'static str)>| answer.map(|(_, by)| by);
     let facts = findings.facts();
@@ -168,10 +168,10 @@ fn bound(net: &Net, findings: &Findings) -> Option<u64> {
             .try_fold(0, |most, bound| Some(most.max(bound?)))
             .map(u64::from);
     }
-    findings.by_structure(Property::Bounded).filter(|&bounded| bounded)?;
+    findings.by_structure(NetProperty::Bounded).filter(|&bounded| bounded)?;
     findings.structure.bounds.iter().try_fold(0, |most: u64, bound| match bound {
-        Bound::Exactly(bound) => Some(most.max(u64::try_from(*bound).ok()?)),
-        Bound::AtMost(_) | Bound::Unbounded | Bound::Unknown => None,
+        TokenBound::Exactly(bound) => Some(most.max(u64::try_from(*bound).ok()?)),
+        TokenBound::AtMost(_) | TokenBound::Unbounded | TokenBound::Unknown => None,
     })
 }
 
@@ -189,7 +189,7 @@ fn dead(net: &Net, findings: &Findings, live: Option<bool>) -> Option<Vec<String
 }
 
 fn not_live(net: &Net, findings: &Findings, live: Option<bool>) -> Option<Vec<String>> {
-    let lost = |facts: &explicit::Facts| {
+    let lost = |facts: &explicit::NetFacts| {
         let lost = net.transitions().filter(|&t| !facts.is_transition_live(t));
         some(lost, |t| net.transition_name(t).to_owned())
     };
@@ -218,29 +218,33 @@ fn listed<I: Copy + Ord, E>(
 fn undecided(net: &Net, findings: &Findings) -> Vec<String> {
     let mut open = Vec::new();
     let is_unbounded = findings.coverability().is_some_and(|graph| graph.is_bounded().is_err())
-        || findings.by_structure(Property::Bounded) == Some(false);
+        || findings.by_structure(NetProperty::Bounded) == Some(false);
     if is_unbounded {
         open.push("states, arcs: the net is unbounded, there is no end to its markings".to_owned());
     } else if let Some(Err(why)) = &findings.explored {
         open.push(match why.cause {
-            explicit::Cause::States { limit } if findings.is_short => {
+            explicit::ExplorationLimit::States { limit } if findings.is_short => {
                 format!(
                     "states, arcs: more than {limit}, and all else is known without them; --states N counts further"
                 )
             }
-            explicit::Cause::States { limit } => format!("states, arcs: more than {limit}; --states N looks further"),
-            explicit::Cause::Bytes { .. } => format!("states, arcs: {why}; --memory MB allows more"),
-            explicit::Cause::Overflow(_) => format!("states, arcs: {why}"),
+            explicit::ExplorationLimit::States { limit } => {
+                format!("states, arcs: more than {limit}; --states N looks further")
+            }
+            explicit::ExplorationLimit::Bytes { .. } => format!("states, arcs: {why}; --memory MB allows more"),
+            explicit::ExplorationLimit::Overflow(_) => format!("states, arcs: {why}"),
         });
     }
     if let Some(Err(why)) = &findings.covered {
         open.push(format!("unbounded places: {why}"));
     }
-    for property in Property::ALL {
+    for property in NetProperty::ALL {
         let is_known = findings.by_structure(property).is_some()
             || findings.by_exploration(property).is_some()
             || findings.by_coverability(net, property).is_some();
-        if !is_known && let linewright_nets::certificate::Answer::Unknown(why) = findings.structure.answer(property) {
+        if !is_known
+            && let linewright_nets::certificate::CertificateAnswer::Unknown(why) = findings.structure.answer(property)
+        {
             open.push(format!("{property}: {why}"));
         }
     }

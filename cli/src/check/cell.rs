@@ -9,7 +9,8 @@ use linewright_line::{Line, Problems};
 use linewright_proof::cell::protocol::{ProtocolSetting, check_protocol, properties};
 use linewright_proof::cell::recovery::check_recovery;
 use linewright_proof::cell::{
-    Checked, Explored, Holding, Property, Setting, Story, Verdict, Waiting, check, check_conflicts,
+    CellExploration, CellPath, CellProperty, Checked, GroupExplored, Holding, Verdict, WaitingPart, check,
+    check_conflicts,
 };
 use miette::miette;
 use serde::Serialize;
@@ -141,14 +142,14 @@ impl CellReport {
 }
 
 impl CellReport {
-    fn add_more(&mut self, found: Vec<Property>) {
-        let is_right = |property: &Property| matches!(property.verdict, Verdict::Holds | Verdict::Remark);
+    fn add_more(&mut self, found: Vec<CellProperty>) {
+        let is_right = |property: &CellProperty| matches!(property.verdict, Verdict::Holds | Verdict::Remark);
         self.ok &= found.iter().all(is_right);
         self.properties.extend(found.into_iter().map(Found::from));
     }
 
     /// Adds what is found of tasks in conflict.
-    fn keep_apart(&mut self, setting: &Setting<'_>, line: &Line) {
+    fn keep_apart(&mut self, setting: &CellExploration<'_>, line: &Line) {
         match check_conflicts(setting, line) {
             Ok(found) => self.add_more(found),
             Err(why) => (self.ok, self.problems) = (false, vec![placeless(why.to_string())]),
@@ -236,8 +237,8 @@ fn of_error(error: &miette::Report) -> CellReport {
     }
 }
 
-fn setting<'c>(cell: &'c Cell, options: &Options) -> miette::Result<Setting<'c>> {
-    let mut setting = Setting::new(cell);
+fn setting<'c>(cell: &'c Cell, options: &Options) -> miette::Result<CellExploration<'c>> {
+    let mut setting = CellExploration::new(cell);
     setting.limits = options.cell_limits();
     if options.expanded {
         setting.detail = Detail::Expanded;
@@ -256,14 +257,14 @@ fn setting<'c>(cell: &'c Cell, options: &Options) -> miette::Result<Setting<'c>>
     Ok(setting)
 }
 
-impl From<Explored> for Group {
-    fn from(Explored { resources, parts, states, arcs, bytes, sound, exhausted }: Explored) -> Self {
+impl From<GroupExplored> for Group {
+    fn from(GroupExplored { resources, parts, states, arcs, bytes, sound, exhausted }: GroupExplored) -> Self {
         Group { resources, parts, states, arcs, bytes, sound_parts: sound, exhausted }
     }
 }
 
-impl From<Property> for Found {
-    fn from(Property { name, verdict, reason, help, counterexample }: Property) -> Self {
+impl From<CellProperty> for Found {
+    fn from(CellProperty { name, verdict, reason, help, counterexample }: CellProperty) -> Self {
         let verdict = match verdict {
             Verdict::Holds => "holds",
             Verdict::Fails => "fails",
@@ -274,8 +275,8 @@ impl From<Property> for Found {
     }
 }
 
-impl From<Story> for Counterexample {
-    fn from(Story { steps, end, resources }: Story) -> Self {
+impl From<CellPath> for Counterexample {
+    fn from(CellPath { steps, end, resources }: CellPath) -> Self {
         Counterexample { steps, end, resources: resources.into_iter().map(Resource::from).collect() }
     }
 }
@@ -286,8 +287,8 @@ impl From<Holding> for Resource {
     }
 }
 
-impl From<Waiting> for Part {
-    fn from(Waiting { part, stage, at, needs }: Waiting) -> Self {
+impl From<WaitingPart> for Part {
+    fn from(WaitingPart { part, stage, at, needs }: WaitingPart) -> Self {
         Part { part, stage, at, needs }
     }
 }

@@ -3,8 +3,10 @@
 use clap::{Args, ValueEnum};
 use linewright_line::net::ControlMode;
 use linewright_line::{Conflict, Line};
-use linewright_proof::explore::{Explored, Grants, Limits, NotExplorable, Property, Setting, Story, Verdict, explore};
-use linewright_proof::parts::{Part, cyclic, on_order, parts};
+use linewright_proof::explore::{
+    Grants, LineExploration, LineExplored, LineNotExplorable, LinePath, LineProperty, SearchLimits, Verdict, explore,
+};
+use linewright_proof::parts::{SubLine, cyclic, on_order, parts};
 use linewright_proof::positions::PositionRules;
 use serde::Serialize;
 
@@ -174,17 +176,17 @@ impl Options {
     }
 
     /// How far a cell is explored.
-    pub fn cell_limits(&self) -> linewright_proof::cell::Limits {
+    pub fn cell_limits(&self) -> linewright_proof::cell::ExplorationLimits {
         let threads = std::thread::available_parallelism().map_or(1, std::num::NonZero::get);
-        let Limits { states, bytes } = self.limits();
-        linewright_proof::cell::Limits { states: states as u64, bytes, threads }
+        let SearchLimits { states, bytes } = self.limits();
+        linewright_proof::cell::ExplorationLimits { states: states as u64, bytes, threads }
     }
 
     /// Explores as asked. The first thing that fails ends it: what is wrong once need not be found twice.
     ///
     /// # Errors
     /// When the line cannot be explored at all.
-    pub fn explore(&self, line: &Line) -> Result<Vec<Exploration>, NotExplorable> {
+    pub fn explore(&self, line: &Line) -> Result<Vec<Exploration>, LineNotExplorable> {
         let mut found = Vec::new();
         if self.structure {
             return Ok(found);
@@ -206,7 +208,7 @@ impl Options {
     }
 
     /// Stations that are joined by arrows: all at once, or conflict by conflict where they are many.
-    fn together(&self, line: &Line) -> Result<Vec<Exploration>, NotExplorable> {
+    fn together(&self, line: &Line) -> Result<Vec<Exploration>, LineNotExplorable> {
         let mut found = Vec::new();
         if self.whole || line.stations.len() <= WHOLE_STATIONS_MAX {
             if self.modes.is_empty() {
@@ -221,11 +223,11 @@ impl Options {
     /// Parts that are alike are explored once.
     fn by_parts(
         &self,
-        parts: Vec<Part>,
+        parts: Vec<SubLine>,
         what: &str,
-        each: fn(&Self, &Line, &str) -> Result<Vec<Exploration>, NotExplorable>,
-    ) -> Result<Vec<Exploration>, NotExplorable> {
-        let (mut found, mut seen): (_, Vec<(Part, bool)>) = (Vec::new(), Vec::new());
+        each: fn(&Self, &Line, &str) -> Result<Vec<Exploration>, LineNotExplorable>,
+    ) -> Result<Vec<Exploration>, LineNotExplorable> {
+        let (mut found, mut seen): (_, Vec<(SubLine, bool)>) = (Vec::new(), Vec::new());
         for part in parts {
             let like = seen.iter().find(|(other, _)| part.is_like(other));
             if let Some((other, holds)) = like.map(|(other, holds)| (other.names(), *holds)) {
@@ -239,8 +241,8 @@ impl Options {
         Ok(found)
     }
 
-    fn setting(&self, line: &Line) -> Setting {
-        let mut setting = Setting::new(line);
+    fn setting(&self, line: &Line) -> LineExploration {
+        let mut setting = LineExploration::new(line);
         if !self.modes.is_empty() {
             setting.modes.retain(|mode| self.modes.iter().any(|named| named.control() == *mode));
         }
@@ -263,13 +265,13 @@ impl Options {
         setting
     }
 
-    fn limits(&self) -> Limits {
-        Limits { states: self.states, bytes: self.memory.saturating_mul(1 << 20) }
+    fn limits(&self) -> SearchLimits {
+        SearchLimits { states: self.states, bytes: self.memory.saturating_mul(1 << 20) }
     }
 
     /// The exploration with intact memories, then the one with restarts and lost memories; only the first where a property fails
     /// in it.
-    fn both(&self, line: &Line, what: &str) -> Result<Vec<Exploration>, NotExplorable> {
+    fn both(&self, line: &Line, what: &str) -> Result<Vec<Exploration>, LineNotExplorable> {
         let mut found = self.each(line, what)?;
         let mut setting = self.setting(line).with_lost_memories();
         setting.rules.generations = !self.without.contains(&Rule::Generations);
@@ -279,11 +281,11 @@ impl Options {
         Ok(found)
     }
 
-    fn each(&self, line: &Line, what: &str) -> Result<Vec<Exploration>, NotExplorable> {
+    fn each(&self, line: &Line, what: &str) -> Result<Vec<Exploration>, LineNotExplorable> {
         Ok(vec![self.one(&self.setting(line), what)?])
     }
 
-    fn one(&self, setting: &Setting, what: &str) -> Result<Exploration, NotExplorable> {
+    fn one(&self, setting: &LineExploration, what: &str) -> Result<Exploration, LineNotExplorable> {
         let modes: Vec<&str> = setting.modes.iter().map(|mode| mode.name()).collect();
         let faults = if setting.faults { "anything may fail" } else { "nothing fails" };
         let views = if setting.lag == 0 { "reports heard at once" } else { "late and lost reports" };
@@ -292,7 +294,7 @@ impl Options {
     }
 
     /// Auto mode alone, with nothing failing: whether every wait of the normal cycle ends.
-    fn undisturbed(&self, line: &Line) -> Result<Exploration, NotExplorable> {
+    fn undisturbed(&self, line: &Line) -> Result<Exploration, LineNotExplorable> {
         let mut setting = self.setting(line);
         (setting.modes, setting.faults) = (vec![ControlMode::Auto], false);
         Ok(Exploration::of("the whole line in auto, undisturbed".to_owned(), explore(&setting, self.limits())?))
@@ -310,14 +312,14 @@ impl Mode {
 }
 
 impl Exploration {
-    fn of(scope: String, explored: Explored) -> Self {
-        let Explored { states, kept, arcs, bytes, exhausted, properties, .. } = explored;
+    fn of(scope: String, explored: LineExplored) -> Self {
+        let LineExplored { states, kept, arcs, bytes, exhausted, properties, .. } = explored;
         let properties = properties.into_iter().map(Found::from).collect();
         Exploration { scope, states, kept, arcs, bytes, exhausted, properties }
     }
 
     /// A part that differs in names alone from one that has been explored.
-    fn like(part: &Part, what: &str, other: &str, holds: bool) -> Self {
+    fn like(part: &SubLine, what: &str, other: &str, holds: bool) -> Self {
         let verdict = if holds { "holds" } else { "undecided" };
         let property = |conflict: &Conflict| Found {
             name: format!("never: {}", conflict.why),
@@ -342,8 +344,8 @@ impl Exploration {
     }
 }
 
-impl From<Property> for Found {
-    fn from(property: Property) -> Self {
+impl From<LineProperty> for Found {
+    fn from(property: LineProperty) -> Self {
         let verdict = match property.verdict {
             Verdict::Holds => "holds",
             Verdict::Fails => "fails",
@@ -355,8 +357,8 @@ impl From<Property> for Found {
     }
 }
 
-impl From<Story> for Counterexample {
-    fn from(Story { steps, end, chart }: Story) -> Self {
+impl From<LinePath> for Counterexample {
+    fn from(LinePath { steps, end, chart }: LinePath) -> Self {
         Counterexample { steps, end, chart }
     }
 }

@@ -2,8 +2,8 @@
 
 use linewright_line::{Parsed, Problem, Problems};
 use linewright_proof::cell::APART;
-use linewright_proof::explore::{NotExplorable, Setting};
-use linewright_proof::structure::{Check, StationReport, judge_line, judge_stations};
+use linewright_proof::explore::{LineExploration, LineNotExplorable};
+use linewright_proof::structure::{Check, StructureReport, judge_line, judge_stations};
 use serde::Serialize;
 
 use super::barriers::{self, Barriers};
@@ -34,7 +34,7 @@ pub struct Report {
     /// Nothing speaks against running it.
     pub ok: bool,
     /// Station by station.
-    pub stations: Vec<StationReport>,
+    pub stations: Vec<StructureReport>,
     /// What concerns the whole line.
     pub line_checks: Vec<Check>,
     /// What holds each conflict on the machine.
@@ -131,11 +131,11 @@ impl Report {
 ///
 /// # Errors
 /// When the line cannot be explored at all.
-pub fn judge(parsed: &Parsed, options: &Options) -> Result<Report, NotExplorable> {
+pub fn judge(parsed: &Parsed, options: &Options) -> Result<Report, LineNotExplorable> {
     let Parsed { line, warnings } = parsed;
-    let stations: Vec<StationReport> = judge_stations(line);
+    let stations: Vec<StructureReport> = judge_stations(line);
     let line_checks = judge_line(line);
-    let sound = stations.iter().all(StationReport::ok) && line_checks.iter().all(|check| check.ok);
+    let sound = stations.iter().all(StructureReport::ok) && line_checks.iter().all(|check| check.ok);
     let explorations = options.explore(line)?;
     let barriers = barriers::of(line, options.measured())?;
     let mut not_decided = Vec::new();
@@ -144,7 +144,7 @@ pub fn judge(parsed: &Parsed, options: &Options) -> Result<Report, NotExplorable
     } else if explorations.iter().all(|exploration| exploration.scope.starts_with("part")) {
         not_decided.push(IN_PARTS);
     }
-    if options.asks_to_explore() && !Setting::new(line).covers_every_delay() {
+    if options.asks_to_explore() && !LineExploration::new(line).covers_every_delay() {
         not_decided.push(RING);
     }
     if line.conflicts.iter().any(|conflict| line.is_of_tasks(conflict)) {

@@ -2,7 +2,7 @@
 
 use std::fmt::Write;
 
-use linewright_proof::structure::{Check, StationReport};
+use linewright_proof::structure::{Check, StructureReport};
 
 use super::cell;
 use super::explored::{Counterexample, Exploration, Found};
@@ -112,7 +112,7 @@ fn story(counterexample: &Counterexample, out: &mut String) -> std::fmt::Result 
     writeln!(out)
 }
 
-fn stations(stations: &[StationReport], out: &mut String) -> std::fmt::Result {
+fn stations(stations: &[StructureReport], out: &mut String) -> std::fmt::Result {
     let width = stations.iter().map(|station| station.name.len()).max().unwrap_or(0).max("station".len());
     write!(out, "{:width$}   R   I  places  transitions", "station")?;
     COLUMNS.iter().try_for_each(|(_, heading)| write!(out, "  {heading}"))?;

@@ -4,7 +4,7 @@
 
 use std::error::Error;
 
-use linewright_nets::explicit::{Limits, decide};
+use linewright_nets::explicit::{ExplorationLimits, decide};
 use linewright_nets::{Net, NetBuilder, NetError};
 
 /// Each machine takes the robot, then a pallet, and gives both back. In the wrong order one of them takes the pallet first.
@@ -30,7 +30,7 @@ fn machines(in_order: bool) -> Result<Net, Vec<NetError>> {
 fn main() -> Result<(), Box<dyn Error>> {
     for in_order in [true, false] {
         let net = machines(in_order).map_err(|mistakes| format!("{mistakes:?}"))?;
-        let facts = decide(&net, &Limits::default())?;
+        let facts = decide(&net, &ExplorationLimits::default())?;
         println!("{}: {} markings", if in_order { "in the same order" } else { "in different orders" }, facts.states);
         println!("  live: {}, safe: {}", facts.is_live(), facts.is_safe());
         if let Some(dead) = facts.deadlock {

@@ -8,16 +8,16 @@ use std::collections::{HashMap, VecDeque};
 
 use linewright_cell::net::{Meaning, Phase, Spot};
 use linewright_cell::{ActivityId, PartTypeId, ResourceId, Role, StageId};
-use linewright_nets::explicit::Found;
+use linewright_nets::explicit::WitnessMarking;
 use linewright_nets::{PlaceId, TransitionId};
 
 use super::Nets;
-use super::group::Group;
+use super::group::ResourceGroup;
 use super::words::{begun_by, moved, needs, sentence, tokens_of};
 
 /// How something comes to be, in the words of the description.
 #[derive(Clone, Debug, PartialEq, Eq)]
-pub struct Story {
+pub struct CellPath {
     /// What happened, in order: one of the shortest ways.
     pub steps: Vec<String>,
     /// What is wrong at the end.
@@ -34,12 +34,12 @@ pub struct Holding {
     /// How many parts it can hold or carry.
     pub capacity: u32,
     /// Those that it has.
-    pub parts: Vec<Waiting>,
+    pub parts: Vec<WaitingPart>,
 }
 
 /// A part in the end.
 #[derive(Clone, Debug, PartialEq, Eq)]
-pub struct Waiting {
+pub struct WaitingPart {
     /// Its name: its type, and the how manieth of it.
     pub part: String,
     /// How far it is.
@@ -51,15 +51,15 @@ pub struct Waiting {
 }
 
 /// A part of the story.
-struct Part {
+struct StoryPart {
     name: String,
     stage: StageId,
 }
 
 /// The parts there are, and where.
 #[derive(Default)]
-struct Cast {
-    parts: Vec<Part>,
+struct PartsAtStart {
+    parts: Vec<StoryPart>,
     /// By place of the long net, those that came first in front.
     at: HashMap<PlaceId, VecDeque<usize>>,
     /// How many of each type have come.
@@ -67,20 +67,20 @@ struct Cast {
 }
 
 /// A step, and which activity with which part it belongs to.
-struct Step<'n> {
+struct StoryStep<'n> {
     text: String,
     of: Option<(&'n str, usize, Phase)>,
 }
 
 /// Tells what was found.
-pub(super) fn tell(nets: &Nets<'_>, group: &Group, found: &Found, end: &str) -> Story {
-    let mut cast = Cast::default();
-    let mut steps: Vec<Step<'_>> = Vec::new();
+pub(super) fn tell(nets: &Nets<'_>, group: &ResourceGroup, found: &WitnessMarking, end: &str) -> CellPath {
+    let mut cast = PartsAtStart::default();
+    let mut steps: Vec<StoryStep<'_>> = Vec::new();
     for t in found.path.iter().map(|t| group.transitions[t.index()]) {
         let part = cast.play(nets, t);
         let Some((activity, of, phase)) = moved(nets, t) else {
             let name = part.map_or("a part", |part| cast.parts[part].name.as_str());
-            steps.push(Step { text: format!("{name} moves up{}", cast.place_of(nets, part)), of: None });
+            steps.push(StoryStep { text: format!("{name} moves up{}", cast.place_of(nets, part)), of: None });
             continue;
         };
         let Some(part) = part else { continue };
@@ -92,14 +92,14 @@ pub(super) fn tell(nets: &Nets<'_>, group: &Group, found: &Found, end: &str) -> 
             steps.pop();
         }
         let told = begun.map_or(phase, |(_, whole)| whole);
-        steps.push(Step { text: sentence(nets.cell, activity, of, told, name), of: Some((own, part, told)) });
+        steps.push(StoryStep { text: sentence(nets.cell, activity, of, told, name), of: Some((own, part, told)) });
     }
     let tokens = tokens_of(&group.places, &found.marking);
     let resources = group.resources.iter().map(|&id| cast.holding(nets, id, &tokens)).collect();
-    Story { steps: steps.into_iter().map(|step| step.text).collect(), end: end.to_owned(), resources }
+    CellPath { steps: steps.into_iter().map(|step| step.text).collect(), end: end.to_owned(), resources }
 }
 
-impl Cast {
+impl PartsAtStart {
     /// Fires a transition; the part that it moves.
     fn play(&mut self, nets: &Nets<'_>, t: TransitionId) -> Option<usize> {
         let long = nets.long.net();
@@ -122,7 +122,7 @@ impl Cast {
         let of = nets.cell.stages[stage.index()].part_type;
         let count = self.seen.entry(of).or_default();
         *count += 1;
-        self.parts.push(Part { name: format!("{} #{count}", nets.cell.part_types[of.index()].name), stage });
+        self.parts.push(StoryPart { name: format!("{} #{count}", nets.cell.part_types[of.index()].name), stage });
         self.parts.len() - 1
     }
 
@@ -144,7 +144,7 @@ impl Cast {
             }
         }
         here.sort_unstable();
-        let waiting = |&(part, place): &(usize, PlaceId)| Waiting {
+        let waiting = |&(part, place): &(usize, PlaceId)| WaitingPart {
             part: self.parts[part].name.clone(),
             stage: nets.cell.stages[self.parts[part].stage.index()].name.clone(),
             at: nets.whereabouts(nets.meaning(place)),

@@ -3,52 +3,52 @@
 //! A move is tried with every station in the one situation at hand. Most moves ask of the other stations only what is
 //! the same throughout a class. Where a move needs more of a station, it is tried again with each of its situations.
 
-use super::state::State;
-use super::system::{Matters, Move, Pin, System};
+use super::state::ComposedState;
+use super::system::{FixedSituation, RelevantStation, System, SystemMove};
 
 /// Something that may happen.
-pub(crate) struct Follower<'a> {
+pub(crate) struct SuccessorMove<'a> {
     /// The stations for which it matters in which situation they are, and that situation.
-    pub pins: &'a [Pin],
-    pub what: Move,
-    pub next: Next<'a>,
+    pub pins: &'a [FixedSituation],
+    pub what: SystemMove,
+    pub next: Successor<'a>,
     /// Bytes that situations and classes take by now, about: one state's followers can bring in very many.
     pub bytes: usize,
 }
 
 /// What comes of it.
-pub(crate) enum Next<'a> {
+pub(crate) enum Successor<'a> {
     /// One station is in another situation, and nothing else has changed.
     Beside { station: usize, to: u32 },
     /// The whole of it.
-    State(&'a State),
+    State(&'a ComposedState),
 }
 
 /// Goes through what follows states, without allocating.
-pub(crate) struct Followers {
-    next: State,
-    pins: Vec<Pin>,
-    spare: Vec<State>,
+pub(crate) struct Successors {
+    next: ComposedState,
+    pins: Vec<FixedSituation>,
+    spare: Vec<ComposedState>,
 }
 
-impl Followers {
+impl Successors {
     /// `like` gives the shape.
-    pub fn new(like: &State) -> Self {
-        Followers { next: like.clone(), pins: Vec::new(), spare: Vec::new() }
+    pub fn new(like: &ComposedState) -> Self {
+        Successors { next: like.clone(), pins: Vec::new(), spare: Vec::new() }
     }
 
     /// Visits everything that may happen, until the visitor has had enough.
     pub fn each<E>(
         &mut self,
         system: &mut System,
-        here: &State,
-        visit: &mut impl FnMut(&Follower<'_>) -> Result<(), E>,
+        here: &ComposedState,
+        visit: &mut impl FnMut(&SuccessorMove<'_>) -> Result<(), E>,
     ) -> Result<(), E> {
         self.pins.clear();
         let loose = system.loose(here);
         for link in 0..system.setting.links.len() {
             for nth in 0..system.waiting(here, link) {
-                self.follow(system, here, loose, Move::Hear { link, nth }, visit)?;
+                self.follow(system, here, loose, SystemMove::Hear { link, nth }, visit)?;
             }
         }
         for station in 0..here.situations.len() {
@@ -64,22 +64,27 @@ impl Followers {
     fn of_one<E>(
         &mut self,
         system: &mut System,
-        here: &State,
+        here: &ComposedState,
         loose: u32,
         station: usize,
-        visit: &mut impl FnMut(&Follower<'_>) -> Result<(), E>,
+        visit: &mut impl FnMut(&SuccessorMove<'_>) -> Result<(), E>,
     ) -> Result<(), E> {
         for &(act, to) in &system.class(here, station).leads {
-            let pins = &[Pin { station, member: act.from }];
-            let what = Move::Act { station, nth: act.nth as usize };
-            visit(&Follower { pins, what, next: Next::Beside { station, to }, bytes: system.bytes_classified })?;
+            let pins = &[FixedSituation { station, member: act.from }];
+            let what = SystemMove::Act { station, nth: act.nth as usize };
+            visit(&SuccessorMove {
+                pins,
+                what,
+                next: Successor::Beside { station, to },
+                bytes: system.bytes_classified,
+            })?;
         }
         let mut pinned = self.spare(here);
         for nth in 0..system.class(here, station).acts.len() {
             let act = system.class(here, station).acts[nth];
-            self.pins.push(Pin { station, member: act.from });
+            self.pins.push(FixedSituation { station, member: act.from });
             pinned.situations[station] = act.from;
-            self.follow(system, &pinned, loose, Move::Act { station, nth: act.nth as usize }, visit)?;
+            self.follow(system, &pinned, loose, SystemMove::Act { station, nth: act.nth as usize }, visit)?;
             self.pins.pop();
         }
         self.spare.push(pinned);
@@ -91,9 +96,9 @@ impl Followers {
     fn grant<E>(
         &mut self,
         system: &mut System,
-        here: &State,
+        here: &ComposedState,
         mode: usize,
-        visit: &mut impl FnMut(&Follower<'_>) -> Result<(), E>,
+        visit: &mut impl FnMut(&SuccessorMove<'_>) -> Result<(), E>,
     ) -> Result<(), E> {
         let mut pinned = self.spare(here);
         let stations = here.situations.len();
@@ -104,9 +109,9 @@ impl Followers {
             for (station, &nth) in nth.iter().enumerate() {
                 let member = idle[station][nth];
                 pinned.situations[station] = member;
-                self.pins.push(Pin { station, member });
+                self.pins.push(FixedSituation { station, member });
             }
-            self.follow(system, &pinned, 0, Move::Grant(mode), visit)?;
+            self.follow(system, &pinned, 0, SystemMove::Grant(mode), visit)?;
             // The next combination, as a number with a digit for each station.
             let more = (0..stations).find(|&station| {
                 nth[station] = (nth[station] + 1) % idle[station].len();
@@ -124,21 +129,21 @@ impl Followers {
     fn follow<E>(
         &mut self,
         system: &mut System,
-        from: &State,
+        from: &ComposedState,
         loose: u32,
-        what: Move,
-        visit: &mut impl FnMut(&Follower<'_>) -> Result<(), E>,
+        what: SystemMove,
+        visit: &mut impl FnMut(&SuccessorMove<'_>) -> Result<(), E>,
     ) -> Result<(), E> {
         self.next.take(from);
-        let Err(Matters(station)) = system.play(&mut self.next, what, loose) else {
+        let Err(RelevantStation(station)) = system.play(&mut self.next, what, loose) else {
             system.settle(&mut self.next);
-            let next = Next::State(&self.next);
-            return visit(&Follower { pins: &self.pins, what, next, bytes: system.bytes_classified });
+            let next = Successor::State(&self.next);
+            return visit(&SuccessorMove { pins: &self.pins, what, next, bytes: system.bytes_classified });
         };
         let mut pinned = self.spare(from);
         for nth in 0..system.class(from, station).members.len() {
             let member = system.class(from, station).members[nth];
-            self.pins.push(Pin { station, member });
+            self.pins.push(FixedSituation { station, member });
             pinned.situations[station] = member;
             self.follow(system, &pinned, loose & !(1 << station), what, visit)?;
             self.pins.pop();
@@ -147,7 +152,7 @@ impl Followers {
         Ok(())
     }
 
-    fn spare(&mut self, like: &State) -> State {
+    fn spare(&mut self, like: &ComposedState) -> ComposedState {
         let mut spare = self.spare.pop().unwrap_or_else(|| like.clone());
         spare.take(like);
         spare

@@ -6,14 +6,14 @@ use linewright_line::net::{Block, Stage};
 use linewright_line::{Line, OpId, StationId};
 use linewright_station_logic::Event;
 
-use super::setting::Setting;
-use super::state::State;
-use super::station::{Act, Key};
-use super::system::{Move, System};
+use super::setting::LineExploration;
+use super::state::ComposedState;
+use super::station::{PanelKey, StationAct};
+use super::system::{System, SystemMove};
 
 /// What led to a state, in words and as a bar chart.
 #[derive(Clone, Debug, PartialEq, Eq)]
-pub struct Story {
+pub struct LinePath {
     /// What happened, in order: `clamp_1: starts advance clamp`.
     pub steps: Vec<String>,
     /// What is wrong at the end.
@@ -23,16 +23,21 @@ pub struct Story {
     pub chart: Vec<String>,
 }
 
-impl Story {
+impl LinePath {
     /// Tells a way: the states before each move with the move, and the last state.
-    pub(crate) fn tell(system: &System, way: &[(State, Move)], last: &State, end: String) -> Self {
+    pub(crate) fn tell(
+        system: &System,
+        way: &[(ComposedState, SystemMove)],
+        last: &ComposedState,
+        end: String,
+    ) -> Self {
         let steps = way.iter().map(|(state, what)| step(system, state, *what)).collect();
         let after = way.iter().skip(1).map(|(state, _)| state).chain([last]);
-        Story { steps, end, chart: chart(system, after) }
+        LinePath { steps, end, chart: chart(system, after) }
     }
 }
 
-impl fmt::Display for Story {
+impl fmt::Display for LinePath {
     fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
         for (nth, step) in self.steps.iter().enumerate() {
             writeln!(f, "{:4}. {step}", nth + 1)?;
@@ -43,7 +48,7 @@ impl fmt::Display for Story {
     }
 }
 
-fn step(system: &System, state: &State, what: Move) -> String {
+fn step(system: &System, state: &ComposedState, what: SystemMove) -> String {
     let line = &system.setting.line;
     let cause = cause(system, state, what);
     let Some((station, events)) = system.events(state, what) else { return cause };
@@ -62,45 +67,45 @@ fn worth_telling(event: &Event) -> bool {
 }
 
 /// Why anything happens; nothing where the events themselves say it.
-fn cause(system: &System, state: &State, what: Move) -> String {
+fn cause(system: &System, state: &ComposedState, what: SystemMove) -> String {
     let setting = &system.setting;
     match what {
-        Move::Grant(mode) => format!("coordinator: grants {}", setting.modes[mode]),
-        Move::Hear { link, .. } => format!("hears {}", setting.line.stations[setting.links[link].writer].name),
-        Move::Act { station, nth } => {
+        SystemMove::Grant(mode) => format!("coordinator: grants {}", setting.modes[mode]),
+        SystemMove::Hear { link, .. } => format!("hears {}", setting.line.stations[setting.links[link].writer].name),
+        SystemMove::Act { station, nth } => {
             let situation = state.situations[station] as usize;
             act(setting, StationId::at(station), system.stations[station].facts[situation].acts[nth])
         }
     }
 }
 
-fn act(setting: &Setting, station: StationId, act: Act) -> String {
+fn act(setting: &LineExploration, station: StationId, act: StationAct) -> String {
     let motion = |op: OpId, block: Block| {
         let name = &setting.line.operation((station, op)).name;
         if block == Block::Recovery { format!("undoing {name}") } else { name.clone() }
     };
     match act {
-        Act::Mode(_) => String::new(),
-        Act::Key(Some(Key::Advance)) => "its operator holds `advance`".to_owned(),
-        Act::Key(Some(Key::Return)) => "its operator holds `return`".to_owned(),
-        Act::Key(None) => "its operator lets go".to_owned(),
-        Act::Button(Some(button)) => format!("hears {} held", setting.line.buttons[usize::from(button)]),
-        Act::Button(None) => "hears the button released".to_owned(),
-        Act::Arrive(op, block) => format!("{} arrives", motion(op, block)),
-        Act::Fail(op, block) => format!("{} fails", motion(op, block)),
-        Act::Step => "looks again".to_owned(),
-        Act::Order(task) => format!("is ordered to do {}", setting.line.station(station).task(task).name),
-        Act::Secure => "is told to go back".to_owned(),
-        Act::Expire => "has no time left for its order".to_owned(),
-        Act::Sensors(true) => "sees what its operations wait for".to_owned(),
-        Act::Restart => "restarts".to_owned(),
-        Act::Forget => "restarts without its memory".to_owned(),
-        Act::Sensors(false) => "does not see what its operations wait for".to_owned(),
+        StationAct::Mode(_) => String::new(),
+        StationAct::Key(Some(PanelKey::Advance)) => "its operator holds `advance`".to_owned(),
+        StationAct::Key(Some(PanelKey::Return)) => "its operator holds `return`".to_owned(),
+        StationAct::Key(None) => "its operator lets go".to_owned(),
+        StationAct::Button(Some(button)) => format!("hears {} held", setting.line.buttons[usize::from(button)]),
+        StationAct::Button(None) => "hears the button released".to_owned(),
+        StationAct::Arrive(op, block) => format!("{} arrives", motion(op, block)),
+        StationAct::Fail(op, block) => format!("{} fails", motion(op, block)),
+        StationAct::Step => "looks again".to_owned(),
+        StationAct::Order(task) => format!("is ordered to do {}", setting.line.station(station).task(task).name),
+        StationAct::Secure => "is told to go back".to_owned(),
+        StationAct::Expire => "has no time left for its order".to_owned(),
+        StationAct::Sensors(true) => "sees what its operations wait for".to_owned(),
+        StationAct::Restart => "restarts".to_owned(),
+        StationAct::Forget => "restarts without its memory".to_owned(),
+        StationAct::Sensors(false) => "does not see what its operations wait for".to_owned(),
     }
 }
 
 /// A row for each operation that moved, and a column for the state after each step.
-fn chart<'a>(system: &System, states: impl Iterator<Item = &'a State>) -> Vec<String> {
+fn chart<'a>(system: &System, states: impl Iterator<Item = &'a ComposedState>) -> Vec<String> {
     let line = &system.setting.line;
     let mut rows: Vec<(StationId, OpId, String)> = Vec::new();
     for id in line.station_ids() {

@@ -14,32 +14,32 @@ use rustc_hash::FxHashMap;
 
 /// A word with its base; 0 is "no word".
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Hash)]
-pub(crate) struct Word {
+pub(crate) struct ViewKey {
     pub id: u32,
     pub base: i32,
 }
 
-impl Word {
+impl ViewKey {
     /// Nothing on its way.
-    pub const NONE: Word = Word { id: 0, base: 0 };
+    pub const NONE: ViewKey = ViewKey { id: 0, base: 0 };
     /// That of a writer that has lost its memory.
-    pub const LOST: Word = Word { id: 1, base: 0 };
+    pub const LOST: ViewKey = ViewKey { id: 1, base: 0 };
 
     /// Whether it is one whose base says something, on a link whose words have one.
     #[inline]
     pub fn has_base(self) -> bool {
-        self.id > Word::LOST.id
+        self.id > ViewKey::LOST.id
     }
 
     /// The same word when the origin its base refers to moves by `by`.
-    pub fn shifted(self, by: i32, words: &Words) -> Word {
-        if !words.has_base || !self.has_base() { self } else { Word { id: self.id, base: self.base + by } }
+    pub fn shifted(self, by: i32, words: &ViewKeys) -> ViewKey {
+        if !words.has_base || !self.has_base() { self } else { ViewKey { id: self.id, base: self.base + by } }
     }
 }
 
 /// What a word says.
 #[derive(Clone, Debug, PartialEq, Eq, Hash)]
-pub(crate) struct Content {
+pub(crate) struct ReportView {
     /// The counts, relative to the base.
     pub counts: Vec<i32>,
     /// The writer's cycle, relative to the base, where a rule reads it; otherwise 0.
@@ -54,23 +54,24 @@ pub(crate) struct Content {
 
 /// The words of one link.
 #[derive(Debug)]
-pub(crate) struct Words {
+pub(crate) struct ViewKeys {
     /// The rule that reads flags instead of counts compares with the writer's cycle.
     with_cycle: bool,
     has_base: bool,
-    numbers: FxHashMap<Content, u32>,
-    contents: Vec<Content>,
+    numbers: FxHashMap<ReportView, u32>,
+    contents: Vec<ReportView>,
 }
 
-impl Content {
-    const NOTHING: Content = Content { counts: Vec::new(), cycle: 0, request: None, answer: None, is_lost: false };
+impl ReportView {
+    const NOTHING: ReportView =
+        ReportView { counts: Vec::new(), cycle: 0, request: None, answer: None, is_lost: false };
 }
 
-impl Words {
+impl ViewKeys {
     pub fn new(with_cycle: bool, counts: usize) -> Self {
         let has_base = with_cycle || counts > 0;
-        let contents = vec![Content::NOTHING, Content { is_lost: true, ..Content::NOTHING }];
-        Words { with_cycle, has_base, numbers: FxHashMap::default(), contents }
+        let contents = vec![ReportView::NOTHING, ReportView { is_lost: true, ..ReportView::NOTHING }];
+        ViewKeys { with_cycle, has_base, numbers: FxHashMap::default(), contents }
     }
 
     /// Whether its words have a base.
@@ -78,7 +79,7 @@ impl Words {
         self.has_base
     }
 
-    pub fn content(&self, id: u32) -> &Content {
+    pub fn content(&self, id: u32) -> &ReportView {
         &self.contents[id as usize]
     }
 
@@ -89,7 +90,7 @@ impl Words {
         cycle: i32,
         request: Option<(u64, bool)>,
         answer: Option<Option<OpId>>,
-    ) -> Word {
+    ) -> ViewKey {
         let mut counts: Vec<i32> = counts.collect();
         let base = match counts.first() {
             Some(&first) => first,
@@ -98,10 +99,10 @@ impl Words {
         };
         counts.iter_mut().for_each(|count| *count -= base);
         let cycle = if self.with_cycle { cycle - base } else { 0 };
-        Word { id: self.number(Content { counts, cycle, request, answer, is_lost: false }), base }
+        ViewKey { id: self.number(ReportView { counts, cycle, request, answer, is_lost: false }), base }
     }
 
-    fn number(&mut self, content: Content) -> u32 {
+    fn number(&mut self, content: ReportView) -> u32 {
         if let Some(&number) = self.numbers.get(&content) {
             return number;
         }
@@ -112,26 +113,26 @@ impl Words {
     }
 
     /// The word after its writer has closed the request it names.
-    pub fn closed(&mut self, word: Word) -> Word {
+    pub fn closed(&mut self, word: ViewKey) -> ViewKey {
         let content = self.content(word.id);
         let Some((ops, true)) = content.request else { return word };
-        let content = Content { request: Some((ops, false)), ..content.clone() };
-        Word { id: self.number(content), base: word.base }
+        let content = ReportView { request: Some((ops, false)), ..content.clone() };
+        ViewKey { id: self.number(content), base: word.base }
     }
 
     /// The word after its reader has closed the request it answers.
-    pub fn unanswered(&mut self, word: Word) -> Word {
+    pub fn unanswered(&mut self, word: ViewKey) -> ViewKey {
         let content = self.content(word.id);
         if content.answer.is_none() {
             return word;
         }
-        let content = Content { answer: None, ..content.clone() };
-        Word { id: self.number(content), base: word.base }
+        let content = ReportView { answer: None, ..content.clone() };
+        ViewKey { id: self.number(content), base: word.base }
     }
 }
 
 /// The numbers a report needs to be told to a controller.
-pub(crate) struct Numbers {
+pub(crate) struct ReportNumbers {
     /// The number of the writer's request.
     pub request: u64,
     /// The reader's open request, if it has one.
@@ -141,12 +142,12 @@ pub(crate) struct Numbers {
 /// A report that says to `reader` what the word says. `ops` is how many operations the writer has; counts that the
 /// reader does not read are anything.
 pub(crate) fn report(
-    content: &Content,
+    content: &ReportView,
     base: i32,
     read: &[OpId],
     ops: usize,
     reader: (StationId, u64),
-    numbers: &Numbers,
+    numbers: &ReportNumbers,
 ) -> Report {
     let mut done = vec![base; ops];
     for (op, count) in read.iter().zip(&content.counts) {

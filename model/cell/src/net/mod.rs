@@ -17,7 +17,7 @@ mod instance;
 mod meaning;
 mod pieces;
 
-use linewright_nets::coloured::{ColouredError, ColouredNet, Fusion, Mode, fuse};
+use linewright_nets::coloured::{ColouredError, ColouredNet, Fusion, NetMode, fuse};
 use linewright_nets::{PlaceId, TransitionId};
 
 use crate::{Activity, ActivityId, Cell, Move, StageId};
@@ -219,7 +219,7 @@ impl CellNet {
     }
 
     /// What a mode makes of which stage; none for a shift in a buffer.
-    pub fn move_of<'c>(&self, cell: &'c Cell, mode: Mode) -> Option<(&'c Activity, &'c Move)> {
+    pub fn move_of<'c>(&self, cell: &'c Cell, mode: NetMode) -> Option<(&'c Activity, &'c Move)> {
         let Origin::Activity { id, shift, .. } = self.origin(mode.transition) else { return None };
         let domain = self.net.transition_domain(mode.transition);
         let at = domain.iter().position(|basic| self.net.basics()[basic.index()].name() == STAGES)?;

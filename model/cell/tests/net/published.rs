@@ -10,7 +10,7 @@ use linewright_cell::net::{Detail, Parts, net, parts};
 use linewright_nets::StateId;
 use linewright_nets::coloured::flow::TransitionFlow;
 use linewright_nets::coloured::{
-    ColouredMarking, ColouredNet, ColouredReachability, Colours, Fusion, Limits, explore, fuse, unfold,
+    ColouredMarking, ColouredNet, ColouredReachLimits, ColouredReachability, Colours, Fusion, explore, fuse, unfold,
 };
 
 use super::source::{self, Variant};
@@ -119,7 +119,7 @@ fn seen(
     cells: fn(&str) -> Option<String>,
     labels: fn(&str) -> Label,
 ) -> BTreeMap<Class, BTreeSet<(String, Class)>> {
-    let graph = explore(net, Limits::states(100_000)).expect("it is small");
+    let graph = explore(net, ColouredReachLimits::states(100_000)).expect("it is small");
     let classes: Vec<Class> = graph.states().map(|state| class(net, graph.entries(state), cells)).collect();
     let steps = |state: StateId, graph: &ColouredReachability| -> Vec<(Label, StateId)> {
         graph.steps_from(state).iter().map(|step| (labels(&net.mode_name(step.mode)), step.to)).collect()
@@ -260,13 +260,13 @@ fn is_deadlock_scenario(net: &ColouredNet, marking: &ColouredMarking) -> bool {
 #[test]
 fn the_reservation_is_what_prevents_the_deadlock() {
     let safe_net = ours(&[2, 2, 1]);
-    let safe = explore(&safe_net, Limits::states(100_000)).expect("it is small");
+    let safe = explore(&safe_net, ColouredReachLimits::states(100_000)).expect("it is small");
     assert!(!safe.states().any(|state| is_deadlock_scenario(&safe_net, &safe.marking(state))));
     assert_eq!((safe.deadlocks().count(), safe.is_reversible()), (0, Ok(())));
 
     let text = edited(ASSEMBLY, &[("reserve = true", "reserve = false")]);
     let net = net(&cell(&text), Detail::Expanded, &[2, 2, 1]).expect("it is small").net().clone();
-    let graph = explore(&net, Limits::states(100_000)).expect("it is small");
+    let graph = explore(&net, ColouredReachLimits::states(100_000)).expect("it is small");
     let stuck: Vec<StateId> =
         graph.deadlocks().filter(|&state| is_deadlock_scenario(&net, &graph.marking(state))).collect();
     assert!(!stuck.is_empty());

@@ -13,8 +13,8 @@ use linewright_station_logic::CompileError;
 use thiserror::Error;
 
 use super::ProtocolSetting;
-use super::players::{Asked, Player, Wanted};
-use super::station::Machine;
+use super::players::{ProtocolPlayer, SingleStart, StartableModes};
+use super::station::TaskStationModel;
 
 /// Sent again only after everything else has run out: a late copy of the first message is the same.
 const PACE: Pace = Pace { refresh: Duration::from_secs(24 * 3600), grace: Duration::from_secs(1) };
@@ -41,14 +41,14 @@ pub(super) struct ActivityStart {
     pub name: String,
     pub mode: ModeId,
     pub stations: Vec<StationId>,
-    pub machines: Vec<Machine>,
-    pub player: Player,
+    pub machines: Vec<TaskStationModel>,
+    pub player: ProtocolPlayer,
 }
 
 /// What makes two modes the same to the order protocol: what is ordered from whom, and what is done about failures.
-type Kind = (Vec<(StationId, Arc<str>)>, Vec<usize>, bool);
+type ModeKind = (Vec<(StationId, Arc<str>)>, Vec<usize>, bool);
 
-fn kind(table: &CellTable, mode: ModeId) -> Kind {
+fn kind(table: &CellTable, mode: ModeId) -> ModeKind {
     let orders = table.activity(mode).orders.iter().map(|order| (order.station, order.task.clone())).collect();
     let handled = table.handling().mode(mode);
     (orders, handled.rules.clone(), handled.gone.is_some())
@@ -67,7 +67,7 @@ pub(super) fn stages(setting: &ProtocolSetting<'_>) -> Result<Vec<ActivityStart>
         let activity = table.activity(*mode);
         !activity.orders.is_empty() && setting.only.is_none_or(|only| &*activity.name == only)
     };
-    let mut open: BTreeSet<Kind> = table.modes().filter(ours).map(|mode| kind(&table, mode)).collect();
+    let mut open: BTreeSet<ModeKind> = table.modes().filter(ours).map(|mode| kind(&table, mode)).collect();
     let mut stages = Vec::new();
     for round in 0..ROUNDS {
         if open.is_empty() {
@@ -82,16 +82,16 @@ fn play(
     setting: &ProtocolSetting<'_>,
     table: &Arc<CellTable>,
     round: u64,
-    open: &mut BTreeSet<Kind>,
+    open: &mut BTreeSet<ModeKind>,
     stages: &mut Vec<ActivityStart>,
 ) -> Result<(), NotPlayable> {
     let line = setting.line;
-    let mut machines = line.station_ids().map(|id| Machine::new(line, id)).collect::<Result<Vec<_>, _>>()?;
+    let mut machines = line.station_ids().map(|id| TaskStationModel::new(line, id)).collect::<Result<Vec<_>, _>>()?;
     let (mut out, mut now) = (Outbox::default(), Tick::ZERO);
     let Ok(mut coordination) = Coordination::begin(State::new(table.clone()), now, 1, &mut out) else { return Ok(()) };
     for turn in 0..STARTS_MAX as u64 {
         say(&mut coordination, &machines, line, now);
-        let mut asked = Asked::default();
+        let mut asked = StartableModes::default();
         coordination.reconsider();
         coordination.step(now, &[Input::Starts(true)], &mut asked, &mut Outbox::default());
         asked.0.sort_unstable();
@@ -103,8 +103,13 @@ fn play(
             let activity = table.activity(mode);
             let mut stations: Vec<StationId> = activity.orders.iter().map(|order| order.station).collect();
             stations.dedup();
-            let player =
-                Player { coordination: coordination.clone(), now, starts: 0, firing: None, alarmed: Vec::new() };
+            let player = ProtocolPlayer {
+                coordination: coordination.clone(),
+                now,
+                starts: 0,
+                firing: None,
+                alarmed: Vec::new(),
+            };
             stages.push(ActivityStart {
                 name: activity.name.to_string(),
                 mode,
@@ -121,7 +126,7 @@ fn play(
         let Some(mode) = wanted else { return Ok(()) };
         let mut out = Outbox::default();
         coordination.reconsider();
-        coordination.step(now, &[], &mut Wanted(Some(mode)), &mut out);
+        coordination.step(now, &[], &mut SingleStart(Some(mode)), &mut out);
         // All stations at once, each to its end; then what has no stations ends by its own time.
         for _ in 0..50 {
             for send in out.sends.drain(..) {
@@ -137,7 +142,7 @@ fn play(
             let stays = say_into(&mut coordination, &machines, line, now, &mut out);
             if !stays && out.sends.is_empty() {
                 now = coordination.next_deadline().filter(|&at| at < Tick::NEVER).unwrap_or(now).max(now);
-                coordination.step(now, &[], &mut Wanted(None), &mut out);
+                coordination.step(now, &[], &mut SingleStart(None), &mut out);
             }
             if out.records.iter().any(|record| matches!(record.fact, Fact::Raised { .. })) {
                 return Ok(());
@@ -147,7 +152,7 @@ fn play(
     Ok(())
 }
 
-fn say(coordination: &mut Coordination, machines: &[Machine], line: &linewright_line::Line, now: Tick) {
+fn say(coordination: &mut Coordination, machines: &[TaskStationModel], line: &linewright_line::Line, now: Tick) {
     let mut out = Outbox::default();
     say_into(coordination, machines, line, now, &mut out);
 }
@@ -155,7 +160,7 @@ fn say(coordination: &mut Coordination, machines: &[Machine], line: &linewright_
 /// All stations say what they have to say. Whether anything has followed.
 fn say_into(
     coordination: &mut Coordination,
-    machines: &[Machine],
+    machines: &[TaskStationModel],
     line: &linewright_line::Line,
     now: Tick,
     out: &mut Outbox,
@@ -163,6 +168,6 @@ fn say_into(
     let said: Vec<_> = line.station_ids().zip(machines).map(|(id, machine)| (id, machine.says().heard)).collect();
     let inputs: Vec<Input<'_>> = said.iter().map(|(id, heard)| Input::Station(*id, heard)).collect();
     let before = out.records.len();
-    coordination.step(now, &inputs, &mut Wanted(None), out);
+    coordination.step(now, &inputs, &mut SingleStart(None), out);
     out.records.len() > before
 }
