@@ -36,19 +36,19 @@ pub fn certificates(file: &Path, net: &Net, findings: &Findings) -> miette::Resu
 
 /// How a graph is written.
 #[derive(Clone, Copy)]
-pub enum Format {
+pub enum GraphFormat {
     Dot,
     Json,
     Aldebaran,
 }
 
-impl Format {
+impl GraphFormat {
     /// The one that a file's name asks for.
-    pub fn of(file: &Path) -> miette::Result<Format> {
+    pub fn of(file: &Path) -> miette::Result<GraphFormat> {
         match file.extension().and_then(|extension| extension.to_str()) {
-            Some("dot" | "gv") => Ok(Format::Dot),
-            Some("json") => Ok(Format::Json),
-            Some("aut") => Ok(Format::Aldebaran),
+            Some("dot" | "gv") => Ok(GraphFormat::Dot),
+            Some("json") => Ok(GraphFormat::Json),
+            Some("aut") => Ok(GraphFormat::Aldebaran),
             _ => Err(miette!(
                 help = "end the name in .dot, .json or .aut",
                 "{} names no format for a graph",
@@ -60,7 +60,7 @@ impl Format {
 
 /// Plays the net out once more, and again while the graph is written: the arcs are never held, and the states are within
 /// the limits.
-pub fn graph(file: &Path, format: Format, net: &Net, limits: &ExplorationLimits) -> miette::Result<()> {
+pub fn graph(file: &Path, format: GraphFormat, net: &Net, limits: &ExplorationLimits) -> miette::Result<()> {
     let limits = ExplorationLimits { states: limits.states.min(STATES_MAX), ..*limits };
     let (mut states, mut arcs) = (0_u64, 0_u64);
     let count = |event: GraphEvent| match event {
@@ -72,24 +72,24 @@ pub fn graph(file: &Path, format: Format, net: &Net, limits: &ExplorationLimits)
     })?;
     let cannot = || format!("cannot write {}", file.display());
     let mut out = BufWriter::new(File::create(file).into_diagnostic().wrap_err_with(cannot)?);
-    let graph = Graph { net, limits, states, arcs };
+    let graph = ReachabilityGraph { net, limits, states, arcs };
     let written = match format {
-        Format::Dot => graph.dot(&mut out),
-        Format::Json => graph.json(&mut out),
-        Format::Aldebaran => graph.aldebaran(&mut out),
+        GraphFormat::Dot => graph.dot(&mut out),
+        GraphFormat::Json => graph.json(&mut out),
+        GraphFormat::Aldebaran => graph.aldebaran(&mut out),
     };
     written.and_then(|()| out.flush()).into_diagnostic().wrap_err_with(cannot)
 }
 
 /// A graph that has been seen to end within the limits.
-struct Graph<'a> {
+struct ReachabilityGraph<'a> {
     net: &'a Net,
     limits: ExplorationLimits,
     states: u64,
     arcs: u64,
 }
 
-impl Graph<'_> {
+impl ReachabilityGraph<'_> {
     /// Shows the graph, each piece with the number of the last state shown.
     fn show(&self, mut write: impl FnMut(u32, GraphEvent) -> io::Result<()>) -> io::Result<()> {
         let (mut written, mut last) = (Ok(()), 0);

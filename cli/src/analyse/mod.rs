@@ -81,7 +81,8 @@ impl Args {
 pub fn run(args: &Args) -> miette::Result<ExitCode> {
     let start = Instant::now();
     // Before anything is looked at: a search may take long.
-    let graph = args.graph.as_deref().map(|file| export::Format::of(file).map(|format| (file, format))).transpose()?;
+    let graph =
+        args.graph.as_deref().map(|file| export::GraphFormat::of(file).map(|format| (file, format))).transpose()?;
     let net = match open::net(&args.file, args.net.as_deref()) {
         Ok(net) => net,
         Err(error) if args.json => {

@@ -6,7 +6,7 @@ use linewright_nets::{Net, explicit};
 use serde::Serialize;
 
 use super::decide::Findings;
-use super::plays::{Play, plays};
+use super::plays::{ViolationPath, plays};
 
 /// How many semiflows are listed; all are counted.
 const FLOWS_LISTED: usize = 1000;
@@ -16,7 +16,7 @@ const NAMES_LISTED: usize = 1000;
 
 /// Everything that was found. What is not known is `null`, and `undecided` says why.
 #[derive(Debug, Serialize)]
-pub struct Report {
+pub struct AnalysisReport {
     /// The net's name.
     pub net: String,
     /// How many places there are.
@@ -62,11 +62,11 @@ pub struct Report {
     /// Places without a bound.
     pub unbounded_places: Option<Vec<String>>,
     /// The places and weights of the first conserved sums, and what each is initially.
-    pub place_semiflows: Vec<Flow>,
+    pub place_semiflows: Vec<ReportedFlow>,
     /// The transitions and counts of the first repetitions.
-    pub transition_semiflows: Vec<Flow>,
+    pub transition_semiflows: Vec<ReportedFlow>,
     /// Ways to play the net that show what does not hold.
-    pub counterexamples: Vec<Play>,
+    pub counterexamples: Vec<ViolationPath>,
     /// What is not known, and why.
     pub undecided: Vec<String>,
 }
@@ -83,7 +83,7 @@ pub struct DecidedBy {
 
 /// A minimal semiflow.
 #[derive(Debug, Serialize)]
-pub struct Flow {
+pub struct ReportedFlow {
     /// Node and weight.
     pub weights: Vec<(String, u64)>,
     /// Of a place semiflow, the sum that never changes.
@@ -92,7 +92,7 @@ pub struct Flow {
 }
 
 /// Puts together what the analyses say.
-pub fn report(net: &Net, findings: &Findings, seconds: f64) -> Report {
+pub fn report(net: &Net, findings: &Findings, seconds: f64) -> AnalysisReport {
     let answer = |property: NetProperty| {
         let by = [
             ("structure", findings.by_structure(property)),
@@ -107,7 +107,7 @@ pub fn report(net: &Net, findings: &Findings, seconds: f64) -> Report {
     let facts = findings.facts();
     let initial = net.initial_marking();
     let sum = |flow: &Semiflow<_>| u64::try_from(flow.sum(&initial)).ok();
-    Report {
+    AnalysisReport {
         net: net.name().to_owned(),
         places: net.place_count(),
         transitions: net.transition_count(),
@@ -205,9 +205,9 @@ fn listed<I: Copy + Ord, E>(
     flows: &Result<Semiflows<I>, E>,
     name: impl Fn(I) -> String,
     sum: impl Fn(&Semiflow<I>) -> Option<u64>,
-) -> Vec<Flow> {
+) -> Vec<ReportedFlow> {
     let Ok(flows) = flows else { return Vec::new() };
-    let flow = |flow: &Semiflow<I>| Flow {
+    let flow = |flow: &Semiflow<I>| ReportedFlow {
         weights: flow.weights.iter().map(|&(node, weight)| (name(node), weight)).collect(),
         sum: sum(flow),
     };

@@ -13,16 +13,16 @@ use serde::Serialize;
 /// What is explored, and how freely.
 #[derive(Clone, Debug, Args)]
 #[command(next_help_heading = "Exploration")]
-pub struct Options {
+pub struct ExploreOptions {
     /// Structure only: explore nothing.
     #[arg(long, conflicts_with_all = ["modes", "views", "no_faults", "any_grants", "flags", "without", "whole", "states", "memory", "parts", "expanded"])]
     structure: bool,
     /// A mode that may be granted; repeat it for several. All of them if none is named.
     #[arg(long = "mode", value_enum)]
-    modes: Vec<Mode>,
+    modes: Vec<GrantedMode>,
     /// Whether a station may act on an older report than the newest sent, or hears each at once.
-    #[arg(long, value_enum, default_value_t = Views::Stale)]
-    views: Views,
+    #[arg(long, value_enum, default_value_t = ViewFreshness::Stale)]
+    views: ViewFreshness,
     /// Nothing fails.
     #[arg(long)]
     no_faults: bool,
@@ -34,7 +34,7 @@ pub struct Options {
     flags: bool,
     /// Switch off a rule, to see what it is good for; repeat it for several.
     #[arg(long, value_enum)]
-    without: Vec<Rule>,
+    without: Vec<SafetyRule>,
     /// Explore the whole line, however many stations it has, instead of its parts.
     #[arg(long)]
     whole: bool,
@@ -60,14 +60,14 @@ fn part(text: &str) -> Result<(String, u32), String> {
 }
 
 #[derive(Clone, Copy, Debug, PartialEq, Eq, ValueEnum)]
-enum Mode {
+enum GrantedMode {
     Auto,
     Hand,
     Manual,
 }
 
 #[derive(Clone, Copy, Debug, PartialEq, Eq, ValueEnum)]
-enum Views {
+enum ViewFreshness {
     /// Reports take as long as they like, and some are lost.
     Stale,
     /// Every report is heard at once.
@@ -75,7 +75,7 @@ enum Views {
 }
 
 #[derive(Clone, Copy, Debug, PartialEq, Eq, ValueEnum)]
-enum Rule {
+enum SafetyRule {
     /// Counts go back before the recovery motion starts, not when it is complete.
     WithdrawFirst,
     /// Counts go back only when every station that could build on them agrees.
@@ -114,12 +114,12 @@ pub struct Exploration {
     /// Every state was seen.
     pub exhausted: bool,
     /// One by one.
-    pub properties: Vec<Found>,
+    pub properties: Vec<LineFinding>,
 }
 
 /// One property.
 #[derive(Debug, Serialize)]
-pub struct Found {
+pub struct LineFinding {
     /// What was asked.
     pub name: String,
     /// `holds`, `fails`, `undecided` or `remark`.
@@ -128,12 +128,12 @@ pub struct Found {
     pub reason: String,
     /// How it comes to be, where it fails.
     #[serde(skip_serializing_if = "Option::is_none")]
-    pub counterexample: Option<Counterexample>,
+    pub counterexample: Option<LineCounterexample>,
 }
 
 /// A story as data.
 #[derive(Debug, Serialize)]
-pub struct Counterexample {
+pub struct LineCounterexample {
     /// What happened, in order.
     pub steps: Vec<String>,
     /// What is wrong at the end.
@@ -142,7 +142,7 @@ pub struct Counterexample {
     pub chart: Vec<String>,
 }
 
-impl Options {
+impl ExploreOptions {
     /// Whether anything is to be explored at all.
     pub fn asks_to_explore(&self) -> bool {
         !self.structure
@@ -151,15 +151,15 @@ impl Options {
     /// The rules of measured positions that are explored by themselves; none if nothing is explored.
     pub fn measured(&self) -> Option<PositionRules> {
         let without = |rule| self.without.contains(&rule);
-        let starts = !without(Rule::Measured);
-        self.asks_to_explore().then(|| PositionRules { starts, stops: starts && !without(Rule::MeasuredStop) })
+        let starts = !without(SafetyRule::Measured);
+        self.asks_to_explore().then(|| PositionRules { starts, stops: starts && !without(SafetyRule::MeasuredStop) })
     }
 
     /// What was asked for that only a line's stations have.
     pub fn of_stations(&self) -> Option<&'static str> {
         let asked = [
             (!self.modes.is_empty(), "--mode"),
-            (self.views != Views::Stale, "--views"),
+            (self.views != ViewFreshness::Stale, "--views"),
             (self.no_faults, "--no-faults"),
             (self.any_grants, "--any-grants"),
             (self.flags, "--flags"),
@@ -200,7 +200,7 @@ impl Options {
             return self.together(line);
         }
         let others = cyclic(line);
-        found.extend(self.by_parts(alone, "alone", Options::each)?);
+        found.extend(self.by_parts(alone, "alone", ExploreOptions::each)?);
         if !others.stations.is_empty() {
             found.extend(self.together(&others)?);
         }
@@ -217,7 +217,7 @@ impl Options {
             found.extend(self.both(line, "the whole line")?);
             return Ok(found);
         }
-        self.by_parts(parts(line), "part", Options::both)
+        self.by_parts(parts(line), "part", ExploreOptions::both)
     }
 
     /// Parts that are alike are explored once.
@@ -247,19 +247,19 @@ impl Options {
             setting.modes.retain(|mode| self.modes.iter().any(|named| named.control() == *mode));
         }
         setting.faults = !self.no_faults;
-        setting.lag = if self.views == Views::Fresh { 0 } else { setting.lag };
+        setting.lag = if self.views == ViewFreshness::Fresh { 0 } else { setting.lag };
         setting.grants = if self.any_grants { Grants::Anyhow } else { Grants::InEpochs };
         let rules = &mut setting.rules;
         rules.counted = !self.flags;
         for rule in &self.without {
             match rule {
-                Rule::WithdrawFirst => rules.withdraw_first = false,
-                Rule::Agreement => rules.ask = false,
-                Rule::FreshNumbers => rules.fresh_numbers = false,
-                Rule::RedoRound => rules.redo_round = false,
-                Rule::WayHome => rules.home_waits = false,
+                SafetyRule::WithdrawFirst => rules.withdraw_first = false,
+                SafetyRule::Agreement => rules.ask = false,
+                SafetyRule::FreshNumbers => rules.fresh_numbers = false,
+                SafetyRule::RedoRound => rules.redo_round = false,
+                SafetyRule::WayHome => rules.home_waits = false,
                 // Of lost memories, and of the second barrier, which are explored by themselves.
-                Rule::Generations | Rule::Measured | Rule::MeasuredStop => {}
+                SafetyRule::Generations | SafetyRule::Measured | SafetyRule::MeasuredStop => {}
             }
         }
         setting
@@ -274,7 +274,7 @@ impl Options {
     fn both(&self, line: &Line, what: &str) -> Result<Vec<Exploration>, LineNotExplorable> {
         let mut found = self.each(line, what)?;
         let mut setting = self.setting(line).with_lost_memories();
-        setting.rules.generations = !self.without.contains(&Rule::Generations);
+        setting.rules.generations = !self.without.contains(&SafetyRule::Generations);
         if !setting.modes.is_empty() && found.iter().all(Exploration::holds) {
             found.push(self.one(&setting, &format!("{what}, restarted with memories, and in auto and hand without"))?);
         }
@@ -301,12 +301,12 @@ impl Options {
     }
 }
 
-impl Mode {
+impl GrantedMode {
     const fn control(self) -> ControlMode {
         match self {
-            Mode::Auto => ControlMode::Auto,
-            Mode::Hand => ControlMode::Hand,
-            Mode::Manual => ControlMode::Manual,
+            GrantedMode::Auto => ControlMode::Auto,
+            GrantedMode::Hand => ControlMode::Hand,
+            GrantedMode::Manual => ControlMode::Manual,
         }
     }
 }
@@ -314,14 +314,14 @@ impl Mode {
 impl Exploration {
     fn of(scope: String, explored: LineExplored) -> Self {
         let LineExplored { states, kept, arcs, bytes, exhausted, properties, .. } = explored;
-        let properties = properties.into_iter().map(Found::from).collect();
+        let properties = properties.into_iter().map(LineFinding::from).collect();
         Exploration { scope, states, kept, arcs, bytes, exhausted, properties }
     }
 
     /// A part that differs in names alone from one that has been explored.
     fn like(part: &SubLine, what: &str, other: &str, holds: bool) -> Self {
         let verdict = if holds { "holds" } else { "undecided" };
-        let property = |conflict: &Conflict| Found {
+        let property = |conflict: &Conflict| LineFinding {
             name: format!("never: {}", conflict.why),
             verdict,
             reason: format!("differs from {other} in names alone"),
@@ -344,7 +344,7 @@ impl Exploration {
     }
 }
 
-impl From<LineProperty> for Found {
+impl From<LineProperty> for LineFinding {
     fn from(property: LineProperty) -> Self {
         let verdict = match property.verdict {
             Verdict::Holds => "holds",
@@ -352,13 +352,13 @@ impl From<LineProperty> for Found {
             Verdict::Undecided => "undecided",
             Verdict::Remark => "remark",
         };
-        let counterexample = property.counterexample.map(Counterexample::from);
-        Found { name: property.name, verdict, reason: property.reason, counterexample }
+        let counterexample = property.counterexample.map(LineCounterexample::from);
+        LineFinding { name: property.name, verdict, reason: property.reason, counterexample }
     }
 }
 
-impl From<LinePath> for Counterexample {
+impl From<LinePath> for LineCounterexample {
     fn from(LinePath { steps, end, chart }: LinePath) -> Self {
-        Counterexample { steps, end, chart }
+        LineCounterexample { steps, end, chart }
     }
 }

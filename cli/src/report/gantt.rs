@@ -5,16 +5,16 @@
 
 use std::fmt::Write as _;
 
-use linewright_coordinator_cell::tracking::Done;
+use linewright_coordinator_cell::tracking::FinishedActivity;
 use linewright_line::Tick;
 
-use super::story::Story;
+use super::story::ReportSource;
 
 /// Characters for the time.
 const WIDTH: usize = 100;
 
 /// An activity, in seconds from the beginning of the span.
-pub struct Bar {
+pub struct GanttBar {
     /// What, for people.
     pub name: String,
     /// With which part.
@@ -30,29 +30,29 @@ pub struct Bar {
 }
 
 /// What one resource did.
-pub struct Row {
+pub struct GanttRow {
     /// Its name.
     pub name: String,
     /// In the order in which they started.
-    pub bars: Vec<Bar>,
+    pub bars: Vec<GanttBar>,
 }
 
 /// The chart.
-pub struct Chart {
+pub struct GanttChart {
     /// A row for each resource that did anything.
-    pub rows: Vec<Row>,
+    pub rows: Vec<GanttRow>,
     /// How long it is, in seconds.
     pub span: f64,
     /// Something of it was planned.
     pub has_plan: bool,
 }
 
-impl Chart {
+impl GanttChart {
     /// Of what was read.
-    pub fn new(story: &Story) -> Self {
+    pub fn new(story: &ReportSource) -> Self {
         let sheet = &story.about.sheet;
         let seconds = |tick: Tick| tick.since(story.from).as_secs_f64();
-        let bar = |done: &Done| Bar {
+        let bar = |done: &FinishedActivity| GanttBar {
             name: sheet.entry(done.mode).map(|entry| entry.name.clone()).unwrap_or_default(),
             part: done.part.map(|part| part.0),
             product: sheet.entry(done.mode).and_then(|entry| entry.product),
@@ -60,11 +60,11 @@ impl Chart {
             actual: (seconds(done.began), seconds(done.ended.unwrap_or(story.to).min(story.to))),
             failed: done.failed.as_ref().map(|failed| (seconds(failed.at), failed.cause.clone())),
         };
-        let does = |done: &&Done, resource: usize| {
+        let does = |done: &&FinishedActivity, resource: usize| {
             let entry = sheet.entry(done.mode);
             entry.is_some_and(|entry| [entry.worker, entry.carrier].contains(&Some(resource)))
         };
-        let rows = sheet.resources.iter().enumerate().map(|(resource, of)| Row {
+        let rows = sheet.resources.iter().enumerate().map(|(resource, of)| GanttRow {
             name: of.name.clone(),
             // What takes no time is no bar.
             bars: story
@@ -74,11 +74,11 @@ impl Chart {
                 .map(bar)
                 .collect(),
         });
-        let rows: Vec<Row> = rows.filter(|row| !row.bars.is_empty()).collect();
+        let rows: Vec<GanttRow> = rows.filter(|row| !row.bars.is_empty()).collect();
         let bars = || rows.iter().flat_map(|row| &row.bars);
         let planned = bars().filter_map(|bar| bar.planned).map(|(_, to)| to);
         let span = planned.fold(seconds(story.to), f64::max).max(1e-6);
-        Chart { has_plan: bars().any(|bar| bar.planned.is_some()), rows, span }
+        GanttChart { has_plan: bars().any(|bar| bar.planned.is_some()), rows, span }
     }
 
     /// As text: the number of its part where a bar begins, `▒` what was planned, `█` what was done, `░` what had failed.

@@ -20,8 +20,8 @@ use std::process::ExitCode;
 use miette::{IntoDiagnostic, WrapErr};
 
 use crate::out::say;
-use gantt::Chart;
-use story::Story;
+use gantt::GanttChart;
+use story::ReportSource;
 use when::Zone;
 
 /// Options of `report`.
@@ -60,7 +60,7 @@ pub struct Args {
 pub fn run(args: &Args) -> miette::Result<ExitCode> {
     let zone = if args.utc { Zone::Utc } else { Zone::Local };
     let db = if args.db.is_dir() { args.db.join("cell.db") } else { args.db.clone() };
-    let story = Story::read(&db, (args.from.as_deref(), args.to.as_deref()), zone)?;
+    let story = ReportSource::read(&db, (args.from.as_deref(), args.to.as_deref()), zone)?;
     if let Some(dir) = &args.csv {
         csv::write(&story, dir)?;
     }
@@ -68,16 +68,16 @@ pub fn run(args: &Args) -> miette::Result<ExitCode> {
         mcap::write(&story, path)?;
     }
     if let Some(path) = &args.gantt {
-        let written = std::fs::write(path, svg::draw(&story, &Chart::new(&story)));
+        let written = std::fs::write(path, svg::draw(&story, &GanttChart::new(&story)));
         written.into_diagnostic().wrap_err_with(|| format!("cannot write {}", path.display()))?;
     }
     if args.json {
-        say!("{}", serde_json::to_string_pretty(&json::Object::new(&story)).into_diagnostic()?);
+        say!("{}", serde_json::to_string_pretty(&json::ReportJson::new(&story)).into_diagnostic()?);
     } else {
         say!("{}", story.text().trim_end());
         if args.chart {
             let (from, to) = (story.show(story.from), story.show(story.to));
-            say!("\n{}", Chart::new(&story).text(&from, &to).trim_end());
+            say!("\n{}", GanttChart::new(&story).text(&from, &to).trim_end());
         }
     }
     Ok(ExitCode::SUCCESS)

@@ -2,8 +2,8 @@
 
 use std::fmt::Write as _;
 
-use super::gantt::{Bar, Chart};
-use super::story::Story;
+use super::gantt::{GanttBar, GanttChart};
+use super::story::ReportSource;
 use crate::drawing::{escaped, steps};
 
 /// The margin for names, at least.
@@ -20,7 +20,7 @@ const PLANNED: &str = "#b8c4d0";
 const COLOURS: [&str; 8] = ["#2f6fb0", "#3a923a", "#b8860b", "#7a4fa3", "#1f8a8a", "#a0522d", "#5b6b7b", "#9c3d6b"];
 
 /// Draws the chart.
-pub fn draw(story: &Story, chart: &Chart) -> String {
+pub fn draw(story: &ReportSource, chart: &GanttChart) -> String {
     let letters = chart.rows.iter().map(|row| row.name.chars().count() as f64 * LETTER + 24.0);
     let labels = letters.fold(LABELS_MIN, f64::max);
     let (width, height) = (labels + CHART + 28.0, TOP + ROW * chart.rows.len() as f64 + 24.0);
@@ -63,7 +63,7 @@ pub fn draw(story: &Story, chart: &Chart) -> String {
     svg
 }
 
-fn legend(svg: &mut String, story: &Story) {
+fn legend(svg: &mut String, story: &ReportSource) {
     let products = story.about.sheet.products.iter().zip(COLOURS.iter().cycle());
     let marks = [("planned", PLANNED), ("failed, down", "url(#down)")].into_iter();
     let mut left = 8.0;
@@ -79,7 +79,7 @@ fn legend(svg: &mut String, story: &Story) {
     }
 }
 
-fn draw_bar(svg: &mut String, bar: &Bar, y: f64, x: impl Fn(f64) -> f64) {
+fn draw_bar(svg: &mut String, bar: &GanttBar, y: f64, x: impl Fn(f64) -> f64) {
     let part = bar.part.map(|part| format!(", part {part}")).unwrap_or_default();
     let mut rectangle = |(from, to): (f64, f64), (top, height): (f64, f64), fill: &str, what: &str| {
         let _ = writeln!(

@@ -5,13 +5,13 @@
 
 use linewright_line::{Line, OpId};
 
-use super::report::{Bar, Row};
+use super::report::{OperationRow, OperationSpan};
 
 /// Characters for the time.
 const WIDTH: usize = 60;
 
 /// Draws the rows.
-pub fn draw(line: &Line, rows: &[Row]) -> String {
+pub fn draw(line: &Line, rows: &[OperationRow]) -> String {
     let station_width = line.stations.iter().map(|s| s.name.chars().count()).max().unwrap_or(0);
     let operations = line.stations.iter().flat_map(|s| &s.operations);
     let operation_width = operations.map(|o| o.name.chars().count()).max().unwrap_or(0);
@@ -40,8 +40,8 @@ fn scale(label: usize, span: f64) -> String {
     format!("{:label$}│0{:pad$}{end}│\n", "", "")
 }
 
-fn glyph(row: &Row, cell: usize, span: f64) -> char {
-    let covers = |bar: Option<Bar>| {
+fn glyph(row: &OperationRow, cell: usize, span: f64) -> char {
+    let covers = |bar: Option<OperationSpan>| {
         // To the nearest boundary of a cell, so that bars which follow each other do not overlap; at least one wide.
         let column = |at: f64| (at / span * WIDTH as f64).round() as usize;
         bar.is_some_and(|(start, end)| (column(start)..column(end).max(column(start) + 1)).contains(&cell))

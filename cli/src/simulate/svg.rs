@@ -8,7 +8,7 @@ use std::fmt::Write;
 
 use linewright_line::{Line, OpId, Station};
 
-use super::report::{Report, Row};
+use super::report::{OperationRow, SimulationReport};
 use crate::drawing::{escaped, steps};
 
 /// The margin for names, at least: the legend wants this much.
@@ -22,7 +22,7 @@ const TOP: f64 = 64.0;
 const BAR: f64 = 9.0;
 
 /// Draws the report's cycle.
-pub fn draw(line: &Line, report: &Report) -> String {
+pub fn draw(line: &Line, report: &SimulationReport) -> String {
     let bars = report.rows.iter().flat_map(|row| [row.planned, row.simulated]).flatten();
     let scale = Scale { labels: labels(line), span: bars.map(|bar| bar.1).fold(1e-6, f64::max) };
     let (width, height) = (scale.labels + CHART + 28.0, TOP + ROW * report.rows.len() as f64 + 20.0);
@@ -104,7 +104,7 @@ fn grid(svg: &mut String, scale: Scale, height: f64) {
     }
 }
 
-fn draw_row(svg: &mut String, line: &Line, row: &Row, number: usize, scale: Scale) {
+fn draw_row(svg: &mut String, line: &Line, row: &OperationRow, number: usize, scale: Scale) {
     let station = line.station(row.station);
     let y = y(number);
     if row.op == OpId(0) {
@@ -140,7 +140,7 @@ fn draw_row(svg: &mut String, line: &Line, row: &Row, number: usize, scale: Scal
 }
 
 /// Arrows within the drawn cycle; those carried over from the cycle before come from outside of it.
-fn arrows(svg: &mut String, line: &Line, report: &Report, scale: Scale) {
+fn arrows(svg: &mut String, line: &Line, report: &SimulationReport, scale: Scale) {
     for arrow in &line.arrows {
         let row =
             |op: (linewright_line::StationId, OpId)| report.rows.iter().position(|row| (row.station, row.op) == op);

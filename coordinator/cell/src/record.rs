@@ -10,10 +10,10 @@ use std::fmt;
 use linewright_line::{StationId, Tick};
 use serde::{Deserialize, Serialize};
 
-use super::exception::Step;
+use super::exception::ExceptionStep;
 use super::ids::{FiringId, ModeId, OrderKey, PartId, ResourceId};
-use super::production::Change;
-use super::question::Reason;
+use super::production::ProductionChange;
+use super::question::HoldReason;
 use super::serial;
 
 /// What has happened, and when.
@@ -24,13 +24,13 @@ pub struct Record {
     #[serde(with = "serial::micros")]
     pub at: Tick,
     /// What.
-    pub fact: Fact,
+    pub fact: RecordKind,
 }
 
 /// What has happened.
 #[derive(Clone, Debug, PartialEq, Eq, Serialize, Deserialize)]
 #[serde(rename_all = "kebab-case", deny_unknown_fields)]
-pub enum Fact {
+pub enum RecordKind {
     /// A life of the coordinator begins.
     Epoch {
         /// Greater than any before.
@@ -44,14 +44,14 @@ pub enum Fact {
         /// A number that it drew when its memory began.
         memory: u64,
     },
-    /// A question was answered. What was decided to start follows as [`Fact::Started`].
+    /// A question was answered. What was decided to start follows as [`RecordKind::Started`].
     Decided {
         /// The number of the question, from 1.
         question: u64,
         /// What is to start, with which part.
         started: Vec<(ModeId, Option<PartId>)>,
         /// What is not, and why.
-        held: Vec<(ModeId, Reason)>,
+        held: Vec<(ModeId, HoldReason)>,
     },
     /// An activity has started: its tokens are taken, its orders exist.
     Started {
@@ -86,7 +86,7 @@ pub enum Fact {
         /// Which.
         firing: FiringId,
         /// Why.
-        cause: Cause,
+        cause: ActivityFailure,
     },
     /// An activity has ended: its tokens are given.
     Ended {
@@ -103,10 +103,10 @@ pub enum Fact {
     /// Somebody has changed what is on order.
     Production {
         /// What.
-        change: Change,
+        change: ProductionChange,
     },
     /// A step on the way from a failure to where it goes on from.
-    Exception(Step),
+    Exception(ExceptionStep),
 }
 
 /// Why an order was not done.
@@ -175,7 +175,7 @@ impl Refusal {
 /// Why an activity does not end by itself.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Serialize, Deserialize)]
 #[serde(rename_all = "kebab-case", deny_unknown_fields)]
-pub enum Cause {
+pub enum ActivityFailure {
     /// One of its orders has failed.
     Order {
         /// The first of them.
@@ -213,13 +213,13 @@ impl Failure {
     }
 }
 
-impl Cause {
+impl ActivityFailure {
     /// Some time was over.
     pub fn is_expiry(self) -> bool {
         match self {
-            Cause::TimedOut => true,
-            Cause::Order { key: _, failure } => failure.is_expiry(),
-            Cause::ByHand { .. } => false,
+            ActivityFailure::TimedOut => true,
+            ActivityFailure::Order { key: _, failure } => failure.is_expiry(),
+            ActivityFailure::ByHand { .. } => false,
         }
     }
 }

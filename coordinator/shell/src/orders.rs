@@ -3,18 +3,18 @@
 //! Neither crate knows the other. In a plant messages stand between the two; where both are in one process, as in a simulation
 //! and under a checker, these functions do.
 
-use linewright_coordinator_cell::{Heard, OrderKey, OrderMessage, Outcome, Refusal, Reply};
-use linewright_station_logic::{self as station, OrderReport, TaskCommand, TaskOrder};
+use linewright_coordinator_cell::{OrderKey, OrderMessage, Outcome, Refusal, Reply, TaskReport};
+use linewright_station_logic::{self as station, TaskCommand, TaskOrder, TaskOrderReport};
 
 /// A station's report of its orders, as the token player reads it.
-pub fn heard(report: &OrderReport) -> Heard {
-    Heard {
+pub fn heard(report: &TaskOrderReport) -> TaskReport {
+    TaskReport {
         memory: report.memory,
         epoch: report.epoch,
         slot: report.slot.map(|slot| known(slot.key)),
         results: report.results.iter().map(|&(of, outcome)| (known(of), ended(outcome))).collect(),
         is_held: report.slot.is_none() && report.rest.is_none(),
-        ..Heard::default()
+        ..TaskReport::default()
     }
 }
 

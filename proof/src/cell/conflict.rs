@@ -12,8 +12,8 @@
 use linewright_line::{Line, Span};
 use linewright_nets::explicit::{ExplorationLimits, find};
 
+use super::counterexample::{CellPath, tell};
 use super::group::{ResourceGroup, groups};
-use super::story::{CellPath, tell};
 use super::verdict::limit_in_words;
 use super::words::moved;
 use super::{CellExploration, CellNotExplorable, CellProperty, Detail, Nets, Verdict};

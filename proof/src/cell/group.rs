@@ -4,7 +4,7 @@
 //! it follows from the others and holds nobody up.
 
 use linewright_cell::ResourceId;
-use linewright_cell::net::Meaning;
+use linewright_cell::net::PlaceMeaning;
 use linewright_nets::explicit::MarkingView;
 use linewright_nets::{Net, NetBuilder, PlaceId, TransitionId};
 use petgraph::unionfind::UnionFind;
@@ -31,7 +31,7 @@ pub(super) struct ResourceGroup {
 /// The groups of a net, by their first place. What takes part in nothing is in none.
 pub(super) fn groups(nets: &Nets<'_>) -> Vec<ResourceGroup> {
     let long = nets.long.net();
-    let is_common = |place: PlaceId| nets.meaning(place) == Meaning::Admission;
+    let is_common = |place: PlaceId| nets.meaning(place) == PlaceMeaning::Admission;
     let mut together = UnionFind::<usize>::new(long.place_count());
     for t in long.transitions() {
         let mut own = around(long, t).filter(|&place| !is_common(place));
@@ -143,7 +143,7 @@ impl ResourceGroup {
 
 impl Nets<'_> {
     /// What a place of the long net stands for.
-    pub(super) fn meaning(&self, place: PlaceId) -> Meaning {
+    pub(super) fn meaning(&self, place: PlaceId) -> PlaceMeaning {
         self.net.meaning(self.long.cell(self.net.net(), place).place)
     }
 }

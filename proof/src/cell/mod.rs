@@ -20,11 +20,11 @@
 //! Time stands still here, and nothing breaks; what does is for the one who plays the net.
 
 mod conflict;
+mod counterexample;
 mod group;
 mod play;
 pub mod protocol;
 pub mod recovery;
-mod story;
 mod verdict;
 mod words;
 
@@ -36,7 +36,7 @@ use thiserror::Error;
 
 pub use crate::explore::Verdict;
 pub use conflict::{APART, check_conflicts};
-pub use story::{CellPath, Holding, WaitingPart};
+pub use counterexample::{CellPath, Holding, WaitingPart};
 pub use verdict::{CellProperty, Checked, GroupExplored};
 
 /// At most so many places and transitions of the ordinary net: a thousand resources need a tenth of it.

@@ -11,7 +11,7 @@ use std::collections::BTreeMap;
 
 use linewright_cell::Cell;
 use linewright_cell::net::Supply;
-use linewright_coordinator_cell::described::{Pace, RecoveryNet, described, recovery_net};
+use linewright_coordinator_cell::compile::{OrderTiming, RecoveryNet, compile_cell, recovery_net};
 use linewright_line::Line;
 use linewright_nets::semiflows::{BasisFlow, SemiflowLimits, place_flow_basis, place_semiflows};
 use linewright_nets::{Net, NetBuilder, PlaceId, TransitionId};
@@ -27,8 +27,8 @@ pub const BOUNDED: &str = "with what fails the net is bounded";
 
 /// What the structure of a cell's net with error places says; nothing of a cell that is not played.
 pub fn check_recovery(cell: &Cell, line: Option<&Line>) -> Vec<CellProperty> {
-    let pace = Pace { refresh: std::time::Duration::from_secs(1), grace: std::time::Duration::from_secs(1) };
-    let Ok(made) = described(cell, line, Supply::Open, pace) else { return Vec::new() };
+    let pace = OrderTiming { refresh: std::time::Duration::from_secs(1), grace: std::time::Duration::from_secs(1) };
+    let Ok(made) = compile_cell(cell, line, Supply::Open, pace) else { return Vec::new() };
     match recovery_net(&cell.name, &made.table) {
         Ok(net) => judge(&net),
         Err(why) => {

@@ -4,9 +4,9 @@ use linewright_cell::{Cell, StageId};
 use linewright_nets::explicit::{ExplorationLimit, ExplorationUndecided};
 use rustc_hash::FxHashSet;
 
+use super::counterexample::{CellPath, tell};
 use super::group::ResourceGroup;
 use super::play::{Excess, GroupSearch, Size};
-use super::story::{CellPath, tell};
 use super::words::moved;
 use super::{CellExploration, Nets};
 use crate::explore::Verdict;

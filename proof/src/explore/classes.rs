@@ -24,7 +24,7 @@ use rustc_hash::{FxHashMap, FxHashSet};
 
 use super::setting::{Grants, LineExploration};
 use super::station::{Situations, StationAct};
-use super::word::ViewKeys;
+use super::view_key::ViewKeys;
 
 /// Situations of one station between which it comes and goes by itself.
 #[derive(Clone, Debug, Default)]

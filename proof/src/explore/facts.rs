@@ -7,7 +7,7 @@ use linewright_line::{Line, Module, OpId, Signals, Span, StationId};
 use super::orders;
 use super::setting::{Grants, LineExploration};
 use super::station::{PanelKey, Situation, Situations, StationAct};
-use super::word::{ViewKey, ViewKeys};
+use super::view_key::{ViewKey, ViewKeys};
 
 /// At most this many conflicts: one bit each.
 pub(crate) const CONFLICTS_MAX: usize = 64;

@@ -4,12 +4,12 @@
 use linewright_line::net::ControlMode;
 use linewright_line::{Arrow, Line};
 
-use super::judge::StateTally;
+use super::path::tests::check_way;
+use super::properties::StateTally;
 use super::search::{LineSearch, SearchEnd, SearchLimits, search};
 use super::setting::{Grants, LineExploration};
 use super::state::Widths;
 use super::system::System;
-use super::way::tests::check_way;
 use crate::generate::{self, LineShape, Random, break_it, breakages};
 
 fn searched(setting: &LineExploration, states: usize) -> LineSearch<8> {

@@ -11,30 +11,30 @@
 //! Time stands still here. What time does to a controller is among what may happen anyway ([`LineExploration`]).
 
 mod classes;
+mod counterexample;
 mod facts;
-mod followers;
 mod home;
-mod judge;
 #[cfg(test)]
 mod lumped;
 mod orders;
+mod path;
+mod properties;
 mod restart;
 mod search;
 mod setting;
 mod state;
 mod station;
 mod store;
-mod story;
+mod successors;
 mod system;
 mod table;
 mod verdict;
-mod way;
-mod word;
+mod view_key;
 
+pub use counterexample::LinePath;
 pub(crate) use facts::{actuator, bits_of};
 pub use search::SearchLimits;
 pub use setting::{Grants, LineExploration};
-pub use story::LinePath;
 pub use verdict::{LineExplored, LineProperty, Verdict};
 
 use linewright_station_logic::CompileError;

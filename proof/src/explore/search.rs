@@ -5,11 +5,11 @@ use std::sync::mpsc::sync_channel;
 use std::thread;
 
 use super::LineNotExplorable;
-use super::followers::{Successor, Successors};
-use super::judge::StateTally;
+use super::properties::StateTally;
 use super::setting::LineExploration;
 use super::state::{ComposedState, FieldOverflow, StateLayout, Widths};
 use super::store::{Batch, InsertResult, StateStore};
+use super::successors::{Successor, Successors};
 use super::system::{Granted, System};
 use super::table::StateKey;
 use super::verdict::{self, LineExplored};

@@ -4,7 +4,7 @@
 //! for ever while the line repeats itself; packed, all are relative to the first station's, so that a state met again
 //! a hundred cycles later is the same state. Packing is exact: equal bits, equal state.
 
-use super::word::ViewKey;
+use super::view_key::ViewKey;
 
 /// The composed line at one moment.
 #[derive(Clone, Debug, PartialEq, Eq)]

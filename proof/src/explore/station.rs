@@ -8,15 +8,15 @@
 use linewright_line::net::{Block, ControlMode, Place};
 use linewright_line::{OpId, StationId, TaskId, Tick};
 use linewright_station_logic::{
-    CompileError, Controller, Event, Founding, Input, ModeOrder, NO_DELAY, Outbox, PanelCommand, Report, Restore,
-    TaskCommand, Writer,
+    CompileError, Controller, Founding, ModeOrder, NO_DELAY, PanelCommand, Restore, StationHappening, StationInput,
+    StationOutbox, StationReport, TaskCommand, Writer,
 };
 use rustc_hash::FxHashMap;
 
 use super::facts::{SituationFacts, actuator, bits_of};
 use super::orders::{LIMIT, order, sensors_of};
 use super::setting::LineExploration;
-use super::word::{ReportNumbers, ViewKey, ViewKeys, report};
+use super::view_key::{ReportNumbers, ViewKey, ViewKeys, report};
 
 /// The moment at which everything happens; the time of an order runs out a moment later, and nothing else does.
 const NOW: Tick = Tick::from_millis(1);
@@ -313,20 +313,20 @@ impl Situation {
         Ok(situation)
     }
 
-    pub(super) fn step(&mut self, events: &mut Vec<Event>) {
-        let mut out = Outbox::default();
+    pub(super) fn step(&mut self, events: &mut Vec<StationHappening>) {
+        let mut out = StationOutbox::default();
         self.controller.step(self.now, &mut out);
         self.outputs = out.outputs;
         events.append(&mut out.events);
     }
 
-    pub fn image(&mut self, bits: u128, valid: bool, events: &mut Vec<Event>) {
+    pub fn image(&mut self, bits: u128, valid: bool, events: &mut Vec<StationHappening>) {
         let bits = bits | self.sensors;
-        self.controller.handle(self.now, Input::Inputs { bits, valid, until: Tick::NEVER, under: NO_DELAY });
+        self.controller.handle(self.now, StationInput::Inputs { bits, valid, until: Tick::NEVER, under: NO_DELAY });
         self.step(events);
     }
 
-    pub(super) fn order(&mut self, setting: &LineExploration, events: &mut Vec<Event>) {
+    pub(super) fn order(&mut self, setting: &LineExploration, events: &mut Vec<StationHappening>) {
         self.epoch += 1;
         // Counts of the start are of one generation; it is founded for the first life of each station.
         let found = setting.forgets.then_some(Founding { generation: 1, boot_id: 1 });
@@ -336,12 +336,12 @@ impl Situation {
             buttons: self.button.map_or(0, |button| 1 << button),
             ..ModeOrder::of(1, self.epoch, self.mode, setting.line.timing.lease)
         };
-        self.controller.handle(self.now, Input::Order(order));
+        self.controller.handle(self.now, StationInput::Order(order));
         self.step(events);
     }
 
     /// Lets something happen. Of an arrival or a failure, the first image only.
-    pub fn act(&mut self, setting: &LineExploration, act: StationAct, events: &mut Vec<Event>) {
+    pub fn act(&mut self, setting: &LineExploration, act: StationAct, events: &mut Vec<StationHappening>) {
         let station = self.controller.station();
         match act {
             StationAct::Mode(mode) => {
@@ -357,7 +357,7 @@ impl Situation {
                 let advance = PanelCommand::Advance(key == Some(PanelKey::Advance));
                 let retract = PanelCommand::Retract(key == Some(PanelKey::Return));
                 for command in [advance, retract] {
-                    self.controller.handle(self.now, Input::Panel(command));
+                    self.controller.handle(self.now, StationInput::Panel(command));
                 }
                 self.step(events);
             }
@@ -370,12 +370,12 @@ impl Situation {
             StationAct::Order(task) => {
                 self.order += 1;
                 let order = order(&setting.line, station, task, self.order);
-                self.controller.handle(self.now, Input::Task(TaskCommand::Run(&order)));
+                self.controller.handle(self.now, StationInput::Task(TaskCommand::Run(&order)));
                 self.step(events);
             }
             StationAct::Secure => {
                 let key = super::orders::key(self.order);
-                self.controller.handle(self.now, Input::Task(TaskCommand::Secure(key)));
+                self.controller.handle(self.now, StationInput::Task(TaskCommand::Secure(key)));
                 self.step(events);
             }
             StationAct::Expire => {
@@ -399,7 +399,7 @@ impl Situation {
         link: usize,
         nth: usize,
         word: ViewKey,
-        events: &mut Vec<Event>,
+        events: &mut Vec<StationHappening>,
     ) {
         let content = words[link].content(word.id).clone();
         let described = &setting.links[link];
@@ -415,8 +415,8 @@ impl Situation {
         let base = self.controller.cycle() + word.base;
         let ops = setting.line.station(writer).operations.len();
         let me = (self.controller.station(), self.controller.writer().boot_id);
-        let report: Report = report(&content, base, &described.counts, ops, me, &numbers);
-        self.controller.handle(self.now, Input::View(writer, &report));
+        let report: StationReport = report(&content, base, &described.counts, ops, me, &numbers);
+        self.controller.handle(self.now, StationInput::View(writer, &report));
         self.open &= !(1 << nth);
         if content.request.is_some_and(|(_, open)| open) {
             self.open |= 1 << nth;

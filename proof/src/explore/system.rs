@@ -6,13 +6,13 @@
 
 use linewright_line::StationId;
 use linewright_line::net::{ControlMode, StationNet};
-use linewright_station_logic::{CompileError, Event};
+use linewright_station_logic::{CompileError, StationHappening};
 
 use super::classes::{Classes, LocalClass, MemberAct};
 use super::setting::{Grants, LineExploration};
 use super::state::{ComposedState, StateLayout, Widths};
 use super::station::{Effect, Situation, Situations, StationAct};
-use super::word::{ViewKey, ViewKeys};
+use super::view_key::{ViewKey, ViewKeys};
 
 /// A view that is this many cycles behind has long been too old to be relied on, and unknown blocks: the reader hears
 /// the report that would put it there. Without a bound, a view that no arrow of the present mode reads could fall
@@ -385,7 +385,7 @@ impl System {
     }
 
     /// What the station concerned says about a move, if it concerns one.
-    pub fn events(&self, state: &ComposedState, what: SystemMove) -> Option<(StationId, Vec<Event>)> {
+    pub fn events(&self, state: &ComposedState, what: SystemMove) -> Option<(StationId, Vec<StationHappening>)> {
         let mut events = Vec::new();
         let station = match what {
             SystemMove::Grant(_) => return None,

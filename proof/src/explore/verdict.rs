@@ -5,10 +5,10 @@ use std::thread;
 use linewright_line::net::{ControlMode, StationNet};
 use linewright_nets::TransitionId;
 
-use super::judge::Violation;
+use super::counterexample::LinePath;
+use super::properties::Violation;
 use super::search::{LineSearch, SearchEnd};
 use super::station::Situations;
-use super::story::LinePath;
 use super::system::FixedSituation;
 
 /// Whether a property holds.

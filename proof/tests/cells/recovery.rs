@@ -4,7 +4,7 @@ use std::time::Duration;
 
 use linewright_cell::Cell;
 use linewright_cell::net::Supply;
-use linewright_coordinator_cell::described::{Pace, RecoveryNet, described, recovery_net};
+use linewright_coordinator_cell::compile::{OrderTiming, RecoveryNet, compile_cell, recovery_net};
 use linewright_nets::NetBuilder;
 use linewright_nets::explicit::{ExplorationLimits, decide, find};
 use linewright_proof::cell::Verdict;
@@ -12,10 +12,10 @@ use linewright_proof::cell::recovery::{BACK, BOUNDED, KEPT, check_recovery, judg
 
 use super::described as shipped;
 
-const PACE: Pace = Pace { refresh: Duration::from_secs(1), grace: Duration::from_secs(1) };
+const PACE: OrderTiming = OrderTiming { refresh: Duration::from_secs(1), grace: Duration::from_secs(1) };
 
 fn net(cell: &Cell, supply: Supply<'_>) -> RecoveryNet {
-    let made = described(cell, None, supply, PACE).unwrap_or_else(|why| panic!("{why}"));
+    let made = compile_cell(cell, None, supply, PACE).unwrap_or_else(|why| panic!("{why}"));
     recovery_net("recovery", &made.table).expect("it has one")
 }
 

@@ -11,20 +11,20 @@ use linewright_line::{BRANCHES_MAX, InputId, Line, OpId, Panel, StationId, Tick}
 use std::sync::Arc;
 use std::time::Duration;
 
-use crate::event::{Cause, Event, Happening};
+use crate::event::{HappeningKind, StationHappening, StopCause};
 use crate::ignored::{Handled, Ignored};
 use crate::order::{OrderKey, Reply, TaskCommand};
-use crate::panel::{Commands, Contest, ModeOrder, PanelCommand};
+use crate::panel::{Commands, ModeOrder, PanelCommand, RivalCoordinators};
 use crate::parts::{Agreement, Counts, Due, Fired, Image, Levels, Marking, Output, Token};
 use crate::program::{CompileError, Program, bit};
-use crate::report::{Report, Restore};
+use crate::report::{Restore, StationReport};
 use crate::rules::Rules;
-use crate::slot::Orders;
-use crate::views::Views;
+use crate::slot::OrderSlot;
+use crate::views::PeerViews;
 
 /// What a controller is told.
 #[derive(Clone, Copy, Debug)]
-pub enum Input<'a> {
+pub enum StationInput<'a> {
     /// The station's input image, and whether its devices vouch for it.
     Inputs {
         /// Bit `i` is input `i` of the description.
@@ -34,7 +34,7 @@ pub enum Input<'a> {
         /// The image is unknown from then on, unless a newer one arrives; [`Tick::NEVER`] where the source itself
         /// tells when it is lost.
         until: Tick,
-        /// [`Outbox::number`] of the newest output image that was in force when it was taken; [`NO_DELAY`] where the
+        /// [`StationOutbox::number`] of the newest output image that was in force when it was taken; [`NO_DELAY`] where the
         /// image follows the outputs at once.
         under: u64,
     },
@@ -45,11 +45,11 @@ pub enum Input<'a> {
     /// ordered the emergency stop too and ended it.
     EmergencyStop(u64),
     /// Another coordinator gives orders beside the one that is followed, or no longer does.
-    Contest(Option<Contest>),
+    Contest(Option<RivalCoordinators>),
     /// The caller stood still for longer than a message lasts: the order's lease has ended.
     Gap,
     /// A newer report of another station.
-    View(StationId, &'a Report),
+    View(StationId, &'a StationReport),
     /// The station's panel, by message.
     Panel(PanelCommand),
     /// An operator's confirmation that the station stands where its switches say (see [`Controller::read_off`]), or was
@@ -64,7 +64,7 @@ pub const NO_DELAY: u64 = u64::MAX;
 
 /// What a step gives.
 #[derive(Clone, Debug, Default)]
-pub struct Outbox {
+pub struct StationOutbox {
     /// The output image: bit `i` is output `i` of the description.
     pub outputs: u128,
     /// Grows with every change of the output image, and with every motion that begins.
@@ -72,7 +72,7 @@ pub struct Outbox {
     /// The report differs from that of the step before: send it.
     pub changed: bool,
     /// What happened, in order. The caller drains it.
-    pub events: Vec<Event>,
+    pub events: Vec<StationHappening>,
     /// What is answered to orders, in order. The caller drains it; whatever of it gets lost, the report says as well.
     pub replies: Vec<(OrderKey, Reply)>,
 }
@@ -91,16 +91,16 @@ pub struct Controller {
     pub(crate) marking: Marking,
     pub(crate) counts: Counts,
     pub(crate) image: Image,
-    pub(crate) views: Views,
+    pub(crate) views: PeerViews,
     pub(crate) commands: Commands,
     pub(crate) levels: Levels,
     pub(crate) agreement: Agreement,
     /// Of a task-driven station.
-    pub(crate) orders: Option<Box<Orders>>,
+    pub(crate) orders: Option<Box<OrderSlot>>,
     pub(crate) output: Output,
     pub(crate) due: Due,
     pub(crate) fired: Fired,
-    pub(crate) events: Vec<Event>,
+    pub(crate) events: Vec<StationHappening>,
 }
 
 impl Controller {
@@ -115,7 +115,7 @@ impl Controller {
         let program = Program::compile(line, station)?;
         let described = line.station(station);
         let operations_of: Vec<usize> = program.peers.iter().map(|&peer| line.station(peer).operations.len()).collect();
-        let views = Views::new(&program, &operations_of, line.timing.stale);
+        let views = PeerViews::new(&program, &operations_of, line.timing.stale);
         let round = described.initial_round();
         let counts: Vec<i32> = described.op_ids().map(|op| described.home_count(op, round)).collect();
         let mut controller = Controller {
@@ -127,7 +127,7 @@ impl Controller {
                 tokens: [Token::at(program.home_place); BRANCHES_MAX],
                 count: 1,
                 path: None,
-                causes_of_stop: vec![Cause::Released; described.operations.len()],
+                causes_of_stop: vec![StopCause::Released; described.operations.len()],
                 unconfirmed: restore == Restore::Fresh,
                 placed: restore == Restore::Fresh,
                 lost_position: None,
@@ -145,7 +145,7 @@ impl Controller {
             commands: Commands::new(),
             levels: Levels { now: 0, before: 0, mode: ControlMode::StandBy },
             agreement: Agreement { pending: None, next_request: 1, refusal: None },
-            orders: program.on_order.as_ref().map(|_| Box::new(Orders::new(boot_id))),
+            orders: program.on_order.as_ref().map(|_| Box::new(OrderSlot::new(boot_id))),
             output: Output::default(),
             due: Due { outputs: true, report: true, settled: false, deadline: Tick::ZERO },
             fired: Fired::NONE,
@@ -209,9 +209,9 @@ impl Controller {
 
     /// Takes what has arrived. Follow with [`Controller::step`].
     #[inline]
-    pub fn handle(&mut self, now: Tick, input: Input<'_>) -> Handled {
+    pub fn handle(&mut self, now: Tick, input: StationInput<'_>) -> Handled {
         self.now = self.now.max(now);
-        if let Input::Inputs { bits, valid, until, under } = input {
+        if let StationInput::Inputs { bits, valid, until, under } = input {
             self.image.until = until;
             self.due.settled &= under == self.image.under;
             self.image.under = under;
@@ -225,11 +225,11 @@ impl Controller {
         self.take(input).into()
     }
 
-    fn take(&mut self, input: Input<'_>) -> Result<(), Ignored> {
+    fn take(&mut self, input: StationInput<'_>) -> Result<(), Ignored> {
         let now = self.now;
         match input {
-            Input::Inputs { .. } => {}
-            Input::Order(order) => {
+            StationInput::Inputs { .. } => {}
+            StationInput::Order(order) => {
                 let epoch = self.commands.epoch();
                 let taken = self.commands.order(now, order, self.stale);
                 if taken.is_ok()
@@ -240,22 +240,22 @@ impl Controller {
                 self.due.report |= self.commands.epoch() != epoch;
                 return taken;
             }
-            Input::EmergencyStop(life) => self.commands.stop(now, life, self.stale),
-            Input::Contest(contest) => {
+            StationInput::EmergencyStop(life) => self.commands.stop(now, life, self.stale),
+            StationInput::Contest(contest) => {
                 self.commands.contest(contest);
                 self.due.report = true;
             }
-            Input::Gap => self.commands.end_lease(now),
-            Input::View(station, report) => {
+            StationInput::Gap => self.commands.end_lease(now),
+            StationInput::View(station, report) => {
                 let me = (self.program.station, self.boot_id);
-                let answer = |views: &Views| views.peers.iter().find(|v| v.station == station).map(|v| v.answer);
+                let answer = |views: &PeerViews| views.peers.iter().find(|v| v.station == station).map(|v| v.answer);
                 let before = answer(&self.views);
                 self.views.hear(now, me, &self.program, &self.counts.started, station, report)?;
                 self.due.report |= before != answer(&self.views);
             }
-            Input::Task(command) => return self.command(command),
-            Input::Rejoin(within) => return self.rejoin(within),
-            Input::Panel(command) => {
+            StationInput::Task(command) => return self.command(command),
+            StationInput::Rejoin(within) => return self.rejoin(within),
+            StationInput::Panel(command) => {
                 let before = self.commands.selector_manual();
                 self.commands.panel(now, command, self.stale);
                 self.due.report |= before != self.commands.selector_manual();
@@ -286,7 +286,7 @@ impl Controller {
         if valid != self.image.valid {
             self.image.valid = valid;
             self.due.report = true;
-            self.note(Happening::Devices(valid));
+            self.note(HappeningKind::Devices(valid));
             // A button that is down when the devices come back was not pressed now.
             self.commands.disarm(u128::MAX);
         }
@@ -313,8 +313,8 @@ impl Controller {
             self.marking.tokens[0].place = self.program.index_of(Place::incomplete(home));
             self.marking.placed = false;
             self.counts.done[home.index()] -= 1;
-            self.marking.causes_of_stop[home.index()] = Cause::NotAtHome;
-            self.note(Happening::Stopped(home, Block::Normal, Cause::NotAtHome));
+            self.marking.causes_of_stop[home.index()] = StopCause::NotAtHome;
+            self.note(HappeningKind::Stopped(home, Block::Normal, StopCause::NotAtHome));
             self.due.outputs = true;
             self.due.report = true;
         }
@@ -328,8 +328,8 @@ impl Controller {
         self.stale.saturating_sub(self.image.until.since(self.now))
     }
 
-    pub(crate) fn note(&mut self, what: Happening) {
-        self.events.push(Event { cycle: self.counts.cycle, what });
+    pub(crate) fn note(&mut self, what: HappeningKind) {
+        self.events.push(StationHappening { cycle: self.counts.cycle, what });
     }
 
     /// When to step again if nothing arrives before.

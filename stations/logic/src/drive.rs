@@ -3,8 +3,8 @@
 use linewright_line::net::ControlMode;
 
 use crate::controller::Controller;
-use crate::parts::Run;
-use crate::report::Report;
+use crate::parts::RunCommand;
+use crate::report::StationReport;
 
 impl Controller {
     /// Works out the outputs and the deadline.
@@ -32,7 +32,7 @@ impl Controller {
             let blocked = place.is_operating() && !paused.driven && self.violated(place, self.marking.path).is_some();
             let token = &mut self.marking.tokens[index];
             let table = &self.program.places[token.place as usize];
-            let held = token.run != Run::Hand || (table.hold != 0 && self.levels.now & table.hold == table.hold);
+            let held = token.run != RunCommand::Hand || (table.hold != 0 && self.levels.now & table.hold == table.hold);
             let driven = table.actuator != 0 && self.image.valid && held && !blocked && mode != ControlMode::EStop;
             match (token.driven, driven) {
                 (false, true) => {
@@ -61,14 +61,14 @@ impl Controller {
     }
 
     /// The report of the present state.
-    pub fn report(&self) -> Report {
-        let mut report = Report::default();
+    pub fn report(&self) -> StationReport {
+        let mut report = StationReport::default();
         self.report_into(&mut report);
         report
     }
 
     /// Writes the report of the present state, reusing what `report` has allocated.
-    pub fn report_into(&self, report: &mut Report) {
+    pub fn report_into(&self, report: &mut StationReport) {
         report.boot_id = self.boot_id;
         report.mode_epoch = self.commands.epoch();
         report.mode = Some(self.commands.mode());

@@ -7,10 +7,10 @@ use linewright_line::net::{Block, ControlMode, Place, Stage};
 use linewright_line::{Line, OpId, StationId, Tick};
 
 use crate::controller::Controller;
-use crate::event::{Cause, Event, Happening};
+use crate::event::{HappeningKind, StationHappening, StopCause};
 use crate::order_words::task_name;
 use crate::program::IncomingArrow as Arrow;
-use crate::views::Standing;
+use crate::views::Comparability;
 
 /// What a station waits for whose devices cannot be trusted. Which device and why, their manager knows.
 pub const DEVICES_INVALID: &str = "its devices: not heard, or not operational";
@@ -45,7 +45,7 @@ impl Controller {
             }
         }
         if let Some((op, input)) = self.position_lost() {
-            parts.push(Cause::PositionLost { op, input }.detail(line, self.program.station));
+            parts.push(StopCause::PositionLost { op, input }.detail(line, self.program.station));
         }
         parts.join("; ")
     }
@@ -60,7 +60,7 @@ impl Controller {
             reasons.push(DEVICES_INVALID.to_owned());
         }
         if let Some((op, input)) = self.position_lost() {
-            reasons.push(Cause::PositionLost { op, input }.detail(line, self.program.station));
+            reasons.push(StopCause::PositionLost { op, input }.detail(line, self.program.station));
         }
         self.explain_generation(line, &mut reasons);
         for place in self.marking() {
@@ -89,7 +89,7 @@ impl Controller {
         if !compares || !(is_lost || (forgot && !self.is_at_home())) {
             return;
         }
-        let not_home = |place: Place| self.marking.causes_of_stop[place.op.index()] == Cause::NotAtHome;
+        let not_home = |place: Place| self.marking.causes_of_stop[place.op.index()] == StopCause::NotAtHome;
         let why =
             if forgot { "it has no memory of where it stands" } else { "its axes are not where its chart has them" };
         reasons.push(match self.read_off() {
@@ -127,8 +127,8 @@ impl Controller {
                 // What it stands in is not known before rejoin.
                 let unknown = self.rules.generations && self.views.generation == 0 && self.program.on_order.is_none();
                 reasons.extend(match self.marking.causes_of_stop[place.op.index()] {
-                    Cause::NotAtHome if unknown && !self.program.peers.is_empty() => None,
-                    Cause::Released => Some(format!("{name} to be finished or taken back in manual")),
+                    StopCause::NotAtHome if unknown && !self.program.peers.is_empty() => None,
+                    StopCause::Released => Some(format!("{name} to be finished or taken back in manual")),
                     cause => Some(format!("recovery of {name} in manual ({})", cause.text())),
                 });
                 if self.mode() == ControlMode::Manual {
@@ -264,18 +264,18 @@ impl Controller {
         let own = self.op_name(line, cause.to);
         let view = &self.views.peers[cause.peer as usize];
         match self.views.standing(cause.peer as usize, cycle, now) {
-            Standing::Comparable => {}
-            Standing::NotHeard => return format!("{station} to be heard, for {own}"),
-            Standing::OtherGeneration if self.views.generation == 0 => {
+            Comparability::Comparable => {}
+            Comparability::NotHeard => return format!("{station} to be heard, for {own}"),
+            Comparability::OtherGeneration if self.views.generation == 0 => {
                 return format!("a common start, for {own}: this station has no memory of the others' counts");
             }
-            Standing::OtherGeneration => {
+            Comparability::OtherGeneration => {
                 return format!("a common start with {station}, for {own}: it has no memory of these counts");
             }
-            Standing::PositionLost => {
+            Comparability::PositionLost => {
                 return format!("{station} to be where its chart has it (position lost), for {own}");
             }
-            Standing::TooFarAhead => {
+            Comparability::TooFarAhead => {
                 return format!("{station} to report a cycle that can be (it reports {}), for {own}", view.cycle);
             }
         }
@@ -305,7 +305,7 @@ impl Controller {
     }
 
     /// An event of this station in words, as the operator would say it.
-    pub fn event_text(&self, line: &Line, event: &Event) -> String {
+    pub fn event_text(&self, line: &Line, event: &StationHappening) -> String {
         event.text(line, self.program.station)
     }
 }
@@ -317,7 +317,7 @@ fn op_names(line: &Line, station: StationId, ops: u64) -> String {
     names.join(", ")
 }
 
-impl Event {
+impl StationHappening {
     /// The event in words, for the station it belongs to.
     pub fn text(&self, line: &Line, station: StationId) -> String {
         let name = |op: OpId| line.operation((station, op)).name.as_str();
@@ -326,39 +326,41 @@ impl Event {
             Block::Recovery => "undoing ",
         };
         match self.what {
-            Happening::Started(op, block) => format!("starts {}{}", undoing(block), name(op)),
-            Happening::Completed(op, Block::Normal) => format!("has done {}", name(op)),
-            Happening::Completed(op, Block::Recovery) => format!("has undone {}", name(op)),
-            Happening::Stopped(op, block, cause) => {
+            HappeningKind::Started(op, block) => format!("starts {}{}", undoing(block), name(op)),
+            HappeningKind::Completed(op, Block::Normal) => format!("has done {}", name(op)),
+            HappeningKind::Completed(op, Block::Recovery) => format!("has undone {}", name(op)),
+            HappeningKind::Stopped(op, block, cause) => {
                 format!("stops {}{}: {}", undoing(block), name(op), cause.text_of(line, station, op, block))
             }
-            Happening::Withdrawn(0) => "takes nothing back".to_owned(),
-            Happening::Withdrawn(ops) => format!("takes back {}", op_names(line, station, ops)),
-            Happening::HomeAgain if line.station(station).works_on_order() => "is back where the task began".to_owned(),
-            Happening::HomeAgain => "is home; the cycle will be done again".to_owned(),
-            Happening::Founded => "is at home with the others: counts begin anew".to_owned(),
-            Happening::Rejoined => "stands where its switches say, by an operator's confirmation".to_owned(),
-            Happening::PositionLost(op, input) => Cause::PositionLost { op, input }.detail(line, station),
-            Happening::PositionFound => "is measured where its chart has it again".to_owned(),
-            Happening::Asked(number) => format!("asks to go back (request {number})"),
-            Happening::NotAgreed { by, in_the_way } => {
+            HappeningKind::Withdrawn(0) => "takes nothing back".to_owned(),
+            HappeningKind::Withdrawn(ops) => format!("takes back {}", op_names(line, station, ops)),
+            HappeningKind::HomeAgain if line.station(station).works_on_order() => {
+                "is back where the task began".to_owned()
+            }
+            HappeningKind::HomeAgain => "is home; the cycle will be done again".to_owned(),
+            HappeningKind::Founded => "is at home with the others: counts begin anew".to_owned(),
+            HappeningKind::Rejoined => "stands where its switches say, by an operator's confirmation".to_owned(),
+            HappeningKind::PositionLost(op, input) => StopCause::PositionLost { op, input }.detail(line, station),
+            HappeningKind::PositionFound => "is measured where its chart has it again".to_owned(),
+            HappeningKind::Asked(number) => format!("asks to go back (request {number})"),
+            HappeningKind::NotAgreed { by, in_the_way } => {
                 format!(
                     "may not go back: {}: {} has started",
                     line.station(by).name,
                     line.operation((by, in_the_way)).name
                 )
             }
-            Happening::Refused => "refuses the command".to_owned(),
-            Happening::Mode(mode) => format!("obeys {mode}"),
-            Happening::Devices(true) => "has its devices".to_owned(),
-            Happening::Devices(false) => "has lost its devices".to_owned(),
-            Happening::Ordered(task) => format!("is to do {}", task_name(line, station, task)),
-            Happening::OrderRefused(refusal) => format!("refuses an order: {}", refusal.text()),
-            Happening::OrderDone(task) => format!("has done the task {}", task_name(line, station, task)),
-            Happening::OrderFailed(task, failure) => {
+            HappeningKind::Refused => "refuses the command".to_owned(),
+            HappeningKind::Mode(mode) => format!("obeys {mode}"),
+            HappeningKind::Devices(true) => "has its devices".to_owned(),
+            HappeningKind::Devices(false) => "has lost its devices".to_owned(),
+            HappeningKind::Ordered(task) => format!("is to do {}", task_name(line, station, task)),
+            HappeningKind::OrderRefused(refusal) => format!("refuses an order: {}", refusal.text()),
+            HappeningKind::OrderDone(task) => format!("has done the task {}", task_name(line, station, task)),
+            HappeningKind::OrderFailed(task, failure) => {
                 format!("has not done the task {}: {}", task_name(line, station, task), failure.text())
             }
-            Happening::Securing(task) => format!("goes back from the task {}", task_name(line, station, task)),
+            HappeningKind::Securing(task) => format!("goes back from the task {}", task_name(line, station, task)),
         }
     }
 }

@@ -25,8 +25,8 @@ use linewright_line::net::{Block, ControlMode, Kind, Place, Stage};
 use linewright_line::{OpId, Tick};
 
 use crate::controller::{Controller, NO_DELAY};
-use crate::event::{Cause, Happening};
-use crate::parts::{Run, Token};
+use crate::event::{HappeningKind, StopCause};
+use crate::parts::{RunCommand, Token};
 use crate::program::path_index;
 
 impl Controller {
@@ -96,9 +96,9 @@ impl Controller {
     fn put(&mut self, index: usize, place: Place, from_between: bool) {
         let table = self.program.index_of(place);
         let run = match self.commands.mode() {
-            ControlMode::Hand => Run::Hand,
-            ControlMode::Manual => Run::Manual,
-            ControlMode::Home | ControlMode::StandBy | ControlMode::Auto | ControlMode::EStop => Run::Auto,
+            ControlMode::Hand => RunCommand::Hand,
+            ControlMode::Manual => RunCommand::Manual,
+            ControlMode::Home | ControlMode::StandBy | ControlMode::Auto | ControlMode::EStop => RunCommand::Auto,
         };
         // This axis has not been driven towards this switch since an image that was taken under the outputs still in force
         // (a neighbour's has another axis, and the operation before has just arrived elsewhere by this image): if it shows
@@ -116,7 +116,7 @@ impl Controller {
             deadline: Tick::NEVER,
             remaining: self.program.places[table as usize].watchdog,
         };
-        self.note(Happening::Started(place.op, place.block));
+        self.note(HappeningKind::Started(place.op, place.block));
     }
 
     /// A fork, a join or a plain hop: tokens leave all places of one step and enter all of another.
@@ -168,7 +168,7 @@ impl Controller {
             None => {
                 self.counts.done[op.index()] = self.counts.started[op.index()];
                 self.refresh_stop();
-                self.note(Happening::Completed(op, Block::Normal));
+                self.note(HappeningKind::Completed(op, Block::Normal));
                 self.order_completes(op);
             }
         }
@@ -179,7 +179,7 @@ impl Controller {
         self.refresh_path();
         if self.program.on_order.is_some() {
             self.counts.started.copy_from_slice(&self.counts.done);
-            self.note(Happening::HomeAgain);
+            self.note(HappeningKind::HomeAgain);
             return;
         }
         let home = self.program.home.index();
@@ -196,7 +196,7 @@ impl Controller {
             self.counts.started[home] = self.counts.cycle;
             self.counts.done[home] = self.counts.cycle;
         }
-        self.note(Happening::HomeAgain);
+        self.note(HappeningKind::HomeAgain);
     }
 
     fn undone(&mut self, op: OpId) {
@@ -212,7 +212,7 @@ impl Controller {
                 self.counts.cycle -= 1;
             }
         }
-        self.note(Happening::Completed(op, Block::Recovery));
+        self.note(HappeningKind::Completed(op, Block::Recovery));
     }
 
     /// What the path skips counts as started until the station is home, so that nobody takes back what it waits for.
@@ -243,32 +243,32 @@ impl Controller {
             }
         }
         self.refresh_stop();
-        self.note(Happening::Withdrawn(ops));
+        self.note(HappeningKind::Withdrawn(ops));
     }
 
-    pub(crate) fn stop(&mut self, index: usize, cause: Cause) {
+    pub(crate) fn stop(&mut self, index: usize, cause: StopCause) {
         let place = self.place(&self.marking.tokens[index]).stopped();
         self.arrive(index, place);
         self.marking.causes_of_stop[place.op.index()] = cause;
-        self.note(Happening::Stopped(place.op, place.block, cause));
+        self.note(HappeningKind::Stopped(place.op, place.block, cause));
         self.order_stops(cause);
     }
 
-    fn cause_of_stop(&self, index: usize) -> Cause {
+    fn cause_of_stop(&self, index: usize) -> StopCause {
         let token = &self.marking.tokens[index];
         let table = &self.program.places[token.place as usize];
         if self.commands.mode() == ControlMode::EStop {
-            Cause::EStop
+            StopCause::EStop
         } else if !self.image.valid {
-            Cause::Devices
+            StopCause::Devices
         } else if self.image.bits & table.fault != 0 {
-            Cause::Signal
+            StopCause::Signal
         } else if let Some(cause) = self.unsafe_motion(index) {
             cause
         } else if token.driven && self.now >= token.deadline {
-            if token.left_start { Cause::Watchdog } else { Cause::SwitchStuck }
+            if token.left_start { StopCause::Watchdog } else { StopCause::SwitchStuck }
         } else {
-            Cause::Released
+            StopCause::Released
         }
     }
 }

@@ -15,9 +15,9 @@ use linewright_line::net::{ControlMode, Place};
 use linewright_line::{OpId, Tick};
 
 use crate::controller::Controller;
-use crate::event::{Cause, Happening};
+use crate::event::{HappeningKind, StopCause};
 use crate::ignored::Ignored;
-use crate::parts::{Run, Token};
+use crate::parts::{RunCommand, Token};
 
 /// An order to found a generation.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
@@ -33,7 +33,7 @@ impl Token {
     pub fn at(place: u16) -> Self {
         Token {
             place,
-            run: Run::Auto,
+            run: RunCommand::Auto,
             left_start: true,
             awaits_image: false,
             driven_since: 0,
@@ -70,7 +70,7 @@ impl Controller {
         self.marking.placed = true;
         self.due.report = true;
         self.due.outputs = true;
-        self.note(Happening::Founded);
+        self.note(HappeningKind::Founded);
     }
 
     /// Whether the switch of the home operation is on.
@@ -164,7 +164,7 @@ impl Controller {
             }
             (None, Some(op)) if self.stands_within(op) => {
                 self.stand_at(&[Place::incomplete(op)]);
-                self.marking.causes_of_stop[op.index()] = Cause::Restart;
+                self.marking.causes_of_stop[op.index()] = StopCause::Restart;
                 self.count_as_done(usize::from(self.program.step_of[op.index()]));
                 self.counts.started.clone_from(&self.counts.done);
                 self.counts.done[op.index()] -= 1;
@@ -178,7 +178,7 @@ impl Controller {
         (self.marking.unconfirmed, self.marking.placed) = (false, true);
         self.due.report = true;
         self.due.outputs = true;
-        self.note(Happening::Rejoined);
+        self.note(HappeningKind::Rejoined);
         Ok(())
     }
 

@@ -5,8 +5,8 @@
 //!
 //! 1. hands over everything that has arrived: [`Controller::handle`],
 //! 2. plays one step: [`Controller::step`],
-//! 3. puts out [`Outbox::outputs`], sends [`Controller::report`] to the other stations if [`Outbox::changed`], and drains
-//!    [`Outbox::events`] and [`Outbox::replies`],
+//! 3. puts out [`StationOutbox::outputs`], sends [`Controller::report`] to the other stations if [`StationOutbox::changed`], and drains
+//!    [`StationOutbox::events`] and [`StationOutbox::replies`],
 //! 4. sleeps until something arrives, at most until [`Controller::next_deadline`].
 //!
 //! The same code runs in a node, in a simulation and under a checker. An input that does not apply changes nothing, and
@@ -76,18 +76,18 @@ mod views;
 mod withdraw;
 mod words;
 
-pub use controller::{Controller, Input, NO_DELAY, Outbox};
-pub use event::{Cause, Event, Happening};
+pub use controller::{Controller, NO_DELAY, StationInput, StationOutbox};
+pub use event::{HappeningKind, StationHappening, StopCause};
 pub use explain::DEVICES_INVALID;
 pub use generation::Founding;
 pub use ignored::{Handled, Ignored};
 pub use interlock::{OwnSide, PositionGuard, PositionsKnown};
 pub use order::{
-    Failure, OrderKey, OrderMemory, OrderReport, Outcome, RESULTS_MAX, Refusal, Reply, SlotReport, TaskCommand,
-    TaskOrder,
+    Failure, OrderKey, OrderMemory, Outcome, RESULTS_MAX, Refusal, Reply, SlotReport, TaskCommand, TaskOrder,
+    TaskOrderReport,
 };
-pub use panel::{Contest, ModeOrder, PanelCommand};
+pub use panel::{ModeOrder, PanelCommand, RivalCoordinators};
 pub use program::{CompileError, Program};
-pub use report::{Answer, Report, Request, Restore, Snapshot};
+pub use report::{Restore, StationReport, StationSnapshot, WithdrawalAnswer, WithdrawalRequest};
 pub use rules::{OrderRules, Rules};
-pub use situation::{Held, Writer};
+pub use situation::{PeerSituation, Writer};

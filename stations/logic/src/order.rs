@@ -31,7 +31,7 @@ pub struct OrderKey {
 pub struct TaskOrder {
     /// The same each time it is sent.
     pub key: OrderKey,
-    /// The memory it is meant for: [`OrderReport::memory`].
+    /// The memory it is meant for: [`TaskOrderReport::memory`].
     pub memory: u64,
     /// Which task, by name.
     pub task: String,
@@ -120,7 +120,7 @@ pub enum Refusal {
 
 /// What a station says of its orders: everything, each time.
 #[derive(Clone, Debug, Default, PartialEq, Eq)]
-pub struct OrderReport {
+pub struct TaskOrderReport {
     /// A number it drew when its memory began: as long as it is the same, it knows every order it has had.
     pub memory: u64,
     /// The newest epoch in which it was told anything; 0 if it never was.
@@ -149,7 +149,7 @@ pub struct SlotReport {
 /// What a station keeps of its orders.
 #[derive(Clone, Debug, Default, PartialEq, Eq)]
 pub struct OrderMemory {
-    /// See [`OrderReport::memory`].
+    /// See [`TaskOrderReport::memory`].
     pub memory: u64,
     /// The newest epoch it was told anything in.
     pub epoch: u64,

@@ -5,13 +5,13 @@ use std::time::Duration;
 use linewright_line::net::ControlMode;
 use linewright_line::{BRANCHES_MAX, InputId, OpId, Panel, StationId, Tick};
 
-use crate::event::Cause;
+use crate::event::StopCause;
 use crate::step::PASSES_MAX;
-use crate::withdraw::Pending;
+use crate::withdraw::PendingWithdrawal;
 
 /// The source of the command that keeps a motion going.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
-pub(crate) enum Run {
+pub(crate) enum RunCommand {
     /// The controller.
     Auto,
     /// A held hand-mode button: the actuator is driven while it is down.
@@ -24,7 +24,7 @@ pub(crate) enum Run {
 #[derive(Clone, Copy, Debug)]
 pub(crate) struct Token {
     pub place: u16,
-    pub run: Run,
+    pub run: RunCommand,
     /// The completion signal counts: it has been seen off since the motion left its other end.
     pub left_start: bool,
     /// It will count as it stands, in the first image taken while this motion is driven: the motion was stopped
@@ -48,7 +48,7 @@ pub(crate) struct Marking {
     /// The recovery path under way, by the operation it goes back from.
     pub path: Option<OpId>,
     /// Of each operation, why it was stopped last.
-    pub causes_of_stop: Vec<Cause>,
+    pub causes_of_stop: Vec<StopCause>,
     /// First start of this station: the home position is still to be confirmed by the devices.
     pub unconfirmed: bool,
     /// The marking was read off the switches, or follows from a marking that was. False after a start away from home, and with
@@ -106,7 +106,7 @@ pub(crate) struct Levels {
 /// Taking counts back, by agreement with other stations.
 #[derive(Clone, Debug)]
 pub(crate) struct Agreement {
-    pub pending: Option<Pending>,
+    pub pending: Option<PendingWithdrawal>,
     pub next_request: u64,
     /// The last refusal, for the operator: the station, its operation in the way, the own operations that stay.
     pub refusal: Option<(StationId, OpId, u64)>,

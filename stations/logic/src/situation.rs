@@ -8,7 +8,7 @@
 use linewright_line::{OpId, StationId};
 
 use crate::controller::Controller;
-use crate::report::{Answer, Request};
+use crate::report::{WithdrawalAnswer, WithdrawalRequest};
 
 /// What a situation is relative to, for one writer of requests.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
@@ -21,7 +21,7 @@ pub struct Writer {
 
 /// What a controller holds of one other station.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
-pub struct Held<'a> {
+pub struct PeerSituation<'a> {
     /// The cycle in which each operation was last completed.
     pub done: &'a [i32],
     /// The generation of its counts; 0 for none.
@@ -29,18 +29,18 @@ pub struct Held<'a> {
     /// The cycle it is in.
     pub cycle: i32,
     /// The request it has made.
-    pub request: Option<Request>,
+    pub request: Option<WithdrawalRequest>,
     /// Our answer to that request.
-    pub answer: Option<Answer>,
+    pub answer: Option<WithdrawalAnswer>,
     /// Its answer to a request of ours: its number, and the operation in the way.
     pub verdict: Option<(u64, Option<OpId>)>,
 }
 
 impl Controller {
     /// What it holds of another station; `None` if it does not listen to it.
-    pub fn held(&self, station: StationId) -> Option<Held<'_>> {
+    pub fn held(&self, station: StationId) -> Option<PeerSituation<'_>> {
         let view = self.views.peers.iter().find(|view| view.station == station)?;
-        Some(Held {
+        Some(PeerSituation {
             done: &view.done,
             generation: view.generation,
             cycle: view.cycle,
@@ -56,7 +56,7 @@ impl Controller {
     }
 
     /// The request it has open.
-    pub fn request(&self) -> Option<Request> {
+    pub fn request(&self) -> Option<WithdrawalRequest> {
         self.agreement.pending.map(|pending| pending.request)
     }
 

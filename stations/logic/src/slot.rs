@@ -33,7 +33,7 @@ use linewright_line::net::{ControlMode, Kind, Place};
 use linewright_line::{OpId, RestId, TaskId, Tick};
 
 use crate::controller::Controller;
-use crate::event::Happening;
+use crate::event::HappeningKind;
 use crate::ignored::Ignored;
 use crate::order::{
     EPOCH_AHEAD_MAX, Failure, OrderKey, OrderMemory, Outcome, RESULTS_MAX, Refusal, Reply, TaskCommand, TaskOrder,
@@ -43,11 +43,11 @@ use crate::rules::OrderRules;
 
 /// The orders of a station on order.
 #[derive(Clone, Debug, Default)]
-pub(crate) struct Orders {
+pub(crate) struct OrderSlot {
     memory: u64,
     epoch: u64,
     last: u64,
-    slot: Option<Slot>,
+    slot: Option<ActiveOrder>,
     results: Vec<(OrderKey, Reply)>,
     /// The ended order that it has been told to secure.
     secured: Option<OrderKey>,
@@ -57,7 +57,7 @@ pub(crate) struct Orders {
 }
 
 #[derive(Clone, Copy, Debug)]
-struct Slot {
+struct ActiveOrder {
     key: OrderKey,
     task: TaskId,
     /// The outputs that carry its parameters.
@@ -65,11 +65,11 @@ struct Slot {
     limit: Tick,
     /// Its first operation has started.
     begun: bool,
-    phase: Phase,
+    phase: SlotPhase,
 }
 
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
-enum Phase {
+enum SlotPhase {
     Running,
     /// On its way back; the order ends where that ends.
     Securing {
@@ -85,10 +85,10 @@ const fn ahead_of(epoch: u64) -> u64 {
     if epoch == 0 { u64::MAX } else { epoch.saturating_add(EPOCH_AHEAD_MAX) }
 }
 
-impl Orders {
+impl OrderSlot {
     /// Of a station that has never been told anything.
     pub fn new(memory: u64) -> Self {
-        Orders { memory, ..Orders::default() }
+        OrderSlot { memory, ..OrderSlot::default() }
     }
 
     fn remember(&mut self, key: OrderKey, reply: Reply) {
@@ -128,9 +128,9 @@ impl Orders {
             None => out.push(-1),
             Some(slot) => {
                 let phase = match slot.phase {
-                    Phase::Running => 0,
-                    Phase::Securing { failure: _ } => 1,
-                    Phase::Returning => 2,
+                    SlotPhase::Running => 0,
+                    SlotPhase::Securing { failure: _ } => 1,
+                    SlotPhase::Returning => 2,
                 };
                 out.extend([i64::from(slot.task.0), i64::from(slot.begun), phase]);
                 out.extend([(slot.image >> 64) as i64, slot.image as i64]);
@@ -140,8 +140,8 @@ impl Orders {
 
     /// What to keep.
     pub fn memory(&self) -> OrderMemory {
-        let open = self.slot.filter(|slot| slot.phase != Phase::Returning);
-        let left = open.filter(|slot| slot.phase != Phase::Running).map(|slot| slot.key);
+        let open = self.slot.filter(|slot| slot.phase != SlotPhase::Returning);
+        let left = open.filter(|slot| slot.phase != SlotPhase::Running).map(|slot| slot.key);
         OrderMemory {
             memory: self.memory,
             epoch: self.epoch,
@@ -154,13 +154,13 @@ impl Orders {
 
     /// What a station that comes up makes of what it kept.
     pub fn restored(kept: OrderMemory) -> Self {
-        let mut orders = Orders {
+        let mut orders = OrderSlot {
             memory: kept.memory,
             epoch: kept.epoch,
             last: kept.last,
             results: kept.results,
             secured: kept.secured,
-            ..Orders::default()
+            ..OrderSlot::default()
         };
         let surplus = orders.results.len().saturating_sub(RESULTS_MAX);
         orders.results.drain(..surplus);
@@ -223,19 +223,19 @@ impl Controller {
             Ok(slot) => {
                 orders.slot = Some(slot);
                 self.due.outputs = true;
-                self.note(Happening::Ordered(slot.task));
+                self.note(HappeningKind::Ordered(slot.task));
                 Reply::Running
             }
             Err(refusal) => {
                 orders.remember(order.key, Reply::Refused(refusal));
-                self.note(Happening::OrderRefused(refusal));
+                self.note(HappeningKind::OrderRefused(refusal));
                 Reply::Refused(refusal)
             }
         }
     }
 
     /// The order as it would be done; why it will not be.
-    fn begin(&self, order: &TaskOrder) -> Result<Slot, Refusal> {
+    fn begin(&self, order: &TaskOrder) -> Result<ActiveOrder, Refusal> {
         let tasks = self.program.on_order.as_ref().ok_or(Refusal::Unknown)?;
         if order.limit.is_zero() {
             return Err(Refusal::Late);
@@ -261,7 +261,14 @@ impl Controller {
             return Err(Refusal::NotThere);
         }
         let limit = self.now + order.limit.min(task.limit);
-        Ok(Slot { key: order.key, task: TaskId::at(index), image, limit, begun: false, phase: Phase::Running })
+        Ok(ActiveOrder {
+            key: order.key,
+            task: TaskId::at(index),
+            image,
+            limit,
+            begun: false,
+            phase: SlotPhase::Running,
+        })
     }
 
     fn secure(&mut self, key: OrderKey) -> Reply {
@@ -276,7 +283,7 @@ impl Controller {
         let failure = self.waited_for().map(Failure::Waiting);
         let Some(orders) = &mut self.orders else { return Reply::Refused(Refusal::Unknown) };
         if let Some(slot) = orders.slot.as_mut().filter(|slot| slot.key == key) {
-            if slot.phase == Phase::Running {
+            if slot.phase == SlotPhase::Running {
                 self.give_up(failure);
             }
         } else if orders.last_has_failed() == Some(key) && orders.slot.is_none() {
@@ -284,10 +291,10 @@ impl Controller {
             let is_first = orders.secured.replace(key) != Some(key) || !orders.rules.secures_once;
             // It may stand where a person has left it since.
             if let Some(task) = task.filter(|_| is_first) {
-                let phase = Phase::Returning;
-                orders.slot = Some(Slot { key, task, image: 0, limit: Tick::NEVER, begun: true, phase });
+                let phase = SlotPhase::Returning;
+                orders.slot = Some(ActiveOrder { key, task, image: 0, limit: Tick::NEVER, begun: true, phase });
                 self.due.report = true;
-                self.note(Happening::Securing(task));
+                self.note(HappeningKind::Securing(task));
             }
         } else if orders.known(key).is_none() {
             if let Some(refusal) = orders.too_old(key) {
@@ -323,9 +330,11 @@ impl Controller {
     /// What the orders make true of the word of condition variables. Nothing goes back without devices.
     pub(crate) fn order_bits(&self) -> u128 {
         match self.slot() {
-            Some(Slot { phase: Phase::Running, task, .. }) => task_bit(task),
-            Some(Slot { phase: Phase::Securing { .. } | Phase::Returning, .. }) if self.image.valid => bit::SECURE,
-            Some(Slot { phase: Phase::Securing { .. } | Phase::Returning, .. }) | None => 0,
+            Some(ActiveOrder { phase: SlotPhase::Running, task, .. }) => task_bit(task),
+            Some(ActiveOrder { phase: SlotPhase::Securing { .. } | SlotPhase::Returning, .. }) if self.image.valid => {
+                bit::SECURE
+            }
+            Some(ActiveOrder { phase: SlotPhase::Securing { .. } | SlotPhase::Returning, .. }) | None => 0,
         }
     }
 
@@ -335,7 +344,7 @@ impl Controller {
         self.levels.before = self.levels.before & !bit::ORDERS | bits;
     }
 
-    fn slot(&self) -> Option<Slot> {
+    fn slot(&self) -> Option<ActiveOrder> {
         self.orders.as_ref().and_then(|orders| orders.slot)
     }
 
@@ -346,7 +355,7 @@ impl Controller {
 
     /// When the time of the order is over.
     pub(crate) fn order_limit(&self) -> Tick {
-        self.slot().filter(|slot| slot.phase == Phase::Running).map_or(Tick::NEVER, |slot| slot.limit)
+        self.slot().filter(|slot| slot.phase == SlotPhase::Running).map_or(Tick::NEVER, |slot| slot.limit)
     }
 
     /// A task's first operation starts.
@@ -370,8 +379,10 @@ impl Controller {
             ControlMode::Home | ControlMode::StandBy | ControlMode::Auto => {}
             ControlMode::Hand | ControlMode::Manual | ControlMode::EStop => {
                 let failure = match self.slot().map(|slot| slot.phase) {
-                    Some(Phase::Securing { failure: Some(failure) }) => failure,
-                    Some(Phase::Running | Phase::Securing { failure: None } | Phase::Returning) => Failure::Interrupted,
+                    Some(SlotPhase::Securing { failure: Some(failure) }) => failure,
+                    Some(SlotPhase::Running | SlotPhase::Securing { failure: None } | SlotPhase::Returning) => {
+                        Failure::Interrupted
+                    }
                     None => return,
                 };
                 self.conclude(Outcome::Failed(failure));
@@ -394,14 +405,14 @@ impl Controller {
         if !slot.begun {
             return self.conclude(Outcome::Failed(failure.unwrap_or(Failure::Cancelled)));
         }
-        slot.phase = Phase::Securing { failure };
+        slot.phase = SlotPhase::Securing { failure };
         let (key, task) = (slot.key, slot.task);
         if let Some(failure) = failure.filter(|_| !orders.rules.ends_standing) {
-            slot.phase = Phase::Returning;
+            slot.phase = SlotPhase::Returning;
             orders.remember(key, Reply::Ended(Outcome::Failed(failure)));
         }
         self.due.report = true;
-        self.note(Happening::Securing(task));
+        self.note(HappeningKind::Securing(task));
     }
 
     /// The step that the order would go on with, where the station stands between two.
@@ -424,9 +435,9 @@ impl Controller {
     /// Looks whether a station that goes back has come as far as it can.
     pub(crate) fn follow_securing(&mut self) {
         let given_up = match self.slot().map(|slot| slot.phase) {
-            Some(Phase::Securing { failure }) => failure,
-            Some(Phase::Returning) => None,
-            Some(Phase::Running) => return,
+            Some(SlotPhase::Securing { failure }) => failure,
+            Some(SlotPhase::Returning) => None,
+            Some(SlotPhase::Running) => return,
             None => return self.rests(),
         };
         let Some(place) = self.marking().next() else { return };
@@ -464,14 +475,14 @@ impl Controller {
     fn conclude(&mut self, outcome: Outcome) {
         let Some(orders) = &mut self.orders else { return };
         let Some(slot) = orders.slot.take() else { return };
-        if slot.phase != Phase::Running {
+        if slot.phase != SlotPhase::Running {
             orders.secured = Some(slot.key);
         }
-        if slot.phase != Phase::Returning {
+        if slot.phase != SlotPhase::Returning {
             orders.remember(slot.key, Reply::Ended(outcome));
             self.note(match outcome {
-                Outcome::Done => Happening::OrderDone(slot.task),
-                Outcome::Failed(failure) => Happening::OrderFailed(slot.task, failure),
+                Outcome::Done => HappeningKind::OrderDone(slot.task),
+                Outcome::Failed(failure) => HappeningKind::OrderFailed(slot.task, failure),
             });
         }
         self.due.report = true;

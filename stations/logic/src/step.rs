@@ -6,11 +6,11 @@
 use linewright_line::net::{ControlMode, Kind, Stage};
 use linewright_line::{BRANCHES_MAX, Tick};
 
-use crate::controller::{Controller, NO_DELAY, Outbox};
-use crate::event::{Cause, Happening};
-use crate::parts::Run;
-use crate::program::{Causal, Row, bit};
-use crate::withdraw::{Pending, Standing};
+use crate::controller::{Controller, NO_DELAY, StationOutbox};
+use crate::event::{HappeningKind, StopCause};
+use crate::parts::RunCommand;
+use crate::program::{Causal, ConditionRow, bit};
+use crate::withdraw::{PendingWithdrawal, WithdrawalState};
 
 /// Transitions looked at in one step before the next image is asked for. An operation that completes leads on to the
 /// next at once; a longer chain means a description with operations that take no time.
@@ -22,7 +22,7 @@ impl Controller {
     /// Each rising edge since the last step fires at most one transition of a token; what follows without a command
     /// (a completed operation leading on in auto) follows in the same step. Allocates nothing.
     #[inline]
-    pub fn step(&mut self, now: Tick, out: &mut Outbox) {
+    pub fn step(&mut self, now: Tick, out: &mut StationOutbox) {
         self.now = self.now.max(now);
         if self.now >= self.due.deadline {
             self.refresh();
@@ -45,7 +45,7 @@ impl Controller {
         self.commands.followed()
     }
 
-    fn play(&mut self, out: &mut Outbox) {
+    fn play(&mut self, out: &mut StationOutbox) {
         self.look();
         out.outputs = self.output.bits;
         out.number = self.output.number;
@@ -66,7 +66,7 @@ impl Controller {
         if lost != self.marking.lost_position && (lost.is_some() || !moves) {
             self.marking.lost_position = lost;
             self.due.report = true;
-            self.note(lost.map_or(Happening::PositionFound, |(op, input)| Happening::PositionLost(op, input)));
+            self.note(lost.map_or(HappeningKind::PositionFound, |(op, input)| HappeningKind::PositionLost(op, input)));
         }
     }
 
@@ -120,15 +120,15 @@ impl Controller {
     }
 
     fn enter_mode(&mut self, mode: ControlMode) {
-        self.note(Happening::Mode(mode));
+        self.note(HappeningKind::Mode(mode));
         self.order_in_mode(mode);
         self.due.report = true;
         for token in &mut self.marking.tokens[..self.marking.count] {
             // Auto takes over what a hand-mode button has started, for the operator has asked for it; hand mode takes
             // over what auto has left running, and drives it when its button is held.
             match (mode, token.run) {
-                (ControlMode::Auto, Run::Hand) => token.run = Run::Auto,
-                (ControlMode::Hand, Run::Auto) => token.run = Run::Hand,
+                (ControlMode::Auto, RunCommand::Hand) => token.run = RunCommand::Auto,
+                (ControlMode::Hand, RunCommand::Auto) => token.run = RunCommand::Hand,
                 _ => {}
             }
         }
@@ -144,21 +144,21 @@ impl Controller {
             return false;
         }
         match self.standing(&pending, self.levels.now, self.commands.mode()) {
-            Standing::Waiting => {
+            WithdrawalState::Waiting => {
                 self.agreement.pending = Some(pending);
                 false
             }
-            Standing::Agreed => {
+            WithdrawalState::Agreed => {
                 for row in pending.rows() {
                     self.fire(self.program.rows[usize::from(*row)].transition);
                 }
                 true
             }
-            Standing::GivenUp => {
+            WithdrawalState::GivenUp => {
                 self.due.report = true;
                 false
             }
-            Standing::NotAgreed => {
+            WithdrawalState::NotAgreed => {
                 self.due.report = true;
                 // A refused command is to be given again: held on, it would ask again with every message.
                 self.commands.disarm(pending.hold);
@@ -171,7 +171,7 @@ impl Controller {
 
     /// Whether the tokens still stand where the command found them, and the arrows it reads still hold: while others
     /// were agreeing to our request, we may have agreed to theirs.
-    fn are_enabled(&self, pending: &Pending) -> bool {
+    fn are_enabled(&self, pending: &PendingWithdrawal) -> bool {
         let marked = |place: &u16| self.tokens().iter().any(|t| t.place == *place);
         pending.rows().iter().map(|&row| &self.program.rows[usize::from(row)]).all(|row| {
             self.program.actions[row.transition as usize].from.iter().all(marked) && self.allows(row, pending.mode)
@@ -243,14 +243,14 @@ impl Controller {
         if is_unsafe || !self.image.valid || late || self.image.bits & table.fault != 0 {
             bits |= bit::FAULT;
         }
-        if token.run == Run::Manual && self.commands.mode() != ControlMode::Manual {
+        if token.run == RunCommand::Manual && self.commands.mode() != ControlMode::Manual {
             bits |= bit::HOLD_LOST;
         }
         bits
     }
 
     #[inline]
-    fn allows(&self, row: &Row, mode: ControlMode) -> bool {
+    fn allows(&self, row: &ConditionRow, mode: ControlMode) -> bool {
         if row.causal == Causal::Free && row.settled == 0 && !row.join && !row.starts {
             return true;
         }
@@ -318,7 +318,7 @@ impl Controller {
         self.due.settled = false;
         let place = self.place(&self.marking.tokens[index]);
         if place.is_operating() {
-            self.stop(index, Cause::Ambiguous);
+            self.stop(index, StopCause::Ambiguous);
             self.due.outputs = true;
             self.due.report = true;
         }
@@ -360,7 +360,7 @@ impl Controller {
         }
         let mut peers = (0..self.views.peers.len()).filter(|&peer| needs & (1 << peer) != 0);
         peers.all(|peer| {
-            self.views.standing(peer, self.counts.cycle, self.now) != crate::views::Standing::OtherGeneration
+            self.views.standing(peer, self.counts.cycle, self.now) != crate::views::Comparability::OtherGeneration
         })
     }
 
@@ -397,7 +397,7 @@ impl Controller {
         let pressed = bit::levels(edges);
         let mine = pressed & (bit::PANEL | self.program.buttons) != 0;
         if mine && self.commands.mode().enables_motion() {
-            self.note(Happening::Refused);
+            self.note(HappeningKind::Refused);
             self.due.report = true;
         }
     }

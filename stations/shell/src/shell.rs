@@ -11,8 +11,8 @@ use std::time::Duration;
 use linewright_line::net::ControlMode;
 use linewright_line::{Line, StationId, Tick};
 use linewright_station_logic::{
-    CompileError, Contest, Controller, Handled, Ignored, Input, ModeOrder, NO_DELAY, Outbox, PanelCommand, Restore,
-    Rules, Snapshot,
+    CompileError, Controller, Handled, Ignored, ModeOrder, NO_DELAY, PanelCommand, Restore, RivalCoordinators, Rules,
+    StationInput, StationOutbox, StationSnapshot,
 };
 
 use crate::effect::{Driven, InputsMessage, StationArrival, StationEffect};
@@ -28,13 +28,13 @@ pub const EPOCH_JUMP_MAX: u64 = 1 << 20;
 pub struct StationShell {
     controller: Controller,
     boot_id: u64,
-    outbox: Outbox,
+    outbox: StationOutbox,
     /// A step that was not the last one before [`StationShell::act`] has changed the state.
     is_changed: bool,
     orders: NewestBySequence,
     /// Coordinators that give orders beside the one that is followed.
     rivals: Rivals,
-    contest: Option<Contest>,
+    contest: Option<RivalCoordinators>,
     images: NewestBySequence,
     states: Vec<NewestBySequence>,
     /// [`InputsMessage::lives`] of the image the controller saw last.
@@ -75,7 +75,7 @@ impl StationShell {
         Ok(StationShell {
             controller: Controller::new(line, station, boot_id, restore)?,
             boot_id,
-            outbox: Outbox::default(),
+            outbox: StationOutbox::default(),
             is_changed: false,
             orders: NewestBySequence::new(stale),
             rivals: Rivals::new(line.timing.refresh, stale),
@@ -126,7 +126,7 @@ impl StationShell {
     }
 
     /// What to write down when [`StationEffect::Remember`] asks for it.
-    pub fn snapshot(&self) -> Snapshot {
+    pub fn snapshot(&self) -> StationSnapshot {
         self.controller.snapshot()
     }
 
@@ -147,7 +147,7 @@ impl StationShell {
                     return;
                 };
                 if states.offer(now, report.boot_id, sequence) && !is_doubtful {
-                    self.controller.handle(now, Input::View(station, report))
+                    self.controller.handle(now, StationInput::View(station, report))
                 } else {
                     Handled::Taken
                 }
@@ -166,13 +166,13 @@ impl StationShell {
             StationArrival::Panel(PanelCommand::Advance(true) | PanelCommand::Retract(true)) if is_doubtful => {
                 Handled::Taken
             }
-            StationArrival::Panel(command) => self.controller.handle(now, Input::Panel(command)),
+            StationArrival::Panel(command) => self.controller.handle(now, StationInput::Panel(command)),
             StationArrival::Rejoin(_) if is_doubtful => {
                 self.ignore("rejoin: the node stood still just before it; confirm again", effects);
                 return;
             }
-            StationArrival::Rejoin(within) => self.controller.handle(now, Input::Rejoin(within)),
-            StationArrival::Task(command) => self.controller.handle(now, Input::Task(command)),
+            StationArrival::Rejoin(within) => self.controller.handle(now, StationInput::Rejoin(within)),
+            StationArrival::Task(command) => self.controller.handle(now, StationInput::Task(command)),
         };
         if let Handled::Ignored(why) = handled {
             self.ignore(why.text(), effects);
@@ -205,10 +205,10 @@ impl StationShell {
             self.rivals.hear(now, (order.boot_id, sequence), self.orders.heard());
         }
         let rival = self.rivals.there(now);
-        let contest = rival.map(|rival| Contest { lives: (followed, rival.life), until: rival.until });
+        let contest = rival.map(|rival| RivalCoordinators { lives: (followed, rival.life), until: rival.until });
         if contest != self.contest {
             self.contest = contest;
-            self.controller.handle(now, Input::Contest(contest));
+            self.controller.handle(now, StationInput::Contest(contest));
         }
     }
 
@@ -220,15 +220,15 @@ impl StationShell {
         if jumps || order.lease > self.lease {
             // Followed, it would shut out every coordinator that counts as it should, or outlive its sender.
             if order.mode == ControlMode::EStop {
-                self.controller.handle(now, Input::EmergencyStop(order.boot_id));
+                self.controller.handle(now, StationInput::EmergencyStop(order.boot_id));
             }
             return Handled::Ignored(if jumps { Ignored::EpochTooHigh } else { Ignored::LeaseTooLong });
         }
         let is_newest = self.orders.offer(now, order.boot_id, sequence);
         let is_stop = order.mode == ControlMode::EStop;
         match (is_newest && !is_doubtful, is_stop) {
-            (true, _) => self.controller.handle(now, Input::Order(order)),
-            (false, true) => self.controller.handle(now, Input::EmergencyStop(order.boot_id)),
+            (true, _) => self.controller.handle(now, StationInput::Order(order)),
+            (false, true) => self.controller.handle(now, StationInput::EmergencyStop(order.boot_id)),
             (false, false) => Handled::Taken,
         }
     }
@@ -244,11 +244,11 @@ impl StationShell {
         if self.lives != lives {
             // A loss shorter than the scan: the devices have started over, so the controller must see it.
             self.lives = lives;
-            self.controller.handle(now, Input::Inputs { bits: 0, valid: false, until: Tick::NEVER, under });
+            self.controller.handle(now, StationInput::Inputs { bits: 0, valid: false, until: Tick::NEVER, under });
             self.step_between(now);
         }
         self.inputs = bits;
-        self.controller.handle(now, Input::Inputs { bits, valid, until, under });
+        self.controller.handle(now, StationInput::Inputs { bits, valid, until, under });
     }
 
     /// A step whose results are given with those of the next [`StationShell::act`].
@@ -265,7 +265,7 @@ impl StationShell {
         }
         self.expected = Tick::NEVER;
         self.doubts_until = now + self.refresh;
-        self.controller.handle(now, Input::Gap);
+        self.controller.handle(now, StationInput::Gap);
         self.step_between(now);
     }
 

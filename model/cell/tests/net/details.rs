@@ -2,7 +2,7 @@
 
 use std::time::Duration;
 
-use linewright_cell::net::{CellNet, Detail, Origin, Phase, Supply, net};
+use linewright_cell::net::{CellNet, Detail, Origin, Supply, TransitionPhase, net};
 use linewright_nets::coloured::{ColouredNet, ColouredReachLimits, explore};
 
 use super::{mode, names, play};
@@ -52,7 +52,7 @@ fn a_load_needs_robot_part_and_room() {
         Origin::Activity { id, phase, .. } => (id, phase),
         Origin::Shift => panic!("it is no shift"),
     };
-    assert_eq!((id, phase), (cell(C1).activity_named("load M1").expect("it is there"), Phase::Whole));
+    assert_eq!((id, phase), (cell(C1).activity_named("load M1").expect("it is there"), TransitionPhase::Whole));
 }
 
 /// Every mode leads back to what the description says of it.

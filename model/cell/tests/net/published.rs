@@ -6,7 +6,7 @@
 
 use std::collections::{BTreeMap, BTreeSet};
 
-use linewright_cell::net::{Detail, Parts, net, parts};
+use linewright_cell::net::{CellInstances, Detail, net, parts};
 use linewright_nets::StateId;
 use linewright_nets::coloured::flow::TransitionFlow;
 use linewright_nets::coloured::{
@@ -190,7 +190,7 @@ fn the_end_of_loading_moves_what_t3_does() {
 /// is its instance with what is in progress; t1 to t3 are the start and the end of a load.
 #[test]
 fn the_supports_of_the_resources_are_the_printed_ones() {
-    let Parts { instances, .. } = parts(&cell(ASSEMBLY), Detail::Expanded, &[]).expect("it is small");
+    let CellInstances { instances, .. } = parts(&cell(ASSEMBLY), Detail::Expanded, &[]).expect("it is small");
     let instance = |name: &str| &instances.iter().find(|(known, _)| known == name).expect("it is there").1;
     let supports = |name: &str| -> BTreeSet<Vec<String>> {
         let (resource, running) = (instance(name), instance("running"));

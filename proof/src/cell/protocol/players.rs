@@ -5,10 +5,10 @@
 
 use std::time::Duration;
 
-use linewright_coordinator_cell::exception::{About, Standing, Step};
+use linewright_coordinator_cell::exception::{AlarmSubject, ExceptionStep, SecuredState};
 use linewright_coordinator_cell::{
-    Answer, Coordination, Dispatcher, Fact, FiringId, Input, ModeId, OrderKey, OrderMessage, Outbox, Phase,
-    ProtocolRules, Question, Reply, Send, Start,
+    ActivityPhase, CellMessage, Coordination, DispatchDecision, Dispatcher, FiringId, ModeId, OrderKey, OrderMessage,
+    PlayerInput, PlayerOutbox, ProtocolRules, Question, RecordKind, Reply, Start,
 };
 use linewright_line::{StationId, Tick};
 use rustc_hash::FxHashMap;
@@ -96,7 +96,7 @@ pub(super) struct ProtocolPlayer {
 pub(super) struct SingleStart(pub Option<ModeId>);
 
 impl Dispatcher for SingleStart {
-    fn decide(&mut self, question: &Question<'_>) -> Answer {
+    fn decide(&mut self, question: &Question<'_>) -> DispatchDecision {
         let wanted = self.0;
         let found = question.candidates.iter().position(|candidate| Some(candidate.mode) == wanted);
         let start =
@@ -104,7 +104,7 @@ impl Dispatcher for SingleStart {
         if start.is_some() {
             self.0 = None;
         }
-        Answer { start: start.into_iter().collect(), held: Vec::new() }
+        DispatchDecision { start: start.into_iter().collect(), held: Vec::new() }
     }
 }
 
@@ -113,9 +113,9 @@ impl Dispatcher for SingleStart {
 pub(super) struct StartableModes(pub Vec<ModeId>);
 
 impl Dispatcher for StartableModes {
-    fn decide(&mut self, question: &Question<'_>) -> Answer {
+    fn decide(&mut self, question: &Question<'_>) -> DispatchDecision {
         self.0 = question.candidates.iter().map(|candidate| candidate.mode).collect();
-        Answer::default()
+        DispatchDecision::default()
     }
 }
 
@@ -193,11 +193,11 @@ impl Players {
         }
         events.push(PlayerMove::Restart);
         if player.starts == 1
-            && player.firing.is_none_or(|id| state.firing(id).is_none_or(|of| of.phase != Phase::Running))
+            && player.firing.is_none_or(|id| state.firing(id).is_none_or(|of| of.phase != ActivityPhase::Running))
         {
             let (mut asked, mut copy) = (StartableModes::default(), player.coordination.clone());
             copy.reconsider();
-            copy.step(player.now, &[], &mut asked, &mut Outbox::default());
+            copy.step(player.now, &[], &mut asked, &mut PlayerOutbox::default());
             let table = state.table();
             let ours =
                 |mode: &ModeId| table.activity(*mode).orders.iter().any(|order| self.stations.contains(&order.station));
@@ -227,14 +227,15 @@ impl Players {
         said: impl FnOnce(u32, u32) -> (StationId, StationAnswer),
     ) -> Stepped {
         let mut next = self.all[from as usize].clone();
-        let (mut out, mut wanted) = (Outbox::default(), SingleStart(None));
-        let starts = Input::Starts(true);
+        let (mut out, mut wanted) = (PlayerOutbox::default(), SingleStart(None));
+        let starts = PlayerInput::Starts(true);
         match event {
             PlayerMove::Heard(nth, number) => {
                 let (station, said) = said(nth, number);
-                let mut inputs = vec![starts, Input::Station(station, &said.heard)];
-                inputs.extend(said.secured.map(|(key, reply)| Input::Secured(station, key, reply)));
-                let refused = said.refused.iter().map(|&(key, why)| Input::Reply(station, key, Reply::Refused(why)));
+                let mut inputs = vec![starts, PlayerInput::Station(station, &said.heard)];
+                inputs.extend(said.secured.map(|(key, reply)| PlayerInput::Secured(station, key, reply)));
+                let refused =
+                    said.refused.iter().map(|&(key, why)| PlayerInput::Reply(station, key, Reply::Refused(why)));
                 inputs.extend(refused);
                 next.coordination.step(next.now, &inputs, &mut wanted, &mut out);
             }
@@ -244,7 +245,7 @@ impl Players {
             }
             PlayerMove::Answer => {
                 if let Some(alarm) = alarm_of(&next).cloned() {
-                    let input = Input::Answer { alarm: alarm.id, word: &alarm.words[0] };
+                    let input = PlayerInput::Answer { alarm: alarm.id, word: &alarm.words[0] };
                     next.coordination.step(next.now, &[starts, input], &mut wanted, &mut out);
                 }
             }
@@ -255,7 +256,7 @@ impl Players {
                 let mode = firing.map(|firing| firing.mode);
                 let resource = mode.and_then(|mode| state.table().handling().mode(mode).resources().next());
                 if let Some(resource) = resource {
-                    let input = Input::Alarm { resource, text: "alarm" };
+                    let input = PlayerInput::Alarm { resource, text: "alarm" };
                     next.coordination.step(next.now, &[starts, input], &mut wanted, &mut out);
                 }
             }
@@ -274,11 +275,12 @@ impl Players {
             }
         }
         let mut stepped = self.must_stand(from, &out, &next.alarmed);
-        next.starts += out.records.iter().filter(|record| matches!(record.fact, Fact::Started { .. })).count() as u8;
+        next.starts +=
+            out.records.iter().filter(|record| matches!(record.fact, RecordKind::Started { .. })).count() as u8;
         for send in out.sends {
             let message = match send {
-                Send::Order(order) => StationMessage::Order(OrderMessage { limit: Duration::ZERO, ..order }),
-                Send::Secure { station, key, stop } => {
+                CellMessage::Order(order) => StationMessage::Order(OrderMessage { limit: Duration::ZERO, ..order }),
+                CellMessage::Secure { station, key, stop } => {
                     StationMessage::Secure { station, key, stop, alarmed: next.alarmed.contains(&key) }
                 }
             };
@@ -297,14 +299,16 @@ impl Players {
     }
 
     /// What its records require of stations. Left out are those whose standing it recorded as unknown.
-    fn must_stand(&self, from: u32, out: &Outbox, alarmed: &[OrderKey]) -> Stepped {
+    fn must_stand(&self, from: u32, out: &PlayerOutbox, alarmed: &[OrderKey]) -> Stepped {
         let mut stepped = Stepped::default();
         let mut state = self.all[from as usize].coordination.state().clone();
         for record in &out.records {
             let reason = match &record.fact {
-                Fact::Exception(Step::Answered { firing, .. }) => Some((StandReason::Answered, *firing)),
-                Fact::Exception(Step::Closed { firing, .. }) => Some((StandReason::Restored, *firing)),
-                Fact::Exception(Step::Alarmed { about: About::Firing(firing), .. }) if !alarmed.is_empty() => {
+                RecordKind::Exception(ExceptionStep::Answered { firing, .. }) => Some((StandReason::Answered, *firing)),
+                RecordKind::Exception(ExceptionStep::Closed { firing, .. }) => Some((StandReason::Restored, *firing)),
+                RecordKind::Exception(ExceptionStep::Alarmed { about: AlarmSubject::Firing(firing), .. })
+                    if !alarmed.is_empty() =>
+                {
                     Some((StandReason::Asked, *firing))
                 }
                 _ => None,
@@ -312,11 +316,11 @@ impl Players {
             if let Some((reason, id)) = reason {
                 let orders = state.firing(id).map(|firing| firing.orders.clone()).unwrap_or_default();
                 let trouble = state.exceptions().trouble(id);
-                let unknown = |key| trouble.is_some_and(|of| of.standing.contains(&(key, Standing::Unknown)));
+                let unknown = |key| trouble.is_some_and(|of| of.standing.contains(&(key, SecuredState::Unknown)));
                 let known = orders.iter().filter(|order| !unknown(order.key));
                 stepped.stand.extend(known.map(|order| (reason, order.station, order.key)));
             }
-            if let Fact::Started { mode, .. } = &record.fact {
+            if let RecordKind::Started { mode, .. } = &record.fact {
                 stepped.given.extend(state.table().activity(*mode).orders.iter().map(|order| order.station));
             }
             // It wrote what fits.
@@ -327,6 +331,6 @@ impl Players {
 }
 
 fn alarm_of(player: &ProtocolPlayer) -> Option<&linewright_coordinator_cell::exception::Alarm> {
-    let about = About::Firing(player.firing?);
+    let about = AlarmSubject::Firing(player.firing?);
     player.coordination.state().exceptions().alarms().find(|alarm| alarm.about == about)
 }

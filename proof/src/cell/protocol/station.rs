@@ -7,13 +7,13 @@ use std::collections::BTreeSet;
 use std::fmt::Write;
 use std::time::Duration;
 
-use linewright_coordinator_cell::{self as player, Heard, OrderMessage, Unable};
+use linewright_coordinator_cell::{self as player, OrderMessage, StationUnavailable, TaskReport};
 use linewright_coordinator_shell::orders::{heard, key, known, leave, order, refusal};
 use linewright_line::net::{Block, ControlMode, Place};
 use linewright_line::{Line, Module, OpId, StationId, Tick};
 use linewright_station_logic::{
-    CompileError, Controller, Input, ModeOrder, NO_DELAY, OrderKey, OrderRules, Outbox, PanelCommand, Restore,
-    TaskCommand, TaskOrder, Writer,
+    CompileError, Controller, ModeOrder, NO_DELAY, OrderKey, OrderRules, PanelCommand, Restore, StationInput,
+    StationOutbox, TaskCommand, TaskOrder, Writer,
 };
 use rustc_hash::FxHashMap;
 
@@ -48,7 +48,7 @@ pub(super) enum TaskStationAct {
 /// What a station says, all of it in one message.
 #[derive(Clone, Debug, PartialEq, Eq)]
 pub(super) struct StationAnswer {
-    pub heard: Heard,
+    pub heard: TaskReport,
     pub secured: Option<(player::OrderKey, player::Reply)>,
     pub refused: Vec<(player::OrderKey, player::Refusal)>,
 }
@@ -125,13 +125,13 @@ impl TaskStationModel {
         self.epoch += 1;
         let manual_all = mode == ControlMode::Manual;
         let order = ModeOrder { manual_all, ..ModeOrder::of(1, self.epoch, mode, ModeOrder::FOR_GOOD) };
-        self.controller.handle(self.now, Input::Order(order));
+        self.controller.handle(self.now, StationInput::Order(order));
         self.step();
     }
 
     fn hold(&mut self, on: bool, held: bool) {
         let key = if on { PanelCommand::Advance(held) } else { PanelCommand::Retract(held) };
-        self.controller.handle(self.now, Input::Panel(key));
+        self.controller.handle(self.now, StationInput::Panel(key));
         self.step();
     }
 
@@ -145,7 +145,7 @@ impl TaskStationModel {
     }
 
     fn step(&mut self) {
-        let mut out = Outbox::default();
+        let mut out = StationOutbox::default();
         self.controller.step(self.now, &mut out);
         self.outputs = out.outputs;
     }
@@ -153,7 +153,7 @@ impl TaskStationModel {
     fn image(&mut self, line: &Line, valid: bool) {
         let id = self.controller.station();
         let bits = self.switches | if self.sensors { sensors_of(line, id) } else { 0 };
-        self.controller.handle(self.now, Input::Inputs { bits, valid, until: Tick::NEVER, under: NO_DELAY });
+        self.controller.handle(self.now, StationInput::Inputs { bits, valid, until: Tick::NEVER, under: NO_DELAY });
         self.step();
     }
 
@@ -162,7 +162,7 @@ impl TaskStationModel {
         let key = key(message.key);
         let order = TaskOrder { limit: LIMIT, ..order(message) };
         let before = self.slot();
-        self.controller.handle(self.now, Input::Task(TaskCommand::Run(&order)));
+        self.controller.handle(self.now, StationInput::Task(TaskCommand::Run(&order)));
         self.step();
         if before != Some(key) && self.slot() == Some(key) {
             self.twice |= !self.begun.insert(key);
@@ -175,7 +175,7 @@ impl TaskStationModel {
         if alarmed {
             self.stopped.insert(key(of));
         }
-        self.controller.handle(self.now, Input::Task(leave(of, stop)));
+        self.controller.handle(self.now, StationInput::Task(leave(of, stop)));
         self.step();
     }
 
@@ -290,11 +290,11 @@ impl TaskStationModel {
         let report = self.controller.report();
         let order = report.order.unwrap_or_default();
         let unable = if !report.devices_valid {
-            Some(Unable::Devices)
+            Some(StationUnavailable::Devices)
         } else {
-            self.controller.marking().any(Place::is_incomplete).then_some(Unable::Incomplete)
+            self.controller.marking().any(Place::is_incomplete).then_some(StationUnavailable::Incomplete)
         };
-        let heard = Heard { unable, ..heard(&order) };
+        let heard = TaskReport { unable, ..heard(&order) };
         let secured = self.secured.map(known).map(|key| {
             let end = heard.results.iter().find(|(of, _)| *of == key);
             let reply = match end {

@@ -151,7 +151,7 @@ fn a_station_that_goes_round_a_cycle_takes_no_orders() {
     let mut controller = linewright_station_logic::Controller::new(&line, station, 1, restore).expect("compiles");
     let clamp = order(1, "clamp");
     let command = linewright_station_logic::TaskCommand::Run(&clamp);
-    let handled = controller.handle(linewright_line::Tick::ZERO, linewright_station_logic::Input::Task(command));
+    let handled = controller.handle(linewright_line::Tick::ZERO, linewright_station_logic::StationInput::Task(command));
     assert_eq!(handled, Handled::Ignored(Ignored::NoTasks));
     assert_eq!(controller.report().order, None);
     assert_eq!(controller.snapshot().order, None);

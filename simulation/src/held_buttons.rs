@@ -9,7 +9,7 @@ pub(crate) const RELEASES: u8 = 5;
 
 /// The buttons that people hold, and the releases that are still to be repeated.
 #[derive(Clone, Debug, Default)]
-pub(crate) struct Hands {
+pub(crate) struct HeldButtons {
     /// Panel buttons, advance (`true`) or return: held, or how often the release is still to be sent.
     panel: BTreeMap<(StationId, bool), Option<u8>>,
     buttons: u32,
@@ -17,7 +17,7 @@ pub(crate) struct Hands {
     no_buttons: u8,
 }
 
-impl Hands {
+impl HeldButtons {
     /// Whether this panel button is held.
     pub(crate) fn holds(&self, station: StationId, advance: bool) -> bool {
         self.panel.get(&(station, advance)) == Some(&None)

@@ -4,26 +4,26 @@ use std::time::Duration;
 
 use linewright_cell::{ActivityKind, Cell, Role};
 
-use super::Described;
-use crate::tracking::{Entry, Passing, Resource, Sheet};
+use super::CompiledCell;
+use crate::tracking::{ModeEntry, PartFlow, ReportMetadata, ResourceEntry};
 
 /// What a report has to know of a cell beside its records.
-pub fn sheet(cell: &Cell, made: &Described) -> Sheet {
-    let resource = |resource: &linewright_cell::Resource| Resource {
+pub fn sheet(cell: &Cell, made: &CompiledCell) -> ReportMetadata {
+    let resource = |resource: &linewright_cell::Resource| ResourceEntry {
         name: resource.name.as_str().into(),
         prototype: resource.prototype.name().into(),
         capacity: resource.capacity,
     };
-    Sheet {
+    ReportMetadata {
         resources: cell.resources.iter().map(resource).collect(),
         products: cell.part_types.iter().map(|part| part.name.as_str().into()).collect(),
         modes: made.long.net().transitions().map(|t| entry(cell, made, t)).collect(),
     }
 }
 
-fn entry(cell: &Cell, made: &Described, t: linewright_nets::TransitionId) -> Entry {
+fn entry(cell: &Cell, made: &CompiledCell, t: linewright_nets::TransitionId) -> ModeEntry {
     let name = made.long.net().transition_name(t);
-    let mut entry = Entry {
+    let mut entry = ModeEntry {
         name: name.into(),
         activity: name.into(),
         product: None,
@@ -33,7 +33,7 @@ fn entry(cell: &Cell, made: &Described, t: linewright_nets::TransitionId) -> Ent
         source: None,
         target: None,
         nominal: Duration::ZERO,
-        passing: Passing::Inside,
+        passing: PartFlow::Inside,
     };
     // A shift in a buffer is nobody's work.
     let Some((activity, of)) = made.net.move_of(cell, made.long.mode(t)) else { return entry };
@@ -50,9 +50,9 @@ fn entry(cell: &Cell, made: &Described, t: linewright_nets::TransitionId) -> Ent
         (in_role(Role::Carrier), in_role(Role::Source), in_role(Role::Target));
     entry.nominal = of.time.unwrap_or_default();
     entry.passing = match activity.kind {
-        ActivityKind::Enter => Passing::Enters,
-        ActivityKind::Leave => Passing::Leaves,
-        ActivityKind::Transport | ActivityKind::Process => Passing::Inside,
+        ActivityKind::Enter => PartFlow::Enters,
+        ActivityKind::Leave => PartFlow::Leaves,
+        ActivityKind::Transport | ActivityKind::Process => PartFlow::Inside,
     };
     entry
 }

@@ -4,7 +4,7 @@ use std::fmt;
 
 use linewright_line::net::{Block, Stage};
 use linewright_line::{Line, OpId, StationId};
-use linewright_station_logic::Event;
+use linewright_station_logic::StationHappening;
 
 use super::setting::LineExploration;
 use super::state::ComposedState;
@@ -62,8 +62,8 @@ fn step(system: &System, state: &ComposedState, what: SystemMove) -> String {
 }
 
 /// A motion that starts or ends says enough by itself; devices that come back in the next image are part of a failure.
-fn worth_telling(event: &Event) -> bool {
-    !matches!(event.what, linewright_station_logic::Happening::Devices(true))
+fn worth_telling(event: &StationHappening) -> bool {
+    !matches!(event.what, linewright_station_logic::HappeningKind::Devices(true))
 }
 
 /// Why anything happens; nothing where the events themselves say it.

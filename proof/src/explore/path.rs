@@ -1,8 +1,8 @@
 //! A way through the states that a search keeps, as a way through the line's own.
 
-use super::followers::{Successor, SuccessorMove, Successors};
 use super::search::LineSearch;
 use super::state::ComposedState;
+use super::successors::{Successor, SuccessorMove, Successors};
 use super::system::{FixedSituation, SystemMove};
 
 impl<const N: usize> LineSearch<N> {
@@ -75,7 +75,7 @@ pub(super) mod tests {
     use linewright_station_logic::Rules;
 
     use crate::explore::LineExploration;
-    use crate::explore::judge::Violation;
+    use crate::explore::properties::Violation;
     use crate::explore::search::{LineSearch, SearchEnd, SearchLimits, search};
     use crate::explore::state::Widths;
     use crate::explore::system::System;

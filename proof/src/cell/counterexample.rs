@@ -6,7 +6,7 @@
 
 use std::collections::{HashMap, VecDeque};
 
-use linewright_cell::net::{Meaning, Phase, Spot};
+use linewright_cell::net::{PlaceMeaning, ResourcePosition, TransitionPhase};
 use linewright_cell::{ActivityId, PartTypeId, ResourceId, Role, StageId};
 use linewright_nets::explicit::WitnessMarking;
 use linewright_nets::{PlaceId, TransitionId};
@@ -69,7 +69,7 @@ struct PartsAtStart {
 /// A step, and which activity with which part it belongs to.
 struct StoryStep<'n> {
     text: String,
-    of: Option<(&'n str, usize, Phase)>,
+    of: Option<(&'n str, usize, TransitionPhase)>,
 }
 
 /// Tells what was found.
@@ -129,7 +129,8 @@ impl PartsAtStart {
     /// Where a part has moved up to.
     fn place_of(&self, nets: &Nets<'_>, part: Option<usize>) -> String {
         let at = self.at.iter().find(|(_, parts)| part.is_some_and(|part| parts.contains(&part)));
-        if let Some(Meaning::Held(id, Spot::Position(at))) = at.map(|(&place, _)| nets.meaning(place)) {
+        if let Some(PlaceMeaning::Held(id, ResourcePosition::Position(at))) = at.map(|(&place, _)| nets.meaning(place))
+        {
             format!(" to position {at} of {}", nets.cell.resource(id).name)
         } else {
             String::new()
@@ -160,21 +161,21 @@ impl Nets<'_> {
     /// Whether a place holds parts that have come in.
     fn is_seen(&self, place: PlaceId) -> bool {
         match self.meaning(place) {
-            Meaning::Held(..) | Meaning::Busy { .. } => true,
-            Meaning::Room(_)
-            | Meaning::Free(_)
-            | Meaning::Position(..)
-            | Meaning::Top(_)
-            | Meaning::Waiting
-            | Meaning::Admission
-            | Meaning::Idle(_) => false,
+            PlaceMeaning::Held(..) | PlaceMeaning::Busy { .. } => true,
+            PlaceMeaning::Room(_)
+            | PlaceMeaning::Free(_)
+            | PlaceMeaning::Position(..)
+            | PlaceMeaning::Top(_)
+            | PlaceMeaning::Waiting
+            | PlaceMeaning::Admission
+            | PlaceMeaning::Idle(_) => false,
         }
     }
 
     /// The resource that has the parts of a place.
-    fn holder(&self, meaning: Meaning) -> Option<ResourceId> {
+    fn holder(&self, meaning: PlaceMeaning) -> Option<ResourceId> {
         match meaning {
-            Meaning::Busy { activity, .. } => self.who_moves(activity),
+            PlaceMeaning::Busy { activity, .. } => self.who_moves(activity),
             other => other.resource(),
         }
     }
@@ -186,22 +187,24 @@ impl Nets<'_> {
         roles.into_iter().find_map(|role| activity.used(role).and_then(|part| part.of))
     }
 
-    fn whereabouts(&self, meaning: Meaning) -> Option<String> {
+    fn whereabouts(&self, meaning: PlaceMeaning) -> Option<String> {
         match meaning {
-            Meaning::Held(_, Spot::Position(at)) => Some(format!("position {at}")),
-            Meaning::Held(_, Spot::Loaded) => Some("not worked on yet".to_owned()),
-            Meaning::Busy { activity, is_held: true } => Some(format!("for `{}`", self.cell.activity(activity).name)),
-            Meaning::Busy { activity, is_held: false } => {
+            PlaceMeaning::Held(_, ResourcePosition::Position(at)) => Some(format!("position {at}")),
+            PlaceMeaning::Held(_, ResourcePosition::Loaded) => Some("not worked on yet".to_owned()),
+            PlaceMeaning::Busy { activity, is_held: true } => {
+                Some(format!("for `{}`", self.cell.activity(activity).name))
+            }
+            PlaceMeaning::Busy { activity, is_held: false } => {
                 Some(format!("`{}` is in progress", self.cell.activity(activity).name))
             }
-            Meaning::Held(_, Spot::Stored | Spot::Ready)
-            | Meaning::Room(_)
-            | Meaning::Free(_)
-            | Meaning::Position(..)
-            | Meaning::Top(_)
-            | Meaning::Waiting
-            | Meaning::Admission
-            | Meaning::Idle(_) => None,
+            PlaceMeaning::Held(_, ResourcePosition::Stored | ResourcePosition::Ready)
+            | PlaceMeaning::Room(_)
+            | PlaceMeaning::Free(_)
+            | PlaceMeaning::Position(..)
+            | PlaceMeaning::Top(_)
+            | PlaceMeaning::Waiting
+            | PlaceMeaning::Admission
+            | PlaceMeaning::Idle(_) => None,
         }
     }
 }

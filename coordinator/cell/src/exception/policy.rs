@@ -9,19 +9,19 @@ use std::time::Duration;
 use linewright_line::StationId;
 
 use super::super::ids::{CellId, ModeId, ResourceId};
-use super::super::record::{Cause, Failure, Refusal};
-use super::super::table::Tokens;
-use super::fact::{Ruling, Strategy, Whereabouts};
+use super::super::record::{ActivityFailure, Failure, Refusal};
+use super::super::table::TokenDemand;
+use super::fact::{RecoveryDecision, Strategy, Whereabouts};
 
 /// What is known of a cell for the case that something fails.
 #[derive(Clone, Debug, PartialEq, Eq)]
-pub struct Handling {
+pub struct RecoveryPolicy {
     /// The resources, in the order of their numbers.
-    pub resources: Vec<Resource>,
+    pub resources: Vec<ResourcePolicy>,
     /// By mode, in the order of the table; modes beyond the end have nobody and nothing.
-    pub modes: Vec<Handled>,
+    pub modes: Vec<ModeHandling>,
     /// What to do; the first of a mode's that fits counts.
-    pub rules: Vec<Rule>,
+    pub rules: Vec<RecoveryRule>,
     /// Stations, by what people call them.
     pub stations: Vec<(StationId, Arc<str>)>,
     /// A station that has an order and was not heard for so long is lost; none if it never is.
@@ -32,7 +32,7 @@ pub struct Handling {
 
 /// One resource.
 #[derive(Clone, Debug, PartialEq, Eq)]
-pub struct Resource {
+pub struct ResourcePolicy {
     /// What people call it.
     pub name: Arc<str>,
     /// Its station, if it has one.
@@ -45,7 +45,7 @@ pub struct Resource {
 
 /// What is known of a mode.
 #[derive(Clone, Debug, Default, PartialEq, Eq)]
-pub struct Handled {
+pub struct ModeHandling {
     /// The activity, by what people call it; empty for the mode's own name.
     pub activity: Arc<str>,
     /// The type of its part.
@@ -59,14 +59,14 @@ pub struct Handled {
     /// The rules that are about it, as positions.
     pub rules: Vec<usize>,
     /// What is given back if its part is no more; none if it cannot be said.
-    pub gone: Option<Vec<Tokens>>,
+    pub gone: Option<Vec<TokenDemand>>,
 }
 
 /// What to do.
 #[derive(Clone, Debug, PartialEq, Eq)]
-pub struct Rule {
+pub struct RecoveryRule {
     /// In which case.
-    pub code: Fits,
+    pub code: FailureMatch,
     /// What people are told, with names in braces.
     pub tell: Arc<str>,
     /// How often the same may be done once more with one part.
@@ -78,14 +78,14 @@ pub struct Rule {
     /// And so do all that have an order in the activity.
     pub stops_activity: bool,
     /// What can be answered.
-    pub answers: Vec<Answer>,
+    pub answers: Vec<PermittedAnswer>,
 }
 
 /// What can be answered.
 #[derive(Clone, Debug, PartialEq, Eq)]
-pub struct Answer {
+pub struct PermittedAnswer {
     /// The word, where the part is, how to go on.
-    pub ruling: Ruling,
+    pub ruling: RecoveryDecision,
     /// What is left out then: these, and of the activity's own whoever has this part in it.
     pub down: Vec<ResourceId>,
     /// As whom: from, to, carrier.
@@ -94,16 +94,16 @@ pub struct Answer {
 
 /// Which failures a rule is about, as descriptions write it.
 #[derive(Clone, Debug, PartialEq, Eq)]
-pub enum Fits {
+pub enum FailureMatch {
     /// All.
     Any,
     /// Those of this word.
     Word(Arc<str>),
 }
 
-impl Default for Handling {
+impl Default for RecoveryPolicy {
     fn default() -> Self {
-        Handling {
+        RecoveryPolicy {
             resources: Vec::new(),
             modes: Vec::new(),
             rules: Vec::new(),
@@ -114,14 +114,14 @@ impl Default for Handling {
     }
 }
 
-impl Handling {
+impl RecoveryPolicy {
     /// What is known of a mode.
-    pub fn mode(&self, mode: ModeId) -> &Handled {
+    pub fn mode(&self, mode: ModeId) -> &ModeHandling {
         self.modes.get(mode.index()).unwrap_or(&NOTHING)
     }
 
     /// A resource, if there is one of that number.
-    pub fn resource(&self, id: ResourceId) -> Option<&Resource> {
+    pub fn resource(&self, id: ResourceId) -> Option<&ResourcePolicy> {
         self.resources.get(id.index())
     }
 
@@ -154,20 +154,20 @@ impl Handling {
 
     /// The rule for a failure of a mode: the first that fits. One of the station's own code goes before one of time-outs,
     /// which fits as well where the code says what a station waited for until its time was over.
-    pub(super) fn rule(&self, mode: ModeId, cause: Cause) -> Option<&Rule> {
+    pub(super) fn rule(&self, mode: ModeId, cause: ActivityFailure) -> Option<&RecoveryRule> {
         let word = word(cause);
         let rules = || self.mode(mode).rules.iter().filter_map(|&at| self.rules.get(at));
-        let own = rules().find(|rule| matches!(&rule.code, Fits::Word(code) if **code == word));
+        let own = rules().find(|rule| matches!(&rule.code, FailureMatch::Word(code) if **code == word));
         own.or_else(|| {
             rules().find(|rule| match &rule.code {
-                Fits::Any => true,
-                Fits::Word(code) => cause.is_expiry() && **code == *TIME_OUT,
+                FailureMatch::Any => true,
+                FailureMatch::Word(code) => cause.is_expiry() && **code == *TIME_OUT,
             })
         })
     }
 }
 
-impl Handled {
+impl ModeHandling {
     /// Who takes part, each once.
     pub fn resources(&self) -> impl Iterator<Item = ResourceId> {
         let to = self.to.filter(|&to| Some(to) != self.from);
@@ -186,16 +186,16 @@ impl Handled {
     }
 }
 
-static NOTHING: std::sync::LazyLock<Handled> = std::sync::LazyLock::new(Handled::default);
+static NOTHING: std::sync::LazyLock<ModeHandling> = std::sync::LazyLock::new(ModeHandling::default);
 
 const TIME_OUT: &str = "time-out";
 
 /// The word for a cause, as descriptions write it: a code in digits is the station's own.
-pub(super) fn word(cause: Cause) -> String {
+pub(super) fn word(cause: ActivityFailure) -> String {
     match cause {
-        Cause::TimedOut => TIME_OUT.to_owned(),
-        Cause::ByHand { .. } => "alarm".to_owned(),
-        Cause::Order { key: _, failure } => match failure {
+        ActivityFailure::TimedOut => TIME_OUT.to_owned(),
+        ActivityFailure::ByHand { .. } => "alarm".to_owned(),
+        ActivityFailure::Order { key: _, failure } => match failure {
             Failure::TimedOut => TIME_OUT.to_owned(),
             Failure::Code(code) => code.to_string(),
             Failure::Refused(Refusal::Devices) | Failure::DevicesLost => "device-lost".to_owned(),
@@ -217,14 +217,14 @@ pub(super) fn word(cause: Cause) -> String {
 }
 
 /// What can be answered where nothing is described.
-pub(super) fn usual() -> [Answer; 3] {
+pub(super) fn usual() -> [PermittedAnswer; 3] {
     [
         ("as-before", Whereabouts::From, Strategy::Backward),
         ("as-done", Whereabouts::To, Strategy::Forward),
         ("gone", Whereabouts::Gone, Strategy::Backward),
     ]
-    .map(|(word, part, then)| Answer {
-        ruling: Ruling { word: word.to_owned(), part, then },
+    .map(|(word, part, then)| PermittedAnswer {
+        ruling: RecoveryDecision { word: word.to_owned(), part, then },
         down: Vec::new(),
         down_as: Vec::new(),
     })

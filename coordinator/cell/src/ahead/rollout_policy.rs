@@ -7,32 +7,32 @@ use std::collections::{BTreeSet, VecDeque};
 use linewright_line::Tick;
 
 use super::super::ids::{ModeId, PartId};
-use super::super::production::Desk;
-use super::super::question::{Answer, Dispatcher, Held, Question, Start, pose};
-use super::super::reason::Reason;
+use super::super::production::DispatchConfiguration;
+use super::super::question::{DispatchDecision, Dispatcher, HeldCandidate, Question, Start, pose};
+use super::super::reason::HoldReason;
 use super::super::record::Record;
 
 /// A dispatcher of imagined cells.
-pub trait Lead: Dispatcher {
+pub trait RolloutPolicy: Dispatcher {
     /// What it knows of parts and orders.
-    fn desk(&self) -> &Desk;
+    fn desk(&self) -> &DispatchConfiguration;
 }
 
-impl Lead for super::LookAhead {
-    fn desk(&self) -> &Desk {
+impl RolloutPolicy for super::LookAhead {
+    fn desk(&self) -> &DispatchConfiguration {
         &self.desk
     }
 }
 
-impl Lead for Desk {
-    fn desk(&self) -> &Desk {
+impl RolloutPolicy for DispatchConfiguration {
+    fn desk(&self) -> &DispatchConfiguration {
         self
     }
 }
 
 /// One decision.
 #[derive(Clone, Debug, PartialEq, Eq)]
-pub enum Choice {
+pub enum PolicyChoice {
     /// This starts, and nothing else before it.
     Start(ModeId, Option<PartId>),
     /// None of these starts at this moment.
@@ -43,21 +43,21 @@ pub enum Choice {
 
 /// One other decision, and then the rules.
 #[derive(Clone, Debug)]
-pub struct Otherwise {
-    desk: Desk,
-    choice: Option<Choice>,
+pub struct DeviatingPolicy {
+    desk: DispatchConfiguration,
+    choice: Option<PolicyChoice>,
 }
 
-impl Otherwise {
+impl DeviatingPolicy {
     /// First this choice.
-    pub fn new(desk: Desk, choice: Choice) -> Self {
-        Otherwise { desk, choice: Some(choice) }
+    pub fn new(desk: DispatchConfiguration, choice: PolicyChoice) -> Self {
+        DeviatingPolicy { desk, choice: Some(choice) }
     }
 }
 
-impl Otherwise {
+impl DeviatingPolicy {
     /// What the rules say where some modes cannot start.
-    fn decide_without(&mut self, question: &Question<'_>, is_out: impl Fn(ModeId) -> bool) -> Answer {
+    fn decide_without(&mut self, question: &Question<'_>, is_out: impl Fn(ModeId) -> bool) -> DispatchDecision {
         let modes = question.candidates.iter().map(|candidate| candidate.mode);
         let (candidates, groups) = pose(question.state, modes.filter(|&mode| !is_out(mode)));
         let mut answer = self.desk.decide(&Question { candidates: &candidates, groups: &groups, ..*question });
@@ -69,25 +69,25 @@ impl Otherwise {
     }
 }
 
-impl Dispatcher for Otherwise {
-    fn decide(&mut self, question: &Question<'_>) -> Answer {
+impl Dispatcher for DeviatingPolicy {
+    fn decide(&mut self, question: &Question<'_>) -> DispatchDecision {
         match self.choice.take() {
-            Some(Choice::Start(mode, part)) => {
+            Some(PolicyChoice::Start(mode, part)) => {
                 match question.candidates.iter().position(|candidate| candidate.mode == mode) {
-                    Some(candidate) => Answer { start: vec![Start { candidate, part }], held: Vec::new() },
+                    Some(candidate) => DispatchDecision { start: vec![Start { candidate, part }], held: Vec::new() },
                     None => self.desk.decide(question),
                 }
             }
-            Some(Choice::Wait(modes, at)) if at == question.now => {
+            Some(PolicyChoice::Wait(modes, at)) if at == question.now => {
                 let answer = self.decide_without(question, |mode| modes.contains(&mode));
-                self.choice = Some(Choice::Wait(modes, at));
+                self.choice = Some(PolicyChoice::Wait(modes, at));
                 answer
             }
-            Some(Choice::Without(out)) => {
-                self.choice = Some(Choice::Without(out));
+            Some(PolicyChoice::Without(out)) => {
+                self.choice = Some(PolicyChoice::Without(out));
                 self.decide_without(question, |mode| mode == out)
             }
-            Some(Choice::Wait(..)) | None => self.desk.decide(question),
+            Some(PolicyChoice::Wait(..)) | None => self.desk.decide(question),
         }
     }
 
@@ -96,8 +96,8 @@ impl Dispatcher for Otherwise {
     }
 }
 
-impl Lead for Otherwise {
-    fn desk(&self) -> &Desk {
+impl RolloutPolicy for DeviatingPolicy {
+    fn desk(&self) -> &DispatchConfiguration {
         &self.desk
     }
 }
@@ -117,15 +117,15 @@ pub struct PlannedStart {
 /// cell that has gone as planned so far it does exactly what was planned; in another one as much later as it must be. If it
 /// comes to stand still, what is left of it is forgotten.
 #[derive(Clone, Debug)]
-pub struct Follow {
-    desk: Desk,
+pub struct PlanPolicy {
+    desk: DispatchConfiguration,
     plan: VecDeque<PlannedStart>,
 }
 
-impl Follow {
+impl PlanPolicy {
     /// This plan, in this order.
-    pub fn new(desk: Desk, plan: VecDeque<PlannedStart>) -> Self {
-        Follow { desk, plan }
+    pub fn new(desk: DispatchConfiguration, plan: VecDeque<PlannedStart>) -> Self {
+        PlanPolicy { desk, plan }
     }
 
     /// The head of the plan, if it can start now.
@@ -140,19 +140,19 @@ impl Follow {
     }
 }
 
-impl Dispatcher for Follow {
-    fn decide(&mut self, question: &Question<'_>) -> Answer {
+impl Dispatcher for PlanPolicy {
+    fn decide(&mut self, question: &Question<'_>) -> DispatchDecision {
         self.desk.refresh(question.now);
         loop {
             let Some(head) = self.plan.front() else { return self.desk.decide(question) };
             if let Some(start) = self.ready(question) {
                 self.plan.pop_front();
-                return Answer { start: vec![start], held: Vec::new() };
+                return DispatchDecision { start: vec![start], held: Vec::new() };
             }
             let wake = (head.at > question.now).then_some(head.at);
             if wake.is_some() || !question.state.due.is_empty() {
-                let held = Held { candidate: 0, reason: Reason::NotYet(head.at), until: wake };
-                return Answer { start: Vec::new(), held: vec![held] };
+                let held = HeldCandidate { candidate: 0, reason: HoldReason::NotYet(head.at), until: wake };
+                return DispatchDecision { start: Vec::new(), held: vec![held] };
             }
             self.plan.clear();
         }
@@ -163,8 +163,8 @@ impl Dispatcher for Follow {
     }
 }
 
-impl Lead for Follow {
-    fn desk(&self) -> &Desk {
+impl RolloutPolicy for PlanPolicy {
+    fn desk(&self) -> &DispatchConfiguration {
         &self.desk
     }
 }

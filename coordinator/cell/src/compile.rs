@@ -10,8 +10,8 @@ mod sheet;
 use std::sync::Arc;
 use std::time::Duration;
 
-use linewright_cell::net::{CellNet, Detail, Meaning, Origin, Phase, Spot, Supply, net};
-use linewright_cell::{Cell, Move, ParameterSource, Prototype, ResourceId, Role};
+use linewright_cell::net::{CellNet, Detail, Origin, PlaceMeaning, ResourcePosition, Supply, TransitionPhase, net};
+use linewright_cell::{Cell, ParameterSource, Prototype, ResourceId, Role, StageMove};
 use linewright_line::{Line, StationId};
 use linewright_nets::PlaceId;
 use linewright_nets::coloured::{ColouredError, Colours, UnfoldError, Unfolding, unfold};
@@ -21,12 +21,12 @@ pub use recovery::{ErrorPart, Recovery, RecoveryNet, recovery_net};
 pub use sheet::sheet;
 
 use crate::ahead::LookAhead;
-use crate::dispatch::ByRules;
-use crate::production::Desk;
-use crate::schedule::{Builtin, Foreman};
+use crate::dispatch::RuleDispatcher;
+use crate::production::DispatchConfiguration;
+use crate::schedule::{RolloutScheduler, ScheduleFollower};
 use crate::{
-    Activity, ActivityKind, CellId, CellKind, CellTable, ModeId, OrderTemplate, Pick, Plan, PlanError, Product, State,
-    Store, Value,
+    ActivityTiming, CellId, CellKind, CellTable, ModeId, PartPick, PlanError, PlayPlan, PlayedActivity,
+    PlayedOrderTemplate, PlayerState, Product, StorePositions, TaskParameterValue,
 };
 
 /// At most so many places and transitions: a thousand resources need a tenth of it.
@@ -34,7 +34,7 @@ const NODES_MAX: usize = 1_000_000;
 
 /// How patient the player is with stations.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
-pub struct Pace {
+pub struct OrderTiming {
     /// An order that no station has acknowledged is repeated after this time.
     pub refresh: Duration,
     /// After a restart no limit runs out before this time.
@@ -76,7 +76,7 @@ pub enum Unplayable {
 
 /// A cell, ready to be played.
 #[derive(Clone, Debug)]
-pub struct Described {
+pub struct CompiledCell {
     /// What is played.
     pub table: CellTable,
     /// The net it was made of.
@@ -89,7 +89,12 @@ pub struct Described {
 ///
 /// # Errors
 /// What cannot be played, and why.
-pub fn described(cell: &Cell, line: Option<&Line>, supply: Supply<'_>, pace: Pace) -> Result<Described, Unplayable> {
+pub fn compile_cell(
+    cell: &Cell,
+    line: Option<&Line>,
+    supply: Supply<'_>,
+    pace: OrderTiming,
+) -> Result<CompiledCell, Unplayable> {
     if !cell.limits.reserve {
         return Err(Unplayable::Unreserved);
     }
@@ -102,25 +107,25 @@ pub fn described(cell: &Cell, line: Option<&Line>, supply: Supply<'_>, pace: Pac
     let long = unfold(net.net(), Colours::Reachable, NODES_MAX)?;
     let kind = |place| {
         let holds_parts = net.holds_parts(long.cell(net.net(), place).place);
-        if holds_parts { CellKind::Parts(Pick::Any) } else { CellKind::Tokens }
+        if holds_parts { CellKind::Parts(PartPick::Any) } else { CellKind::Tokens }
     };
     let mut activities = Vec::with_capacity(long.net().transition_count());
     for t in long.net().transitions() {
         let mode = long.mode(t);
         activities.push(match (net.origin(mode.transition), net.move_of(cell, mode)) {
-            (Origin::Activity { phase: Phase::Whole, .. }, Some((activity, of))) => {
+            (Origin::Activity { phase: TransitionPhase::Whole, .. }, Some((activity, of))) => {
                 decided(cell, activity, of, &stations)?
             }
             // A shift in a buffer; there is nothing else where every grasp is reserved.
-            (Origin::Activity { .. } | Origin::Shift, _) => Activity {
+            (Origin::Activity { .. } | Origin::Shift, _) => PlayedActivity {
                 name: long.net().transition_name(t).into(),
-                kind: ActivityKind::Immediate,
+                kind: ActivityTiming::Immediate,
                 servers: 1,
                 orders: Vec::new(),
             },
         });
     }
-    let plan = Plan {
+    let plan = PlayPlan {
         products: match supply {
             Supply::Open | Supply::Batch(_) => products(cell, &net, &long),
             // All that will ever come waits outside already; nobody orders it.
@@ -136,36 +141,36 @@ pub fn described(cell: &Cell, line: Option<&Line>, supply: Supply<'_>, pace: Pac
     let table = CellTable::compile(&long, plan)?;
     let handling = handling::handling(cell, &net, &long, &table, &stations, supply);
     let table = table.with_handling(handling);
-    Ok(Described { table, net, long })
+    Ok(CompiledCell { table, net, long })
 }
 
 fn decided(
     cell: &Cell,
     activity: &linewright_cell::Activity,
-    of: &Move,
+    of: &StageMove,
     stations: &[StationId],
-) -> Result<Activity, Unplayable> {
+) -> Result<PlayedActivity, Unplayable> {
     let order = |order: &linewright_cell::OrderTemplate| {
         let limit = cell.limit(order, of).ok_or_else(|| Unplayable::Limit(activity.name.clone()))?;
         let value = |source: &ParameterSource| match *source {
-            ParameterSource::Number(number) => Some(Value::Number(number)),
-            ParameterSource::Program => of.program.map(Value::Number),
+            ParameterSource::Number(number) => Some(TaskParameterValue::Number(number)),
+            ParameterSource::Program => of.program.map(TaskParameterValue::Number),
             ParameterSource::Position(store) => position(activity, store),
         };
         let parameters = order.parameters.iter().map(|(name, of)| match value(of) {
             Some(value) => Ok((Arc::from(name.as_str()), value)),
             None => Err(Unplayable::Parameter { activity: activity.name.clone(), parameter: name.clone() }),
         });
-        Ok(OrderTemplate {
+        Ok(PlayedOrderTemplate {
             station: stations[order.controller.index()],
             task: order.task.as_str().into(),
             parameters: parameters.collect::<Result<_, _>>()?,
             limit,
         })
     };
-    Ok(Activity {
+    Ok(PlayedActivity {
         name: activity.name.as_str().into(),
-        kind: ActivityKind::Decided { time: of.time.unwrap_or(Duration::ZERO), limit: None },
+        kind: ActivityTiming::Decided { time: of.time.unwrap_or(Duration::ZERO), limit: None },
         servers: servers(cell, activity),
         orders: activity.orders.iter().map(order).collect::<Result<_, Unplayable>>()?,
     })
@@ -187,11 +192,11 @@ fn servers(cell: &Cell, activity: &linewright_cell::Activity) -> u32 {
 }
 
 /// Which position in a store is meant: that of the part before or after.
-fn position(activity: &linewright_cell::Activity, store: ResourceId) -> Option<Value> {
+fn position(activity: &linewright_cell::Activity, store: ResourceId) -> Option<TaskParameterValue> {
     let is_in = |role| activity.used(role).is_some_and(|part| part.of == Some(store));
     match (is_in(Role::Source), is_in(Role::Target)) {
-        (true, _) => Some(Value::Source),
-        (false, true) => Some(Value::Target),
+        (true, _) => Some(TaskParameterValue::Source),
+        (false, true) => Some(TaskParameterValue::Target),
         (false, false) => None,
     }
 }
@@ -211,35 +216,36 @@ fn products(cell: &Cell, net: &CellNet, long: &Unfolding) -> Vec<Product> {
 }
 
 /// The stores of a cell in which parts have positions.
-fn stores(cell: &Cell, net: &CellNet, long: &Unfolding) -> Vec<Store> {
+fn stores(cell: &Cell, net: &CellNet, long: &Unfolding) -> Vec<StorePositions> {
     let is_random = |&id: &ResourceId| cell.resource(id).prototype == Prototype::RandomAccessStore;
     let store = |id: ResourceId| {
-        let is_here =
-            |&place: &PlaceId| net.meaning(long.cell(net.net(), place).place) == Meaning::Held(id, Spot::Stored);
+        let is_here = |&place: &PlaceId| {
+            net.meaning(long.cell(net.net(), place).place) == PlaceMeaning::Held(id, ResourcePosition::Stored)
+        };
         let cells = long.net().places().filter(is_here).map(|place| CellId(place.0)).collect();
-        Store { name: cell.resource(id).name.as_str().into(), cells }
+        StorePositions { name: cell.resource(id).name.as_str().into(), cells }
     };
     cell.resource_ids().filter(is_random).map(store).collect()
 }
 
 /// The dispatcher that a description asks for, with production orders, looking ahead, and a schedule if that is among its
 /// rules. It begins with what is known of the cell, and is told all records from then on.
-pub fn foreman(cell: &Cell, made: &Described, state: &State) -> Foreman {
-    let desk = Desk::new(dispatcher(cell, &made.table), state.production().clone());
+pub fn schedule_follower(cell: &Cell, made: &CompiledCell, state: &PlayerState) -> ScheduleFollower {
+    let desk = DispatchConfiguration::new(dispatcher(cell, &made.table), state.production().clone());
     let look = LookAhead::new(&made.table, desk, cell.dispatch.look_ahead);
-    Foreman::new(look, Box::new(Builtin::default()))
+    ScheduleFollower::new(look, Box::new(RolloutScheduler::default()))
 }
 
 /// The same where nothing is on order: whatever waits outside is to be made.
-pub fn planner(cell: &Cell, made: &Described) -> Foreman {
-    let desk = Desk::without_orders(dispatcher(cell, &made.table));
+pub fn planner(cell: &Cell, made: &CompiledCell) -> ScheduleFollower {
+    let desk = DispatchConfiguration::without_orders(dispatcher(cell, &made.table));
     let look = LookAhead::new(&made.table, desk, cell.dispatch.look_ahead);
-    Foreman::new(look, Box::new(Builtin::default()))
+    ScheduleFollower::new(look, Box::new(RolloutScheduler::default()))
 }
 
-/// The rules that a description asks for, without any timetable yet. Its table is [`Described::table`].
-pub fn dispatcher(cell: &Cell, table: &CellTable) -> ByRules {
-    let mut by_rules = ByRules::new(table, &cell.dispatch.rules, cell.dispatch.patience);
+/// The rules that a description asks for, without any timetable yet. Its table is [`CompiledCell::table`].
+pub fn dispatcher(cell: &Cell, table: &CellTable) -> RuleDispatcher {
+    let mut by_rules = RuleDispatcher::new(table, &cell.dispatch.rules, cell.dispatch.patience);
     by_rules.timetable.tolerance = cell.dispatch.window;
     by_rules
 }

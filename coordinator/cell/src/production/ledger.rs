@@ -11,14 +11,14 @@ use linewright_line::{Tick, suggestion};
 use serde::{Deserialize, Serialize};
 use thiserror::Error;
 
-use super::super::dispatch::{Admission, Jobs, Waiting};
-use super::super::exception::{Step, Whereabouts};
+use super::super::dispatch::{Admission, EntryCandidate, PartPriorities};
+use super::super::exception::{ExceptionStep, Whereabouts};
 use super::super::ids::{FiringId, ModeId, PartId, ProductionId};
-use super::super::record::{Fact, Record};
+use super::super::record::{Record, RecordKind};
 use super::super::table::CellTable;
-use super::super::tracking::{Entry, Passing, Sheet};
-use super::order::{Order, Status};
-use super::request::{ORDERS_MAX, Request, Wrong, find_circle, in_order};
+use super::super::tracking::{ModeEntry, PartFlow, ReportMetadata};
+use super::order::{ProductionOrder, ProductionStatus};
+use super::request::{ORDERS_MAX, ProductionOrderRequest, RequestProblem, find_circle, in_order};
 
 /// So many orders that are over are remembered, beside those that others wait for.
 const KEPT: usize = 1000;
@@ -26,13 +26,13 @@ const KEPT: usize = 1000;
 /// What people change. To be written down before anybody is told.
 #[derive(Clone, Debug, PartialEq, Eq, Serialize, Deserialize)]
 #[serde(rename_all = "kebab-case", deny_unknown_fields)]
-pub enum Change {
+pub enum ProductionChange {
     /// A request is an order now.
     Accepted {
         /// The next number.
         id: ProductionId,
         /// What was asked for.
-        request: Request,
+        request: ProductionOrderRequest,
     },
     /// Nothing more of it enters.
     Cancelled(ProductionId),
@@ -42,19 +42,21 @@ pub enum Change {
     Lost(PartId),
 }
 
-impl Change {
+impl ProductionChange {
     /// The order that it changes; none if a part does.
     pub fn order(&self) -> Option<ProductionId> {
         match *self {
-            Change::Accepted { id, request: _ } | Change::Cancelled(id) | Change::Withdrawn(id) => Some(id),
-            Change::Lost(_) => None,
+            ProductionChange::Accepted { id, request: _ }
+            | ProductionChange::Cancelled(id)
+            | ProductionChange::Withdrawn(id) => Some(id),
+            ProductionChange::Lost(_) => None,
         }
     }
 }
 
 /// Why an order is not cancelled or withdrawn.
 #[derive(Clone, Debug, PartialEq, Eq, Error)]
-pub enum Refused {
+pub enum ProductionRefusal {
     /// Nobody knows of it.
     #[error("there is no order `{name}`{}", .hint.as_ref().map(|hint| format!("; {hint}")).unwrap_or_default())]
     Unknown {
@@ -87,7 +89,7 @@ pub enum Refused {
 /// A change that cannot be what has happened to these orders.
 #[derive(Clone, Debug, PartialEq, Eq, Error)]
 #[error("a change of production orders does not fit: {0}")]
-pub struct Unfit(pub String);
+pub struct ProductionMisfit(pub String);
 
 /// The production orders of a cell.
 #[derive(Clone, Debug, Default, PartialEq, Eq)]
@@ -96,7 +98,7 @@ pub struct Production {
     /// The modes by which parts of each product enter.
     enters: BTreeMap<ModeId, usize>,
     leaves: BTreeSet<ModeId>,
-    pub(super) orders: BTreeMap<ProductionId, Order>,
+    pub(super) orders: BTreeMap<ProductionId, ProductionOrder>,
     pub(super) of_part: BTreeMap<PartId, ProductionId>,
     /// Activities in progress that take a part out.
     pub(super) leaving: BTreeMap<FiringId, PartId>,
@@ -120,41 +122,41 @@ impl Production {
     }
 
     /// The same from what a report knows of the cell. No order is ever forgotten.
-    pub fn of_sheet(sheet: &Sheet) -> Self {
+    pub fn of_sheet(sheet: &ReportMetadata) -> Self {
         let modes = || (0..).map(ModeId).zip(&sheet.modes);
-        let passing = |passing| move |(_, entry): &(ModeId, &Entry)| entry.passing == passing;
-        let enters = modes().filter(passing(Passing::Enters));
+        let passing = |passing| move |(_, entry): &(ModeId, &ModeEntry)| entry.passing == passing;
+        let enters = modes().filter(passing(PartFlow::Enters));
         Production {
             products: sheet.products.iter().map(|name| name.as_str().into()).collect(),
             enters: enters.filter_map(|(mode, entry)| Some((mode, entry.product?))).collect(),
-            leaves: modes().filter(passing(Passing::Leaves)).map(|(mode, _)| mode).collect(),
+            leaves: modes().filter(passing(PartFlow::Leaves)).map(|(mode, _)| mode).collect(),
             keeps_all: true,
             ..Production::default()
         }
     }
 
     /// All orders that are remembered, by number.
-    pub fn orders(&self) -> impl ExactSizeIterator<Item = &Order> {
+    pub fn orders(&self) -> impl ExactSizeIterator<Item = &ProductionOrder> {
         self.orders.values()
     }
 
     /// An order, if it is remembered.
-    pub fn order(&self, id: ProductionId) -> Option<&Order> {
+    pub fn order(&self, id: ProductionId) -> Option<&ProductionOrder> {
         self.orders.get(&id)
     }
 
     /// The newest order of that name that was not withdrawn.
-    pub fn named(&self, name: &str) -> Option<&Order> {
+    pub fn named(&self, name: &str) -> Option<&ProductionOrder> {
         self.orders.values().rev().find(|order| order.request.name == name && !order.withdrawn)
     }
 
     /// The order that was made of the request with that key.
-    pub fn by_key(&self, key: u128) -> Option<&Order> {
+    pub fn by_key(&self, key: u128) -> Option<&ProductionOrder> {
         self.orders.values().find(|order| order.request.key == key)
     }
 
     /// Which order a part counts to; none if it has left, or nobody had ordered it.
-    pub fn order_of(&self, part: PartId) -> Option<&Order> {
+    pub fn order_of(&self, part: PartId) -> Option<&ProductionOrder> {
         self.order(*self.of_part.get(&part)?)
     }
 
@@ -162,32 +164,32 @@ impl Production {
     ///
     /// # Errors
     /// All that is wrong with any of them.
-    pub fn submit(&self, requests: &[Request]) -> Result<Vec<Change>, Vec<Wrong>> {
+    pub fn submit(&self, requests: &[ProductionOrderRequest]) -> Result<Vec<ProductionChange>, Vec<RequestProblem>> {
         let mut wrongs = Vec::new();
-        let mut new: Vec<&Request> = Vec::new();
+        let mut new: Vec<&ProductionOrderRequest> = Vec::new();
         for request in requests {
             let known = self.orders.values().map(|order| &order.request).chain(new.iter().copied());
             match known.into_iter().find(|other| other.key == request.key) {
                 Some(same) if same == request => (),
                 Some(other) => {
-                    wrongs.push(Wrong::KeyTaken { name: request.name.clone(), other: other.name.clone() });
+                    wrongs.push(RequestProblem::KeyTaken { name: request.name.clone(), other: other.name.clone() });
                 }
                 None => new.push(request),
             }
         }
         let all = self.orders.values().map(|order| (order.request.name.as_str(), order));
-        let old: BTreeMap<&str, &Order> = all.clone().filter(|(_, order)| !order.withdrawn).collect();
+        let old: BTreeMap<&str, &ProductionOrder> = all.clone().filter(|(_, order)| !order.withdrawn).collect();
         let withdrawn: BTreeSet<&str> = all.filter(|(_, order)| order.withdrawn).map(|(name, _)| name).collect();
         let batch: BTreeSet<&str> = new.iter().map(|request| request.name.as_str()).collect();
         let mut seen = BTreeSet::new();
         for request in &new {
-            wrongs.extend(request.wrongs(self.products.iter().map(AsRef::as_ref)));
+            wrongs.extend(request.validate(self.products.iter().map(AsRef::as_ref)));
             let name = || request.name.clone();
             if old.get(request.name.as_str()).is_some_and(|order| order.ended.is_none()) {
-                wrongs.push(Wrong::NameTaken(name()));
+                wrongs.push(RequestProblem::NameTaken(name()));
             }
             if !seen.insert(request.name.as_str()) {
-                wrongs.push(Wrong::NameTwice(name()));
+                wrongs.push(RequestProblem::NameTwice(name()));
             }
             for after in &request.after {
                 if old.contains_key(after.as_str()) || batch.contains(after.as_str()) {
@@ -196,82 +198,83 @@ impl Production {
                 let was_withdrawn = withdrawn.contains(after.as_str());
                 let known = old.keys().copied();
                 wrongs.push(if was_withdrawn {
-                    Wrong::AfterWithdrawn { name: name(), after: after.clone() }
+                    RequestProblem::AfterWithdrawn { name: name(), after: after.clone() }
                 } else {
-                    Wrong::NoSuchOrder { name: name(), after: after.clone(), hint: suggestion(after, known) }
+                    RequestProblem::NoSuchOrder { name: name(), after: after.clone(), hint: suggestion(after, known) }
                 });
             }
         }
-        wrongs.extend(find_circle(&new).map(Wrong::Circle));
+        wrongs.extend(find_circle(&new).map(RequestProblem::Circle));
         let open = self.orders.values().filter(|order| order.ended.is_none()).count() + new.len();
         if open > ORDERS_MAX {
-            wrongs.push(Wrong::TooMany { open });
+            wrongs.push(RequestProblem::TooMany { open });
         }
         if !wrongs.is_empty() {
             return Err(wrongs);
         }
         let ids = (self.last + 1..).map(ProductionId);
-        Ok(ids.zip(in_order(&new)).map(|(id, request)| Change::Accepted { id, request }).collect())
+        Ok(ids.zip(in_order(&new)).map(|(id, request)| ProductionChange::Accepted { id, request }).collect())
     }
 
     /// What cancels an order: nothing more of it enters.
     ///
     /// # Errors
     /// Why not.
-    pub fn cancel(&self, name: &str) -> Result<Change, Refused> {
+    pub fn cancel(&self, name: &str) -> Result<ProductionChange, ProductionRefusal> {
         let order = self.open(name)?;
         if order.cancelled.is_some() {
-            return Err(Refused::Over(name.to_owned()));
+            return Err(ProductionRefusal::Over(name.to_owned()));
         }
-        Ok(Change::Cancelled(order.id))
+        Ok(ProductionChange::Cancelled(order.id))
     }
 
     /// What withdraws an order, as long as nothing of it has entered.
     ///
     /// # Errors
     /// Why not.
-    pub fn withdraw(&self, name: &str) -> Result<Change, Refused> {
+    pub fn withdraw(&self, name: &str) -> Result<ProductionChange, ProductionRefusal> {
         let order = self.open(name)?;
         if order.begun.is_some() || order.cancelled.is_some() {
-            return Err(Refused::Begun { name: name.to_owned(), entered: order.entered + order.lost });
+            return Err(ProductionRefusal::Begun { name: name.to_owned(), entered: order.entered + order.lost });
         }
         if let Some(by) = self.waiting_for(order.id) {
-            return Err(Refused::Needed { name: name.to_owned(), by: by.request.name.clone() });
+            return Err(ProductionRefusal::Needed { name: name.to_owned(), by: by.request.name.clone() });
         }
-        Ok(Change::Withdrawn(order.id))
+        Ok(ProductionChange::Withdrawn(order.id))
     }
 
-    fn open(&self, name: &str) -> Result<&Order, Refused> {
+    fn open(&self, name: &str) -> Result<&ProductionOrder, ProductionRefusal> {
         let known = self.orders.values().map(|order| order.request.name.as_str());
-        let unknown = || Refused::Unknown { name: name.to_owned(), hint: suggestion(name, known) };
+        let unknown = || ProductionRefusal::Unknown { name: name.to_owned(), hint: suggestion(name, known) };
         let order = self.named(name).ok_or_else(unknown)?;
-        if order.ended.is_some() { Err(Refused::Over(name.to_owned())) } else { Ok(order) }
+        if order.ended.is_some() { Err(ProductionRefusal::Over(name.to_owned())) } else { Ok(order) }
     }
 
-    fn waiting_for(&self, id: ProductionId) -> Option<&Order> {
+    fn waiting_for(&self, id: ProductionId) -> Option<&ProductionOrder> {
         self.orders.values().find(|order| order.ended.is_none() && order.after.contains(&id))
     }
 
     /// Does what a change says, or nothing of it.
-    fn apply(&mut self, at: Tick, change: &Change) -> Result<(), Unfit> {
+    fn apply(&mut self, at: Tick, change: &ProductionChange) -> Result<(), ProductionMisfit> {
         match change {
-            Change::Accepted { id, request } => self.accept(at, *id, request),
-            Change::Cancelled(id) => {
+            ProductionChange::Accepted { id, request } => self.accept(at, *id, request),
+            ProductionChange::Cancelled(id) => {
                 let order = self.changed(*id)?;
                 order.cancelled = Some(at);
                 self.close(*id, at);
                 Ok(())
             }
-            Change::Withdrawn(id) => {
+            ProductionChange::Withdrawn(id) => {
                 let order = self.changed(*id)?;
                 if order.begun.is_some() {
-                    return Err(Unfit(format!("{id} has begun")));
+                    return Err(ProductionMisfit(format!("{id} has begun")));
                 }
                 (order.withdrawn, order.ended) = (true, Some(at));
                 Ok(())
             }
-            Change::Lost(part) => {
-                let id = self.of_part.remove(part).ok_or_else(|| Unfit(format!("{part} counts to no order")))?;
+            ProductionChange::Lost(part) => {
+                let id =
+                    self.of_part.remove(part).ok_or_else(|| ProductionMisfit(format!("{part} counts to no order")))?;
                 self.leaving.retain(|_, leaving| leaving != part);
                 if let Some(order) = self.orders.get_mut(&id) {
                     order.entered = order.entered.saturating_sub(1);
@@ -283,24 +286,26 @@ impl Production {
         }
     }
 
-    fn changed(&mut self, id: ProductionId) -> Result<&mut Order, Unfit> {
-        let order = self.orders.get_mut(&id).ok_or_else(|| Unfit(format!("there is no {id}")))?;
+    fn changed(&mut self, id: ProductionId) -> Result<&mut ProductionOrder, ProductionMisfit> {
+        let order = self.orders.get_mut(&id).ok_or_else(|| ProductionMisfit(format!("there is no {id}")))?;
         let is_open = order.ended.is_none() && order.cancelled.is_none();
-        if is_open { Ok(order) } else { Err(Unfit(format!("{id} is over already"))) }
+        if is_open { Ok(order) } else { Err(ProductionMisfit(format!("{id} is over already"))) }
     }
 
-    fn accept(&mut self, at: Tick, id: ProductionId, request: &Request) -> Result<(), Unfit> {
+    fn accept(&mut self, at: Tick, id: ProductionId, request: &ProductionOrderRequest) -> Result<(), ProductionMisfit> {
         if id.0 != self.last + 1 {
-            return Err(Unfit(format!("{id} after production order {}", self.last)));
+            return Err(ProductionMisfit(format!("{id} after production order {}", self.last)));
         }
         let product = self.products.iter().position(|product| **product == *request.product);
-        let product = product.ok_or_else(|| Unfit(format!("`{}` is not made here", request.product)))?;
+        let product = product.ok_or_else(|| ProductionMisfit(format!("`{}` is not made here", request.product)))?;
         let before = |name: &String| {
-            self.named(name).map(|order| order.id).ok_or_else(|| Unfit(format!("there is no order `{name}`")))
+            self.named(name)
+                .map(|order| order.id)
+                .ok_or_else(|| ProductionMisfit(format!("there is no order `{name}`")))
         };
         let after = request.after.iter().map(before).collect::<Result<Vec<_>, _>>()?;
         self.last = id.0;
-        self.orders.insert(id, Order::new(id, request.clone(), product, after, at));
+        self.orders.insert(id, ProductionOrder::new(id, request.clone(), product, after, at));
         self.forget();
         Ok(())
     }
@@ -333,50 +338,50 @@ impl Production {
     ///
     /// # Errors
     /// A change that does not fit; nothing has changed then.
-    pub fn note(&mut self, record: &Record) -> Result<bool, Unfit> {
+    pub fn note(&mut self, record: &Record) -> Result<bool, ProductionMisfit> {
         Ok(match &record.fact {
-            Fact::Production { change } => {
+            RecordKind::Production { change } => {
                 self.apply(record.at, change)?;
                 true
             }
-            Fact::Started { firing, mode, part: Some(part), orders: _ } => {
+            RecordKind::Started { firing, mode, part: Some(part), orders: _ } => {
                 if self.leaves.contains(mode) && self.of_part.contains_key(part) {
                     self.leaving.insert(*firing, *part);
                 }
                 self.enter(*mode, *part, record.at)
             }
-            Fact::Fired { mode, part: Some(part) } => {
+            RecordKind::Fired { mode, part: Some(part) } => {
                 let entered = self.enter(*mode, *part, record.at);
                 (self.leaves.contains(mode) && self.leave(*part, record.at)) || entered
             }
-            Fact::Ended { firing } => match self.leaving.remove(firing) {
+            RecordKind::Ended { firing } => match self.leaving.remove(firing) {
                 Some(part) => self.leave(part, record.at),
                 None => false,
             },
-            Fact::Started { part: None, .. }
-            | Fact::Fired { part: None, .. }
-            | Fact::Epoch { .. }
-            | Fact::Memory { .. }
-            | Fact::Decided { .. }
-            | Fact::Acknowledged { .. }
-            | Fact::OrderEnded { .. }
-            | Fact::OrderFailed { .. }
-            | Fact::Raised { .. } => false,
-            Fact::Exception(step) => self.put_right(step, record.at),
+            RecordKind::Started { part: None, .. }
+            | RecordKind::Fired { part: None, .. }
+            | RecordKind::Epoch { .. }
+            | RecordKind::Memory { .. }
+            | RecordKind::Decided { .. }
+            | RecordKind::Acknowledged { .. }
+            | RecordKind::OrderEnded { .. }
+            | RecordKind::OrderFailed { .. }
+            | RecordKind::Raised { .. } => false,
+            RecordKind::Exception(step) => self.put_right(step, record.at),
         })
     }
 
     /// Of what failed, one that has not come in counts as little as one that is no more.
-    fn put_right(&mut self, step: &Step, at: Tick) -> bool {
-        if let Step::Missing { part, .. } = step {
-            return self.apply(at, &Change::Lost(*part)).is_ok();
+    fn put_right(&mut self, step: &ExceptionStep, at: Tick) -> bool {
+        if let ExceptionStep::Missing { part, .. } = step {
+            return self.apply(at, &ProductionChange::Lost(*part)).is_ok();
         }
-        let Step::Closed { firing, mode, part: Some(part), ruling, .. } = step else { return false };
+        let ExceptionStep::Closed { firing, mode, part: Some(part), ruling, .. } = step else { return false };
         self.leaving.remove(firing);
         match ruling.part {
             Whereabouts::To => self.leaves.contains(mode) && self.leave(*part, at),
             Whereabouts::From if !self.enters.contains_key(mode) => false,
-            Whereabouts::From | Whereabouts::Gone => self.apply(at, &Change::Lost(*part)).is_ok(),
+            Whereabouts::From | Whereabouts::Gone => self.apply(at, &ProductionChange::Lost(*part)).is_ok(),
             Whereabouts::Carrier => false,
         }
     }
@@ -403,22 +408,26 @@ impl Production {
     }
 
     /// Where an order is at a time.
-    pub fn status(&self, order: &Order, now: Tick) -> Status {
+    pub fn status(&self, order: &ProductionOrder, now: Tick) -> ProductionStatus {
         if order.withdrawn {
-            return Status::Withdrawn;
+            return ProductionStatus::Withdrawn;
         }
         if let Some(at) = order.cancelled {
-            return Status::Cancelled { at, inside: order.inside() };
+            return ProductionStatus::Cancelled { at, inside: order.inside() };
         }
         if let Some(at) = order.ended {
-            return Status::Done { at };
+            return ProductionStatus::Done { at };
         }
         if let Some(begun) = order.begun {
-            return Status::InWork { begun };
+            return ProductionStatus::InWork { begun };
         }
         let on = order.after.iter().copied().filter(|&id| self.end_of(id).is_none()).collect::<Vec<_>>();
         let until = order.request.release.filter(|&release| release > now);
-        if on.is_empty() && until.is_none() { Status::Released } else { Status::Waiting { on, until } }
+        if on.is_empty() && until.is_none() {
+            ProductionStatus::Released
+        } else {
+            ProductionStatus::Waiting { on, until }
+        }
     }
 
     /// When an order was over; the beginning for one that is not remembered any more.
@@ -427,18 +436,18 @@ impl Production {
     }
 
     /// Since when parts of an order may enter, or from when on; none as long as that is not known.
-    fn open_from(&self, order: &Order) -> Option<Tick> {
+    fn open_from(&self, order: &ProductionOrder) -> Option<Tick> {
         let from = order.request.release.unwrap_or(Tick::ZERO).max(order.accepted);
         order.after.iter().try_fold(from, |from, &id| Some(from.max(self.end_of(id)?)))
     }
 
     /// The orders of which parts have still to enter.
-    pub fn missing(&self) -> impl Iterator<Item = &Order> {
+    pub fn missing(&self) -> impl Iterator<Item = &ProductionOrder> {
         self.orders.values().filter(|order| order.ended.is_none() && order.missing() > 0)
     }
 
     /// To which order the next part of a product counts that enters at a time.
-    fn in_turn(&self, product: usize, at: Tick) -> Option<&Order> {
+    fn in_turn(&self, product: usize, at: Tick) -> Option<&ProductionOrder> {
         let may = self.missing().filter(|order| order.product == product);
         may.filter(|order| self.open_from(order).is_some_and(|from| from <= at)).min_by_key(|order| order.turn())
     }
@@ -449,8 +458,8 @@ impl Production {
     }
 
     /// What a dispatcher has to know at a time: of parts inside, and of those that may enter.
-    pub fn jobs(&self, now: Tick) -> Jobs {
-        let mut jobs = Jobs::default();
+    pub fn jobs(&self, now: Tick) -> PartPriorities {
+        let mut jobs = PartPriorities::default();
         let of = |(&part, id): (&PartId, &ProductionId)| Some((part, self.orders.get(id)?.job()));
         jobs.parts = self.of_part.iter().filter_map(of).collect();
         let count = self.products.len();
@@ -472,7 +481,7 @@ impl Production {
             let Some(order) = self.in_turn(product, now) else { continue };
             // An order of many parts does not wait while one after the other enters.
             let since = self.open_from(order).into_iter().chain(order.newest).max().unwrap_or(now);
-            let waiting = Waiting { job: order.job(), since };
+            let waiting = EntryCandidate { job: order.job(), since };
             jobs.outside.extend(self.entrances(product).map(|mode| (mode, waiting)));
         }
         jobs.admission = Some(admission);

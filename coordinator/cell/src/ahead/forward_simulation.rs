@@ -9,19 +9,19 @@ use std::collections::BTreeMap;
 
 use linewright_line::Tick;
 
-use super::super::dispatch::Job;
+use super::super::dispatch::PartPriority;
 use super::super::dispatch::time;
-use super::super::firing::Phase;
+use super::super::firing::ActivityPhase;
 use super::super::ids::{FiringId, ModeId, PartId};
-use super::super::question::{Answer, Candidate, Group, Question, check, pose};
-use super::super::record::{Fact, Record};
-use super::super::state::State;
-use super::bounds::Thought;
-use super::lead::Lead;
+use super::super::question::{Candidate, ConflictGroup, DispatchDecision, Question, check, pose};
+use super::super::record::{Record, RecordKind};
+use super::super::state::PlayerState;
+use super::bounds::SimulationBasis;
+use super::rollout_policy::RolloutPolicy;
 
 /// An activity that was started.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
-pub struct Act {
+pub struct SimulatedActivity {
     /// What.
     pub mode: ModeId,
     /// With which part; a new one has the number that it would have.
@@ -47,20 +47,20 @@ pub enum Ending {
 
 /// A cell in thought.
 #[derive(Clone, Debug)]
-pub struct Imagined {
-    state: State,
+pub struct ForwardSimulation {
+    state: PlayerState,
     began: Tick,
     now: Tick,
-    acts: Vec<Act>,
+    acts: Vec<SimulatedActivity>,
     running: BTreeMap<FiringId, usize>,
-    left: Vec<(Job, Tick)>,
+    left: Vec<(PartPriority, Tick)>,
     firings: usize,
     first: Option<usize>,
 }
 
-impl Imagined {
+impl ForwardSimulation {
     /// The cell as it is now.
-    pub fn new(state: &State, thought: &Thought, now: Tick) -> Self {
+    pub fn new(state: &PlayerState, thought: &SimulationBasis, now: Tick) -> Self {
         let quiet = thought.table();
         let mut state = state.clone();
         state.table = quiet.clone();
@@ -74,25 +74,25 @@ impl Imagined {
             firing.spared_until = Tick::ZERO;
             let began = firing.began;
             let to = match firing.phase {
-                Phase::Running => {
+                ActivityPhase::Running => {
                     let time = time(quiet, firing.mode);
                     let end = began + time;
                     let believed = if end > now { end } else { now + now.since(end) };
                     firing.began = believed - time;
                     firing.due(quiet.activity(firing.mode))
                 }
-                Phase::Failed(_) => None,
+                ActivityPhase::Failed(_) => None,
             };
             state.due.extend(to.map(|to| (to, firing.id)));
             running.insert(firing.id, acts.len());
-            acts.push(Act { mode: firing.mode, part: firing.part, from: began, to, was_running: true });
+            acts.push(SimulatedActivity { mode: firing.mode, part: firing.part, from: began, to, was_running: true });
         }
         let now = now.max(state.now);
-        Imagined { state, began: now, now, acts, running, left: Vec::new(), firings: 0, first: None }
+        ForwardSimulation { state, began: now, now, acts, running, left: Vec::new(), firings: 0, first: None }
     }
 
     /// The state it has come to.
-    pub fn state(&self) -> &State {
+    pub fn state(&self) -> &PlayerState {
         &self.state
     }
 
@@ -107,12 +107,12 @@ impl Imagined {
     }
 
     /// All that was started, in that order, after what was in progress before.
-    pub fn acts(&self) -> &[Act] {
+    pub fn acts(&self) -> &[SimulatedActivity] {
         &self.acts
     }
 
     /// The parts that have left: what was known of each, and when.
-    pub(in super::super) fn left(&self) -> &[(Job, Tick)] {
+    pub(in super::super) fn left(&self) -> &[(PartPriority, Tick)] {
         &self.left
     }
 
@@ -126,22 +126,22 @@ impl Imagined {
         self.first
     }
 
-    fn write(&mut self, fact: Fact, lead: &mut (impl Lead + ?Sized)) {
+    fn write(&mut self, fact: RecordKind, lead: &mut (impl RolloutPolicy + ?Sized)) {
         let record = Record { at: self.now, fact };
         let moved = match record.fact {
-            Fact::Ended { firing } => self.state.firing(firing).map(|firing| (firing.mode, firing.part)),
-            Fact::Fired { mode, part } => Some((mode, part)),
+            RecordKind::Ended { firing } => self.state.firing(firing).map(|firing| (firing.mode, firing.part)),
+            RecordKind::Fired { mode, part } => Some((mode, part)),
             // Nothing else is imagined, or it takes no part out.
-            Fact::Started { .. }
-            | Fact::Epoch { .. }
-            | Fact::Memory { .. }
-            | Fact::Decided { .. }
-            | Fact::Acknowledged { .. }
-            | Fact::OrderEnded { .. }
-            | Fact::OrderFailed { .. }
-            | Fact::Raised { .. }
-            | Fact::Production { .. }
-            | Fact::Exception(_) => None,
+            RecordKind::Started { .. }
+            | RecordKind::Epoch { .. }
+            | RecordKind::Memory { .. }
+            | RecordKind::Decided { .. }
+            | RecordKind::Acknowledged { .. }
+            | RecordKind::OrderEnded { .. }
+            | RecordKind::OrderFailed { .. }
+            | RecordKind::Raised { .. }
+            | RecordKind::Production { .. }
+            | RecordKind::Exception(_) => None,
         };
         let leaving = moved.and_then(|(mode, part)| part.filter(|_| self.state.table.part_out(mode).is_none()));
         self.left.extend(leaving.map(|part| (lead.desk().job(part), self.now)));
@@ -151,13 +151,13 @@ impl Imagined {
     }
 
     /// Ends what is due, and lets happen what happens by itself; false if that was more than allowed.
-    pub(in super::super) fn settle(&mut self, lead: &mut (impl Lead + ?Sized), most: usize) -> bool {
+    pub(in super::super) fn settle(&mut self, lead: &mut (impl RolloutPolicy + ?Sized), most: usize) -> bool {
         loop {
             while let Some(&(_, firing)) = self.state.due.first().filter(|(due, _)| *due <= self.now) {
                 if let Some(act) = self.running.remove(&firing) {
                     self.acts[act].to = Some(self.now);
                 }
-                self.write(Fact::Ended { firing }, lead);
+                self.write(RecordKind::Ended { firing }, lead);
             }
             let Some(mode) = self.state.enabling.immediate().iter().copied().min() else { return true };
             if self.firings >= most {
@@ -165,24 +165,29 @@ impl Imagined {
             }
             self.firings += 1;
             let part = self.state.part_for(mode);
-            self.write(Fact::Fired { mode, part }, lead);
+            self.write(RecordKind::Fired { mode, part }, lead);
         }
     }
 
     /// What could start now.
-    pub(in super::super) fn candidates(&self) -> (Vec<Candidate>, Vec<Group>) {
+    pub(in super::super) fn candidates(&self) -> (Vec<Candidate>, Vec<ConflictGroup>) {
         pose(&self.state, self.state.enabling.decided().iter().copied())
     }
 
     /// Starts something that could start.
-    pub(in super::super) fn start(&mut self, mode: ModeId, part: Option<PartId>, lead: &mut (impl Lead + ?Sized)) {
+    pub(in super::super) fn start(
+        &mut self,
+        mode: ModeId,
+        part: Option<PartId>,
+        lead: &mut (impl RolloutPolicy + ?Sized),
+    ) {
         let part = part.or_else(|| self.state.part_for(mode));
         let firing = FiringId(self.state.last_firing + 1);
         self.running.insert(firing, self.acts.len());
         let to = Some(self.now + time(&self.state.table, mode));
-        self.acts.push(Act { mode, part, from: self.now, to, was_running: false });
+        self.acts.push(SimulatedActivity { mode, part, from: self.now, to, was_running: false });
         self.firings += 1;
-        self.write(Fact::Started { firing, mode, part, orders: Vec::new() }, lead);
+        self.write(RecordKind::Started { firing, mode, part, orders: Vec::new() }, lead);
     }
 
     /// When something ends next.
@@ -196,18 +201,18 @@ impl Imagined {
     }
 
     /// Goes on until a time, or until so many firings.
-    pub fn play(&mut self, lead: &mut (impl Lead + ?Sized), until: Tick, most: usize) -> Ending {
+    pub fn play(&mut self, lead: &mut (impl RolloutPolicy + ?Sized), until: Tick, most: usize) -> Ending {
         loop {
             if !self.settle(lead, most) || self.firings >= most {
                 return Ending::Worn;
             }
             let (candidates, groups) = self.candidates();
-            let mut answer = Answer::default();
+            let mut answer = DispatchDecision::default();
             if !candidates.is_empty() {
                 let question = Question { now: self.now, state: &self.state, candidates: &candidates, groups: &groups };
                 answer = lead.decide(&question);
                 if check(&question, &answer).is_err() {
-                    answer = Answer::default();
+                    answer = DispatchDecision::default();
                 }
             }
             for start in &answer.start {

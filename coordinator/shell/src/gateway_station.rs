@@ -5,7 +5,7 @@
 
 use std::time::Duration;
 
-use linewright_coordinator_logic::{Gateway, InForce};
+use linewright_coordinator_logic::{AppliedImage, Gateway};
 use linewright_line::{StationId, Tick};
 use linewright_station_shell::NewestBySequence;
 
@@ -26,7 +26,7 @@ pub struct InputsImage {
 
 /// The emergency stop, as the gateway sees it.
 #[derive(Clone, Copy, Debug)]
-pub(crate) enum Stop {
+pub(crate) enum GatewayStop {
     /// Nothing is put out.
     InForce,
     /// The epoch of the last one: only what was decided in it or later is put out.
@@ -35,7 +35,7 @@ pub(crate) enum Stop {
 
 /// A station behind the gateway.
 #[derive(Clone, Debug)]
-pub(crate) struct Behind {
+pub(crate) struct GatewayStation {
     pub station: StationId,
     /// Its newest output image by sequence.
     pub newest: NewestBySequence,
@@ -49,9 +49,9 @@ pub(crate) struct Behind {
     sent: Option<InputsImage>,
 }
 
-impl Behind {
+impl GatewayStation {
     pub(crate) fn new(station: StationId, term: Duration) -> Self {
-        Behind {
+        GatewayStation {
             station,
             newest: NewestBySequence::new(term),
             devices: (0, false, 0),
@@ -71,7 +71,7 @@ impl Behind {
         &mut self,
         now: Tick,
         gateway: &Gateway,
-        (life, stop): (u64, Stop),
+        (life, stop): (u64, GatewayStop),
         effects: &mut Vec<CoordinatorEffect>,
     ) {
         self.performed();
@@ -96,17 +96,17 @@ impl Behind {
         Some(staying)
     }
 
-    /// Outputs given in an earlier step are on the bus: had they not been put out, [`Behind::forget`] would have cleared them.
+    /// Outputs given in an earlier step are on the bus: had they not been put out, [`GatewayStation::forget`] would have cleared them.
     fn performed(&mut self) {
         if let Some((put, _)) = self.put {
             self.on_bus = put;
         }
     }
 
-    fn in_force(&self, now: Tick, gateway: &Gateway, lives: u64, stop: Stop) -> InForce {
+    fn in_force(&self, now: Tick, gateway: &Gateway, lives: u64, stop: GatewayStop) -> AppliedImage {
         match stop {
-            Stop::InForce => InForce::default(),
-            Stop::Since(epoch) => gateway.in_force(now, self.station, lives, epoch),
+            GatewayStop::InForce => AppliedImage::default(),
+            GatewayStop::Since(epoch) => gateway.in_force(now, self.station, lives, epoch),
         }
     }
 
@@ -121,7 +121,7 @@ impl Behind {
         now: Tick,
         gateway: &Gateway,
         (life, sequence): (u64, &mut u64),
-        (stop, is_due): (Stop, bool),
+        (stop, is_due): (GatewayStop, bool),
         effects: &mut Vec<CoordinatorEffect>,
     ) {
         self.performed();

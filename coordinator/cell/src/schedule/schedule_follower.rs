@@ -12,14 +12,14 @@ use std::time::Duration;
 use linewright_line::Tick;
 
 use super::super::ahead::LookAhead;
-use super::super::dispatch::{Rule, Timetable};
-use super::super::exception::Step;
-use super::super::question::{Answer, Dispatcher, Question};
-use super::super::reason::Reason;
-use super::super::record::{Fact, Record};
-use super::slots::{Bar, Schedule};
-use super::timetable::Deviation;
-use super::{Scheduler, Situation};
+use super::super::dispatch::{DispatchRule, Timetable};
+use super::super::exception::ExceptionStep;
+use super::super::question::{DispatchDecision, Dispatcher, Question};
+use super::super::reason::HoldReason;
+use super::super::record::{Record, RecordKind};
+use super::slots::{PlanActualBar, Schedule};
+use super::timetable::RevisionReason;
+use super::{PlanningSituation, Scheduler};
 
 /// So many activities of schedules that were revised are remembered.
 const BARS_MAX: usize = 10_000;
@@ -32,32 +32,32 @@ pub struct Revision {
     /// When.
     pub at: Tick,
     /// Why.
-    pub why: Deviation,
+    pub why: RevisionReason,
 }
 
 /// Has schedules made and follows them.
-pub struct Foreman {
+pub struct ScheduleFollower {
     /// What decides where nothing is planned, with the rules and production orders.
     pub look: LookAhead,
     /// How far from its window something may start, and how much later than its float allows before the schedule is revised.
     pub tolerance: Duration,
     scheduler: Box<dyn Scheduler + Send>,
     schedule: Option<Schedule>,
-    pending: Option<Deviation>,
+    pending: Option<RevisionReason>,
     revisions: VecDeque<Revision>,
-    past: VecDeque<Bar>,
+    past: VecDeque<PlanActualBar>,
 }
 
-impl Foreman {
+impl ScheduleFollower {
     /// Over rules that may look ahead, with somebody who makes schedules.
     pub fn new(look: LookAhead, scheduler: Box<dyn Scheduler + Send>) -> Self {
         let tolerance = look.desk.rules.timetable.tolerance;
-        Foreman {
+        ScheduleFollower {
             look,
             tolerance,
             scheduler,
             schedule: None,
-            pending: Some(Deviation::First),
+            pending: Some(RevisionReason::First),
             revisions: VecDeque::new(),
             past: VecDeque::new(),
         }
@@ -75,16 +75,16 @@ impl Foreman {
 
     /// Something has been put right that no record says: it is planned anew before the next question.
     pub fn restored(&mut self) {
-        self.pending = Some(Deviation::Restored);
+        self.pending = Some(RevisionReason::Restored);
     }
 
     /// Plan against actual, what is over first.
-    pub fn bars(&self) -> impl Iterator<Item = Bar> + '_ {
+    pub fn bars(&self) -> impl Iterator<Item = PlanActualBar> + '_ {
         self.past.iter().copied().chain(self.schedule.iter().flat_map(Schedule::bars))
     }
 
     fn follows(&self) -> bool {
-        self.look.desk.rules.rules.contains(&Rule::Schedule)
+        self.look.desk.rules.rules.contains(&DispatchRule::Schedule)
     }
 
     fn revise(&mut self, question: &Question<'_>) {
@@ -95,16 +95,16 @@ impl Foreman {
             // Nothing is held any more, so what starts now is what was not planned.
             self.look.desk.rules.timetable = Timetable::EMPTY;
             let goes_on = !self.look.desk.decide(question).start.is_empty();
-            why = goes_on.then_some(Deviation::Over);
+            why = goes_on.then_some(RevisionReason::Over);
         }
         let Some(why) = why else { return };
         let previous = self.schedule.as_ref();
-        let situation = Situation { now, state, desk: &self.look.desk, thought: self.look.thought(), previous };
+        let situation = PlanningSituation { now, state, desk: &self.look.desk, thought: self.look.thought(), previous };
         let mut new = self.scheduler.plan(&situation);
         if let Some(previous) = self.schedule.take() {
             new.keep(&previous, self.tolerance);
             // What is in progress is in the new one as well.
-            let is_over = |bar: &Bar| bar.failed || matches!(bar.actual, Some((_, Some(_))));
+            let is_over = |bar: &PlanActualBar| bar.failed || matches!(bar.actual, Some((_, Some(_))));
             self.past.extend(previous.bars().filter(is_over));
             let too_many = self.past.len().saturating_sub(BARS_MAX);
             self.past.drain(..too_many);
@@ -116,8 +116,8 @@ impl Foreman {
     }
 }
 
-impl Dispatcher for Foreman {
-    fn decide(&mut self, question: &Question<'_>) -> Answer {
+impl Dispatcher for ScheduleFollower {
+    fn decide(&mut self, question: &Question<'_>) -> DispatchDecision {
         if !self.follows() {
             return self.look.decide(question);
         }
@@ -133,7 +133,7 @@ impl Dispatcher for Foreman {
         // Whoever waits for something else than time is asked about when that does not come.
         let until = self.schedule.as_ref().and_then(|schedule| schedule.holds_until(self.tolerance));
         let until = until.filter(|&until| until >= now).map(|until| until + Duration::from_micros(1));
-        for held in answer.held.iter_mut().filter(|held| matches!(held.reason, Reason::PlannedOtherwise(_))) {
+        for held in answer.held.iter_mut().filter(|held| matches!(held.reason, HoldReason::PlannedOtherwise(_))) {
             held.until = held.until.or(until);
         }
         answer
@@ -145,30 +145,32 @@ impl Dispatcher for Foreman {
             schedule.note(self.look.thought().table(), record);
         }
         match &record.fact {
-            Fact::Raised { firing, cause: _ } => self.pending = Some(Deviation::Failed(*firing)),
-            Fact::Production { change: _ } => self.pending = Some(Deviation::Orders),
-            Fact::Exception(Step::Down { resource, .. }) => self.pending = Some(Deviation::Down(*resource)),
-            Fact::Exception(Step::Up { .. } | Step::Closed { .. } | Step::Missing { .. }) => {
-                self.pending = Some(Deviation::Restored)
+            RecordKind::Raised { firing, cause: _ } => self.pending = Some(RevisionReason::Failed(*firing)),
+            RecordKind::Production { change: _ } => self.pending = Some(RevisionReason::Orders),
+            RecordKind::Exception(ExceptionStep::Down { resource, .. }) => {
+                self.pending = Some(RevisionReason::Down(*resource))
             }
-            Fact::Exception(
-                Step::Secured { .. }
-                | Step::Alarmed { .. }
-                | Step::Answered { .. }
-                | Step::Carried { .. }
-                | Step::Mismatch { .. }
-                | Step::Stopped { .. }
-                | Step::Reset { .. },
+            RecordKind::Exception(
+                ExceptionStep::Up { .. } | ExceptionStep::Closed { .. } | ExceptionStep::Missing { .. },
+            ) => self.pending = Some(RevisionReason::Restored),
+            RecordKind::Exception(
+                ExceptionStep::Secured { .. }
+                | ExceptionStep::Alarmed { .. }
+                | ExceptionStep::Answered { .. }
+                | ExceptionStep::Carried { .. }
+                | ExceptionStep::Mismatch { .. }
+                | ExceptionStep::Stopped { .. }
+                | ExceptionStep::Reset { .. },
             )
-            | Fact::Epoch { .. }
-            | Fact::Memory { .. }
-            | Fact::Decided { .. }
-            | Fact::Started { .. }
-            | Fact::Acknowledged { .. }
-            | Fact::OrderEnded { .. }
-            | Fact::OrderFailed { .. }
-            | Fact::Ended { .. }
-            | Fact::Fired { .. } => (),
+            | RecordKind::Epoch { .. }
+            | RecordKind::Memory { .. }
+            | RecordKind::Decided { .. }
+            | RecordKind::Started { .. }
+            | RecordKind::Acknowledged { .. }
+            | RecordKind::OrderEnded { .. }
+            | RecordKind::OrderFailed { .. }
+            | RecordKind::Ended { .. }
+            | RecordKind::Fired { .. } => (),
         }
     }
 }

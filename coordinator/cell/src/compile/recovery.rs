@@ -20,8 +20,8 @@ use std::time::Duration;
 
 use linewright_nets::{Net, NetBuilder, NetError, PlaceId, TransitionId};
 
-use crate::exception::{Fits, Handling, Strategy, Whereabouts};
-use crate::{ActivityKind, CellTable, ModeId, Tokens};
+use crate::exception::{FailureMatch, RecoveryPolicy, Strategy, Whereabouts};
+use crate::{ActivityTiming, CellTable, ModeId, TokenDemand};
 
 /// A cell's net with what fails.
 #[derive(Clone, Debug)]
@@ -63,17 +63,17 @@ pub struct Recovery {
 }
 
 /// Where a part is said to be, and how to go on.
-type Way = (Whereabouts, Strategy);
+type RecoveryChoice = (Whereabouts, Strategy);
 
 /// What can be answered where no rule says anything else.
-const USUAL: [Way; 3] = [
+const USUAL: [RecoveryChoice; 3] = [
     (Whereabouts::From, Strategy::Backward),
     (Whereabouts::To, Strategy::Forward),
     (Whereabouts::Gone, Strategy::Backward),
 ];
 
 /// The answers to failures of a mode, of whatever code, and however often it was tried again.
-fn ways(handling: &Handling, mode: ModeId) -> Vec<Way> {
+fn ways(handling: &RecoveryPolicy, mode: ModeId) -> Vec<RecoveryChoice> {
     let handled = handling.mode(mode);
     let can_be = |part: Whereabouts| match part {
         Whereabouts::Gone => handled.gone.is_some(),
@@ -81,7 +81,7 @@ fn ways(handling: &Handling, mode: ModeId) -> Vec<Way> {
         Whereabouts::From | Whereabouts::To => true,
     };
     let rules: Vec<_> = handled.rules.iter().filter_map(|&at| handling.rules.get(at)).collect();
-    let (mut ways, mut usual) = (BTreeSet::new(), !rules.iter().any(|rule| rule.code == Fits::Any));
+    let (mut ways, mut usual) = (BTreeSet::new(), !rules.iter().any(|rule| rule.code == FailureMatch::Any));
     for rule in rules {
         let possible = rule.answers.iter().map(|answer| (answer.ruling.part, answer.ruling.then));
         let possible = possible.filter(|&(part, then)| can_be(part) && (then != Strategy::Redo || rule.retries > 0));
@@ -95,7 +95,7 @@ fn ways(handling: &Handling, mode: ModeId) -> Vec<Way> {
     ways.into_iter().collect()
 }
 
-fn word((part, then): Way) -> String {
+fn word((part, then): RecoveryChoice) -> String {
     let part = match part {
         Whereabouts::From => "from",
         Whereabouts::To => "to",
@@ -110,7 +110,7 @@ fn word((part, then): Way) -> String {
     format!("{part}.{then}")
 }
 
-struct Builder<'t> {
+struct RecoveryNetBuilder<'t> {
     table: &'t CellTable,
     net: NetBuilder,
 }
@@ -120,7 +120,7 @@ struct Builder<'t> {
 /// # Errors
 /// When it is too large for a net.
 pub fn recovery_net(name: &str, table: &CellTable) -> Result<RecoveryNet, Vec<NetError>> {
-    let mut builder = Builder { table, net: NetBuilder::new(name) };
+    let mut builder = RecoveryNetBuilder { table, net: NetBuilder::new(name) };
     for cell in table.cells() {
         // Descriptions are bounded far below 32 bits.
         builder.net.place(table.cell_name(cell), table.initial()[cell.index()] as u32);
@@ -129,8 +129,8 @@ pub fn recovery_net(name: &str, table: &CellTable) -> Result<RecoveryNet, Vec<Ne
     for mode in table.modes() {
         let activity = table.activity(mode);
         let takes_time = match activity.kind {
-            ActivityKind::Immediate => false,
-            ActivityKind::Decided { time, .. } => time > Duration::ZERO || !activity.orders.is_empty(),
+            ActivityTiming::Immediate => false,
+            ActivityTiming::Decided { time, .. } => time > Duration::ZERO || !activity.orders.is_empty(),
         };
         if takes_time {
             errors.push(builder.in_progress(mode));
@@ -143,12 +143,12 @@ pub fn recovery_net(name: &str, table: &CellTable) -> Result<RecoveryNet, Vec<Ne
     Ok(RecoveryNet { net: builder.net.build()?, errors })
 }
 
-impl Builder<'_> {
-    fn input(&mut self, t: TransitionId, tokens: &[Tokens]) {
+impl RecoveryNetBuilder<'_> {
+    fn input(&mut self, t: TransitionId, tokens: &[TokenDemand]) {
         tokens.iter().for_each(|&(cell, weight)| _ = self.net.input(t, PlaceId(cell.0), weight));
     }
 
-    fn output(&mut self, t: TransitionId, tokens: &[Tokens]) {
+    fn output(&mut self, t: TransitionId, tokens: &[TokenDemand]) {
         tokens.iter().for_each(|&(cell, weight)| _ = self.net.output(t, PlaceId(cell.0), weight));
     }
 
@@ -188,7 +188,7 @@ impl Builder<'_> {
         &mut self,
         mode: ModeId,
         name: &str,
-        ways: Vec<Way>,
+        ways: Vec<RecoveryChoice>,
         [out_of, idle]: [PlaceId; 2],
         carried: Option<PlaceId>,
     ) -> Vec<Recovery> {

@@ -7,33 +7,33 @@ use std::collections::BTreeMap;
 
 use linewright_line::Tick;
 
-use super::super::dispatch::{ByRules, Job};
+use super::super::dispatch::{PartPriority, RuleDispatcher};
 use super::super::ids::{ModeId, PartId};
-use super::super::question::{Answer, Dispatcher, Question};
+use super::super::question::{DispatchDecision, Dispatcher, Question};
 use super::super::record::Record;
-use super::book::Production;
-use super::order::Order;
+use super::ledger::Production;
+use super::order::ProductionOrder;
 
 /// Rules, and what is on order.
 #[derive(Clone, Debug)]
-pub struct Desk {
+pub struct DispatchConfiguration {
     /// The rules. Where there are production orders, their `jobs` follow from these.
-    pub rules: ByRules,
+    pub rules: RuleDispatcher,
     production: Option<Production>,
     /// The rules know what is on order until then; none if they have to be told.
     fresh_until: Option<Tick>,
 }
 
-impl Desk {
+impl DispatchConfiguration {
     /// With production orders: those of the cell's state ([`super::super::State::production`]), whose records it is told from
     /// now on.
-    pub fn new(rules: ByRules, production: Production) -> Self {
-        Desk { rules, production: Some(production), fresh_until: None }
+    pub fn new(rules: RuleDispatcher, production: Production) -> Self {
+        DispatchConfiguration { rules, production: Some(production), fresh_until: None }
     }
 
     /// Without: parts enter as the net lets them, and what is known of them is in `rules`.
-    pub fn without_orders(rules: ByRules) -> Self {
-        Desk { rules, production: None, fresh_until: Some(Tick::NEVER) }
+    pub fn without_orders(rules: RuleDispatcher) -> Self {
+        DispatchConfiguration { rules, production: None, fresh_until: Some(Tick::NEVER) }
     }
 
     /// The production orders, if there are any.
@@ -42,9 +42,9 @@ impl Desk {
     }
 
     /// What is known of a part.
-    pub fn job(&self, part: PartId) -> Job {
+    pub fn job(&self, part: PartId) -> PartPriority {
         match &self.production {
-            Some(production) => production.order_of(part).map(Order::job).unwrap_or_default(),
+            Some(production) => production.order_of(part).map(ProductionOrder::job).unwrap_or_default(),
             None => self.rules.jobs.parts.get(&part).copied().unwrap_or_default(),
         }
     }
@@ -66,8 +66,8 @@ impl Desk {
     }
 }
 
-impl Dispatcher for Desk {
-    fn decide(&mut self, question: &Question<'_>) -> Answer {
+impl Dispatcher for DispatchConfiguration {
+    fn decide(&mut self, question: &Question<'_>) -> DispatchDecision {
         self.refresh(question.now);
         self.rules.decide(question)
     }

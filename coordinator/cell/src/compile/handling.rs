@@ -2,12 +2,15 @@
 
 use std::collections::BTreeMap;
 
-use linewright_cell::net::{CellNet, Meaning, Supply};
+use linewright_cell::net::{CellNet, PlaceMeaning, Supply};
 use linewright_cell::{Activity, ActivityId, Cell, ExceptionRule, LeftOut, ResourceId as Of, Role, StopOf};
 use linewright_line::StationId;
 use linewright_nets::coloured::Unfolding;
 
-use crate::exception::{Answer, Fits, Handled, Handling, Resource, Rule, Ruling, Strategy, Whereabouts};
+use crate::exception::{
+    FailureMatch, ModeHandling, PermittedAnswer, RecoveryDecision, RecoveryPolicy, RecoveryRule, ResourcePolicy,
+    Strategy, Whereabouts,
+};
 use crate::{CellId, CellTable, ModeId, ResourceId};
 
 /// What is known of a cell beside its table.
@@ -18,72 +21,72 @@ pub(super) fn handling(
     table: &CellTable,
     stations: &[StationId],
     supply: Supply<'_>,
-) -> Handling {
-    let made = Made::new(cell, net, long, table, supply);
+) -> RecoveryPolicy {
+    let made = BuiltPolicy::new(cell, net, long, table, supply);
     let resource = |id: Of| {
         let of = cell.resource(id);
-        Resource {
+        ResourcePolicy {
             name: of.name.as_str().into(),
             station: of.controller.map(|controller| stations[controller.index()]),
             is_sensed: of.presence.is_some() && of.controller.is_some(),
-            has: made.cells_of(Some(id), |meaning| matches!(meaning, Meaning::Held(..))).collect(),
+            has: made.cells_of(Some(id), |meaning| matches!(meaning, PlaceMeaning::Held(..))).collect(),
         }
     };
-    Handling {
+    RecoveryPolicy {
         resources: cell.resource_ids().map(resource).collect(),
         modes: table.modes().map(|mode| made.mode(mode)).collect(),
         rules: cell.exceptions.iter().map(|of| rule(of, stations)).collect(),
         stations: stations.iter().zip(&cell.controllers).map(|(&id, name)| (id, name.as_str().into())).collect(),
-        ..Handling::default()
+        ..RecoveryPolicy::default()
     }
 }
 
-struct Made<'a> {
+struct BuiltPolicy<'a> {
     cell: &'a Cell,
     net: &'a CellNet,
     long: &'a Unfolding,
     table: &'a CellTable,
     supply: Supply<'a>,
     /// Of each cell.
-    meanings: Vec<Meaning>,
+    meanings: Vec<PlaceMeaning>,
     /// The cells of each resource, and those of none: nobody looks for some among all.
     cells: BTreeMap<Option<Of>, Vec<CellId>>,
 }
 
-impl<'a> Made<'a> {
+impl<'a> BuiltPolicy<'a> {
     fn new(
         cell: &'a Cell,
         net: &'a CellNet,
         long: &'a Unfolding,
         table: &'a CellTable,
         supply: Supply<'a>,
-    ) -> Made<'a> {
+    ) -> BuiltPolicy<'a> {
         let meaning = |cell: CellId| net.meaning(long.cell(net.net(), linewright_nets::PlaceId(cell.0)).place);
-        let meanings: Vec<Meaning> = table.cells().map(meaning).collect();
+        let meanings: Vec<PlaceMeaning> = table.cells().map(meaning).collect();
         let mut cells: BTreeMap<_, Vec<CellId>> = BTreeMap::new();
         for (at, meaning) in table.cells().zip(&meanings) {
             cells.entry(meaning.resource()).or_default().push(at);
         }
-        Made { cell, net, long, table, supply, meanings, cells }
+        BuiltPolicy { cell, net, long, table, supply, meanings, cells }
     }
 
-    fn meaning(&self, cell: CellId) -> Meaning {
+    fn meaning(&self, cell: CellId) -> PlaceMeaning {
         self.meanings[cell.index()]
     }
 
-    fn cells_of(&self, of: Option<Of>, is: impl Fn(Meaning) -> bool) -> impl Iterator<Item = CellId> {
+    fn cells_of(&self, of: Option<Of>, is: impl Fn(PlaceMeaning) -> bool) -> impl Iterator<Item = CellId> {
         let all = self.cells.get(&of).into_iter().flatten().copied();
         all.filter(move |&cell| is(self.meaning(cell)))
     }
 
-    fn mode(&self, mode: ModeId) -> Handled {
+    fn mode(&self, mode: ModeId) -> ModeHandling {
         let transition = self.long.mode(linewright_nets::TransitionId(mode.0));
-        let Some((activity, of)) = self.net.move_of(self.cell, transition) else { return Handled::default() };
+        let Some((activity, of)) = self.net.move_of(self.cell, transition) else { return ModeHandling::default() };
         let id = |role| activity.used(role).and_then(|part| part.of).map(number);
         let worker = id(Role::Worker);
         let rules = self.cell.activity_named(&activity.name).map(|id| self.rules(id)).unwrap_or_default();
         let part_type = self.cell.stages[of.from.index()].part_type;
-        Handled {
+        ModeHandling {
             activity: activity.name.as_str().into(),
             part_type: self.cell.part_types[part_type.index()].name.as_str().into(),
             from: worker.or_else(|| id(Role::Source)),
@@ -111,15 +114,15 @@ impl<'a> Made<'a> {
         let given = self.table.gives(mode).iter().filter(|&&(cell, _)| !is_part(cell) && is_sources(cell));
         gone.extend(taken.chain(given).copied());
         let worker = activity.used(Role::Worker).and_then(|part| part.of);
-        let room = self.cells_of(worker, |meaning| matches!(meaning, Meaning::Room(_)));
+        let room = self.cells_of(worker, |meaning| matches!(meaning, PlaceMeaning::Room(_)));
         gone.extend(room.map(|cell| (cell, 1)));
-        gone.extend(self.cells_of(None, |meaning| meaning == Meaning::Admission).map(|cell| (cell, 1)));
+        gone.extend(self.cells_of(None, |meaning| meaning == PlaceMeaning::Admission).map(|cell| (cell, 1)));
         match self.supply {
             Supply::Open => (),
             Supply::Batch(_) => {
                 let part = &self.cell.part_types[self.cell.stages[stage.index()].part_type.index()];
                 let new = self.cell.stages[part.new_stage().index()].name.as_str();
-                let waiting = self.cells_of(None, |meaning| meaning == Meaning::Waiting);
+                let waiting = self.cells_of(None, |meaning| meaning == PlaceMeaning::Waiting);
                 let named = format!("<{new}>");
                 gone.extend(waiting.filter(|&cell| self.table.cell_name(cell).ends_with(&named)).map(|cell| (cell, 1)));
             }
@@ -134,13 +137,13 @@ fn number(id: Of) -> ResourceId {
     ResourceId(id.index() as u32)
 }
 
-fn rule(of: &ExceptionRule, stations: &[StationId]) -> Rule {
+fn rule(of: &ExceptionRule, stations: &[StationId]) -> RecoveryRule {
     let named = |stop: &StopOf| match *stop {
         StopOf::Activity => None,
         StopOf::Station(controller) => Some(stations[controller.index()]),
     };
-    Rule {
-        code: if of.code == "*" { Fits::Any } else { Fits::Word(of.code.as_str().into()) },
+    RecoveryRule {
+        code: if of.code == "*" { FailureMatch::Any } else { FailureMatch::Word(of.code.as_str().into()) },
         tell: of.tell.as_str().into(),
         retries: of.retries,
         is_automatic: of.automatic,
@@ -150,7 +153,7 @@ fn rule(of: &ExceptionRule, stations: &[StationId]) -> Rule {
     }
 }
 
-fn answer(of: &linewright_cell::Answer) -> Answer {
+fn answer(of: &linewright_cell::AlarmAnswer) -> PermittedAnswer {
     let then = match of.then {
         linewright_cell::Strategy::Redo => Strategy::Redo,
         linewright_cell::Strategy::Backward => Strategy::Backward,
@@ -163,7 +166,11 @@ fn answer(of: &linewright_cell::Answer) -> Answer {
             LeftOut::As(part) => down_as.push(whereabouts(part)),
         }
     }
-    Answer { ruling: Ruling { word: of.word.clone(), part: whereabouts(of.part), then }, down, down_as }
+    PermittedAnswer {
+        ruling: RecoveryDecision { word: of.word.clone(), part: whereabouts(of.part), then },
+        down,
+        down_as,
+    }
 }
 
 fn whereabouts(of: linewright_cell::Whereabouts) -> Whereabouts {

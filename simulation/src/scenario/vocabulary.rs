@@ -3,22 +3,22 @@
 //! An operation is `station: operation`, as in a description's arrows. A condition is one or more clauses joined by
 //! ` and `; a clause compares (`cycles >= 3`) or says what something is (`clamp_1 is incomplete`).
 
-use linewright_coordinator_logic::Command;
+use linewright_coordinator_logic::ModeCommand;
 use linewright_line::net::ControlMode;
 use linewright_line::{InputId, Line, OpId, StationId};
 use linewright_text::{Name, Problem, Report, Where, suggestion};
 
-use crate::condition::{Compare, Condition, OperationState, StationState};
-use crate::operator::{Process, Way};
+use crate::condition::{Compare, OperationCondition, ScenarioCondition, StationCondition};
+use crate::operator::{MotionSelection, NodeProcess};
 
 /// A word and its place.
-type Text<'a> = (&'a str, Where);
+type ScenarioWord<'a> = (&'a str, Where);
 
-fn of(name: &Name) -> Text<'_> {
+fn of(name: &Name) -> ScenarioWord<'_> {
     (&name.value, name.at.clone())
 }
 
-fn one_of<T: Copy>(known: &[(&str, T)], what: &str, (word, at): Text<'_>, report: &mut Report) -> Option<T> {
+fn one_of<T: Copy>(known: &[(&str, T)], what: &str, (word, at): ScenarioWord<'_>, report: &mut Report) -> Option<T> {
     let found = known.iter().find(|(name, _)| *name == word).map(|(_, value)| *value);
     if found.is_none() {
         let hint = suggestion(word, known.iter().map(|(name, _)| *name));
@@ -27,22 +27,27 @@ fn one_of<T: Copy>(known: &[(&str, T)], what: &str, (word, at): Text<'_>, report
     found
 }
 
-pub(super) fn command(name: &Name, report: &mut Report) -> Option<Command> {
-    one_of(&Command::ALL.map(|command| (command.name(), command)), "command", of(name), report)
+pub(super) fn command(name: &Name, report: &mut Report) -> Option<ModeCommand> {
+    one_of(&ModeCommand::ALL.map(|command| (command.name(), command)), "command", of(name), report)
 }
 
-pub(super) fn way(name: &Name, report: &mut Report) -> Option<Way> {
-    let known = [("normal", Way::Normal), ("recovery", Way::Recovery), ("both", Way::Both)];
+pub(super) fn way(name: &Name, report: &mut Report) -> Option<MotionSelection> {
+    let known =
+        [("normal", MotionSelection::Normal), ("recovery", MotionSelection::Recovery), ("both", MotionSelection::Both)];
     one_of(&known, "motion", of(name), report)
 }
 
-fn station(line: &Line, word: Text<'_>, report: &mut Report) -> Option<StationId> {
+fn station(line: &Line, word: ScenarioWord<'_>, report: &mut Report) -> Option<StationId> {
     let known: Vec<(&str, StationId)> = line.station_ids().map(|id| (line.station(id).name.as_str(), id)).collect();
     one_of(&known, "station", word, report)
 }
 
 /// The two sides of `station: something`, each with its place.
-fn sides<'a>((text, at): Text<'a>, what: &str, report: &mut Report) -> Option<(Text<'a>, Text<'a>)> {
+fn sides<'a>(
+    (text, at): ScenarioWord<'a>,
+    what: &str,
+    report: &mut Report,
+) -> Option<(ScenarioWord<'a>, ScenarioWord<'a>)> {
     let Some((left, right)) = text.split_once(':') else {
         report.add(Problem::error(at, format!("`{text}` names no {what}")).hint(format!("write `station: {what}`")));
         return None;
@@ -51,7 +56,7 @@ fn sides<'a>((text, at): Text<'a>, what: &str, report: &mut Report) -> Option<(T
 }
 
 /// A part of a text, trimmed, with its place in the file; `at` includes the quotes.
-fn within<'a>(text: &str, at: &Where, part: &'a str) -> Text<'a> {
+fn within<'a>(text: &str, at: &Where, part: &'a str) -> ScenarioWord<'a> {
     let trimmed = part.trim();
     // An escape in the text moves everything behind it; the whole is then close enough.
     if at.len() != text.len() + 2 {
@@ -65,7 +70,7 @@ pub(super) fn operation(line: &Line, name: &Name, report: &mut Report) -> Option
     operation_in(line, of(name), report)
 }
 
-fn operation_in(line: &Line, text: Text<'_>, report: &mut Report) -> Option<(StationId, OpId)> {
+fn operation_in(line: &Line, text: ScenarioWord<'_>, report: &mut Report) -> Option<(StationId, OpId)> {
     let (left, right) = sides(text, "operation", report)?;
     let id = station(line, left, report)?;
     let described = line.station(id);
@@ -106,18 +111,18 @@ pub(super) fn device(line: &Line, name: &Name, report: &mut Report) -> Option<us
     one_of(&known, "device", of(name), report)
 }
 
-pub(super) fn process(line: &Line, name: &Name, report: &mut Report) -> Option<Process> {
-    let stations = line.station_ids().map(|id| (line.station(id).name.as_str(), Process::Station(id)));
-    let known: Vec<(&str, Process)> = stations.chain([("coordinator", Process::Coordinator)]).collect();
+pub(super) fn process(line: &Line, name: &Name, report: &mut Report) -> Option<NodeProcess> {
+    let stations = line.station_ids().map(|id| (line.station(id).name.as_str(), NodeProcess::Station(id)));
+    let known: Vec<(&str, NodeProcess)> = stations.chain([("coordinator", NodeProcess::Coordinator)]).collect();
     one_of(&known, "process", of(name), report)
 }
 
-pub(super) fn condition(line: &Line, name: &Name, report: &mut Report) -> Option<Condition> {
+pub(super) fn condition(line: &Line, name: &Name, report: &mut Report) -> Option<ScenarioCondition> {
     let (text, at) = of(name);
-    let clauses: Vec<Option<Condition>> =
+    let clauses: Vec<Option<ScenarioCondition>> =
         clauses(line, text).into_iter().map(|part| clause(line, within(text, &at, part), report)).collect();
-    let mut clauses: Vec<Condition> = clauses.into_iter().collect::<Option<_>>()?;
-    if clauses.len() == 1 { clauses.pop() } else { Some(Condition::All(clauses)) }
+    let mut clauses: Vec<ScenarioCondition> = clauses.into_iter().collect::<Option<_>>()?;
+    if clauses.len() == 1 { clauses.pop() } else { Some(ScenarioCondition::All(clauses)) }
 }
 
 /// A text cut at its ` and `s, except for those within an operation's name.
@@ -149,7 +154,7 @@ const COMPARISONS: [(&str, Compare); 5] = [
     ("<", Compare::Less),
 ];
 
-fn clause(line: &Line, (text, at): Text<'_>, report: &mut Report) -> Option<Condition> {
+fn clause(line: &Line, (text, at): ScenarioWord<'_>, report: &mut Report) -> Option<ScenarioCondition> {
     let part = |part| within_trimmed(text, &at, part);
     let comparison = COMPARISONS.iter().find_map(|&(sign, how)| Some((how, text.split_once(sign)?)));
     if let Some((how, (left, right))) = comparison {
@@ -159,13 +164,13 @@ fn clause(line: &Line, (text, at): Text<'_>, report: &mut Report) -> Option<Cond
             return None;
         };
         return Some(match part(left) {
-            ("cycles", _) => Condition::Cycles(how, number),
-            left => Condition::Count(operation_in(line, left, report)?, how, number),
+            ("cycles", _) => ScenarioCondition::Cycles(how, number),
+            left => ScenarioCondition::Count(operation_in(line, left, report)?, how, number),
         });
     }
     if let Some((left, right)) = text.split_once(" obeys ").or_else(|| text.split_once(" obey ")) {
         let mode = mode(part(right), report);
-        return about(line, part(left), StationState::Obeys(mode?), report);
+        return about(line, part(left), StationCondition::Obeys(mode?), report);
     }
     // The last one: an operation's name may have such a word in it.
     let Some((left, right)) = text.rsplit_once(" is ").or_else(|| text.rsplit_once(" are ")) else {
@@ -175,27 +180,27 @@ fn clause(line: &Line, (text, at): Text<'_>, report: &mut Report) -> Option<Cond
         return None;
     };
     match part(left) {
-        ("line", _) => Some(Condition::Mode(mode(part(right), report)?)),
+        ("line", _) => Some(ScenarioCondition::Mode(mode(part(right), report)?)),
         left if left.0.contains(':') => {
             let known = [
-                ("operating", OperationState::Operating),
-                ("incomplete", OperationState::Incomplete),
-                ("done", OperationState::Done),
-                ("undone", OperationState::Undone),
+                ("operating", OperationCondition::Operating),
+                ("incomplete", OperationCondition::Incomplete),
+                ("done", OperationCondition::Done),
+                ("undone", OperationCondition::Undone),
             ];
             let state = one_of(&known, "state of an operation", part(right), report);
-            Some(Condition::Operation(operation_in(line, left, report)?, state?))
+            Some(ScenarioCondition::Operation(operation_in(line, left, report)?, state?))
         }
         left => {
             let known = [
-                ("home", StationState::Home),
-                ("stopped", StationState::Stopped),
-                ("moving", StationState::Moving),
-                ("incomplete", StationState::Incomplete),
-                ("blocked", StationState::Blocked),
-                ("up", StationState::Up),
-                ("down", StationState::Down),
-                ("heard", StationState::Heard),
+                ("home", StationCondition::Home),
+                ("stopped", StationCondition::Stopped),
+                ("moving", StationCondition::Moving),
+                ("incomplete", StationCondition::Incomplete),
+                ("blocked", StationCondition::Blocked),
+                ("up", StationCondition::Up),
+                ("down", StationCondition::Down),
+                ("heard", StationCondition::Heard),
             ];
             let state = one_of(&known, "state of a station", part(right), report);
             about(line, left, state?, report)
@@ -203,19 +208,24 @@ fn clause(line: &Line, (text, at): Text<'_>, report: &mut Report) -> Option<Cond
     }
 }
 
-fn about(line: &Line, who: Text<'_>, state: StationState, report: &mut Report) -> Option<Condition> {
+fn about(
+    line: &Line,
+    who: ScenarioWord<'_>,
+    state: StationCondition,
+    report: &mut Report,
+) -> Option<ScenarioCondition> {
     if who.0 == "all" {
-        return Some(Condition::Every(state));
+        return Some(ScenarioCondition::Every(state));
     }
-    Some(Condition::Station(station(line, who, report)?, state))
+    Some(ScenarioCondition::Station(station(line, who, report)?, state))
 }
 
-fn mode(word: Text<'_>, report: &mut Report) -> Option<ControlMode> {
+fn mode(word: ScenarioWord<'_>, report: &mut Report) -> Option<ControlMode> {
     one_of(&ControlMode::ALL.map(|mode| (mode.name(), mode)), "mode", word, report)
 }
 
 /// A part of a part, whose place carries no quotes.
-fn within_trimmed<'a>(text: &str, at: &Where, part: &'a str) -> Text<'a> {
+fn within_trimmed<'a>(text: &str, at: &Where, part: &'a str) -> ScenarioWord<'a> {
     let trimmed = part.trim();
     if at.len() != text.len() {
         return (trimmed, at.clone());

@@ -9,7 +9,7 @@
 //! an answer to it is worth nothing to anybody.
 
 use linewright_line::{OpId, StationId};
-use linewright_station_logic::{Answer, Report, Request};
+use linewright_station_logic::{StationReport, WithdrawalAnswer, WithdrawalRequest};
 use rustc_hash::FxHashMap;
 
 /// A word with its base; 0 is "no word".
@@ -148,22 +148,24 @@ pub(crate) fn report(
     ops: usize,
     reader: (StationId, u64),
     numbers: &ReportNumbers,
-) -> Report {
+) -> StationReport {
     let mut done = vec![base; ops];
     for (op, count) in read.iter().zip(&content.counts) {
         done[op.index()] = base + count;
     }
     let answers = match (content.answer, numbers.answered) {
-        (Some(in_the_way), Some(number)) => vec![Answer { to: reader.0, boot_id: reader.1, number, in_the_way }],
+        (Some(in_the_way), Some(number)) => {
+            vec![WithdrawalAnswer { to: reader.0, boot_id: reader.1, number, in_the_way }]
+        }
         _ => Vec::new(),
     };
-    Report {
+    StationReport {
         boot_id: 1,
         generation: u64::from(!content.is_lost),
         cycle: base + content.cycle,
         done,
-        request: content.request.map(|(ops, _)| Request { number: numbers.request, ops }),
+        request: content.request.map(|(ops, _)| WithdrawalRequest { number: numbers.request, ops }),
         answers,
-        ..Report::default()
+        ..StationReport::default()
     }
 }

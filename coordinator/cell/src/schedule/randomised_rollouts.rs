@@ -5,10 +5,10 @@
 
 use std::collections::VecDeque;
 
-use super::super::ahead::{Follow, Lead, PlannedStart};
-use super::super::dispatch::Rule;
-use super::super::production::Desk;
-use super::super::question::{Answer, Dispatcher, Question};
+use super::super::ahead::{PlanPolicy, PlannedStart, RolloutPolicy};
+use super::super::dispatch::DispatchRule;
+use super::super::production::DispatchConfiguration;
+use super::super::question::{DispatchDecision, Dispatcher, Question};
 use super::super::record::Record;
 
 /// Once in so many questions something else is decided than the rules say.
@@ -16,11 +16,11 @@ const OVERRULED: usize = 8;
 
 /// Numbers that look as if they were drawn (xorshift64*, Vigna 2016).
 #[derive(Clone, Copy, Debug)]
-pub(super) struct Chance(u64);
+pub(super) struct Xorshift(u64);
 
-impl Chance {
+impl Xorshift {
     pub fn new() -> Self {
-        Chance(0x9E37_79B9_7F4A_7C15)
+        Xorshift(0x9E37_79B9_7F4A_7C15)
     }
 
     /// A number below `bound`, which is at least 1.
@@ -35,32 +35,35 @@ impl Chance {
 }
 
 /// Follows the beginning of a plan, and then its rules and chance.
-pub(super) struct Sample {
-    follow: Follow,
-    chance: Chance,
+pub(super) struct RandomPolicy {
+    follow: PlanPolicy,
+    chance: Xorshift,
     /// So many questions belong to the plan.
     plan: usize,
 }
 
-impl Sample {
+impl RandomPolicy {
     /// Of a plan, which may be empty; from where on, and by which rule, is drawn.
-    pub fn new(desk: &Desk, plan: &[PlannedStart], chance: &mut Chance) -> Self {
+    pub fn new(desk: &DispatchConfiguration, plan: &[PlannedStart], chance: &mut Xorshift) -> Self {
         let from = chance.below(plan.len() + 1);
-        let rules: Vec<Rule> =
-            Rule::ALL.into_iter().map(|(_, rule)| rule).filter(|rule| *rule != Rule::Schedule).collect();
+        let rules: Vec<DispatchRule> = DispatchRule::ALL
+            .into_iter()
+            .map(|(_, rule)| rule)
+            .filter(|rule| *rule != DispatchRule::Schedule)
+            .collect();
         let mut desk = desk.clone();
         if chance.below(2) == 0 {
             desk.rules.rules = vec![rules[chance.below(rules.len())]];
         }
-        let follow = Follow::new(desk, VecDeque::from(plan[..from].to_vec()));
+        let follow = PlanPolicy::new(desk, VecDeque::from(plan[..from].to_vec()));
         // Another one for each sample.
-        let own = Chance(chance.0 ^ (chance.below(1 << 20) as u64 + 1));
-        Sample { follow, chance: own, plan: from }
+        let own = Xorshift(chance.0 ^ (chance.below(1 << 20) as u64 + 1));
+        RandomPolicy { follow, chance: own, plan: from }
     }
 }
 
-impl Dispatcher for Sample {
-    fn decide(&mut self, question: &Question<'_>) -> Answer {
+impl Dispatcher for RandomPolicy {
+    fn decide(&mut self, question: &Question<'_>) -> DispatchDecision {
         if self.plan > 0 {
             // It ends when as many have started as there were, or when it stands still and forgets the rest.
             let answer = self.follow.decide(question);
@@ -75,7 +78,7 @@ impl Dispatcher for Sample {
         if all.is_empty() {
             return usual;
         }
-        Answer { start: vec![all[self.chance.below(all.len())]], held: Vec::new() }
+        DispatchDecision { start: vec![all[self.chance.below(all.len())]], held: Vec::new() }
     }
 
     fn note(&mut self, record: &Record) {
@@ -83,8 +86,8 @@ impl Dispatcher for Sample {
     }
 }
 
-impl Lead for Sample {
-    fn desk(&self) -> &Desk {
+impl RolloutPolicy for RandomPolicy {
+    fn desk(&self) -> &DispatchConfiguration {
         self.follow.desk()
     }
 }
