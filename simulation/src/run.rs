@@ -37,7 +37,7 @@ pub enum RunEnd {
     Done,
     /// A conflict of the description happened, or drives both ways of an axis came on at once: see [`LineSim::conflicts`].
     Conflict,
-    /// A station lost or doubled a cycle: see [`crate::Record::errors`].
+    /// A station lost or doubled a cycle: see [`crate::RunRecord::errors`].
     Miscounted,
     /// Nothing has happened for so long that nothing will. With what each station waits for.
     Stuck(Vec<String>),

@@ -37,7 +37,7 @@ pub struct ResourcePolicy {
     pub name: Arc<str>,
     /// Its station, if it has one.
     pub station: Option<StationId>,
-    /// That station says whether a part is there ([`super::super::Heard::presence`]).
+    /// That station says whether a part is there ([`super::super::TaskReport::presence`]).
     pub is_sensed: bool,
     /// The cells on which the parts are that it has.
     pub has: Vec<CellId>,
