@@ -22,7 +22,7 @@ message! {
         name: String,
         /// One of the part types of the cell.
         product: String,
-        /// How many.
+        /// Number of parts, from 1.
         quantity: u32,
         /// Nothing of it enters before this; 0: at once.
         release: Time,
@@ -55,13 +55,13 @@ message! {
         const STATUS_WITHDRAWN: u8 = 6;
     }
     fields {
-        /// Its number.
+        /// Number of the production order.
         id: u64,
         /// What people call it.
         name: String,
         /// What is made.
         product: String,
-        /// How many.
+        /// Number of parts, from 1.
         quantity: u32,
         /// How many are inside or have left.
         entered: u32,
@@ -69,7 +69,7 @@ message! {
         done: u32,
         /// How many were lost, and are replaced.
         lost: u32,
-        /// Where it is.
+        /// State, one of the constants.
         status: u8,
         /// The same for people.
         text: String,
@@ -87,13 +87,13 @@ message! {
     /// A part in a cell.
     "linewright_msgs" / PartState
     fields {
-        /// Its number.
+        /// Number of the part.
         id: u64,
         /// How far it is.
         stage: String,
         /// Where it is, for people.
         place: String,
-        /// Since when.
+        /// Time since which it is there.
         since: Time,
         /// The production order it counts to; 0: none.
         order: u64,
@@ -105,9 +105,9 @@ message! {
     /// An activity in progress in a cell.
     "linewright_msgs" / ActivityState
     fields {
-        /// Its number.
+        /// Number of the activity.
         id: u64,
-        /// What it is.
+        /// Name of the activity.
         name: String,
         /// Its part; 0: none.
         part: u64,
@@ -125,9 +125,9 @@ message! {
     /// Something that a person has to see to.
     "linewright_msgs" / AlarmState
     fields {
-        /// Its number.
+        /// Number of the alarm.
         id: u64,
-        /// Since when.
+        /// Time at which it was raised.
         raised: Time,
         /// What has happened, and what to do.
         text: String,
@@ -147,7 +147,7 @@ message! {
         boot_id: u64,
         /// Of the message within that life.
         sequence: u64,
-        /// Its name.
+        /// Name of the cell.
         cell: String,
         /// The coordinator's life, from 1, rising over its restarts.
         epoch: u64,
@@ -186,7 +186,7 @@ message! {
     /// What is asked for.
     "linewright_msgs" / SubmitOrdersRequest
     fields {
-        /// All of it.
+        /// Orders to be made, all or none.
         requests: Vec<ProductionRequest>,
     }
     ros name "SubmitOrders_Request", meaning |m| m.requests.iter().try_for_each(RosMessage::validate)
@@ -196,7 +196,7 @@ message! {
     /// Whether it is on order now.
     "linewright_msgs" / SubmitOrdersResponse
     fields {
-        /// It is.
+        /// True if all orders were accepted.
         accepted: bool,
         /// The orders' numbers, in the order of the requests.
         ids: Vec<u64>,
@@ -212,7 +212,7 @@ service! {
 }
 
 message! {
-    /// Which.
+    /// Order to be changed.
     "linewright_msgs" / ChangeOrderRequest
     fields {
         /// What people call it.
@@ -227,7 +227,7 @@ message! {
     fields {
         /// It was.
         done: bool,
-        /// Why not.
+        /// Reason, for operators.
         reason: String,
     }
     ros name "ChangeOrder_Response", meaning |_| Ok(())
@@ -249,7 +249,7 @@ message! {
 }
 
 message! {
-    /// Why.
+    /// Reasons, one a line.
     "linewright_msgs" / WhyNotResponse
     fields {
         /// There is such a thing.
@@ -273,7 +273,7 @@ message! {
         alarm: u64,
         /// One of its answers.
         word: String,
-        /// Who says so.
+        /// Operator, free text.
         by: String,
     }
     ros name "AnswerAlarm_Request", meaning |_| Ok(())
@@ -283,9 +283,9 @@ message! {
     /// Whether it is believed.
     "linewright_msgs" / AnswerAlarmResponse
     fields {
-        /// It is.
+        /// True if the request was carried out.
         accepted: bool,
-        /// Why not.
+        /// Reason, for operators.
         reason: String,
     }
     ros name "AnswerAlarm_Response", meaning |_| Ok(())
@@ -316,7 +316,7 @@ message! {
         what: u8,
         /// For an alarm: what is wrong.
         text: String,
-        /// Who says so.
+        /// Operator, free text.
         by: String,
     }
     ros name "SetResource_Request", meaning |m| within("what", m.what, Self::ALARM, Self::RESET)
@@ -326,9 +326,9 @@ message! {
     /// Whether it is done.
     "linewright_msgs" / SetResourceResponse
     fields {
-        /// It is.
+        /// True if the request was carried out.
         accepted: bool,
-        /// Why not.
+        /// Reason, for operators.
         reason: String,
     }
     ros name "SetResource_Response", meaning |_| Ok(())

@@ -32,7 +32,7 @@ message! {
     /// `diagnostic_msgs/KeyValue`.
     "diagnostic_msgs" / KeyValue
     fields {
-        /// What.
+        /// Name of the value.
         key: String,
         /// Its value, as text.
         value: String,
@@ -58,7 +58,7 @@ message! {
         level: Byte,
         /// Who says it, and of what.
         name: String,
-        /// In words.
+        /// State in a sentence.
         message: String,
         /// Which piece of hardware.
         hardware_id: String,
@@ -72,7 +72,7 @@ message! {
     /// `diagnostic_msgs/DiagnosticArray`: how several things are.
     "diagnostic_msgs" / DiagnosticArray
     fields {
-        /// When.
+        /// Time stamp.
         header: Header,
         /// Each.
         status: Vec<DiagnosticStatus>,

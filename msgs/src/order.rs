@@ -101,7 +101,7 @@ message! {
     fields {
         /// The order's epoch.
         epoch: u64,
-        /// Its number.
+        /// Id part of the task order's key.
         id: u64,
         /// How it has ended.
         end: u8,
@@ -143,7 +143,7 @@ message! {
     fields {
         /// The order's epoch.
         epoch: u64,
-        /// Its number.
+        /// Id part of the task order's key.
         id: u64,
         /// How ([`RunTaskResult`]).
         end: u8,
@@ -167,7 +167,7 @@ message! {
         boot_id: u64,
         /// Of the message within that life.
         sequence: u64,
-        /// Who.
+        /// Station whose order is to be left.
         station: String,
         /// New when the station has forgotten the orders it had; never 0.
         memory: u64,
@@ -224,7 +224,7 @@ message! {
     fields {
         /// The order's epoch.
         epoch: u64,
-        /// Its number.
+        /// Id part of the task order's key.
         id: u64,
         /// Nothing of it moves any more, neither on nor back.
         stop: bool,

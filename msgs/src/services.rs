@@ -39,7 +39,7 @@ message! {
     fields {
         /// It was done.
         success: bool,
-        /// In words.
+        /// Result in a sentence.
         message: String,
     }
     ros name "Trigger_Response", meaning |_| Ok(())

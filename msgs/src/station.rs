@@ -9,7 +9,7 @@ message! {
     /// A station's answer to another station's request to withdraw a count.
     "linewright_msgs" / Answer
     fields {
-        /// Who asked.
+        /// Station that made the request.
         station: String,
         /// In which life of its process.
         boot_id: u64,
@@ -163,7 +163,7 @@ message! {
     fields {
         /// When it happened.
         header: Header,
-        /// Where.
+        /// Station of the event.
         station: String,
         /// Grows with every event of the station's process.
         sequence: u64,
@@ -173,7 +173,7 @@ message! {
         operation: String,
         /// In which cycle.
         cycle: i32,
-        /// In words.
+        /// Event in a sentence.
         text: String,
     }
     ros name "StationEvent", meaning |m| present("station", !m.station.is_empty())

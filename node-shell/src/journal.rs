@@ -26,21 +26,16 @@ pub enum JournalError {
     /// The file system refuses.
     #[error("cannot use journal {path}: {error}")]
     File {
-        /// The journal.
         path: PathBuf,
         /// The system's reason.
         error: io::Error,
     },
     /// The thread that wrote it has failed.
     #[error("journal {path} cannot be written any more: the thread that wrote it has failed; see the log")]
-    Thread {
-        /// The journal.
-        path: PathBuf,
-    },
+    Thread { path: PathBuf },
     /// The record does not fit a slot.
     #[error("a record of {bytes} bytes does not fit journal {path}, which holds {most}")]
     TooLarge {
-        /// The journal.
         path: PathBuf,
         /// The record.
         bytes: usize,

@@ -43,9 +43,8 @@ pub enum RunEnd {
     Stuck(Vec<String>),
     /// A step of the scenario failed; from 0, not counting start and auto. `None` is start and auto themselves.
     Failed {
-        /// Which step.
         step: Option<usize>,
-        /// Why.
+        /// Reason of the failure.
         why: String,
     },
     /// Something happens again and again and no time passes: a bug.

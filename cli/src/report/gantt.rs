@@ -17,7 +17,6 @@ const WIDTH: usize = 100;
 pub struct GanttBar {
     /// What, for people.
     pub name: String,
-    /// With which part.
     pub part: Option<u64>,
     /// What that is to become.
     pub product: Option<usize>,
@@ -31,7 +30,7 @@ pub struct GanttBar {
 
 /// What one resource did.
 pub struct GanttRow {
-    /// Its name.
+    /// Name, as in the description.
     pub name: String,
     /// In the order in which they started.
     pub bars: Vec<GanttBar>,

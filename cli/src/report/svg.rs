@@ -19,7 +19,6 @@ const PLANNED: &str = "#b8c4d0";
 /// By product, again from the first where there are more.
 const COLOURS: [&str; 8] = ["#2f6fb0", "#3a923a", "#b8860b", "#7a4fa3", "#1f8a8a", "#a0522d", "#5b6b7b", "#9c3d6b"];
 
-/// Draws the chart.
 pub fn draw(story: &ReportSource, chart: &GanttChart) -> String {
     let letters = chart.rows.iter().map(|row| row.name.chars().count() as f64 * LETTER + 24.0);
     let labels = letters.fold(LABELS_MIN, f64::max);

@@ -10,7 +10,6 @@ use super::report::{OperationRow, OperationSpan};
 /// Characters for the time.
 const WIDTH: usize = 60;
 
-/// Draws the rows.
 pub fn draw(line: &Line, rows: &[OperationRow]) -> String {
     let station_width = line.stations.iter().map(|s| s.name.chars().count()).max().unwrap_or(0);
     let operations = line.stations.iter().flat_map(|s| &s.operations);

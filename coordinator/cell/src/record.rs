@@ -23,7 +23,7 @@ pub struct Record {
     /// When; never earlier than the record before.
     #[serde(with = "serial::micros")]
     pub at: Tick,
-    /// What.
+    /// What changed.
     pub fact: RecordKind,
 }
 
@@ -38,7 +38,7 @@ pub enum RecordKind {
     },
     /// A station is heard that remembers what it was told since a certain beginning, or another beginning than before.
     Memory {
-        /// Who.
+        /// Station whose order store was reset.
         #[serde(with = "serial::station")]
         station: StationId,
         /// A number that it drew when its memory began.
@@ -48,7 +48,6 @@ pub enum RecordKind {
     Decided {
         /// The number of the question, from 1.
         question: u64,
-        /// What is to start, with which part.
         started: Vec<(ModeId, Option<PartId>)>,
         /// What is not, and why.
         held: Vec<(ModeId, HoldReason)>,
@@ -57,7 +56,7 @@ pub enum RecordKind {
     Started {
         /// The next number.
         firing: FiringId,
-        /// What.
+        /// Net mode that started.
         mode: ModeId,
         /// With which part; a new one if the mode lets parts enter.
         part: Option<PartId>,
@@ -66,43 +65,42 @@ pub enum RecordKind {
     },
     /// A station has taken an order on.
     Acknowledged {
-        /// Which.
+        /// Task order.
         key: OrderKey,
     },
     /// A station has done what it was told.
     OrderEnded {
-        /// Which.
+        /// Task order.
         key: OrderKey,
     },
     /// An order will not be done, as far as is known.
     OrderFailed {
-        /// Which.
+        /// Task order.
         key: OrderKey,
-        /// Why.
+        /// Failure of the task order.
         failure: Failure,
     },
     /// An activity will not end by itself. It keeps its tokens and its part until somebody says what is true.
     Raised {
-        /// Which.
+        /// Activity in progress.
         firing: FiringId,
-        /// Why.
         cause: ActivityFailure,
     },
     /// An activity has ended: its tokens are given.
     Ended {
-        /// Which.
+        /// Activity in progress.
         firing: FiringId,
     },
     /// What takes no time has happened: tokens are taken and given.
     Fired {
-        /// What.
+        /// Net mode that fired.
         mode: ModeId,
         /// With which part; a new one if the mode lets parts enter.
         part: Option<PartId>,
     },
     /// Somebody has changed what is on order.
     Production {
-        /// What.
+        /// Change of the production orders.
         change: ProductionChange,
     },
     /// A step on the way from a failure to where it goes on from.
@@ -180,16 +178,13 @@ pub enum ActivityFailure {
     Order {
         /// The first of them.
         key: OrderKey,
-        /// Why.
+        /// Failure of the task order.
         failure: Failure,
     },
     /// It takes longer than it may altogether.
     TimedOut,
     /// Somebody has given alarm of one of its resources.
-    ByHand {
-        /// Which.
-        resource: ResourceId,
-    },
+    ByHand { resource: ResourceId },
 }
 
 /// Up to here codes say what a station waited for until its time was over; above, they are the station's own.

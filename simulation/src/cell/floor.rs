@@ -34,7 +34,6 @@ const PRESSED_EVERY: Duration = Duration::from_millis(50);
 pub struct Work {
     /// The part that lay there, if there was one.
     pub part: Option<PartId>,
-    /// By which station.
     pub station: StationId,
     /// Which of its operations was complete.
     pub op: OpId,

@@ -44,7 +44,6 @@ pub struct TaskOrder {
 /// What a station is told to do.
 #[derive(Clone, Copy, Debug)]
 pub enum TaskCommand<'a> {
-    /// A task.
     Run(&'a TaskOrder),
     /// To leave an order be, and to go back to the rest where the task began, as far as it can by itself.
     Secure(OrderKey),
@@ -138,9 +137,8 @@ pub struct TaskOrderReport {
 /// The order a station is doing.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub struct SlotReport {
-    /// Which.
+    /// Key of the task order.
     pub key: OrderKey,
-    /// Its task.
     pub task: TaskId,
     /// It is on its way back.
     pub is_securing: bool,

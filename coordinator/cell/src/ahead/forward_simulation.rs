@@ -22,7 +22,7 @@ use super::rollout_policy::RolloutPolicy;
 /// An activity that was started.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub struct SimulatedActivity {
-    /// What.
+    /// Net mode (transition with its colours).
     pub mode: ModeId,
     /// With which part; a new one has the number that it would have.
     pub part: Option<PartId>,

@@ -21,7 +21,7 @@ use super::super::table::CellTable;
 /// Something that is to be done, is being done, or has been.
 #[derive(Clone, Debug, PartialEq, Eq)]
 pub struct ScheduleSlot {
-    /// What.
+    /// Net mode (transition with its colours).
     pub mode: ModeId,
     /// With which part, as the schedule numbers them; none for what takes none.
     pub part: Option<usize>,
@@ -37,7 +37,6 @@ pub struct ScheduleSlot {
     pub began: Option<Tick>,
     /// When it has ended.
     pub ended: Option<Tick>,
-    /// It has failed.
     pub failed: bool,
     firing: Option<FiringId>,
 }
@@ -45,7 +44,7 @@ pub struct ScheduleSlot {
 /// Plan against actual, of one activity.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub struct PlanActualBar {
-    /// What.
+    /// Net mode (transition with its colours).
     pub mode: ModeId,
     /// With which part; none if it takes none, or has not entered.
     pub part: Option<PartId>,
@@ -55,7 +54,6 @@ pub struct PlanActualBar {
     pub planned: Option<(Tick, Tick)>,
     /// When it started, if it has, and ended, if it has.
     pub actual: Option<(Tick, Option<Tick>)>,
-    /// It has failed.
     pub failed: bool,
 }
 
@@ -139,7 +137,7 @@ impl Schedule {
         }
     }
 
-    /// All of it.
+    /// All slots, by planned start.
     pub fn slots(&self) -> &[ScheduleSlot] {
         &self.slots
     }
@@ -176,7 +174,6 @@ impl Schedule {
         self.entering.iter().filter_map(|(&mode, slots)| Some((mode, &self.slots[*slots.front()?])))
     }
 
-    /// What is in progress.
     pub(super) fn in_progress(&self) -> impl Iterator<Item = &ScheduleSlot> {
         self.running.values().map(|&at| &self.slots[at])
     }

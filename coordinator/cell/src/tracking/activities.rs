@@ -12,9 +12,9 @@ use super::cause_in_words;
 /// An activity.
 #[derive(Clone, Debug, PartialEq, Eq)]
 pub struct FinishedActivity {
-    /// Its number.
+    /// Number of the activity.
     pub firing: FiringId,
-    /// What.
+    /// Net mode (transition with its colours).
     pub mode: ModeId,
     /// With which part; none if it takes none.
     pub part: Option<PartId>,
@@ -29,7 +29,7 @@ pub struct FinishedActivity {
 /// That an activity has failed.
 #[derive(Clone, Debug, PartialEq, Eq)]
 pub struct ActivityFailed {
-    /// When.
+    /// Time of the event, in µs of the caller's clock.
     pub at: Tick,
     /// Why, in words.
     pub cause: String,
@@ -72,7 +72,7 @@ impl Activities {
         }
     }
 
-    /// All of them.
+    /// Finished activities, by start.
     pub fn all(&self) -> &[FinishedActivity] {
         &self.done
     }
