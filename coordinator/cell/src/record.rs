@@ -13,7 +13,7 @@ use serde::{Deserialize, Serialize};
 use super::exception::ExceptionStep;
 use super::ids::{FiringId, ModeId, OrderKey, PartId, ResourceId};
 use super::production::ProductionChange;
-use super::question::HoldReason;
+use super::reason::HoldReason;
 use super::serial;
 
 /// What has happened, and when.
