@@ -17,7 +17,7 @@ use std::path::{Path, PathBuf};
 use std::process::{Command, Stdio};
 use std::time::{Duration, Instant};
 
-use linewright_coordinator_logic::cell::{Fact, OrderKey};
+use linewright_coordinator_cell::{Fact, OrderKey};
 use linewright_history::Reader;
 use linewright_line::Tick;
 use linewright_msgs::{OrderState, RunTask, RunTaskGoal, RunTaskResult};

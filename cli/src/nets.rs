@@ -11,8 +11,8 @@ use std::time::Duration;
 
 use clap::ValueEnum;
 use linewright_cell::net::{Detail, Supply};
+use linewright_coordinator_cell::described::{Pace, described, recovery_net};
 use linewright_coordinator_logic::decision;
-use linewright_coordinator_logic::described::{Pace, described, recovery_net};
 use linewright_line::Line;
 use linewright_line::net::StationNet;
 use linewright_nets::coloured::{Colours, unfold};

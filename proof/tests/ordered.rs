@@ -9,11 +9,11 @@ use std::sync::Arc;
 use std::time::Duration;
 
 use linewright_cell::net::Supply;
-use linewright_coordinator_logic::cell::{
+use linewright_coordinator_cell::described::{Pace, described};
+use linewright_coordinator_cell::{
     Coordination, Fact, Fifo, Heard, Input as Told, OrderKey as Key, OrderMessage, Outbox as Says, Phase, Record,
     Reply as Answer, Send, State,
 };
-use linewright_coordinator_logic::described::{Pace, described};
 use linewright_coordinator_shell::orders;
 use linewright_line::net::{Block, ControlMode, Place};
 use linewright_line::{Line, Module, Signals, StationId, Tick, parse};

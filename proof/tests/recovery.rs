@@ -9,9 +9,9 @@ use std::time::Duration;
 
 use linewright_cell::Cell;
 use linewright_cell::net::Supply;
-use linewright_coordinator_logic::cell::exception::{About, Stage, Step};
-use linewright_coordinator_logic::cell::{CellTable, Fact, Firing, OrderKey, Unable};
-use linewright_coordinator_logic::described::{Pace, described, dispatcher};
+use linewright_coordinator_cell::described::{Pace, described, dispatcher};
+use linewright_coordinator_cell::exception::{About, Stage, Step};
+use linewright_coordinator_cell::{CellTable, Fact, Firing, OrderKey, Unable};
 use linewright_proof::cell::{Setting, check};
 use linewright_proof::generate::{self, CellShape, Random};
 use linewright_simulation::cell::{CellOptions, CellSim, Operator, Pace as Takes};

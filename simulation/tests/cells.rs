@@ -13,9 +13,9 @@ use std::time::Duration;
 
 use linewright_cell::net::Supply;
 use linewright_cell::{Cell, Role};
-use linewright_coordinator_logic::cell::exception::Step;
-use linewright_coordinator_logic::cell::{CellTable, Fact, FiringId, Input, ModeId, PartId};
-use linewright_coordinator_logic::described::{Pace, described, dispatcher};
+use linewright_coordinator_cell::described::{Pace, described, dispatcher};
+use linewright_coordinator_cell::exception::Step;
+use linewright_coordinator_cell::{CellTable, Fact, FiringId, Input, ModeId, PartId};
 use linewright_line::{HolderId, Line, StationId, Tick};
 use linewright_plant::{Fault, PlantOptions};
 use linewright_simulation::Rng;

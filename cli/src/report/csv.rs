@@ -5,7 +5,7 @@ use std::fs::File;
 use std::path::Path;
 use std::time::Duration;
 
-use linewright_coordinator_logic::cell::tracking::{Done, Passage};
+use linewright_coordinator_cell::tracking::{Done, Passage};
 use linewright_history::Event;
 use linewright_line::Tick;
 use miette::{IntoDiagnostic, WrapErr, miette};

@@ -5,7 +5,7 @@
 
 use std::fmt::Write as _;
 
-use linewright_coordinator_logic::cell::tracking::Done;
+use linewright_coordinator_cell::tracking::Done;
 use linewright_line::Tick;
 
 use super::story::Story;

@@ -2,8 +2,8 @@
 
 use std::time::Duration;
 
-use linewright_coordinator_logic::cell::production::Order;
-use linewright_coordinator_logic::cell::tracking::{Effectiveness, OrdersReport, ResourceReport, Spread};
+use linewright_coordinator_cell::production::Order;
+use linewright_coordinator_cell::tracking::{Effectiveness, OrdersReport, ResourceReport, Spread};
 use linewright_line::Tick;
 use serde::Serialize;
 

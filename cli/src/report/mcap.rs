@@ -11,7 +11,7 @@ use std::fs::File;
 use std::io::BufWriter;
 use std::path::Path;
 
-use linewright_coordinator_logic::cell::tracking::Done;
+use linewright_coordinator_cell::tracking::Done;
 use linewright_history::Event;
 use linewright_line::Tick;
 use mcap::records::MessageHeader;

@@ -2,7 +2,7 @@
 //! `simulate --record` has written.
 //!
 //! The database is read as it is at one moment; whoever writes it is not held up. What is reported are the folds of
-//! [`linewright_coordinator_logic::cell::tracking`] over the events, within a span of time. This module reads and picks the
+//! [`linewright_coordinator_cell::tracking`] over the events, within a span of time. This module reads and picks the
 //! exit code; each form of output is a module.
 
 mod csv;

@@ -3,9 +3,9 @@
 use std::collections::BTreeMap;
 use std::path::Path;
 
-use linewright_coordinator_logic::cell::FiringId;
-use linewright_coordinator_logic::cell::production::Order;
-use linewright_coordinator_logic::cell::tracking::{Activities, Done, Report, Tracking};
+use linewright_coordinator_cell::FiringId;
+use linewright_coordinator_cell::production::Order;
+use linewright_coordinator_cell::tracking::{Activities, Done, Report, Tracking};
 use linewright_history::{About, HistoryError, Note, Reader, What};
 use linewright_line::Tick;
 use miette::miette;

@@ -1,6 +1,6 @@
 //! What a database is about: one cell, as it was described.
 
-use linewright_coordinator_logic::cell::tracking::Sheet;
+use linewright_coordinator_cell::tracking::Sheet;
 use serde::{Deserialize, Serialize};
 
 /// What a database is about. All that a report has to know of the cell is in it, so that none needs the description.

@@ -3,7 +3,7 @@
 //! A fact is written as serde writes it, `{"started": {…}}`, and kept in two columns, the word and what stands behind it.
 //! So a fact that is new needs nothing here, and a word that nobody knows is of a newer program.
 
-use linewright_coordinator_logic::cell::{Fact, Record};
+use linewright_coordinator_cell::{Fact, Record};
 use linewright_line::Tick;
 use serde::Serialize;
 use serde::de::DeserializeOwned;

@@ -3,7 +3,7 @@
 //! Nothing of the cell's state follows from these, so nobody has to remember them over a crash: one that was not written
 //! when the power went is missing.
 
-use linewright_coordinator_logic::cell::FiringId;
+use linewright_coordinator_cell::FiringId;
 use linewright_line::Tick;
 use serde::{Deserialize, Serialize};
 

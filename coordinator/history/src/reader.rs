@@ -2,7 +2,7 @@
 
 use std::path::{Path, PathBuf};
 
-use linewright_coordinator_logic::cell::Fact;
+use linewright_coordinator_cell::Fact;
 use linewright_line::Tick;
 use rusqlite::{Connection, OpenFlags};
 

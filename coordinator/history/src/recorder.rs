@@ -12,7 +12,7 @@ use std::sync::mpsc::{Receiver, SyncSender, TrySendError, sync_channel};
 use std::sync::{Arc, Mutex};
 use std::thread::JoinHandle;
 
-use linewright_coordinator_logic::cell::Record;
+use linewright_coordinator_cell::Record;
 use linewright_line::Tick;
 
 use crate::writer::Item;

@@ -6,7 +6,7 @@
 use std::path::{Path, PathBuf};
 use std::time::Duration;
 
-use linewright_coordinator_logic::cell::Record;
+use linewright_coordinator_cell::Record;
 use linewright_line::Tick;
 use rusqlite::{Connection, OptionalExtension, Transaction, TransactionBehavior, params};
 

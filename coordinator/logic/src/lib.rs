@@ -3,15 +3,10 @@
 //! The mode decision is a net of six places (seed 002 §5.4, Figure 18). [`decision`] is that net with its conditions
 //! as data; [`Coordinator`] plays it: it takes operator commands, the console's image and what the stations report,
 //! and gives the order that goes out to every station. There is no clock and no message format here.
-//!
-//! [`cell`] is beside that: in a flexible cell parts have no fixed way, and a coordination net says what can be done next.
-//! [`described`] makes what it plays from a cell's description.
 
 mod buttons;
-pub mod cell;
 mod coordinator;
 pub mod decision;
-pub mod described;
 mod gateway;
 mod refusal;
 

@@ -3,7 +3,7 @@
 //! Neither crate knows the other. In a plant messages stand between the two; where both are in one process, as in a simulation
 //! and under a checker, these functions do.
 
-use linewright_coordinator_logic::cell::{Heard, OrderKey, OrderMessage, Outcome, Refusal, Reply};
+use linewright_coordinator_cell::{Heard, OrderKey, OrderMessage, Outcome, Refusal, Reply};
 use linewright_station_logic::{self as station, OrderReport, TaskCommand, TaskOrder};
 
 /// A station's report of its orders, as the token player reads it.

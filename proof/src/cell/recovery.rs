@@ -11,7 +11,7 @@ use std::collections::BTreeMap;
 
 use linewright_cell::Cell;
 use linewright_cell::net::Supply;
-use linewright_coordinator_logic::described::{Pace, RecoveryNet, described, recovery_net};
+use linewright_coordinator_cell::described::{Pace, RecoveryNet, described, recovery_net};
 use linewright_line::Line;
 use linewright_nets::semiflows::{Flow, Limits, place_flow_basis, place_semiflows};
 use linewright_nets::{Net, NetBuilder, PlaceId, TransitionId};

@@ -4,7 +4,7 @@ use std::time::Duration;
 
 use linewright_cell::Cell;
 use linewright_cell::net::Supply;
-use linewright_coordinator_logic::described::{Pace, RecoveryNet, described, recovery_net};
+use linewright_coordinator_cell::described::{Pace, RecoveryNet, described, recovery_net};
 use linewright_nets::NetBuilder;
 use linewright_nets::explicit::{Limits, decide, find};
 use linewright_proof::cell::Verdict;

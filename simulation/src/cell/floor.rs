@@ -8,7 +8,7 @@
 use std::collections::{BTreeMap, BTreeSet};
 use std::time::Duration;
 
-use linewright_coordinator_logic::cell::{
+use linewright_coordinator_cell::{
     CellTable, Fact, FiringId, Heard, ModeId, OrderKey, OrderMessage, PartId, Place, Record, Reply, State,
 };
 use linewright_coordinator_shell::orders;

@@ -3,8 +3,8 @@
 //! He sees the parts as they are ([`super::Truth`]), never what the coordinator believes. He brings stations to a rest, mends
 //! them, and says what he has found; where that cannot be said he changes it first. Now and then he may be told to lie.
 
-use linewright_coordinator_logic::cell::exception::{About, Ruling, Whereabouts};
-use linewright_coordinator_logic::cell::{AlarmId, Dispatcher, FiringId, Input, ResourceId};
+use linewright_coordinator_cell::exception::{About, Ruling, Whereabouts};
+use linewright_coordinator_cell::{AlarmId, Dispatcher, FiringId, Input, ResourceId};
 
 use super::sim::CellSim;
 

@@ -4,8 +4,8 @@ use std::collections::{BTreeMap, BTreeSet};
 use std::sync::Arc;
 use std::time::Duration;
 
-use linewright_coordinator_logic::cell::production::Request;
-use linewright_coordinator_logic::cell::{
+use linewright_coordinator_cell::production::Request;
+use linewright_coordinator_cell::{
     ActivityKind, CellTable, Coordination, Denied, Dispatcher, Event, Heard, Input, ModeId, OrderKey, OrderMessage,
     Outbox, Phase, Presence, ProductionCommand, ProductionId, Record, Reply, ResourceId, Send, State, Ticket,
 };

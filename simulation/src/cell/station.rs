@@ -7,9 +7,7 @@
 use std::sync::Arc;
 use std::time::Duration;
 
-use linewright_coordinator_logic::cell::{
-    Heard, OrderKey, OrderMessage, Outcome, PartId, Presence, Refusal, Reply, Unable,
-};
+use linewright_coordinator_cell::{Heard, OrderKey, OrderMessage, Outcome, PartId, Presence, Refusal, Reply, Unable};
 use linewright_line::Tick;
 
 use crate::rng::Rng;

@@ -2,7 +2,7 @@
 
 use std::sync::Arc;
 
-use linewright_coordinator_logic::cell::{CellTable, Record, State};
+use linewright_coordinator_cell::{CellTable, Record, State};
 
 use crate::rng::Rng;
 

@@ -6,8 +6,8 @@
 
 use std::collections::{BTreeMap, BTreeSet};
 
-use linewright_coordinator_logic::cell::exception::Whereabouts;
-use linewright_coordinator_logic::cell::{
+use linewright_coordinator_cell::exception::Whereabouts;
+use linewright_coordinator_cell::{
     CellTable, Fact, FiringId, ModeId, OrderKey, Outcome, PartId, Record, Reply, ResourceId,
 };
 

@@ -3,7 +3,7 @@
 
 use std::time::Duration;
 
-use linewright_coordinator_logic::cell::{Input, Phase};
+use linewright_coordinator_cell::{Input, Phase};
 use linewright_line::net::ControlMode;
 use linewright_line::{Owner, RestId, StationId, Tick};
 use linewright_simulation::Rng;

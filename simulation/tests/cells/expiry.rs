@@ -3,8 +3,8 @@
 
 use std::time::Duration;
 
-use linewright_coordinator_logic::cell::exception::Step;
-use linewright_coordinator_logic::cell::{Cause, Fact, Failure, Input, Phase};
+use linewright_coordinator_cell::exception::Step;
+use linewright_coordinator_cell::{Cause, Fact, Failure, Input, Phase};
 use linewright_line::{Owner, StationId, Tick};
 use linewright_plant::Fault;
 use linewright_simulation::Rng;

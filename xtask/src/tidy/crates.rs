@@ -6,7 +6,7 @@ use super::Member;
 use crate::part::{Stream, cargo, lines};
 
 /// Crates that decide and never act: called with the time and their inputs, they return outputs.
-pub const PURE: [&str; 14] = [
+pub const PURE: [&str; 15] = [
     "linewright-nets",
     "linewright-problems",
     "linewright-text",
@@ -18,6 +18,7 @@ pub const PURE: [&str; 14] = [
     "linewright-station-logic",
     "linewright-station-shell",
     "linewright-coordinator-logic",
+    "linewright-coordinator-cell",
     "linewright-coordinator-shell",
     "linewright-proof",
     "linewright-simulation",
@@ -41,7 +42,7 @@ const FORBIDDEN: [&str; 9] = [
 ];
 
 /// For each crate, those of the workspace it may build on. Dependencies point one way; a new crate gets a row here.
-const MAY_USE: [(&str, &[&str]); 24] = [
+const MAY_USE: [(&str, &[&str]); 25] = [
     ("linewright-nets", &[]),
     ("linewright-problems", &[]),
     ("linewright-text", &[]),
@@ -52,7 +53,8 @@ const MAY_USE: [(&str, &[&str]); 24] = [
     ("linewright-dbc", &["linewright-line"]),
     ("linewright-station-logic", &["linewright-nets", "linewright-line"]),
     ("linewright-station-shell", &["linewright-line", "linewright-station-logic"]),
-    ("linewright-coordinator-logic", &["linewright-nets", "linewright-line", "linewright-cell"]),
+    ("linewright-coordinator-logic", &["linewright-nets", "linewright-line"]),
+    ("linewright-coordinator-cell", &["linewright-nets", "linewright-line", "linewright-cell"]),
     (
         "linewright-coordinator-shell",
         &[
@@ -61,9 +63,10 @@ const MAY_USE: [(&str, &[&str]); 24] = [
             // Which of two messages is the newer one is decided once, there.
             "linewright-station-shell",
             "linewright-coordinator-logic",
+            "linewright-coordinator-cell",
         ],
     ),
-    ("linewright-history", &["linewright-line", "linewright-coordinator-logic"]),
+    ("linewright-history", &["linewright-line", "linewright-coordinator-cell"]),
     ("linewright-msgs", &[]),
     ("linewright-node-shell", &["linewright-msgs"]),
     ("linewright-fieldbus", &["linewright-line", "linewright-eds", "linewright-dbc"]),
@@ -76,6 +79,7 @@ const MAY_USE: [(&str, &[&str]); 24] = [
             "linewright-cell",
             "linewright-station-logic",
             "linewright-coordinator-logic",
+            "linewright-coordinator-cell",
             // Orders between controllers and the token player are translated once, there.
             "linewright-coordinator-shell",
         ],
@@ -88,6 +92,7 @@ const MAY_USE: [(&str, &[&str]); 24] = [
             "linewright-station-logic",
             "linewright-station-shell",
             "linewright-coordinator-logic",
+            "linewright-coordinator-cell",
             "linewright-coordinator-shell",
             // Its pure part: frames and the manager.
             "linewright-fieldbus",
@@ -111,6 +116,7 @@ const MAY_USE: [(&str, &[&str]); 24] = [
             "linewright-line",
             "linewright-cell",
             "linewright-coordinator-logic",
+            "linewright-coordinator-cell",
             "linewright-coordinator-shell",
             "linewright-history",
             // How a station's report looks as a message is written once, there.
@@ -140,6 +146,7 @@ const EVERYTHING: &[&str] = &[
     "linewright-station-logic",
     "linewright-station-shell",
     "linewright-coordinator-logic",
+    "linewright-coordinator-cell",
     "linewright-coordinator-shell",
     "linewright-history",
     "linewright-msgs",

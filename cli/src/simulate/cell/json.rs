@@ -1,9 +1,9 @@
 //! The one object that `--json` prints of a cell.
 
 use linewright_cell::Cell;
-use linewright_coordinator_logic::cell::Fact;
-use linewright_coordinator_logic::cell::dispatch::words;
-use linewright_coordinator_logic::described::Described;
+use linewright_coordinator_cell::Fact;
+use linewright_coordinator_cell::described::Described;
+use linewright_coordinator_cell::dispatch::words;
 use linewright_line::Tick;
 use linewright_simulation::cell::CellSim;
 use serde::Serialize;

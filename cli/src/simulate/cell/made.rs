@@ -1,9 +1,9 @@
 //! What came out of a simulation of a cell, from its records: parts, activities, and how busy resources were.
 
 use linewright_cell::Cell;
-use linewright_coordinator_logic::cell::Record;
-use linewright_coordinator_logic::cell::tracking::{Activities, Done, Passage, Report, Tracking};
-use linewright_coordinator_logic::described::{Described, sheet};
+use linewright_coordinator_cell::Record;
+use linewright_coordinator_cell::described::{Described, sheet};
+use linewright_coordinator_cell::tracking::{Activities, Done, Passage, Report, Tracking};
 use linewright_line::Tick;
 
 /// All of it.

@@ -16,10 +16,10 @@ use std::time::Duration;
 
 use linewright_cell::Cell;
 use linewright_cell::net::Supply;
-use linewright_coordinator_logic::cell::dispatch::why_not;
-use linewright_coordinator_logic::cell::dispatch::words::Reasons;
-use linewright_coordinator_logic::cell::{Phase, State};
-use linewright_coordinator_logic::described::{Described, Pace, described, dispatcher, planner};
+use linewright_coordinator_cell::described::{Described, Pace, described, dispatcher, planner};
+use linewright_coordinator_cell::dispatch::why_not;
+use linewright_coordinator_cell::dispatch::words::Reasons;
+use linewright_coordinator_cell::{Phase, State};
 use linewright_line::{Line, Tick};
 use linewright_simulation::cell::{CellOptions, CellSim};
 use miette::{IntoDiagnostic, miette};
@@ -166,12 +166,12 @@ fn error(sim: &CellSim, played: &Described, asked: u32, end: Tick) -> Option<Str
         Phase::Running => None,
     });
     for (firing, cause) in failed.take(STUCK_MAX) {
-        let what = linewright_coordinator_logic::cell::dispatch::words::named(state.table(), firing.mode, firing.part);
+        let what = linewright_coordinator_cell::dispatch::words::named(state.table(), firing.mode, firing.part);
         lines.push(format!("  {what} has failed: {}", show::cause(&cause)));
     }
     let mut reasons = Reasons::default();
     sim.log.iter().for_each(|record| reasons.note(record));
-    let ways = linewright_coordinator_logic::cell::dispatch::Ways::new(&played.table);
+    let ways = linewright_coordinator_cell::dispatch::Ways::new(&played.table);
     for part in state.parts().take(STUCK_MAX) {
         let why = why_not(&ways, &reasons, state, end, part.id);
         lines.extend(why.into_iter().map(|line| format!("  {line}")));

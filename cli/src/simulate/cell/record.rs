@@ -4,10 +4,10 @@ use std::collections::BTreeMap;
 use std::path::Path;
 
 use linewright_cell::Cell;
-use linewright_coordinator_logic::cell::schedule::Foreman;
-use linewright_coordinator_logic::cell::tracking::Done;
-use linewright_coordinator_logic::cell::{FiringId, Record};
-use linewright_coordinator_logic::described::{Described, sheet};
+use linewright_coordinator_cell::described::{Described, sheet};
+use linewright_coordinator_cell::schedule::Foreman;
+use linewright_coordinator_cell::tracking::Done;
+use linewright_coordinator_cell::{FiringId, Record};
 use linewright_history::{About, Clock, History, Note};
 use linewright_line::Line;
 use miette::miette;

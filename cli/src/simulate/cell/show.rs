@@ -3,8 +3,8 @@
 use std::fmt::Write;
 
 use linewright_cell::Cell;
-use linewright_coordinator_logic::cell::dispatch::words;
-use linewright_coordinator_logic::cell::{Cause, Fact};
+use linewright_coordinator_cell::dispatch::words;
+use linewright_coordinator_cell::{Cause, Fact};
 use linewright_simulation::cell::CellSim;
 
 use super::made::Made;

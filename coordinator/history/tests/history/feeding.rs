@@ -4,7 +4,7 @@ use std::path::Path;
 use std::sync::{Arc, Mutex};
 use std::time::{Duration, Instant};
 
-use linewright_coordinator_logic::cell::Record;
+use linewright_coordinator_cell::Record;
 use linewright_history::{History, HistoryError, Note, Reader, Recorder, Source, What};
 use linewright_line::Tick;
 use linewright_simulation::Rng;

@@ -5,8 +5,8 @@ use std::sync::Arc;
 use std::time::Duration;
 
 use linewright_cell::net::Supply;
-use linewright_coordinator_logic::cell::Record;
-use linewright_coordinator_logic::described::{Pace, described, dispatcher, sheet};
+use linewright_coordinator_cell::Record;
+use linewright_coordinator_cell::described::{Pace, described, dispatcher, sheet};
 use linewright_history::{About, Clock, Event, Reader, What};
 use linewright_line::Tick;
 use linewright_simulation::cell::{CellOptions, CellSim};

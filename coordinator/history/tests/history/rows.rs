@@ -1,7 +1,7 @@
 //! What is written is what is read.
 
-use linewright_coordinator_logic::cell::tracking::Activities;
-use linewright_coordinator_logic::cell::{Fact, FiringId};
+use linewright_coordinator_cell::tracking::Activities;
+use linewright_coordinator_cell::{Fact, FiringId};
 use linewright_history::{Clock, History, HistoryError, Note, Reader, What};
 use linewright_line::Tick;
 use rusqlite::Connection;

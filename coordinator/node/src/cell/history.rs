@@ -8,8 +8,8 @@
 use std::path::{Path, PathBuf};
 
 use linewright_cell::Cell;
-use linewright_coordinator_logic::cell::{Outbox, Record, Snapshot, State};
-use linewright_coordinator_logic::described::{Described, sheet};
+use linewright_coordinator_cell::described::{Described, sheet};
+use linewright_coordinator_cell::{Outbox, Record, Snapshot, State};
 use linewright_history::{About, Clock, History, HistoryError, Note, Recorder, Source};
 use linewright_line::{Line, Tick};
 use linewright_node_shell::log::{Entry, Log};

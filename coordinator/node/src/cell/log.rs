@@ -13,7 +13,7 @@
 use std::path::{Path, PathBuf};
 use std::sync::Arc;
 
-use linewright_coordinator_logic::cell::{CellTable, Outbox, Record, Snapshot, State};
+use linewright_coordinator_cell::{CellTable, Outbox, Record, Snapshot, State};
 use linewright_node_shell::log::{Entry, Log, LogError};
 use serde::{Deserialize, Serialize};
 use thiserror::Error;

@@ -3,8 +3,8 @@
 //! The player replies to production orders by tickets. To what is said of alarms and resources it only objects: whoever said
 //! it in a step that did not is believed.
 
-use linewright_coordinator_logic::cell::exception::{Asked, Objection};
-use linewright_coordinator_logic::cell::{Denied, Event, Outbox, ProductionId, State, Ticket};
+use linewright_coordinator_cell::exception::{Asked, Objection};
+use linewright_coordinator_cell::{Denied, Event, Outbox, ProductionId, State, Ticket};
 use linewright_line::Line;
 use linewright_msgs::{
     AnswerAlarm, AnswerAlarmResponse, ChangeOrder, ChangeOrderResponse, SetResource, SetResourceResponse, SubmitOrders,

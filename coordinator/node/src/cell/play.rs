@@ -10,16 +10,16 @@ use std::time::{Duration, SystemTime};
 
 use linewright_cell::Cell;
 use linewright_cell::net::Supply;
-use linewright_coordinator_logic::cell::dispatch::Ways;
-use linewright_coordinator_logic::cell::dispatch::words::Reasons;
-use linewright_coordinator_logic::cell::exception::{Asked, Handling, Unable};
-use linewright_coordinator_logic::cell::production::Request;
-use linewright_coordinator_logic::cell::schedule::{Bar, Foreman};
-use linewright_coordinator_logic::cell::{
+use linewright_coordinator_cell::described::{Pace, Unplayable, described, foreman};
+use linewright_coordinator_cell::dispatch::Ways;
+use linewright_coordinator_cell::dispatch::words::Reasons;
+use linewright_coordinator_cell::exception::{Asked, Handling, Unable};
+use linewright_coordinator_cell::production::Request;
+use linewright_coordinator_cell::schedule::{Bar, Foreman};
+use linewright_coordinator_cell::{
     AlarmId, Coordination, Event, Fact, Heard, Input, OldEpoch, OrderKey, Outbox, ProductionCommand, Reply as Answered,
     Send, Ticket,
 };
-use linewright_coordinator_logic::described::{Pace, Unplayable, described, foreman};
 use linewright_history::Note;
 use linewright_line::{InputId, Line, StationId, Tick};
 use linewright_msgs::{CellState, SetResourceRequest, SetResourceResponse, SubmitOrders, WhyNotResponse};

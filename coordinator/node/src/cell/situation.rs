@@ -3,8 +3,8 @@
 
 use std::collections::BTreeSet;
 
-use linewright_coordinator_logic::cell::State;
-use linewright_coordinator_logic::cell::exception::isolated;
+use linewright_coordinator_cell::State;
+use linewright_coordinator_cell::exception::isolated;
 use linewright_history::Note;
 use linewright_line::StationId;
 use linewright_line::net::ControlMode;

@@ -1,6 +1,6 @@
 //! What the coordinator of a cell says and hears over ROS 2, beside what that of every line does.
 
-use linewright_coordinator_logic::cell::{OrderKey, OrderMessage};
+use linewright_coordinator_cell::{OrderKey, OrderMessage};
 use linewright_line::{Line, StationId};
 use linewright_msgs::{
     AnswerAlarm, CellState, ChangeOrder, OrderState, RunTask, SecureOrder, SetResource, SetResourceRequest,

@@ -1,10 +1,10 @@
 //! Why something does not go on, whatever a person calls it.
 
-use linewright_coordinator_logic::cell::dispatch::words::Reasons;
-use linewright_coordinator_logic::cell::dispatch::{Ways, why_not, why_out};
-use linewright_coordinator_logic::cell::exception::{Asked, Objection, Unable};
-use linewright_coordinator_logic::cell::production::Status;
-use linewright_coordinator_logic::cell::{PartId, ResourceId, State};
+use linewright_coordinator_cell::dispatch::words::Reasons;
+use linewright_coordinator_cell::dispatch::{Ways, why_not, why_out};
+use linewright_coordinator_cell::exception::{Asked, Objection, Unable};
+use linewright_coordinator_cell::production::Status;
+use linewright_coordinator_cell::{PartId, ResourceId, State};
 use linewright_line::{Line, StationId, Tick, suggestion};
 
 use super::words::{names, parts};

@@ -3,9 +3,9 @@
 //! Times are the player's own: microseconds since 1970, as messages have them in seconds and nanoseconds.
 
 use linewright_cell::Cell;
-use linewright_coordinator_logic::cell::exception::{Asked, Presence, Unable};
-use linewright_coordinator_logic::cell::production::Request;
-use linewright_coordinator_logic::cell::{Heard, OrderKey, OrderMessage, Outcome, Refusal, Reply, State};
+use linewright_coordinator_cell::exception::{Asked, Presence, Unable};
+use linewright_coordinator_cell::production::Request;
+use linewright_coordinator_cell::{Heard, OrderKey, OrderMessage, Outcome, Refusal, Reply, State};
 use linewright_line::{InputId, Line, Tick, suggestion};
 use linewright_msgs::{
     OrderEnd, OrderState, ProductionRequest, RunTaskGoal, RunTaskResult, SetResourceRequest, StationState, Time,

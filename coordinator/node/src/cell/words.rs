@@ -2,9 +2,9 @@
 //!
 //! What the net calls things is turned into what people do: a part is *in M1, loaded*, or *in `load M1`*.
 
-use linewright_coordinator_logic::cell::exception::Alarm;
-use linewright_coordinator_logic::cell::production::{Order, Production, Status};
-use linewright_coordinator_logic::cell::{
+use linewright_coordinator_cell::exception::Alarm;
+use linewright_coordinator_cell::production::{Order, Production, Status};
+use linewright_coordinator_cell::{
     CellTable, Firing, ModeId, Order as StationOrder, OrderState, Part, Phase, Place, ProductionId, State,
 };
 use linewright_line::{Line, Tick};

@@ -8,9 +8,9 @@ use std::path::{Path, PathBuf};
 use std::sync::Arc;
 use std::time::Duration;
 
-use linewright_coordinator_logic::cell::production::{Desk, Request};
-use linewright_coordinator_logic::cell::{Cause, CellTable, Dispatcher, Failure, Phase, ProductionId, Record, State};
-use linewright_coordinator_logic::described::{self, dispatcher, foreman};
+use linewright_coordinator_cell::described::{self, dispatcher, foreman};
+use linewright_coordinator_cell::production::{Desk, Request};
+use linewright_coordinator_cell::{Cause, CellTable, Dispatcher, Failure, Phase, ProductionId, Record, State};
 use linewright_coordinator_node::cell::CellLog;
 use linewright_line::Tick;
 use linewright_simulation::Rng;

@@ -5,8 +5,8 @@ use std::sync::Arc;
 use std::sync::atomic::{AtomicUsize, Ordering};
 use std::time::{Duration, Instant};
 
-use linewright_coordinator_logic::cell::{CellTable, Outbox, Record, State};
-use linewright_coordinator_logic::described::dispatcher;
+use linewright_coordinator_cell::described::dispatcher;
+use linewright_coordinator_cell::{CellTable, Outbox, Record, State};
 use linewright_coordinator_node::cell::Chronicle;
 use linewright_history::{About, Clock, History, Reader};
 use linewright_line::Tick;

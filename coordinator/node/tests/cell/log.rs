@@ -3,8 +3,8 @@
 use std::path::{Path, PathBuf};
 use std::sync::Arc;
 
-use linewright_coordinator_logic::cell::{CellTable, Fact, Outbox, Record, State};
-use linewright_coordinator_logic::described::dispatcher;
+use linewright_coordinator_cell::described::dispatcher;
+use linewright_coordinator_cell::{CellTable, Fact, Outbox, Record, State};
 use linewright_coordinator_node::cell::{CellLog, CellLogError, Found, RECORDS_MAX};
 use linewright_line::Tick;
 use linewright_node_shell::log::{Log, LogError};
@@ -124,7 +124,7 @@ fn a_record_that_does_not_fit_is_named() {
     let (_dir, path) = scratch();
     let mut log = open(&path, &of.table).expect("opens").log;
     let end = log.file().1;
-    let ended = Fact::Ended { firing: linewright_coordinator_logic::cell::FiringId(1) };
+    let ended = Fact::Ended { firing: linewright_coordinator_cell::FiringId(1) };
     log.append(&[Record { at: Tick::ZERO, fact: ended }]).expect("appends");
     drop(log);
     let why = open(&path, &of.table).expect_err("it does not fit").to_string();

@@ -7,8 +7,8 @@ use std::time::Duration;
 
 use linewright_cell::Cell;
 use linewright_cell::net::Supply;
-use linewright_coordinator_logic::cell::{CellTable, OrderKey, PartId};
-use linewright_coordinator_logic::described::{Described, Pace, described};
+use linewright_coordinator_cell::described::{Described, Pace, described};
+use linewright_coordinator_cell::{CellTable, OrderKey, PartId};
 use linewright_simulation::cell::CellSim;
 use tempfile::TempDir;
 

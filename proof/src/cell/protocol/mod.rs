@@ -28,7 +28,7 @@ mod station;
 mod words;
 
 use linewright_cell::Cell;
-use linewright_coordinator_logic::cell::ProtocolRules;
+use linewright_coordinator_cell::ProtocolRules;
 use linewright_line::Line;
 use linewright_station_logic::OrderRules;
 

@@ -5,8 +5,8 @@
 
 use std::time::Duration;
 
-use linewright_coordinator_logic::cell::exception::{About, Standing, Step};
-use linewright_coordinator_logic::cell::{
+use linewright_coordinator_cell::exception::{About, Standing, Step};
+use linewright_coordinator_cell::{
     Answer, Coordination, Dispatcher, Fact, FiringId, Input, ModeId, OrderKey, OrderMessage, Outbox, Phase,
     ProtocolRules, Question, Reply, Send, Start,
 };
@@ -326,7 +326,7 @@ impl Players {
     }
 }
 
-fn alarm_of(player: &Player) -> Option<&linewright_coordinator_logic::cell::exception::Alarm> {
+fn alarm_of(player: &Player) -> Option<&linewright_coordinator_cell::exception::Alarm> {
     let about = About::Firing(player.firing?);
     player.coordination.state().exceptions().alarms().find(|alarm| alarm.about == about)
 }

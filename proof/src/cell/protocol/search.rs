@@ -217,9 +217,8 @@ impl Search<'_> {
         }
         let running = self.players.all[next[PLAYER] as usize].coordination.state();
         for &station in &stepped.given {
-            let is_running = |key| {
-                running.order(key).is_some_and(|(of, _)| of.phase == linewright_coordinator_logic::cell::Phase::Running)
-            };
+            let is_running =
+                |key| running.order(key).is_some_and(|(of, _)| of.phase == linewright_coordinator_cell::Phase::Running);
             if let Some((name, Some(key), _)) =
                 is_at(station).filter(|(_, slot, _)| slot.is_some_and(|key| !is_running(key)))
             {

@@ -6,8 +6,8 @@ use std::sync::Arc;
 use std::time::Duration;
 
 use linewright_cell::net::Supply;
-use linewright_coordinator_logic::cell::{CellTable, Coordination, Fact, Input, ModeId, Outbox, Send, State};
-use linewright_coordinator_logic::described::{Pace, Unplayable, described};
+use linewright_coordinator_cell::described::{Pace, Unplayable, described};
+use linewright_coordinator_cell::{CellTable, Coordination, Fact, Input, ModeId, Outbox, Send, State};
 use linewright_line::{StationId, Tick};
 use linewright_station_logic::CompileError;
 use thiserror::Error;

@@ -7,7 +7,7 @@ use std::collections::BTreeSet;
 use std::fmt::Write;
 use std::time::Duration;
 
-use linewright_coordinator_logic::cell::{self as player, Heard, OrderMessage, Unable};
+use linewright_coordinator_cell::{self as player, Heard, OrderMessage, Unable};
 use linewright_coordinator_shell::orders::{heard, key, known, leave, order, refusal};
 use linewright_line::net::{Block, ControlMode, Place};
 use linewright_line::{Line, Module, OpId, StationId, Tick};

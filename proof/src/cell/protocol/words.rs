@@ -1,6 +1,6 @@
 //! The steps of a counterexample, as text.
 
-use linewright_coordinator_logic::cell::OrderKey;
+use linewright_coordinator_cell::OrderKey;
 use linewright_line::{Line, StationId};
 
 use super::players::{Event, Message, Player};

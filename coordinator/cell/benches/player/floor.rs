@@ -1,0 +1,133 @@
+//! A life of the coordinator with stations that do what they are told, at once, right, and in the nominal time.
+//!
+//! A message takes no time; an order is taken on and then done. Nothing is written to a disk.
+
+use std::cmp::Reverse;
+use std::collections::BinaryHeap;
+use std::sync::Arc;
+use std::time::Duration;
+
+use linewright_coordinator_cell::{
+    ActivityKind, CellTable, Coordination, Dispatcher, Fact, Heard, Input, ModeId, OrderKey, Outbox, Outcome, Reply,
+    Send, State,
+};
+use linewright_line::{StationId, Tick};
+
+/// Player and stations.
+#[derive(Clone)]
+pub struct Floor {
+    pub player: Coordination,
+    pub now: Tick,
+    working: BinaryHeap<Reverse<(Tick, StationId, OrderKey)>>,
+    replies: Vec<(StationId, OrderKey, Reply)>,
+    out: Outbox,
+    /// How many activities have started or happened.
+    pub firings: u64,
+    /// How many questions with something to start were answered.
+    pub decisions: u64,
+    /// How many records were written.
+    pub records: u64,
+    /// What has started, one number for all of it and its order.
+    pub trace: u64,
+}
+
+/// Takes one more firing into the number of all so far.
+pub fn traced(trace: u64, at: Tick, mode: ModeId) -> u64 {
+    (trace.rotate_left(5) ^ at.as_micros() ^ u64::from(mode.0)).wrapping_mul(0x517C_C1B7_2722_0A95)
+}
+
+/// How long a mode takes.
+pub fn time(table: &CellTable, mode: ModeId) -> Duration {
+    match table.activity(mode).kind {
+        ActivityKind::Immediate => Duration::ZERO,
+        ActivityKind::Decided { time, limit: _ } => time,
+    }
+}
+
+impl Floor {
+    pub fn new(table: &Arc<CellTable>, dispatcher: &mut dyn Dispatcher) -> Self {
+        let mut out = Outbox::default();
+        let player = Coordination::begin(State::new(table.clone()), Tick::ZERO, 1, &mut out).expect("a first life");
+        let (working, replies) = (BinaryHeap::new(), Vec::new());
+        let mut new =
+            Floor { player, now: Tick::ZERO, working, replies, out, firings: 0, decisions: 0, records: 0, trace: 0 };
+        let (heard, stations) = (Heard { memory: 1, ..Heard::default() }, table.handling().stations.len());
+        let hears = (0..stations).map(|at| Input::Station(StationId::at(at), &heard));
+        let inputs: Vec<_> = hears.chain([Input::Starts(true)]).collect();
+        new.player.step(Tick::ZERO, &inputs, dispatcher, &mut new.out);
+        new.take();
+        new
+    }
+
+    /// Plays until so many more have started.
+    pub fn play(&mut self, dispatcher: &mut dyn Dispatcher, firings: u64) {
+        let until = self.firings + firings;
+        while self.firings < until {
+            self.turn(dispatcher);
+        }
+    }
+
+    /// One step of the player, at the next moment at which there is something to do.
+    fn turn(&mut self, dispatcher: &mut dyn Dispatcher) {
+        if self.replies.is_empty() {
+            let ends = self.working.peek().map(|Reverse((at, ..))| *at);
+            let next = ends.into_iter().chain(self.player.next_deadline()).min();
+            self.now = next.expect("a cell that never gets stuck").max(self.now);
+            while let Some(&Reverse((at, station, key))) =
+                self.working.peek().filter(|Reverse((at, ..))| *at <= self.now)
+            {
+                debug_assert!(at <= self.now);
+                self.working.pop();
+                self.replies.push((station, key, Reply::Ended(Outcome::Done)));
+            }
+        }
+        let inputs: Vec<_> = self.replies.drain(..).map(|(s, key, reply)| Input::Reply(s, key, reply)).collect();
+        self.player.step(self.now, &inputs, dispatcher, &mut self.out);
+        self.take();
+    }
+
+    /// Does what is said, and counts what is written.
+    fn take(&mut self) {
+        let (player, table) = (&self.player, self.player.state().table());
+        for record in self.out.records.drain(..) {
+            self.records += 1;
+            match record.fact {
+                Fact::Started { mode, .. } | Fact::Fired { mode, .. } => {
+                    self.firings += 1;
+                    self.trace = traced(self.trace, record.at, mode);
+                }
+                Fact::Decided { .. } => self.decisions += 1,
+                Fact::Epoch { .. }
+                | Fact::Memory { .. }
+                | Fact::Acknowledged { .. }
+                | Fact::OrderEnded { .. }
+                | Fact::Ended { .. }
+                | Fact::Production { .. } => (),
+                Fact::OrderFailed { .. } | Fact::Raised { .. } | Fact::Exception(_) => {
+                    panic!("nothing fails here: {:?}", record.fact)
+                }
+            }
+        }
+        for send in self.out.sends.drain(..) {
+            let Send::Order(order) = send else { panic!("nobody has to be secured here") };
+            let (firing, _) = player.state().order(order.key).expect("what is sent is in progress");
+            self.working.push(Reverse((self.now + time(table, firing.mode), order.station, order.key)));
+            self.replies.push((order.station, order.key, Reply::Running));
+        }
+        assert!(self.out.events.is_empty(), "{:?}", self.out.events);
+    }
+
+    /// Whole states of all stations, which say nothing new; how many.
+    pub fn hear_all(&mut self, dispatcher: &mut dyn Dispatcher) -> usize {
+        let stations = self.player.state().table().handling().stations.len();
+        let mut heard = Heard { memory: 1, epoch: 1, ..Heard::default() };
+        let mut slots = vec![None; stations];
+        self.working.iter().for_each(|Reverse((_, station, key))| slots[station.index()] = Some(*key));
+        for (at, slot) in slots.into_iter().enumerate() {
+            heard.slot = slot;
+            self.player.step(self.now, &[Input::Station(StationId::at(at), &heard)], dispatcher, &mut self.out);
+        }
+        self.take();
+        stations
+    }
+}

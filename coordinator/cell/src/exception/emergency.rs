@@ -1,0 +1,90 @@
+//! Emergency stop of single stations, when a rule says so (seed 001 §5.2, L206: "the exception module can send emergency
+//! stoppage orders to the controllers").
+//!
+//! A rule names stations that go into emergency stop as soon as its failure is known: their outputs go off whatever they are
+//! doing, for this activity or for another, which then fails by that. The others stay in their mode. The player only says
+//! which stations; the mode decision orders it of them as it orders the mode (`Coordinator::stop_alone`), over and
+//! over, so that a station that is started again is told again. What they were doing they are told to stop as well.
+//!
+//! Each is a record, and lasts until somebody resets that station: no change of mode ends it, no restart, and no answer.
+//! Reset it follows the line's mode again. It is put right then like any other that stands half-way. Its resource is left out
+//! from the stop on, so being reset starts nothing; it comes up when its station stands at a rest and can work.
+
+use std::collections::BTreeSet;
+
+use linewright_line::{StationId, Tick};
+
+use super::super::firing::Phase;
+use super::super::ids::{FiringId, ResourceId};
+use super::super::orders::{Event, Outbox};
+use super::super::player::Coordination;
+use super::book::Stage;
+use super::fact::{DownCause, Step};
+use super::watch::{Asked, Objection};
+
+impl Coordination {
+    /// Has the stations stopped that the rule of a failed activity names, once.
+    pub(super) fn stop_stations(&mut self, now: Tick, id: FiringId, out: &mut Outbox) {
+        let Some(trouble) = self.state.exceptions().trouble(id).filter(|of| of.stage == Stage::Securing) else {
+            return;
+        };
+        let Some((firing, cause)) = self.failed(id) else { return };
+        let Some(rule) = self.state.table().handling().rule(firing.mode, cause) else { return };
+        let own = firing.orders.iter().map(|order| order.station).filter(|_| rule.stops_activity);
+        let named: BTreeSet<StationId> = rule.stops.iter().copied().chain(own).collect();
+        let new: Vec<StationId> = named.into_iter().filter(|station| !trouble.stopped.contains(&station.0)).collect();
+        for station in new {
+            self.except(now, Step::Stopped { firing: id, station }, out);
+        }
+    }
+
+    /// Leaves out the resources of stopped stations. Nothing of them counts as up before its station is reset.
+    pub(super) fn leave_out_stopped(&mut self, now: Tick, out: &mut Outbox) {
+        let exceptions = self.state.exceptions();
+        let handling = self.state.table().handling();
+        let because = |id: ResourceId| exceptions.stopped.get(&handling.resource(id)?.station?).copied();
+        let up = handling.resource_ids().filter(|&id| exceptions.is_down(id).is_none());
+        let new: Vec<_> = up.filter_map(|id| Some((id, because(id)?))).collect();
+        for (resource, firing) in new {
+            self.except(now, Step::Down { resource, why: DownCause::EmergencyStop(firing) }, out);
+        }
+    }
+
+    /// Somebody resets a station that is in emergency stop by itself.
+    pub(in super::super) fn reset(&mut self, now: Tick, station: StationId, out: &mut Outbox) {
+        match self.against_reset(now, station) {
+            None => self.except(now, Step::Reset { station }, out),
+            Some(why) => out.events.push(Event::Objected { to: Asked::Reset(station), why }),
+        }
+    }
+
+    fn against_reset(&self, now: Tick, station: StationId) -> Option<Objection> {
+        if !self.state.exceptions().is_stopped(station) {
+            return Some(Objection::AlreadySo);
+        }
+        match self.watch.fresh(station, now, self.state.table().handling().stale) {
+            None => Some(Objection::NotHeard(station)),
+            // It has not heard of the stop, or an activity that it works for has not failed yet: the station would be told to go
+            // back, and would do so once it is reset.
+            Some(heard) => (heard.slot.is_some() || self.is_working(station)).then_some(Objection::Moves(station)),
+        }
+    }
+
+    fn is_working(&self, station: StationId) -> bool {
+        let mut running = self.state.firings().filter(|firing| firing.phase == Phase::Running);
+        running.any(|firing| firing.orders.iter().any(|order| order.station == station))
+    }
+
+    /// Why a station could not be told anything.
+    pub(super) fn objection(&self, now: Tick, station: StationId) -> Option<Objection> {
+        if self.state.exceptions().is_stopped(station) {
+            return Some(Objection::EmergencyStop(station));
+        }
+        self.watch.objection(station, now, self.state.table().handling().stale)
+    }
+
+    /// Whether a station that was heard in this life can be told something.
+    pub(in super::super) fn can_work(&self, now: Tick, station: StationId) -> bool {
+        self.objection(now, station).is_none()
+    }
+}

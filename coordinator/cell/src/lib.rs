@@ -1,0 +1,65 @@
+//! The coordination of a flexible cell: a coloured net whose transitions are activities, played with parts and stations.
+//!
+//! # Map
+//! - [`CellTable`], compiled from the net's long form and a [`Plan`] that says what transitions and tokens stand for.
+//! - [`State`]: marking, parts, what is in progress; it changes by [`Record`]s alone, in [`State::apply`].
+//! - [`Snapshot`]: what a state is made of, to be written down in the place of all records that led to it.
+//! - [`Enabling`]: which modes have their tokens, after each firing by looking at what it touched.
+//! - [`Question`], [`Answer`], [`Dispatcher`]: what is asked before anything starts; [`Fifo`] answers where
+//!   nobody who knows more does.
+//! - [`dispatch`]: the dispatcher with rules, who lets nobody wait for ever, and says why.
+//! - [`production`]: what is to be made, and which part counts to which order.
+//! - [`ahead`]: the dispatcher that tries out in thought what comes of a decision.
+//! - [`schedule`]: when everything is to start, followed and revised.
+//! - [`tracking`]: what has happened, for reports.
+//! - [`exception`]: what becomes of what has failed, and what is down.
+//! - [`Coordination`]: the token player, with the argument why a crash loses nothing and repeats nothing.
+//! - [`described`]: what is played, from a cell's description; the only module that knows one.
+//!
+//! Nothing here knows ROS or files.
+
+pub mod ahead;
+mod apply;
+pub mod described;
+mod digest;
+pub mod dispatch;
+mod enabling;
+pub mod exception;
+mod fifo;
+mod firing;
+mod ids;
+mod marking;
+mod orders;
+mod plan;
+mod player;
+mod positions;
+pub mod production;
+mod protocol;
+mod question;
+mod reason;
+mod record;
+pub mod schedule;
+mod serial;
+mod snapshot;
+mod state;
+mod table;
+pub mod tracking;
+
+pub use enabling::Enabling;
+pub use exception::{Handling, Presence, Unable};
+pub use fifo::Fifo;
+pub use firing::{Firing, Order, OrderState, Phase};
+pub use ids::{AlarmId, CellId, FiringId, ModeId, OrderKey, PartId, ProductionId, ResourceId};
+pub use marking::Marking;
+pub use orders::{
+    Denied, Event, Heard, Input, OrderMessage, Outbox, Outcome, ProductionCommand, Reply, Send, Sending, Ticket,
+};
+pub use plan::{Activity, ActivityKind, CellKind, OrderTemplate, Pick, Plan, Product, Store, Value};
+pub use player::{Coordination, OldEpoch};
+pub use protocol::ProtocolRules;
+pub use question::{Answer, BadAnswer, Candidate, Dispatcher, Group, Held, Question, Start, check};
+pub use reason::{Gain, Ground, Lost, Outlook, Reason};
+pub use record::{Cause, Fact, Failure, Record, Refusal};
+pub use snapshot::Snapshot;
+pub use state::{Misfit, Part, Place, State};
+pub use table::{CellTable, PlanError, Tokens};

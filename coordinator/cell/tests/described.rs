@@ -1,0 +1,219 @@
+//! The two shipped cells, from their descriptions to finished parts.
+
+use std::collections::BTreeMap;
+use std::sync::Arc;
+use std::time::Duration;
+
+use linewright_cell::net::Supply;
+use linewright_coordinator_cell::described::{Described, Pace, Unplayable, described, dispatcher};
+use linewright_coordinator_cell::dispatch::{Fairness, words};
+use linewright_coordinator_cell::{
+    ActivityKind, Answer, Dispatcher, Fact, Fifo, Held, Outbox, Phase, Question, Reason, Start, Value,
+};
+use linewright_line::Tick;
+
+use crate::player::plans::Compiled;
+use crate::player::world::World;
+
+const C1: &str = include_str!("../../../launch-config/lines/workcell-c1/cell.toml");
+const ASSEMBLY: &str = include_str!("../../../launch-config/lines/assembly-cell/cell.toml");
+const PACE: Pace = Pace { refresh: Duration::from_millis(200), grace: Duration::from_secs(1) };
+
+fn made(text: &str, supply: Supply<'_>) -> Described {
+    let cell = linewright_cell::parse("cell.toml", text, None).unwrap_or_else(|problems| panic!("{problems:#}")).cell;
+    described(&cell, None, supply, PACE).unwrap_or_else(|why| panic!("{why}"))
+}
+
+fn world(made: Described, stations: usize, seed: u64) -> World {
+    let it = Compiled { net: made.net.net().clone(), long: made.long, table: Arc::new(made.table) };
+    World::new(it, stations, seed)
+}
+
+/// Starts what is on its list, one after the other, and holds everything else; keeps the last question.
+struct Script {
+    starts: Vec<&'static str>,
+    asked: Vec<String>,
+}
+
+impl Dispatcher for Script {
+    fn decide(&mut self, question: &Question<'_>) -> Answer {
+        let table = question.state.table();
+        self.asked = question.candidates.iter().map(|of| table.mode_name(of.mode).to_owned()).collect();
+        let mut answer = Answer::default();
+        for (candidate, name) in self.asked.iter().enumerate() {
+            if self.starts.first() == Some(&name.as_str()) {
+                self.starts.remove(0);
+                let part = question.parts(&question.candidates[candidate]).next();
+                answer.start.push(Start { candidate, part });
+            } else {
+                answer.held.push(Held { candidate, reason: Reason::NotYet(Tick::NEVER), until: None });
+            }
+        }
+        answer
+    }
+}
+
+/// A3, seed 000, L2738-2740: robot 2 has finished a part 1, the human is free, parts 2 and 3 wait; possible are exactly t1
+/// with part 2 and with part 3, and t5 with part 1.
+#[test]
+fn the_conflict_of_figure_41_arises_in_the_described_cell() {
+    let starts = ["arrive<1.new>", "arrive<2.new>", "arrive<3.new>", "load robot_2<1.new>", "robot_2.process<1.new>"];
+    let mut script = Script { starts: starts.to_vec(), asked: Vec::new() };
+    let mut world = world(made(ASSEMBLY, Supply::Closed(&[1, 1, 1])), 3, 1);
+    world.run(&mut script, Tick::from_millis(120_000));
+    assert_eq!(script.starts, [""; 0], "all of it was played");
+    assert_eq!(script.asked, ["load human<2.new>", "load human<3.new>", "unload robot_2<1.done>"]);
+}
+
+/// A4, seed 000, L2924-2944, by the rules of the description: nothing is planned, so the shortest goes first. The unloading
+/// takes 3 s; loading the human 2 s, and then he works for 5 s on part 2, for 4 s on part 3 (L2029-2035).
+#[test]
+fn the_described_cell_decides_its_conflict_by_its_own_rules() {
+    let starts = ["arrive<1.new>", "arrive<2.new>", "arrive<3.new>", "load robot_2<1.new>", "robot_2.process<1.new>"];
+    let mut script = Script { starts: starts.to_vec(), asked: Vec::new() };
+    let mut world = world(made(ASSEMBLY, Supply::Closed(&[1, 1, 1])), 3, 1);
+    world.run(&mut script, Tick::from_millis(60_000));
+    let cell = linewright_cell::parse("cell.toml", ASSEMBLY, None).expect("it is sound").cell;
+    let mut by_rules = dispatcher(&cell, &world.it.table);
+    // What was scripted has taken longer than parts should wait.
+    by_rules.fairness = Fairness::OFF;
+    let mut out = Outbox::default();
+    let now = world.now;
+    world.coordination.reconsider();
+    world.coordination.step(now, &[], &mut by_rules, &mut out);
+    let Fact::Decided { started, held, .. } = &out.records[0].fact else { panic!("{:?}", out.records) };
+    let said = words::decision(&world.it.table, started, held);
+    assert_eq!(started.len(), 1);
+    assert!(said[0].starts_with("`unload robot_2<1.done>` with part "), "{said:?}");
+    assert!(said[1].contains("by shortest-processing-time (takes 3 s; the other takes 7 s)"), "{said:?}");
+    assert!(said[2].contains("by shortest-processing-time (takes 3 s; the other takes 6 s)"), "{said:?}");
+}
+
+/// A5, seed 000, L2736: robot 1 loads the human with a part 2 while robot 2 works on a part 1. Orders are out to two
+/// stations: a load of the human is robot 1's alone, since his station is a lamp.
+#[test]
+fn loading_and_working_are_in_progress_at_once() {
+    let starts =
+        ["arrive<1.new>", "arrive<2.new>", "load robot_2<1.new>", "robot_2.process<1.new>", "load human<2.new>"];
+    let mut script = Script { starts: starts.to_vec(), asked: Vec::new() };
+    let mut world = world(made(ASSEMBLY, Supply::Closed(&[1, 1, 0])), 3, 1);
+    let mut seen = false;
+    for millis in (0..60_000).step_by(20) {
+        world.run(&mut script, Tick::from_millis(millis));
+        let table = world.state().table();
+        let running = world.state().firings().filter(|firing| firing.phase == Phase::Running);
+        let names: Vec<&str> = running.map(|firing| table.mode_name(firing.mode)).collect();
+        seen |= names.contains(&"robot_2.process<1.new>") && names.contains(&"load human<2.new>");
+    }
+    assert!(seen && script.starts.is_empty());
+}
+
+/// Lets so many parts of each type in, and leaves the rest to the first come.
+struct LetIn {
+    left: BTreeMap<&'static str, usize>,
+}
+
+impl Dispatcher for LetIn {
+    fn decide(&mut self, question: &Question<'_>) -> Answer {
+        let mut answer = Fifo.decide(question);
+        let table = question.state.table();
+        answer.start.retain(|start| {
+            let name = table.mode_name(question.candidates[start.candidate].mode);
+            let Some(left) = self.left.get_mut(name) else { return true };
+            let may = *left > 0;
+            if may {
+                *left -= 1;
+            } else {
+                answer.held.push(Held { candidate: start.candidate, reason: Reason::NotYet(Tick::NEVER), until: None });
+            }
+            may
+        });
+        answer
+    }
+}
+
+/// Five parts go through workcell C1, with lost and doubled messages: each is loaded, worked on and unloaded as often as
+/// its plan says, and all leave.
+#[test]
+fn all_parts_that_enter_workcell_c1_leave_it_finished() {
+    for seed in 0..5 {
+        let made = made(C1, Supply::Open);
+        let mut world = world(made, 4, seed);
+        world.options.bad_luck = 30;
+        world.options.replays = true;
+        let mut dispatcher = LetIn { left: [("enter<A.new>", 3), ("enter<B.new>", 2)].into() };
+        world.run(&mut dispatcher, Tick::from_millis(600_000));
+        assert_eq!((world.state().left(), world.state().parts().len()), (5, 0), "seed {seed}");
+        // Stations as they are named: m1, m2, m3, robot. Two loads and two unloads for each part; every machine clamps,
+        // works and releases for each step.
+        let done: Vec<usize> = world.stations.iter().map(|station| station.done.len()).collect();
+        assert_eq!(done[3], 5 * 4, "seed {seed}");
+        assert_eq!(done[0] + done[1] + done[2], 5 * 2 * 3, "seed {seed}");
+        // M3 grinds all five; M1 can only turn A, M2 has the drilling of B at least.
+        assert!(done[2] == 5 * 3 && done[0] <= 3 * 3 && done[1] >= 2 * 3, "seed {seed}: {done:?}");
+    }
+}
+
+/// The robot is told the slot: that of the part in the store, or a free one. No slot has two parts, and a part is fetched
+/// from where it was put.
+#[test]
+fn each_part_has_a_slot_of_its_own_in_the_store() {
+    for seed in 0..5 {
+        let mut world = world(made(C1, Supply::Open), 4, seed);
+        world.options.bad_luck = 30;
+        world.options.replays = true;
+        let mut dispatcher = LetIn { left: [("enter<A.new>", 4), ("enter<B.new>", 3)].into() };
+        world.run(&mut dispatcher, Tick::from_millis(900_000));
+        assert_eq!(world.state().left(), 7, "seed {seed}");
+        let told = |done: &linewright_simulation::cell::Done| match &done.parameters[..] {
+            [(name, slot)] if &**name == "slot" => (done.task.starts_with("unload"), done.part.unwrap(), *slot),
+            other => panic!("{other:?}"),
+        };
+        let robot: Vec<_> = world.stations[3].done.iter().map(told).collect();
+        assert_eq!(robot.len(), 7 * 4);
+        let mut last = BTreeMap::new();
+        for &(stores, part, slot) in &robot {
+            assert!((1..=6).contains(&slot), "{slot}");
+            let put = last.insert(part, slot);
+            // Nobody tells the robot where a part was put that came in by hand.
+            assert!(stores || put.is_none_or(|put| put == slot), "{part} was put into {put:?} and fetched from {slot}");
+        }
+        let mut used: Vec<i32> = robot.iter().map(|&(.., slot)| slot).collect();
+        used.sort_unstable();
+        used.dedup();
+        assert!(used.len() > 2, "several are in it at once");
+    }
+}
+
+/// The times and limits of a mode are those of its stage.
+#[test]
+fn modes_have_the_times_of_their_stages() {
+    let made = made(C1, Supply::Open);
+    let of = |name: &str| {
+        let mode = made.table.modes().find(|&mode| made.table.mode_name(mode) == name);
+        made.table.activity(mode.unwrap_or_else(|| panic!("no mode {name}")))
+    };
+    let second = Duration::from_secs;
+    let work = of("M2.process<A.new>");
+    assert_eq!(work.kind, ActivityKind::Decided { time: second(55), limit: None });
+    assert_eq!((work.orders.len(), work.orders[0].limit), (1, second(110)));
+    assert_eq!(work.orders[0].parameters, [("program".into(), Value::Number(1))]);
+    assert_eq!(of("M2.process<B.grind>").orders[0].parameters, [("program".into(), Value::Number(4))]);
+    let load = of("load M3<B.new>");
+    assert_eq!(load.orders.iter().map(|order| order.limit).collect::<Vec<_>>(), [second(24), second(26)]);
+    assert_eq!(of("enter<A.new>").kind, ActivityKind::Decided { time: Duration::ZERO, limit: None });
+    assert!(made.table.modes().all(|mode| made.table.activity(mode).servers == 1));
+}
+
+#[test]
+fn what_cannot_be_played_says_why() {
+    let text = C1.replace("reserve = true", "reserve = false");
+    let cell = linewright_cell::parse("cell.toml", &text, None).expect("it can be described").cell;
+    let refused = described(&cell, None, Supply::Open, PACE);
+    assert!(matches!(refused, Err(Unplayable::Unreserved)));
+    let line = linewright_line::TransferLine::default().text();
+    let line = linewright_line::parse("line.toml", &line).expect("the shipped line is sound").line;
+    let cell = linewright_cell::parse("cell.toml", C1, None).expect("it is sound").cell;
+    let refused = described(&cell, Some(&line), Supply::Open, PACE).map(|_| ()).unwrap_err();
+    assert_eq!(refused.to_string(), "the line has no station `m1`");
+}

@@ -1,0 +1,76 @@
+//! Alarm given by hand: what the resource has to do with stops, and is put right like anything else that stands half-way.
+
+use linewright_coordinator_cell::exception::{Asked, DownCause, Objection};
+use linewright_coordinator_cell::{Cause, Firing, Input, Outcome, Phase};
+
+use super::bench::Bench;
+
+#[test]
+fn a_person_can_give_alarm_of_a_machine() {
+    let mut bench = Bench::c1(&[1, 1]);
+    bench.until_that(|bench| bench.firing("M1.process<A.new>").is_some());
+    let m1 = bench.resource("M1");
+    bench.say(Input::Alarm { resource: m1, text: "smoke" });
+    bench.until_that(|bench| bench.state().exceptions().alarms().len() > 0);
+    let firing = bench.firing("M1.process<A.new>").expect("it has failed").clone();
+    assert_eq!(firing.phase, Phase::Failed(Cause::ByHand { resource: m1 }));
+    assert_eq!(bench.down(), [("M1".to_owned(), DownCause::Alarm { text: "smoke".to_owned() })]);
+    bench.say(Input::Resource { resource: m1, up: true });
+    assert_eq!(bench.objections(), [(Asked::Up(m1), Objection::Open(m1))]);
+    assert!(bench.alarm().text.ends_with("m1 stands between rests)"), "{}", bench.alarm().text);
+    // The other part is made meanwhile: B needs M3 and M2 only.
+    bench.until_that(|bench| bench.state().left() == 1);
+    bench.answer("as-before");
+    bench.closed(firing.id);
+    bench.say(Input::Resource { resource: m1, up: true });
+    let station = bench.station("m1");
+    assert_eq!(bench.objections().last(), Some(&(Asked::Up(m1), Objection::NotAtRest(station))));
+    // It was stopped where it was: a person leads it to a rest.
+    let now = bench.sim.now;
+    bench.at("m1").bring_to_rest(now);
+    bench.until(now.as_micros() as f64 / 1e6 + 2.0);
+    bench.say(Input::Resource { resource: m1, up: true });
+    bench.all_leave(2);
+}
+
+/// After an alarm a station on its way back stops as well, whatever had failed before, and in whichever life of the
+/// coordinator.
+#[test]
+fn an_alarm_stops_what_goes_back_from_another_failure() {
+    for crash in [false, true] {
+        let mut bench = Bench::c1(&[1, 0]);
+        bench.until_that(|bench| bench.firing("M1.process<A.new>").is_some());
+        bench.at("m1").is_stuck = true;
+        bench.until_that(|bench| bench.steps().is_empty() && bench.firing("M1.process<A.new>").is_some_and(has_failed));
+        let m1 = bench.resource("M1");
+        if crash {
+            // The record of the alarm is written, and nothing was told yet.
+            bench.sim.options.crash_at = vec![bench.sim.steps + 1];
+        }
+        bench.say(Input::Alarm { resource: m1, text: "" });
+        assert_eq!(bench.sim.lives, 1 + usize::from(crash));
+        bench.until_that(|bench| bench.state().exceptions().alarms().len() > 0);
+        let (_, outcome, _) = bench.at("m1").ended.last().copied().expect("it has ended");
+        assert_eq!((outcome, bench.at("m1").is_held), (Outcome::Failed(1006), true), "crash: {crash}");
+        assert_eq!(bench.down(), [("M1".to_owned(), DownCause::Alarm { text: String::new() })]);
+    }
+}
+
+fn has_failed(firing: &Firing) -> bool {
+    firing.phase != Phase::Running
+}
+
+/// What is left out already can have alarm given of it. It is once, and the time counts from the beginning.
+#[test]
+fn alarm_can_be_given_of_what_is_left_out() {
+    let mut bench = Bench::c1(&[1, 0]);
+    let m1 = bench.resource("M1");
+    bench.say(Input::Resource { resource: m1, up: false });
+    let since = bench.state().exceptions().is_down(m1).expect("it is").since;
+    bench.until(1.0);
+    for text in ["smoke", "fire"] {
+        bench.say(Input::Alarm { resource: m1, text });
+        assert_eq!(bench.down(), [("M1".to_owned(), DownCause::Alarm { text: "smoke".to_owned() })]);
+    }
+    assert_eq!(bench.state().exceptions().is_down(m1).expect("it is").since, since);
+}

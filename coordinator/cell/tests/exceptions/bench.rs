@@ -1,0 +1,175 @@
+//! A described cell, played, with what went wrong to be asked about.
+
+use std::path::Path;
+use std::sync::Arc;
+use std::time::Duration;
+
+use linewright_cell::Cell;
+use linewright_cell::net::Supply;
+use linewright_coordinator_cell::described::{Pace, described};
+use linewright_coordinator_cell::exception::{Alarm, Step, Unable};
+use linewright_coordinator_cell::{
+    CellId, CellTable, Fact, Fifo, Firing, Input, ModeId, PartId, Presence, ResourceId, State,
+};
+use linewright_line::{StationId, Tick};
+use linewright_simulation::cell::{CellOptions, CellSim, Pace as Takes};
+
+const PACE: Pace = Pace { refresh: Duration::from_millis(200), grace: Duration::from_secs(1) };
+/// A station that has an order and was not heard for so long is lost.
+pub const STALE: Duration = Duration::from_secs(3);
+/// So long stations have to come to rest.
+pub const SECURE: Duration = Duration::from_secs(10);
+
+pub fn workcell() -> String {
+    let path = Path::new(env!("CARGO_MANIFEST_DIR")).join("../../launch-config/lines/workcell-c1/cell.toml");
+    std::fs::read_to_string(path).expect("it is there")
+}
+
+/// A cell that is to make so many parts of each type.
+pub fn table(text: &str, parts: &[u32]) -> (Cell, Arc<CellTable>) {
+    let cell = linewright_cell::parse("cell.toml", text, None).expect("it is sound").cell;
+    let table = described(&cell, None, Supply::Batch(parts), PACE).expect("it can be played").table;
+    let mut handling = table.handling().clone();
+    (handling.stale, handling.secure) = (Some(STALE), SECURE);
+    (cell, Arc::new(table.with_handling(handling)))
+}
+
+pub fn options(seed: u64) -> CellOptions {
+    let millis = Duration::from_millis;
+    CellOptions {
+        seed,
+        pace: Takes::Nominal { spread: 0.0 },
+        delay: (millis(1), millis(20)),
+        period: millis(100),
+        replays: true,
+        ..CellOptions::default()
+    }
+}
+
+/// A cell, played.
+pub struct Bench {
+    pub table: Arc<CellTable>,
+    pub sim: CellSim,
+    seen: usize,
+}
+
+impl Bench {
+    pub fn new(text: &str, parts: &[u32]) -> Self {
+        let (cell, table) = table(text, parts);
+        let mut sim = CellSim::new(table.clone(), cell.controllers.len(), options(1));
+        sim.senses = true;
+        Bench { table, sim, seen: 0 }
+    }
+
+    pub fn c1(parts: &[u32]) -> Self {
+        Self::new(&workcell(), parts)
+    }
+
+    /// Until so many seconds have gone.
+    pub fn until(&mut self, seconds: f64) {
+        self.sim.run(&mut Fifo, Tick::from_micros((seconds * 1e6) as u64));
+    }
+
+    /// Plays until a part rests in M1 after an activity, because a station is moved by hand, and takes it away; the
+    /// difference is found when M1 is to be counted on again. Gives the part, and the marking before.
+    pub fn taken_away(&mut self, activity: &str, idle: &str, at: &str) -> (PartId, Vec<u64>) {
+        self.until_that(|bench| bench.firing(activity).is_some());
+        self.at(idle).unable = Some(Unable::ByHand);
+        self.until_that(|bench| bench.count(at) > 0);
+        let part = self.state().parts().next().expect("it is inside").id;
+        let (m1, before) = (self.resource("M1"), self.state().marking().counts().to_vec());
+        self.say(Input::Resource { resource: m1, up: false });
+        self.sim.truth.put(part, None);
+        self.works(idle);
+        self.say(Input::Resource { resource: m1, up: true });
+        (part, before)
+    }
+
+    /// A station is moved by hand no longer, and says so.
+    pub fn works(&mut self, idle: &str) {
+        self.at(idle).unable = None;
+        self.until(self.sim.now.as_micros() as f64 / 1e6 + 2.0);
+    }
+
+    /// Step by step until something holds; for an hour at most.
+    pub fn until_that(&mut self, what: impl Fn(&Bench) -> bool) {
+        for _ in 0..36_000 {
+            if what(self) {
+                return;
+            }
+            let next = self.sim.now + Duration::from_millis(100);
+            self.sim.run(&mut Fifo, next);
+        }
+        panic!("it does not come to that: {:#?}", self.steps());
+    }
+
+    pub fn say(&mut self, what: Input<'_>) {
+        self.sim.say(&mut Fifo, &[what]);
+    }
+
+    /// What is answered to the alarm that stands.
+    pub fn answer(&mut self, word: &str) {
+        let alarm = self.alarm().id;
+        self.say(Input::Answer { alarm, word });
+    }
+
+    pub fn state(&self) -> &State {
+        self.sim.state()
+    }
+
+    pub fn station(&self, name: &str) -> StationId {
+        let known = &self.table.handling().stations;
+        known.iter().find(|(_, of)| **of == *name).map(|(id, _)| *id).expect("there is such a station")
+    }
+
+    pub fn at(&mut self, name: &str) -> &mut linewright_simulation::cell::Station {
+        let index = self.station(name).index();
+        &mut self.sim.stations[index]
+    }
+
+    pub fn resource(&self, name: &str) -> ResourceId {
+        self.table.handling().resource_named(name).expect("there is such a resource")
+    }
+
+    pub fn mode(&self, name: &str) -> ModeId {
+        self.table.modes().find(|&mode| self.table.mode_name(mode) == name).expect("there is such a mode")
+    }
+
+    pub fn cell(&self, name: &str) -> CellId {
+        self.table.cells().find(|&cell| self.table.cell_name(cell) == name).expect("there is such a cell")
+    }
+
+    pub fn count(&self, name: &str) -> u64 {
+        self.state().marking().count(self.cell(name))
+    }
+
+    /// The activity of that mode that is in progress.
+    pub fn firing(&self, mode: &str) -> Option<&Firing> {
+        let mode = self.mode(mode);
+        self.state().firings().find(|firing| firing.mode == mode)
+    }
+
+    /// The only alarm that stands.
+    pub fn alarm(&self) -> &Alarm {
+        let alarms: Vec<_> = self.state().exceptions().alarms().collect();
+        assert_eq!(alarms.len(), 1, "{alarms:#?}");
+        alarms[0]
+    }
+
+    /// The steps of exceptions so far.
+    pub fn steps(&self) -> Vec<&Step> {
+        let facts = self.sim.log.iter().map(|record| &record.fact);
+        facts.filter_map(|fact| if let Fact::Exception(step) = fact { Some(step) } else { None }).collect()
+    }
+
+    /// What was written since this was asked last.
+    pub fn news(&mut self) -> Vec<Fact> {
+        let facts = self.sim.log[self.seen..].iter().map(|record| record.fact.clone()).collect();
+        self.seen = self.sim.log.len();
+        facts
+    }
+
+    pub fn presence(&self, name: &str) -> Presence {
+        self.sim.stations[self.station(name).index()].presence
+    }
+}

@@ -1,0 +1,146 @@
+//! A rule that puts stations into emergency stop: at once, over restarts, until somebody resets them.
+
+use linewright_coordinator_cell::exception::{Asked, DownCause, Objection, Step, isolated};
+use linewright_coordinator_cell::{Fact, Input, Phase, State};
+use linewright_line::StationId;
+
+use super::bench::{Bench, workcell};
+
+const LOAD: &str = "load M1<A.new>";
+
+fn stopping(which: &str) -> Bench {
+    let rule = format!("retries = 2\nemergency_stop = [{which}]");
+    Bench::new(&workcell().replacen("retries = 2", &rule, 1), &[1, 0])
+}
+
+impl Bench {
+    fn stopped(&self) -> Vec<StationId> {
+        self.state().exceptions().stopped().collect()
+    }
+
+    /// The loading runs out of time.
+    fn load_runs_out(&mut self) {
+        self.at("robot").is_stuck = true;
+        self.at("m1").is_stuck = true;
+        self.until_that(|bench| bench.firing(LOAD).is_some_and(|of| of.phase != Phase::Running));
+    }
+
+    fn seconds_later(&mut self, seconds: f64) {
+        let now = self.sim.now.as_micros() as f64 / 1e6;
+        self.until(now + seconds);
+    }
+}
+
+#[test]
+fn its_stations_stop_and_the_resources_are_left_out() {
+    let mut bench = stopping("\"*\"");
+    bench.load_runs_out();
+    let [robot, m1] = ["robot", "m1"].map(|name| bench.station(name));
+    let firing = bench.firing(LOAD).expect("it has failed").id;
+    assert_eq!(bench.stopped().len(), 2);
+    let raised = bench.sim.log.iter().position(|record| matches!(record.fact, Fact::Raised { .. })).expect("it was");
+    let next: Vec<_> = bench.sim.log[raised + 1..raised + 3].iter().map(|record| &record.fact).collect();
+    assert!(next.iter().all(|fact| matches!(fact, Fact::Exception(Step::Stopped { .. }))), "at once: {next:?}");
+    assert!(isolated(bench.state()).is_superset(&[robot, m1].into()));
+    let because = DownCause::EmergencyStop(firing);
+    assert_eq!(bench.down(), [("M1".to_owned(), because.clone()), ("R".to_owned(), because)]);
+
+    bench.until_that(|bench| bench.state().exceptions().alarms().len() > 0);
+    let text = bench.alarm().text.clone();
+    assert!(text.ends_with("robot is in emergency stop, m1 is in emergency stop)"), "{text}");
+    assert!(bench.at("m1").is_held && bench.at("robot").is_held);
+}
+
+/// Answered, led to a rest and up: none of it is possible without a reset, or instead of one.
+#[test]
+fn only_a_reset_leads_out() {
+    let mut bench = stopping("\"m1\"");
+    bench.load_runs_out();
+    let (m1, station) = (bench.resource("M1"), bench.station("m1"));
+    assert_eq!(bench.stopped(), [station]);
+    bench.until_that(|bench| bench.state().exceptions().alarms().len() > 0);
+    let now = bench.sim.now;
+    for name in ["m1", "robot"] {
+        bench.at(name).is_stuck = false;
+        bench.at(name).bring_to_rest(now);
+    }
+    bench.seconds_later(2.0);
+    let firing = bench.firing(LOAD).expect("it is open").id;
+    bench.answer("in-store");
+    bench.closed(firing);
+    bench.say(Input::Resource { resource: m1, up: true });
+    assert_eq!(bench.objections().last(), Some(&(Asked::Up(m1), Objection::EmergencyStop(station))));
+    assert_eq!(bench.stopped(), [station]);
+
+    bench.say(Input::Reset(station));
+    assert_eq!((bench.stopped(), bench.state().exceptions().is_down(m1).is_some()), (vec![], true));
+    bench.say(Input::Reset(station));
+    assert_eq!(bench.objections().last(), Some(&(Asked::Reset(station), Objection::AlreadySo)));
+    bench.say(Input::Resource { resource: m1, up: true });
+    bench.all_leave(1);
+}
+
+/// Reset while the activity is still open it does not stop again by the same rule.
+#[test]
+fn one_failure_stops_a_station_once() {
+    let mut bench = stopping("\"m1\"");
+    bench.load_runs_out();
+    let station = bench.station("m1");
+    // The robot is still on its way back.
+    bench.seconds_later(0.3);
+    assert_eq!(bench.state().exceptions().alarms().len(), 0);
+    bench.say(Input::Reset(station));
+    assert_eq!(bench.stopped(), [], "{:?}", bench.objections());
+    bench.until_that(|bench| bench.state().exceptions().alarms().len() > 0);
+    assert_eq!(bench.stopped(), []);
+    let times = bench.steps().into_iter().filter(|step| matches!(step, Step::Stopped { .. })).count();
+    assert_eq!(times, 1);
+}
+
+/// A station that has nothing to do with the failure stops as well, and what it is doing fails by that.
+#[test]
+fn a_station_of_another_activity_can_be_named() {
+    let mut bench = stopping("\"m3\"");
+    bench.load_runs_out();
+    let (m3, station) = (bench.resource("M3"), bench.station("m3"));
+    assert_eq!(bench.stopped(), [station]);
+    assert!(bench.state().exceptions().is_down(m3).is_some() && isolated(bench.state()).contains(&station));
+    bench.until_that(|bench| bench.state().exceptions().alarms().len() > 0);
+    assert!(bench.alarm().text.ends_with("m3 is in emergency stop)"), "{}", bench.alarm().text);
+}
+
+/// One that is not heard, or that was heard at its order, is not reset: nobody knows whether it has stopped.
+#[test]
+fn a_station_is_reset_when_it_is_known_to_stand() {
+    let mut bench = stopping("\"m1\"");
+    bench.at("m1").is_stuck = true;
+    bench.load_runs_out();
+    let station = bench.station("m1");
+    bench.say(Input::Reset(station));
+    assert_eq!(bench.objections().last(), Some(&(Asked::Reset(station), Objection::Moves(station))));
+    bench.at("m1").is_away = true;
+    bench.seconds_later(5.0);
+    bench.say(Input::Reset(station));
+    assert_eq!(bench.objections().last(), Some(&(Asked::Reset(station), Objection::NotHeard(station))));
+    assert_eq!(bench.stopped(), [station]);
+}
+
+/// Whichever record is the last of its life, the stations are stopped in the next.
+#[test]
+fn the_stop_outlives_the_coordinator() {
+    let mut calm = stopping("\"*\"");
+    calm.load_runs_out();
+    let first = calm.sim.steps;
+    for at in first - 8..first + 2 {
+        let mut bench = stopping("\"*\"");
+        bench.sim.options.crash_at = vec![at];
+        bench.load_runs_out();
+        bench.seconds_later(2.0);
+        assert_eq!((bench.sim.lives, bench.stopped().len()), (2, 2), "at {at}");
+        assert_eq!(bench.down().len(), 2, "at {at}");
+        // And over a snapshot.
+        let again = State::restore(bench.table.clone(), bench.state().snapshot()).expect("it is its own");
+        assert_eq!(again.exceptions().stopped().count(), 2);
+        assert!(again.exceptions() == bench.state().exceptions(), "at {at}");
+    }
+}

@@ -1,0 +1,100 @@
+//! When a station is missed: exactly when it was not heard for so long, whoever else is heard, and whenever it was told
+//! something. What the player remembers of it is a bound; here everything is worked out anew after each step.
+
+use std::collections::BTreeMap;
+use std::time::Duration;
+
+use linewright_coordinator_cell::{
+    Coordination, Fact, Failure, Fifo, Heard, Input, Order, OrderKey, OrderState, Outbox, Outcome, Phase, Reply, Send,
+    State,
+};
+use linewright_line::{StationId, Tick};
+
+use super::bench::{STALE, table, workcell};
+
+struct Dice(u64);
+
+impl Dice {
+    fn below(&mut self, bound: u64) -> u64 {
+        self.0 = self.0.wrapping_mul(6_364_136_223_846_793_005).wrapping_add(1_442_695_040_888_963_407);
+        (self.0 >> 33) % bound
+    }
+}
+
+fn is_open(order: &Order) -> bool {
+    match order.state {
+        OrderState::Written | OrderState::Running => true,
+        OrderState::Ended | OrderState::Failed(_) => false,
+    }
+}
+
+/// The orders that are waited for, by when their stations are missed.
+fn waited_for<'a>(state: &'a State, last: &'a [Tick]) -> impl Iterator<Item = Tick> + 'a {
+    let running = state.firings().filter(|firing| firing.phase == Phase::Running);
+    let open = running.flat_map(|firing| firing.orders.iter().filter(|order| is_open(order)));
+    open.map(|order| last[order.station.index()] + STALE)
+}
+
+/// How many orders were lost.
+fn play(seed: u64) -> usize {
+    let mut dice = Dice(seed.wrapping_mul(0x9E37_79B9_7F4A_7C15) | 1);
+    let (cell, table) = table(&workcell(), &[4, 4]);
+    let mut last = vec![Tick::ZERO; cell.controllers.len()];
+    // How often each is heard: some hardly ever.
+    let seldom: Vec<u64> = last.iter().map(|_| 2 + dice.below(40)).collect();
+    let mut out = Outbox::default();
+    let mut player = Coordination::begin(State::new(table), Tick::ZERO, 1, &mut out).expect("a first life");
+    let heard = Heard { memory: 1, ..Heard::default() };
+    let mut told: BTreeMap<OrderKey, (StationId, bool)> = BTreeMap::new();
+    let (mut now, mut lost) = (Tick::ZERO, 0);
+    for step in 0..300 {
+        let mut inputs = vec![Input::Starts(true)];
+        for (at, last) in last.iter_mut().enumerate() {
+            if step == 0 || dice.below(seldom[at]) == 0 {
+                *last = now;
+                inputs.push(Input::Station(StationId::at(at), &heard));
+            }
+        }
+        let mut left = BTreeMap::new();
+        for (key, (station, has_begun)) in std::mem::take(&mut told) {
+            let (runs, ends) = (!has_begun && dice.below(2) == 0, has_begun && dice.below(30) == 0);
+            let reply = if ends { Reply::Ended(Outcome::Done) } else { Reply::Running };
+            if runs || ends {
+                inputs.push(Input::Reply(station, key, reply));
+            }
+            if !ends {
+                left.insert(key, (station, has_begun || runs));
+            }
+        }
+        told = left;
+        player.step(now, &inputs, &mut Fifo, &mut out);
+        for record in out.records.drain(..) {
+            if let Fact::OrderFailed { key, failure: Failure::Lost } = record.fact {
+                let (_, order) = player.state().order(key).expect("it is kept while it is not known what is true");
+                assert!(last[order.station.index()] + STALE <= now, "{seed}: {key} is lost too early");
+                lost += 1;
+            }
+        }
+        for send in out.sends.drain(..) {
+            if let Send::Order(order) = send {
+                told.entry(order.key).or_insert((order.station, false));
+            }
+        }
+        let first = waited_for(player.state(), &last).min();
+        assert!(first.is_none_or(|first| first > now), "{seed}: somebody is not missed");
+        let wakes = player.next_deadline();
+        assert!(first.is_none_or(|first| wakes.is_some_and(|wakes| wakes <= first)), "{seed}: nobody wakes it");
+        now = match wakes {
+            // Exactly then, now and then.
+            Some(wakes) if wakes > now && dice.below(3) == 0 => wakes,
+            Some(_) | None => now + Duration::from_millis(1 + dice.below(300)),
+        };
+    }
+    lost
+}
+
+#[test]
+fn a_station_is_missed_exactly_when_it_was_not_heard_for_so_long() {
+    let lost: Vec<usize> = (0..200).map(play).collect();
+    assert!(lost.iter().filter(|&&lost| lost > 0).count() > 150, "{lost:?}");
+}

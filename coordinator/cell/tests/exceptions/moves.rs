@@ -1,0 +1,64 @@
+//! What still moves: nobody is asked about it, no answer is taken, and both clocks mean the same.
+
+use std::time::Duration;
+
+use linewright_coordinator_cell::exception::{Asked, Objection};
+use linewright_coordinator_cell::{Cause, Failure, Heard, Input, OrderState, Outcome, Phase};
+
+use super::bench::{Bench, workcell};
+
+const LOAD: &str = "load M1<A.new>";
+
+/// What a fault has ended may be gone back from: until that has ended too, nothing of it has come to rest.
+#[test]
+fn while_a_station_goes_back_nobody_is_asked_and_no_answer_is_taken() {
+    let mut bench = Bench::c1(&[1, 0]);
+    bench.until_that(|bench| {
+        bench.firing(LOAD).is_some_and(|of| of.orders.iter().all(|of| of.state != OrderState::Written))
+    });
+    let (robot, key) = (bench.station("robot"), bench.firing(LOAD).unwrap().orders[0].key);
+    bench.at("robot").is_away = true;
+    let stands = Heard { slot: None, results: vec![(key, Outcome::Failed(1001))], ..bench.at("robot").heard() };
+    let moves = Heard { slot: Some(key), ..stands.clone() };
+    for _ in 0..20 {
+        bench.say(Input::Station(robot, &moves));
+        bench.until(bench.sim.now.as_micros() as f64 / 1e6 + 0.1);
+    }
+    let failure = Failure::Code(1001);
+    assert_eq!(bench.firing(LOAD).unwrap().phase, Phase::Failed(Cause::Order { key, failure }));
+    assert_eq!(bench.state().exceptions().alarms().len(), 0, "the robot moves");
+    bench.say(Input::Station(robot, &stands));
+    let alarm = bench.alarm().clone();
+    assert!(alarm.text.contains("robot is at rest"), "{}", alarm.text);
+    // It begins to move again.
+    bench.say(Input::Station(robot, &moves));
+    bench.answer("as-before");
+    assert_eq!(bench.objections(), [(Asked::Answer(alarm.id), Objection::Moves(robot))]);
+    bench.say(Input::Station(robot, &stands));
+    bench.answer("as-before");
+    // And once more, before what was answered has been compared.
+    bench.say(Input::Station(robot, &moves));
+    assert!(
+        bench.alarm().text.starts_with("robot has moved since \"as-before\" was answered."),
+        "{}",
+        bench.alarm().text
+    );
+    assert!(bench.firing(LOAD).is_some());
+}
+
+/// Its time was over at the coordinator first; the station says what it waited for, and a rule of its own code counts.
+#[test]
+fn what_a_station_waited_for_is_why_it_failed_whoever_was_first() {
+    let text = workcell().replace("code = \"time-out\"", "code = \"22\"");
+    for first in [false, true] {
+        let mut bench = Bench::new(&text, &[1, 0]);
+        (bench.at("robot").is_stuck, bench.at("m1").is_stuck) = (true, true);
+        bench.at("robot").waits_code = Some(22);
+        bench.at("robot").fast = if first { Duration::from_secs(1) } else { Duration::ZERO };
+        bench.until_that(|bench| bench.state().exceptions().alarms().len() > 0);
+        let of = bench.firing(LOAD).unwrap();
+        let cause = Cause::Order { key: of.orders[0].key, failure: Failure::Code(22) };
+        assert_eq!(of.phase, Phase::Failed(cause), "the station first: {first}");
+        assert_eq!(bench.alarm().words, ["in-store", "in-machine", "scrap"]);
+    }
+}

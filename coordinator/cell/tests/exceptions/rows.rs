@@ -1,0 +1,461 @@
+//! What each answer does to marking and parts, and what is asked where an answer cannot be.
+
+use std::time::Duration;
+
+use linewright_coordinator_cell::dispatch::why_out;
+use linewright_coordinator_cell::exception::{About, Asked, By, DownCause, Objection, Standing, Step, Strategy};
+use linewright_coordinator_cell::{
+    Cause, Event, Fact, Failure, Firing, FiringId, Input, PartId, Phase, Presence, State, Unable,
+};
+
+use super::bench::{Bench, workcell};
+
+const LOAD: &str = "load M1<A.new>";
+const PART: PartId = PartId(1);
+const ANSWERS: &str = "{ word = \"scrap\", part = \"gone\", then = \"backward\" },";
+
+/// The rule of C1 with other answers beside `in-store` and `in-machine`.
+fn answering(others: &str) -> String {
+    workcell().replace(ANSWERS, others)
+}
+
+impl Bench {
+    /// Robot and machine wait for each other until both have come to rest and somebody is told.
+    pub fn load_fails(&mut self) -> Firing {
+        self.at("robot").is_stuck = true;
+        self.at("m1").is_stuck = true;
+        self.until_that(|bench| bench.state().exceptions().alarms().len() > 0);
+        self.at("robot").is_stuck = false;
+        self.at("m1").is_stuck = false;
+        self.firing(LOAD).expect("it has failed").clone()
+    }
+
+    pub fn closed(&mut self, firing: FiringId) -> Step {
+        let is_it = |step: &Step| matches!(step, Step::Closed { firing: of, .. } if *of == firing);
+        self.until_that(|bench| bench.steps().into_iter().any(is_it));
+        self.steps().into_iter().find(|step| is_it(step)).expect("it is closed").clone()
+    }
+
+    /// The state before a record, and after it.
+    pub fn around(&self, is: impl Fn(&Fact) -> bool) -> [State; 2] {
+        let at = self.sim.log.iter().position(|record| is(&record.fact)).expect("it was written");
+        [at, at + 1].map(|end| State::replay(self.table.clone(), &self.sim.log[..end]).expect("it fits"))
+    }
+
+    /// What an activity has changed from before its start until after its end: of each cell that changed its name.
+    pub fn changed(&self, firing: FiringId) -> Vec<(String, i64)> {
+        let [before, _] = self.around(|fact| matches!(fact, Fact::Started { firing: of, .. } if *of == firing));
+        let ends = |fact: &Fact| matches!(fact, Fact::Exception(Step::Closed { firing: of, .. }) if *of == firing);
+        let [_, after] = self.around(ends);
+        let of = |state: &State, cell| state.marking().count(cell) as i64;
+        let all = self
+            .table
+            .cells()
+            .map(|cell| (self.table.cell_name(cell).to_owned(), of(&after, cell) - of(&before, cell)));
+        all.filter(|(_, by)| *by != 0).collect()
+    }
+
+    pub fn all_leave(&mut self, parts: u64) {
+        self.until_that(|bench| bench.state().left() == parts);
+        assert_eq!(self.state().parts().len(), 0);
+    }
+
+    pub fn objections(&self) -> Vec<(Asked, Objection)> {
+        let objected = |(_, event): &(_, Event)| match event {
+            Event::Objected { to, why } => Some((*to, *why)),
+            Event::BadAnswer { .. } | Event::Superseded { .. } | Event::Busy { .. } => None,
+        };
+        self.sim.events.iter().filter_map(objected).collect()
+    }
+
+    pub fn down(&self) -> Vec<(String, DownCause)> {
+        let name = |id| self.table.handling().resource_name(id).to_owned();
+        self.state().exceptions().down().map(|(id, down)| (name(id), down.why.clone())).collect()
+    }
+}
+
+fn named(list: &[(&str, i64)]) -> Vec<(String, i64)> {
+    list.iter().map(|&(name, by)| (name.to_owned(), by)).collect()
+}
+
+/// `from`: exactly what the start took. Backward: it is decided anew.
+#[test]
+fn where_it_was_all_is_as_before_and_it_is_decided_anew() {
+    let mut bench = Bench::new(&answering("{ word = \"back\", part = \"from\", then = \"backward\" },"), &[1, 0]);
+    let firing = bench.load_fails();
+    bench.answer("back");
+    let closed = bench.closed(firing.id);
+    assert!(matches!(closed, Step::Closed { ref ruling, .. } if ruling.then == Strategy::Backward));
+    assert_eq!(bench.changed(firing.id), []);
+    assert_eq!(bench.state().exceptions().times(firing.mode, firing.part), 0);
+    bench.all_leave(1);
+}
+
+/// `to`: exactly what the end gives.
+#[test]
+fn where_it_was_to_go_all_is_as_if_it_were_done() {
+    let mut bench = Bench::c1(&[1, 0]);
+    let firing = bench.load_fails();
+    bench.sim.truth.put(PART, Some(bench.resource("M1")));
+    bench.until(bench.sim.now.as_micros() as f64 / 1e6 + 1.0);
+    bench.answer("in-machine");
+    bench.closed(firing.id);
+    let expected = [
+        ("M1.available-capacity", -1),
+        ("M1.loaded<A.new>", 1),
+        ("ST.available-capacity", 1),
+        ("ST.stored-parts<A.new>", -1),
+    ];
+    let mut changed = bench.changed(firing.id);
+    changed.sort();
+    assert_eq!(changed, named(&expected));
+    let loads =
+        bench.sim.log.iter().filter(|record| matches!(record.fact, Fact::Started { mode, .. } if mode == firing.mode));
+    assert_eq!(loads.count(), 1);
+    bench.all_leave(1);
+}
+
+/// `gone`: the part is no more, whoever had it or was to have it has room, and another one comes in its place.
+#[test]
+fn where_there_is_no_part_any_more_another_one_comes() {
+    let mut bench = Bench::c1(&[1, 0]);
+    let firing = bench.load_fails();
+    bench.sim.truth.put(PART, None);
+    bench.answer("scrap");
+    bench.closed(firing.id);
+    let mut changed = bench.changed(firing.id);
+    changed.sort();
+    let expected = [
+        ("ST.available-capacity", 1),
+        ("ST.stored-parts<A.new>", -1),
+        ("outside.room", 1),
+        ("outside.waiting<A.new>", 1),
+    ];
+    assert_eq!(changed, named(&expected));
+    assert_eq!((bench.state().part(PART), bench.state().exceptions().scrapped()), (None, 1));
+    bench.all_leave(1);
+    assert!(bench.sim.log.iter().any(|record| matches!(record.fact, Fact::Started { part: Some(PartId(2)), .. })));
+}
+
+/// The same of something that is worked on.
+#[test]
+fn a_part_that_breaks_while_it_is_worked_on_is_gone() {
+    let mut bench = Bench::c1(&[2, 0]);
+    bench.at("m1").fails_with = None;
+    bench.until_that(|bench| bench.firing("M1.process<A.new>").is_some());
+    bench.at("m1").fails_with = Some(7);
+    bench.until_that(|bench| bench.state().exceptions().alarms().len() > 0);
+    let firing = bench.firing("M1.process<A.new>").expect("it has failed").clone();
+    assert_eq!(bench.alarm().words, ["as-before", "as-done", "gone"]);
+    assert!(bench.alarm().text.starts_with(
+        "M1.process with part 1 has failed. Say where the part is. (M1.process: m1 has not ended in time, what it \
+         waited for did not come (code 7),"
+    ));
+    bench.sim.truth.put(PART, None);
+    bench.until(bench.sim.now.as_micros() as f64 / 1e6 + 1.0);
+    bench.answer("gone");
+    bench.closed(firing.id);
+    bench.until_that(|bench| bench.state().left() == 2);
+    assert_eq!((bench.state().parts().len(), bench.state().exceptions().scrapped()), (0, 1));
+}
+
+/// `carrier`: what it was to give is not given, and it is asked again. The word is refused unless its hand has the part.
+#[test]
+fn a_part_in_the_hand_is_asked_about_until_it_has_been_brought() {
+    let mut bench = Bench::new(&answering("{ word = \"in-hand\", part = \"carrier\", then = \"forward\" },"), &[1, 0]);
+    bench.at("robot").holds = true;
+    let firing = bench.load_fails();
+    bench.answer("in-hand");
+    let (robot, alarm) = (bench.resource("R"), bench.alarm().id);
+    assert_eq!(bench.objections(), [(Asked::Answer(alarm), Objection::HasNoPart(robot))]);
+    bench.sim.truth.put(PART, Some(robot));
+    bench.until(bench.sim.now.as_micros() as f64 / 1e6 + 1.0);
+    for word in ["in-store", "in-machine"] {
+        bench.answer(word);
+        assert_eq!(bench.objections().last(), Some(&(Asked::Answer(alarm), Objection::HasPart(robot))), "{word}");
+    }
+    bench.answer("in-hand");
+    bench.until_that(|bench| bench.steps().contains(&&Step::Carried { firing: firing.id }));
+    assert_eq!(bench.alarm().words, ["as-before", "as-done", "gone"]);
+    assert_eq!(bench.alarm().text, "R has part 1. Bring it to M1, or back to ST, and say which.");
+    assert_eq!(bench.firing(LOAD).map(|firing| firing.id), Some(firing.id));
+    // Somebody brings it, and leaves the robot where it stands.
+    bench.sim.truth.put(PART, Some(bench.resource("M1")));
+    bench.until(bench.sim.now.as_micros() as f64 / 1e6 + 1.0);
+    bench.answer("as-done");
+    bench.closed(firing.id);
+    assert!(bench.steps().iter().any(|step| matches!(step, Step::Secured { standing: Standing::Held, .. })));
+    assert_eq!(bench.down(), [("R".to_owned(), DownCause::Station(firing.id))]);
+    // It is up when it could work again, and not before.
+    bench.say(Input::Resource { resource: robot, up: true });
+    let stands = Objection::NotAtRest(bench.station("robot"));
+    assert_eq!(bench.objections().last(), Some(&(Asked::Up(robot), stands)));
+    let now = bench.sim.now;
+    bench.at("robot").bring_to_rest(now);
+    bench.at("robot").holds = false;
+    bench.until(bench.sim.now.as_micros() as f64 / 1e6 + 1.0);
+    bench.say(Input::Resource { resource: robot, up: true });
+    assert_eq!(bench.down(), []);
+    bench.all_leave(1);
+}
+
+/// Alternatives of the plan are what is left while a machine is down.
+#[test]
+fn while_m1_is_down_parts_go_over_m2() {
+    let mut bench = Bench::new(
+        &answering("{ word = \"broken\", part = \"from\", then = \"backward\", down = [\"to\"] },"),
+        &[3, 0],
+    );
+    let firing = bench.load_fails();
+    bench.answer("broken");
+    bench.closed(firing.id);
+    assert_eq!(bench.down(), [("M1".to_owned(), DownCause::Rule(firing.id))]);
+    assert!(!bench.state().enabling().is_enabled(firing.mode) && bench.count("M1.available-capacity") == 1);
+    let from = bench.sim.log.len();
+    bench.all_leave(3);
+    let started = |record: &linewright_coordinator_cell::Record| match record.fact {
+        Fact::Started { mode, .. } => Some(bench.table.mode_name(mode)),
+        _ => None,
+    };
+    let later: Vec<_> = bench.sim.log[from..].iter().filter_map(started).collect();
+    assert!(later.iter().all(|name| !name.contains("M1")), "{later:?}");
+    let all = bench.sim.log.iter().filter_map(started);
+    assert_eq!(all.filter(|name| *name == "load M2<A.new>").count(), 3);
+    let m1 = bench.resource("M1");
+    let since = bench.state().exceptions().is_down(m1).expect("it is down").since;
+    let why = why_out(bench.state(), since + Duration::from_secs(9), m1);
+    assert_eq!(why, [format!("M1 has been left out for 9 s: the rule for {} leaves it out.", firing.id)]);
+    bench.say(Input::Resource { resource: m1, up: true });
+    assert_eq!(bench.steps().last(), Some(&&Step::Up { resource: m1, unchecked: false }));
+    assert_eq!(why_out(bench.state(), bench.sim.now, m1), ["M1 is counted on."]);
+}
+
+/// What needs nobody is done without, as often as the rule has it.
+#[test]
+fn an_automatic_rule_asks_when_its_retries_are_used_up() {
+    let mut bench = Bench::new(&workcell().replace("retries = 2", "retries = 2\nautomatic = true"), &[1, 0]);
+    let firing = bench.load_fails();
+    let by: Vec<By> = bench
+        .steps()
+        .into_iter()
+        .filter_map(|step| if let Step::Answered { by, .. } = step { Some(*by) } else { None })
+        .collect();
+    assert_eq!(
+        (by, bench.alarm().words.as_slice()),
+        (vec![By::Rule; 2], &["in-machine".to_owned(), "scrap".to_owned()][..])
+    );
+    assert_eq!(bench.state().exceptions().times(firing.mode, firing.part), 2);
+    // A person is asked as well where a station is not at rest.
+    let mut bench = Bench::new(&workcell().replace("retries = 2", "retries = 2\nautomatic = true"), &[1, 0]);
+    bench.at("robot").holds = true;
+    bench.load_fails();
+    assert_eq!(bench.alarm().words, ["in-store", "in-machine", "scrap"]);
+}
+
+/// A lie does not go silently, and changes nothing.
+#[test]
+fn an_answer_that_sensors_contradict_is_asked_about_again() {
+    let mut bench = Bench::c1(&[1, 0]);
+    let firing = bench.load_fails();
+    let before = bench.state().marking().clone();
+    let first = bench.alarm().id;
+    bench.answer("in-machine");
+    bench.until_that(|bench| bench.steps().iter().any(|step| matches!(step, Step::Mismatch { .. })));
+    let m1 = bench.resource("M1");
+    let Some(Step::Mismatch { about, found }) =
+        bench.steps().into_iter().find(|step| matches!(step, Step::Mismatch { .. }))
+    else {
+        unreachable!()
+    };
+    assert_eq!((*about, found.len()), (About::Firing(firing.id), 1));
+    assert_eq!((found[0].resource, found[0].model, found[0].plant), (m1, true, false));
+    assert!(bench.alarm().id > first && bench.state().marking() == &before);
+    assert!(bench.alarm().text.starts_with(
+        "\"in-machine\" cannot be: M1 should have a part, and its sensor says that there is none. R came to M1"
+    ));
+    bench.answer("in-store");
+    bench.all_leave(1);
+}
+
+#[test]
+fn where_no_sensor_says_anything_it_is_noted_that_nobody_has_looked() {
+    let mut bench = Bench::c1(&[1, 0]);
+    bench.sim.senses = false;
+    for station in &mut bench.sim.stations {
+        station.presence = Presence::Unknown;
+    }
+    let firing = bench.load_fails();
+    bench.answer("in-store");
+    let Step::Closed { unchecked, .. } = bench.closed(firing.id) else { unreachable!() };
+    assert_eq!(unchecked, [bench.resource("M1"), bench.resource("R")]);
+}
+
+/// Nobody waits for ever for a station that is not heard, and nobody counts on it when it is closed.
+#[test]
+fn a_station_that_is_lost_is_told_of_and_left_out() {
+    let mut bench = Bench::c1(&[1, 0]);
+    bench.until_that(|bench| bench.firing(LOAD).is_some());
+    bench.at("robot").is_away = true;
+    bench.at("m1").is_stuck = true;
+    bench.until_that(|bench| bench.state().exceptions().alarms().len() > 0);
+    let firing = bench.firing(LOAD).expect("it has failed").clone();
+    let lost = Cause::Order { key: firing.orders[0].key, failure: Failure::Lost };
+    assert_eq!(firing.phase, Phase::Failed(lost));
+    assert!(
+        bench.alarm().text.ends_with("robot was not heard to have come to rest, m1 is at rest)"),
+        "{}",
+        bench.alarm().text
+    );
+    assert_eq!(bench.alarm().words, ["as-before", "as-done", "gone"], "C1's rule is for what takes too long");
+    bench.at("m1").is_stuck = false;
+    bench.answer("as-before");
+    bench.closed(firing.id);
+    let robot = bench.resource("R");
+    assert_eq!(bench.down(), [("R".to_owned(), DownCause::Station(firing.id))]);
+    bench.say(Input::Resource { resource: robot, up: true });
+    assert_eq!(bench.objections(), [(Asked::Up(robot), Objection::NotHeard(bench.station("robot")))]);
+    bench.at("robot").is_away = false;
+    bench.until(bench.sim.now.as_micros() as f64 / 1e6 + 2.0);
+    bench.say(Input::Resource { resource: robot, up: true });
+    bench.all_leave(1);
+}
+
+#[test]
+fn a_station_without_its_memory_and_one_without_its_devices_are_told_of() {
+    let mut bench = Bench::c1(&[1, 0]);
+    bench.until_that(|bench| bench.firing(LOAD).is_some());
+    bench.at("robot").forget();
+    bench.until_that(|bench| bench.state().exceptions().alarms().len() > 0);
+    assert!(bench.alarm().text.contains("load M1: robot does not remember it,"), "{}", bench.alarm().text);
+    assert!(
+        bench.alarm().text.contains("robot has come up without its memory, m1 is at rest"),
+        "{}",
+        bench.alarm().text
+    );
+    bench.answer("as-before");
+    bench.all_leave(1);
+
+    let mut bench = Bench::c1(&[1, 0]);
+    bench.until_that(|bench| bench.sim.stations[bench.station("robot").index()].doing().is_some());
+    bench.at("robot").unable = Some(Unable::Devices);
+    bench.until_that(|bench| bench.state().exceptions().alarms().len() > 0);
+    assert!(bench.alarm().text.contains("load M1: robot has lost its devices,"), "{}", bench.alarm().text);
+    let firing = bench.firing(LOAD).expect("it has failed").id;
+    bench.answer("as-before");
+    bench.closed(firing);
+    assert_eq!(bench.down(), [("R".to_owned(), DownCause::Station(firing))]);
+    let robot = bench.resource("R");
+    bench.say(Input::Resource { resource: robot, up: true });
+    let why = Objection::CannotWork(bench.station("robot"), Unable::Devices);
+    assert_eq!(bench.objections(), [(Asked::Up(robot), why)]);
+    bench.at("robot").unable = None;
+    bench.until(bench.sim.now.as_micros() as f64 / 1e6 + 2.0);
+    bench.say(Input::Resource { resource: robot, up: true });
+    bench.all_leave(1);
+}
+
+/// An alarm by hand stops what the resource is doing, and leaves it out.
+/// Each restart compares model and plant; a difference leaves the resource out until it is put right.
+#[test]
+fn after_a_restart_a_part_too_many_is_found() {
+    let mut bench = Bench::c1(&[1, 0]);
+    bench.until_that(|bench| bench.firing("M1.process<A.new>").is_some());
+    let (m2, foreign) = (bench.resource("M2"), PartId(99));
+    bench.sim.truth.put(foreign, Some(m2));
+    bench.sim.options.crash_at = vec![bench.sim.steps];
+    bench.until_that(|bench| bench.state().exceptions().alarms().len() > 0);
+    assert_eq!((bench.sim.lives, bench.down()), (2, vec![("M2".to_owned(), DownCause::Mismatch)]));
+    assert_eq!(bench.alarm().about, About::Resource(m2));
+    assert_eq!(
+        (bench.alarm().text.as_str(), bench.alarm().words.as_slice()),
+        (
+            "M2 should have no part, and its sensor says that there is one. Put that right, and say \"up\".",
+            &["up".to_owned()][..]
+        )
+    );
+    let since = bench.state().exceptions().is_down(m2).expect("it is down").since;
+    assert_eq!(
+        why_out(bench.state(), since, m2),
+        [
+            "M2 has been left out for 0 s: its sensor says otherwise than the model.".to_owned(),
+            format!("{}: {}", bench.alarm().id, bench.alarm().text)
+        ]
+    );
+    let first = bench.alarm().id;
+    bench.answer("up");
+    assert!(bench.alarm().id > first, "it has not been put right");
+    bench.sim.truth.put(foreign, None);
+    bench.until(bench.sim.now.as_micros() as f64 / 1e6 + 1.0);
+    bench.answer("up");
+    assert_eq!((bench.down(), bench.state().exceptions().alarms().len()), (vec![], 0));
+    bench.all_leave(1);
+}
+
+/// A part that somebody has taken away is no more, if they say so and the sensor agrees; another is made in its place.
+#[test]
+fn a_part_that_is_missing_where_it_rested_can_be_given_up() {
+    for (activity, idle, stage) in
+        [(LOAD, "m1", "M1.loaded<A.new>"), ("M1.process<A.new>", "robot", "M1.unload-ready<A.turn>")]
+    {
+        let mut bench = Bench::c1(&[1, 0]);
+        let (part, before) = bench.taken_away(activity, idle, stage);
+        let m1 = bench.resource("M1");
+        assert_eq!(bench.state().marking().counts(), before, "nothing is changed by a sensor");
+        assert_eq!(
+            (bench.alarm().text.clone(), bench.alarm().words.as_slice()),
+            (
+                format!(
+                    "M1 should have a part, and its sensor says that there is none. Put that right, and say \"up\"; if \
+                     {part} is no more, say \"gone\"."
+                ),
+                &["up".to_owned(), "gone".to_owned()][..]
+            )
+        );
+        bench.answer("gone");
+        let steps = bench.steps();
+        assert_eq!(steps.last(), Some(&&Step::Up { resource: m1, unchecked: false }));
+        assert!(
+            matches!(steps[steps.len() - 2], Step::Missing { resource, part: of, .. } if (*resource, *of) == (m1, part))
+        );
+        assert_eq!((bench.down(), bench.count(stage), bench.state().exceptions().scrapped()), (vec![], 0, 1));
+        bench.all_leave(1);
+    }
+}
+
+/// While the sensor sees it, a part is there whatever anybody says.
+#[test]
+fn a_part_that_a_sensor_sees_is_not_given_up() {
+    let mut bench = Bench::c1(&[1, 0]);
+    let (part, _) = bench.taken_away(LOAD, "m1", "M1.loaded<A.new>");
+    let m1 = bench.resource("M1");
+    bench.sim.truth.put(part, Some(m1));
+    bench.works("m1");
+    let alarm = bench.alarm().id;
+    bench.answer("gone");
+    assert_eq!(bench.objections(), [(Asked::Answer(alarm), Objection::HasPart(m1))]);
+    bench.answer("up");
+    bench.all_leave(1);
+}
+
+/// Whoever asks for what there is not is told so.
+#[test]
+fn what_there_is_not_cannot_be_answered() {
+    let mut bench = Bench::c1(&[1, 0]);
+    bench.load_fails();
+    let (alarm, m1) = (bench.alarm().id, bench.resource("M1"));
+    let none = linewright_coordinator_cell::ResourceId(77);
+    bench.say(Input::Answer { alarm, word: "in-the-pocket" });
+    bench.say(Input::Answer { alarm: linewright_coordinator_cell::AlarmId(9), word: "in-store" });
+    bench.say(Input::Resource { resource: m1, up: true });
+    bench.say(Input::Alarm { resource: none, text: "" });
+    bench.say(Input::Resource { resource: none, up: false });
+    let expected = [
+        (Asked::Answer(alarm), Objection::NoSuchWord),
+        (Asked::Answer(linewright_coordinator_cell::AlarmId(9)), Objection::NoSuchAlarm),
+        (Asked::Up(m1), Objection::AlreadySo),
+        (Asked::Alarm(none), Objection::NoSuchResource),
+        (Asked::Down(none), Objection::NoSuchResource),
+    ];
+    assert_eq!(bench.objections(), expected);
+    assert_eq!(bench.alarm().id, alarm);
+}

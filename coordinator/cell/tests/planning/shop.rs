@@ -1,0 +1,203 @@
+//! A described cell that is really played, by the token player, with stations that take exactly as long as they are told.
+//!
+//! Real times can be others than those that the dispatcher believes in, since it plans by the description and not by this.
+
+use std::collections::BTreeMap;
+use std::sync::Arc;
+use std::time::Duration;
+
+use linewright_cell::Cell;
+use linewright_cell::net::Supply;
+use linewright_coordinator_cell::described::{Described, Pace, described};
+use linewright_coordinator_cell::production::{Change, Production, Request};
+use linewright_coordinator_cell::{
+    CellTable, Coordination, Denied, Dispatcher, Fact, Heard, Input, ModeId, OrderKey, Outbox, Outcome, PartId,
+    ProductionCommand, ProductionId, Record, Reply, Send, State,
+};
+use linewright_line::{StationId, Tick};
+
+pub const C1: &str = include_str!("../../../../launch-config/lines/workcell-c1/cell.toml");
+pub const ASSEMBLY: &str = include_str!("../../../../launch-config/lines/assembly-cell/cell.toml");
+
+/// A cell and what is played of it.
+pub struct Made {
+    pub cell: Cell,
+    pub made: Described,
+    pub table: Arc<CellTable>,
+}
+
+impl Made {
+    pub fn new(text: &str) -> Self {
+        let cell =
+            linewright_cell::parse("cell.toml", text, None).unwrap_or_else(|problems| panic!("{problems:#}")).cell;
+        let pace = Pace { refresh: Duration::from_millis(200), grace: Duration::from_secs(1) };
+        let made = described(&cell, None, Supply::Open, pace).unwrap_or_else(|why| panic!("{why}"));
+        let table = Arc::new(made.table.clone());
+        Made { cell, made, table }
+    }
+
+    pub fn mode(&self, name: &str) -> ModeId {
+        let named = |&mode: &ModeId| self.table.mode_name(mode) == name;
+        self.table.modes().find(named).unwrap_or_else(|| panic!("no mode {name}"))
+    }
+
+    /// The cell with orders of so many parts of each product, in this order, due after so many seconds.
+    pub fn with(&self, orders: &[(&str, u32, Option<u64>)]) -> State {
+        let mut state = State::new(self.table.clone());
+        let requests: Vec<Request> = (1..).zip(orders).map(|(key, of)| request(key, of)).collect();
+        for change in state.production().submit(&requests).unwrap() {
+            state.apply(&changed(Tick::ZERO, change)).unwrap();
+        }
+        state
+    }
+
+    /// Those orders alone.
+    pub fn ordered(&self, orders: &[(&str, u32, Option<u64>)]) -> Production {
+        self.with(orders).production().clone()
+    }
+}
+
+/// What is written down of a change.
+pub fn changed(at: Tick, change: Change) -> Record {
+    Record { at, fact: Fact::Production { change } }
+}
+
+pub fn request(key: u128, &(product, quantity, due): &(&str, u32, Option<u64>)) -> Request {
+    Request {
+        key,
+        name: format!("order {key}"),
+        product: product.to_owned(),
+        quantity,
+        due: due.map(|seconds| Tick::from_millis(seconds * 1000)),
+        ..Request::default()
+    }
+}
+
+/// A cell in which something happens.
+pub struct Shop {
+    pub table: Arc<CellTable>,
+    pub player: Coordination,
+    pub log: Vec<Record>,
+    pub now: Tick,
+    /// How long orders of a mode really take, if not as long as they should.
+    pub really: BTreeMap<ModeId, Duration>,
+    /// How often an order of a mode fails before it does not.
+    pub fails: BTreeMap<ModeId, usize>,
+    doing: BTreeMap<(Tick, OrderKey), (StationId, Outcome)>,
+}
+
+impl Shop {
+    pub fn new(table: &Arc<CellTable>) -> Self {
+        Shop::begin(State::new(table.clone()))
+    }
+
+    /// One in which something has happened already.
+    pub fn begin(state: State) -> Self {
+        let (mut out, table) = (Outbox::default(), state.table().clone());
+        let player = Coordination::begin(state, Tick::ZERO, 1, &mut out).unwrap();
+        Shop {
+            table,
+            player,
+            log: out.records,
+            now: Tick::ZERO,
+            really: BTreeMap::new(),
+            fails: BTreeMap::new(),
+            doing: BTreeMap::new(),
+        }
+    }
+
+    pub fn state(&self) -> &State {
+        self.player.state()
+    }
+
+    /// Another life of the coordinator, from what it knows. Stations go on.
+    pub fn restart(&mut self, state: State) {
+        let (mut out, epoch) = (Outbox::default(), state.epoch() + 1);
+        self.player = Coordination::begin(state, self.now, epoch, &mut out).unwrap();
+        self.log.extend(out.records);
+    }
+
+    /// Somebody changes what is on order.
+    pub fn command(
+        &mut self,
+        command: ProductionCommand<'_>,
+        dispatcher: &mut dyn Dispatcher,
+    ) -> Result<Vec<ProductionId>, Denied> {
+        let mut out = Outbox::default();
+        self.player.step(self.now, &[Input::Starts(false), Input::Production(3, command)], dispatcher, &mut out);
+        self.log.extend(out.records);
+        assert_eq!((out.replies.len(), out.replies[0].0, out.sends.len()), (1, 3, 0));
+        out.replies.remove(0).1
+    }
+
+    fn stations(&self) -> impl Iterator<Item = StationId> {
+        let orders = self.table.modes().flat_map(|mode| &self.table.activity(mode).orders);
+        let all: std::collections::BTreeSet<StationId> = orders.map(|order| order.station).collect();
+        all.into_iter()
+    }
+
+    /// Plays until a time, or until nothing will happen any more.
+    pub fn run(&mut self, dispatcher: &mut dyn Dispatcher, until: Tick) {
+        let heard = Heard { memory: 1, ..Heard::default() };
+        let mut inputs: Vec<Input<'_>> = vec![Input::Starts(true)];
+        inputs.extend(self.stations().map(|station| Input::Station(station, &heard)));
+        loop {
+            let mut out = Outbox::default();
+            self.player.step(self.now, &inputs, dispatcher, &mut out);
+            assert_eq!(out.events, [], "every answer could be followed");
+            self.log.extend(out.records);
+            inputs.clear();
+            for send in out.sends {
+                let order = match send {
+                    Send::Order(order) => order,
+                    Send::Secure { station, key, stop: _ } => {
+                        inputs.push(Input::Secured(station, key, Reply::Ended(Outcome::Failed(7))));
+                        continue;
+                    }
+                };
+                let (firing, _) = self.player.state().order(order.key).unwrap();
+                let kind = self.table.activity(firing.mode).kind;
+                let linewright_coordinator_cell::ActivityKind::Decided { time, .. } = kind else { unreachable!() };
+                let takes = self.really.get(&firing.mode).copied().unwrap_or(time);
+                let fails = self.fails.get_mut(&firing.mode).filter(|left| **left > 0);
+                let outcome = fails.map_or(Outcome::Done, |left| {
+                    *left -= 1;
+                    Outcome::Failed(7)
+                });
+                let key = (firing.began + takes, order.key);
+                self.doing.insert(key, (order.station, outcome));
+                inputs.push(Input::Reply(order.station, order.key, Reply::Running));
+            }
+            if !inputs.is_empty() {
+                continue;
+            }
+            let ends = self.doing.keys().next().map(|&(at, _)| at);
+            let Some(next) = ends.into_iter().chain(self.player.next_deadline()).min() else { return };
+            if next > until || next == Tick::NEVER {
+                self.now = self.now.max(until);
+                return;
+            }
+            self.now = self.now.max(next);
+            while let Some(entry) = self.doing.first_entry().filter(|entry| entry.key().0 <= self.now) {
+                let (_, key) = *entry.key();
+                let (station, outcome) = entry.remove();
+                inputs.push(Input::Reply(station, key, Reply::Ended(outcome)));
+            }
+        }
+    }
+
+    /// When what was started, in milliseconds, with which part.
+    pub fn starts(&self) -> Vec<(u64, &str, Option<PartId>)> {
+        let started = self.log.iter().filter_map(|record| match record.fact {
+            Fact::Started { mode, part, .. } => Some((record.at.as_micros() / 1000, self.table.mode_name(mode), part)),
+            _ => None,
+        });
+        started.collect()
+    }
+
+    /// When the last activity has ended.
+    pub fn makespan(&self) -> Tick {
+        let ends = self.log.iter().filter(|record| matches!(record.fact, Fact::Ended { .. }));
+        ends.map(|record| record.at).max().unwrap_or(Tick::ZERO)
+    }
+}

@@ -1,0 +1,293 @@
+//! Reports beside hand-made sums and a slow recount.
+
+use std::collections::BTreeMap;
+use std::time::Duration;
+
+use linewright_coordinator_cell::described::{dispatcher, sheet};
+use linewright_coordinator_cell::exception::{DownCause, Step};
+use linewright_coordinator_cell::production::{Desk, Production};
+use linewright_coordinator_cell::tracking::{Report, Resource, Tracking};
+use linewright_coordinator_cell::{Fact, FiringId, ModeId, PartId, Record};
+use linewright_line::Tick;
+
+use super::shop::{ASSEMBLY, C1, Made, Shop, changed, request};
+
+const LONG: Tick = Tick::from_millis(3_600_000);
+
+fn played(made: &Made, orders: &[(&str, u32, Option<u64>)], spoil: impl Fn(&mut Shop)) -> Shop {
+    let mut desk = Desk::new(dispatcher(&made.cell, &made.table), made.ordered(orders));
+    let mut shop = Shop::new(&made.table);
+    spoil(&mut shop);
+    shop.run(&mut desk, LONG);
+    shop
+}
+
+fn report(made: &Made, log: &[Record], now: Tick) -> Report {
+    let mut tracking = Tracking::new(sheet(&made.cell, &made.made));
+    log.iter().for_each(|record| tracking.take(record));
+    tracking.report(now)
+}
+
+fn seconds(time: f64) -> Duration {
+    Duration::from_millis((time * 1000.0) as u64)
+}
+
+/// Seed 000, L2029-2035: a part of each type is loaded in 3, 2 and 2, worked on for 7.5, 5 and 4, unloaded in 3, 2 and 2.
+#[test]
+fn what_everybody_did_is_what_the_plan_adds_up_to() {
+    let made = Made::new(ASSEMBLY);
+    let shop = played(&made, &[("1", 1, None), ("2", 1, None), ("3", 1, None)], |_| ());
+    let report = report(&made, &shop.log, shop.makespan());
+    assert_eq!((report.left, report.inside, report.failures), (3, 0, 0));
+    assert_eq!(report.observed, shop.makespan().since(Tick::ZERO));
+    let of = |name: &str| report.resources.iter().find(|resource| resource.name == name).unwrap();
+    assert_eq!(
+        (of("robot_1").busy, of("robot_2").busy, of("human").busy),
+        (seconds(14.0), seconds(13.5), seconds(17.0))
+    );
+    assert_eq!((of("robot_2").worked, of("robot_2").actual), (1, seconds(7.5)));
+    assert_eq!((of("human").worked, of("human").nominal, of("human").performance()), (2, seconds(9.0), Some(1.0)));
+    assert_eq!((of("robot_1").worked, of("robot_1").performance()), (0, None));
+    assert_eq!(of("human").availability(report.observed), Some(1.0));
+    assert_eq!(
+        (report.worked.least, report.worked.median, report.worked.most),
+        (seconds(4.0), seconds(5.0), seconds(7.5))
+    );
+    assert_eq!((report.moved.least, report.moved.most), (seconds(4.0), seconds(6.0)));
+    let spent = report.worked.total + report.moved.total + report.waited.total;
+    assert_eq!(spent, report.lead.total, "a part is always one of the three");
+    let of = report.effectiveness().unwrap();
+    assert_eq!((of.availability, of.performance, of.quality, of.product()), (1.0, 1.0, 1.0, 1.0));
+    assert_eq!(Report { lost: 1, ..report }.quality(), Some(0.75));
+}
+
+#[test]
+fn work_that_takes_longer_than_it_should_is_performance_lost() {
+    let made = Made::new(ASSEMBLY);
+    let work = made.table.modes().find(|&mode| made.table.activity(mode).name.as_ref() == "robot_2.process").unwrap();
+    let shop = played(&made, &[("1", 2, None)], |shop| _ = shop.really.insert(work, seconds(10.0)));
+    let report = report(&made, &shop.log, shop.makespan());
+    let robot = report.resources.iter().find(|resource| &*resource.name == "robot_2").unwrap();
+    assert_eq!((robot.worked, robot.nominal, robot.actual), (2, seconds(15.0), seconds(20.0)));
+    assert_eq!(robot.performance(), Some(0.75));
+}
+
+/// Millisecond by millisecond, from lists of what began and ended when.
+fn recounted(made: &Made, log: &[Record], now: Tick) -> BTreeMap<String, (u64, u64)> {
+    let sheet = sheet(&made.cell, &made.made);
+    let (mut modes, mut spans, mut downs) = (BTreeMap::<FiringId, ModeId>::new(), Vec::new(), Vec::new());
+    let mut open: BTreeMap<FiringId, (u64, Option<u64>)> = BTreeMap::new();
+    let milli = |tick: Tick| tick.as_micros() / 1000;
+    for record in log {
+        match &record.fact {
+            Fact::Started { firing, mode, .. } => {
+                modes.insert(*firing, *mode);
+                open.insert(*firing, (milli(record.at), None));
+            }
+            Fact::Raised { firing, .. } => open.get_mut(firing).unwrap().1 = Some(milli(record.at)),
+            Fact::Ended { firing } => {
+                let (began, failed) = open.remove(firing).unwrap();
+                spans.push((modes[firing], began, failed.unwrap_or(milli(record.at))));
+                downs.extend(failed.map(|failed| (modes[firing], failed, milli(record.at))));
+            }
+            _ => {}
+        }
+    }
+    for (firing, (began, failed)) in open {
+        spans.push((modes[&firing], began, failed.unwrap_or(milli(now))));
+        downs.extend(failed.map(|failed| (modes[&firing], failed, milli(now))));
+    }
+    let within = |list: &[(ModeId, u64, u64)], resource: usize, at: u64| {
+        list.iter().any(|(mode, from, to)| {
+            (*from..*to).contains(&at) && sheet.modes[mode.index()].resources.contains(&resource)
+        })
+    };
+    let count = |(resource, of): (usize, &Resource)| {
+        let down = (0..milli(now)).filter(|&at| within(&downs, resource, at)).count() as u64;
+        let busy = (0..milli(now)).filter(|&at| within(&spans, resource, at) && !within(&downs, resource, at));
+        (of.name.to_string(), (busy.count() as u64, down))
+    };
+    sheet.resources.iter().enumerate().map(count).collect()
+}
+
+#[test]
+fn busy_and_down_are_what_a_slow_recount_says() {
+    for text in [ASSEMBLY, C1] {
+        let made = Made::new(text);
+        let products: Vec<_> = made.cell.part_types.iter().map(|part| (part.name.as_str(), 2, None)).collect();
+        for failing in [false, true] {
+            let shop = played(&made, &products, |shop| {
+                // The second activity of a worker fails and stays so; the others go on as far as they can.
+                let works = made.table.modes().find(|&mode| made.table.activity(mode).name.ends_with(".process"));
+                if failing {
+                    shop.fails.insert(works.unwrap(), 1);
+                }
+            });
+            let now = shop.now.max(shop.makespan());
+            let now = now.min(shop.makespan() + seconds(30.0));
+            let report = report(&made, &shop.log, now);
+            let expected = recounted(&made, &shop.log, now);
+            for resource in &report.resources {
+                let said = (resource.busy.as_millis() as u64, resource.down.as_millis() as u64);
+                assert_eq!(said, expected[&resource.name], "{}", resource.name);
+                let causes: Duration = resource.causes.iter().map(|(.., down)| down).sum();
+                assert!(causes >= resource.down, "each has its own cause");
+            }
+            assert_eq!(report.failures > 0, failing);
+            assert_eq!(report.resources.iter().any(|resource| resource.down > Duration::ZERO), failing);
+            assert!(!failing || report.to_string().contains("1 times ended with code 7"), "{report}");
+        }
+    }
+}
+
+/// Whoever is left out once is down once, whatever else happens meanwhile.
+#[test]
+fn a_resource_is_left_out_as_often_as_somebody_leaves_it_out() {
+    let made = Made::new(C1);
+    let products: Vec<_> = made.cell.part_types.iter().map(|part| (part.name.as_str(), 2, None)).collect();
+    let mut log = played(&made, &products, |_| ()).log;
+    let m1 = made.table.handling().resource_named("M1").unwrap();
+    let why = DownCause::ByHand { text: String::new() };
+    let steps = [
+        Step::Down { resource: m1, why: why.clone() },
+        Step::Up { resource: m1, unchecked: true },
+        Step::Down { resource: m1, why },
+    ];
+    let thirds = [log.len() / 4, log.len() / 2, log.len() * 3 / 4].map(|at| log[at].at);
+    for (at, step) in thirds.into_iter().zip(steps) {
+        let place = log.iter().position(|record| record.at > at).unwrap();
+        log.insert(place, Record { at, fact: Fact::Exception(step) });
+    }
+    let now = log.last().unwrap().at;
+    let report = report(&made, &log, now);
+    let m1 = report.resources.iter().find(|resource| &*resource.name == "M1").unwrap();
+    let down = thirds[1].since(thirds[0]) + now.since(thirds[2]);
+    assert!(down > Duration::ZERO);
+    assert_eq!((m1.down, m1.causes.iter().collect::<Vec<_>>()), (down, vec![("left out by hand", 2, down)]));
+}
+
+/// A part that is inside counts to nothing yet.
+#[test]
+fn a_report_in_between_counts_what_has_left() {
+    let made = Made::new(C1);
+    let products: Vec<_> = made.cell.part_types.iter().map(|part| (part.name.as_str(), 2, None)).collect();
+    let shop = played(&made, &products, |_| ());
+    let mut seen = (0, 0);
+    for count in 0..shop.log.len() {
+        let now = shop.log[count].at;
+        let report = report(&made, &shop.log[..=count], now);
+        let named = |mode: &ModeId| made.table.activity(*mode).name.to_string();
+        let parts = |word: &str, ended: bool| {
+            let mut of = BTreeMap::<FiringId, PartId>::new();
+            let mut number = 0;
+            for record in &shop.log[..=count] {
+                match &record.fact {
+                    Fact::Started { firing, mode, part: Some(part), .. } if named(mode) == word => {
+                        of.insert(*firing, *part);
+                        number += usize::from(!ended);
+                    }
+                    Fact::Ended { firing } if of.contains_key(firing) => number += usize::from(ended),
+                    _ => {}
+                }
+            }
+            number
+        };
+        let (entered, left) = (parts("enter", false), parts("leave", true));
+        assert_eq!((report.left, report.inside), (left, entered - left), "after {:?}", shop.log[count]);
+        assert_eq!(report.waited.count, left);
+        seen = (entered, left);
+    }
+    assert_eq!(seen, (4, 4));
+}
+
+/// Whatever spans a time is cut into, what is counted in them adds up to what is counted in all of it.
+#[test]
+fn what_is_counted_in_spans_adds_up() {
+    for (text, failing) in [(ASSEMBLY, false), (C1, false), (C1, true)] {
+        let made = Made::new(text);
+        let products: Vec<_> = made.cell.part_types.iter().map(|part| (part.name.as_str(), 3, None)).collect();
+        let shop = played(&made, &products, |shop| {
+            let works = made.table.modes().find(|&mode| made.table.activity(mode).name.ends_with(".process"));
+            if failing {
+                shop.fails.insert(works.unwrap(), 1);
+            }
+        });
+        let end = shop.makespan() + seconds(17.0);
+        let whole = report(&made, &shop.log, end);
+        for length in [7.3, 31.0, 1000.0] {
+            let mut spans = Vec::new();
+            let mut from = Tick::ZERO;
+            while from < end {
+                let to = (from + seconds(length)).min(end);
+                let mut tracking = Tracking::since(sheet(&made.cell, &made.made), from);
+                // What happens at the moment between two belongs to the later one.
+                let told = shop.log.iter().filter(|record| record.at < to || to == end);
+                told.for_each(|record| tracking.take(record));
+                spans.push(tracking.report(to));
+                from = to;
+            }
+            assert_eq!(spans.iter().map(|span| span.observed).sum::<Duration>(), whole.observed);
+            assert_eq!(spans.iter().map(|span| span.left).sum::<usize>(), whole.left);
+            assert_eq!(spans.iter().map(|span| span.failures).sum::<u64>(), whole.failures);
+            assert_eq!(spans.last().unwrap().inside, whole.inside);
+            for (index, expected) in whole.resources.iter().enumerate() {
+                let of = || spans.iter().map(move |span| &span.resources[index]);
+                let sum = |what: fn(&linewright_coordinator_cell::tracking::ResourceReport) -> Duration| {
+                    of().map(what).sum::<Duration>()
+                };
+                assert_eq!(sum(|of| of.busy), expected.busy, "{} in spans of {length} s", expected.name);
+                assert_eq!(sum(|of| of.work), expected.work);
+                assert_eq!(sum(|of| of.down), expected.down);
+                assert_eq!((sum(|of| of.nominal), sum(|of| of.actual)), (expected.nominal, expected.actual));
+                let causes = |of: &linewright_coordinator_cell::tracking::ResourceReport| {
+                    of.causes.iter().map(|(.., down)| down).sum::<Duration>()
+                };
+                assert_eq!(sum(causes), causes(expected));
+                assert_eq!(of().map(|of| of.most).max().unwrap(), expected.most);
+                let taken: f64 =
+                    spans.iter().map(|span| span.resources[index].taken * span.observed.as_secs_f64()).sum();
+                assert!((taken - expected.taken * whole.observed.as_secs_f64()).abs() < 1e-6);
+            }
+        }
+    }
+}
+
+/// With one order of each product, an order is over when the last part of its product has left.
+#[test]
+fn lateness_is_that_of_the_last_part() {
+    for (due, expected_late) in [(20, 3), (1000, 0)] {
+        let made = Made::new(ASSEMBLY);
+        let orders = [("1", 2, Some(due)), ("2", 2, Some(due)), ("3", 2, Some(due))];
+        let mut shop = played(&made, &orders, |_| ());
+        let requests: Vec<_> = (1..).zip(&orders).map(|(key, of)| request(key, of)).collect();
+        let accepted = Production::new(&made.table).submit(&requests).unwrap().into_iter();
+        shop.log.splice(1..1, accepted.map(|change| changed(Tick::ZERO, change)));
+        let mut last = BTreeMap::<usize, Tick>::new();
+        let mut leaving = BTreeMap::new();
+        let entries = sheet(&made.cell, &made.made).modes;
+        for record in &shop.log {
+            match &record.fact {
+                Fact::Started { firing, mode, .. } if &*entries[mode.index()].activity == "depart" => {
+                    leaving.insert(*firing, entries[mode.index()].product.unwrap());
+                }
+                Fact::Ended { firing } => {
+                    leaving.get(firing).and_then(|&product| last.insert(product, record.at));
+                }
+                _ => {}
+            }
+        }
+        let mut tracking = Tracking::new(sheet(&made.cell, &made.made));
+        shop.log.iter().for_each(|record| tracking.take(record));
+        let due = Tick::from_millis(due * 1000);
+        let said = tracking.production().orders().map(|order| (order.product, order.ended, order.lateness()));
+        let signed = |tick: Tick| i64::try_from(tick.as_micros()).unwrap();
+        let expected = last.iter().map(|(&product, &at)| (product, Some(at), Some(signed(at) - signed(due))));
+        assert_eq!(said.collect::<Vec<_>>(), expected.collect::<Vec<_>>());
+        let report = tracking.report(shop.makespan());
+        let late: Vec<Duration> = last.values().map(|at| at.since(due)).filter(|late| !late.is_zero()).collect();
+        assert_eq!((report.orders.done, report.orders.open, report.orders.due), (3, 0, 3));
+        assert_eq!((report.orders.in_time, report.orders.late.count), (3 - expected_late, expected_late));
+        assert_eq!(report.orders.late.most, late.iter().max().copied().unwrap_or_default());
+        assert!(report.to_string().contains("orders: 3 done, 0 open;"), "{report}");
+    }
+}
