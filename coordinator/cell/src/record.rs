@@ -8,6 +8,8 @@
 use std::fmt;
 
 use linewright_line::{StationId, Tick};
+use linewright_orders::Failure as Ended;
+pub use linewright_orders::Refusal;
 use serde::{Deserialize, Serialize};
 
 use super::exception::Step;
@@ -127,51 +129,6 @@ pub enum Failure {
     DevicesLost,
 }
 
-/// Why a station does not take an order on.
-#[derive(Clone, Copy, Debug, PartialEq, Eq, Serialize, Deserialize)]
-#[serde(rename_all = "kebab-case", deny_unknown_fields)]
-pub enum Refusal {
-    /// It has another one.
-    Busy,
-    /// It is not in auto, or not enabled.
-    Mode,
-    /// Its memory is not the one the order was meant for. Its whole state will say so, and be believed.
-    OtherMemory,
-    /// It knows a later life of the coordinator.
-    OldEpoch,
-    /// It has had it, and no longer knows how it ended.
-    Old,
-    /// The time in which it was to start is over.
-    Late,
-    /// It does not stand where the task begins.
-    NotThere,
-    /// Its devices are not there.
-    Devices,
-    /// It has no such task, or not such a parameter.
-    Unknown,
-    /// An operation was stopped before its end.
-    Incomplete,
-    /// It is left out until somebody has looked after it.
-    Isolated,
-}
-
-impl Refusal {
-    /// Whether to ask again: what is in the way ends by itself, or by a decision about the whole line.
-    pub fn is_passing(self) -> bool {
-        match self {
-            Refusal::Busy | Refusal::Mode | Refusal::OtherMemory => true,
-            Refusal::OldEpoch
-            | Refusal::Old
-            | Refusal::Late
-            | Refusal::NotThere
-            | Refusal::Devices
-            | Refusal::Unknown
-            | Refusal::Incomplete
-            | Refusal::Isolated => false,
-        }
-    }
-}
-
 /// Why an activity does not end by itself.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Serialize, Deserialize)]
 #[serde(rename_all = "kebab-case", deny_unknown_fields)]
@@ -192,22 +149,27 @@ pub enum Cause {
     },
 }
 
-/// Up to here codes say what a station waited for until its time was over; above, they are the station's own.
-const WAITED_MAX: u16 = 999;
-/// The station's own for an order whose time was over while it waited for nothing.
-const OUT_OF_TIME: u16 = 1000;
-
 impl Failure {
-    /// What a code of a station says. Its clock means the same as the coordinator's.
-    pub fn of_code(code: u16) -> Self {
-        if code == OUT_OF_TIME { Failure::TimedOut } else { Failure::Code(code) }
+    /// How an order has ended, by its station. The station's clock means the same as the coordinator's.
+    pub fn of(ended: Ended) -> Self {
+        match ended {
+            Ended::TimedOut => Failure::TimedOut,
+            Ended::Waiting(_)
+            | Ended::Fault
+            | Ended::Interrupted
+            | Ended::Restarted
+            | Ended::Cancelled
+            | Ended::Held
+            | Ended::Stopped
+            | Ended::Other(_) => Failure::Code(ended.code()),
+        }
     }
 
     /// Its time was over, whether the station's clock or the coordinator's was first.
     pub fn is_expiry(self) -> bool {
         match self {
             Failure::TimedOut => true,
-            Failure::Code(code) => (1..=WAITED_MAX).contains(&code),
+            Failure::Code(code) => matches!(Ended::from_code(code), Ended::Waiting(_)),
             Failure::Refused(_) | Failure::Forgotten | Failure::Lost | Failure::DevicesLost => false,
         }
     }

@@ -17,7 +17,7 @@ use linewright_line::{HolderId, Line, OpId, Owner, StationId, Tick};
 use linewright_plant::{PartNo, Plant, PlantOptions, Spot};
 use linewright_station_logic::{
     self as station, CompileError, Controller, Input, ModeOrder, NO_DELAY, OrderReport, PanelCommand, Restore,
-    Snapshot, TaskCommand,
+    Snapshot, TaskCommand, TaskOrder,
 };
 
 /// Stations answer each other's motions so often at one moment at most.
@@ -310,14 +310,14 @@ impl Floor {
 
     /// What a station answers to an order.
     pub(super) fn told(&mut self, now: Tick, message: &OrderMessage) -> Option<Reply> {
-        let mut order = orders::order(message);
-        order.limit = order.limit.saturating_sub(self.fast);
+        let limit = message.order.limit.saturating_sub(self.fast);
+        let order = TaskOrder { limit, ..message.order.clone() };
         self.command(now, message.station, TaskCommand::Run(&order))
     }
 
     /// What a station answers when it is told to leave an order.
     pub(super) fn told_to_leave(&mut self, now: Tick, to: StationId, key: OrderKey, stop: bool) -> Option<Reply> {
-        self.command(now, to, orders::leave(key, stop))
+        self.command(now, to, TaskCommand::leave(key, stop))
     }
 
     fn command(&mut self, now: Tick, to: StationId, command: TaskCommand<'_>) -> Option<Reply> {
@@ -325,7 +325,7 @@ impl Floor {
         let process = self.processes.get_mut(to.index()).filter(|process| process.down.is_none())?;
         process.controller.handle(now, Input::Task(command));
         let outputs = process.step(now, self.plant.inputs(Owner::Station(to)));
-        let reply = process.out.replies.pop().map(|(_, reply)| orders::reply(reply));
+        let reply = process.out.replies.pop().map(|(_, reply)| reply);
         process.out.replies.clear();
         self.plant.set_outputs(now, Owner::Station(to), outputs);
         self.settle();

@@ -341,7 +341,7 @@ impl CellSim {
                         None => self.stations.get_mut(index).and_then(|station| station.told(self.now, &order, takes)),
                     };
                     if let Some(reply) = reply {
-                        self.fly(|| Flying::Reply(index, order.key, reply));
+                        self.fly(|| Flying::Reply(index, order.order.key, reply));
                     }
                 }
                 Flying::Secure(index, key, stop) => {
@@ -414,7 +414,7 @@ impl CellSim {
         match self.options.pace {
             Pace::Between(least, most) => between(&mut self.rng, least, most),
             Pace::Nominal { spread } => {
-                let mode = self.state().order(order.key).map(|(firing, _)| firing.mode);
+                let mode = self.state().order(order.order.key).map(|(firing, _)| firing.mode);
                 let nominal = match mode.map(|mode| self.table.activity(mode).kind) {
                     Some(ActivityKind::Decided { time, limit: _ }) => time,
                     Some(ActivityKind::Immediate) | None => Duration::ZERO,

@@ -239,7 +239,7 @@ impl Controller {
         if order.limit.is_zero() {
             return Err(Refusal::Late);
         }
-        let index = tasks.tasks.iter().position(|task| task.name == order.task).ok_or(Refusal::Unknown)?;
+        let index = tasks.tasks.iter().position(|task| *task.name == *order.task).ok_or(Refusal::Unknown)?;
         let task = &tasks.tasks[index];
         if order.parameters.len() != task.parameters.len() {
             return Err(Refusal::Unknown);
@@ -247,7 +247,7 @@ impl Controller {
         let mut image = 0;
         for parameter in &task.parameters {
             // A number that is missing is not guessed.
-            let given = order.parameters.iter().find(|(name, _)| *name == parameter.name);
+            let given = order.parameters.iter().find(|(name, _)| **name == *parameter.name);
             image |= given.and_then(|(_, value)| parameter.image(*value)).ok_or(Refusal::Unknown)?;
         }
         if !self.devices_valid {

@@ -4,6 +4,7 @@ use std::time::Duration;
 
 use linewright_coordinator_cell::exception::{Asked, Objection};
 use linewright_coordinator_cell::{Cause, Failure, Heard, Input, OrderState, Outcome, Phase};
+use linewright_orders::Failure as Ended;
 
 use super::bench::{Bench, workcell};
 
@@ -18,7 +19,7 @@ fn while_a_station_goes_back_nobody_is_asked_and_no_answer_is_taken() {
     });
     let (robot, key) = (bench.station("robot"), bench.firing(LOAD).unwrap().orders[0].key);
     bench.at("robot").is_away = true;
-    let stands = Heard { slot: None, results: vec![(key, Outcome::Failed(1001))], ..bench.at("robot").heard() };
+    let stands = Heard { slot: None, results: vec![(key, Outcome::Failed(Ended::Fault))], ..bench.at("robot").heard() };
     let moves = Heard { slot: Some(key), ..stands.clone() };
     for _ in 0..20 {
         bench.say(Input::Station(robot, &moves));

@@ -15,6 +15,7 @@ use linewright_coordinator_cell::{
     ProductionCommand, ProductionId, Record, Reply, Send, State,
 };
 use linewright_line::{StationId, Tick};
+use linewright_orders::Failure as Ended;
 
 pub const C1: &str = include_str!("../../../../launch-config/lines/workcell-c1/cell.toml");
 pub const ASSEMBLY: &str = include_str!("../../../../launch-config/lines/assembly-cell/cell.toml");
@@ -151,22 +152,22 @@ impl Shop {
                 let order = match send {
                     Send::Order(order) => order,
                     Send::Secure { station, key, stop: _ } => {
-                        inputs.push(Input::Secured(station, key, Reply::Ended(Outcome::Failed(7))));
+                        inputs.push(Input::Secured(station, key, Reply::Ended(Outcome::Failed(Ended::Waiting(7)))));
                         continue;
                     }
                 };
-                let (firing, _) = self.player.state().order(order.key).unwrap();
+                let (firing, _) = self.player.state().order(order.order.key).unwrap();
                 let kind = self.table.activity(firing.mode).kind;
                 let linewright_coordinator_cell::ActivityKind::Decided { time, .. } = kind else { unreachable!() };
                 let takes = self.really.get(&firing.mode).copied().unwrap_or(time);
                 let fails = self.fails.get_mut(&firing.mode).filter(|left| **left > 0);
                 let outcome = fails.map_or(Outcome::Done, |left| {
                     *left -= 1;
-                    Outcome::Failed(7)
+                    Outcome::Failed(Ended::Waiting(7))
                 });
-                let key = (firing.began + takes, order.key);
+                let key = (firing.began + takes, order.order.key);
                 self.doing.insert(key, (order.station, outcome));
-                inputs.push(Input::Reply(order.station, order.key, Reply::Running));
+                inputs.push(Input::Reply(order.station, order.order.key, Reply::Running));
             }
             if !inputs.is_empty() {
                 continue;

@@ -277,7 +277,10 @@ impl Players {
         next.starts += out.records.iter().filter(|record| matches!(record.fact, Fact::Started { .. })).count() as u8;
         for send in out.sends {
             let message = match send {
-                Send::Order(order) => Message::Order(OrderMessage { limit: Duration::ZERO, ..order }),
+                Send::Order(mut message) => {
+                    message.order.limit = Duration::ZERO;
+                    Message::Order(message)
+                }
                 Send::Secure { station, key, stop } => {
                     Message::Secure { station, key, stop, alarmed: next.alarmed.contains(&key) }
                 }

@@ -7,13 +7,13 @@ use std::collections::BTreeSet;
 use std::fmt::Write;
 use std::time::Duration;
 
-use linewright_coordinator_cell::{self as player, Heard, OrderMessage, Unable};
-use linewright_coordinator_shell::orders::{heard, key, known, leave, order, refusal};
+use linewright_coordinator_cell::{Heard, OrderMessage, Unable};
+use linewright_coordinator_shell::orders::heard;
 use linewright_line::net::{Block, ControlMode, Place};
 use linewright_line::{Line, Module, OpId, StationId, Tick};
+use linewright_orders::{OrderKey, Refusal, Reply, TaskCommand, TaskOrder};
 use linewright_station_logic::{
-    CompileError, Controller, Input, ModeOrder, NO_DELAY, OrderKey, OrderRules, Outbox, PanelCommand, Restore,
-    TaskCommand, TaskOrder, Writer,
+    CompileError, Controller, Input, ModeOrder, NO_DELAY, OrderRules, Outbox, PanelCommand, Restore, Writer,
 };
 use rustc_hash::FxHashMap;
 
@@ -49,8 +49,8 @@ pub(super) enum Act {
 #[derive(Clone, Debug, PartialEq, Eq)]
 pub(super) struct StationAnswer {
     pub heard: Heard,
-    pub secured: Option<(player::OrderKey, player::Reply)>,
-    pub refused: Vec<(player::OrderKey, player::Refusal)>,
+    pub secured: Option<(OrderKey, Reply)>,
+    pub refused: Vec<(OrderKey, Refusal)>,
 }
 
 /// A controller and what is around it.
@@ -159,8 +159,8 @@ impl Machine {
 
     /// Hears an order.
     pub fn order(&mut self, message: &OrderMessage) {
-        let key = key(message.key);
-        let order = TaskOrder { limit: LIMIT, ..order(message) };
+        let key = message.order.key;
+        let order = TaskOrder { limit: LIMIT, ..message.order.clone() };
         let before = self.slot();
         self.controller.handle(self.now, Input::Task(TaskCommand::Run(&order)));
         self.step();
@@ -170,12 +170,12 @@ impl Machine {
     }
 
     /// Hears that it is to leave an order, or to stop; `alarmed` if nothing may move for it any more.
-    pub fn secure(&mut self, of: player::OrderKey, stop: bool, alarmed: bool) {
-        self.secured = Some(key(of));
+    pub fn secure(&mut self, key: OrderKey, stop: bool, alarmed: bool) {
+        self.secured = Some(key);
         if alarmed {
-            self.stopped.insert(key(of));
+            self.stopped.insert(key);
         }
-        self.controller.handle(self.now, Input::Task(leave(of, stop)));
+        self.controller.handle(self.now, Input::Task(TaskCommand::leave(key, stop)));
         self.step();
     }
 
@@ -204,8 +204,8 @@ impl Machine {
     }
 
     /// The order it has or goes back from, if it does, and whether anything moves.
-    pub fn is_at(&self, line: &Line) -> (Option<player::OrderKey>, bool) {
-        (self.slot().map(known), self.moving(line).is_some())
+    pub fn is_at(&self, line: &Line) -> (Option<OrderKey>, bool) {
+        (self.slot(), self.moving(line).is_some())
     }
 
     pub fn acts(&self, line: &Line, acts: &mut Vec<Act>) {
@@ -290,17 +290,8 @@ impl Machine {
             self.controller.marking().any(Place::is_incomplete).then_some(Unable::Incomplete)
         };
         let heard = Heard { unable, ..heard(&order) };
-        let secured = self.secured.map(known).map(|key| {
-            let end = heard.results.iter().find(|(of, _)| *of == key);
-            let reply = match end {
-                _ if heard.slot == Some(key) => player::Reply::Running,
-                Some(&(_, outcome)) => player::Reply::Ended(outcome),
-                None => player::Reply::Refused(player::Refusal::Old),
-            };
-            (key, reply)
-        });
-        let refused = order.refused.iter().map(|&(of, why)| (known(of), refusal(why))).collect();
-        StationAnswer { heard, secured, refused }
+        let secured = self.secured.map(|key| (key, heard.secured(key)));
+        StationAnswer { heard, secured, refused: order.refused }
     }
 
     /// Everything that decides what it will do and say.
@@ -334,7 +325,7 @@ pub(super) struct Machines<'l> {
     pub says: Vec<u32>,
     pub said: Vec<StationAnswer>,
     /// By situation: see [`Machine::is_at`].
-    pub at: Vec<(Option<player::OrderKey>, bool)>,
+    pub at: Vec<(Option<OrderKey>, bool)>,
     acted: FxHashMap<(u32, Act), u32>,
     heard: FxHashMap<(u32, u32), u32>,
     scratch: String,

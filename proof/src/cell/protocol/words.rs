@@ -1,7 +1,8 @@
 //! The steps of a counterexample, as text.
 
-use linewright_coordinator_cell::OrderKey;
+use linewright_coordinator_cell::OrderMessage;
 use linewright_line::{Line, StationId};
+use linewright_orders::OrderKey;
 
 use super::players::{Event, Message, Player};
 use super::station::{Act, Machine, StationAnswer};
@@ -9,8 +10,8 @@ use super::station::{Act, Machine, StationAnswer};
 pub(super) fn message(line: &Line, message: &Message) -> String {
     let name = |station: StationId| &line.station(station).name;
     match message {
-        Message::Order(order) => {
-            format!("{} hears order {}: {}", name(order.station), number(order.key), order.task)
+        Message::Order(OrderMessage { station, order, .. }) => {
+            format!("{} hears order {}: {}", name(*station), number(order.key), order.task)
         }
         Message::Secure { station, key, stop, alarmed: _ } => {
             let what = if *stop { "stop" } else { "leave" };

@@ -103,7 +103,7 @@ fn a_task_or_a_number_that_is_not_there_is_refused_and_none_is_guessed() {
     let mut m1 = Bench::new();
     m1.done(&order(1, "clamp"));
     let with = |id, parameters: &[(&str, i32)]| TaskOrder {
-        parameters: parameters.iter().map(|(name, value)| ((*name).to_owned(), *value)).collect(),
+        parameters: parameters.iter().map(|(name, value)| ((*name).into(), *value)).collect(),
         ..order(id, "machine")
     };
     let wrong = [

@@ -63,7 +63,7 @@ impl Arm {
 
     fn ordered(&mut self, id: u64, task: &str) {
         let mut order = order(id, task);
-        order.parameters = vec![("slot".to_owned(), 1)];
+        order.parameters = vec![("slot".into(), 1)];
         self.robot.handle(self.now, Input::Task(TaskCommand::Run(&order)));
         self.step();
     }

@@ -164,8 +164,8 @@ fn a_long_task_is_taken_back_operation_by_operation_to_where_any_task_can_begin(
     let load = |id| TaskOrder {
         key: key(1, id),
         memory: 1,
-        task: "load m1".to_owned(),
-        parameters: vec![("slot".to_owned(), 3)],
+        task: "load m1".into(),
+        parameters: vec![("slot".into(), 3)],
         limit: Duration::from_secs(60),
     };
     robot.handle(now, Input::Task(TaskCommand::Run(&load(1))));
