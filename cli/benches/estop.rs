@@ -21,7 +21,7 @@ use std::time::{Duration, Instant};
 use linewright_fieldbus::{Bus as CanBus, Frame, Message, Options};
 use linewright_line::{Bus, Owner, StationId};
 use linewright_msgs::{Flag, Text};
-use linewright_node_shell::{Node, Participant, Publisher, RosArgs, qos};
+use linewright_node_shell::{Participant, Publisher, RosArgs, RosNode, qos};
 
 #[path = "../tests/support/gate.rs"]
 #[allow(dead_code, reason = "tests close gates, this opens them late")]
@@ -92,7 +92,7 @@ struct Bench {
     pressed_bit: u16,
     bar_nodes: Vec<u8>,
     outputs: u64,
-    _node: Node,
+    _node: RosNode,
 }
 
 impl Bench {

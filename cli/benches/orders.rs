@@ -17,11 +17,11 @@ use std::path::{Path, PathBuf};
 use std::process::{Command, Stdio};
 use std::time::{Duration, Instant};
 
-use linewright_coordinator_cell::{Fact, OrderKey};
-use linewright_history::Reader;
+use linewright_coordinator_cell::{OrderKey, RecordKind};
+use linewright_history::HistoryReader;
 use linewright_line::Tick;
 use linewright_msgs::{OrderState, RunTask, RunTaskGoal, RunTaskResult};
-use linewright_node_shell::{Asked, Ended, Mapping, Participant, RosArgs, forward, qos, serve_action};
+use linewright_node_shell::{GoalEnd, GoalRequest, Mapping, Participant, RosArgs, forward, qos, serve_action};
 use tokio::sync::mpsc;
 
 #[path = "../tests/support/faster.rs"]
@@ -84,7 +84,7 @@ async fn ping() -> Result<Vec<Duration>> {
     tokio::spawn(async move {
         let mut sequence = 0;
         while let Some(asked) = asked.recv().await {
-            if let Asked::Goal(asked, goal) = asked {
+            if let GoalRequest::Goal(asked, goal) = asked {
                 sequence += 1;
                 let doing = (goal.epoch, goal.id);
                 let mut message =
@@ -93,7 +93,7 @@ async fn ping() -> Result<Vec<Duration>> {
                 state.send(message);
                 // No more goals are kept than a station can have.
                 let result = RunTaskResult { epoch: goal.epoch, id: goal.id, ..RunTaskResult::default() };
-                owner.end(asked, Ended::Succeeded, result);
+                owner.end(asked, GoalEnd::Succeeded, result);
             }
         }
     });
@@ -164,12 +164,12 @@ fn orders(dir: &Path, parts: u32, plans: bool) -> Result<Vec<Duration>> {
     }
     let mut began: BTreeMap<OrderKey, Tick> = BTreeMap::new();
     let mut times = Vec::new();
-    Reader::open(&state.join("cell.db"))?.each(Tick::NEVER, |event| {
+    HistoryReader::open(&state.join("cell.db"))?.each(Tick::NEVER, |event| {
         let Some(record) = event.record() else { return };
         match record.fact {
-            Fact::Started { orders, .. } => began.extend(orders.into_iter().map(|key| (key, record.at))),
+            RecordKind::Started { orders, .. } => began.extend(orders.into_iter().map(|key| (key, record.at))),
             // One that has ended before its station was heard again was taken on as well, but nobody knows when.
-            Fact::Acknowledged { key } => times.extend(began.remove(&key).map(|at| record.at.since(at))),
+            RecordKind::Acknowledged { key } => times.extend(began.remove(&key).map(|at| record.at.since(at))),
             _ => {}
         }
     })?;

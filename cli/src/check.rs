@@ -18,7 +18,7 @@ use linewright_line::{Line, Problems};
 use miette::{IntoDiagnostic, miette};
 
 use crate::load;
-use report::Report;
+use report::CheckReport;
 
 /// Check a description: text, structure, everything its controllers can do together; and of a cell, whether parts get
 /// stuck.
@@ -30,7 +30,7 @@ pub struct Args {
     #[arg(long)]
     json: bool,
     #[command(flatten)]
-    options: explored::Options,
+    options: explored::ExploreOptions,
 }
 
 /// `linewright check`
@@ -43,7 +43,7 @@ pub fn run(args: &Args) -> miette::Result<ExitCode> {
         Some(file) => of_line(args, file, files.cell.is_some())?,
         None => {
             nothing_of(args.options.of_stations(), "the stations of a line")?;
-            (Report::of_no_line(), None)
+            (CheckReport::of_no_line(), None)
         }
     };
     match &files.cell {
@@ -60,7 +60,7 @@ pub fn run(args: &Args) -> miette::Result<ExitCode> {
 
 /// What is to be said of the line, and the line itself if there is one. With a cell beside it, a line that could not be
 /// understood is no reason not to look at that.
-fn of_line(args: &Args, file: &Path, with_cell: bool) -> miette::Result<(Report, Option<Line>)> {
+fn of_line(args: &Args, file: &Path, with_cell: bool) -> miette::Result<(CheckReport, Option<Line>)> {
     let read = load::parsed(file).and_then(|mut parsed| {
         // Devices' own files say nothing about the controllers, but a line with a wrong one is not right.
         load::with_device_files(&mut parsed.line, file, args.json)?;
@@ -79,8 +79,8 @@ fn of_line(args: &Args, file: &Path, with_cell: bool) -> miette::Result<(Report,
                 crate::out::complain!("{error:?}");
             }
             let report = match error.downcast_ref::<Problems>() {
-                Some(problems) => Report::of_problems(problems),
-                None => Report::unreadable(format!("{error:#}")),
+                Some(problems) => CheckReport::of_problems(problems),
+                None => CheckReport::unreadable(format!("{error:#}")),
             };
             Ok((report, None))
         }

@@ -9,7 +9,7 @@ use linewright_fieldbus::Clock;
 use linewright_line::{Line, StationId};
 use linewright_msgs::{Flag, LineState, StationEvent, StationState, Text};
 use linewright_node_shell::{
-    Forward, Node, Participant, Publisher, RosArgs, TopicError, forward, qos, watch_middleware,
+    Forward, Participant, Publisher, RosArgs, RosNode, TopicError, forward, qos, watch_middleware,
 };
 use linewright_station_shell::NewestBySequence;
 use miette::miette;
@@ -17,7 +17,7 @@ use tokio::sync::mpsc;
 
 /// Something newer was heard.
 #[derive(Debug)]
-pub enum Heard {
+pub enum StateUpdate {
     /// The coordinator's state.
     Line,
     /// A station's state.
@@ -26,7 +26,7 @@ pub enum Heard {
     Event(StationId, StationEvent),
 }
 
-enum Raw {
+enum RawState {
     Line(LineState),
     Station(Box<StationState>),
     Event(StationEvent),
@@ -34,23 +34,23 @@ enum Raw {
 
 /// The newest state of one node, and when it was heard.
 #[derive(Debug, Clone)]
-struct Aged<T> {
+struct StampedState<T> {
     state: T,
     at: Instant,
 }
 
 /// An operator's connection to a line.
-pub struct Client {
+pub struct OperatorClient {
     line: Line,
-    from: mpsc::Receiver<Raw>,
-    line_state: Option<Aged<LineState>>,
-    stations: Vec<Option<Aged<StationState>>>,
+    from: mpsc::Receiver<RawState>,
+    line_state: Option<StampedState<LineState>>,
+    stations: Vec<Option<StampedState<StationState>>>,
     clock: Clock,
     newest_line: NewestBySequence,
     newest: Vec<NewestBySequence>,
     commands: Publisher<Text>,
     buttons: Publisher<Text>,
-    node: Node,
+    node: RosNode,
     middleware: Forward,
     domain_id: u16,
     _tasks: Vec<Forward>,
@@ -60,7 +60,7 @@ pub struct Client {
 const QUEUE: usize = 4096;
 
 /// Joins the ROS graph of a line as `name`; also gives the domain.
-pub fn join(line: &Line, ros: &RosArgs, name: &str) -> miette::Result<(Node, u16)> {
+pub fn join(line: &Line, ros: &RosArgs, name: &str) -> miette::Result<(RosNode, u16)> {
     let participant = Participant::open(ros).map_err(|error| miette!("{error}"))?;
     // Several operators may look at the same line: each needs a name of its own.
     let name = format!("{name}_{}", std::process::id());
@@ -73,21 +73,21 @@ pub fn not_heard(of: &str, domain: u16) -> miette::Report {
     miette!("no coordinator of {of} is heard on ROS domain {domain} (is it running, and on the same ROS_DOMAIN_ID?)")
 }
 
-impl Client {
+impl OperatorClient {
     /// Joins the ROS graph as `name`.
     pub fn open(line: &Line, ros: &RosArgs, name: &str) -> miette::Result<Self> {
         let failed = |error: TopicError| miette!("{error}");
         let (mut node, domain_id) = join(line, ros, name)?;
         let (to, from) = mpsc::channel(QUEUE);
         let state = node.subscription("state", qos::latched_state()).map_err(failed)?;
-        let mut tasks = vec![forward(state, to.clone(), |m, _| Some(Raw::Line(m)))];
+        let mut tasks = vec![forward(state, to.clone(), |m, _| Some(RawState::Line(m)))];
         for station in &line.stations {
             let state = node.subscription(&format!("{}/state", station.name), qos::latched_state()).map_err(failed)?;
-            tasks.push(forward(state, to.clone(), |m, _| Some(Raw::Station(Box::new(m)))));
+            tasks.push(forward(state, to.clone(), |m, _| Some(RawState::Station(Box::new(m)))));
             let event = node.subscription(&format!("{}/event", station.name), qos::event()).map_err(failed)?;
-            tasks.push(forward(event, to.clone(), |m, _| Some(Raw::Event(m))));
+            tasks.push(forward(event, to.clone(), |m, _| Some(RawState::Event(m))));
         }
-        Ok(Client {
+        Ok(OperatorClient {
             from,
             line_state: None,
             stations: vec![None; line.stations.len()],
@@ -125,7 +125,7 @@ impl Client {
     }
 
     /// Waits for something newer. Cancel safe.
-    pub async fn next(&mut self) -> miette::Result<Heard> {
+    pub async fn next(&mut self) -> miette::Result<StateUpdate> {
         loop {
             let raw = tokio::select! {
                 raw = self.from.recv() => raw.ok_or_else(|| miette!("the middleware has failed"))?,
@@ -139,26 +139,26 @@ impl Client {
         }
     }
 
-    fn take(&mut self, raw: Raw) -> Option<Heard> {
+    fn take(&mut self, raw: RawState) -> Option<StateUpdate> {
         let (at, now) = (Instant::now(), self.clock.now());
         match raw {
-            Raw::Line(state) => {
+            RawState::Line(state) => {
                 if !self.newest_line.offer(now, state.boot_id, state.sequence) {
                     return None;
                 }
-                self.line_state = Some(Aged { state, at });
-                Some(Heard::Line)
+                self.line_state = Some(StampedState { state, at });
+                Some(StateUpdate::Line)
             }
-            Raw::Station(state) => {
+            RawState::Station(state) => {
                 let id = self.line.station_named(&state.station)?;
                 let fits = state.done.len() == self.line.station(id).operations.len();
                 if !fits || !self.newest[id.index()].offer(now, state.boot_id, state.sequence) {
                     return None;
                 }
-                self.stations[id.index()] = Some(Aged { state: *state, at });
-                Some(Heard::Station(id))
+                self.stations[id.index()] = Some(StampedState { state: *state, at });
+                Some(StateUpdate::Station(id))
             }
-            Raw::Event(event) => Some(Heard::Event(self.line.station_named(&event.station)?, event)),
+            RawState::Event(event) => Some(StateUpdate::Event(self.line.station_named(&event.station)?, event)),
         }
     }
 

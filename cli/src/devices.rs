@@ -5,7 +5,7 @@
 
 use std::path::Path;
 
-use linewright_eds::{Content, Eds, NodeId, limits, read};
+use linewright_eds::{DownloadContent, Eds, NodeId, limits, read};
 use linewright_line::{Device, Line, Setting, is_the_managers, keeps_an_output};
 use miette::{WrapErr, miette};
 
@@ -59,7 +59,7 @@ fn apply(device: &mut Device, eds: &Eds) -> Result<(), String> {
     }
     let mut settings = Vec::new();
     for download in eds.downloads(node).map_err(|error| error.to_string())? {
-        let Content::Bytes(data) = download.content else {
+        let DownloadContent::Bytes(data) = download.content else {
             return Err(format!("line {}: a DownloadFile is not sent to devices here", download.line));
         };
         if !is_the_managers(download.index) {

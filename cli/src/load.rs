@@ -45,7 +45,7 @@ pub fn files_of(path: &Path) -> Files {
 }
 
 /// Reads and parses the description of a cell, whose stations are those of `line`.
-pub fn cell(file: &Path, line: Option<&Line>) -> miette::Result<linewright_cell::Parsed> {
+pub fn cell(file: &Path, line: Option<&Line>) -> miette::Result<linewright_cell::ParsedCell> {
     let text = description(file)?;
     linewright_cell::parse(&file.display().to_string(), &text, line).map_err(miette::Report::new)
 }

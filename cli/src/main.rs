@@ -40,11 +40,11 @@ use linewright_node_shell::{RosArgs, init_logging};
 )]
 struct Cli {
     #[command(subcommand)]
-    command: Command,
+    command: CliCommand,
 }
 
 #[derive(Debug, Subcommand)]
-enum Command {
+enum CliCommand {
     /// Write the description of a new line.
     New(new::Args),
     /// Check a description: text, structure, everything its controllers can do together; and of a cell, whether parts get
@@ -116,29 +116,29 @@ fn command() -> ExitCode {
     }
 }
 
-fn dispatch(command: Command, ros: RosArgs) -> miette::Result<ExitCode> {
+fn dispatch(command: CliCommand, ros: RosArgs) -> miette::Result<ExitCode> {
     match command {
-        Command::New(args) => new::run(&args),
-        Command::Check(args) => check::run(&args),
-        Command::Nets(args) => nets::run(&args),
-        Command::Analyse(args) => analyse::run(&args),
-        Command::Simulate(args) => simulate::run(&args),
-        Command::Report(args) => report::run(&args),
-        Command::Run(args) => asynchronous(async move { run::run(args, ros).await }),
-        Command::Station(args) => logged(&ros, || nodes::station(args, &ros)),
-        Command::Coordinator(args) => logged(&ros, || nodes::coordinator(args, &ros)),
-        Command::Plant(args) => logged(&ros, || nodes::plant(args)),
-        Command::Mode(args) => asynchronous(async move { operate::mode(args, &ros).await }),
-        Command::Rejoin(args) => asynchronous(async move { operate::rejoin(args, &ros).await }),
-        Command::Press(args) => asynchronous(async move { operate::press(args, &ros).await }),
-        Command::Fail(args) => asynchronous(async move { can::fail(args, &ros).await }),
-        Command::Order(args) => asynchronous(async move { cell::order(args, &ros).await }),
-        Command::Why(args) => asynchronous(async move { cell::why(args, &ros).await }),
-        Command::Answer(args) => asynchronous(async move { cell::answer(args, &ros).await }),
-        Command::Resource(args) => asynchronous(async move { cell::resource(args, &ros).await }),
-        Command::Watch(args) => asynchronous(async move { watch::run(args, &ros).await }),
-        Command::Can(args) => asynchronous(async move { can::run(args).await }),
-        Command::Candump(args) => asynchronous(async move { can::dump(args).await }),
+        CliCommand::New(args) => new::run(&args),
+        CliCommand::Check(args) => check::run(&args),
+        CliCommand::Nets(args) => nets::run(&args),
+        CliCommand::Analyse(args) => analyse::run(&args),
+        CliCommand::Simulate(args) => simulate::run(&args),
+        CliCommand::Report(args) => report::run(&args),
+        CliCommand::Run(args) => asynchronous(async move { run::run(args, ros).await }),
+        CliCommand::Station(args) => logged(&ros, || nodes::station(args, &ros)),
+        CliCommand::Coordinator(args) => logged(&ros, || nodes::coordinator(args, &ros)),
+        CliCommand::Plant(args) => logged(&ros, || nodes::plant(args)),
+        CliCommand::Mode(args) => asynchronous(async move { operate::mode(args, &ros).await }),
+        CliCommand::Rejoin(args) => asynchronous(async move { operate::rejoin(args, &ros).await }),
+        CliCommand::Press(args) => asynchronous(async move { operate::press(args, &ros).await }),
+        CliCommand::Fail(args) => asynchronous(async move { can::fail(args, &ros).await }),
+        CliCommand::Order(args) => asynchronous(async move { cell::order(args, &ros).await }),
+        CliCommand::Why(args) => asynchronous(async move { cell::why(args, &ros).await }),
+        CliCommand::Answer(args) => asynchronous(async move { cell::answer(args, &ros).await }),
+        CliCommand::Resource(args) => asynchronous(async move { cell::resource(args, &ros).await }),
+        CliCommand::Watch(args) => asynchronous(async move { watch::run(args, &ros).await }),
+        CliCommand::Can(args) => asynchronous(async move { can::run(args).await }),
+        CliCommand::Candump(args) => asynchronous(async move { can::dump(args).await }),
     }
 }
 

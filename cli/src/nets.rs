@@ -11,7 +11,7 @@ use std::time::Duration;
 
 use clap::ValueEnum;
 use linewright_cell::net::{Detail, Supply};
-use linewright_coordinator_cell::described::{Pace, described, recovery_net};
+use linewright_coordinator_cell::compile::{OrderTiming, compile_cell, recovery_net};
 use linewright_coordinator_logic::decision;
 use linewright_line::Line;
 use linewright_line::net::StationNet;
@@ -33,23 +33,23 @@ pub struct Args {
     #[arg(long, value_name = "DIR")]
     out: PathBuf,
     /// How to write them.
-    #[arg(long, value_enum, default_value_t = Format::Pnml)]
-    format: Format,
+    #[arg(long, value_enum, default_value_t = NetFormat::Pnml)]
+    format: NetFormat,
 }
 
 #[derive(Clone, Copy, Debug, PartialEq, Eq, ValueEnum)]
-enum Format {
+enum NetFormat {
     /// Nets for analysis, by `linewright analyse` or another tool.
     Pnml,
     /// Drawings for GraphViz.
     Dot,
 }
 
-impl Format {
+impl NetFormat {
     fn of(self, net: &Net) -> (&'static str, String) {
         match self {
-            Format::Pnml => ("pnml", linewright_pnml::write(net)),
-            Format::Dot => ("dot", dot(net)),
+            NetFormat::Pnml => ("pnml", linewright_pnml::write(net)),
+            NetFormat::Dot => ("dot", dot(net)),
         }
     }
 }
@@ -84,8 +84,8 @@ fn of_cell(args: &Args, cell: &linewright_cell::Cell) -> miette::Result<()> {
         write(args, name, long.net())?;
     }
     // Without reservations nothing is played, and nobody recovers it.
-    let pace = Pace { refresh: Duration::from_secs(1), grace: Duration::from_secs(1) };
-    let Ok(made) = described(cell, None, Supply::Open, pace) else { return Ok(()) };
+    let pace = OrderTiming { refresh: Duration::from_secs(1), grace: Duration::from_secs(1) };
+    let Ok(made) = compile_cell(cell, None, Supply::Open, pace) else { return Ok(()) };
     let recovery = recovery_net(&format!("{} with what fails", cell.name), &made.table).map_err(|errors| {
         let errors: Vec<String> = errors.iter().map(ToString::to_string).collect();
         miette!("the cell has no net with what fails: {}", errors.join("; "))

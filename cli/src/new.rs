@@ -16,11 +16,11 @@ use miette::{IntoDiagnostic, WrapErr, miette};
 #[derive(Debug, clap::Args)]
 pub struct Args {
     #[command(subcommand)]
-    kind: Kind,
+    kind: NewKind,
 }
 
 #[derive(Debug, Subcommand)]
-enum Kind {
+enum NewKind {
     /// A transfer bar with a number of clamp-and-mill pairs along it.
     TransferLine(TransferLineArgs),
 }
@@ -59,7 +59,7 @@ fn time_scale(word: &str) -> Result<f64, String> {
 
 /// `linewright new`
 pub fn run(args: &Args) -> miette::Result<ExitCode> {
-    let Kind::TransferLine(args) = &args.kind;
+    let NewKind::TransferLine(args) = &args.kind;
     let line = TransferLine { machines: args.machines, time_scale: args.time_scale };
     let file = args.dir.join("line.toml");
     create_dir_all(&args.dir).into_diagnostic().wrap_err_with(|| format!("cannot make {}", args.dir.display()))?;

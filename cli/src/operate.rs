@@ -8,13 +8,13 @@ use std::process::ExitCode;
 use std::time::Duration;
 
 use clap::Args;
-use linewright_coordinator_logic::Command;
+use linewright_coordinator_logic::ModeCommand;
 use linewright_line::{Line, StationId};
 use linewright_msgs::{Flag, Text};
 use linewright_node_shell::RosArgs;
 use miette::miette;
 
-use crate::client::Client;
+use crate::client::OperatorClient;
 use crate::load;
 
 /// How long to wait for a line to be heard.
@@ -37,13 +37,13 @@ pub struct ModeArgs {
 pub async fn mode(args: ModeArgs, ros: &RosArgs) -> miette::Result<ExitCode> {
     let line = load::line(&args.line, true)?;
     let command = match &args.command {
-        Some(word) => Some(Command::parse(word).ok_or_else(|| {
-            let known: Vec<&str> = Command::ALL.iter().map(|command| command.name()).collect();
+        Some(word) => Some(ModeCommand::parse(word).ok_or_else(|| {
+            let known: Vec<&str> = ModeCommand::ALL.iter().map(|command| command.name()).collect();
             miette!("'{word}' is no command; commands are {}", known.join(", "))
         })?),
         None => None,
     };
-    let mut client = Client::open(&line, ros, "operator")?;
+    let mut client = OperatorClient::open(&line, ros, "operator")?;
     client.until_connected(CONNECT).await?;
     if let Some(command) = command {
         let refusals = client.coordinator().map_or(0, |state| state.refusals);
@@ -98,7 +98,7 @@ async fn press_console(line: &Line, args: &PressArgs, ros: &RosArgs) -> miette::
     if let Some(unknown) = args.buttons.iter().find(|name| !line.buttons.contains(name)) {
         return Err(miette!("'{unknown}' is no button; buttons are {}", line.buttons.join(", ")));
     }
-    let mut client = Client::open(line, ros, "operator")?;
+    let mut client = OperatorClient::open(line, ros, "operator")?;
     client.until_connected(CONNECT).await?;
     let names = args.buttons.join(" ");
     hold(&mut client, args.seconds, |client, held| client.hold(if held { &names } else { "" })).await?;
@@ -113,7 +113,7 @@ async fn press_panel(line: &Line, args: &PressArgs, station: &str, ros: &RosArgs
     let [button] = args.buttons.as_slice() else {
         return Err(miette!("one button of a panel at a time: advance, return, manual or auto"));
     };
-    let mut client = Client::open(line, ros, "operator")?;
+    let mut client = OperatorClient::open(line, ros, "operator")?;
     match button.as_str() {
         "advance" | "return" => {
             let publisher = client.panel_button(id, button)?;
@@ -156,7 +156,7 @@ pub async fn rejoin(args: RejoinArgs, ros: &RosArgs) -> miette::Result<ExitCode>
         let names: Vec<&str> = station.operations.iter().map(|operation| operation.name.as_str()).collect();
         return Err(miette!("'{unknown}' is no operation of {}; operations are {}", station.name, names.join(", ")));
     }
-    let mut client = Client::open(&line, ros, "operator")?;
+    let mut client = OperatorClient::open(&line, ros, "operator")?;
     let publisher = client.rejoin(id)?;
     client.until_connected(CONNECT).await?;
     client.listen(ANSWER).await?;
@@ -186,7 +186,7 @@ pub async fn rejoin(args: RejoinArgs, ros: &RosArgs) -> miette::Result<ExitCode>
 }
 
 /// Sends "released", then "held" repeatedly for so many seconds, then "released", and receives what follows.
-async fn hold(client: &mut Client, seconds: f64, say: impl Fn(&Client, bool)) -> miette::Result<()> {
+async fn hold(client: &mut OperatorClient, seconds: f64, say: impl Fn(&OperatorClient, bool)) -> miette::Result<()> {
     // The release of an earlier press may have been lost, and silence is no release.
     release(client, &say).await?;
     let until = tokio::time::Instant::now() + Duration::from_secs_f64(seconds);
@@ -199,7 +199,7 @@ async fn hold(client: &mut Client, seconds: f64, say: impl Fn(&Client, bool)) ->
 }
 
 /// Sends "released" more than once: one message can get lost.
-async fn release(client: &mut Client, say: impl Fn(&Client, bool)) -> miette::Result<()> {
+async fn release(client: &mut OperatorClient, say: impl Fn(&OperatorClient, bool)) -> miette::Result<()> {
     for _ in 0..3 {
         say(client, false);
         client.listen(REPEAT).await?;
@@ -207,7 +207,7 @@ async fn release(client: &mut Client, say: impl Fn(&Client, bool)) -> miette::Re
     Ok(())
 }
 
-fn print_station(client: &Client, id: StationId) {
+fn print_station(client: &OperatorClient, id: StationId) {
     let name = &client.line().station(id).name;
     match client.station(id) {
         Some(state) if state.blocked_by.is_empty() => crate::out::say!("{name}: {}", state.operation),

@@ -16,12 +16,12 @@ use std::process::ExitCode;
 use std::time::Duration;
 
 use linewright_line::Line;
-use linewright_simulation::{End, Goal, Network, Options, Scenario, Sim};
+use linewright_simulation::{LineSim, Network, RunEnd, RunGoal, Scenario, SimOptions};
 use miette::{IntoDiagnostic, WrapErr, miette};
 
 use crate::load;
 use crate::out::{self, say};
-use report::Report;
+use report::SimulationReport;
 
 /// A scenario may be this large.
 const SCENARIO_BYTES_MAX: usize = 1 << 20;
@@ -113,7 +113,7 @@ pub fn run(args: &Args) -> miette::Result<ExitCode> {
     };
     let (goal, options) = told(args, scenario.as_ref());
     let (sim, end) = linewright_simulation::run(&line, options, &goal).map_err(|error| miette!("{error}"))?;
-    let report = Report::new(&sim, &end, &goal, scenario.as_ref());
+    let report = SimulationReport::new(&sim, &end, &goal, scenario.as_ref());
     if let Some(path) = &args.trace {
         write(path, &sim.log().text(&line))?;
     }
@@ -121,16 +121,16 @@ pub fn run(args: &Args) -> miette::Result<ExitCode> {
         write(path, &chart::svg(&line, &report))?;
     }
     if args.json {
-        out::json(&json::Object::new(&line, &sim, &report))?;
+        out::json(&json::SimulationJson::new(&line, &sim, &report))?;
     } else {
         say!("{}", report.text(&line).trim_end());
         print_end(&sim, &end, scenario.as_ref());
     }
-    Ok(if end == End::Done { ExitCode::SUCCESS } else { ExitCode::FAILURE })
+    Ok(if end == RunEnd::Done { ExitCode::SUCCESS } else { ExitCode::FAILURE })
 }
 
 /// What the command line says goes before what the scenario says.
-fn told(args: &Args, scenario: Option<&Scenario>) -> (Goal, Options) {
+fn told(args: &Args, scenario: Option<&Scenario>) -> (RunGoal, SimOptions) {
     let default = Network::default();
     let network = scenario.map_or(default, |scenario| scenario.network);
     let network = Network {
@@ -138,17 +138,17 @@ fn told(args: &Args, scenario: Option<&Scenario>) -> (Goal, Options) {
         jitter: args.jitter.unwrap_or(network.jitter),
         ..network
     };
-    let options = Options {
+    let options = SimOptions {
         seed: args.seed,
         network,
         frames: args.frames,
         images: network,
         variation: args.variation.unwrap_or(scenario.map_or(0.0, |scenario| scenario.variation)),
         keeps_log: args.trace.is_some() || args.json,
-        ..Options::default()
+        ..SimOptions::default()
     };
     let asked = args.cycles.map(|cycles| cycles as usize).or(scenario.and_then(|scenario| scenario.cycles));
-    let goal = Goal {
+    let goal = RunGoal {
         cycles: asked.unwrap_or(CYCLES),
         starts: scenario.is_none_or(|scenario| scenario.starts),
         script: scenario.map(|scenario| scenario.script.clone()).unwrap_or_default(),
@@ -166,8 +166,8 @@ fn write(path: &Path, text: &str) -> miette::Result<()> {
 }
 
 /// A failed step of a scenario is shown in its file, everything else in words.
-fn print_end(sim: &Sim, end: &End, scenario: Option<&Scenario>) {
-    if let (End::Failed { step: Some(step), why }, Some(scenario)) = (end, scenario)
+fn print_end(sim: &LineSim, end: &RunEnd, scenario: Option<&Scenario>) {
+    if let (RunEnd::Failed { step: Some(step), why }, Some(scenario)) = (end, scenario)
         && let Some(problem) = scenario.failed_at(*step, why)
     {
         crate::out::complain!("{:?}", miette::Report::new(problem));

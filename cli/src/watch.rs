@@ -15,10 +15,10 @@ use linewright_msgs::StationEvent;
 use linewright_node_shell::RosArgs;
 use miette::IntoDiagnostic;
 
-use crate::client::{Client, Heard};
+use crate::client::{OperatorClient, StateUpdate};
 use crate::interrupts::Interrupts;
 use crate::load;
-use crate::run::chart::Chart;
+use crate::run::chart::RollingChart;
 
 /// Show the line as it runs.
 #[derive(Debug, ClapArgs)]
@@ -33,9 +33,9 @@ pub struct Args {
 /// `linewright watch`
 pub async fn run(args: Args, ros: &RosArgs) -> miette::Result<ExitCode> {
     let line = load::line(&args.line, true)?;
-    let mut client = Client::open(&line, ros, "watch")?;
+    let mut client = OperatorClient::open(&line, ros, "watch")?;
     client.until_connected(Duration::from_secs(5)).await?;
-    let mut view = View::new(&line);
+    let mut view = WatchState::new(&line);
     if args.once || !std::io::stdout().is_terminal() {
         let until = tokio::time::Instant::now() + line.timing.refresh * 4;
         while let Ok(heard) = tokio::time::timeout_at(until, client.next()).await {
@@ -65,9 +65,9 @@ const CHART_SECONDS: f64 = 12.0;
 const MESSAGES: usize = 6;
 
 /// What the view remembers beside the newest states.
-pub struct View {
+pub struct WatchState {
     line: Line,
-    chart: Chart,
+    chart: RollingChart,
     messages: VecDeque<String>,
     /// Lines above the picture, e.g. where the buses are.
     pub head: Vec<String>,
@@ -78,10 +78,10 @@ fn now() -> f64 {
     SystemTime::now().duration_since(UNIX_EPOCH).unwrap_or_default().as_secs_f64()
 }
 
-impl View {
+impl WatchState {
     /// An empty view.
     pub fn new(line: &Line) -> Self {
-        View { line: line.clone(), chart: Chart::new(line), messages: VecDeque::new(), head: Vec::new() }
+        WatchState { line: line.clone(), chart: RollingChart::new(line), messages: VecDeque::new(), head: Vec::new() }
     }
 
     /// Adds a line to the last messages.
@@ -93,8 +93,8 @@ impl View {
     }
 
     /// Takes what the client heard.
-    pub fn take(&mut self, heard: &Heard) {
-        if let Heard::Event(id, event) = heard {
+    pub fn take(&mut self, heard: &StateUpdate) {
+        if let StateUpdate::Event(id, event) = heard {
             self.event(*id, event);
         }
     }
@@ -116,7 +116,7 @@ impl View {
     }
 
     /// The picture, as lines of text.
-    pub fn picture(&self, client: &Client, width: usize) -> Vec<String> {
+    pub fn picture(&self, client: &OperatorClient, width: usize) -> Vec<String> {
         let mut lines = self.head.clone();
         match client.coordinator() {
             Some(state) => {
@@ -143,7 +143,7 @@ impl View {
         lines
     }
 
-    fn station(&self, client: &Client, id: StationId) -> Vec<String> {
+    fn station(&self, client: &OperatorClient, id: StationId) -> Vec<String> {
         let name = &self.line.station(id).name;
         let Some(state) = client.station(id) else { return vec![format!("{name:12} not heard")] };
         let mut lines = vec![format!("{name:12} cycle {:<4} {}", state.cycle, state.operation)];

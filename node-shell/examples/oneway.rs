@@ -6,7 +6,7 @@
 //! the shell costs.
 
 use linewright_msgs::{Header, ProcessImage, RosMessage};
-use linewright_node_shell::{Participant, RosArgs, Source, boot_id, qos, stamp};
+use linewright_node_shell::{MessageSource, Participant, RosArgs, boot_id, qos, stamp};
 use ros2_client::{Context, MessageTypeName, Name, NodeName, NodeOptions, QosProfile};
 use std::error::Error;
 use std::process::{Command, Stdio};
@@ -42,7 +42,7 @@ fn main() -> Result<()> {
 /// One topic in, one topic out, through the shell or without it.
 enum Link {
     Shell {
-        _node: Box<linewright_node_shell::Node>,
+        _node: Box<linewright_node_shell::RosNode>,
         out: linewright_node_shell::Publisher<ProcessImage>,
         into: linewright_node_shell::Subscription<ProcessImage>,
     },
@@ -91,7 +91,9 @@ impl Link {
 
     async fn receive(&mut self) -> Result<ProcessImage> {
         match self {
-            Self::Shell { into, .. } => into.recv().await.map(|(message, _): (_, Source)| message).map_err(Into::into),
+            Self::Shell { into, .. } => {
+                into.recv().await.map(|(message, _): (_, MessageSource)| message).map_err(Into::into)
+            }
             Self::Bare { into, .. } => into.async_take().await.map(|(message, _)| message).map_err(Into::into),
         }
     }

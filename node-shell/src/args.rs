@@ -7,7 +7,7 @@
 //! Pure: arguments and environment come in, a value or an error with the offending text goes out.
 
 use crate::environment::{self, EnvironmentError, Range};
-use crate::names::{Remap, Target};
+use crate::names::{Remap, RemapTarget};
 use thiserror::Error;
 
 /// How much is logged (`--log-level`).
@@ -228,10 +228,10 @@ fn remap(option: &str, value: String) -> Result<Remap, ArgsError> {
     let plain = value.replacen("rostopic://", "", 1);
     let Some((node, from, to)) = assignment(&plain) else { return Err(bad(value)) };
     let target = match from {
-        "__node" | "__name" => Target::NodeName,
-        "__ns" => Target::Namespace,
+        "__node" | "__name" => RemapTarget::NodeName,
+        "__ns" => RemapTarget::Namespace,
         reserved if reserved.starts_with("__") => return Err(bad(value)),
-        topic => Target::Topic(topic.to_owned()),
+        topic => RemapTarget::Topic(topic.to_owned()),
     };
     Ok(Remap { node, target, to: to.to_owned() })
 }

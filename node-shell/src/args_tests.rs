@@ -26,7 +26,7 @@ fn ros_arguments_are_cut_out_and_the_rest_handed_back() {
 fn remaps() {
     let (args, _) =
         parse("--ros-args -r __ns:=/l --remap __node:=n -r __name:=m -r s1:mode:=order -r rostopic://a:=b").unwrap();
-    let rule = |node: Option<&str>, target: Target, to: &str| Remap {
+    let rule = |node: Option<&str>, target: RemapTarget, to: &str| Remap {
         node: node.map(str::to_owned),
         target,
         to: to.to_owned(),
@@ -34,11 +34,11 @@ fn remaps() {
     assert_eq!(
         args.remaps,
         [
-            rule(None, Target::Namespace, "/l"),
-            rule(None, Target::NodeName, "n"),
-            rule(None, Target::NodeName, "m"),
-            rule(Some("s1"), Target::Topic("mode".into()), "order"),
-            rule(None, Target::Topic("a".into()), "b"),
+            rule(None, RemapTarget::Namespace, "/l"),
+            rule(None, RemapTarget::NodeName, "n"),
+            rule(None, RemapTarget::NodeName, "m"),
+            rule(Some("s1"), RemapTarget::Topic("mode".into()), "order"),
+            rule(None, RemapTarget::Topic("a".into()), "b"),
         ]
     );
 }

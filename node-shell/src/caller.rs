@@ -57,15 +57,16 @@ pub enum CallError {
 /// A message as the client library wants it.
 #[derive(Clone, Serialize, Deserialize)]
 #[serde(transparent)]
-pub(crate) struct Wire<T>(pub(crate) T);
+pub(crate) struct WireMessage<T>(pub(crate) T);
 
-impl<T: RosMessage> ros2_client::Message for Wire<T> {}
+impl<T: RosMessage> ros2_client::Message for WireMessage<T> {}
 
-pub(crate) type RawClient<S> = Client<Wire<<S as RosService>::Request>, Wire<<S as RosService>::Response>>;
+pub(crate) type RawServiceClient<S> =
+    Client<WireMessage<<S as RosService>::Request>, WireMessage<<S as RosService>::Response>>;
 
 /// Asks one service.
 pub struct Caller<S: RosService> {
-    pub(crate) inner: RawClient<S>,
+    pub(crate) inner: RawServiceClient<S>,
     pub(crate) name: String,
 }
 
@@ -73,9 +74,9 @@ impl<S: RosService> Caller<S> {
     /// Asks, and waits for the answer. A request sent before the server is discovered gets none: ask again.
     pub async fn call(&self, request: S::Request, within: Duration) -> Result<S::Response, CallError> {
         let service = || self.name.clone();
-        let answer = tokio::time::timeout(within, self.inner.async_call_service(Wire(request))).await;
+        let answer = tokio::time::timeout(within, self.inner.async_call_service(WireMessage(request))).await;
         let answer = answer.map_err(|_| CallError::NoAnswer { service: service(), within })?;
-        let Wire(response) =
+        let WireMessage(response) =
             answer.map_err(|error| CallError::Middleware { service: service(), reason: format!("{error:?}") })?;
         response.validate().map_err(|invalid| CallError::Invalid { service: service(), invalid })?;
         Ok(response)

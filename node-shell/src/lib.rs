@@ -31,7 +31,9 @@ mod subscription;
 mod threads;
 mod watchdog;
 
-pub use action::{Action, ActionCaller, Asked, Ended, Goal, GoalError, Outcome, Owner, serve_action};
+pub use action::{
+    ActionCaller, ActionOffer, ActionOwner, GoalEnd, GoalError, GoalHandle, GoalRequest, Outcome, serve_action,
+};
 pub use args::{ArgsError, LogLevel, ParamValue, RosArgs};
 pub use caller::{CallError, Caller, Mapping};
 pub use claim::{Claim, ClaimError};
@@ -39,10 +41,10 @@ pub use environment::{EnvironmentError, Range};
 pub use identity::{boot_id, fresh_boot_id, fresh_key, stamp};
 pub use journal::{Journal, JournalError};
 pub use logging::{LoggingError, flush_stderr, init as init_logging, stderr_line};
-pub use participant::{Node, OpenError, Participant, TopicError};
+pub use participant::{OpenError, Participant, RosNode, TopicError};
 pub use publisher::{Publisher, SendError};
-pub use recorder::Recorder;
+pub use recorder::JournalWriter;
 pub use service::{Reply, Service, serve};
-pub use subscription::{Forward, RecvError, Source, Subscription, forward};
+pub use subscription::{Forward, MessageSource, RecvError, Subscription, forward};
 pub use threads::watch_middleware;
 pub use watchdog::Watchdog;

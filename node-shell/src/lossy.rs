@@ -19,7 +19,7 @@ const QUEUE: usize = 1024;
 /// How often to try again to put the last request into a full queue.
 const RETRY: Duration = Duration::from_millis(5);
 
-enum Item {
+enum QueuedLine {
     Line(Vec<u8>),
     /// Everything before it is written.
     Flush(SyncSender<()>),
@@ -28,7 +28,7 @@ enum Item {
 /// Writes without waiting. Clones share the queue.
 #[derive(Clone, Debug)]
 pub struct LossyWriter {
-    queue: SyncSender<Item>,
+    queue: SyncSender<QueuedLine>,
     dropped: Arc<AtomicU64>,
 }
 
@@ -47,7 +47,7 @@ impl LossyWriter {
 
     /// Hands over one line, which ends with its line feed, or drops it.
     pub fn line(&self, line: Vec<u8>) {
-        if self.queue.try_send(Item::Line(line)).is_err() {
+        if self.queue.try_send(QueuedLine::Line(line)).is_err() {
             self.dropped.fetch_add(1, Ordering::Relaxed);
         }
     }
@@ -62,7 +62,7 @@ impl LossyWriter {
     pub fn flush(&self, at_most: Duration) {
         let until = Instant::now() + at_most;
         let (done, is_done) = sync_channel(1);
-        while self.queue.try_send(Item::Flush(done.clone())).is_err() {
+        while self.queue.try_send(QueuedLine::Flush(done.clone())).is_err() {
             if Instant::now() >= until {
                 return;
             }
@@ -72,15 +72,15 @@ impl LossyWriter {
     }
 }
 
-fn write_all(mut output: impl Write, items: &Receiver<Item>, dropped: &AtomicU64) {
+fn write_all(mut output: impl Write, items: &Receiver<QueuedLine>, dropped: &AtomicU64) {
     while let Ok(item) = items.recv() {
         match item {
-            Item::Line(line) => {
+            QueuedLine::Line(line) => {
                 if !report(&mut output, dropped) || output.write_all(&line).is_err() {
                     dropped.fetch_add(1, Ordering::Relaxed);
                 }
             }
-            Item::Flush(done) => {
+            QueuedLine::Flush(done) => {
                 report(&mut output, dropped);
                 let _ = output.flush();
                 let _ = done.try_send(());

@@ -93,7 +93,7 @@ fn check_absolute(full: &str) -> Result<(), NameError> {
 
 /// What a remap rule replaces.
 #[derive(Debug, Clone, PartialEq, Eq)]
-pub enum Target {
+pub enum RemapTarget {
     /// The node's name (`__node`, `__name`).
     NodeName,
     /// The node's namespace (`__ns`).
@@ -108,7 +108,7 @@ pub struct Remap {
     /// The rule is for nodes of this name only.
     pub node: Option<String>,
     /// What is replaced.
-    pub target: Target,
+    pub target: RemapTarget,
     /// By what.
     pub to: String,
 }
@@ -116,11 +116,11 @@ pub struct Remap {
 /// The name and namespace a node ends up with. The first matching rule wins; the name is decided
 /// first, and namespace rules for one node are matched against its new name, as in rcl.
 pub fn identify(rules: &[Remap], namespace_given: &str, name_given: &str) -> Result<(String, String), NameError> {
-    let first = |target: Target, name: &str| {
+    let first = |target: RemapTarget, name: &str| {
         rules.iter().find(|r| r.target == target && r.node.as_deref().is_none_or(|n| n == name)).map(|r| r.to.clone())
     };
-    let name = node_name(&first(Target::NodeName, name_given).unwrap_or_else(|| name_given.to_owned()))?;
-    let space = namespace(&first(Target::Namespace, &name).unwrap_or_else(|| namespace_given.to_owned()))?;
+    let name = node_name(&first(RemapTarget::NodeName, name_given).unwrap_or_else(|| name_given.to_owned()))?;
+    let space = namespace(&first(RemapTarget::Namespace, &name).unwrap_or_else(|| namespace_given.to_owned()))?;
     Ok((space, name))
 }
 
@@ -128,7 +128,7 @@ pub fn identify(rules: &[Remap], namespace_given: &str, name_given: &str) -> Res
 pub fn resolve(rules: &[Remap], topic: &str, namespace: &str, node: &str) -> Result<String, NameError> {
     let full = expand(topic, namespace, node)?;
     for rule in rules.iter().filter(|r| r.node.as_deref().is_none_or(|n| n == node)) {
-        if let Target::Topic(from) = &rule.target
+        if let RemapTarget::Topic(from) = &rule.target
             && expand(from, namespace, node)? == full
         {
             return expand(&rule.to, namespace, node);
@@ -179,13 +179,13 @@ mod tests {
         assert!(namespace("/line/").is_err());
     }
 
-    fn rule(node: Option<&str>, target: Target, to: &str) -> Remap {
+    fn rule(node: Option<&str>, target: RemapTarget, to: &str) -> Remap {
         Remap { node: node.map(str::to_owned), target, to: to.to_owned() }
     }
 
     #[test]
     fn the_first_matching_rule_wins() {
-        let topic = |from: &str| Target::Topic(from.to_owned());
+        let topic = |from: &str| RemapTarget::Topic(from.to_owned());
         let rules = [
             rule(Some("other"), topic("mode"), "/wrong"),
             rule(None, topic("/line/mode"), "order"),
@@ -201,9 +201,9 @@ mod tests {
     #[test]
     fn a_namespace_rule_for_one_node_matches_the_new_name() {
         let rules = [
-            rule(Some("a"), Target::NodeName, "b"),
-            rule(Some("a"), Target::Namespace, "/old"),
-            rule(Some("b"), Target::Namespace, "new"),
+            rule(Some("a"), RemapTarget::NodeName, "b"),
+            rule(Some("a"), RemapTarget::Namespace, "/old"),
+            rule(Some("b"), RemapTarget::Namespace, "new"),
         ];
         assert_eq!(identify(&rules, "/line", "a").unwrap(), ("/new".to_owned(), "b".to_owned()));
         assert_eq!(identify(&rules, "/line", "c").unwrap(), ("/line".to_owned(), "c".to_owned()));

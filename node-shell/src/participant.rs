@@ -8,7 +8,7 @@
 //! that it announces itself and sends on the loopback address only; its sockets still listen on all,
 //! so this is a habit, not a firewall.
 
-use crate::action::{self, Action, ActionCaller, RawAction};
+use crate::action::{self, ActionCaller, ActionOffer, RawActionServer};
 use crate::caller::{Caller, Mapping};
 use crate::names::{self, NameError};
 use crate::relay::{self, Relay};
@@ -98,14 +98,14 @@ impl Participant {
     }
 
     /// Creates a node; remap rules may rename it.
-    pub fn node(&self, namespace: &str, name: &str) -> Result<Node, OpenError> {
+    pub fn node(&self, namespace: &str, name: &str) -> Result<RosNode, OpenError> {
         let (namespace, name) = names::identify(&self.args.remaps, namespace, name)?;
         let full = names::expand(&name, &namespace, &name)?;
         let failed = |reason: String| OpenError::Node { name: full.clone(), reason };
         let node_name = NodeName::new(&namespace, &name).map_err(|e| failed(e.to_string()))?;
         let options = NodeOptions::new().start_parameter_services(false);
         let inner = self.context.new_node(node_name, options).map_err(|e| failed(e.to_string()))?;
-        Ok(Node { inner, args: self.args.clone(), namespace, name, _relay: self.relay.clone() })
+        Ok(RosNode { inner, args: self.args.clone(), namespace, name, _relay: self.relay.clone() })
     }
 
     /// The domain joined.
@@ -138,7 +138,7 @@ impl Participant {
 const TAKE_IN: Duration = Duration::from_millis(2);
 
 /// A ROS 2 node.
-pub struct Node {
+pub struct RosNode {
     inner: ros2_client::Node,
     args: RosArgs,
     namespace: String,
@@ -147,7 +147,7 @@ pub struct Node {
     _relay: Option<Arc<Relay>>,
 }
 
-impl Node {
+impl RosNode {
     /// Namespace after remaps.
     pub fn namespace(&self) -> &str {
         &self.namespace
@@ -207,15 +207,15 @@ impl Node {
     }
 
     /// Offers an action; the name expands as a topic's does. Hand it to [`serve_action`](crate::serve_action).
-    pub fn action<A: RosAction>(&mut self, name: &str) -> Result<Action<A>, TopicError> {
+    pub fn action<A: RosAction>(&mut self, name: &str) -> Result<ActionOffer<A>, TopicError> {
         let (dds_name, full) = self.opening(name)?;
         let kind = ActionTypeName::new(A::PACKAGE, A::NAME);
-        let mut server = |mapping| -> Result<RawAction<A>, TopicError> {
+        let mut server = |mapping| -> Result<RawActionServer<A>, TopicError> {
             let created = self.inner.create_action_server(mapping, &dds_name, &kind, action::server_qos());
             created.map_err(|e| TopicError::Middleware { topic: full.clone(), reason: e.to_string() })
         };
         let servers = [server(ServiceMapping::Enhanced)?, server(ServiceMapping::Cyclone)?];
-        Ok(Action { servers, name: full })
+        Ok(ActionOffer { servers, name: full })
     }
 
     /// Prepares to ask for an action.

@@ -1,6 +1,6 @@
 //! A journal that is written beside the loop: a disk may take its time, and an emergency stop must not wait for it.
 //!
-//! One record is under way at a time. What must follow a record waits for [`Recorder::written`]; meanwhile the loop may take
+//! One record is under way at a time. What must follow a record waits for [`JournalWriter::written`]; meanwhile the loop may take
 //! in what must not wait, and turn outputs off.
 
 use std::path::{Path, PathBuf};
@@ -11,39 +11,39 @@ use crate::journal::{Journal, JournalError};
 
 /// A journal and the record that is being written to it.
 #[derive(Debug)]
-pub struct Recorder {
+pub struct JournalWriter {
     path: PathBuf,
-    state: State,
+    state: WriterState,
 }
 
 #[derive(Debug)]
-enum State {
+enum WriterState {
     Idle(Journal),
     Writing(JoinHandle<(Journal, Result<(), JournalError>)>),
     /// The thread that wrote has panicked, and the journal is gone with it.
     Lost,
 }
 
-impl Recorder {
+impl JournalWriter {
     /// Opens or creates the journal at `path`, and gives its record; see [`Journal::open`].
     ///
     /// # Errors
     /// As [`Journal::open`].
     pub fn open(path: &Path) -> Result<(Self, Option<Vec<u8>>), JournalError> {
         let (journal, record) = Journal::open(path)?;
-        Ok((Recorder { path: path.to_owned(), state: State::Idle(journal) }, record))
+        Ok((JournalWriter { path: path.to_owned(), state: WriterState::Idle(journal) }, record))
     }
 
     /// Whether a record is being written.
     pub fn is_writing(&self) -> bool {
-        matches!(self.state, State::Writing(_))
+        matches!(self.state, WriterState::Writing(_))
     }
 
-    /// Begins to replace the record. While one is being written nothing begins: wait for [`Recorder::written`] first.
+    /// Begins to replace the record. While one is being written nothing begins: wait for [`JournalWriter::written`] first.
     /// Must be called within a tokio runtime.
     pub fn begin(&mut self, record: Vec<u8>) {
-        self.state = match std::mem::replace(&mut self.state, State::Lost) {
-            State::Idle(mut journal) => State::Writing(tokio::task::spawn_blocking(move || {
+        self.state = match std::mem::replace(&mut self.state, WriterState::Lost) {
+            WriterState::Idle(mut journal) => WriterState::Writing(tokio::task::spawn_blocking(move || {
                 let written = journal.write(&record);
                 (journal, written)
             })),
@@ -57,15 +57,15 @@ impl Recorder {
     /// When it cannot be written; the record before it is then still there.
     pub async fn written(&mut self) -> Result<(), JournalError> {
         let ended = match &mut self.state {
-            State::Idle(_) => return Ok(()),
-            State::Writing(writing) => writing.await.ok(),
-            State::Lost => None,
+            WriterState::Idle(_) => return Ok(()),
+            WriterState::Writing(writing) => writing.await.ok(),
+            WriterState::Lost => None,
         };
         let Some((journal, written)) = ended else {
-            self.state = State::Lost;
+            self.state = WriterState::Lost;
             return Err(JournalError::Thread { path: self.path.clone() });
         };
-        self.state = State::Idle(journal);
+        self.state = WriterState::Idle(journal);
         written
     }
 }
@@ -78,7 +78,7 @@ mod tests {
     async fn a_record_is_there_once_it_is_written_and_the_wait_may_be_given_up() {
         let directory = tempfile::tempdir().expect("a directory");
         let path = directory.path().join("journal");
-        let (mut recorder, none) = Recorder::open(&path).expect("it opens");
+        let (mut recorder, none) = JournalWriter::open(&path).expect("it opens");
         assert_eq!(none, None);
         recorder.written().await.expect("nothing to wait for");
         for record in [b"first".to_vec(), b"second".to_vec()] {
@@ -98,7 +98,7 @@ mod tests {
     async fn a_record_that_does_not_fit_is_an_error_and_the_next_one_is_written() {
         let directory = tempfile::tempdir().expect("a directory");
         let path = directory.path().join("journal");
-        let (mut recorder, _) = Recorder::open(&path).expect("it opens");
+        let (mut recorder, _) = JournalWriter::open(&path).expect("it opens");
         recorder.begin(vec![0; 1 << 20]);
         assert!(matches!(recorder.written().await, Err(JournalError::TooLarge { .. })));
         recorder.begin(b"small".to_vec());

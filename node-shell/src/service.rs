@@ -37,11 +37,11 @@ pub(crate) const HOLD: Duration = Duration::from_millis(100);
 const CLIENTS: usize = 16;
 
 /// The clients that have been answered, the newest first.
-pub(crate) struct Known(VecDeque<Gid>);
+pub(crate) struct KnownClients(VecDeque<Gid>);
 
-impl Known {
+impl KnownClients {
     pub fn new() -> Self {
-        Known(VecDeque::with_capacity(CLIENTS))
+        KnownClients(VecDeque::with_capacity(CLIENTS))
     }
 
     /// Whether a client is new, which it is once.
@@ -149,7 +149,7 @@ where
     let Service { inner: server, name } = service;
     Forward::spawn(async move {
         let mut rejected = 0u64;
-        let mut known = Known::new();
+        let mut known = KnownClients::new();
         loop {
             let received = tokio::select! {
                 received = server.async_receive_request() => received,

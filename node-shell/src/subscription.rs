@@ -12,7 +12,7 @@ use tokio::task::JoinHandle;
 
 /// Where a message came from.
 #[derive(Debug, Clone, PartialEq, Eq)]
-pub struct Source {
+pub struct MessageSource {
     /// Global identity of the publisher: one per publisher and start of its process.
     pub publisher: [u8; 16],
     /// The middleware's number of the message within that publisher.
@@ -48,7 +48,7 @@ impl<T: RosMessage> Subscription<T> {
 
     /// The next valid message. Cancel safe: nothing is lost when the future is dropped, so it may
     /// stand in a `select!`.
-    pub async fn recv(&mut self) -> Result<(T, Source), RecvError> {
+    pub async fn recv(&mut self) -> Result<(T, MessageSource), RecvError> {
         loop {
             match self.inner.async_take().await {
                 Ok((message, info)) => match message.validate() {
@@ -90,8 +90,8 @@ impl<T: RosMessage> Subscription<T> {
     }
 }
 
-fn source(info: &MessageInfo) -> Source {
-    Source {
+fn source(info: &MessageInfo) -> MessageSource {
+    MessageSource {
         publisher: info.publisher_gid().to_bytes16(),
         sequence: info.sequence_number(),
         sent_ns: info.source_timestamp().map(|t| t.to_nanos()),
@@ -135,7 +135,7 @@ impl Drop for Forward {
 pub fn forward<T, U>(
     mut from: Subscription<T>,
     to: mpsc::Sender<U>,
-    mut map: impl FnMut(T, Source) -> Option<U> + Send + 'static,
+    mut map: impl FnMut(T, MessageSource) -> Option<U> + Send + 'static,
 ) -> Forward
 where
     T: RosMessage,

@@ -4,14 +4,15 @@ use std::time::Duration;
 
 use linewright_msgs::{RunTask, RunTaskFeedback, RunTaskGoal, RunTaskResult};
 use linewright_node_shell::{
-    ActionCaller, Asked, Ended, Goal, Mapping, Node, Outcome, Owner, Participant, RosArgs, serve_action,
+    ActionCaller, ActionOwner, GoalEnd, GoalHandle, GoalRequest, Mapping, Outcome, Participant, RosArgs, RosNode,
+    serve_action,
 };
 use tokio::sync::mpsc;
 
 const PATIENT: Duration = Duration::from_secs(10);
 
 /// Domains 101 to 112, away from those of the other tests.
-fn node(test: u16, name: &str) -> Node {
+fn node(test: u16, name: &str) -> RosNode {
     let domain_id = 101 + (std::process::id() % 4) as u16 * 3 + test;
     let participant = Participant::open(&RosArgs { domain_id, ..RosArgs::default() }).expect("participant");
     participant.node("/cell", name).expect("node")
@@ -22,7 +23,7 @@ fn order(id: u64, task: &str) -> RunTaskGoal {
 }
 
 /// Asks until it is accepted: a goal sent before discovery is lost.
-async fn begin(caller: &ActionCaller<RunTask>, goal: &RunTaskGoal) -> Goal {
+async fn begin(caller: &ActionCaller<RunTask>, goal: &RunTaskGoal) -> GoalHandle {
     for _ in 0..40 {
         if let Ok(id) = caller.begin(goal.clone(), Duration::from_millis(500)).await {
             return id;
@@ -36,27 +37,27 @@ fn ended(goal: &RunTaskGoal, end: u8, code: u16) -> RunTaskResult {
 }
 
 /// A station that does `clamp` at once, refuses what it does not know, and holds until it is cancelled.
-async fn station(mut from: mpsc::Receiver<Asked<RunTaskGoal>>, owner: Owner<RunTask>) {
+async fn station(mut from: mpsc::Receiver<GoalRequest<RunTaskGoal>>, owner: ActionOwner<RunTask>) {
     let mut held = Vec::new();
     while let Some(asked) = from.recv().await {
         match asked {
-            Asked::Goal(id, goal) => match goal.task.as_str() {
+            GoalRequest::Goal(id, goal) => match goal.task.as_str() {
                 "clamp" => {
                     let phase = RunTaskFeedback::PHASE_RUNNING;
                     owner.feedback(id, RunTaskFeedback { phase, operation: "close".into(), step: 1, steps: 1 });
                     tokio::time::sleep(Duration::from_millis(300)).await;
-                    owner.end(id, Ended::Succeeded, ended(&goal, RunTaskResult::END_DONE, 0));
+                    owner.end(id, GoalEnd::Succeeded, ended(&goal, RunTaskResult::END_DONE, 0));
                 }
                 "hold" => held.push((id, goal)),
                 _ => {
                     let code = RunTaskResult::REFUSED_UNKNOWN;
-                    owner.end(id, Ended::Aborted, ended(&goal, RunTaskResult::END_REFUSED, code));
+                    owner.end(id, GoalEnd::Aborted, ended(&goal, RunTaskResult::END_REFUSED, code));
                 }
             },
-            Asked::Cancel(id) => {
+            GoalRequest::Cancel(id) => {
                 held.retain(|(other, goal)| {
                     if *other == id {
-                        owner.end(id, Ended::Canceled, ended(goal, RunTaskResult::END_SECURED, 0));
+                        owner.end(id, GoalEnd::Canceled, ended(goal, RunTaskResult::END_SECURED, 0));
                     }
                     *other != id
                 });

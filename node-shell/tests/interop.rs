@@ -9,7 +9,7 @@
 use linewright_msgs::{
     Answer, CORead, CoReadRequest, CoReadResponse, RunTask, RunTaskFeedback, RunTaskResult, StationState, Text,
 };
-use linewright_node_shell::{Asked, Ended, Participant, RosArgs, qos, serve, serve_action, stamp};
+use linewright_node_shell::{GoalEnd, GoalRequest, Participant, RosArgs, qos, serve, serve_action, stamp};
 use std::io::{BufRead, BufReader, Write};
 use std::process::{Command, Stdio};
 use std::time::{Duration, Instant};
@@ -136,18 +136,18 @@ async fn an_action_is_asked_for() {
     let result = |id, end, text: &str| RunTaskResult { epoch: 1, id, end, code: 0, text: text.to_owned() };
     while !said.is_finished() {
         match timeout(Duration::from_millis(100), from.recv()).await {
-            Ok(Some(Asked::Goal(goal, asked))) => {
+            Ok(Some(GoalRequest::Goal(goal, asked))) => {
                 let names = (asked.task.as_str(), &asked.parameter_names[..], &asked.parameters[..]);
                 assert_eq!((names.1, names.2, asked.part.as_str()), (&["slot".to_owned()][..], &[-3][..], "part 7"));
                 if names.0 == "clamp" {
                     let phase = RunTaskFeedback::PHASE_RUNNING;
                     owner.feedback(goal, RunTaskFeedback { phase, operation: "close".into(), step: 1, steps: 1 });
                     sleep(Duration::from_millis(200)).await;
-                    owner.end(goal, Ended::Succeeded, result(asked.id, RunTaskResult::END_DONE, "done"));
+                    owner.end(goal, GoalEnd::Succeeded, result(asked.id, RunTaskResult::END_DONE, "done"));
                 }
             }
-            Ok(Some(Asked::Cancel(goal))) => {
-                owner.end(goal, Ended::Canceled, result(6, RunTaskResult::END_SECURED, "secured"));
+            Ok(Some(GoalRequest::Cancel(goal))) => {
+                owner.end(goal, GoalEnd::Canceled, result(6, RunTaskResult::END_SECURED, "secured"));
             }
             Ok(None) | Err(_) => {}
         }

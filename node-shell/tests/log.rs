@@ -3,7 +3,7 @@
 use std::fs;
 use std::path::{Path, PathBuf};
 
-use linewright_node_shell::log::{Entry, Log, LogError, RECORD_BYTES_MAX};
+use linewright_node_shell::log::{LogEntry, LogError, RECORD_BYTES_MAX, RecordLog};
 use proptest::prelude::*;
 use tempfile::TempDir;
 
@@ -19,13 +19,13 @@ struct Contents {
     cut: u64,
 }
 
-fn open(path: &Path) -> Result<(Log, Contents), LogError> {
+fn open(path: &Path) -> Result<(RecordLog, Contents), LogError> {
     let mut contents = Contents::default();
-    let (log, cut) = Log::open(path, IDENTITY, |entry| {
+    let (log, cut) = RecordLog::open(path, IDENTITY, |entry| {
         match entry {
-            Entry::Identity(identity) => assert_eq!(identity, IDENTITY),
-            Entry::Snapshot(snapshot) => contents.snapshot = Some(snapshot.to_vec()),
-            Entry::Record(record) => contents.records.push(record.to_vec()),
+            LogEntry::Identity(identity) => assert_eq!(identity, IDENTITY),
+            LogEntry::Snapshot(snapshot) => contents.snapshot = Some(snapshot.to_vec()),
+            LogEntry::Record(record) => contents.records.push(record.to_vec()),
         }
         Ok(())
     })?;
@@ -39,7 +39,7 @@ fn scratch() -> (TempDir, PathBuf) {
     (dir, path)
 }
 
-fn append(log: &mut Log, records: &[&[u8]]) {
+fn append(log: &mut RecordLog, records: &[&[u8]]) {
     log.append(records.iter().copied()).expect("appends");
 }
 
@@ -220,8 +220,9 @@ fn what_its_owner_refuses_is_not_opened_and_not_changed() {
     let (_dir, path) = scratch();
     let name = written(&path, &RECORDS, false);
     let before = fs::read(&name).expect("reads");
-    let refuses = |entry: Entry<'_>| if entry == Entry::Record(b"4") { Err("not four".to_owned()) } else { Ok(()) };
-    let refused = Log::open(&path, IDENTITY, refuses).expect_err("is refused").to_string();
+    let refuses =
+        |entry: LogEntry<'_>| if entry == LogEntry::Record(b"4") { Err("not four".to_owned()) } else { Ok(()) };
+    let refused = RecordLog::open(&path, IDENTITY, refuses).expect_err("is refused").to_string();
     assert!(refused.ends_with(": not four") && refused.contains("cell.log.1"), "{refused}");
     assert_eq!(fs::read(&name).expect("reads"), before);
 }

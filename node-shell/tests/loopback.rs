@@ -4,7 +4,7 @@
 //! Each test takes a domain of its own, away from the ones people use.
 
 use linewright_msgs::{Invalid, ProcessImage, RosField, RosMessage, StationState, Text};
-use linewright_node_shell::{Node, Participant, Range, RosArgs, Subscription, forward, fresh_boot_id, qos, stamp};
+use linewright_node_shell::{Participant, Range, RosArgs, RosNode, Subscription, forward, fresh_boot_id, qos, stamp};
 use serde::{Deserialize, Serialize};
 use std::time::Duration;
 use tokio::sync::mpsc;
@@ -19,7 +19,7 @@ fn args(test: u16) -> RosArgs {
     RosArgs { domain_id, ..RosArgs::default() }
 }
 
-fn node(test: u16, name: &str) -> Node {
+fn node(test: u16, name: &str) -> RosNode {
     let participant = Participant::open(&args(test)).expect("participant");
     participant.node("/line", name).expect("node")
 }
@@ -28,7 +28,7 @@ async fn next<T: RosMessage>(subscription: &mut Subscription<T>) -> T {
     timeout(PATIENCE, subscription.recv()).await.expect("in time").expect("received").0
 }
 
-async fn until_matched(writer: &Node, topic: &str) {
+async fn until_matched(writer: &RosNode, topic: &str) {
     timeout(PATIENCE, async {
         while writer.subscription_count(topic).expect("name") == 0 {
             sleep(Duration::from_millis(5)).await;
@@ -202,7 +202,7 @@ async fn names_are_remapped_on_the_wire() {
 fn handles_can_be_sent_and_shared() {
     fn both<T: Send + Sync>() {}
     both::<Participant>();
-    both::<Node>();
+    both::<RosNode>();
     both::<linewright_node_shell::Publisher<Text>>();
     both::<Subscription<Text>>();
 }

@@ -6,11 +6,11 @@ use linewright_msgs::{
     CORead, COReadID, CoReadIdRequest, CoReadIdResponse, CoReadRequest, CoReadResponse, Trigger, TriggerRequest,
     TriggerResponse,
 };
-use linewright_node_shell::{Caller, Mapping, Node, Participant, RosArgs, serve};
+use linewright_node_shell::{Caller, Mapping, Participant, RosArgs, RosNode, serve};
 use tokio::sync::mpsc;
 
 /// Domains 89 to 100, away from those of the other tests.
-fn node(test: u16, name: &str) -> Node {
+fn node(test: u16, name: &str) -> RosNode {
     let domain_id = 89 + (std::process::id() % 4) as u16 * 3 + test;
     let participant = Participant::open(&RosArgs { domain_id, ..RosArgs::default() }).expect("participant");
     participant.node("/line", name).expect("node")

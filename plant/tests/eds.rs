@@ -118,7 +118,7 @@ fn what_a_configuration_sets_the_device_takes() {
     let dcf = described().configure("io4.dcf", &configuration).unwrap_or_else(|errors| panic!("{errors}"));
     let mut device = device();
     for download in dcf.downloads(node).expect("for this node") {
-        let linewright_eds::Content::Bytes(bytes) = &download.content else { panic!("{download}") };
+        let linewright_eds::DownloadContent::Bytes(bytes) = &download.content else { panic!("{download}") };
         let [low, high] = download.index.to_le_bytes();
         let mut data = vec![0x23 | (4 - bytes.len() as u8) << 2, low, high, download.sub, 0, 0, 0, 0];
         data[4..4 + bytes.len()].copy_from_slice(bytes);

@@ -7,7 +7,7 @@ use std::time::Instant;
 
 use divan::Bencher;
 use linewright_cell::{Cell, parse};
-use linewright_proof::cell::{Checked, Limits, Setting, check};
+use linewright_proof::cell::{CellExploration, Checked, ExplorationLimits, check};
 use linewright_proof::generate::{self, CellShape};
 
 const C1: &str = include_str!("../../launch-config/lines/workcell-c1/cell.toml");
@@ -32,8 +32,11 @@ fn cell(text: &str) -> Cell {
 }
 
 fn run(cell: &Cell) -> Checked {
-    check(&Setting { limits: Limits { states: 2_000_000, ..Limits::default() }, ..Setting::new(cell) })
-        .expect("it has a net")
+    check(&CellExploration {
+        limits: ExplorationLimits { states: 2_000_000, ..ExplorationLimits::default() },
+        ..CellExploration::new(cell)
+    })
+    .expect("it has a net")
 }
 
 fn once(name: &str, cell: &Cell) {

@@ -1,9 +1,17 @@
 //! Decides whether a line is right: by structure, and by exploring its real controllers, composed; and whether a flexible
 //! cell is, by exploring its net.
 //!
-//! This crate knows nets, lines, cells and controllers, and asks everything that can be asked of them before anything moves.
-//! It does not know how a question is put or an answer printed, and it has no clock: how far it looks is said in states
-//! and bytes.
+//! # Map
+//! - [`structure`]: each station's net, the chart as an event graph, the mode decision.
+//! - [`explore`]: the real controllers of several stations, composed.
+//! - [`positions`]: the second barrier by itself, conflict by conflict.
+//! - [`parts`]: a large line in parts of a few stations each, conflict by conflict.
+//! - [`cell`]: whether parts of a flexible cell get stuck; tasks in conflict; the net with what fails; task orders between
+//!   the real player and the real controllers.
+//! - [`generate`]: random lines and cells, and lines broken on purpose.
+//!
+//! Controllers are called, not modelled. There is no clock: limits are numbers of states and bytes. How a question is put
+//! and how an answer is printed is the caller's.
 
 pub mod cell;
 pub mod explore;

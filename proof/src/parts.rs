@@ -20,7 +20,7 @@ use linewright_line::{Arrow, Conflict, Console, Handling, Line, Span, StationId}
 
 /// Some stations of a line, as a line of their own.
 #[derive(Clone, Debug)]
-pub struct Part {
+pub struct SubLine {
     /// The stations, by their ids in the whole line, in its order.
     pub stations: Vec<StationId>,
     /// The conflicts of the whole line that it decides.
@@ -29,7 +29,7 @@ pub struct Part {
     pub line: Line,
 }
 
-impl Part {
+impl SubLine {
     /// The names of its stations.
     pub fn names(&self) -> String {
         let names: Vec<&str> = self.line.stations.iter().map(|station| station.name.as_str()).collect();
@@ -37,29 +37,29 @@ impl Part {
     }
 
     /// Whether the two differ in nothing but names: what is decided of one is decided of the other.
-    pub fn is_like(&self, other: &Part) -> bool {
+    pub fn is_like(&self, other: &SubLine) -> bool {
         nameless(&self.line) == nameless(&other.line)
     }
 }
 
 /// Parts that decide every conflict of a line but for those of tasks, each part once, in the order of the conflicts.
-pub fn parts(line: &Line) -> Vec<Part> {
+pub fn parts(line: &Line) -> Vec<SubLine> {
     let reads_absence = absence_read(line);
-    let mut parts: Vec<Part> = Vec::new();
+    let mut parts: Vec<SubLine> = Vec::new();
     let of_arrows = line.conflicts.iter().enumerate().filter(|(_, conflict)| !line.is_of_tasks(conflict));
     for (nth, conflict) in of_arrows {
         let stations = closure(&reads_absence, [conflict.a.station, conflict.b.station]);
         match parts.iter_mut().find(|part| part.stations == stations) {
             Some(part) => part.conflicts.push(nth),
-            None => parts.push(Part { line: part_of(line, &stations), stations, conflicts: vec![nth] }),
+            None => parts.push(SubLine { line: part_of(line, &stations), stations, conflicts: vec![nth] }),
         }
     }
     parts
 }
 
 /// Each station that works on order, alone: nothing joins it to another, and who gives it orders gives any.
-pub fn on_order(line: &Line) -> Vec<Part> {
-    let alone = |id| Part { stations: vec![id], conflicts: Vec::new(), line: part_of(line, &[id]) };
+pub fn on_order(line: &Line) -> Vec<SubLine> {
+    let alone = |id| SubLine { stations: vec![id], conflicts: Vec::new(), line: part_of(line, &[id]) };
     line.station_ids().filter(|&id| line.station(id).works_on_order()).map(alone).collect()
 }
 

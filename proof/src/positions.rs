@@ -61,7 +61,10 @@ pub fn explore_positions(
     rules: PositionRules,
     states_max: usize,
 ) -> Result<PositionsExplored, CompileError> {
-    let sides = [Side::of(line, &conflict.a, conflict.b.station)?, Side::of(line, &conflict.b, conflict.a.station)?];
+    let sides = [
+        PositionSide::of(line, &conflict.a, conflict.b.station)?,
+        PositionSide::of(line, &conflict.b, conflict.a.station)?,
+    ];
     let start = [sides[0].home(), sides[1].home()].concat();
     let mut numbers: HashMap<Vec<u16>, usize> = HashMap::from([(start.clone(), 0)]);
     let mut from: Vec<(usize, String)> = vec![(0, String::new())];
@@ -103,7 +106,7 @@ fn way(from: &[(usize, String)]) -> Vec<String> {
 }
 
 /// A motion that may be commanded.
-struct Command {
+struct MotionCommand {
     place: Place,
     path: Option<OpId>,
     axis: usize,
@@ -116,7 +119,7 @@ struct Command {
 
 /// One station of the conflict. Its part of a state is, for each axis, where it stands (an even number is a coordinate, an
 /// odd one the way between two), then, for each axis, the command that moves it, counted from 1; 0 for none.
-struct Side {
+struct PositionSide {
     name: String,
     other: StationId,
     program: Program,
@@ -124,14 +127,14 @@ struct Side {
     axes: Vec<(String, Vec<f64>)>,
     /// For each axis, the inputs that are on at each coordinate.
     switches: Vec<Vec<u128>>,
-    commands: Vec<Command>,
+    commands: Vec<MotionCommand>,
     home: Vec<u16>,
     /// The configurations that the chart has outside the stretch, and those that it has inside.
     outside: HashSet<Vec<u16>>,
     inside: HashSet<Vec<u16>>,
 }
 
-impl Side {
+impl PositionSide {
     fn of(line: &Line, span: &Span, other: StationId) -> Result<Self, CompileError> {
         let station = line.station(span.station);
         let mut axes: Vec<(String, Vec<f64>)> =
@@ -144,7 +147,7 @@ impl Side {
             at.sort_by(f64::total_cmp);
             at.dedup_by(|a, b| (*a - *b).abs() < 1e-6);
         }
-        let mut side = Side {
+        let mut side = PositionSide {
             name: station.name.clone(),
             other,
             program: Program::compile(line, span.station)?,
@@ -212,7 +215,7 @@ impl Side {
             }
             let undoing = if place.block == Block::Recovery { "undoing " } else { "" };
             let text = format!("{} starts {undoing}{}", station.name, operation.name);
-            self.commands.push(Command { place, path, axis, target, up: target > from, text });
+            self.commands.push(MotionCommand { place, path, axis, target, up: target > from, text });
         }
     }
 
@@ -270,7 +273,7 @@ impl Side {
     }
 
     /// Whether measured positions let a motion start or go on.
-    fn is_free(&self, command: &Command, images: (u128, u128), other_stands: bool) -> bool {
+    fn is_free(&self, command: &MotionCommand, images: (u128, u128), other_stands: bool) -> bool {
         let known = PositionsKnown { own: Some(images.0), is_placed: true, other: Some(images.1), counts: true };
         self.program.guards(command.place, command.path).all(|(guard, leaves)| {
             self.program.peers()[usize::from(guard.peer)] != self.other
@@ -279,7 +282,7 @@ impl Side {
         })
     }
 
-    fn is_placed(&self, command: &Command, own: u128) -> bool {
+    fn is_placed(&self, command: &MotionCommand, own: u128) -> bool {
         command.path.is_some() || self.program.rest_inputs(command.place) & !own == 0
     }
 
@@ -303,7 +306,7 @@ fn between(start: &[u16], end: &[u16]) -> Vec<Vec<u16>> {
 }
 
 /// Everything that may follow a state, with its text.
-fn follow(sides: &[Side; 2], rules: PositionRules, state: &[u16], out: &mut Vec<(Vec<u16>, String)>) {
+fn follow(sides: &[PositionSide; 2], rules: PositionRules, state: &[u16], out: &mut Vec<(Vec<u16>, String)>) {
     let (first, second) = state.split_at(sides[0].width());
     let parts = [first, second];
     for nth in 0..2 {

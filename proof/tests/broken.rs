@@ -7,8 +7,8 @@ use std::collections::BTreeSet;
 
 use linewright_line::net::{ControlMode, Literal, StationNet, Term, Transition, Var, overlaps, overlaps_among};
 use linewright_line::{Line, OpId};
-use linewright_proof::explore::{Setting, Verdict};
-use linewright_proof::generate::{self, Random, Shape, break_it, breakages, text, without_literal};
+use linewright_proof::explore::{LineExploration, Verdict};
+use linewright_proof::generate::{self, LineShape, Random, break_it, breakages, text, without_literal};
 use linewright_proof::structure::chart::{Gap, every_circuit_has_a_token, home_is_consistent, separated};
 
 use crate::common::{
@@ -86,7 +86,7 @@ impl Tally {
             self.enter_other(&gap, line, &told);
             return;
         }
-        let everything = explored(&Setting::new(line), 4_000);
+        let everything = explored(&LineExploration::new(line), 4_000);
         assert!(!met(&everything), "kept apart, and yet: {}. {}", everything.counterexample().unwrap(), told());
         self.harmless += 1;
     }
@@ -112,7 +112,7 @@ impl Tally {
 fn of_every_mistake_structure_and_exploration_say_the_same() {
     let mut tally = Tally::default();
     let mut random = Random::new(3);
-    for (shape, count) in [(Shape::small(), 60), (Shape::default(), 30)] {
+    for (shape, count) in [(LineShape::small(), 60), (LineShape::default(), 30)] {
         for seed in 0..lines(count) {
             let line = generate::line(&shape, seed);
             let all = breakages(&line);
@@ -134,7 +134,7 @@ fn a_line_stops_exactly_if_a_circuit_has_no_token() {
     // Arrows between any operations at all, of auto mode, most of which do not go together.
     let (mut stuck, mut live) = (0, 0);
     for seed in 0..lines(300) {
-        let shape = if seed % 3 == 0 { Shape::default() } else { Shape::small() };
+        let shape = if seed % 3 == 0 { LineShape::default() } else { LineShape::small() };
         let mut line = in_auto(&generate::line(&shape, seed));
         line.conflicts.clear();
         let mut random = Random::new(seed);
@@ -211,7 +211,7 @@ fn some_overlap(net: &StationNet, transitions: &[Transition]) -> bool {
 fn a_condition_forgotten_is_found_exactly_if_two_transitions_can_then_be_meant_at_once() {
     let (mut found, mut harmless) = (0, 0);
     for seed in 0..lines(4) {
-        let line = generate::line(&Shape { stations: 1..=1, operations: 4..=5, ..Shape::default() }, seed);
+        let line = generate::line(&LineShape { stations: 1..=1, operations: 4..=5, ..LineShape::default() }, seed);
         let net = StationNet::of(&line, line.station_ids().next().expect("it has one station"));
         assert!(overlaps(&net).is_empty() && !some_overlap(&net, net.transitions()), "seed {seed}");
         for nth in 0.. {

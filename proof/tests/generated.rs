@@ -1,16 +1,16 @@
 //! Generated lines: well formed, the same for the same seed, sound by structure, and exploration confirms it.
 
 use linewright_line::{Line, Module, parse};
-use linewright_proof::explore::{Grants, Setting, Verdict};
-use linewright_proof::generate::{self, Shape, text};
+use linewright_proof::explore::{Grants, LineExploration, Verdict};
+use linewright_proof::generate::{self, LineShape, text};
 use linewright_proof::structure::{judge_line, judge_stations};
 
 use crate::common::{
     APART, CONFLICT, DEADLOCK, HOME, REVERSIBLE, explored, in_auto, keeps_together, lines, undisturbed, verdict,
 };
 
-fn shapes() -> [(Shape, u64); 3] {
-    [(Shape::default(), 150), (Shape::small(), 100), (Shape::row(20), 3)]
+fn shapes() -> [(LineShape, u64); 3] {
+    [(LineShape::default(), 150), (LineShape::small(), 100), (LineShape::row(20), 3)]
 }
 
 fn all() -> impl Iterator<Item = (u64, Line)> {
@@ -37,7 +37,7 @@ fn the_shipped_line_can_be_written_too() {
 
 #[test]
 fn the_same_seed_gives_the_same_line_and_another_seed_another() {
-    let line = |seed| generate::line(&Shape::default(), seed);
+    let line = |seed| generate::line(&LineShape::default(), seed);
     assert_eq!(line(7), line(7));
     assert_ne!(line(7).stations, line(8).stations);
 }
@@ -79,7 +79,7 @@ fn structure_finds_a_generated_line_sound() {
 }
 
 /// Nothing that must not be was met.
-fn nothing_wrong(seed: u64, line: &Line, what: &str, setting: &Setting, states: usize) -> bool {
+fn nothing_wrong(seed: u64, line: &Line, what: &str, setting: &LineExploration, states: usize) -> bool {
     let explored = explored(setting, states);
     for property in &explored.properties {
         if property.verdict == Verdict::Fails {
@@ -93,7 +93,7 @@ fn nothing_wrong(seed: u64, line: &Line, what: &str, setting: &Setting, states: 
 #[test]
 fn in_auto_undisturbed_a_generated_line_never_meets_a_conflict_and_never_stops() {
     let (mut seen, mut open) = (0, 0);
-    for (shape, count) in [(Shape::default(), 60), (Shape::small(), 60)] {
+    for (shape, count) in [(LineShape::default(), 60), (LineShape::small(), 60)] {
         for seed in 0..lines(count) {
             // Reports that only arrows of manual mode read may be heard at any time, or never: of those there is no end.
             let line = in_auto(&generate::line(&shape, seed));
@@ -104,7 +104,7 @@ fn in_auto_undisturbed_a_generated_line_never_meets_a_conflict_and_never_stops()
             // With nothing but auto, a station that may start does; where stand-by comes between, it may also wait.
             let mut with_stand_by = undisturbed(&line);
             with_stand_by.grants = Grants::InEpochs;
-            let asked: [(Setting, &[&str]); 2] =
+            let asked: [(LineExploration, &[&str]); 2] =
                 [(undisturbed(&line), &[APART, DEADLOCK]), (with_stand_by, &[APART, HOME, REVERSIBLE])];
             for (setting, names) in asked {
                 let explored = explored(&setting, 1_000_000);
@@ -123,11 +123,12 @@ fn in_auto_undisturbed_a_generated_line_never_meets_a_conflict_and_never_stops()
 #[test]
 fn with_everything_on_a_generated_line_meets_nothing_wrong() {
     let mut exhausted = 0;
-    for (shape, count, states) in [(Shape::default(), 40, 10_000), (Shape::small(), 40, 20_000)] {
+    for (shape, count, states) in [(LineShape::default(), 40, 10_000), (LineShape::small(), 40, 20_000)] {
         for seed in 0..lines(count) {
             let line = generate::line(&shape, seed);
             if keeps_together(&line) {
-                exhausted += u64::from(nothing_wrong(seed, &line, "everything on", &Setting::new(&line), states));
+                exhausted +=
+                    u64::from(nothing_wrong(seed, &line, "everything on", &LineExploration::new(&line), states));
             }
         }
     }

@@ -1,8 +1,8 @@
 //! What is too much is undecided, or said to be too much: it takes no more memory than allowed, and is no yes.
 
 use linewright_line::{Line, parse};
-use linewright_proof::explore::{Explored, Limits, NotExplorable, Setting, Verdict, explore};
-use linewright_proof::generate::{self, Shape};
+use linewright_proof::explore::{LineExploration, LineExplored, LineNotExplorable, SearchLimits, Verdict, explore};
+use linewright_proof::generate::{self, LineShape};
 
 const MEBIBYTE: usize = 1 << 20;
 
@@ -53,10 +53,10 @@ fn side_by_side(count: usize) -> Line {
 
 /// A row of stations of few operations.
 fn row(stations: usize) -> Line {
-    generate::line(&Shape { operations: 2..=3, ..Shape::row(stations) }, 1)
+    generate::line(&LineShape { operations: 2..=3, ..LineShape::row(stations) }, 1)
 }
 
-fn is_no_yes(explored: &Explored) {
+fn is_no_yes(explored: &LineExplored) {
     assert!(!explored.exhausted && !explored.holds());
     assert!(explored.properties.iter().all(|property| property.verdict == Verdict::Undecided), "{explored:?}");
 }
@@ -64,10 +64,11 @@ fn is_no_yes(explored: &Explored) {
 #[test]
 fn a_station_that_can_do_very_much_by_itself_takes_no_more_memory_than_allowed() {
     for lumped in [true, false] {
-        let mut setting = Setting::new(&side_by_side(8));
+        let mut setting = LineExploration::new(&side_by_side(8));
         setting.lumped = lumped;
         let bytes = 32 * MEBIBYTE;
-        let explored = explore(&setting, Limits { bytes, ..Limits::default() }).expect("one station can be explored");
+        let explored =
+            explore(&setting, SearchLimits { bytes, ..SearchLimits::default() }).expect("one station can be explored");
         println!("lumped {lumped}: {} states, {} kept, {} MiB", explored.states, explored.kept, explored.bytes >> 20);
         is_no_yes(&explored);
         // One class of situations, and one batch of states, may come on top.
@@ -79,8 +80,8 @@ fn a_station_that_can_do_very_much_by_itself_takes_no_more_memory_than_allowed()
 fn a_state_of_many_stations_that_stands_for_very_many_takes_no_more_memory_than_allowed() {
     let bytes = 64 * MEBIBYTE;
     for stations in [12, 20, 31] {
-        let limits = Limits { states: 3_000, bytes };
-        let explored = explore(&Setting::new(&row(stations)), limits).expect("there are bits enough");
+        let limits = SearchLimits { states: 3_000, bytes };
+        let explored = explore(&LineExploration::new(&row(stations)), limits).expect("there are bits enough");
         println!("{stations}: {} states, {} kept, {} MiB", explored.states, explored.kept, explored.bytes >> 20);
         is_no_yes(&explored);
         assert!(explored.bytes < 2 * bytes, "{}", explored.bytes);
@@ -89,31 +90,32 @@ fn a_state_of_many_stations_that_stands_for_very_many_takes_no_more_memory_than_
 
 #[test]
 fn more_than_can_be_packed_is_said_to_be_too_much() {
-    let mut setting = Setting::new(&row(32));
+    let mut setting = LineExploration::new(&row(32));
     setting.lag = 12;
-    let error = explore(&setting, Limits { states: 100, ..Limits::default() }).expect_err("it does not fit");
-    assert!(matches!(error, NotExplorable::State { found, max } if found > max), "{error}");
+    let error =
+        explore(&setting, SearchLimits { states: 100, ..SearchLimits::default() }).expect_err("it does not fit");
+    assert!(matches!(error, LineNotExplorable::State { found, max } if found > max), "{error}");
     assert!(error.to_string().contains("explore the line in parts"), "{error}");
 }
 
 #[test]
 fn without_any_mode_nothing_moves() {
-    let mut setting = Setting::new(&row(3));
+    let mut setting = LineExploration::new(&row(3));
     setting.modes.clear();
     for lumped in [true, false] {
         setting.lumped = lumped;
-        let explored = explore(&setting, Limits::default()).expect("three stations can be explored");
+        let explored = explore(&setting, SearchLimits::default()).expect("three stations can be explored");
         assert_eq!((explored.states, explored.arcs, explored.exhausted), (1, 0, true));
     }
 }
 
 #[test]
 fn a_mode_named_twice_is_one() {
-    let line = generate::line(&Shape::small(), 3);
-    let mut setting = Setting::new(&line);
+    let line = generate::line(&LineShape::small(), 3);
+    let mut setting = LineExploration::new(&line);
     setting.faults = false;
     setting.modes.truncate(1);
-    let once = explore(&setting, Limits::default()).expect("two stations can be explored");
+    let once = explore(&setting, SearchLimits::default()).expect("two stations can be explored");
     setting.modes = vec![setting.modes[0]; 9];
-    assert_eq!(explore(&setting, Limits::default()), Ok(once));
+    assert_eq!(explore(&setting, SearchLimits::default()), Ok(once));
 }

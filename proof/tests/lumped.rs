@@ -3,8 +3,8 @@
 
 use linewright_line::Line;
 use linewright_line::net::ControlMode;
-use linewright_proof::explore::{Explored, Grants, Setting, Verdict};
-use linewright_proof::generate::{self, Random, Shape, break_it, breakages};
+use linewright_proof::explore::{Grants, LineExploration, LineExplored, Verdict};
+use linewright_proof::generate::{self, LineShape, Random, break_it, breakages};
 
 use crate::common::{explored, lines};
 
@@ -13,22 +13,22 @@ const STATES_MAX: usize = 100_000;
 
 /// Of both, where the plain one came to an end: how many states it saw, and how many the other kept. Where it ended with
 /// something wrong, all that can be said here is that something is reported: the plain one is asked again for the way.
-fn same(what: &str, line: &Line, change: fn(&mut Setting)) -> Option<(u64, usize)> {
-    let mut setting = Setting::new(line);
+fn same(what: &str, line: &Line, change: fn(&mut LineExploration)) -> Option<(u64, usize)> {
+    let mut setting = LineExploration::new(line);
     change(&mut setting);
     let lumped = explored(&setting, STATES_MAX);
     setting.lumped = false;
     let plain = explored(&setting, STATES_MAX);
-    let verdicts = |of: &Explored| of.properties.iter().map(|p| (p.name.clone(), p.verdict)).collect::<Vec<_>>();
+    let verdicts = |of: &LineExplored| of.properties.iter().map(|p| (p.name.clone(), p.verdict)).collect::<Vec<_>>();
     if !plain.exhausted {
-        let wrong = |of: &Explored| of.properties.iter().any(|p| p.verdict == Verdict::Fails);
+        let wrong = |of: &LineExplored| of.properties.iter().any(|p| p.verdict == Verdict::Fails);
         assert!(!wrong(&plain) || wrong(&lumped), "{what}: {:?}", verdicts(&plain));
         return wrong(&plain).then_some((plain.states, lumped.kept));
     }
     assert!(lumped.exhausted, "{what}: {} states kept of {}", lumped.kept, plain.states);
     assert_eq!((lumped.states, lumped.arcs), (plain.states, plain.arcs), "{what}");
     assert_eq!(lumped.situations, plain.situations, "{what}");
-    let reasons = |of: &Explored| of.properties.iter().map(|p| p.reason.clone()).collect::<Vec<_>>();
+    let reasons = |of: &LineExplored| of.properties.iter().map(|p| p.reason.clone()).collect::<Vec<_>>();
     assert_eq!(verdicts(&lumped), verdicts(&plain), "{what}");
     if plain.holds() {
         assert_eq!(reasons(&lumped), reasons(&plain), "{what}");
@@ -39,11 +39,11 @@ fn same(what: &str, line: &Line, change: fn(&mut Setting)) -> Option<(u64, usize
 }
 
 /// Two stations of two operations each.
-fn tiny() -> Shape {
-    Shape { operations: 2..=2, more_arrows: 1, ..Shape::small() }
+fn tiny() -> LineShape {
+    LineShape { operations: 2..=2, more_arrows: 1, ..LineShape::small() }
 }
 
-fn compare(name: &str, change: fn(&mut Setting), wanted: u64) {
+fn compare(name: &str, change: fn(&mut LineExploration), wanted: u64) {
     let (mut compared, mut states, mut kept) = (0, 0, 0);
     for seed in 0..lines(16) {
         let line = generate::line(&tiny(), seed);
@@ -82,7 +82,7 @@ fn with_two_reports_under_way() {
 
 #[test]
 fn with_careless_hands() {
-    let careless = |setting: &mut Setting| {
+    let careless = |setting: &mut LineExploration| {
         setting.modes.retain(|&mode| mode != ControlMode::Hand);
         (setting.tidy_hands, setting.grants) = (false, Grants::Anyhow);
     };

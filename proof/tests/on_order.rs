@@ -4,14 +4,14 @@
 use linewright_line::net::{Kind, Place, StationNet};
 use linewright_line::{Line, parse};
 use linewright_nets::explore;
-use linewright_proof::explore::{Setting, Verdict};
-use linewright_proof::generate::{self, Shape};
+use linewright_proof::explore::{LineExploration, Verdict};
+use linewright_proof::generate::{self, LineShape};
 use linewright_proof::structure::judge_stations;
 
 use crate::common::{DEADLOCK, HOME, REVERSIBLE, SOUND, explored, undisturbed, verdict};
 
 fn lines() -> impl Iterator<Item = Line> {
-    (0..150).map(|seed| generate::on_order(&Shape { irreversible: 60, ..Shape::default() }, 1, seed))
+    (0..150).map(|seed| generate::on_order(&LineShape { irreversible: 60, ..LineShape::default() }, 1, seed))
 }
 
 #[test]
@@ -78,9 +78,10 @@ fn base() -> Vec<Line> {
 
 #[test]
 fn whatever_is_ordered_left_and_fails_no_station_gets_stuck() {
-    let generated = (0..12).map(|seed| generate::on_order(&Shape { irreversible: 60, ..Shape::default() }, 1, seed));
+    let generated =
+        (0..12).map(|seed| generate::on_order(&LineShape { irreversible: 60, ..LineShape::default() }, 1, seed));
     for line in base().into_iter().chain(generated) {
-        let found = explored(&Setting::new(&line), 2_000_000);
+        let found = explored(&LineExploration::new(&line), 2_000_000);
         assert!(found.exhausted, "{}", line.title);
         for name in [SOUND, DEADLOCK, HOME, REVERSIBLE, "every transition fires"] {
             let property =
@@ -111,7 +112,7 @@ fn in_auto_alone_every_order_that_is_left_leads_back_to_a_rest_unless_something_
     for (irreversible, expected) in [(0, Verdict::Holds), (100, Verdict::Fails)] {
         let mut seen = 0;
         for seed in 0..60 {
-            let line = generate::on_order(&Shape { irreversible, ..Shape::default() }, 1, seed);
+            let line = generate::on_order(&LineShape { irreversible, ..LineShape::default() }, 1, seed);
             let ops = &line.stations[0].operations;
             let all_reversible = ops.iter().all(|op| matches!(op.module, linewright_line::Module::Reversible { .. }));
             if all_reversible != (irreversible == 0) {
@@ -128,8 +129,9 @@ fn in_auto_alone_every_order_that_is_left_leads_back_to_a_rest_unless_something_
 #[test]
 fn two_stations_on_order_are_explored_together_as_each_by_itself() {
     let line = parse("on_order.toml", BASE).expect("the base is sound").line;
-    let found = explored(&Setting::new(&line), 2_000_000);
+    let found = explored(&LineExploration::new(&line), 2_000_000);
     assert!(found.exhausted && found.holds(), "{:?}", found.properties);
-    let alone: Vec<usize> = base().iter().map(|line| explored(&Setting::new(line), 2_000_000).situations[0]).collect();
+    let alone: Vec<usize> =
+        base().iter().map(|line| explored(&LineExploration::new(line), 2_000_000).situations[0]).collect();
     assert_eq!(found.situations, alone);
 }

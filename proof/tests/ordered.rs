@@ -9,16 +9,18 @@ use std::sync::Arc;
 use std::time::Duration;
 
 use linewright_cell::net::Supply;
-use linewright_coordinator_cell::described::{Pace, described};
+use linewright_coordinator_cell::compile::{OrderTiming, compile_cell};
 use linewright_coordinator_cell::{
-    Coordination, Fact, Fifo, Heard, Input as Told, OrderKey as Key, OrderMessage, Outbox as Says, Phase, Record,
-    Reply as Answer, Send, State,
+    ActivityPhase, CellMessage, Coordination, Fifo, OrderKey as Key, OrderMessage, PlayerInput as Told,
+    PlayerOutbox as Says, PlayerState, Record, RecordKind, Reply as Answer, TaskReport,
 };
 use linewright_coordinator_shell::orders;
 use linewright_line::net::{Block, ControlMode, Place};
 use linewright_line::{Line, Module, Signals, StationId, Tick, parse};
 use linewright_proof::generate::Random;
-use linewright_station_logic::{Controller, Happening, Input, ModeOrder, NO_DELAY, Outbox, Restore, TaskCommand};
+use linewright_station_logic::{
+    Controller, HappeningKind, ModeOrder, NO_DELAY, Restore, StationInput, StationOutbox, TaskCommand,
+};
 
 const LINE: &str = include_str!("../../model/line/tests/descriptions/on_order.toml");
 const CELL: &str = r#"
@@ -74,7 +76,7 @@ const STEP: Duration = Duration::from_millis(10);
 /// One station: its controller, its mechanism, and what it has kept.
 struct Served {
     controller: Controller,
-    out: Outbox,
+    out: StationOutbox,
     image: u128,
     /// The motion under way, and when it arrives.
     motion: Option<(Place, Tick)>,
@@ -86,7 +88,7 @@ enum Flying {
     Order(OrderMessage),
     Secure(StationId, Key, bool),
     Answer(StationId, Key, Answer),
-    State(StationId, u64, Heard),
+    State(StationId, u64, TaskReport),
 }
 
 struct World {
@@ -116,7 +118,7 @@ fn signals(line: &Line, station: StationId, place: Place) -> Signals {
 impl Served {
     fn new(line: &Line, station: StationId, boot_id: u64, restore: Restore, image: u128) -> Self {
         let controller = Controller::new(line, station, boot_id, restore).expect("it compiles");
-        Served { controller, out: Outbox::default(), image, motion: None, done: Vec::new() }
+        Served { controller, out: StationOutbox::default(), image, motion: None, done: Vec::new() }
     }
 
     /// One scan: mechanism, image, mode, step.
@@ -126,9 +128,9 @@ impl Served {
             self.image |= 1 << signals(line, station, place).complete.0;
         }
         let order = ModeOrder::of(1, 1, ControlMode::Auto, line.timing.lease);
-        self.controller.handle(now, Input::Order(order));
+        self.controller.handle(now, StationInput::Order(order));
         let bits = self.image;
-        self.controller.handle(now, Input::Inputs { bits, valid: true, until: Tick::NEVER, under: NO_DELAY });
+        self.controller.handle(now, StationInput::Inputs { bits, valid: true, until: Tick::NEVER, under: NO_DELAY });
         self.step(line, now);
         let place = self.controller.marking().next().expect("one token");
         if place.is_operating() && self.motion.is_none_or(|(moving, _)| moving != place) {
@@ -148,7 +150,7 @@ impl Served {
     fn step(&mut self, line: &Line, now: Tick) {
         self.controller.step(now, &mut self.out);
         for event in self.out.events.drain(..) {
-            if let Happening::OrderDone(task) = event.what {
+            if let HappeningKind::OrderDone(task) = event.what {
                 self.done.push(line.station(self.controller.station()).task(task).name.clone());
             }
         }
@@ -160,11 +162,11 @@ impl World {
         let line = parse("line.toml", LINE).unwrap_or_else(|problems| panic!("{problems:#}")).line;
         let cell =
             linewright_cell::parse("cell.toml", CELL, Some(&line)).unwrap_or_else(|problems| panic!("{problems:#}"));
-        let pace = Pace { refresh: Duration::from_millis(200), grace: Duration::from_secs(1) };
+        let pace = OrderTiming { refresh: Duration::from_millis(200), grace: Duration::from_secs(1) };
         let made =
-            described(&cell.cell, Some(&line), Supply::Closed(&[parts]), pace).unwrap_or_else(|why| panic!("{why}"));
+            compile_cell(&cell.cell, Some(&line), Supply::Closed(&[parts]), pace).unwrap_or_else(|why| panic!("{why}"));
         let mut out = Says::default();
-        let state = State::new(Arc::new(made.table));
+        let state = PlayerState::new(Arc::new(made.table));
         let coordination = Coordination::begin(state, Tick::ZERO, 1, &mut out).expect("the first life");
         let at_home = |names: [&str; 2], station: u16| {
             let inputs = &line.station(StationId(station)).inputs;
@@ -259,8 +261,8 @@ impl World {
         self.log.append(&mut out.records);
         for send in out.sends {
             match send {
-                Send::Order(message) => self.fly(|| Flying::Order(message.clone())),
-                Send::Secure { station, key, stop } => self.fly(|| Flying::Secure(station, key, stop)),
+                CellMessage::Order(message) => self.fly(|| Flying::Order(message.clone())),
+                CellMessage::Secure { station, key, stop } => self.fly(|| Flying::Secure(station, key, stop)),
             }
         }
     }
@@ -273,7 +275,7 @@ impl World {
                 || report.results.iter().any(|(key, _)| *key == order.key)
         });
         self.doubled += usize::from(known);
-        station.controller.handle(self.now, Input::Task(TaskCommand::Run(order)));
+        station.controller.handle(self.now, StationInput::Task(TaskCommand::Run(order)));
         station.step(&self.line, self.now);
         let replies = std::mem::take(&mut station.out.replies);
         assert_eq!(replies.len(), 1);
@@ -283,7 +285,7 @@ impl World {
     /// What it answers the coordinator hears by its state as well.
     fn secure(&mut self, to: StationId, key: Key, stop: bool) {
         let station = &mut self.stations[to.index()];
-        station.controller.handle(self.now, Input::Task(TaskCommand::leave(key, stop)));
+        station.controller.handle(self.now, StationInput::Task(TaskCommand::leave(key, stop)));
         station.step(&self.line, self.now);
         station.out.replies.clear();
     }
@@ -291,7 +293,7 @@ impl World {
     /// The coordinator is killed, and another life goes on with what was written down.
     fn kill_coordinator(&mut self) {
         let table = self.coordination.state().table().clone();
-        let state = State::replay(table, &self.log).expect("its own records");
+        let state = PlayerState::replay(table, &self.log).expect("its own records");
         let mut out = Says::default();
         let epoch = state.epoch() + 1;
         self.coordination = Coordination::begin(state, self.now, epoch, &mut out).expect("a new epoch");
@@ -329,7 +331,7 @@ impl World {
                 self.kill_station(at);
             }
             let state = self.coordination.state();
-            let failed = state.firings().find(|firing| firing.phase != Phase::Running);
+            let failed = state.firings().find(|firing| firing.phase != ActivityPhase::Running);
             assert_eq!(failed, None, "at {}", self.now);
             if given >= parts && state.firings().next().is_none() {
                 return;
@@ -343,7 +345,7 @@ impl World {
         let state = self.coordination.state();
         let mut told = [Vec::new(), Vec::new()];
         for record in &self.log {
-            if let Fact::Started { mode, .. } = &record.fact {
+            if let RecordKind::Started { mode, .. } = &record.fact {
                 for order in &state.table().activity(*mode).orders {
                     told[order.station.index()].push(order.task.to_string());
                 }

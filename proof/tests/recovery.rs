@@ -9,14 +9,14 @@ use std::time::Duration;
 
 use linewright_cell::Cell;
 use linewright_cell::net::Supply;
-use linewright_coordinator_cell::described::{Pace, described, dispatcher};
-use linewright_coordinator_cell::exception::{About, Stage, Step};
-use linewright_coordinator_cell::{CellTable, Fact, Firing, OrderKey, Unable};
-use linewright_proof::cell::{Setting, check};
+use linewright_coordinator_cell::compile::{OrderTiming, compile_cell, dispatcher};
+use linewright_coordinator_cell::exception::{AlarmSubject, ExceptionStage, ExceptionStep};
+use linewright_coordinator_cell::{CellTable, OngoingActivity, OrderKey, RecordKind, StationUnavailable};
+use linewright_proof::cell::{CellExploration, check};
 use linewright_proof::generate::{self, CellShape, Random};
-use linewright_simulation::cell::{CellOptions, CellSim, Operator, Pace as Takes};
+use linewright_simulation::cell::{CellSim, CellSimOptions, SimulatedOperator, StationSpeed as Takes};
 
-const PACE: Pace = Pace { refresh: Duration::from_millis(200), grace: Duration::from_secs(1) };
+const PACE: OrderTiming = OrderTiming { refresh: Duration::from_millis(200), grace: Duration::from_secs(1) };
 
 /// A generated cell that does not get stuck, its machines with sensors and orders for what they do.
 fn sound(seed: u64) -> Option<Cell> {
@@ -35,7 +35,7 @@ fn sound(seed: u64) -> Option<Cell> {
     text = text.split("[[sync]]").map(timed).collect::<Vec<_>>().join("[[sync]]");
     let cell =
         linewright_cell::parse("cell.toml", &text, None).unwrap_or_else(|problems| panic!("{problems:?}\n{text}")).cell;
-    let checked = check(&Setting::new(&cell)).ok()?;
+    let checked = check(&CellExploration::new(&cell)).ok()?;
     (checked.sound >= cell.limits.wip_max).then_some(cell)
 }
 
@@ -63,7 +63,7 @@ fn machines(text: &str) -> Vec<(String, String)> {
 }
 
 fn played(cell: &Cell, parts: &[u32]) -> Arc<CellTable> {
-    let table = described(cell, None, Supply::Batch(parts), PACE).expect("it can be played").table;
+    let table = compile_cell(cell, None, Supply::Batch(parts), PACE).expect("it can be played").table;
     let mut handling = table.handling().clone();
     (handling.stale, handling.secure) = (Some(Duration::from_secs(3)), Duration::from_secs(8));
     Arc::new(table.with_handling(handling))
@@ -82,7 +82,7 @@ fn trouble(sim: &mut CellSim, random: &mut Random) {
         2 => station.is_away = true,
         3 => station.forget(),
         4 => station.holds = !station.holds,
-        5 => station.unable = Some(Unable::Devices),
+        5 => station.unable = Some(StationUnavailable::Devices),
         6 => station.unable = None,
         7..=12 => station.is_away = false,
         _ => (),
@@ -92,11 +92,12 @@ fn trouble(sim: &mut CellSim, random: &mut Random) {
 /// A part of what has failed is no more.
 fn breakage(sim: &mut CellSim) {
     let handling = sim.table.handling();
-    let inside = |firing: &&Firing| {
+    let inside = |firing: &&OngoingActivity| {
         let handled = handling.mode(firing.mode);
         let trouble = sim.state().exceptions().trouble(firing.id);
         // Once somebody has looked it stays as it was found.
-        let waits = trouble.is_some_and(|trouble| matches!(trouble.stage, Stage::Securing | Stage::Waiting(_)));
+        let waits = trouble
+            .is_some_and(|trouble| matches!(trouble.stage, ExceptionStage::Securing | ExceptionStage::Waiting(_)));
         waits && handled.from.is_some() && handled.to.is_some()
     };
     let broken = sim.state().firings().find(inside).map(|firing| firing.id);
@@ -109,17 +110,17 @@ fn play(seed: u64, cell: &Cell, lies: usize) -> (CellSim, usize) {
     let parts: Vec<u32> = cell.part_types.iter().map(|_| 1 + random.below(2) as u32).collect();
     let table = played(cell, &parts);
     let millis = Duration::from_millis;
-    let options = CellOptions {
+    let options = CellSimOptions {
         seed,
         pace: Takes::Nominal { spread: 0.3 },
         delay: (millis(1), millis(20)),
         period: millis(400),
-        ..CellOptions::default()
+        ..CellSimOptions::default()
     };
     let mut sim = CellSim::new(table.clone(), cell.controllers.len(), options);
     sim.senses = true;
     let mut dispatcher = dispatcher(cell, &table);
-    let mut operator = Operator { lies, ..Operator::default() };
+    let mut operator = SimulatedOperator { lies, ..SimulatedOperator::default() };
     let all = u64::from(parts.iter().sum::<u32>());
     for look in 0..20_000 {
         if sim.state().left() == all {
@@ -172,8 +173,8 @@ fn assert_done_once(seed: u64, sim: &CellSim) -> u64 {
     gone
 }
 
-fn steps(sim: &CellSim) -> impl Iterator<Item = &Step> {
-    sim.log.iter().filter_map(|record| if let Fact::Exception(step) = &record.fact { Some(step) } else { None })
+fn steps(sim: &CellSim) -> impl Iterator<Item = &ExceptionStep> {
+    sim.log.iter().filter_map(|record| if let RecordKind::Exception(step) = &record.fact { Some(step) } else { None })
 }
 
 #[test]
@@ -186,8 +187,8 @@ fn two_hundred_cells_come_to_their_end_whatever_goes_wrong() {
         cells += 1;
         let (sim, _) = play(seed, &cell, 0);
         gone += assert_done_once(seed, &sim);
-        closed += steps(&sim).filter(|step| matches!(step, Step::Closed { .. })).count();
-        down += steps(&sim).filter(|step| matches!(step, Step::Down { .. })).count();
+        closed += steps(&sim).filter(|step| matches!(step, ExceptionStep::Closed { .. })).count();
+        down += steps(&sim).filter(|step| matches!(step, ExceptionStep::Down { .. })).count();
     }
     println!(
         "{cells} of {seed} cells; {closed} failures closed, {down} times a resource was left out, {gone} parts gone"
@@ -205,7 +206,9 @@ fn a_lie_that_a_sensor_sees_is_asked_about_again() {
         cells += 1;
         let (sim, lies) = play(seed, &cell, 1);
         assert_done_once(seed, &sim);
-        let found = steps(&sim).filter(|step| matches!(step, Step::Mismatch { about: About::Firing(_), .. })).count();
+        let found = steps(&sim)
+            .filter(|step| matches!(step, ExceptionStep::Mismatch { about: AlarmSubject::Firing(_), .. }))
+            .count();
         assert_eq!(found, 1 - lies, "seed {seed}: it is found if he has lied");
         lied += found;
     }

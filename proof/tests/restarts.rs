@@ -3,8 +3,8 @@
 
 use linewright_line::net::ControlMode;
 use linewright_line::{Line, TransferLine, parse};
-use linewright_proof::explore::{Explored, Limits, Setting, explore};
-use linewright_proof::generate::{self, Shape};
+use linewright_proof::explore::{LineExploration, LineExplored, SearchLimits, explore};
+use linewright_proof::generate::{self, LineShape};
 
 use crate::common::{explored, lines};
 
@@ -12,13 +12,13 @@ fn shipped() -> Line {
     parse("line.toml", &TransferLine::default().text()).expect("the shipped line is sound").line
 }
 
-fn found(setting: &Setting) -> Explored {
-    explore(setting, Limits::default()).expect("the shipped line can be explored")
+fn found(setting: &LineExploration) -> LineExplored {
+    explore(setting, SearchLimits::default()).expect("the shipped line can be explored")
 }
 
 #[test]
 fn no_restart_in_auto_leads_two_stations_into_each_other() {
-    let mut setting = Setting::new(&shipped()).with_lost_memories();
+    let mut setting = LineExploration::new(&shipped()).with_lost_memories();
     setting.modes = vec![ControlMode::Auto];
     let explored = found(&setting);
     println!("{} states, {} kept", explored.states, explored.kept);
@@ -30,7 +30,7 @@ fn no_restart_in_auto_leads_two_stations_into_each_other() {
 
 #[test]
 fn counts_compared_across_a_lost_memory_close_the_clamp_under_the_bar() {
-    let mut setting = Setting::new(&shipped()).with_lost_memories();
+    let mut setting = LineExploration::new(&shipped()).with_lost_memories();
     setting.rules.generations = false;
     let explored = found(&setting);
     let story = explored.counterexample().expect("the rule is needed");
@@ -41,7 +41,7 @@ fn counts_compared_across_a_lost_memory_close_the_clamp_under_the_bar() {
 
 #[test]
 fn a_restart_with_its_memory_changes_no_verdict() {
-    let mut setting = Setting::new(&shipped());
+    let mut setting = LineExploration::new(&shipped());
     (setting.modes, setting.restarts) = (vec![ControlMode::Auto, ControlMode::Manual], true);
     setting.faults = false;
     let explored = found(&setting);
@@ -53,8 +53,8 @@ fn a_restart_with_its_memory_changes_no_verdict() {
 #[test]
 fn without_its_memory_a_station_asks_for_nothing() {
     for seed in 0..lines(24) {
-        let line = generate::line(&Shape { operations: 2..=3, ..Shape::small() }, seed);
-        let explored = explored(&Setting::new(&line).with_lost_memories(), 60_000);
+        let line = generate::line(&LineShape { operations: 2..=3, ..LineShape::small() }, seed);
+        let explored = explored(&LineExploration::new(&line).with_lost_memories(), 60_000);
         let asks = explored.properties.iter().find(|property| property.reason.contains("of no generation"));
         assert_eq!(asks.map(|property| &property.counterexample), None, "line {seed}");
     }

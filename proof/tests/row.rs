@@ -4,13 +4,13 @@
 use std::time::Instant;
 
 use linewright_line::Line;
-use linewright_proof::generate::{self, Breakage, Shape, break_it};
+use linewright_proof::generate::{self, Breakage, LineShape, break_it};
 use linewright_proof::structure::{judge_line, judge_stations};
 
 const STATIONS: usize = 500;
 
 fn row() -> Line {
-    generate::line(&Shape::row(STATIONS), 1)
+    generate::line(&LineShape::row(STATIONS), 1)
 }
 
 fn wrong(line: &Line) -> usize {

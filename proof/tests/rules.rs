@@ -2,17 +2,18 @@
 //! explorer would see it.
 
 use linewright_line::{Line, TransferLine, parse};
-use linewright_proof::explore::{Explored, Limits, Setting, Verdict, explore};
+use linewright_proof::explore::{LineExploration, LineExplored, SearchLimits, Verdict, explore};
 use linewright_station_logic::Rules;
 
 fn shipped() -> Line {
     parse("line.toml", &TransferLine::default().text()).expect("the shipped line is sound").line
 }
 
-fn without(rules: Rules) -> Explored {
-    let mut setting = Setting::new(&shipped());
+fn without(rules: Rules) -> LineExplored {
+    let mut setting = LineExploration::new(&shipped());
     setting.rules = rules;
-    explore(&setting, Limits { states: 1_000_000, ..Limits::default() }).expect("the shipped line can be explored")
+    explore(&setting, SearchLimits { states: 1_000_000, ..SearchLimits::default() })
+        .expect("the shipped line can be explored")
 }
 
 /// The end of the counterexample that the missing rule leads to.

@@ -4,7 +4,7 @@
 //! change of it is a change of every controller there is: it needs a reason that has nothing to do with orders.
 
 use linewright_line::{Line, TransferLine, parse};
-use linewright_proof::generate::{self, Shape};
+use linewright_proof::generate::{self, LineShape};
 use linewright_station_logic::Program;
 
 const BEFORE: &str = include_str!("tables.txt");
@@ -40,7 +40,7 @@ fn they_are_what_they_were() {
     let mut now = Vec::new();
     tables("shipped", &parse("line.toml", &shipped).expect("the shipped line is sound").line, &mut now);
     for seed in 0..50 {
-        let shape = if seed < 40 { Shape::default() } else { Shape::row(8) };
+        let shape = if seed < 40 { LineShape::default() } else { LineShape::row(8) };
         tables(&format!("generated-{seed}"), &generate::line(&shape, seed), &mut now);
     }
     let first = now.iter().zip(BEFORE.lines()).find(|(now, before)| now != before);

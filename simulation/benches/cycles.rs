@@ -6,7 +6,7 @@
 use divan::Bencher;
 use divan::counter::ItemsCount;
 use linewright_line::{Line, TransferLine, parse};
-use linewright_simulation::{End, Goal, Network, Options, run};
+use linewright_simulation::{Network, RunEnd, RunGoal, SimOptions, run};
 
 fn main() {
     divan::main();
@@ -19,12 +19,12 @@ fn line(machines: usize) -> Line {
     parse("line.toml", &text).unwrap_or_else(|problems| panic!("{problems:?}")).line
 }
 
-fn bench(bencher: Bencher, machines: usize, options: Options) {
+fn bench(bencher: Bencher, machines: usize, options: SimOptions) {
     let line = line(machines);
-    let goal = Goal::cycles(CYCLES);
+    let goal = RunGoal::cycles(CYCLES);
     bencher.counter(ItemsCount::new(CYCLES)).bench_local(|| {
         let (sim, end) = run(&line, options, &goal).expect("the line compiles");
-        assert_eq!(end, End::Done);
+        assert_eq!(end, RunEnd::Done);
         sim.events()
     });
 }
@@ -32,18 +32,18 @@ fn bench(bencher: Bencher, machines: usize, options: Options) {
 /// The transfer line with so many machines: three stations, nine, seventeen.
 #[divan::bench(args = [1, 4, 8], sample_count = 10, sample_size = 1)]
 fn transfer_line(bencher: Bencher, machines: usize) {
-    bench(bencher, machines, Options::default());
+    bench(bencher, machines, SimOptions::default());
 }
 
 /// The same with random delays and motions.
 #[divan::bench(args = [1, 4], sample_count = 10, sample_size = 1)]
 fn with_jitter(bencher: Bencher, machines: usize) {
     let network = Network { jitter: std::time::Duration::from_millis(2), ..Network::default() };
-    bench(bencher, machines, Options { network, variation: 0.05, ..Options::default() });
+    bench(bencher, machines, SimOptions { network, variation: 0.05, ..SimOptions::default() });
 }
 
 /// The same with every message waking its reader.
 #[divan::bench(sample_count = 10, sample_size = 1)]
 fn one_by_one(bencher: Bencher) {
-    bench(bencher, 1, Options { one_by_one: true, ..Options::default() });
+    bench(bencher, 1, SimOptions { one_by_one: true, ..SimOptions::default() });
 }

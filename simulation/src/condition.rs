@@ -5,7 +5,7 @@ use std::cmp::Ordering;
 use linewright_line::net::ControlMode;
 use linewright_line::{OpId, StationId};
 
-use crate::sim::Sim;
+use crate::sim::LineSim;
 
 /// A comparison.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
@@ -24,7 +24,7 @@ pub enum Compare {
 
 /// What a station, or every station, may be.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
-pub enum StationState {
+pub enum StationCondition {
     /// At its home place.
     Home,
     /// Nothing of it is driven.
@@ -47,7 +47,7 @@ pub enum StationState {
 
 /// What an operation may be.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
-pub enum OperationState {
+pub enum OperationCondition {
     /// Under way, forward or back.
     Operating,
     /// Stopped before its end.
@@ -60,21 +60,21 @@ pub enum OperationState {
 
 /// A condition.
 #[derive(Clone, Debug, PartialEq)]
-pub enum Condition {
+pub enum ScenarioCondition {
     /// Cycles of the line that have ended.
     Cycles(Compare, i64),
     /// The mode of the line.
     Mode(ControlMode),
     /// A station.
-    Station(StationId, StationState),
+    Station(StationId, StationCondition),
     /// Every station.
-    Every(StationState),
+    Every(StationCondition),
     /// An operation.
-    Operation((StationId, OpId), OperationState),
+    Operation((StationId, OpId), OperationCondition),
     /// The cycle in which an operation was last done.
     Count((StationId, OpId), Compare, i64),
     /// All of them.
-    All(Vec<Condition>),
+    All(Vec<ScenarioCondition>),
 }
 
 impl Compare {
@@ -89,47 +89,49 @@ impl Compare {
     }
 }
 
-impl Condition {
+impl ScenarioCondition {
     /// Whether it holds now.
-    pub fn holds(&self, sim: &Sim) -> bool {
+    pub fn holds(&self, sim: &LineSim) -> bool {
         match self {
-            Condition::Cycles(compare, number) => compare.holds(sim.record().cycles() as i64, *number),
-            Condition::Mode(mode) => sim.mode() == *mode,
-            Condition::Station(id, state) => state.holds(sim, *id),
-            Condition::Every(state) => sim.line().station_ids().all(|id| state.holds(sim, id)),
-            Condition::Operation(op, state) => state.holds(sim, *op),
-            Condition::Count((id, op), compare, number) => compare.holds(i64::from(sim.done(*id, *op)), *number),
-            Condition::All(conditions) => conditions.iter().all(|condition| condition.holds(sim)),
+            ScenarioCondition::Cycles(compare, number) => compare.holds(sim.record().cycles() as i64, *number),
+            ScenarioCondition::Mode(mode) => sim.mode() == *mode,
+            ScenarioCondition::Station(id, state) => state.holds(sim, *id),
+            ScenarioCondition::Every(state) => sim.line().station_ids().all(|id| state.holds(sim, id)),
+            ScenarioCondition::Operation(op, state) => state.holds(sim, *op),
+            ScenarioCondition::Count((id, op), compare, number) => {
+                compare.holds(i64::from(sim.done(*id, *op)), *number)
+            }
+            ScenarioCondition::All(conditions) => conditions.iter().all(|condition| condition.holds(sim)),
         }
     }
 }
 
-impl StationState {
-    fn holds(self, sim: &Sim, id: StationId) -> bool {
-        let Some(controller) = sim.controller(id) else { return self == StationState::Down };
+impl StationCondition {
+    fn holds(self, sim: &LineSim, id: StationId) -> bool {
+        let Some(controller) = sim.controller(id) else { return self == StationCondition::Down };
         match self {
-            StationState::Home => controller.is_at_home(),
-            StationState::Stopped => controller.report().stopped,
-            StationState::Moving => !controller.report().stopped,
-            StationState::Incomplete => controller.marking().any(|place| place.is_incomplete()),
-            StationState::Blocked => !controller.blocked_by(sim.line(), sim.now()).is_empty(),
-            StationState::Up => true,
-            StationState::Down => false,
-            StationState::Heard => sim.hears(id),
-            StationState::Obeys(mode) => controller.mode() == mode,
+            StationCondition::Home => controller.is_at_home(),
+            StationCondition::Stopped => controller.report().stopped,
+            StationCondition::Moving => !controller.report().stopped,
+            StationCondition::Incomplete => controller.marking().any(|place| place.is_incomplete()),
+            StationCondition::Blocked => !controller.blocked_by(sim.line(), sim.now()).is_empty(),
+            StationCondition::Up => true,
+            StationCondition::Down => false,
+            StationCondition::Heard => sim.hears(id),
+            StationCondition::Obeys(mode) => controller.mode() == mode,
         }
     }
 }
 
-impl OperationState {
-    fn holds(self, sim: &Sim, (id, op): (StationId, OpId)) -> bool {
+impl OperationCondition {
+    fn holds(self, sim: &LineSim, (id, op): (StationId, OpId)) -> bool {
         use linewright_line::net::{Block, Stage};
         let Some(controller) = sim.controller(id) else { return false };
         controller.marking().filter(|place| place.op == op).any(|place| match self {
-            OperationState::Operating => place.is_operating(),
-            OperationState::Incomplete => place.is_incomplete(),
-            OperationState::Done => (place.block, place.stage) == (Block::Normal, Stage::Completed),
-            OperationState::Undone => (place.block, place.stage) == (Block::Recovery, Stage::Completed),
+            OperationCondition::Operating => place.is_operating(),
+            OperationCondition::Incomplete => place.is_incomplete(),
+            OperationCondition::Done => (place.block, place.stage) == (Block::Normal, Stage::Completed),
+            OperationCondition::Undone => (place.block, place.stage) == (Block::Recovery, Stage::Completed),
         })
     }
 }

@@ -12,13 +12,13 @@ use std::time::Duration;
 use linewright_line::net::Block;
 use linewright_line::{Line, OpId, StationId, Tick};
 
-use crate::record::{By, Ended, Motion, Record};
+use crate::record::{LastWait, MotionEnd, RecordedMotion, RunRecord};
 
 /// One motion of the chain.
 #[derive(Clone, Copy, Debug, PartialEq)]
-pub struct Link {
+pub struct CriticalMotion {
     /// The motion.
-    pub motion: Motion,
+    pub motion: RecordedMotion,
     /// From the end of the motion that caused it to its start: messages, and nothing else.
     pub late: Duration,
 }
@@ -27,7 +27,7 @@ pub struct Link {
 #[derive(Clone, Debug, PartialEq)]
 pub struct CriticalPath {
     /// Its motions, in order; each is what the next one waited for, and the last what the first waits for again.
-    pub links: Vec<Link>,
+    pub links: Vec<CriticalMotion>,
     /// The time from the first motion's start to its next start by the same chain.
     pub time: Duration,
     /// How many cycles that took.
@@ -36,19 +36,19 @@ pub struct CriticalPath {
 
 impl CriticalPath {
     /// The chain, if a steady one is on record: none before the second cycle, or where a person's command was last.
-    pub fn of(line: &Line, record: &Record) -> Option<Self> {
+    pub fn of(line: &Line, record: &RunRecord) -> Option<Self> {
         let end = *record.cycle_ends().last()?;
-        let motions: HashMap<(StationId, OpId, i32), &Motion> = record
+        let motions: HashMap<(StationId, OpId, i32), &RecordedMotion> = record
             .motions()
             .iter()
-            .filter(|m| m.block == Block::Normal && m.ended == Ended::Done)
+            .filter(|m| m.block == Block::Normal && m.ended == MotionEnd::Done)
             .map(|m| ((m.station, m.op, m.cycle), m))
             .collect();
         let last = *motions.values().copied().filter(|m| m.end == end).min_by_key(|m| (m.station, m.op))?;
         // Loops by what they consist of: the latest of them, and the time that went by in all.
         let mut loops: Vec<(CriticalPath, Duration)> = Vec::new();
         let mut known: HashMap<Vec<(StationId, OpId)>, usize> = HashMap::new();
-        let mut chain: Vec<Motion> = vec![last];
+        let mut chain: Vec<RecordedMotion> = vec![last];
         while let Some(&motion) = chain.last().and_then(|last| cause(line, &motions, last)) {
             let again = chain.iter().position(|m| (m.station, m.op) == (motion.station, motion.op));
             if let Some(again) = again {
@@ -69,12 +69,12 @@ impl CriticalPath {
     }
 
     /// A loop of causes, latest first: it begins and ends with the same operation.
-    fn around(mut chain: Vec<Motion>) -> Option<Self> {
+    fn around(mut chain: Vec<RecordedMotion>) -> Option<Self> {
         let (last, first) = (*chain.first()?, *chain.last()?);
         let cycles = u32::try_from(last.cycle - first.cycle).ok().filter(|&cycles| cycles > 0)?;
         chain.reverse();
-        let late = |pair: &[Motion]| Link { motion: pair[1], late: pair[1].start.since(pair[0].end) };
-        let mut links: Vec<Link> = chain.windows(2).map(late).collect();
+        let late = |pair: &[RecordedMotion]| CriticalMotion { motion: pair[1], late: pair[1].start.since(pair[0].end) };
+        let mut links: Vec<CriticalMotion> = chain.windows(2).map(late).collect();
         // The last is the first again, a round later.
         links.rotate_right(1);
         Some(CriticalPath { links, time: last.start.since(first.start), cycles })
@@ -96,22 +96,22 @@ impl CriticalPath {
 
 fn cause<'a>(
     line: &Line,
-    motions: &HashMap<(StationId, OpId, i32), &'a Motion>,
-    motion: &Motion,
-) -> Option<&'a Motion> {
+    motions: &HashMap<(StationId, OpId, i32), &'a RecordedMotion>,
+    motion: &RecordedMotion,
+) -> Option<&'a RecordedMotion> {
     match motion.by {
-        By::Person => None,
-        By::Arrow(arrow) => {
+        LastWait::Person => None,
+        LastWait::Arrow(arrow) => {
             let arrow = &line.arrows[arrow];
             let cycle = motion.cycle - i32::try_from(arrow.lag).ok()?;
             motions.get(&(arrow.from.0, arrow.from.1, cycle)).copied()
         }
-        By::Previous => {
+        LastWait::Previous => {
             let station = line.station(motion.station);
             let step = station.step_of(motion.op);
             let before = &station.steps[(step + station.steps.len() - 1) % station.steps.len()];
             let cycle = motion.cycle - i32::from(step == 0);
-            let ended: fn(&&Motion) -> Tick = |m| m.end;
+            let ended: fn(&&RecordedMotion) -> Tick = |m| m.end;
             before.iter().filter_map(|&op| motions.get(&(motion.station, op, cycle)).copied()).max_by_key(ended)
         }
     }

@@ -10,7 +10,7 @@
 //! ```
 //!
 //! Between the operator's word and the mechanism stands the code that runs on a shop floor. Messages take what [`Network`]
-//! gives. Images reach the plant at once or, with [`Options::frames`], as they do there:
+//! gives. Images reach the plant at once or, with [`SimOptions::frames`], as they do there:
 //!
 //! ```text
 //!            Coordinator     Controller ◀──▶ Controller ...     every message whole and numbered
@@ -25,13 +25,13 @@
 //!
 //! [`cell`] is the same for a flexible cell and its orders.
 //!
-//! It does not know files or how anything is shown. [`Sim`] plays, [`Record`] remembers, [`Script`] is what people do.
+//! It does not know files or how anything is shown. [`LineSim`] plays, [`RunRecord`] remembers, [`Script`] is what people do.
 
 pub mod cell;
 mod condition;
 mod critical;
 mod field;
-mod hands;
+mod held_buttons;
 mod idle;
 mod link;
 mod lives;
@@ -52,17 +52,17 @@ mod timers;
 mod view;
 mod whole;
 
-pub use condition::{Compare, Condition, OperationState, StationState};
-pub use critical::{CriticalPath, Link};
+pub use condition::{Compare, OperationCondition, ScenarioCondition, StationCondition};
+pub use critical::{CriticalMotion, CriticalPath};
 pub use lives::StartError;
-pub use log::{Entry, Log, What};
-pub use observer::Seen;
-pub use operator::{Action, Process, Way};
-pub use options::{Network, NetworkChange, Options};
-pub use plan::{Circuit, Plan, Planned, Schedule};
-pub use record::{By, Ended, FaultSeen, Motion, Record, Wait};
+pub use log::{LogKind, RunLog, SimLogEntry};
+pub use observer::SeenConflict;
+pub use operator::{MotionSelection, NodeProcess, OperatorAction};
+pub use options::{Network, NetworkChange, SimOptions};
+pub use plan::{Circuit, EarliestSchedule, LinePlan, PlannedTimes};
+pub use record::{ArrowWait, FaultSeen, LastWait, MotionEnd, RecordedMotion, RunRecord};
 pub use rng::{Rng, mix};
-pub use run::{End, Goal, run};
+pub use run::{RunEnd, RunGoal, run};
 pub use scenario::Scenario;
-pub use script::{Deed, Failure, Script, Step};
-pub use sim::Sim;
+pub use script::{Failure, Script, ScriptAction, ScriptStep};
+pub use sim::LineSim;

@@ -13,9 +13,9 @@ use std::collections::VecDeque;
 use std::rc::Rc;
 use std::time::Duration;
 
-use linewright_coordinator_logic::{Command, Heard, OutputImage};
+use linewright_coordinator_logic::{ModeCommand, OutputImage, StationView};
 use linewright_line::{OpId, StationId, Tick};
-use linewright_station_logic::{ModeOrder, PanelCommand, Report};
+use linewright_station_logic::{ModeOrder, PanelCommand, StationReport};
 use linewright_station_shell::InputsMessage;
 
 use crate::options::Network;
@@ -27,9 +27,9 @@ pub(crate) enum LinkPayload {
     /// The same as before, to this reader.
     Again,
     /// A station's state, to another station.
-    Report(Rc<Report>),
+    Report(Rc<StationReport>),
     /// A station's state, as far as the coordinator looks at it.
-    Heard(Heard),
+    Heard(StationView),
     /// The coordinator's order.
     Order(ModeOrder),
     /// An operator's confirmation of where a station stands.
@@ -37,7 +37,7 @@ pub(crate) enum LinkPayload {
     /// A panel's button or selector.
     Panel(PanelCommand),
     /// An operator's command.
-    Command(Command),
+    Command(ModeCommand),
     /// Hand-mode buttons held.
     Buttons(u32),
     /// A whole message, with its number.
@@ -49,16 +49,16 @@ pub(crate) enum LinkPayload {
 pub(crate) struct Numbered {
     /// In its writer's life.
     pub(crate) number: u64,
-    pub(crate) said: Whole,
+    pub(crate) said: WholeMessage,
 }
 
 /// What such a message carries.
 #[derive(Clone, Debug)]
-pub(crate) enum Whole {
+pub(crate) enum WholeMessage {
     /// A station's state, to another station.
-    Report(Rc<Report>),
+    Report(Rc<StationReport>),
     /// A station's state, as far as the coordinator looks at it.
-    Heard(Heard),
+    Heard(StationView),
     /// The coordinator's order.
     Order(ModeOrder),
     /// A station's inputs, from the gateway.
@@ -69,11 +69,11 @@ pub(crate) enum Whole {
 
 impl LinkPayload {
     /// The state it carries to another station, if any.
-    pub(crate) fn report(&self) -> Option<&Report> {
+    pub(crate) fn report(&self) -> Option<&StationReport> {
         match self {
             LinkPayload::Report(report) => Some(report),
             LinkPayload::Whole(message) => match &message.said {
-                Whole::Report(report) => Some(report),
+                WholeMessage::Report(report) => Some(report),
                 _ => None,
             },
             _ => None,
@@ -82,7 +82,7 @@ impl LinkPayload {
 }
 
 #[derive(Clone, Debug)]
-struct Message {
+struct LinkMessage {
     arrives: Tick,
     said: LinkPayload,
     /// The reader must look at once.
@@ -100,7 +100,7 @@ pub(crate) struct Link {
     measures: u128,
     /// The reader judges by the writer's cycle; see [`linewright_station_logic::Rules::counted`].
     reads_cycle: bool,
-    queue: VecDeque<Message>,
+    queue: VecDeque<LinkMessage>,
     last_arrival: Tick,
     /// For how long a message holds.
     term: Duration,
@@ -163,7 +163,7 @@ impl Link {
     }
 
     /// Says a station's state, number `version`.
-    pub(crate) fn say_report(&mut self, now: Tick, network: &Network, report: &Rc<Report>, version: u64) {
+    pub(crate) fn say_report(&mut self, now: Tick, network: &Network, report: &Rc<StationReport>, version: u64) {
         let is_known = match &self.said {
             Some(LinkPayload::Report(before)) => self.is_same(before, report),
             _ => false,
@@ -172,7 +172,7 @@ impl Link {
     }
 
     /// Says a station's state to the coordinator.
-    pub(crate) fn say_heard(&mut self, now: Tick, network: &Network, heard: Heard, version: u64) {
+    pub(crate) fn say_heard(&mut self, now: Tick, network: &Network, heard: StationView, version: u64) {
         let is_known = matches!(&self.said, Some(LinkPayload::Heard(before)) if *before == heard);
         self.say_state(now, network, is_known, version, || LinkPayload::Heard(heard));
     }
@@ -198,13 +198,13 @@ impl Link {
         if !is_known {
             self.said = Some(said.clone());
         }
-        self.push(Message { arrives, said, wakes: !is_known || arrives >= before + self.term });
+        self.push(LinkMessage { arrives, said, wakes: !is_known || arrives >= before + self.term });
     }
 
     /// Sends a whole message, number `number` of its writer.
-    pub(crate) fn say_numbered(&mut self, now: Tick, network: &Network, number: u64, said: Whole) {
+    pub(crate) fn say_numbered(&mut self, now: Tick, network: &Network, number: u64, said: WholeMessage) {
         // An order that overtook the end of an emergency stop would cost another reset.
-        let overtakes = network.best_effort && !matches!(said, Whole::Order(_));
+        let overtakes = network.best_effort && !matches!(said, WholeMessage::Order(_));
         let key = mix(!self.key ^ mix(self.sent));
         let is_doubled = network.double_per_mille > 0 && key % 1000 < u64::from(network.double_per_mille);
         let mut way = || if overtakes { self.draw(now, network) } else { self.way(now, network) };
@@ -212,9 +212,9 @@ impl Link {
         let again = is_doubled.then(way).flatten();
         let said = LinkPayload::Whole(Box::new(Numbered { number, said }));
         if let Some(arrives) = again {
-            self.push_between(Message { arrives, said: said.clone(), wakes: true });
+            self.push_between(LinkMessage { arrives, said: said.clone(), wakes: true });
         }
-        self.push_between(Message { arrives, said, wakes: true });
+        self.push_between(LinkMessage { arrives, said, wakes: true });
     }
 
     /// Sends an input of a person. It is not lost; but with [`Network::best_effort`] held buttons, which are repeated, can be.
@@ -226,13 +226,13 @@ impl Link {
         };
         let loss_per_mille = if network.best_effort && is_held { network.loss_per_mille } else { 0 };
         if let Some(arrives) = self.way(now, &Network { loss_per_mille, ..*network }) {
-            self.push(Message { arrives, said, wakes: true });
+            self.push(LinkMessage { arrives, said, wakes: true });
         }
     }
 
-    fn is_same(&self, before: &Report, now: &Report) -> bool {
+    fn is_same(&self, before: &StationReport, now: &StationReport) -> bool {
         let reader = StationId::at(self.to);
-        let answer = |report: &Report| report.answers.iter().find(|answer| answer.to == reader).copied();
+        let answer = |report: &StationReport| report.answers.iter().find(|answer| answer.to == reader).copied();
         before.boot_id == now.boot_id
             && before.request == now.request
             && (before.generation, before.position_lost, before.devices_valid)
@@ -268,7 +268,7 @@ impl Link {
     }
 
     #[inline]
-    fn push(&mut self, message: Message) {
+    fn push(&mut self, message: LinkMessage) {
         if self.wakes == Tick::NEVER && (self.wakes_always || message.wakes) {
             self.wakes = message.arrives;
         }
@@ -276,7 +276,7 @@ impl Link {
     }
 
     /// The same of a message that may arrive before others.
-    fn push_between(&mut self, message: Message) {
+    fn push_between(&mut self, message: LinkMessage) {
         self.wakes = self.wakes.min(message.arrives);
         let after = self.queue.partition_point(|before| before.arrives <= message.arrives);
         self.queue.insert(after, message);
@@ -305,7 +305,7 @@ impl Link {
     #[inline]
     pub(crate) fn take_repetitions(&mut self, now: Tick, number: usize, moments: &mut Vec<(Tick, usize)>) {
         let mut last = None;
-        while let Some(&Message { arrives, said: LinkPayload::Again, .. }) = self.queue.front()
+        while let Some(&LinkMessage { arrives, said: LinkPayload::Again, .. }) = self.queue.front()
             && arrives <= now
         {
             if let Some(before) = last
@@ -331,7 +331,7 @@ impl Link {
         if self.queue.front().is_none_or(|message| message.arrives > now) {
             return None;
         }
-        let Message { arrives, said, .. } = self.queue.pop_front()?;
+        let LinkMessage { arrives, said, .. } = self.queue.pop_front()?;
         self.holds_until = arrives + self.term;
         self.find_wake();
         // A whole message is not repeated by an [`LinkPayload::Again`].
@@ -370,7 +370,7 @@ mod tests {
     };
 
     /// What arrives of a hundred messages, a millisecond apart, in the order in which it does.
-    fn arrivals(network: &Network, said: &Whole) -> Vec<u64> {
+    fn arrivals(network: &Network, said: &WholeMessage) -> Vec<u64> {
         let mut link = Link::new((0, 1), (Vec::new(), 0), false, Duration::from_secs(1), 1);
         for number in 1..=100 {
             link.say_numbered(Tick::from_millis(number), network, number, said.clone());
@@ -386,8 +386,8 @@ mod tests {
 
     #[test]
     fn images_overtake_each_other_and_come_twice_and_orders_keep_their_order() {
-        let image = Whole::Inputs(InputsMessage::default());
-        let order = Whole::Order(ModeOrder::of(1, 1, ControlMode::Auto, Duration::from_secs(1)));
+        let image = WholeMessage::Inputs(InputsMessage::default());
+        let order = WholeMessage::Order(ModeOrder::of(1, 1, ControlMode::Auto, Duration::from_secs(1)));
         let heard = arrivals(&BAD, &image);
         assert!(heard.len() > 105 && !heard.is_sorted(), "{heard:?}");
         let heard = arrivals(&BAD, &order);
@@ -406,7 +406,7 @@ mod tests {
         };
         let buttons = heard(&network, LinkPayload::Buttons(1));
         assert!((30..70).contains(&buttons), "{buttons}");
-        assert_eq!(heard(&network, LinkPayload::Command(Command::Stop)), 100);
+        assert_eq!(heard(&network, LinkPayload::Command(ModeCommand::Stop)), 100);
         assert_eq!(heard(&Network { best_effort: false, ..network }, LinkPayload::Buttons(1)), 100);
     }
 }

@@ -3,14 +3,14 @@
 //! A process that dies says nothing any more, and its devices keep what it asked for until they miss it. One that starts
 //! has its journal and nothing else: it hears and says everything anew.
 
-use linewright_coordinator_shell::Remembered;
+use linewright_coordinator_shell::CoordinatorRecord;
 use linewright_line::{Bus, StationId, Tick};
 use linewright_station_logic::{CompileError, Restore};
 use thiserror::Error;
 
-use crate::field::{Field, ManagerError};
+use crate::field::{ManagerError, SimulatedField};
 use crate::node::{CoordinatorNode, StationNode};
-use crate::sim::Sim;
+use crate::sim::LineSim;
 
 /// Why a line, or a process of it, cannot be started.
 #[derive(Debug, Error)]
@@ -23,7 +23,7 @@ pub enum StartError {
     Bus(#[from] ManagerError),
 }
 
-impl Sim {
+impl LineSim {
     pub(crate) fn next_life(&mut self) -> u64 {
         self.life += 1;
         self.life
@@ -62,8 +62,8 @@ impl Sim {
         };
         self.stations[at] = StationNode::start(&self.line, id, life, restore, &self.options)?;
         match &mut self.field {
-            Field::Images(field) => field.owner_up(self.now, at),
-            Field::Frames(frames) => frames.read(&self.line, at, true),
+            SimulatedField::Images(field) => field.owner_up(self.now, at),
+            SimulatedField::Frames(frames) => frames.read(&self.line, at, true),
         }
         self.begin(at, life);
         Ok(())
@@ -82,8 +82,8 @@ impl Sim {
                 Bus::Own(_) => timing.heartbeat_timeout,
             };
             match &mut self.field {
-                Field::Images(field) => field.owner_down(at, self.now + until),
-                Field::Frames(frames) => frames.read(&self.line, at, false),
+                SimulatedField::Images(field) => field.owner_down(at, self.now + until),
+                SimulatedField::Frames(frames) => frames.read(&self.line, at, false),
             }
             self.timers.set(self.node_slot(at), Tick::NEVER);
             self.wake_field(at);
@@ -104,7 +104,7 @@ impl Sim {
     pub(crate) fn restart_coordinator(&mut self, remembers: bool) {
         if !self.coordinator.is_up {
             let life = self.next_life();
-            let journal = if remembers { self.coordinator.journal } else { Remembered::default() };
+            let journal = if remembers { self.coordinator.journal } else { CoordinatorRecord::default() };
             self.coordinator = CoordinatorNode::start(&self.line, life, journal, &self.options);
             self.mode = self.coordinator.shell.coordinator().mode();
             self.entered = (self.now, self.coordinator.shell.coordinator().text());
@@ -116,8 +116,8 @@ impl Sim {
 
     fn line_bus_read(&mut self, read: bool) {
         match &mut self.field {
-            Field::Images(field) => field.bus_read(self.now, &self.line, read),
-            Field::Frames(frames) => frames.read(&self.line, self.stations.len(), read),
+            SimulatedField::Images(field) => field.bus_read(self.now, &self.line, read),
+            SimulatedField::Frames(frames) => frames.read(&self.line, self.stations.len(), read),
         }
     }
 }

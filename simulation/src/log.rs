@@ -2,13 +2,13 @@
 
 use linewright_line::net::ControlMode;
 use linewright_line::{Line, StationId, Tick};
-use linewright_station_logic::Event;
+use linewright_station_logic::StationHappening;
 
 /// What happened.
 #[derive(Clone, Debug, PartialEq)]
-pub enum What {
+pub enum LogKind {
     /// At a station, by its own account.
-    Station(StationId, Event),
+    Station(StationId, StationHappening),
     /// The coordinator entered a mode.
     Mode(ControlMode),
     /// The coordinator refused a command, in words.
@@ -19,35 +19,35 @@ pub enum What {
 
 /// One line of the log.
 #[derive(Clone, Debug, PartialEq)]
-pub struct Entry {
+pub struct SimLogEntry {
     /// When.
     pub at: Tick,
     /// What.
-    pub what: What,
+    pub what: LogKind,
 }
 
 /// The log of a run.
 #[derive(Clone, Debug, Default)]
-pub struct Log {
-    entries: Vec<Entry>,
+pub struct RunLog {
+    entries: Vec<SimLogEntry>,
     forgotten: u64,
 }
 
 /// A run that never ends must not eat the machine: beyond this the older half is forgotten.
 const ENTRIES_MAX: usize = 400_000;
 
-impl Log {
+impl RunLog {
     /// Adds an entry.
-    pub fn push(&mut self, at: Tick, what: What) {
+    pub fn push(&mut self, at: Tick, what: LogKind) {
         if self.entries.len() == ENTRIES_MAX {
             self.entries.drain(..ENTRIES_MAX / 2);
             self.forgotten += ENTRIES_MAX as u64 / 2;
         }
-        self.entries.push(Entry { at, what });
+        self.entries.push(SimLogEntry { at, what });
     }
 
     /// All entries, oldest first; of a very long run the latest.
-    pub fn entries(&self) -> &[Entry] {
+    pub fn entries(&self) -> &[SimLogEntry] {
         &self.entries
     }
 
@@ -57,16 +57,16 @@ impl Log {
     }
 
     /// The events of one station.
-    pub fn of(&self, station: StationId) -> impl Iterator<Item = (Tick, Event)> + '_ {
+    pub fn of(&self, station: StationId) -> impl Iterator<Item = (Tick, StationHappening)> + '_ {
         self.entries.iter().filter_map(move |entry| match entry.what {
-            What::Station(id, event) if id == station => Some((entry.at, event)),
+            LogKind::Station(id, event) if id == station => Some((entry.at, event)),
             _ => None,
         })
     }
 
     /// The modes the coordinator entered.
     pub fn modes(&self) -> Vec<ControlMode> {
-        let mode = |entry: &Entry| if let What::Mode(mode) = entry.what { Some(mode) } else { None };
+        let mode = |entry: &SimLogEntry| if let LogKind::Mode(mode) = entry.what { Some(mode) } else { None };
         self.entries.iter().filter_map(mode).collect()
     }
 
@@ -86,16 +86,16 @@ impl Log {
     }
 }
 
-impl Entry {
+impl SimLogEntry {
     /// The entry in words.
     pub fn text(&self, line: &Line) -> String {
         match &self.what {
-            What::Station(id, event) => {
+            LogKind::Station(id, event) => {
                 format!("{} {} (cycle {}) {}", self.at, line.station(*id).name, event.cycle, event.text(line, *id))
             }
-            What::Mode(mode) => format!("{} the line enters {mode}", self.at),
-            What::Refusal(text) => format!("{} {text}", self.at),
-            What::Act(text) => format!("{} -- {text}", self.at),
+            LogKind::Mode(mode) => format!("{} the line enters {mode}", self.at),
+            LogKind::Refusal(text) => format!("{} {text}", self.at),
+            LogKind::Act(text) => format!("{} -- {text}", self.at),
         }
     }
 }

@@ -3,24 +3,24 @@
 use std::collections::VecDeque;
 use std::rc::Rc;
 
-use linewright_coordinator_logic::Heard;
-use linewright_coordinator_shell::{CoordinatorArrival, CoordinatorEffect, CoordinatorShell, Remembered, heard};
+use linewright_coordinator_logic::StationView;
+use linewright_coordinator_shell::{CoordinatorArrival, CoordinatorEffect, CoordinatorRecord, CoordinatorShell, heard};
 use linewright_line::{Line, StationId, Tick};
-use linewright_station_logic::{CompileError, Controller, ModeOrder, Report, Restore, Snapshot};
+use linewright_station_logic::{CompileError, Controller, ModeOrder, Restore, StationReport, StationSnapshot};
 use linewright_station_shell::{StationArrival, StationEffect, StationShell};
 
 use crate::field::SeenInputs;
-use crate::link::{LinkPayload, Whole};
-use crate::options::Options;
+use crate::link::{LinkPayload, WholeMessage};
+use crate::options::SimOptions;
 
 /// A station's process.
 pub(crate) struct StationNode {
     pub(crate) id: StationId,
     shell: StationShell,
     /// What its disk holds while it is down.
-    pub(crate) journal: Option<Snapshot>,
+    pub(crate) journal: Option<StationSnapshot>,
     /// The last record, kept with frames only. Without them the state at its death is what was written down.
-    disk: Option<Snapshot>,
+    disk: Option<StationSnapshot>,
     /// It dies at its next change, after the record is written and before anything else that follows.
     pub(crate) dies_at_next_record: bool,
     pub(crate) is_dying: bool,
@@ -31,12 +31,12 @@ pub(crate) struct StationNode {
     /// Where links keep the order of messages each is newer than the one before.
     taken: u64,
     /// Its state as reported last, and that state's number.
-    pub(crate) report: Rc<Report>,
+    pub(crate) report: Rc<StationReport>,
     pub(crate) version: u64,
     /// Something may differ from the report.
     is_unsaid: bool,
     /// Reports nobody may be reading any more, oldest first.
-    spare: VecDeque<Rc<Report>>,
+    spare: VecDeque<Rc<StationReport>>,
 }
 
 /// Reports kept for reuse; as many as are ever on their way at once, in practice.
@@ -48,7 +48,7 @@ impl StationNode {
         id: StationId,
         life: u64,
         how: Restore,
-        options: &Options,
+        options: &SimOptions,
     ) -> Result<Self, CompileError> {
         let mut shell = StationShell::new(line, id, life, how)?.with_rules(options.rules);
         if !options.frames {
@@ -92,10 +92,10 @@ impl StationNode {
             LinkPayload::Report(report) => StationArrival::State { station, sequence, report },
             LinkPayload::Order(order) => StationArrival::Order { sequence, order: *order },
             LinkPayload::Whole(message) => match &message.said {
-                Whole::Report(report) => StationArrival::State { station, sequence: message.number, report },
-                Whole::Order(order) => StationArrival::Order { sequence: message.number, order: *order },
-                Whole::Inputs(image) => StationArrival::Inputs(*image),
-                Whole::Heard(_) | Whole::Outputs(_) => return,
+                WholeMessage::Report(report) => StationArrival::State { station, sequence: message.number, report },
+                WholeMessage::Order(order) => StationArrival::Order { sequence: message.number, order: *order },
+                WholeMessage::Inputs(image) => StationArrival::Inputs(*image),
+                WholeMessage::Heard(_) | WholeMessage::Outputs(_) => return,
             },
             LinkPayload::Panel(command) => StationArrival::Panel(*command),
             LinkPayload::Rejoin(within) => StationArrival::Rejoin(*within),
@@ -177,7 +177,7 @@ impl StationNode {
     }
 
     /// What the coordinator looks at.
-    pub(crate) fn heard(&self) -> Heard {
+    pub(crate) fn heard(&self) -> StationView {
         heard(&self.report)
     }
 }
@@ -188,7 +188,7 @@ pub(crate) struct CoordinatorNode {
     pub(crate) is_up: bool,
     pub(crate) effects: Vec<CoordinatorEffect>,
     /// What its disk holds.
-    pub(crate) journal: Remembered,
+    pub(crate) journal: CoordinatorRecord,
     /// Its disk takes no record.
     pub(crate) disk_is_full: bool,
     console: Option<(u128, bool)>,
@@ -200,7 +200,7 @@ pub(crate) struct CoordinatorNode {
 }
 
 impl CoordinatorNode {
-    pub(crate) fn start(line: &Line, life: u64, journal: Remembered, options: &Options) -> Self {
+    pub(crate) fn start(line: &Line, life: u64, journal: CoordinatorRecord, options: &SimOptions) -> Self {
         let shell = CoordinatorShell::new(line, life, journal);
         CoordinatorNode {
             shell: if options.frames { shell } else { shell.without_refresh_and_gateway() },
@@ -222,11 +222,13 @@ impl CoordinatorNode {
         let arrival = match said {
             LinkPayload::Heard(heard) => CoordinatorArrival::State { station, sequence, heard: *heard },
             LinkPayload::Whole(message) => match &message.said {
-                Whole::Heard(heard) => CoordinatorArrival::State { station, sequence: message.number, heard: *heard },
-                Whole::Outputs(image) => {
+                WholeMessage::Heard(heard) => {
+                    CoordinatorArrival::State { station, sequence: message.number, heard: *heard }
+                }
+                WholeMessage::Outputs(image) => {
                     CoordinatorArrival::Outputs { station, sequence: message.number, image: *image }
                 }
-                Whole::Report(_) | Whole::Order(_) | Whole::Inputs(_) => return,
+                WholeMessage::Report(_) | WholeMessage::Order(_) | WholeMessage::Inputs(_) => return,
             },
             LinkPayload::Command(command) => CoordinatorArrival::Command(*command),
             LinkPayload::Buttons(held) => CoordinatorArrival::Buttons(*held),
@@ -250,7 +252,7 @@ impl CoordinatorNode {
     }
 
     /// Writes a record down. False if what follows is not to be performed.
-    pub(crate) fn remember(&mut self, now: Tick, record: Remembered) -> bool {
+    pub(crate) fn remember(&mut self, now: Tick, record: CoordinatorRecord) -> bool {
         if !self.disk_is_full {
             self.journal = record;
         }

@@ -12,7 +12,7 @@
 use linewright_line::{AxisId, Conflict, Line, OpId, Span, StationId, Tick};
 use linewright_plant::Plant;
 
-use crate::field::Field;
+use crate::field::SimulatedField;
 
 /// As part of an operation's way: an axis within this of where it should be is there. A switch is on within a
 /// thousandth, and a motion stopped by its switch stands at the edge of that.
@@ -22,7 +22,7 @@ const TOLERANCE: f64 = 0.002;
 type Ranges = Vec<(f64, f64)>;
 
 /// One station's part in a conflict.
-struct Side {
+struct ObservedSide {
     station: StationId,
     axes: usize,
     /// Where the rest of the cycle leads.
@@ -33,7 +33,7 @@ struct Side {
 
 /// A conflict that happened.
 #[derive(Clone, Debug, PartialEq)]
-pub struct Seen {
+pub struct SeenConflict {
     /// When it was seen.
     pub at: Tick,
     /// Which, by its place in [`Line::conflicts`].
@@ -43,25 +43,25 @@ pub struct Seen {
 }
 
 /// The observer.
-pub(crate) struct Observer {
-    pairs: Vec<[Side; 2]>,
+pub(crate) struct ConflictObserver {
+    pairs: Vec<[ObservedSide; 2]>,
     holds: Vec<bool>,
     /// By station: the conflicts it takes part in.
     of: Vec<Vec<usize>>,
-    seen: Vec<Seen>,
+    seen: Vec<SeenConflict>,
 }
 
 /// Enough to understand a run; one conflict is too many already.
 const SEEN_MAX: usize = 100;
 
-impl Observer {
-    pub(crate) fn new(line: &Line, field: &Field) -> Self {
+impl ConflictObserver {
+    pub(crate) fn new(line: &Line, field: &SimulatedField) -> Self {
         let pair = |conflict: &Conflict| [side(line, field, &conflict.a), side(line, field, &conflict.b)];
         let takes_part = |id: StationId| {
             let conflicts = line.conflicts.iter().enumerate();
             conflicts.filter(|(_, c)| c.a.station == id || c.b.station == id).map(|(at, _)| at).collect()
         };
-        Observer {
+        ConflictObserver {
             pairs: line.conflicts.iter().map(pair).collect(),
             holds: vec![false; line.conflicts.len()],
             of: line.station_ids().map(takes_part).collect(),
@@ -70,35 +70,35 @@ impl Observer {
     }
 
     /// Looks at the conflicts of a station.
-    pub(crate) fn look(&mut self, line: &Line, field: &Field, station: usize) {
+    pub(crate) fn look(&mut self, line: &Line, field: &SimulatedField, station: usize) {
         for at in 0..self.of[station].len() {
             self.look_at(line, field, self.of[station][at]);
         }
     }
 
     /// Looks at every conflict.
-    pub(crate) fn look_everywhere(&mut self, line: &Line, field: &Field) {
+    pub(crate) fn look_everywhere(&mut self, line: &Line, field: &SimulatedField) {
         for at in 0..self.pairs.len() {
             self.look_at(line, field, at);
         }
     }
 
-    fn look_at(&mut self, line: &Line, field: &Field, at: usize) {
+    fn look_at(&mut self, line: &Line, field: &SimulatedField, at: usize) {
         let [a, b] = &mut self.pairs[at];
         let holds = a.look(field.plant_of(a.station)) & b.look(field.plant_of(b.station));
         if holds && !self.holds[at] && self.seen.len() < SEEN_MAX {
             let positions = format!("{}; {}", a.text(line), b.text(line));
-            self.seen.push(Seen { at: field.plant_of(a.station).now(), conflict: at, positions });
+            self.seen.push(SeenConflict { at: field.plant_of(a.station).now(), conflict: at, positions });
         }
         self.holds[at] = holds;
     }
 
-    pub(crate) fn seen(&self) -> &[Seen] {
+    pub(crate) fn seen(&self) -> &[SeenConflict] {
         &self.seen
     }
 }
 
-impl Side {
+impl ObservedSide {
     /// Whether the stretch was touched since the last look.
     fn look(&mut self, plant: &Plant) -> bool {
         std::mem::swap(&mut self.before, &mut self.now);
@@ -121,11 +121,11 @@ impl Side {
     }
 }
 
-fn side(line: &Line, field: &Field, span: &Span) -> Side {
+fn side(line: &Line, field: &SimulatedField, span: &Span) -> ObservedSide {
     let described = line.station(span.station);
     let axes = described.axes.len();
     let here: Vec<f64> = (0..axes).map(|axis| field.position(span.station, AxisId::at(axis))).collect();
-    Side { station: span.station, axes, outside: outside(line, span), before: here.clone(), now: here }
+    ObservedSide { station: span.station, axes, outside: outside(line, span), before: here.clone(), now: here }
 }
 
 /// Walks the cycle, or the tasks, once and collects where it leads outside of the stretch.

@@ -4,22 +4,22 @@
 //! period, as long as they are held, and a release a few times, since one message can get lost. Faults act on the
 //! mechanisms, the devices and the processes themselves.
 
-use linewright_coordinator_logic::Command;
+use linewright_coordinator_logic::ModeCommand;
 use linewright_line::net::ControlMode;
 use linewright_line::{InputId, OpId, Owner, StationId, Tick};
 use linewright_plant::{Fault, Rack};
 use linewright_station_logic::{ModeOrder, PanelCommand};
 
-use crate::field::Field;
-use crate::hands::RELEASES;
-use crate::link::{LinkPayload, Whole};
+use crate::field::SimulatedField;
+use crate::held_buttons::RELEASES;
+use crate::link::{LinkPayload, WholeMessage};
 use crate::lives::StartError;
-use crate::options::{Network, NetworkChange, Options};
-use crate::sim::Sim;
+use crate::options::{Network, NetworkChange, SimOptions};
+use crate::sim::LineSim;
 
 /// Whose process.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
-pub enum Process {
+pub enum NodeProcess {
     /// A station's.
     Station(StationId),
     /// The coordinator's.
@@ -28,7 +28,7 @@ pub enum Process {
 
 /// Which motions of an operation.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
-pub enum Way {
+pub enum MotionSelection {
     /// The normal one.
     Normal,
     /// The one that undoes it.
@@ -39,9 +39,9 @@ pub enum Way {
 
 /// One thing done to a line.
 #[derive(Clone, Copy, Debug, PartialEq)]
-pub enum Action {
+pub enum OperatorAction {
     /// A command at the console.
-    Command(Command),
+    Command(ModeCommand),
     /// A panel button goes down (`true`) or up, advance (`true`) or return.
     Panel {
         /// At which station.
@@ -56,17 +56,17 @@ pub enum Action {
     /// A station's selector: true is manual.
     Selector(StationId, bool),
     /// Motions of an operation fail, or work again (`None`).
-    Fail((StationId, OpId), Way, Option<Fault>),
+    Fail((StationId, OpId), MotionSelection, Option<Fault>),
     /// An input of a station, or of the console (`None`), is held on or off, or let go of.
     Force(Option<StationId>, InputId, Option<bool>),
     /// A device, by its place in the description, is unplugged (`true`) or plugged in.
     Device(usize, bool),
     /// A process dies.
-    Kill(Process),
+    Kill(NodeProcess),
     /// A process is started again, with what it has kept.
-    Restart(Process),
+    Restart(NodeProcess),
     /// The same, but what it has kept is lost.
-    RestartEmpty(Process),
+    RestartEmpty(NodeProcess),
     /// A station's process dies (`true`) at its next change, between its record and everything after it; or it does not.
     DieAtRecord(StationId, bool),
     /// The coordinator's disk takes no record any more (`true`), or takes them again.
@@ -80,25 +80,25 @@ pub enum Action {
     /// What the network does otherwise from now on.
     Network(NetworkChange),
     /// Nothing from one process reaches another any more.
-    Cut(Process, Process),
+    Cut(NodeProcess, NodeProcess),
     /// Whatever was cut is joined.
     Heal,
 }
 
-impl Sim {
+impl LineSim {
     /// Does something to the line now.
     ///
     /// # Errors
     /// When a process that is to be started does not come up.
-    pub fn act(&mut self, action: Action) -> Result<(), StartError> {
+    pub fn act(&mut self, action: OperatorAction) -> Result<(), StartError> {
         let text = action.text(self.line());
         self.note(text);
         let now = self.now;
         // Whatever comes of it takes a moment.
         self.last_event = now;
         match action {
-            Action::Command(command) => self.say_word(self.coordinator_node(), LinkPayload::Command(command)),
-            Action::Panel { station, advance, down } => {
+            OperatorAction::Command(command) => self.say_word(self.coordinator_node(), LinkPayload::Command(command)),
+            OperatorAction::Panel { station, advance, down } => {
                 let changes = if down {
                     self.hands.press(station, advance)
                 } else {
@@ -108,52 +108,54 @@ impl Sim {
                     self.say_panel(station, advance, down);
                 }
             }
-            Action::Buttons(held) => {
+            OperatorAction::Buttons(held) => {
                 self.hands.hold(held, RELEASES);
                 self.say_word(self.coordinator_node(), LinkPayload::Buttons(held));
             }
-            Action::Rejoin(station, within) => self.say_word(station.index(), LinkPayload::Rejoin(within)),
-            Action::ForeignStop => self.say_foreign_stop(),
-            Action::Hang(hangs) => self.hangs = hangs,
-            Action::Selector(station, manual) => {
+            OperatorAction::Rejoin(station, within) => self.say_word(station.index(), LinkPayload::Rejoin(within)),
+            OperatorAction::ForeignStop => self.say_foreign_stop(),
+            OperatorAction::Hang(hangs) => self.hangs = hangs,
+            OperatorAction::Selector(station, manual) => {
                 self.say_word(station.index(), LinkPayload::Panel(PanelCommand::Selector(manual)));
             }
-            Action::Fail(op, way, fault) => {
-                if way != Way::Recovery {
+            OperatorAction::Fail(op, way, fault) => {
+                if way != MotionSelection::Recovery {
                     self.field.fail(&self.line, now, op, true, fault);
                 }
-                if way != Way::Normal {
+                if way != MotionSelection::Normal {
                     self.field.fail(&self.line, now, op, false, fault);
                 }
                 self.wake_devices_of(op.0.index());
             }
-            Action::Force(owner, input, value) => {
+            OperatorAction::Force(owner, input, value) => {
                 let at = owner.map_or(self.coordinator_node(), StationId::index);
                 self.field.force(now, at, input, value);
                 self.wake_devices_of(at);
             }
-            Action::Device(device, unplugged) => {
+            OperatorAction::Device(device, unplugged) => {
                 if let Some(at) = self.field.unplug(&self.line, now, device, unplugged) {
                     self.wake_field(at);
                 }
             }
-            Action::Kill(Process::Station(station)) => self.kill_station(station.index()),
-            Action::Kill(Process::Coordinator) => self.kill_coordinator(),
-            Action::Restart(Process::Station(station)) => self.restart_station(station.index(), true)?,
-            Action::Restart(Process::Coordinator) => self.restart_coordinator(true),
-            Action::RestartEmpty(Process::Station(station)) => self.restart_station(station.index(), false)?,
-            Action::RestartEmpty(Process::Coordinator) => self.restart_coordinator(false),
-            Action::DieAtRecord(station, dies) => self.stations[station.index()].dies_at_next_record = dies,
-            Action::FillDisk(full) => self.coordinator.disk_is_full = full,
-            Action::Network(change) => {
-                let Options { network, images, .. } = self.options;
+            OperatorAction::Kill(NodeProcess::Station(station)) => self.kill_station(station.index()),
+            OperatorAction::Kill(NodeProcess::Coordinator) => self.kill_coordinator(),
+            OperatorAction::Restart(NodeProcess::Station(station)) => self.restart_station(station.index(), true)?,
+            OperatorAction::Restart(NodeProcess::Coordinator) => self.restart_coordinator(true),
+            OperatorAction::RestartEmpty(NodeProcess::Station(station)) => {
+                self.restart_station(station.index(), false)?
+            }
+            OperatorAction::RestartEmpty(NodeProcess::Coordinator) => self.restart_coordinator(false),
+            OperatorAction::DieAtRecord(station, dies) => self.stations[station.index()].dies_at_next_record = dies,
+            OperatorAction::FillDisk(full) => self.coordinator.disk_is_full = full,
+            OperatorAction::Network(change) => {
+                let SimOptions { network, images, .. } = self.options;
                 self.set_networks(change.of(network), change.of(images));
             }
-            Action::Cut(from, to) => {
+            OperatorAction::Cut(from, to) => {
                 let (from, to) = (self.node_of(from), self.node_of(to));
                 self.links.iter_mut().filter(|link| (link.from, link.to) == (from, to)).for_each(|l| l.is_cut = true);
             }
-            Action::Heal => self.links.iter_mut().for_each(|link| link.is_cut = false),
+            OperatorAction::Heal => self.links.iter_mut().for_each(|link| link.is_cut = false),
         }
         Ok(())
     }
@@ -162,7 +164,7 @@ impl Sim {
     pub fn disturb(&mut self, owner: Owner, what: String, does: impl FnOnce(&mut Rack, Tick)) {
         self.note(what);
         let now = self.now;
-        if let Field::Frames(frames) = &mut self.field {
+        if let SimulatedField::Frames(frames) = &mut self.field {
             let reader = frames.disturb(now, owner, |rack| does(rack, now));
             self.wake_field(reader);
         }
@@ -171,7 +173,7 @@ impl Sim {
     /// The interface of the line's manager leaves its bus, or comes back to it. Without frames there is none.
     pub fn bus_off(&mut self, off: bool) {
         self.note(format!("the manager's interface is off the bus: {off}"));
-        if let Field::Frames(frames) = &mut self.field {
+        if let SimulatedField::Frames(frames) = &mut self.field {
             frames.turn_off(self.now, off);
             self.wake_field(self.coordinator_node());
         }
@@ -182,10 +184,10 @@ impl Sim {
         (self.options.network, self.options.images) = (network, images);
     }
 
-    fn node_of(&self, process: Process) -> usize {
+    fn node_of(&self, process: NodeProcess) -> usize {
         match process {
-            Process::Station(station) => station.index(),
-            Process::Coordinator => self.coordinator_node(),
+            NodeProcess::Station(station) => station.index(),
+            NodeProcess::Coordinator => self.coordinator_node(),
         }
     }
 
@@ -197,27 +199,27 @@ impl Sim {
     fn say_foreign_stop(&mut self) {
         let order = ModeOrder::of(u64::MAX, 1, ControlMode::EStop, self.line.timing.lease);
         for station in 0..self.stations.len() {
-            self.send(self.operator_node(), station, 1, Whole::Order(order));
+            self.send(self.operator_node(), station, 1, WholeMessage::Order(order));
         }
     }
 
     /// Why an action would change nothing, if so: whoever wrote it down was mistaken about the line.
-    pub(crate) fn idle(&self, action: &Action) -> Option<String> {
+    pub(crate) fn idle(&self, action: &OperatorAction) -> Option<String> {
         let line = self.line();
-        let is_up = |process: Process| self.is_up(self.node_of(process));
+        let is_up = |process: NodeProcess| self.is_up(self.node_of(process));
         match *action {
-            Action::Panel { station, advance, down } if down == self.hands.holds(station, advance) => {
+            OperatorAction::Panel { station, advance, down } if down == self.hands.holds(station, advance) => {
                 let side = if advance { "advance" } else { "return" };
                 let state = if down { "held already" } else { "not held" };
                 Some(format!("{side} of {} is {state}", line.station(station).name))
             }
-            Action::Device(device, unplugged) if unplugged == self.field.is_unplugged(device) => Some(format!(
+            OperatorAction::Device(device, unplugged) if unplugged == self.field.is_unplugged(device) => Some(format!(
                 "{} is {}",
                 line.devices[device].name,
                 if unplugged { "lost already" } else { "not lost" }
             )),
-            Action::Kill(process) if !is_up(process) => Some(format!("{} is down already", process.name(line))),
-            Action::Restart(process) | Action::RestartEmpty(process) if is_up(process) => {
+            OperatorAction::Kill(process) if !is_up(process) => Some(format!("{} is down already", process.name(line))),
+            OperatorAction::Restart(process) | OperatorAction::RestartEmpty(process) if is_up(process) => {
                 Some(format!("{} is up", process.name(line)))
             }
             _ => None,
@@ -243,30 +245,30 @@ impl Sim {
     }
 }
 
-impl Action {
+impl OperatorAction {
     /// The action in words.
     pub fn text(&self, line: &linewright_line::Line) -> String {
         let name = |id: StationId| line.station(id).name.as_str();
         match *self {
-            Action::Command(command) => format!("command {}", command.name()),
-            Action::Panel { station, advance, down } => {
+            OperatorAction::Command(command) => format!("command {}", command.name()),
+            OperatorAction::Panel { station, advance, down } => {
                 let (side, way) = (if advance { "advance" } else { "return" }, if down { "down" } else { "up" });
                 format!("{side} of {} {way}", name(station))
             }
-            Action::Buttons(0) => "hand-mode buttons let go".to_owned(),
-            Action::Buttons(held) => {
+            OperatorAction::Buttons(0) => "hand-mode buttons let go".to_owned(),
+            OperatorAction::Buttons(held) => {
                 let buttons = line.buttons.iter().enumerate().filter(|(at, _)| held >> at & 1 == 1);
                 format!("{} held", buttons.map(|(_, name)| name.as_str()).collect::<Vec<_>>().join(" and "))
             }
-            Action::Selector(station, manual) => {
+            OperatorAction::Selector(station, manual) => {
                 format!("selector of {} to {}", name(station), if manual { "manual" } else { "auto" })
             }
-            Action::Fail((station, op), way, fault) => {
-                let undoing = if way == Way::Recovery { "undoing " } else { "" };
+            OperatorAction::Fail((station, op), way, fault) => {
+                let undoing = if way == MotionSelection::Recovery { "undoing " } else { "" };
                 let what = fault.map_or("works again", fault_text);
                 format!("{}: {undoing}{} {what}", name(station), line.operation((station, op)).name)
             }
-            Action::Force(owner, input, value) => {
+            OperatorAction::Force(owner, input, value) => {
                 let (who, inputs) = match owner {
                     Some(id) => (name(id), &line.station(id).inputs),
                     None => ("console", &line.console.inputs),
@@ -278,21 +280,21 @@ impl Action {
                 };
                 format!("{who}: {} {how}", inputs[input.index()])
             }
-            Action::Device(device, unplugged) => {
+            OperatorAction::Device(device, unplugged) => {
                 format!("{} {}", line.devices[device].name, if unplugged { "lost" } else { "back" })
             }
-            Action::Kill(process) => format!("{} killed", process.name(line)),
-            Action::Restart(process) => format!("{} restarted", process.name(line)),
-            Action::RestartEmpty(process) => format!("{} restarted without memory", process.name(line)),
-            Action::DieAtRecord(station, true) => format!("{} to die at its next record", name(station)),
-            Action::DieAtRecord(station, false) => format!("{} spared", name(station)),
-            Action::FillDisk(full) => format!("the coordinator's disk is full: {full}"),
-            Action::Rejoin(station, _) => format!("rejoin of {}", name(station)),
-            Action::ForeignStop => "emergency stop of another coordinator".to_owned(),
-            Action::Hang(hangs) => format!("the operator's screen hangs: {hangs}"),
-            Action::Cut(from, to) => format!("nothing from {} reaches {}", from.name(line), to.name(line)),
-            Action::Heal => "every link joined".to_owned(),
-            Action::Network(change) => {
+            OperatorAction::Kill(process) => format!("{} killed", process.name(line)),
+            OperatorAction::Restart(process) => format!("{} restarted", process.name(line)),
+            OperatorAction::RestartEmpty(process) => format!("{} restarted without memory", process.name(line)),
+            OperatorAction::DieAtRecord(station, true) => format!("{} to die at its next record", name(station)),
+            OperatorAction::DieAtRecord(station, false) => format!("{} spared", name(station)),
+            OperatorAction::FillDisk(full) => format!("the coordinator's disk is full: {full}"),
+            OperatorAction::Rejoin(station, _) => format!("rejoin of {}", name(station)),
+            OperatorAction::ForeignStop => "emergency stop of another coordinator".to_owned(),
+            OperatorAction::Hang(hangs) => format!("the operator's screen hangs: {hangs}"),
+            OperatorAction::Cut(from, to) => format!("nothing from {} reaches {}", from.name(line), to.name(line)),
+            OperatorAction::Heal => "every link joined".to_owned(),
+            OperatorAction::Network(change) => {
                 let delay = change.delay.map(|delay| format!("{delay:?} delay"));
                 let jitter = change.jitter.map(|jitter| format!("{jitter:?} jitter"));
                 let loss = change.loss_per_mille.map(|loss| format!("{loss} of 1000 lost"));
@@ -303,12 +305,12 @@ impl Action {
     }
 }
 
-impl Process {
+impl NodeProcess {
     /// Its node's name.
     pub fn name(self, line: &linewright_line::Line) -> &str {
         match self {
-            Process::Station(id) => &line.station(id).name,
-            Process::Coordinator => "coordinator",
+            NodeProcess::Station(id) => &line.station(id).name,
+            NodeProcess::Coordinator => "coordinator",
         }
     }
 }

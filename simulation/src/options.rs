@@ -58,7 +58,7 @@ impl NetworkChange {
 
 /// What a run may be told.
 #[derive(Clone, Copy, Debug, PartialEq)]
-pub struct Options {
+pub struct SimOptions {
     /// What everything random follows from.
     pub seed: u64,
     /// The network.
@@ -79,9 +79,9 @@ pub struct Options {
     pub keeps_log: bool,
 }
 
-impl Default for Options {
+impl Default for SimOptions {
     fn default() -> Self {
-        Options {
+        SimOptions {
             seed: 1,
             network: Network::default(),
             frames: false,

@@ -2,7 +2,7 @@
 //!
 //! The timing bar chart is an event graph: an operation starts when the step before it in its own station is complete,
 //! and every operation with an arrow for auto into it, or into another of its group, in the cycle the arrow names.
-//! [`Plan::schedule`] is its earliest schedule from home; [`Plan::cycle_time`] what it needs per cycle in the long run,
+//! [`LinePlan::schedule`] is its earliest schedule from home; [`LinePlan::cycle_time`] what it needs per cycle in the long run,
 //! the largest ratio of duration to cycles crossed over all circuits of the graph (Ramamoorthy and Ho, 1980). The ratio
 //! is found exactly: a circuit that beats the best ratio so far is a circuit of positive length when every edge is
 //! charged that ratio per cycle it crosses.
@@ -14,7 +14,7 @@ type Op = (StationId, OpId);
 
 /// An edge of the event graph: `to` in cycle c starts no earlier than `from` in cycle c − `lag` ends.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
-struct Edge {
+struct EventGraphEdge {
     from: usize,
     to: usize,
     lag: u32,
@@ -22,7 +22,7 @@ struct Edge {
 
 /// When one operation starts and ends in one cycle, in microseconds after the line began to move.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
-pub struct Planned {
+pub struct PlannedTimes {
     /// When it starts.
     pub start: u64,
     /// When it ends.
@@ -42,20 +42,20 @@ pub struct Circuit {
 
 /// The event graph of a line.
 #[derive(Clone, Debug)]
-pub struct Plan {
+pub struct LinePlan {
     ops: Vec<Op>,
     /// Where each station's operations begin in `ops`.
     first: Vec<usize>,
     durations: Vec<u64>,
     /// What each operation counts at home: those cycles are done.
     base: Vec<i32>,
-    edges: Vec<Edge>,
+    edges: Vec<EventGraphEdge>,
     /// Operations in an order in which every edge without lag leads onward.
     order: Vec<usize>,
     into: Vec<Vec<usize>>,
 }
 
-impl Plan {
+impl LinePlan {
     /// The event graph of a line.
     pub fn of(line: &Line) -> Self {
         let mut first = Vec::new();
@@ -71,7 +71,7 @@ impl Plan {
                 let before = &steps[(at + steps.len() - 1) % steps.len()];
                 for (from, to) in before.iter().flat_map(|from| step.iter().map(move |to| (from, to))) {
                     let index = |op: &OpId| first[id.index()] + op.index();
-                    edges.push(Edge { from: index(from), to: index(to), lag: u32::from(at == 0) });
+                    edges.push(EventGraphEdge { from: index(from), to: index(to), lag: u32::from(at == 0) });
                 }
             }
         }
@@ -81,7 +81,7 @@ impl Plan {
             let described = line.station(station);
             // A group starts together, so it waits for the arrows into each of its members.
             let group = &described.steps[described.step_of(op)];
-            edges.extend(group.iter().map(|&op| Edge {
+            edges.extend(group.iter().map(|&op| EventGraphEdge {
                 from: index(arrow.from),
                 to: index((station, op)),
                 lag: arrow.lag,
@@ -92,7 +92,7 @@ impl Plan {
             into[edge.to].push(at);
         }
         let base = |&(id, op): &Op| line.station(id).home_count(op, line.station(id).initial_round());
-        Plan {
+        LinePlan {
             durations: ops.iter().map(|&op| line.operation(op).duration.as_micros() as u64).collect(),
             base: ops.iter().map(base).collect(),
             order: onward(ops.len(), &edges),
@@ -108,7 +108,7 @@ impl Plan {
     }
 
     /// The earliest schedule from home, until every operation has been done `cycles` times.
-    pub fn schedule(&self, cycles: usize) -> Schedule {
+    pub fn schedule(&self, cycles: usize) -> EarliestSchedule {
         let cycles = i32::try_from(cycles).unwrap_or(i32::MAX / 2);
         let lowest = self.base.iter().copied().min().unwrap_or(0);
         let highest = self.base.iter().copied().max().unwrap_or(0) + cycles;
@@ -122,7 +122,7 @@ impl Plan {
                     continue;
                 }
                 let due = |&at: &usize| {
-                    let Edge { from, lag, .. } = self.edges[at];
+                    let EventGraphEdge { from, lag, .. } = self.edges[at];
                     match lag {
                         0 => end[from],
                         // What came before the first cycle is done.
@@ -135,16 +135,16 @@ impl Plan {
             starts.push(start);
             ends.push(end);
         }
-        Schedule { lowest, starts, ends }
+        EarliestSchedule { lowest, starts, ends }
     }
 
     /// When an operation is planned in a cycle; `None` for a cycle that the schedule does not reach or that was done
     /// at home.
-    pub fn planned(&self, schedule: &Schedule, op: Op, cycle: i32) -> Option<Planned> {
+    pub fn planned(&self, schedule: &EarliestSchedule, op: Op, cycle: i32) -> Option<PlannedTimes> {
         let at = self.index(op);
         let row = usize::try_from(cycle - schedule.lowest - 1).ok()?;
         (cycle > self.base[at]).then_some(())?;
-        Some(Planned { start: *schedule.starts.get(row)?.get(at)?, end: schedule.ends[row][at] })
+        Some(PlannedTimes { start: *schedule.starts.get(row)?.get(at)?, end: schedule.ends[row][at] })
     }
 
     /// The circuit with the largest ratio of duration to cycles crossed.
@@ -167,7 +167,7 @@ impl Plan {
     /// A circuit whose ratio is above `micros` / `cycles`, if there is one: longest paths by relaxation, which do not
     /// settle where a circuit of positive length feeds them.
     fn better_than(&self, micros: u64, cycles: u64) -> Option<Circuit> {
-        let length = |edge: &Edge| {
+        let length = |edge: &EventGraphEdge| {
             i128::from(self.durations[edge.from]) * i128::from(cycles) - i128::from(micros) * i128::from(edge.lag)
         };
         let mut distance = vec![0i128; self.ops.len()];
@@ -210,7 +210,7 @@ impl Plan {
 
 /// An earliest schedule.
 #[derive(Clone, Debug)]
-pub struct Schedule {
+pub struct EarliestSchedule {
     lowest: i32,
     starts: Vec<Vec<u64>>,
     ends: Vec<Vec<u64>>,
@@ -218,7 +218,7 @@ pub struct Schedule {
 
 /// The operations in an order in which every edge without lag leads onward (Kahn). Those on a circuit without lag, of
 /// which a checked line has none, are left out.
-fn onward(count: usize, edges: &[Edge]) -> Vec<usize> {
+fn onward(count: usize, edges: &[EventGraphEdge]) -> Vec<usize> {
     let mut waits = vec![0usize; count];
     for edge in edges.iter().filter(|edge| edge.lag == 0) {
         waits[edge.to] += 1;

@@ -9,13 +9,13 @@ use std::time::Duration;
 
 use linewright_line::net::{Block, ControlMode};
 use linewright_line::{Line, OpId, StationId, Tick};
-use linewright_station_logic::{Cause, Event, Happening, Report};
+use linewright_station_logic::{HappeningKind, StationHappening, StationReport, StopCause};
 
 use crate::idle::Idle;
 
 /// What a motion waited for last.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
-pub enum By {
+pub enum LastWait {
     /// The step before it in its own station.
     Previous,
     /// An arrow, by its place in [`Line::arrows`].
@@ -26,18 +26,18 @@ pub enum By {
 
 /// How a motion ended.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
-pub enum Ended {
+pub enum MotionEnd {
     /// Not yet.
     Open,
     /// At its end.
     Done,
     /// Before its end.
-    Stopped(Cause),
+    Stopped(StopCause),
 }
 
 /// One motion.
 #[derive(Clone, Copy, Debug, PartialEq)]
-pub struct Motion {
+pub struct RecordedMotion {
     /// Whose.
     pub station: StationId,
     /// Of which operation.
@@ -51,15 +51,15 @@ pub struct Motion {
     /// When it ended; meaningless while it is open.
     pub end: Tick,
     /// How.
-    pub ended: Ended,
+    pub ended: MotionEnd,
     /// What it waited for last.
-    pub by: By,
+    pub by: LastWait,
 }
 
 /// How long starts in auto have waited for an arrow after everything in their own station was ready; time that the
 /// station spent in other modes meanwhile does not count.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
-pub struct Wait {
+pub struct ArrowWait {
     /// How many starts.
     pub starts: u64,
     /// Together.
@@ -76,7 +76,7 @@ pub struct FaultSeen {
     /// Of which operation.
     pub op: OpId,
     /// Why.
-    pub cause: Cause,
+    pub cause: StopCause,
 }
 
 /// A run that never ends must not eat the machine: beyond this the older half of the motions is forgotten.
@@ -88,8 +88,8 @@ const HEARD_MAX: usize = 8;
 
 /// The record of a run.
 #[derive(Clone, Debug)]
-pub struct Record {
-    motions: Vec<Motion>,
+pub struct RunRecord {
+    motions: Vec<RecordedMotion>,
     forgotten: usize,
     open: Vec<Vec<Option<usize>>>,
     done_at: Vec<Vec<Tick>>,
@@ -110,7 +110,7 @@ pub struct Record {
     counts: Vec<Vec<i32>>,
     /// By arrow: counts of its tail, and when the reader heard them.
     heard: Vec<VecDeque<(i32, Tick)>>,
-    waits: Vec<Wait>,
+    waits: Vec<ArrowWait>,
     /// Arrows into each operation and into the others of its group, with which it starts.
     into: Vec<Vec<Vec<usize>>>,
     /// The step before each operation's.
@@ -124,7 +124,7 @@ pub struct Record {
     errors: Vec<String>,
 }
 
-impl Record {
+impl RunRecord {
     pub(crate) fn new(line: &Line) -> Self {
         let each = |what: &dyn Fn(StationId, OpId) -> i32| -> Vec<Vec<i32>> {
             line.station_ids().map(|id| line.station(id).op_ids().map(|op| what(id, op)).collect()).collect()
@@ -142,7 +142,7 @@ impl Record {
         };
         let sized = |_: StationId, station: &linewright_line::Station| station.operations.len();
         let sizes: Vec<usize> = line.station_ids().map(|id| sized(id, line.station(id))).collect();
-        Record {
+        RunRecord {
             motions: Vec::new(),
             forgotten: 0,
             open: sizes.iter().map(|&n| vec![None; n]).collect(),
@@ -157,7 +157,7 @@ impl Record {
             base,
             is_counted: vec![true; sizes.len()],
             heard: vec![VecDeque::with_capacity(HEARD_MAX + 1); line.arrows.len()],
-            waits: vec![Wait::default(); line.arrows.len()],
+            waits: vec![ArrowWait::default(); line.arrows.len()],
             into: line
                 .station_ids()
                 .map(|id| line.station(id).op_ids().map(|op| arrows_into(id, op)).collect())
@@ -176,7 +176,7 @@ impl Record {
     }
 
     /// A station has heard a report of the tail of these arrows.
-    pub(crate) fn hear(&mut self, line: &Line, now: Tick, arrows: &[usize], report: &Report) {
+    pub(crate) fn hear(&mut self, line: &Line, now: Tick, arrows: &[usize], report: &StationReport) {
         for &arrow in arrows {
             let count = report.done[line.arrows[arrow].from.1.index()];
             let heard = &mut self.heard[arrow];
@@ -192,18 +192,18 @@ impl Record {
         }
     }
 
-    pub(crate) fn enter(&mut self, line: &Line, now: Tick, station: StationId, event: &Event) {
+    pub(crate) fn enter(&mut self, line: &Line, now: Tick, station: StationId, event: &StationHappening) {
         match event.what {
-            Happening::Started(op, block) => self.started(line, now, station, op, block, event.cycle),
-            Happening::Completed(op, block) => {
-                self.ended(now, station, op, Ended::Done);
+            HappeningKind::Started(op, block) => self.started(line, now, station, op, block, event.cycle),
+            HappeningKind::Completed(op, block) => {
+                self.ended(now, station, op, MotionEnd::Done);
                 if block == Block::Normal {
                     self.completed(line, now, station, op, event.cycle);
                 }
             }
-            Happening::Stopped(op, _, cause) => {
-                self.ended(now, station, op, Ended::Stopped(cause));
-                if cause == Cause::NotAtHome {
+            HappeningKind::Stopped(op, _, cause) => {
+                self.ended(now, station, op, MotionEnd::Stopped(cause));
+                if cause == StopCause::NotAtHome {
                     self.take_back(station, 1 << op.0);
                 }
                 if cause.is_fault() {
@@ -213,30 +213,30 @@ impl Record {
                     }
                 }
             }
-            Happening::Withdrawn(ops) => self.take_back(station, ops),
-            Happening::HomeAgain => {
+            HappeningKind::Withdrawn(ops) => self.take_back(station, ops),
+            HappeningKind::HomeAgain => {
                 // The home motion at a path's end completes without a count.
                 let home = line.station(station).home;
-                self.ended(now, station, home, Ended::Done);
+                self.ended(now, station, home, MotionEnd::Done);
             }
-            Happening::Mode(mode) => {
+            HappeningKind::Mode(mode) => {
                 self.idle[station.index()].enter(now, mode);
                 self.is_disturbed |= mode != ControlMode::Auto;
             }
-            Happening::PositionLost(..) => self.is_disturbed = true,
-            Happening::Founded => self.found(station),
-            Happening::Asked(_)
-            | Happening::NotAgreed { .. }
-            | Happening::Refused
-            | Happening::Devices(_)
-            | Happening::Rejoined
-            | Happening::PositionFound => {}
+            HappeningKind::PositionLost(..) => self.is_disturbed = true,
+            HappeningKind::Founded => self.found(station),
+            HappeningKind::Asked(_)
+            | HappeningKind::NotAgreed { .. }
+            | HappeningKind::Refused
+            | HappeningKind::Devices(_)
+            | HappeningKind::Rejoined
+            | HappeningKind::PositionFound => {}
             // Nobody gives orders in a simulated line.
-            Happening::Ordered(_)
-            | Happening::OrderRefused(_)
-            | Happening::OrderDone(_)
-            | Happening::OrderFailed(..)
-            | Happening::Securing(_) => {}
+            HappeningKind::Ordered(_)
+            | HappeningKind::OrderRefused(_)
+            | HappeningKind::OrderDone(_)
+            | HappeningKind::OrderFailed(..)
+            | HappeningKind::Securing(_) => {}
         }
     }
 
@@ -266,7 +266,7 @@ impl Record {
         let idle_at = &self.idle_at[station.index()];
         let ended = before.iter().map(|op| (done_at[op.index()], idle_at[op.index()]));
         let (ready, idle_at) = ended.max().unwrap_or_default();
-        let mut by = if ready == now { By::Previous } else { By::Person };
+        let mut by = if ready == now { LastWait::Previous } else { LastWait::Person };
         if block == Block::Normal {
             let mut last = ready;
             let is_auto = !self.idle[station.index()].is_on();
@@ -276,12 +276,12 @@ impl Record {
                 let heard = self.heard[arrow].iter().find(|(count, _)| *count >= due).map_or(Tick::ZERO, |(_, at)| *at);
                 if heard > last {
                     last = heard;
-                    by = if heard == now { By::Arrow(arrow) } else { By::Person };
+                    by = if heard == now { LastWait::Arrow(arrow) } else { LastWait::Person };
                 }
             }
             let idle = self.idle[station.index()];
             // A group that starts together has waited once.
-            if let By::Arrow(arrow) = by
+            if let LastWait::Arrow(arrow) = by
                 && is_auto
                 && line.arrows[arrow].to == (station, op)
             {
@@ -296,10 +296,19 @@ impl Record {
         self.begun[station.index()] += 1;
         self.began.get_or_insert(now);
         self.open[station.index()][op.index()] = Some(self.forgotten + self.motions.len());
-        self.motions.push(Motion { station, op, block, cycle, start: now, end: now, ended: Ended::Open, by });
+        self.motions.push(RecordedMotion {
+            station,
+            op,
+            block,
+            cycle,
+            start: now,
+            end: now,
+            ended: MotionEnd::Open,
+            by,
+        });
     }
 
-    fn ended(&mut self, now: Tick, station: StationId, op: OpId, how: Ended) {
+    fn ended(&mut self, now: Tick, station: StationId, op: OpId, how: MotionEnd) {
         let open = self.open[station.index()][op.index()].take();
         if let Some(motion) = open.and_then(|at| at.checked_sub(self.forgotten)).and_then(|at| self.motions.get_mut(at))
         {
@@ -376,7 +385,7 @@ impl Record {
     }
 
     /// The motions, in the order in which they began; of a very long run the latest.
-    pub fn motions(&self) -> &[Motion] {
+    pub fn motions(&self) -> &[RecordedMotion] {
         &self.motions
     }
 
@@ -391,7 +400,7 @@ impl Record {
     }
 
     /// By arrow of the description: who waited for it.
-    pub fn waits(&self) -> &[Wait] {
+    pub fn waits(&self) -> &[ArrowWait] {
         &self.waits
     }
 

@@ -2,19 +2,19 @@
 
 use std::time::Duration;
 
-use linewright_coordinator_logic::Command;
+use linewright_coordinator_logic::ModeCommand;
 use linewright_line::net::ControlMode;
 use linewright_line::{Line, Tick};
 
-use crate::condition::{Condition, StationState};
+use crate::condition::{ScenarioCondition, StationCondition};
 use crate::lives::StartError;
-use crate::options::Options;
-use crate::script::{Deed, Failure, Player, Script, Step};
-use crate::sim::Sim;
+use crate::options::SimOptions;
+use crate::script::{Failure, Script, ScriptAction, ScriptPlayer, ScriptStep};
+use crate::sim::LineSim;
 
 /// What a run is to achieve.
 #[derive(Clone, Debug, PartialEq)]
-pub struct Goal {
+pub struct RunGoal {
     /// So many cycles of the line.
     pub cycles: usize,
     /// Give start and auto first.
@@ -23,19 +23,19 @@ pub struct Goal {
     pub script: Script,
 }
 
-impl Goal {
+impl RunGoal {
     /// Start, auto, and `cycles` cycles.
     pub fn cycles(cycles: usize) -> Self {
-        Goal { cycles, starts: true, script: Script::default() }
+        RunGoal { cycles, starts: true, script: Script::default() }
     }
 }
 
 /// How a run ended.
 #[derive(Clone, Debug, PartialEq)]
-pub enum End {
+pub enum RunEnd {
     /// Its goal is reached.
     Done,
-    /// A conflict of the description happened, or drives both ways of an axis came on at once: see [`Sim::conflicts`].
+    /// A conflict of the description happened, or drives both ways of an axis came on at once: see [`LineSim::conflicts`].
     Conflict,
     /// A station lost or doubled a cycle: see [`crate::Record::errors`].
     Miscounted,
@@ -64,29 +64,29 @@ const MESSAGES_IN_A_ROW: u32 = 4;
 ///
 /// # Errors
 /// When the line cannot be started.
-pub fn run(line: &Line, options: Options, goal: &Goal) -> Result<(Sim, End), StartError> {
-    let mut sim = Sim::new(line, options)?;
+pub fn run(line: &Line, options: SimOptions, goal: &RunGoal) -> Result<(LineSim, RunEnd), StartError> {
+    let mut sim = LineSim::new(line, options)?;
     let end = sim.run(goal);
     Ok((sim, end))
 }
 
-impl Sim {
+impl LineSim {
     /// Runs towards a goal.
-    pub fn run(&mut self, goal: &Goal) -> End {
+    pub fn run(&mut self, goal: &RunGoal) -> RunEnd {
         let opening = if goal.starts { opening() } else { Vec::new() };
         let skipped = opening.len();
         let steps = opening.into_iter().chain(goal.script.steps.iter().cloned()).collect();
-        let mut player = Player::new(Script { steps });
+        let mut player = ScriptPlayer::new(Script { steps });
         let watchdogs = longest_watchdog(self.line()) * 2;
         let (mut spins, mut last) = (0, self.now());
         loop {
             if !player.is_done()
                 && let Err(Failure { step, why }) = player.play(self)
             {
-                return End::Failed { step: step.checked_sub(skipped), why };
+                return RunEnd::Failed { step: step.checked_sub(skipped), why };
             }
             if player.is_done() && self.record().cycles() >= goal.cycles {
-                return End::Done;
+                return RunEnd::Done;
             }
             let deadline = player.deadline(self.now());
             let next = self.next_event();
@@ -101,15 +101,15 @@ impl Sim {
                 self.step();
             }
             if !self.conflicts().is_empty() || self.alarms() > 0 {
-                return End::Conflict;
+                return RunEnd::Conflict;
             }
             if !self.record().errors().is_empty() {
-                return End::Miscounted;
+                return RunEnd::Miscounted;
             }
             spins = if self.now() == last { spins + 1 } else { 0 };
             last = self.now();
             if spins > SPIN_MAX {
-                return End::Spins;
+                return RunEnd::Spins;
             }
         }
     }
@@ -119,12 +119,12 @@ impl Sim {
         if deadline == Tick::NEVER { Tick::ZERO } else { deadline }
     }
 
-    fn stuck(&self, player: &Player, skipped: usize) -> End {
+    fn stuck(&self, player: &ScriptPlayer, skipped: usize) -> RunEnd {
         if !player.is_done() {
             let why = format!("waited in vain until {}; {}", self.now(), self.reasons().join("; "));
-            return End::Failed { step: player.step().checked_sub(skipped), why };
+            return RunEnd::Failed { step: player.step().checked_sub(skipped), why };
         }
-        End::Stuck(self.reasons())
+        RunEnd::Stuck(self.reasons())
     }
 
     /// What mode the line is in and what the coordinator said when it entered it; then what each station that does not
@@ -152,18 +152,18 @@ fn longest_watchdog(line: &Line) -> Duration {
 }
 
 /// Start as soon as everybody is heard, then auto.
-fn opening() -> Vec<Step> {
-    let step = |when: Condition, command: Command| Step {
+fn opening() -> Vec<ScriptStep> {
+    let step = |when: ScenarioCondition, command: ModeCommand| ScriptStep {
         at: None,
         when: Some(when),
         after: Duration::ZERO,
-        deed: Deed::Order(command),
+        deed: ScriptAction::Order(command),
         expect: None,
         expect_text: String::new(),
         span: 0..0,
     };
     vec![
-        step(Condition::Every(StationState::Heard), Command::Start),
-        step(Condition::Mode(ControlMode::StandBy), Command::Auto),
+        step(ScenarioCondition::Every(StationCondition::Heard), ModeCommand::Start),
+        step(ScenarioCondition::Mode(ControlMode::StandBy), ModeCommand::Auto),
     ]
 }

@@ -7,24 +7,24 @@
 use std::ops::Range;
 use std::time::Duration;
 
-use linewright_coordinator_logic::Command;
+use linewright_coordinator_logic::ModeCommand;
 use linewright_line::{StationId, Tick};
 
-use crate::condition::Condition;
-use crate::operator::Action;
-use crate::sim::Sim;
+use crate::condition::ScenarioCondition;
+use crate::operator::OperatorAction;
+use crate::sim::LineSim;
 
 /// What a step does.
 #[derive(Clone, Debug, PartialEq)]
-pub enum Deed {
+pub enum ScriptAction {
     /// Nothing: it waits, or expects.
     Nothing,
     /// This, at once.
-    Act(Action),
+    Act(OperatorAction),
     /// A command that must be obeyed in the end.
-    Order(Command),
+    Order(ModeCommand),
     /// A command that must be refused.
-    Refused(Command),
+    Refused(ModeCommand),
     /// Holds a panel button until the motion it began has ended; advance rather than return.
     Jog(StationId, bool),
     /// Holds a panel button for a time.
@@ -33,17 +33,17 @@ pub enum Deed {
 
 /// A step of a scenario.
 #[derive(Clone, Debug, PartialEq)]
-pub struct Step {
+pub struct ScriptStep {
     /// Not before this time.
     pub at: Option<Tick>,
     /// Not before this holds.
-    pub when: Option<Condition>,
+    pub when: Option<ScenarioCondition>,
     /// This much later still.
     pub after: Duration,
     /// What it does.
-    pub deed: Deed,
+    pub deed: ScriptAction,
     /// What must hold when it is done.
-    pub expect: Option<Condition>,
+    pub expect: Option<ScenarioCondition>,
     /// The same in words.
     pub expect_text: String,
     /// Where the text says so.
@@ -54,7 +54,7 @@ pub struct Step {
 #[derive(Clone, Debug, Default, PartialEq)]
 pub struct Script {
     /// The steps.
-    pub steps: Vec<Step>,
+    pub steps: Vec<ScriptStep>,
 }
 
 /// Why a scenario could not be played to its end.
@@ -73,7 +73,7 @@ const AGAIN: Duration = Duration::from_millis(100);
 const PRESS_PATIENCE: Duration = Duration::from_secs(2);
 
 #[derive(Clone, Debug)]
-enum Phase {
+enum ScriptPhase {
     /// For its time and its condition.
     Waits,
     /// For its delay.
@@ -88,15 +88,15 @@ enum Phase {
 
 /// Plays a script.
 #[derive(Clone, Debug)]
-pub(crate) struct Player {
+pub(crate) struct ScriptPlayer {
     script: Script,
     at: usize,
-    phase: Phase,
+    phase: ScriptPhase,
 }
 
-impl Player {
+impl ScriptPlayer {
     pub(crate) fn new(script: Script) -> Self {
-        Player { script, at: 0, phase: Phase::Waits }
+        ScriptPlayer { script, at: 0, phase: ScriptPhase::Waits }
     }
 
     pub(crate) fn is_done(&self) -> bool {
@@ -112,79 +112,81 @@ impl Player {
     pub(crate) fn deadline(&self, now: Tick) -> Tick {
         let Some(step) = self.script.steps.get(self.at) else { return Tick::NEVER };
         match self.phase {
-            Phase::Waits => step.at.filter(|at| *at > now).unwrap_or(Tick::NEVER),
-            Phase::Delayed(at) | Phase::Holds(at) | Phase::Asked { again: at, .. } => at,
-            Phase::Jogs { since, .. } => since + PRESS_PATIENCE,
+            ScriptPhase::Waits => step.at.filter(|at| *at > now).unwrap_or(Tick::NEVER),
+            ScriptPhase::Delayed(at) | ScriptPhase::Holds(at) | ScriptPhase::Asked { again: at, .. } => at,
+            ScriptPhase::Jogs { since, .. } => since + PRESS_PATIENCE,
         }
     }
 
     /// Goes as far as it can now.
-    pub(crate) fn play(&mut self, sim: &mut Sim) -> Result<(), Failure> {
+    pub(crate) fn play(&mut self, sim: &mut LineSim) -> Result<(), Failure> {
         while !self.is_done() && self.advance(sim).map_err(|why| Failure { step: self.at, why })? {}
         Ok(())
     }
 
-    fn advance(&mut self, sim: &mut Sim) -> Result<bool, String> {
+    fn advance(&mut self, sim: &mut LineSim) -> Result<bool, String> {
         let now = sim.now();
         let step = &self.script.steps[self.at];
         match self.phase {
-            Phase::Waits => {
+            ScriptPhase::Waits => {
                 if step.at.is_some_and(|at| now < at) || step.when.as_ref().is_some_and(|when| !when.holds(sim)) {
                     return Ok(false);
                 }
-                self.phase = Phase::Delayed(now + step.after);
+                self.phase = ScriptPhase::Delayed(now + step.after);
                 Ok(true)
             }
-            Phase::Delayed(at) if now < at => Ok(false),
-            Phase::Delayed(_) => {
+            ScriptPhase::Delayed(at) if now < at => Ok(false),
+            ScriptPhase::Delayed(_) => {
                 let deed = step.deed.clone();
                 self.begin(sim, deed)
             }
-            Phase::Asked { since, again, answers } => self.asked(sim, since, again, answers),
-            Phase::Jogs { since, begun, before } => self.jogs(sim, since, begun, before),
-            Phase::Holds(at) if now < at => Ok(false),
-            Phase::Holds(_) => {
-                if let Deed::Press(station, advance, _) = step.deed {
-                    act(sim, Action::Panel { station, advance, down: false })?;
+            ScriptPhase::Asked { since, again, answers } => self.asked(sim, since, again, answers),
+            ScriptPhase::Jogs { since, begun, before } => self.jogs(sim, since, begun, before),
+            ScriptPhase::Holds(at) if now < at => Ok(false),
+            ScriptPhase::Holds(_) => {
+                if let ScriptAction::Press(station, advance, _) = step.deed {
+                    act(sim, OperatorAction::Panel { station, advance, down: false })?;
                 }
                 self.finish(sim)
             }
         }
     }
 
-    fn begin(&mut self, sim: &mut Sim, deed: Deed) -> Result<bool, String> {
+    fn begin(&mut self, sim: &mut LineSim, deed: ScriptAction) -> Result<bool, String> {
         let now = sim.now();
         match deed {
-            Deed::Nothing => return self.finish(sim),
-            Deed::Act(action) => {
+            ScriptAction::Nothing => return self.finish(sim),
+            ScriptAction::Act(action) => {
                 if let Some(why) = sim.idle(&action) {
                     return Err(why);
                 }
                 act(sim, action)?;
                 return self.finish(sim);
             }
-            Deed::Order(command) | Deed::Refused(command) => {
-                self.phase = Phase::Asked { since: now, again: now + again(sim), answers: sim.answers.len() };
-                act(sim, Action::Command(command))?;
+            ScriptAction::Order(command) | ScriptAction::Refused(command) => {
+                self.phase = ScriptPhase::Asked { since: now, again: now + again(sim), answers: sim.answers.len() };
+                act(sim, OperatorAction::Command(command))?;
             }
-            Deed::Jog(station, advance) => {
-                self.phase = Phase::Jogs { since: now, begun: false, before: sim.record().begun(station) };
-                act(sim, Action::Panel { station, advance, down: true })?;
+            ScriptAction::Jog(station, advance) => {
+                self.phase = ScriptPhase::Jogs { since: now, begun: false, before: sim.record().begun(station) };
+                act(sim, OperatorAction::Panel { station, advance, down: true })?;
             }
-            Deed::Press(station, advance, time) => {
-                self.phase = Phase::Holds(now + time);
-                act(sim, Action::Panel { station, advance, down: true })?;
+            ScriptAction::Press(station, advance, time) => {
+                self.phase = ScriptPhase::Holds(now + time);
+                act(sim, OperatorAction::Panel { station, advance, down: true })?;
             }
         }
         Ok(true)
     }
 
-    fn asked(&mut self, sim: &mut Sim, since: Tick, at: Tick, answers: usize) -> Result<bool, String> {
+    fn asked(&mut self, sim: &mut LineSim, since: Tick, at: Tick, answers: usize) -> Result<bool, String> {
         let now = sim.now();
         let (command, wants) = match self.script.steps[self.at].deed {
-            Deed::Order(command) => (command, true),
-            Deed::Refused(command) => (command, false),
-            Deed::Nothing | Deed::Act(_) | Deed::Jog(..) | Deed::Press(..) => return self.finish(sim),
+            ScriptAction::Order(command) => (command, true),
+            ScriptAction::Refused(command) => (command, false),
+            ScriptAction::Nothing | ScriptAction::Act(_) | ScriptAction::Jog(..) | ScriptAction::Press(..) => {
+                return self.finish(sim);
+            }
         };
         let patience = PATIENCE + again(sim);
         let answer = sim.answers[answers..].iter().find(|answer| answer.command == command).cloned();
@@ -199,25 +201,25 @@ impl Player {
             None if now.since(since) >= patience => return Err(format!("{}: no answer", command.name())),
             Some(_) | None => {}
         }
-        self.phase = Phase::Asked { since, again: now + again(sim), answers: sim.answers.len() };
-        act(sim, Action::Command(command))?;
+        self.phase = ScriptPhase::Asked { since, again: now + again(sim), answers: sim.answers.len() };
+        act(sim, OperatorAction::Command(command))?;
         Ok(true)
     }
 
-    fn jogs(&mut self, sim: &mut Sim, since: Tick, begun: bool, before: usize) -> Result<bool, String> {
-        let Deed::Jog(station, advance) = self.script.steps[self.at].deed else { return self.finish(sim) };
+    fn jogs(&mut self, sim: &mut LineSim, since: Tick, begun: bool, before: usize) -> Result<bool, String> {
+        let ScriptAction::Jog(station, advance) = self.script.steps[self.at].deed else { return self.finish(sim) };
         let begun = begun || sim.record().begun(station) > before;
-        self.phase = Phase::Jogs { since, begun, before };
+        self.phase = ScriptPhase::Jogs { since, begun, before };
         let moves = sim.controller(station).is_some_and(|c| c.marking().any(|place| place.is_operating()));
         let waits = !begun && sim.now().since(since) < PRESS_PATIENCE;
         if waits || (begun && moves) {
             // Once it moves, its end is an event; the watchdog sees to it that there is one.
             if begun {
-                self.phase = Phase::Jogs { since: sim.now(), begun, before };
+                self.phase = ScriptPhase::Jogs { since: sim.now(), begun, before };
             }
             return Ok(false);
         }
-        act(sim, Action::Panel { station, advance, down: false })?;
+        act(sim, OperatorAction::Panel { station, advance, down: false })?;
         if !begun {
             let reasons = sim.controller(station).map(|c| c.blocked_by(sim.line(), sim.now())).unwrap_or_default();
             let name = &sim.line().station(station).name;
@@ -226,7 +228,7 @@ impl Player {
         self.finish(sim)
     }
 
-    fn finish(&mut self, sim: &mut Sim) -> Result<bool, String> {
+    fn finish(&mut self, sim: &mut LineSim) -> Result<bool, String> {
         let step = &self.script.steps[self.at];
         if let Some(expected) = &step.expect
             && !expected.holds(sim)
@@ -234,17 +236,17 @@ impl Player {
             return Err(format!("expected {}, which does not hold at {}", step.expect_text, sim.now()));
         }
         self.at += 1;
-        self.phase = Phase::Waits;
+        self.phase = ScriptPhase::Waits;
         sim.answers.clear();
         Ok(true)
     }
 }
 
 /// Nobody asks again before the first word can have been heard.
-fn again(sim: &Sim) -> Duration {
+fn again(sim: &LineSim) -> Duration {
     AGAIN + sim.options.network.delay + sim.options.network.jitter
 }
 
-fn act(sim: &mut Sim, action: Action) -> Result<(), String> {
+fn act(sim: &mut LineSim, action: OperatorAction) -> Result<(), String> {
     sim.act(action).map_err(|error| error.to_string())
 }

@@ -6,45 +6,45 @@
 
 use std::collections::VecDeque;
 
-use linewright_coordinator_logic::{Command, Refusal};
-use linewright_coordinator_shell::{CoordinatorEffect, Remembered};
+use linewright_coordinator_logic::{ModeCommand, Refusal};
+use linewright_coordinator_shell::{CoordinatorEffect, CoordinatorRecord};
 use linewright_line::net::ControlMode;
 use linewright_line::{Line, Owner, Tick};
 use linewright_plant::PlantOptions;
 use linewright_station_logic::Restore;
 use linewright_station_shell::StationEffect;
 
-use crate::field::Field;
-use crate::hands::Hands;
+use crate::field::SimulatedField;
+use crate::held_buttons::HeldButtons;
 use crate::link::{Link, LinkPayload};
 use crate::lives::StartError;
-use crate::log::{Log, What};
+use crate::log::{LogKind, RunLog};
 use crate::node::{CoordinatorNode, StationNode};
-use crate::observer::Observer;
-use crate::options::Options;
-use crate::record::Record;
+use crate::observer::ConflictObserver;
+use crate::options::SimOptions;
+use crate::record::RunRecord;
 use crate::talk::links_of;
 use crate::timers::Timers;
 
 /// An answer to a command: obeyed, or refused.
 #[derive(Clone, Debug)]
-pub(crate) struct Answer {
-    pub(crate) command: Command,
+pub(crate) struct CommandAnswer {
+    pub(crate) command: ModeCommand,
     pub(crate) refusal: Option<Refusal>,
 }
 
 /// A line in virtual time.
-pub struct Sim {
+pub struct LineSim {
     pub(crate) line: Line,
-    pub(crate) options: Options,
+    pub(crate) options: SimOptions,
     pub(crate) now: Tick,
     pub(crate) stations: Vec<StationNode>,
     pub(crate) coordinator: CoordinatorNode,
-    pub(crate) hands: Hands,
+    pub(crate) hands: HeldButtons,
     /// The operator's screen hangs.
     pub(crate) hangs: bool,
-    pub(crate) field: Field,
-    pub(crate) observer: Observer,
+    pub(crate) field: SimulatedField,
+    pub(crate) observer: ConflictObserver,
     pub(crate) links: Vec<Link>,
     /// By node: links to it and from it.
     pub(crate) into: Vec<Vec<usize>>,
@@ -57,9 +57,9 @@ pub struct Sim {
     /// By node: its life, for whoever knew it before it died.
     pub(crate) lives: Vec<u64>,
     pub(crate) life: u64,
-    pub(crate) log: Log,
-    pub(crate) record: Record,
-    pub(crate) answers: Vec<Answer>,
+    pub(crate) log: RunLog,
+    pub(crate) record: RunRecord,
+    pub(crate) answers: Vec<CommandAnswer>,
     pub(crate) mode: ControlMode,
     /// When the line entered it, and what the coordinator said of it then.
     pub(crate) entered: (Tick, String),
@@ -69,23 +69,23 @@ pub struct Sim {
     pub(crate) events: u64,
 }
 
-impl Sim {
+impl LineSim {
     /// A line switched on at time zero.
     ///
     /// # Errors
     /// When a station does not compile, or a bus cannot be managed.
-    pub fn new(line: &Line, mut options: Options) -> Result<Self, StartError> {
+    pub fn new(line: &Line, mut options: SimOptions) -> Result<Self, StartError> {
         options.one_by_one |= options.frames;
         let count = line.stations.len();
         let plant = PlantOptions { seed: options.seed, variation: options.variation, people: false };
-        let field = Field::new(line, plant, options.frames)?;
+        let field = SimulatedField::new(line, plant, options.frames)?;
         let (links, arrows) = links_of(line, &options);
         let of = |end: &dyn Fn(&Link) -> usize| -> Vec<Vec<usize>> {
             let of_node = |node: usize| (0..links.len()).filter(|&at| end(&links[at]) == node).collect();
             (0..count + 2).map(of_node).collect()
         };
-        let mut sim = Sim {
-            observer: Observer::new(line, &field),
+        let mut sim = LineSim {
+            observer: ConflictObserver::new(line, &field),
             into: of(&|link| link.to),
             out_of: of(&|link| link.from),
             timers: Timers::new(links.len() + 2 * (count + 1)),
@@ -93,14 +93,14 @@ impl Sim {
             arrows,
             field,
             stations: Vec::with_capacity(count),
-            coordinator: CoordinatorNode::start(line, 1, Remembered::default(), &options),
-            hands: Hands::default(),
+            coordinator: CoordinatorNode::start(line, 1, CoordinatorRecord::default(), &options),
+            hands: HeldButtons::default(),
             hangs: false,
             repeats: VecDeque::new(),
             lives: vec![1; count + 2],
             life: 1,
-            log: Log::default(),
-            record: Record::new(line),
+            log: RunLog::default(),
+            record: RunRecord::new(line),
             answers: Vec::new(),
             mode: ControlMode::Home,
             entered: (Tick::ZERO, String::new()),
@@ -117,7 +117,7 @@ impl Sim {
             sim.begin(id.index(), life);
         }
         let life = sim.next_life();
-        sim.coordinator = CoordinatorNode::start(line, life, Remembered::default(), &options);
+        sim.coordinator = CoordinatorNode::start(line, life, CoordinatorRecord::default(), &options);
         sim.begin(sim.coordinator_node(), life);
         sim.repeats.push_back((Tick::ZERO, sim.operator_node(), 1));
         Ok(sim)
@@ -244,7 +244,7 @@ impl Sim {
 
     fn field_changes(&mut self, at: usize) {
         let is_console = at == self.coordinator_node();
-        let Field::Images(field) = &mut self.field else { return self.bus_changes(at) };
+        let SimulatedField::Images(field) = &mut self.field else { return self.bus_changes(at) };
         field.poll(self.now, at);
         if is_console {
             if field.has_console() && self.coordinator.is_up {
@@ -296,7 +296,7 @@ impl Sim {
                     self.last_event = now;
                     self.record.enter(&self.line, now, id, &event);
                     if self.options.keeps_log {
-                        self.log.push(now, What::Station(id, event));
+                        self.log.push(now, LogKind::Station(id, event));
                     }
                 }
                 StationEffect::Remember => self.stations[at].remember(),
@@ -312,7 +312,7 @@ impl Sim {
         node.effects = effects;
         let outputs = node.outputs;
         if outputs != before {
-            if let Field::Images(field) = &mut self.field {
+            if let SimulatedField::Images(field) = &mut self.field {
                 field.ask(now, at, outputs);
             }
             self.observer.look(&self.line, &self.field, at);
@@ -331,7 +331,7 @@ impl Sim {
         self.wake_node(at, deadline.max(now));
     }
 
-    fn play_coordinator(&mut self, asked: Option<Command>) {
+    fn play_coordinator(&mut self, asked: Option<ModeCommand>) {
         let now = self.now;
         self.look_at_line_bus();
         let (mut refusal, mut says) = (None, false);
@@ -345,7 +345,7 @@ impl Sim {
                     CoordinatorEffect::Entered(mode) => self.enter(mode),
                     CoordinatorEffect::Refused(refused) => {
                         if self.options.keeps_log {
-                            self.log.push(now, What::Refusal(refused.text(&self.line)));
+                            self.log.push(now, LogKind::Refusal(refused.text(&self.line)));
                         }
                         refusal = Some(refused);
                     }
@@ -369,7 +369,7 @@ impl Sim {
             }
         }
         if let Some(command) = asked {
-            self.answers.push(Answer { command, refusal });
+            self.answers.push(CommandAnswer { command, refusal });
         }
         if says {
             self.say_order();
@@ -384,13 +384,13 @@ impl Sim {
         self.entered = (self.now, self.coordinator.shell.coordinator().text());
         self.last_event = self.now;
         if self.options.keeps_log {
-            self.log.push(self.now, What::Mode(mode));
+            self.log.push(self.now, LogKind::Mode(mode));
         }
     }
 
     pub(crate) fn note(&mut self, what: String) {
         if self.options.keeps_log {
-            self.log.push(self.now, What::Act(what));
+            self.log.push(self.now, LogKind::Act(what));
         }
     }
 }

@@ -8,10 +8,10 @@ use linewright_line::{Line, OpId, StationId};
 use linewright_station_logic::ModeOrder;
 
 use crate::link::{Link, LinkPayload};
-use crate::options::Options;
-use crate::sim::Sim;
+use crate::options::SimOptions;
+use crate::sim::LineSim;
 
-impl Sim {
+impl LineSim {
     /// Takes what has arrived and says nothing new, each at its own time.
     #[inline]
     pub(crate) fn catch_up(&mut self, node: usize) {
@@ -114,7 +114,7 @@ impl Sim {
 }
 
 /// Every way of the line with, for those between stations, the arrows it carries.
-pub(crate) fn links_of(line: &Line, options: &Options) -> (Vec<Link>, Vec<Vec<usize>>) {
+pub(crate) fn links_of(line: &Line, options: &SimOptions) -> (Vec<Link>, Vec<Vec<usize>>) {
     let (coordinator, operator) = (line.stations.len(), line.stations.len() + 1);
     let (mut links, mut arrows) = (Vec::new(), Vec::new());
     let mut add = |from: usize, to: usize, reads: (Vec<OpId>, u128), carried: Vec<usize>| {

@@ -6,13 +6,13 @@ use linewright_line::{AxisId, Line, OpId, Owner, StationId, Tick};
 use linewright_plant::Plant;
 use linewright_station_logic::Controller;
 
-use crate::field::Field;
-use crate::log::Log;
-use crate::observer::Seen;
-use crate::record::Record;
-use crate::sim::Sim;
+use crate::field::SimulatedField;
+use crate::log::RunLog;
+use crate::observer::SeenConflict;
+use crate::record::RunRecord;
+use crate::sim::LineSim;
 
-impl Sim {
+impl LineSim {
     /// The line.
     pub fn line(&self) -> &Line {
         &self.line
@@ -29,17 +29,17 @@ impl Sim {
     }
 
     /// What has happened, if the log is kept.
-    pub fn log(&self) -> &Log {
+    pub fn log(&self) -> &RunLog {
         &self.log
     }
 
     /// Motions, counts, cycles.
-    pub fn record(&self) -> &Record {
+    pub fn record(&self) -> &RunRecord {
         &self.record
     }
 
     /// The conflicts that were seen.
-    pub fn conflicts(&self) -> &[Seen] {
+    pub fn conflicts(&self) -> &[SeenConflict] {
         self.observer.seen()
     }
 
@@ -94,8 +94,8 @@ impl Sim {
     /// What is wrong with an owner's devices, in the words of their bus's manager. Without frames there is none.
     pub fn trouble_of(&self, owner: Owner) -> Vec<String> {
         match &self.field {
-            Field::Images(_) => Vec::new(),
-            Field::Frames(frames) => frames.trouble(self.now, owner),
+            SimulatedField::Images(_) => Vec::new(),
+            SimulatedField::Frames(frames) => frames.trouble(self.now, owner),
         }
     }
 

@@ -8,14 +8,14 @@ use linewright_coordinator_shell::{CoordinatorArrival, InputsImage};
 use linewright_line::{Bus, Owner, StationId};
 use linewright_station_shell::{Driven, InputsMessage};
 
-use crate::field::{Field, Played};
-use crate::link::Whole;
-use crate::sim::Sim;
+use crate::field::{Played, SimulatedField};
+use crate::link::WholeMessage;
+use crate::sim::LineSim;
 
-impl Sim {
+impl LineSim {
     /// Something is due on the bus that a node reads.
     pub(crate) fn bus_changes(&mut self, node: usize) {
-        let Field::Frames(frames) = &mut self.field else { return };
+        let SimulatedField::Frames(frames) = &mut self.field else { return };
         match frames.play(self.now, node) {
             Played::Devices => self.observer.look_everywhere(&self.line, &self.field),
             Played::Manager if self.is_up(node) => return self.play(node),
@@ -31,7 +31,7 @@ impl Sim {
 
     /// What the managers of buses know of inputs, before a node decides.
     pub(crate) fn look_at_own_bus(&mut self, at: usize) {
-        let Field::Frames(frames) = &mut self.field else { return };
+        let SimulatedField::Frames(frames) = &mut self.field else { return };
         let id = StationId::at(at);
         if frames.has_own(id) {
             frames.poll(self.now, at);
@@ -41,7 +41,7 @@ impl Sim {
     }
 
     pub(crate) fn look_at_line_bus(&mut self) {
-        let Field::Frames(frames) = &mut self.field else { return };
+        let SimulatedField::Frames(frames) = &mut self.field else { return };
         let (now, shell) = (self.now, &mut self.coordinator.shell);
         frames.poll(now, self.stations.len());
         let image = frames.inputs(now, Owner::Console);
@@ -57,14 +57,14 @@ impl Sim {
 
     /// Puts outputs on their bus.
     pub(crate) fn put(&mut self, owner: Owner, outputs: u128) {
-        if let Field::Frames(frames) = &mut self.field {
+        if let SimulatedField::Frames(frames) = &mut self.field {
             frames.put(self.now, owner, outputs);
         }
     }
 
     /// What was put on the bus that a node reads leaves it now.
     pub(crate) fn send_frames(&mut self, node: usize) {
-        if let Field::Frames(frames) = &mut self.field {
+        if let SimulatedField::Frames(frames) = &mut self.field {
             frames.send(self.now, node);
             self.wake_bus(node);
         }
@@ -83,7 +83,7 @@ impl Sim {
             number: image.number,
             mode_epoch: image.mode_epoch,
         };
-        self.send(at, self.coordinator_node(), image.sequence, Whole::Outputs(outputs));
+        self.send(at, self.coordinator_node(), image.sequence, WholeMessage::Outputs(outputs));
     }
 
     /// The gateway sends a station its inputs.
@@ -91,14 +91,14 @@ impl Sim {
         let InputsImage { bits, valid, lives, under } = image;
         let boot_id = self.coordinator.shell.boot_id();
         let inputs = InputsMessage { boot_id, sequence, bits, valid, lives, under: under.unwrap_or_default() };
-        self.send(self.coordinator_node(), station.index(), sequence, Whole::Inputs(inputs));
+        self.send(self.coordinator_node(), station.index(), sequence, WholeMessage::Inputs(inputs));
     }
 
     /// The coordinator's order goes to every station.
     pub(crate) fn send_orders(&mut self, sequence: u64) {
         for station in (0..self.stations.len()).map(StationId::at) {
             let order = self.coordinator.shell.order_for(station);
-            self.send(self.coordinator_node(), station.index(), sequence, Whole::Order(order));
+            self.send(self.coordinator_node(), station.index(), sequence, WholeMessage::Order(order));
         }
     }
 
@@ -111,17 +111,17 @@ impl Sim {
             let to = self.links[self.out_of[at][index]].to;
             let node = &self.stations[at];
             let said = if to == coordinator {
-                Whole::Heard(node.heard())
+                WholeMessage::Heard(node.heard())
             } else {
-                Whole::Report(std::rc::Rc::clone(&node.report))
+                WholeMessage::Report(std::rc::Rc::clone(&node.report))
             };
             self.send(at, to, sequence, said);
         }
     }
 
     /// Sends a message that is read by its number.
-    pub(crate) fn send(&mut self, from: usize, to: usize, number: u64, said: Whole) {
-        let is_image = matches!(said, Whole::Inputs(_) | Whole::Outputs(_));
+    pub(crate) fn send(&mut self, from: usize, to: usize, number: u64, said: WholeMessage) {
+        let is_image = matches!(said, WholeMessage::Inputs(_) | WholeMessage::Outputs(_));
         let network = if is_image { self.options.images } else { self.options.network };
         let link = self.out_of[from].iter().copied().find(|&at| self.links[at].to == to);
         if let Some(link) = link {

@@ -4,19 +4,19 @@ use std::collections::BTreeSet;
 use std::time::Duration;
 
 use linewright_line::Line;
-use linewright_simulation::{CriticalPath, End, Goal, Network, Options, Plan, Sim, run};
+use linewright_simulation::{CriticalPath, LinePlan, LineSim, Network, RunEnd, RunGoal, SimOptions, run};
 
 use crate::common::*;
 
-fn cycles(line: &Line, options: Options, count: usize) -> Sim {
-    let (sim, end) = run(line, options, &Goal::cycles(count)).expect("the line compiles");
-    assert_eq!(end, End::Done, "{}", sim.log().tail(line, 60));
+fn cycles(line: &Line, options: SimOptions, count: usize) -> LineSim {
+    let (sim, end) = run(line, options, &RunGoal::cycles(count)).expect("the line compiles");
+    assert_eq!(end, RunEnd::Done, "{}", sim.log().tail(line, 60));
     assert_eq!((sim.record().cycles(), sim.conflicts()), (count, [].as_slice()));
     sim
 }
 
 /// Seconds per cycle over all but the first.
-fn cycle_time(sim: &Sim) -> f64 {
+fn cycle_time(sim: &LineSim) -> f64 {
     let ends = sim.record().cycle_ends();
     ends[ends.len() - 1].since(ends[0]).as_secs_f64() / (ends.len() - 1) as f64
 }
@@ -25,7 +25,7 @@ fn cycle_time(sim: &Sim) -> f64 {
 fn the_cycle_time_is_the_plan_s_and_what_messages_add() {
     for machines in [1, 4] {
         let line = transfer_line(machines);
-        let planned = Plan::of(&line).cycle_time() / 1e6;
+        let planned = LinePlan::of(&line).cycle_time() / 1e6;
         let sim = cycles(&line, logged(), 10);
         let simulated = cycle_time(&sim);
         // A switch is on within a thousandth of the way, so a motion may end that much early; each arrow of the path
@@ -40,7 +40,7 @@ fn the_cycle_time_is_the_plan_s_and_what_messages_add() {
 #[test]
 fn the_critical_path_is_the_plan_s_longest_circuit() {
     let line = transfer_line(1);
-    let circuit = Plan::of(&line).longest_circuit().expect("the chart has circuits");
+    let circuit = LinePlan::of(&line).longest_circuit().expect("the chart has circuits");
     assert_eq!((circuit.micros, circuit.cycles), (3_560_000, 1), "worked out by hand from the description");
     let sim = cycles(&line, logged(), 5);
     let path = CriticalPath::of(&line, sim.record()).expect("five cycles are steady");
@@ -70,7 +70,7 @@ fn who_waits_for_whom() {
 #[test]
 fn a_run_longer_than_its_memory_knows_when_it_began() {
     let line = transfer_line(1);
-    let sim = cycles(&line, Options::default(), 12_000);
+    let sim = cycles(&line, SimOptions::default(), 12_000);
     let (began, oldest) = (sim.record().began().expect("it ran"), sim.record().motions()[0].start);
     assert!(oldest > began, "the oldest motions are forgotten");
     let mean = sim.record().cycle_ends()[11_999].since(began).as_secs_f64() / 12_000.0;
@@ -81,11 +81,11 @@ fn a_run_longer_than_its_memory_knows_when_it_began() {
 fn a_run_follows_from_its_seed() {
     let line = transfer_line(2);
     let network = Network { jitter: Duration::from_millis(5), ..Network::default() };
-    let trace = |seed| cycles(&line, Options { seed, network, variation: 0.1, ..logged() }, 5).log().text(&line);
+    let trace = |seed| cycles(&line, SimOptions { seed, network, variation: 0.1, ..logged() }, 5).log().text(&line);
     let first = trace(1);
     assert_eq!(first, trace(1));
     assert_ne!(first, trace(2));
-    let quiet = |seed| cycles(&line, Options { seed, ..logged() }, 3).log().text(&line);
+    let quiet = |seed| cycles(&line, SimOptions { seed, ..logged() }, 3).log().text(&line);
     assert_eq!(quiet(1), quiet(2), "where nothing is drawn, the seed is nothing");
 }
 
@@ -99,7 +99,7 @@ fn a_cycle_as_a_trace() {
 fn the_slowest_network_there_is_makes_a_line_slow_and_nothing_else() {
     let line = transfer_line(1);
     let network = Network { delay: Duration::from_secs(10), ..Network::default() };
-    let sim = cycles(&line, Options { network, ..logged() }, 3);
+    let sim = cycles(&line, SimOptions { network, ..logged() }, 3);
     let path = CriticalPath::of(&line, sim.record()).expect("three cycles are steady");
     let moving: Duration = path.links.iter().map(|link| link.motion.end.since(link.motion.start)).sum();
     assert_eq!(path.time, moving + Duration::from_secs(4 * 10), "four arrows, a message each");

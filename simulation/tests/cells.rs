@@ -13,15 +13,15 @@ use std::time::Duration;
 
 use linewright_cell::net::Supply;
 use linewright_cell::{Cell, Role};
-use linewright_coordinator_cell::described::{Pace, described, dispatcher};
-use linewright_coordinator_cell::exception::Step;
-use linewright_coordinator_cell::{CellTable, Fact, FiringId, Input, ModeId, PartId};
+use linewright_coordinator_cell::compile::{OrderTiming, compile_cell, dispatcher};
+use linewright_coordinator_cell::exception::ExceptionStep;
+use linewright_coordinator_cell::{CellTable, FiringId, ModeId, PartId, PlayerInput, RecordKind};
 use linewright_line::{HolderId, Line, StationId, Tick};
 use linewright_plant::{Fault, PlantOptions};
 use linewright_simulation::Rng;
-use linewright_simulation::cell::{CellOptions, CellSim, Floor};
+use linewright_simulation::cell::{CellSim, CellSimOptions, ShopFloor};
 
-const PACE: Pace = Pace { refresh: Duration::from_millis(200), grace: Duration::from_secs(1) };
+const PACE: OrderTiming = OrderTiming { refresh: Duration::from_millis(200), grace: Duration::from_secs(1) };
 const LONG: Tick = Tick::from_millis(24 * 3_600_000);
 
 /// A cell, its line, and a production of so many parts of each type.
@@ -54,7 +54,7 @@ fn shipped_but(name: &str, parts: &[u32], change: impl Fn(String) -> String) -> 
     let line = linewright_line::parse("line.toml", &text("line.toml")).unwrap_or_else(|why| panic!("{why:#}")).line;
     let cell = linewright_cell::parse("cell.toml", &change(text("cell.toml")), Some(&line));
     let cell = cell.unwrap_or_else(|why| panic!("{why:#}")).cell;
-    let made = described(&cell, Some(&line), Supply::Batch(parts), PACE).unwrap_or_else(|why| panic!("{why}"));
+    let made = compile_cell(&cell, Some(&line), Supply::Batch(parts), PACE).unwrap_or_else(|why| panic!("{why}"));
     Shipped { table: Arc::new(made.table), cell, line, parts: parts.iter().sum() }
 }
 
@@ -71,9 +71,9 @@ impl Shipped {
         stations.collect()
     }
 
-    fn sim(&self, options: CellOptions, variation: f64) -> CellSim {
+    fn sim(&self, options: CellSimOptions, variation: f64) -> CellSim {
         let plant = PlantOptions { seed: options.seed, variation, people: false };
-        let mut floor = Floor::new(&self.line, &self.table, &self.nests(), plant).expect("the stations compile");
+        let mut floor = ShopFloor::new(&self.line, &self.table, &self.nests(), plant).expect("the stations compile");
         for (station, operation) in
             [("m1", "cut"), ("m2", "cut"), ("m3", "cut"), ("robot_2", "assemble"), ("human", "work on the part")]
         {
@@ -91,7 +91,7 @@ impl Shipped {
         sim
     }
 
-    fn play(&self, options: CellOptions) -> CellSim {
+    fn play(&self, options: CellSimOptions) -> CellSim {
         let mut sim = self.sim(options, 0.1);
         sim.run(&mut dispatcher(&self.cell, &self.table), LONG);
         self.is_done(&sim);
@@ -141,15 +141,15 @@ impl Shipped {
     }
 }
 
-fn options(seed: u64, bad_luck: u64, crash_at: Vec<usize>) -> CellOptions {
+fn options(seed: u64, bad_luck: u64, crash_at: Vec<usize>) -> CellSimOptions {
     let millis = Duration::from_millis;
-    CellOptions {
+    CellSimOptions {
         seed,
         bad_luck,
         crash_at,
         delay: (millis(1), millis(20)),
         period: millis(100),
-        ..CellOptions::default()
+        ..CellSimOptions::default()
     }
 }
 
@@ -218,11 +218,11 @@ fn loading_and_working_are_concurrent_with_real_stations() {
     let mut pairs = Vec::new();
     for record in &sim.log {
         match &record.fact {
-            Fact::Started { firing, mode, .. } => {
+            RecordKind::Started { firing, mode, .. } => {
                 open.insert(*firing, &of.table.activity(*mode).name);
                 pairs.push(open.values().copied().collect::<Vec<_>>());
             }
-            Fact::Ended { firing } => _ = open.remove(firing),
+            RecordKind::Ended { firing } => _ = open.remove(firing),
             _ => {}
         }
     }
@@ -321,7 +321,7 @@ fn the_story_of_a_part_that_was_not_grasped_with_real_stations() {
     // It has come to rest when the robot's 24 s are over, and what was loaded is where it was.
     sim.run(&mut dispatcher, LONG);
     let started = sim.log.iter().find_map(|record| match &record.fact {
-        Fact::Started { mode, .. } if of.table.mode_name(*mode).starts_with("load ") => Some((record.at, *mode)),
+        RecordKind::Started { mode, .. } if of.table.mode_name(*mode).starts_with("load ") => Some((record.at, *mode)),
         _ => None,
     });
     let (started, mode) = started.expect("a loading has started");
@@ -350,7 +350,7 @@ fn the_story_of_a_part_that_was_not_grasped_with_real_stations() {
     // The gripper works again; the part has not left its slot. That is said, and believed.
     grasps(&of, &mut sim, None);
     let word = "in-store";
-    sim.say(&mut dispatcher, &[Input::Answer { alarm, word }]);
+    sim.say(&mut dispatcher, &[PlayerInput::Answer { alarm, word }]);
     assert_eq!(lies(&sim), in_store);
     sim.run(&mut dispatcher, LONG);
     of.is_done(&sim);
@@ -364,15 +364,15 @@ fn the_story_of_a_part_that_was_not_grasped_with_real_stations() {
 }
 
 /// What a record says of exceptions and of the starts of one mode.
-fn told(fact: &Fact, mode: ModeId) -> Option<&'static str> {
+fn told(fact: &RecordKind, mode: ModeId) -> Option<&'static str> {
     Some(match fact {
-        Fact::Started { mode: of, .. } if *of == mode => "started",
-        Fact::Raised { .. } => "raised",
-        Fact::Exception(Step::Secured { .. }) => "secured",
-        Fact::Exception(Step::Alarmed { .. }) => "alarmed",
-        Fact::Exception(Step::Answered { .. }) => "answered",
-        Fact::Exception(Step::Closed { .. }) => "restored",
-        Fact::Exception(_) => "something else",
+        RecordKind::Started { mode: of, .. } if *of == mode => "started",
+        RecordKind::Raised { .. } => "raised",
+        RecordKind::Exception(ExceptionStep::Secured { .. }) => "secured",
+        RecordKind::Exception(ExceptionStep::Alarmed { .. }) => "alarmed",
+        RecordKind::Exception(ExceptionStep::Answered { .. }) => "answered",
+        RecordKind::Exception(ExceptionStep::Closed { .. }) => "restored",
+        RecordKind::Exception(_) => "something else",
         _ => return None,
     })
 }
@@ -423,9 +423,9 @@ name = "A"
 step = [{ name = "work", on = [{ resource = "M", time_s = 5 }] }]
 "#;
     let cell = linewright_cell::parse("cell.toml", text, None).unwrap_or_else(|why| panic!("{why:#}")).cell;
-    let made = described(&cell, None, Supply::Batch(&[4]), PACE).unwrap_or_else(|why| panic!("{why}"));
+    let made = compile_cell(&cell, None, Supply::Batch(&[4]), PACE).unwrap_or_else(|why| panic!("{why}"));
     let table = Arc::new(made.table);
-    let mut sim = CellSim::new(table.clone(), 0, CellOptions::default());
+    let mut sim = CellSim::new(table.clone(), 0, CellSimOptions::default());
     sim.run(&mut dispatcher(&cell, &table), LONG);
     let spins = sim.spins().map(|mode| table.mode_name(mode).to_owned());
     assert!(spins.as_deref().is_some_and(|name| name.starts_with("there") || name.starts_with("back")), "{spins:?}");
@@ -435,9 +435,9 @@ step = [{ name = "work", on = [{ resource = "M", time_s = 5 }] }]
     let timed = text
         .replace("actions = [\"S2.retrieve\", \"S1.store\"]", "actions = [\"S2.retrieve\", \"S1.store\"]\ntime_s = 1");
     let cell = linewright_cell::parse("cell.toml", &timed, None).unwrap_or_else(|why| panic!("{why:#}")).cell;
-    let made = described(&cell, None, Supply::Batch(&[4]), PACE).unwrap_or_else(|why| panic!("{why}"));
+    let made = compile_cell(&cell, None, Supply::Batch(&[4]), PACE).unwrap_or_else(|why| panic!("{why}"));
     let table = Arc::new(made.table);
-    let mut sim = CellSim::new(table.clone(), 0, CellOptions::default());
+    let mut sim = CellSim::new(table.clone(), 0, CellSimOptions::default());
     sim.run(&mut dispatcher(&cell, &table), Tick::from_millis(600_000));
     assert_eq!((sim.spins(), sim.now > Tick::from_millis(30_000)), (None, true));
 }

@@ -4,8 +4,8 @@ use std::time::Duration;
 
 use linewright_line::net::{Block, ControlMode};
 use linewright_line::{StationId, Tick};
-use linewright_simulation::{Action, End, Goal, Process, Sim, What, run};
-use linewright_station_logic::{Cause, Happening, Rules};
+use linewright_simulation::{LineSim, LogKind, NodeProcess, OperatorAction, RunEnd, RunGoal, run};
+use linewright_station_logic::{HappeningKind, Rules, StopCause};
 
 use crate::common::*;
 
@@ -19,8 +19,8 @@ fn a_jam_in_auto_stops_one_and_lets_the_others_finish_then_a_person_goes_on() {
     let (clamp, advance) = op(sim.line(), "clamp_1", "advance clamp");
     let faults = sim.record().faults();
     assert_eq!(faults.len(), 1);
-    assert_eq!((faults[0].station, faults[0].op, faults[0].cause), (clamp, advance, Cause::Watchdog));
-    let stopped = |entry: &linewright_simulation::Entry| matches!(entry.what, What::Station(id, event) if id != clamp && matches!(event.what, Happening::Stopped(..)));
+    assert_eq!((faults[0].station, faults[0].op, faults[0].cause), (clamp, advance, StopCause::Watchdog));
+    let stopped = |entry: &linewright_simulation::SimLogEntry| matches!(entry.what, LogKind::Station(id, event) if id != clamp && matches!(event.what, HappeningKind::Stopped(..)));
     assert!(!sim.log().entries().iter().any(stopped), "nobody else stops half-way");
     let modes = sim.log().modes();
     use ControlMode::{Auto, Manual, StandBy};
@@ -84,7 +84,7 @@ fn an_emergency_stop_leaves_everything_where_it_is_and_only_manual_leads_out() {
         "#,
     );
     let faults = sim.record().faults();
-    assert_eq!((faults.len(), faults[0].cause), (1, Cause::EStop));
+    assert_eq!((faults.len(), faults[0].cause), (1, StopCause::EStop));
 }
 
 #[test]
@@ -111,19 +111,19 @@ fn a_lost_device_stops_its_station_after_its_heartbeat_s_time() {
         "#,
     );
     let entries = sim.log().entries();
-    let lost = entries.iter().find(|e| matches!(&e.what, What::Act(text) if text == "mill 1 io lost")).unwrap().at;
-    let noticed = |e: &&linewright_simulation::Entry| matches!(e.what, What::Station(MILL, event) if event.what == Happening::Devices(false));
+    let lost = entries.iter().find(|e| matches!(&e.what, LogKind::Act(text) if text == "mill 1 io lost")).unwrap().at;
+    let noticed = |e: &&linewright_simulation::SimLogEntry| matches!(e.what, LogKind::Station(MILL, event) if event.what == HappeningKind::Devices(false));
     let noticed = entries.iter().find(noticed).unwrap().at;
     assert_eq!(noticed.since(lost), sim.line().timing.heartbeat_timeout);
-    assert_eq!(sim.record().faults()[0].cause, Cause::Devices);
+    assert_eq!(sim.record().faults()[0].cause, StopCause::Devices);
 }
 
 #[test]
 fn a_killed_station_is_missed_when_its_last_report_runs_out() {
     let line = transfer_line(1);
-    let mut sim = Sim::new(&line, logged()).unwrap();
-    let goal = Goal::cycles(1);
-    assert_eq!(sim.run(&goal), End::Done);
+    let mut sim = LineSim::new(&line, logged()).unwrap();
+    let goal = RunGoal::cycles(1);
+    assert_eq!(sim.run(&goal), RunEnd::Done);
     // In the middle of the feed the mill has nothing new to say: its last report is its last repetition.
     let (_, feed) = op(&line, "mill_1", "feed main slide");
     while !sim.controller(MILL).unwrap().marking().any(|p| p.op == feed && p.is_operating()) {
@@ -131,14 +131,14 @@ fn a_killed_station_is_missed_when_its_last_report_runs_out() {
     }
     let killed = sim.now() + Duration::from_millis(234);
     sim.run_to(killed);
-    sim.act(Action::Kill(Process::Station(MILL))).unwrap();
+    sim.act(OperatorAction::Kill(NodeProcess::Station(MILL))).unwrap();
     sim.run_to(killed + Duration::from_secs(1));
     let refresh = line.timing.refresh.as_micros() as u64;
     let said = Tick::from_micros(killed.as_micros() / refresh * refresh);
-    let entered = sim.log().entries().iter().rfind(|e| e.what == What::Mode(ControlMode::StandBy)).unwrap().at;
+    let entered = sim.log().entries().iter().rfind(|e| e.what == LogKind::Mode(ControlMode::StandBy)).unwrap().at;
     assert_eq!(entered, said + Duration::from_millis(1) + line.timing.stale);
     // It comes back where it was, incomplete, and waits for a person.
-    sim.act(Action::Restart(Process::Station(MILL))).unwrap();
+    sim.act(OperatorAction::Restart(NodeProcess::Station(MILL))).unwrap();
     sim.run_to(sim.now() + Duration::from_secs(1));
     assert!(sim.hears(MILL));
     assert!(sim.controller(MILL).unwrap().marking().any(|p| p.op == feed && p.is_incomplete()));
@@ -170,11 +170,11 @@ fn a_coordinator_that_dies_is_outlived_by_its_lease_alone() {
 fn with_flags_instead_of_counts_the_observer_sees_the_bar_lift_under_a_closed_clamp() {
     let line = transfer_line(1);
     let rules = Rules { counted: false, ..Rules::default() };
-    let (sim, end) = run(&line, linewright_simulation::Options { rules, ..logged() }, &Goal::cycles(5)).unwrap();
-    assert_eq!(end, End::Conflict, "{}", sim.log().tail(&line, 40));
+    let (sim, end) = run(&line, linewright_simulation::SimOptions { rules, ..logged() }, &RunGoal::cycles(5)).unwrap();
+    assert_eq!(end, RunEnd::Conflict, "{}", sim.log().tail(&line, 40));
     assert!(line.conflicts[sim.conflicts()[0].conflict].why.contains("clamp"));
     let (transfer, lift) = op(&line, "transfer", "1st lift");
-    let lifted = |e: &linewright_simulation::Entry| matches!(e.what, What::Station(id, event) if id == transfer && event.what == Happening::Started(lift, Block::Normal));
+    let lifted = |e: &linewright_simulation::SimLogEntry| matches!(e.what, LogKind::Station(id, event) if id == transfer && event.what == HappeningKind::Started(lift, Block::Normal));
     assert!(sim.log().entries().iter().filter(|e| lifted(e)).count() >= 1);
 }
 
@@ -188,7 +188,7 @@ fn a_line_that_cannot_go_on_says_what_everybody_waits_for() {
         jam = "transfer: advance transfer"
         "#,
     );
-    let End::Stuck(reasons) = end else { panic!("{end:?}") };
+    let RunEnd::Stuck(reasons) = end else { panic!("{end:?}") };
     assert!(reasons[0].contains("stand-by"), "{reasons:?}");
     assert!(
         reasons.iter().any(|r| r.contains("recovery of advance transfer in manual (took too long)")),
@@ -199,7 +199,7 @@ fn a_line_that_cannot_go_on_says_what_everybody_waits_for() {
 #[test]
 fn time_out_of_auto_is_nobody_s_wait_and_no_cycle_s_time() {
     let line = transfer_line(1);
-    let quiet = run(&line, logged(), &Goal::cycles(8)).expect("the line compiles").0;
+    let quiet = run(&line, logged(), &RunGoal::cycles(8)).expect("the line compiles").0;
     let sim = played(
         r#"
         cycles = 8
@@ -230,7 +230,7 @@ fn time_out_of_auto_is_nobody_s_wait_and_no_cycle_s_time() {
         assert!((3.55..3.57).contains(&time), "{time}");
     }
     for (wait, like) in record.waits().iter().zip(quiet.record().waits()) {
-        let mean = |wait: &linewright_simulation::Wait| wait.total.as_secs_f64() / wait.starts as f64;
+        let mean = |wait: &linewright_simulation::ArrowWait| wait.total.as_secs_f64() / wait.starts as f64;
         assert!(mean(wait) < mean(like) + 0.1, "{wait:?}, undisturbed {like:?}");
     }
 }

@@ -4,8 +4,8 @@ use std::time::Duration;
 
 use linewright_line::net::ControlMode;
 use linewright_line::{Bus, Line, Owner, StationId};
-use linewright_simulation::{Action, End, Goal, Network, Options, Process, Sim, What};
-use linewright_station_logic::{Event, Happening};
+use linewright_simulation::{LineSim, LogKind, Network, NodeProcess, OperatorAction, RunEnd, RunGoal, SimOptions};
+use linewright_station_logic::{HappeningKind, StationHappening};
 
 use crate::common::*;
 
@@ -13,8 +13,8 @@ const TRANSFER: StationId = StationId(0);
 const CLAMP: StationId = StationId(1);
 const MILL: StationId = StationId(2);
 
-fn on_buses() -> Options {
-    Options { frames: true, ..logged() }
+fn on_buses() -> SimOptions {
+    SimOptions { frames: true, ..logged() }
 }
 
 /// The transfer line; its clamp has a bus of its own.
@@ -26,15 +26,16 @@ fn with_own_bus() -> Line {
     line
 }
 
-fn events(sim: &Sim, of: StationId, cycles: i32) -> Vec<Event> {
+fn events(sim: &LineSim, of: StationId, cycles: i32) -> Vec<StationHappening> {
     let all = sim.log().of(of).map(|(_, event)| event);
-    all.filter(|e| e.cycle <= cycles && matches!(e.what, Happening::Started(..) | Happening::Completed(..))).collect()
+    all.filter(|e| e.cycle <= cycles && matches!(e.what, HappeningKind::Started(..) | HappeningKind::Completed(..)))
+        .collect()
 }
 
 /// In the second cycle, as an operation of the mill or the clamp is under way.
-fn during(line: &Line, options: Options, station: &str, operation: &str) -> Sim {
-    let mut sim = Sim::new(line, options).expect("the line starts");
-    assert_eq!(sim.run(&Goal::cycles(1)), End::Done);
+fn during(line: &Line, options: SimOptions, station: &str, operation: &str) -> LineSim {
+    let mut sim = LineSim::new(line, options).expect("the line starts");
+    assert_eq!(sim.run(&RunGoal::cycles(1)), RunEnd::Done);
     let (id, op) = op(line, station, operation);
     let mut events = 0;
     while !sim.controller(id).is_some_and(|c| c.marking().any(|p| p.op == op && p.is_operating())) {
@@ -45,7 +46,7 @@ fn during(line: &Line, options: Options, station: &str, operation: &str) -> Sim 
     sim
 }
 
-fn modes(sim: &Sim) -> Vec<Option<ControlMode>> {
+fn modes(sim: &LineSim) -> Vec<Option<ControlMode>> {
     sim.line().station_ids().map(|id| sim.controller(id).map(|controller| controller.mode())).collect()
 }
 
@@ -54,8 +55,8 @@ fn a_shipped_scenario_comes_to_the_same_end_on_the_buses() {
     let shipped = include_str!("../../launch-config/lines/transfer-line/scenarios/jammed-clamp.toml");
     let (at_once, end) = play(shipped);
     let (sim, on_buses) = play_with(shipped, on_buses());
-    assert_eq!((&end, &on_buses), (&End::Done, &End::Done), "{}", sim.log().tail(sim.line(), 40));
-    let faults = |sim: &Sim| sim.record().faults().iter().map(|f| (f.station, f.op, f.cause)).collect::<Vec<_>>();
+    assert_eq!((&end, &on_buses), (&RunEnd::Done, &RunEnd::Done), "{}", sim.log().tail(sim.line(), 40));
+    let faults = |sim: &LineSim| sim.record().faults().iter().map(|f| (f.station, f.op, f.cause)).collect::<Vec<_>>();
     assert_eq!((faults(&sim), sim.log().modes()), (faults(&at_once), at_once.log().modes()));
     assert_eq!(faults(&sim).len(), 1);
 }
@@ -65,18 +66,18 @@ fn a_station_with_a_bus_of_its_own_does_what_it_does_on_the_line_s() {
     let (line, own) = (transfer_line(1), with_own_bus());
     let (shared, end) = run_on_buses(&line);
     let (alone, own_end) = run_on_buses(&own);
-    assert_eq!((end, own_end), (End::Done, End::Done));
+    assert_eq!((end, own_end), (RunEnd::Done, RunEnd::Done));
     for id in line.station_ids() {
         assert_eq!(events(&alone, id, 3), events(&shared, id, 3));
         assert!(events(&alone, id, 3).len() >= 10);
     }
     // No image of the clamp's travels by message: a motion takes half a millisecond less.
-    let ends = |sim: &Sim| sim.record().cycle_ends().to_vec();
+    let ends = |sim: &LineSim| sim.record().cycle_ends().to_vec();
     assert_ne!(ends(&alone), ends(&shared));
 }
 
-fn run_on_buses(line: &Line) -> (Sim, End) {
-    linewright_simulation::run(line, on_buses(), &Goal::cycles(3)).expect("the line starts")
+fn run_on_buses(line: &Line) -> (LineSim, RunEnd) {
+    linewright_simulation::run(line, on_buses(), &RunGoal::cycles(3)).expect("the line starts")
 }
 
 #[test]
@@ -85,16 +86,16 @@ fn the_manager_of_a_bus_ends_with_the_process_that_reads_it() {
     let mut sim = during(&line, on_buses(), "clamp_1", "advance clamp");
     sim.run_to(sim.now() + Duration::from_millis(5));
     assert_ne!(sim.energised(CLAMP), 0);
-    sim.act(Action::Kill(Process::Station(CLAMP))).unwrap();
+    sim.act(OperatorAction::Kill(NodeProcess::Station(CLAMP))).unwrap();
     sim.run_to(sim.now() + Duration::from_millis(20));
     assert_ne!(sim.energised(CLAMP), 0, "its device's heartbeat consumer waits");
     sim.run_to(sim.now() + line.timing.heartbeat_timeout + line.timing.heartbeat);
     assert_eq!(sim.energised(CLAMP), 0);
-    sim.act(Action::Restart(Process::Station(CLAMP))).unwrap();
+    sim.act(OperatorAction::Restart(NodeProcess::Station(CLAMP))).unwrap();
     sim.run_to(sim.now() + Duration::from_secs(2));
     assert!(sim.hears(CLAMP));
     // The coordinator reads the line's bus, and not the clamp's.
-    sim.act(Action::Kill(Process::Coordinator)).unwrap();
+    sim.act(OperatorAction::Kill(NodeProcess::Coordinator)).unwrap();
     sim.run_to(sim.now() + Duration::from_secs(2));
     let has_devices = |id: StationId| sim.controller(id).is_some_and(|c| c.report().devices_valid);
     assert_eq!([has_devices(TRANSFER), has_devices(CLAMP), has_devices(MILL)], [false, true, false]);
@@ -110,10 +111,10 @@ fn a_network_that_doubles_and_reorders_costs_nothing_but_time() {
         ..Network::default()
     };
     let line = transfer_line(2);
-    let options = Options { network: bad, images: bad, ..on_buses() };
-    let (sim, end) = linewright_simulation::run(&line, options, &Goal::cycles(5)).expect("the line starts");
-    assert_eq!((end, sim.record().faults(), sim.conflicts()), (End::Done, &[][..], &[][..]));
-    let (again, _) = linewright_simulation::run(&line, options, &Goal::cycles(5)).expect("the line starts");
+    let options = SimOptions { network: bad, images: bad, ..on_buses() };
+    let (sim, end) = linewright_simulation::run(&line, options, &RunGoal::cycles(5)).expect("the line starts");
+    assert_eq!((end, sim.record().faults(), sim.conflicts()), (RunEnd::Done, &[][..], &[][..]));
+    let (again, _) = linewright_simulation::run(&line, options, &RunGoal::cycles(5)).expect("the line starts");
     assert_eq!(sim.log().entries(), again.log().entries(), "a seed gives the same run");
 }
 
@@ -123,7 +124,7 @@ fn a_station_that_dies_at_its_record_puts_out_nothing_that_follows() {
         let line = transfer_line(1);
         let mut sim = during(&line, options, "clamp_1", "advance clamp");
         assert_eq!(sim.energised(MILL), 0);
-        sim.act(Action::DieAtRecord(MILL, true)).unwrap();
+        sim.act(OperatorAction::DieAtRecord(MILL, true)).unwrap();
         let before = sim.record().begun(MILL);
         while sim.controller(MILL).is_some() {
             sim.step();
@@ -135,7 +136,7 @@ fn a_station_that_dies_at_its_record_puts_out_nothing_that_follows() {
             sim.step();
             assert_eq!(sim.energised(MILL), 0, "nor later");
         }
-        sim.act(Action::Restart(Process::Station(MILL))).unwrap();
+        sim.act(OperatorAction::Restart(NodeProcess::Station(MILL))).unwrap();
         assert!(sim.controller(MILL).is_some_and(|c| c.marking().any(|place| place.is_incomplete())));
     }
 }
@@ -145,11 +146,11 @@ fn what_is_cut_is_not_heard_until_it_is_joined() {
     for options in [logged(), on_buses()] {
         let line = transfer_line(1);
         let mut sim = during(&line, options, "mill_1", "feed main slide");
-        sim.act(Action::Cut(Process::Coordinator, Process::Station(MILL))).unwrap();
-        sim.act(Action::Cut(Process::Station(MILL), Process::Coordinator)).unwrap();
+        sim.act(OperatorAction::Cut(NodeProcess::Coordinator, NodeProcess::Station(MILL))).unwrap();
+        sim.act(OperatorAction::Cut(NodeProcess::Station(MILL), NodeProcess::Coordinator)).unwrap();
         sim.run_to(sim.now() + line.timing.lease + Duration::from_millis(20));
         assert_eq!((modes(&sim)[MILL.index()], sim.hears(MILL)), (Some(ControlMode::StandBy), false));
-        sim.act(Action::Heal).unwrap();
+        sim.act(OperatorAction::Heal).unwrap();
         sim.run_to(sim.now() + Duration::from_secs(1));
         assert!(sim.hears(MILL));
     }
@@ -162,11 +163,11 @@ fn a_record_that_cannot_be_written_and_a_stop_of_another_coordinator_stop_the_li
             let line = transfer_line(1);
             let mut sim = during(&line, options, "mill_1", "feed main slide");
             if foreign {
-                sim.act(Action::ForeignStop).unwrap();
+                sim.act(OperatorAction::ForeignStop).unwrap();
             } else {
                 // The line would fall to stand-by; that cannot be written down.
-                sim.act(Action::FillDisk(true)).unwrap();
-                sim.act(Action::Kill(Process::Station(CLAMP))).unwrap();
+                sim.act(OperatorAction::FillDisk(true)).unwrap();
+                sim.act(OperatorAction::Kill(NodeProcess::Station(CLAMP))).unwrap();
             }
             sim.run_to(sim.now() + Duration::from_secs(1));
             let stopped = [TRANSFER, MILL].map(|id| (modes(&sim)[id.index()], sim.energised(id)));
@@ -183,21 +184,21 @@ fn a_station_without_its_memory_is_founded_anew_and_the_line_counts_on() {
     let again = "[[step]]\nwhen = \"all are heard\"\nafter_s = 1\ncommand = \"start\"\n[[step]]\ncommand = \"auto\"\n";
     for options in [logged(), on_buses()] {
         let line = transfer_line(1);
-        let goal = |cycles, starts, text| Goal { cycles, starts, script: script(&line, text) };
-        let mut sim = Sim::new(&line, options).expect("the line starts");
-        assert_eq!(sim.run(&goal(2, true, home)), End::Done);
+        let goal = |cycles, starts, text| RunGoal { cycles, starts, script: script(&line, text) };
+        let mut sim = LineSim::new(&line, options).expect("the line starts");
+        assert_eq!(sim.run(&goal(2, true, home)), RunEnd::Done);
         let before = sim.record().cycles();
-        sim.act(Action::Kill(Process::Station(MILL))).unwrap();
-        sim.act(Action::RestartEmpty(Process::Station(MILL))).unwrap();
+        sim.act(OperatorAction::Kill(NodeProcess::Station(MILL))).unwrap();
+        sim.act(OperatorAction::RestartEmpty(NodeProcess::Station(MILL))).unwrap();
         assert_eq!(sim.controller(MILL).map(|c| c.generation()), Some(0));
         let end = sim.run(&goal(before + 3, false, again));
-        assert_eq!(end, End::Done, "{}", sim.log().tail(&line, 40));
+        assert_eq!(end, RunEnd::Done, "{}", sim.log().tail(&line, 40));
         assert_eq!((sim.record().cycles(), sim.record().errors()), (before + 3, &[][..]));
         assert!(
             sim.log()
                 .entries()
                 .iter()
-                .any(|e| matches!(e.what, What::Station(MILL, event) if event.what == Happening::Founded))
+                .any(|e| matches!(e.what, LogKind::Station(MILL, event) if event.what == HappeningKind::Founded))
         );
         assert_eq!(sim.controller(MILL).map(|c| c.cycle()), Some(3), "its own count is new");
     }

@@ -4,38 +4,42 @@
 
 use std::time::Duration;
 
-use linewright_coordinator_logic::Command;
+use linewright_coordinator_logic::ModeCommand;
 use linewright_line::{Line, StationId, Tick};
 use linewright_plant::Fault;
-use linewright_simulation::{Action, Network, Options, Process, Rng, Sim, Way};
+use linewright_simulation::{LineSim, MotionSelection, Network, NodeProcess, OperatorAction, Rng, SimOptions};
 
 use crate::common::*;
 
 /// Somebody does something at random.
-fn action(line: &Line, rng: &mut Rng) -> Action {
+fn action(line: &Line, rng: &mut Rng) -> OperatorAction {
     let station = StationId::at(rng.below(line.stations.len() as u64) as usize);
     let op = line.station(station).op_ids().nth(rng.below(2) as usize).unwrap();
-    let process = if rng.chance(300) { Process::Coordinator } else { Process::Station(station) };
+    let process = if rng.chance(300) { NodeProcess::Coordinator } else { NodeProcess::Station(station) };
     match rng.below(22) {
-        0 => Action::Command(*rng.pick(&Command::ALL)),
-        1 | 2 => Action::Command(*rng.pick(&[Command::Start, Command::Auto])),
-        3 => Action::Command(*rng.pick(&[Command::Manual, Command::Hand])),
-        4 | 5 => Action::Panel { station, advance: rng.chance(600), down: true },
-        6 => Action::Panel { station, advance: rng.chance(600), down: false },
-        7 => Action::Buttons(1 << rng.below(line.buttons.len() as u64)),
-        8 => Action::Buttons(0),
-        9 => Action::Selector(station, rng.chance(400)),
-        10 => Action::Fail((station, op), Way::Both, Some(*rng.pick(&[Fault::Stick, Fault::Slip, Fault::SlipBack]))),
-        11 => Action::Fail((station, op), Way::Both, None),
-        12 => Action::Device(rng.below(line.devices.len() as u64) as usize, rng.chance(500)),
-        13 => Action::Kill(process),
-        14 => Action::Restart(process),
-        15 => Action::Cut(process, Process::Station(station)),
-        16 | 17 => Action::Heal,
-        18 => Action::DieAtRecord(station, rng.chance(500)),
-        19 => Action::RestartEmpty(process),
-        20 => Action::FillDisk(rng.chance(200)),
-        _ => Action::Command(Command::Reset),
+        0 => OperatorAction::Command(*rng.pick(&ModeCommand::ALL)),
+        1 | 2 => OperatorAction::Command(*rng.pick(&[ModeCommand::Start, ModeCommand::Auto])),
+        3 => OperatorAction::Command(*rng.pick(&[ModeCommand::Manual, ModeCommand::Hand])),
+        4 | 5 => OperatorAction::Panel { station, advance: rng.chance(600), down: true },
+        6 => OperatorAction::Panel { station, advance: rng.chance(600), down: false },
+        7 => OperatorAction::Buttons(1 << rng.below(line.buttons.len() as u64)),
+        8 => OperatorAction::Buttons(0),
+        9 => OperatorAction::Selector(station, rng.chance(400)),
+        10 => OperatorAction::Fail(
+            (station, op),
+            MotionSelection::Both,
+            Some(*rng.pick(&[Fault::Stick, Fault::Slip, Fault::SlipBack])),
+        ),
+        11 => OperatorAction::Fail((station, op), MotionSelection::Both, None),
+        12 => OperatorAction::Device(rng.below(line.devices.len() as u64) as usize, rng.chance(500)),
+        13 => OperatorAction::Kill(process),
+        14 => OperatorAction::Restart(process),
+        15 => OperatorAction::Cut(process, NodeProcess::Station(station)),
+        16 | 17 => OperatorAction::Heal,
+        18 => OperatorAction::DieAtRecord(station, rng.chance(500)),
+        19 => OperatorAction::RestartEmpty(process),
+        20 => OperatorAction::FillDisk(rng.chance(200)),
+        _ => OperatorAction::Command(ModeCommand::Reset),
     }
 }
 
@@ -47,11 +51,11 @@ fn trace(line: &Line, seed: u64, one_by_one: bool) -> (String, u64) {
         loss_per_mille: (rng.below(2) * rng.within(0, 300)) as u32,
         ..Network::default()
     };
-    let options = Options { seed, network, variation: 0.1, one_by_one, keeps_log: true, ..Options::default() };
-    let mut sim = Sim::new(line, options).unwrap();
+    let options = SimOptions { seed, network, variation: 0.1, one_by_one, keeps_log: true, ..SimOptions::default() };
+    let mut sim = LineSim::new(line, options).unwrap();
     sim.run_to(Tick::from_millis(500));
-    for command in [Command::Start, Command::Auto] {
-        sim.act(Action::Command(command)).unwrap();
+    for command in [ModeCommand::Start, ModeCommand::Auto] {
+        sim.act(OperatorAction::Command(command)).unwrap();
         sim.run_to(sim.now() + Duration::from_millis(100));
     }
     for _ in 0..60 {

@@ -1,7 +1,7 @@
 //! The plan: the largest cycle ratio against the growth of the earliest schedule, which knows nothing of circuits.
 
 use linewright_line::{Arrow, Line, StationId};
-use linewright_simulation::{Plan, Rng};
+use linewright_simulation::{LinePlan, Rng};
 
 use crate::common::*;
 
@@ -33,7 +33,7 @@ fn the_cycle_ratio_is_the_growth_of_the_schedule() {
     let mut rng = Rng::new(3);
     for round in 0..300 {
         let line = varied(&mut rng);
-        let plan = Plan::of(&line);
+        let plan = LinePlan::of(&line);
         let circuit = plan.longest_circuit().expect("every chart has circuits");
         // Far enough for the transient to be over, over a number of cycles that every period divides.
         let (from, over) = (200, 60);

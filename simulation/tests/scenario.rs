@@ -3,7 +3,8 @@
 use std::time::Duration;
 
 use linewright_simulation::{
-    Compare, Condition, CriticalPath, End, Goal, Network, OperationState, Options, Scenario, StationState, run,
+    Compare, CriticalPath, Network, OperationCondition, RunEnd, RunGoal, Scenario, ScenarioCondition, SimOptions,
+    StationCondition, run,
 };
 
 use crate::common::*;
@@ -86,7 +87,7 @@ fn any_text_is_answered() {
 fn an_expectation_that_does_not_hold_is_shown_where_it_stands() {
     let text = "[[step]]\nwhen = \"cycles >= 1\"\nexpect = \"line is hand\"\n";
     let (sim, end) = play(text);
-    let End::Failed { step: Some(step), why } = end else { panic!("{end:?}") };
+    let RunEnd::Failed { step: Some(step), why } = end else { panic!("{end:?}") };
     assert_eq!(step, 0);
     assert!(why.starts_with("expected line is hand, which does not hold at 3."), "{why}");
     let scenario = Scenario::parse(sim.line(), "s.toml", text).expect("it is sound");
@@ -98,10 +99,10 @@ fn an_expectation_that_does_not_hold_is_shown_where_it_stands() {
 fn waiting_in_vain_ends() {
     let (_, end) =
         play("[[step]]\nwhen = \"cycles >= 1\"\njam = \"clamp_1: advance clamp\"\n[[step]]\nwhen = \"cycles >= 9\"\n");
-    let End::Failed { step: Some(1), why } = end else { panic!("{end:?}") };
+    let RunEnd::Failed { step: Some(1), why } = end else { panic!("{end:?}") };
     assert!(why.contains("waited in vain") && why.contains("clamp_1 waits for"), "{why}");
     let (_, end) = play("[[step]]\nat_s = 5\ncommand = \"hand\"\n");
-    let End::Failed { step: Some(0), why } = end else { panic!("{end:?}") };
+    let RunEnd::Failed { step: Some(0), why } = end else { panic!("{end:?}") };
     assert!(why.contains("not obeyed"), "{why}");
 }
 
@@ -142,7 +143,7 @@ fn a_step_that_changes_nothing_fails() {
         ("release = \"clamp_1: return\"", "return of clamp_1 is not held"),
     ] {
         let (_, end) = play(&format!("[[step]]\n{step}\n"));
-        assert_eq!(end, End::Failed { step: Some(0), why: expected.to_owned() });
+        assert_eq!(end, RunEnd::Failed { step: Some(0), why: expected.to_owned() });
     }
     for (step, expected) in [
         ("kill = \"mill_1\"", "mill_1 is down already"),
@@ -150,7 +151,7 @@ fn a_step_that_changes_nothing_fails() {
         ("hold = \"clamp_1: return\"", "return of clamp_1 is held already"),
     ] {
         let (_, end) = play(&format!("[[step]]\n{step}\n[[step]]\n{step}\n"));
-        assert_eq!(end, End::Failed { step: Some(1), why: expected.to_owned() });
+        assert_eq!(end, RunEnd::Failed { step: Some(1), why: expected.to_owned() });
     }
 }
 
@@ -161,9 +162,9 @@ fn an_operation_may_have_the_words_of_a_condition_in_its_name() {
     line.stations[mill.index()].operations[decel.index()].name = "turn and is slow and are low".to_owned();
     let text = "[[step]]\nwhen = \"cycles >= 0 and mill_1: turn and is slow and are low is done and all are home\"\n";
     let scenario = Scenario::parse(&line, "s.toml", text).unwrap_or_else(|problems| panic!("{problems:#}"));
-    let done = Condition::Operation((mill, decel), OperationState::Done);
-    let all = [Condition::Cycles(Compare::AtLeast, 0), done, Condition::Every(StationState::Home)];
-    assert_eq!(scenario.script.steps[0].when, Some(Condition::All(all.to_vec())));
+    let done = ScenarioCondition::Operation((mill, decel), OperationCondition::Done);
+    let all = [ScenarioCondition::Cycles(Compare::AtLeast, 0), done, ScenarioCondition::Every(StationCondition::Home)];
+    assert_eq!(scenario.script.steps[0].when, Some(ScenarioCondition::All(all.to_vec())));
 }
 
 #[test]
@@ -174,9 +175,9 @@ fn a_step_changes_of_the_network_what_it_names() {
     assert_eq!(scenario.network.delay, Duration::from_millis(5));
     // As if somebody had asked for another delay on the command line.
     let network = Network { delay: Duration::from_millis(20), ..scenario.network };
-    let goal = Goal { cycles: 4, starts: true, script: scenario.script };
-    let (sim, end) = run(&line, Options { network, ..logged() }, &goal).expect("the line compiles");
-    assert_eq!(end, End::Done);
+    let goal = RunGoal { cycles: 4, starts: true, script: scenario.script };
+    let (sim, end) = run(&line, SimOptions { network, ..logged() }, &goal).expect("the line compiles");
+    assert_eq!(end, RunEnd::Done);
     let path = CriticalPath::of(&line, sim.record()).expect("four cycles are steady");
     let late: Duration = path.links.iter().map(|link| link.late).sum();
     assert_eq!(late, Duration::from_millis(4 * 20), "four arrows, a message each");

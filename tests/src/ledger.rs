@@ -6,7 +6,7 @@
 
 use linewright_line::net::Block;
 use linewright_line::{Line, OpId, StationId};
-use linewright_station_logic::{Event, Happening};
+use linewright_station_logic::{HappeningKind, StationHappening};
 
 /// The entries of every operation.
 #[derive(Clone, Debug)]
@@ -40,8 +40,8 @@ impl Ledger {
         self.uncounted[station.index()] = true;
     }
 
-    pub(crate) fn enter(&mut self, line: &Line, station: StationId, event: &Event) {
-        if event.what == Happening::Founded {
+    pub(crate) fn enter(&mut self, line: &Line, station: StationId, event: &StationHappening) {
+        if event.what == HappeningKind::Founded {
             // Counts begin anew.
             let fresh = Ledger::new(line);
             self.first[station.index()].clone_from(&fresh.first[station.index()]);
@@ -53,7 +53,7 @@ impl Ledger {
         }
         let entries = &mut self.entries[station.index()];
         match event.what {
-            Happening::Completed(op, Block::Normal) => {
+            HappeningKind::Completed(op, Block::Normal) => {
                 let last = entries[op.index()].last().copied();
                 let due = last.map_or(self.first[station.index()][op.index()], |last| last + 1);
                 if event.cycle != due {
@@ -66,7 +66,7 @@ impl Ledger {
                 }
                 entries[op.index()].push(event.cycle);
             }
-            Happening::Withdrawn(ops) => {
+            HappeningKind::Withdrawn(ops) => {
                 for op in (0..entries.len()).filter(|op| ops & (1 << op) != 0) {
                     self.struck[station.index()] += 1;
                     if entries[op].pop().is_none() {

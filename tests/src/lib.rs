@@ -28,7 +28,7 @@ mod scenario;
 mod sim;
 
 pub use ledger::Ledger;
-pub use linewright_simulation::{Entry, Log, Network, Process, Rng, What};
+pub use linewright_simulation::{LogKind, Network, NodeProcess, Rng, RunLog, SimLogEntry};
 pub use observer::Observer;
 pub use scenario::{hand_button, soak, transfer_line, transfer_line_with};
 pub use sim::{QUIET, ROUGH, Sim, network};

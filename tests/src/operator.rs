@@ -2,10 +2,10 @@
 
 use std::time::Duration;
 
-use linewright_coordinator_logic::Command;
+use linewright_coordinator_logic::ModeCommand;
 use linewright_line::net::ControlMode;
 use linewright_line::{ButtonId, InputId, OpId, Owner, StationId};
-use linewright_simulation::Action;
+use linewright_simulation::OperatorAction;
 
 use crate::sim::Sim;
 
@@ -14,12 +14,12 @@ const PATIENCE: Duration = Duration::from_secs(60);
 
 impl Sim {
     /// Gives a command, by message.
-    pub fn command(&mut self, command: Command) {
-        self.act(Action::Command(command));
+    pub fn command(&mut self, command: ModeCommand) {
+        self.act(OperatorAction::Command(command));
     }
 
     /// Gives a command and waits for the answer: obeyed, or refused in words. No answer is a refusal too.
-    pub fn ask(&mut self, command: Command) -> Result<(), String> {
+    pub fn ask(&mut self, command: ModeCommand) -> Result<(), String> {
         let before = self.answered();
         self.command(command);
         let end = self.now() + Duration::from_secs(1);
@@ -33,7 +33,7 @@ impl Sim {
     }
 
     /// Gives a command that must be obeyed.
-    pub fn order(&mut self, command: Command) {
+    pub fn order(&mut self, command: ModeCommand) {
         if let Err(refusal) = self.ask(command) {
             self.give_up(&format!("should have been obeyed: {refusal}"));
         }
@@ -41,22 +41,22 @@ impl Sim {
 
     /// Turns the selector of a station.
     pub fn selector(&mut self, station: &str, manual: bool) {
-        self.act(Action::Selector(self.id(station), manual));
+        self.act(OperatorAction::Selector(self.id(station), manual));
     }
 
     /// Presses a panel button and keeps it down.
     pub fn press(&mut self, station: StationId, advance: bool) {
-        self.act(Action::Panel { station, advance, down: true });
+        self.act(OperatorAction::Panel { station, advance, down: true });
     }
 
     /// Lets go of a panel button.
     pub fn release(&mut self, station: StationId, advance: bool) {
-        self.act(Action::Panel { station, advance, down: false });
+        self.act(OperatorAction::Panel { station, advance, down: false });
     }
 
     /// Holds exactly these hand-mode buttons of the main console, by message.
     pub fn hold_buttons(&mut self, held: u32) {
-        self.act(Action::Buttons(held));
+        self.act(OperatorAction::Buttons(held));
     }
 
     /// Holds exactly this hand-mode button.
@@ -76,7 +76,7 @@ impl Sim {
             Owner::Console => (None, &self.line().console.inputs),
         };
         let at = names.iter().position(|name| name == input).unwrap_or_else(|| panic!("no input {input}"));
-        self.act(Action::Force(station, InputId::at(at), value));
+        self.act(OperatorAction::Force(station, InputId::at(at), value));
     }
 
     /// Runs until something holds.
@@ -107,13 +107,13 @@ impl Sim {
         self.run_until("everything is heard", |s| s.all_heard() && s.hears_console());
         // The coordinator hears of the devices a moment later.
         self.run_for(Duration::from_millis(300));
-        self.order(Command::Start);
+        self.order(ModeCommand::Start);
     }
 
     /// Waits until everything is heard, then gives start and auto.
     pub fn start_auto(&mut self) {
         self.start();
-        self.order(Command::Auto);
+        self.order(ModeCommand::Auto);
     }
 
     /// Every station is running, heard by the coordinator, and hears its devices.
@@ -147,7 +147,7 @@ impl Sim {
         self.run_until("everything stands", |s| s.line().station_ids().all(|id| s.is_stopped(id)));
         // The coordinator hears of it a moment later.
         for _ in 0..20 {
-            match self.ask(Command::Manual) {
+            match self.ask(ModeCommand::Manual) {
                 Ok(()) => break,
                 Err(_) => self.run_for(Duration::from_millis(100)),
             }
@@ -195,7 +195,7 @@ impl Sim {
     pub fn back_to_auto(&mut self) {
         let mut refusal = String::new();
         for _ in 0..10 {
-            match self.ask(Command::Auto) {
+            match self.ask(ModeCommand::Auto) {
                 Ok(()) => return,
                 Err(text) => refusal = text,
             }
@@ -225,10 +225,10 @@ impl Sim {
             return;
         }
         if self.mode() == Some(ControlMode::EStop) {
-            self.order(Command::Reset);
+            self.order(ModeCommand::Reset);
         }
         if self.mode() == Some(ControlMode::Home) {
-            self.order(Command::Start);
+            self.order(ModeCommand::Start);
         }
         self.go_manual();
         let stations: Vec<String> = self.line().stations.iter().map(|station| station.name.clone()).collect();

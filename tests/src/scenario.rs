@@ -6,7 +6,7 @@ use linewright_fieldbus::NodeId;
 use linewright_line::net::{ControlMode, Place};
 use linewright_line::{AxisId, ButtonId, Device, Line, OpId, OutputId, Owner, StationId, TransferLine, parse};
 use linewright_plant::{DeviceFault, Fault, FrameFaults};
-use linewright_simulation::{Action, Network, Process, Way};
+use linewright_simulation::{MotionSelection, Network, NodeProcess, OperatorAction};
 use linewright_station_logic::Controller;
 
 use crate::ledger::Ledger;
@@ -64,17 +64,17 @@ impl Sim {
 
     /// Makes the normal motion of an operation fail.
     pub fn fail(&mut self, station: &str, operation: &str, fault: Fault) {
-        self.act(Action::Fail(self.op(station, operation), Way::Normal, Some(fault)));
+        self.act(OperatorAction::Fail(self.op(station, operation), MotionSelection::Normal, Some(fault)));
     }
 
     /// Makes the recovery motion of an operation fail, or work again.
     pub fn fail_recovery(&mut self, station: &str, operation: &str, fault: Option<Fault>) {
-        self.act(Action::Fail(self.op(station, operation), Way::Recovery, fault));
+        self.act(OperatorAction::Fail(self.op(station, operation), MotionSelection::Recovery, fault));
     }
 
     /// Repairs an operation.
     pub fn repair(&mut self, station: &str, operation: &str) {
-        self.act(Action::Fail(self.op(station, operation), Way::Both, None));
+        self.act(OperatorAction::Fail(self.op(station, operation), MotionSelection::Both, None));
     }
 
     fn device(&self, name: &str) -> Device {
@@ -117,17 +117,17 @@ impl Sim {
 
     /// Kills a station's process, now.
     pub fn kill_station(&mut self, station: StationId) {
-        self.act(Action::Kill(Process::Station(station)));
+        self.act(OperatorAction::Kill(NodeProcess::Station(station)));
     }
 
     /// Lets a station's process die at its next change, between its record and everything it would have said.
     pub fn kill_station_at_its_next_record(&mut self, station: StationId) {
-        self.act(Action::DieAtRecord(station, true));
+        self.act(OperatorAction::DieAtRecord(station, true));
     }
 
     /// Takes [`Sim::kill_station_at_its_next_record`] back.
     pub fn spare_station(&mut self, station: StationId) {
-        self.act(Action::DieAtRecord(station, false));
+        self.act(OperatorAction::DieAtRecord(station, false));
     }
 
     /// Whether a station's process runs.
@@ -139,48 +139,48 @@ impl Sim {
     pub fn restart_station_without_memory(&mut self, station: StationId) {
         self.ledger.lose(station);
         self.observer.lose_parts();
-        self.act(Action::RestartEmpty(Process::Station(station)));
+        self.act(OperatorAction::RestartEmpty(NodeProcess::Station(station)));
     }
 
     /// An operator confirms where a station stands.
     pub fn rejoin(&mut self, station: StationId, within: Option<OpId>) {
-        self.act(Action::Rejoin(station, within));
+        self.act(OperatorAction::Rejoin(station, within));
     }
 
     /// Starts a killed station again, from its journal.
     pub fn restart_station(&mut self, station: StationId) {
-        self.act(Action::Restart(Process::Station(station)));
+        self.act(OperatorAction::Restart(NodeProcess::Station(station)));
     }
 
     /// Kills the coordinator's process, and with it the gateway and the manager of the bus.
     pub fn kill_coordinator(&mut self) {
-        self.act(Action::Kill(Process::Coordinator));
+        self.act(OperatorAction::Kill(NodeProcess::Coordinator));
     }
 
     /// Starts a coordinator that has the journal of the one before, or has lost it.
     pub fn restart_coordinator(&mut self, remembers: bool) {
-        let (with, without) = (Action::Restart, Action::RestartEmpty);
-        self.act(if remembers { with(Process::Coordinator) } else { without(Process::Coordinator) });
+        let (with, without) = (OperatorAction::Restart, OperatorAction::RestartEmpty);
+        self.act(if remembers { with(NodeProcess::Coordinator) } else { without(NodeProcess::Coordinator) });
     }
 
     /// The coordinator's disk takes no record any more, or takes them again.
     pub fn fill_disk(&mut self, is_full: bool) {
-        self.act(Action::FillDisk(is_full));
+        self.act(OperatorAction::FillDisk(is_full));
     }
 
     /// Another coordinator, which no station follows, orders the emergency stop once.
     pub fn foreign_stop(&mut self) {
-        self.act(Action::ForeignStop);
+        self.act(OperatorAction::ForeignStop);
     }
 
     /// Cuts everything from one process to another.
-    pub fn cut(&mut self, from: Process, to: Process) {
-        self.act(Action::Cut(from, to));
+    pub fn cut(&mut self, from: NodeProcess, to: NodeProcess) {
+        self.act(OperatorAction::Cut(from, to));
     }
 
     /// Joins every link again.
     pub fn heal(&mut self) {
-        self.act(Action::Heal);
+        self.act(OperatorAction::Heal);
     }
 
     /// What the network does from now on: to everything but process images, and to those.
@@ -190,7 +190,7 @@ impl Sim {
 
     /// The operator's screen hangs: held buttons are not repeated. Or it goes on.
     pub fn freeze_fingers(&mut self, frozen: bool) {
-        self.act(Action::Hang(frozen));
+        self.act(OperatorAction::Hang(frozen));
     }
 
     /// The marked places of a station; none while it is down.

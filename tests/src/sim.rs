@@ -7,8 +7,8 @@ use std::ops::Deref;
 use std::time::Duration;
 
 use linewright_line::{Line, StationId, Tick};
-use linewright_simulation::{Action, Network, Options, What};
-use linewright_station_logic::Happening;
+use linewright_simulation::{LogKind, Network, OperatorAction, SimOptions};
+use linewright_station_logic::HappeningKind;
 
 use crate::ledger::Ledger;
 use crate::observer::Observer;
@@ -31,7 +31,7 @@ pub const fn network((shortest, longest): (u64, u64), loss_per_mille: u32, doubl
 
 /// A watched line in virtual time.
 pub struct Sim {
-    sim: linewright_simulation::Sim,
+    sim: linewright_simulation::LineSim,
     pub(crate) ledger: Ledger,
     pub(crate) observer: Observer,
     seed: u64,
@@ -42,7 +42,7 @@ pub struct Sim {
 }
 
 impl Deref for Sim {
-    type Target = linewright_simulation::Sim;
+    type Target = linewright_simulation::LineSim;
 
     fn deref(&self) -> &Self::Target {
         &self.sim
@@ -57,9 +57,16 @@ impl Sim {
 
     /// A line switched on at time zero, whose motions take up to `variation` (a fraction) longer or shorter.
     pub fn with(line: &Line, seed: u64, network: Network, variation: f64) -> Self {
-        let options =
-            Options { seed, network, images: network, variation, frames: true, keeps_log: true, ..Options::default() };
-        let sim = linewright_simulation::Sim::new(line, options);
+        let options = SimOptions {
+            seed,
+            network,
+            images: network,
+            variation,
+            frames: true,
+            keeps_log: true,
+            ..SimOptions::default()
+        };
+        let sim = linewright_simulation::LineSim::new(line, options);
         Sim {
             sim: sim.unwrap_or_else(|error| panic!("the line of a test starts: {error}")),
             ledger: Ledger::new(line),
@@ -71,12 +78,12 @@ impl Sim {
     }
 
     /// Does something to the line.
-    pub fn act(&mut self, action: Action) {
+    pub fn act(&mut self, action: OperatorAction) {
         self.sim.act(action).unwrap_or_else(|error| panic!("what a test starts comes up: {error}"));
     }
 
     /// The simulation, for what only some scenarios do to it.
-    pub(crate) fn inner(&mut self) -> &mut linewright_simulation::Sim {
+    pub(crate) fn inner(&mut self) -> &mut linewright_simulation::LineSim {
         &mut self.sim
     }
 
@@ -103,9 +110,9 @@ impl Sim {
         let from = usize::try_from(self.read - log.forgotten()).unwrap_or(usize::MAX);
         self.read = log.forgotten() + log.entries().len() as u64;
         for entry in log.entries().get(from..).unwrap_or_default() {
-            if let What::Station(id, event) = entry.what {
+            if let LogKind::Station(id, event) = entry.what {
                 self.ledger.enter(self.sim.line(), id, &event);
-                if event.what == Happening::Refused {
+                if event.what == HappeningKind::Refused {
                     self.refused(id);
                 }
             }

@@ -12,10 +12,10 @@
 
 use std::time::{Duration, Instant};
 
-use linewright_coordinator_logic::Command;
+use linewright_coordinator_logic::ModeCommand;
 use linewright_line::Tick;
 use linewright_line::net::{Block, ControlMode};
-use linewright_station_logic::Happening;
+use linewright_station_logic::HappeningKind;
 use linewright_tests::{QUIET, ROUGH, Sim, transfer_line, transfer_line_with};
 
 /// Station, operation, start and end in milliseconds after the first lift of its cycle.
@@ -54,7 +54,7 @@ fn ten_cycles_follow_the_chart_to_the_millisecond() {
     sim.run_until_done("mill_1", "reset main slide", 10);
 
     let (transfer, lift) = sim.op("transfer", "1st lift");
-    let first = sim.log().of(transfer).find(|(_, e)| e.what == Happening::Started(lift, Block::Normal));
+    let first = sim.log().of(transfer).find(|(_, e)| e.what == HappeningKind::Started(lift, Block::Normal));
     let origin = first.expect("the bar has lifted").0;
     let mut checked = 0;
     for cycle in 1..=10 {
@@ -64,11 +64,11 @@ fn ten_cycles_follow_the_chart_to_the_millisecond() {
                 continue;
             }
             let (id, op) = sim.op(station, operation);
-            let times = |what: Happening| -> Vec<Tick> {
+            let times = |what: HappeningKind| -> Vec<Tick> {
                 sim.log().of(id).filter(|(_, e)| e.what == what && e.cycle == cycle).map(|(at, _)| at).collect()
             };
-            let started = times(Happening::Started(op, Block::Normal));
-            let done = times(Happening::Completed(op, Block::Normal));
+            let started = times(HappeningKind::Started(op, Block::Normal));
+            let done = times(HappeningKind::Completed(op, Block::Normal));
             for (times, due, what) in [(started, start, "starts"), (done, end, "is done")] {
                 assert_eq!(times.len(), 1, "{station}: {operation} {what} once in cycle {cycle}");
                 let at = times[0].as_micros() as i64 - origin.as_micros() as i64;
@@ -88,7 +88,7 @@ fn ten_cycles_follow_the_chart_to_the_millisecond() {
     let starts: usize = sim
         .line()
         .station_ids()
-        .map(|id| sim.log().of(id).filter(|(_, e)| matches!(e.what, Happening::Started(..))).count())
+        .map(|id| sim.log().of(id).filter(|(_, e)| matches!(e.what, HappeningKind::Started(..))).count())
         .sum();
     assert!((169..=171).contains(&starts), "{starts} starts: ten cycles, and perhaps the clamp of the eleventh");
     for part in 1..=10 {
@@ -103,7 +103,8 @@ fn the_mill_machines_while_the_bar_returns_and_the_bar_lifts_only_under_an_open_
     sim.run_until_done("transfer", "1st lift", 3);
     let at = |station: &str, operation: &str, cycle: i32, start: bool| {
         let (id, op) = sim.op(station, operation);
-        let what = if start { Happening::Started(op, Block::Normal) } else { Happening::Completed(op, Block::Normal) };
+        let what =
+            if start { HappeningKind::Started(op, Block::Normal) } else { HappeningKind::Completed(op, Block::Normal) };
         let found = sim.log().of(id).find(|(_, e)| e.what == what && e.cycle == cycle);
         found.unwrap_or_else(|| panic!("{operation} in cycle {cycle}")).0
     };
@@ -140,15 +141,15 @@ fn master_stop_halts_every_station_at_home_and_start_and_auto_go_on() {
         sim.start_auto();
         sim.run_until_done("transfer", "1st lift", 2);
         sim.run_for(Duration::from_millis(moment));
-        sim.order(Command::Stop);
+        sim.order(ModeCommand::Stop);
         sim.run_until("the line is home", |s| s.mode() == Some(ControlMode::Home));
         assert!(sim.all_home(), "moment {moment}");
         let positions = sim.positions();
         sim.settle();
         assert_eq!(positions, sim.positions(), "and nothing moves any more");
 
-        sim.order(Command::Start);
-        sim.order(Command::Auto);
+        sim.order(ModeCommand::Start);
+        sim.order(ModeCommand::Auto);
         let reached = sim.observer().places();
         sim.run_until("two more parts", |s| s.observer().places() == reached + 2);
         for part in 1..reached {
@@ -167,13 +168,13 @@ fn master_stop_just_as_the_next_round_begins() {
             sim.start_auto();
             sim.run_until_done("clamp_1", "return clamp", 2);
             sim.run_for(Duration::from_micros(micros));
-            sim.order(Command::Stop);
+            sim.order(ModeCommand::Stop);
             sim.run_until("the line is home", |s| s.mode() == Some(ControlMode::Home));
             assert!(sim.all_home(), "{micros} us, seed {seed}");
             sim.settle();
             assert!(sim.all_home(), "{micros} us, seed {seed}: and stays there");
-            sim.order(Command::Start);
-            sim.order(Command::Auto);
+            sim.order(ModeCommand::Start);
+            sim.order(ModeCommand::Auto);
             sim.run_until_done("mill_1", "reset main slide", 3);
         }
     }
@@ -184,9 +185,9 @@ fn a_stop_taken_back_by_start_costs_nothing() {
     let mut sim = Sim::new(&transfer_line(1.0), 5);
     sim.start_auto();
     sim.run_until_done("transfer", "1st lift", 2);
-    sim.order(Command::Stop);
+    sim.order(ModeCommand::Stop);
     sim.run_for(Duration::from_millis(200));
-    sim.order(Command::Start);
+    sim.order(ModeCommand::Start);
     sim.run_until_done("mill_1", "reset main slide", 5);
     assert_eq!(sim.mode(), Some(ControlMode::Auto));
 }

@@ -8,18 +8,18 @@
 
 use std::time::Duration;
 
-use linewright_coordinator_logic::Command;
+use linewright_coordinator_logic::ModeCommand;
 use linewright_line::net::{Block, ControlMode};
 use linewright_line::{StationId, Tick};
-use linewright_station_logic::Happening;
-use linewright_tests::{Process, ROUGH, Sim, transfer_line};
+use linewright_station_logic::HappeningKind;
+use linewright_tests::{NodeProcess, ROUGH, Sim, transfer_line};
 
 const STATIONS: [&str; 3] = ["transfer", "clamp_1", "mill_1"];
 
 /// The first motion that started after `since`, if any.
 fn started_after(sim: &Sim, since: Tick) -> Option<(StationId, Tick, String)> {
     sim.line().station_ids().find_map(|id| {
-        let mut late = sim.log().of(id).filter(|(at, e)| *at > since && matches!(e.what, Happening::Started(..)));
+        let mut late = sim.log().of(id).filter(|(at, e)| *at > since && matches!(e.what, HappeningKind::Started(..)));
         late.next().map(|(at, e)| (id, at, e.text(sim.line(), id)))
     })
 }
@@ -46,7 +46,7 @@ fn a_station_killed_at_any_moment_and_restarted_from_its_journal() {
             assert_eq!(started_after(&sim, quiet), None, "{station} killed at {moment} ms");
             assert!(!sim.anything_energised());
             assert_eq!(sim.mode(), Some(ControlMode::StandBy));
-            let refusal = sim.ask(Command::Auto).expect_err("a station is missing");
+            let refusal = sim.ask(ModeCommand::Auto).expect_err("a station is missing");
             assert!(refusal.contains(&format!("{station} is not heard")), "{refusal}");
 
             sim.restart_station(id);
@@ -90,14 +90,14 @@ fn a_station_restarted_sooner_than_it_is_missed_stops_auto_all_the_same() {
             sim.settle();
             assert_eq!(sim.mode(), Some(ControlMode::StandBy));
             assert_eq!(started_after(&sim, believed + Duration::from_millis(6)), None);
-            let refusal = sim.ask(Command::Auto).expect_err("nobody has looked at it");
+            let refusal = sim.ask(ModeCommand::Auto).expect_err("nobody has looked at it");
             assert!(refusal.contains(&format!("{station} was restarted")), "{refusal}");
             if sim.is_incomplete(station) {
                 sim.bring_back();
             } else {
                 // It stood still: a person's word is enough.
-                sim.order(Command::Start);
-                sim.order(Command::Auto);
+                sim.order(ModeCommand::Start);
+                sim.order(ModeCommand::Auto);
             }
             two_more_cycles(&mut sim);
         }
@@ -149,9 +149,9 @@ fn a_station_cut_off_from_the_coordinator_but_not_from_its_neighbours() {
             let mut sim = Sim::in_second_cycle(moment, moment);
             let id = sim.id(station);
             let timing = sim.line().timing;
-            sim.cut(Process::Coordinator, Process::Station(id));
+            sim.cut(NodeProcess::Coordinator, NodeProcess::Station(id));
             if back_too {
-                sim.cut(Process::Station(id), Process::Coordinator);
+                sim.cut(NodeProcess::Station(id), NodeProcess::Coordinator);
             }
             let cut = sim.now();
             sim.run_for(Duration::from_secs(3));
@@ -170,8 +170,8 @@ fn neighbours_that_do_not_hear_each_other_wait_and_go_on_when_they_do() {
     for moment in (0..3560).step_by(120) {
         let mut sim = Sim::in_second_cycle(moment, moment);
         let (transfer, clamp) = (sim.id("transfer"), sim.id("clamp_1"));
-        sim.cut(Process::Station(transfer), Process::Station(clamp));
-        sim.cut(Process::Station(clamp), Process::Station(transfer));
+        sim.cut(NodeProcess::Station(transfer), NodeProcess::Station(clamp));
+        sim.cut(NodeProcess::Station(clamp), NodeProcess::Station(transfer));
         sim.run_for(Duration::from_secs(5));
         assert_eq!(sim.mode(), Some(ControlMode::Auto), "nothing is wrong with any of them");
         assert!(!sim.anything_energised(), "but none goes on");
@@ -208,6 +208,8 @@ fn a_motion_cut_short_by_a_crash_is_never_counted_twice() {
     sim.restart_station(mill);
     sim.bring_back();
     two_more_cycles(&mut sim);
-    let done = |at: &(Tick, linewright_station_logic::Event)| at.1.what == Happening::Completed(feed, Block::Normal);
+    let done = |at: &(Tick, linewright_station_logic::StationHappening)| {
+        at.1.what == HappeningKind::Completed(feed, Block::Normal)
+    };
     assert_eq!(sim.log().of(mill).filter(done).count() as i32, sim.done(mill, feed));
 }

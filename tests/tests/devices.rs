@@ -8,10 +8,10 @@
 
 use std::time::Duration;
 
-use linewright_coordinator_logic::Command;
+use linewright_coordinator_logic::ModeCommand;
 use linewright_line::net::ControlMode;
 use linewright_plant::DeviceFault;
-use linewright_station_logic::{Cause, Happening};
+use linewright_station_logic::{HappeningKind, StopCause};
 use linewright_tests::Sim;
 
 const DEVICES: [(&str, &str); 5] = [
@@ -51,9 +51,10 @@ fn a_device_that_falls_silent_at_any_moment() {
             sim.run_for(lost);
             off_until_recovered(&mut sim, station);
             assert_eq!(sim.mode(), Some(ControlMode::StandBy));
-            let stopped = sim.log().of(id).any(|(_, e)| matches!(e.what, Happening::Stopped(_, _, Cause::Devices)));
+            let stopped =
+                sim.log().of(id).any(|(_, e)| matches!(e.what, HappeningKind::Stopped(_, _, StopCause::Devices)));
             assert!(stopped || !was_moving || !sim.is_incomplete(station));
-            let refusal = sim.ask(Command::Auto).expect_err("its devices are lost");
+            let refusal = sim.ask(ModeCommand::Auto).expect_err("its devices are lost");
             assert!(refusal.contains(&format!("{station} has lost its devices")), "{refusal}");
             sim.fail_device(device, None);
             off_until_recovered(&mut sim, station);
@@ -106,9 +107,9 @@ fn a_console_that_falls_silent_is_an_emergency_stop() {
     sim.run_for(Duration::from_millis(300));
     assert_eq!(sim.mode(), Some(ControlMode::EStop));
     assert!(!sim.anything_energised());
-    assert!(sim.ask(Command::Reset).is_err_and(|refusal| refusal.contains("console")));
+    assert!(sim.ask(ModeCommand::Reset).is_err_and(|refusal| refusal.contains("console")));
     sim.fail_device("console io", None);
     sim.settle();
-    sim.order(Command::Reset);
+    sim.order(ModeCommand::Reset);
     bring_back(&mut sim);
 }

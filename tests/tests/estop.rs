@@ -7,7 +7,7 @@
 
 use std::time::Duration;
 
-use linewright_coordinator_logic::Command;
+use linewright_coordinator_logic::ModeCommand;
 use linewright_line::Owner;
 use linewright_line::net::ControlMode;
 use linewright_tests::{Sim, transfer_line};
@@ -27,19 +27,19 @@ fn stop_and_come_back(moment: Duration, by_wire: bool) {
     if by_wire {
         sim.wire(Owner::Console, "ES_pressed", Some(true));
     } else {
-        sim.command(Command::EStop);
+        sim.command(ModeCommand::EStop);
     }
     sim.run_for(OFF_WITHIN);
     assert!(!sim.anything_energised(), "every output is off at {moment:?}");
     assert_eq!(sim.mode(), Some(ControlMode::EStop));
     sim.run_for(BRAKES_WITHIN);
     let stands = sim.positions();
-    for command in [Command::Start, Command::Stop, Command::Auto, Command::Hand, Command::Manual] {
+    for command in [ModeCommand::Start, ModeCommand::Stop, ModeCommand::Auto, ModeCommand::Hand, ModeCommand::Manual] {
         let refusal = sim.ask(command).expect_err("the emergency stop is on");
         assert!(refusal.contains("emergency stop"), "{refusal}");
     }
     if by_wire {
-        let refusal = sim.ask(Command::Reset).expect_err("its button is still in");
+        let refusal = sim.ask(ModeCommand::Reset).expect_err("its button is still in");
         assert!(refusal.contains("pull it out"), "{refusal}");
         sim.wire(Owner::Console, "ES_pressed", None);
         sim.run_for(Duration::from_millis(50));
@@ -47,11 +47,11 @@ fn stop_and_come_back(moment: Duration, by_wire: bool) {
     }
     sim.settle();
     assert_eq!(sim.positions(), stands, "nothing moves");
-    sim.order(Command::Reset);
+    sim.order(ModeCommand::Reset);
     assert_eq!(sim.mode(), Some(ControlMode::EStop), "only manual leads out");
     sim.settle();
     assert_eq!(sim.positions(), stands, "and a reset moves nothing");
-    assert!(sim.ask(Command::Auto).is_err() && sim.ask(Command::Hand).is_err());
+    assert!(sim.ask(ModeCommand::Auto).is_err() && sim.ask(ModeCommand::Hand).is_err());
 
     sim.bring_back();
     sim.run_until_done("mill_1", "reset main slide", 4);
@@ -80,7 +80,7 @@ fn an_emergency_stop_outlives_the_coordinator_that_gave_it() {
         let mut sim = Sim::new(&transfer_line(1.0), 4);
         sim.start_auto();
         sim.run_until_done("transfer", "advance transfer", 2);
-        sim.order(Command::EStop);
+        sim.order(ModeCommand::EStop);
         sim.run_for(Duration::from_millis(100));
         sim.kill_coordinator();
         sim.run_for(Duration::from_secs(2));
@@ -101,17 +101,17 @@ fn replacing_the_coordinator_is_no_way_out_of_an_emergency_stop() {
     for reset in [false, true] {
         let mut sim = Sim::new(&transfer_line(1.0), 2);
         sim.start();
-        sim.order(Command::EStop);
+        sim.order(ModeCommand::EStop);
         if reset {
-            sim.order(Command::Reset);
+            sim.order(ModeCommand::Reset);
         }
         sim.run_for(Duration::from_millis(100));
         sim.kill_coordinator();
         sim.restart_coordinator(true);
         sim.settle();
-        assert!(sim.ask(Command::Start).is_err() && sim.ask(Command::Auto).is_err());
+        assert!(sim.ask(ModeCommand::Start).is_err() && sim.ask(ModeCommand::Auto).is_err());
         assert_eq!(sim.mode(), Some(ControlMode::EStop));
-        sim.order(Command::Reset);
+        sim.order(ModeCommand::Reset);
         sim.go_manual();
         sim.back_to_auto();
         sim.run_until_done("mill_1", "reset main slide", 2);
@@ -123,14 +123,14 @@ fn a_coordinator_that_has_lost_its_journal_adopts_the_stop_the_stations_are_in()
     let mut sim = Sim::new(&transfer_line(1.0), 4);
     sim.start_auto();
     sim.run_until_done("transfer", "advance transfer", 2);
-    sim.order(Command::EStop);
+    sim.order(ModeCommand::EStop);
     sim.run_for(Duration::from_millis(100));
     sim.kill_coordinator();
     sim.run_for(Duration::from_secs(2));
     sim.restart_coordinator(false);
     sim.settle();
     assert_eq!(sim.mode(), Some(ControlMode::EStop), "it has no record of it");
-    assert!(sim.ask(Command::Auto).expect_err("stopped").contains("emergency stop"));
+    assert!(sim.ask(ModeCommand::Auto).expect_err("stopped").contains("emergency stop"));
     sim.bring_back();
     sim.run_until_done("mill_1", "reset main slide", 3);
 }
@@ -148,8 +148,8 @@ fn the_emergency_stop_of_a_second_coordinator_is_obeyed_and_there_is_no_way_out_
         for _ in 0..20 {
             sim.foreign_stop();
             sim.run_for(Duration::from_millis(50));
-            let _ = sim.ask(Command::Reset);
-            let _ = sim.ask(Command::Manual);
+            let _ = sim.ask(ModeCommand::Reset);
+            let _ = sim.ask(ModeCommand::Manual);
             for id in sim.line().station_ids() {
                 assert_eq!(sim.mode_of(id), Some(ControlMode::EStop));
             }
@@ -167,12 +167,12 @@ fn an_emergency_stop_that_the_disk_does_not_take_stays_until_it_does() {
     sim.start_auto();
     sim.run_until_done("transfer", "advance transfer", 2);
     sim.fill_disk(true);
-    sim.command(Command::EStop);
+    sim.command(ModeCommand::EStop);
     sim.run_for(OFF_WITHIN);
     assert!(!sim.anything_energised(), "no disk delays it");
     sim.run_for(Duration::from_secs(5));
     assert_eq!(sim.mode(), Some(ControlMode::EStop));
-    let refusal = sim.ask(Command::Reset).expect_err("not while it is not written down");
+    let refusal = sim.ask(ModeCommand::Reset).expect_err("not while it is not written down");
     assert!(refusal.contains("cannot write its journal"), "{refusal}");
     // Killed with nothing on its disk: the stations know.
     sim.kill_coordinator();

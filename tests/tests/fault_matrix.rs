@@ -10,11 +10,11 @@
 
 use std::time::Duration;
 
-use linewright_coordinator_logic::Command;
+use linewright_coordinator_logic::ModeCommand;
 use linewright_line::net::{ControlMode, Place};
 use linewright_line::{Identity, Line, Owner, Reaction, StationId};
 use linewright_plant::{DeviceFault, FrameFaults};
-use linewright_station_logic::{Cause, Happening};
+use linewright_station_logic::{HappeningKind, StopCause};
 use linewright_tests::{Rng, Sim, soak, transfer_line};
 
 /// What happens, in this order, and what must be said of it.
@@ -146,8 +146,8 @@ fn in_mid_cycle(case: &Case, (device, node, station): &(String, String, StationI
         assert_eq!(sim.marking(other), end.collect::<Vec<_>>(), "the others finish what they do, and start nothing");
         assert_eq!(sim.trouble(other), Vec::<String>::new(), "and nothing is wrong with them");
     }
-    let stopped = |(_, event): &(linewright_line::Tick, linewright_station_logic::Event)| {
-        matches!(event.what, Happening::Stopped(_, _, Cause::Devices))
+    let stopped = |(_, event): &(linewright_line::Tick, linewright_station_logic::StationHappening)| {
+        matches!(event.what, HappeningKind::Stopped(_, _, StopCause::Devices))
     };
     let stops = sim.log().of(station).skip(begun).filter(stopped).count();
     let completed = !sim.marking(station).iter().any(|place| place.is_incomplete());
@@ -212,15 +212,15 @@ fn at_boot() {
                 let never = case.said.starts_with("no heartbeat")
                     && said.iter().any(|s| s.contains("(1017h)") || s.contains("1017h)"));
                 assert!(never || is_said(&sim, *station, device, node, case.said), "{device}: {said:?}");
-                let _ = sim.ask(Command::Start);
-                let refusal = sim.ask(Command::Auto).expect_err("its devices are not there");
+                let _ = sim.ask(ModeCommand::Start);
+                let refusal = sim.ask(ModeCommand::Auto).expect_err("its devices are not there");
                 assert!(!sim.anything_energised(), "{refusal}");
             }
             sim.fail_device(device, None);
             sim.run_until("everything is heard", Sim::all_heard);
             sim.settle();
             if sim.mode() == Some(ControlMode::Home) {
-                sim.order(Command::Start);
+                sim.order(ModeCommand::Start);
             }
             sim.back_to_auto();
             sim.run_until_done("mill_1", "reset main slide", 2);

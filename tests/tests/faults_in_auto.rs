@@ -8,11 +8,11 @@
 
 use std::time::Duration;
 
-use linewright_coordinator_logic::Command;
+use linewright_coordinator_logic::ModeCommand;
 use linewright_line::net::{Block, ControlMode, Place};
 use linewright_line::{Drive, Module, OpId, Owner, StationId};
 use linewright_plant::Fault;
-use linewright_station_logic::{Cause, Happening};
+use linewright_station_logic::{HappeningKind, StopCause};
 use linewright_tests::{Sim, transfer_line};
 
 #[derive(Clone, Copy, Debug, PartialEq)]
@@ -61,11 +61,12 @@ fn one_stops_and_the_others_finish(sim: &mut Sim, station: &str, operation: &str
     let signal = sim.line().operation((id, op)).normal.fault;
     let cause = match drive_of(sim, id, op) {
         // A drive that sticks trips over its following error: it says so itself, to an operation that listens.
-        Some(drive) if drive.fault == signal => Cause::Signal,
-        None if fault == Fault::Break && signal.is_some() => Cause::Signal,
-        _ => Cause::Watchdog,
+        Some(drive) if drive.fault == signal => StopCause::Signal,
+        None if fault == Fault::Break && signal.is_some() => StopCause::Signal,
+        _ => StopCause::Watchdog,
     };
-    let seen = sim.log().of(id).any(|(at, e)| at == stopped && e.what == Happening::Stopped(op, Block::Normal, cause));
+    let seen =
+        sim.log().of(id).any(|(at, e)| at == stopped && e.what == HappeningKind::Stopped(op, Block::Normal, cause));
     assert!(seen, "{station}: {operation} stops with {cause:?}");
     sim.run_for(SPREADS);
     assert_eq!(sim.energised(id), 0, "its actuator is off");
@@ -79,12 +80,12 @@ fn one_stops_and_the_others_finish(sim: &mut Sim, station: &str, operation: &str
         assert_eq!(sim.marking(other), finished, "{} finishes what it did", sim.line().station(other).name);
     }
     for id in sim.line().station_ids() {
-        let late = |(at, e): &(linewright_line::Tick, linewright_station_logic::Event)| {
-            *at > stopped + SPREADS && matches!(e.what, Happening::Started(..))
+        let late = |(at, e): &(linewright_line::Tick, linewright_station_logic::StationHappening)| {
+            *at > stopped + SPREADS && matches!(e.what, HappeningKind::Started(..))
         };
         assert_eq!(sim.log().of(id).find(late), None, "nothing new starts");
     }
-    let refusal = sim.ask(Command::Auto).expect_err("auto is refused with a fault standing");
+    let refusal = sim.ask(ModeCommand::Auto).expect_err("auto is refused with a fault standing");
     assert!(refusal.contains(&format!("{station} has an incomplete operation")), "{refusal}");
 }
 
@@ -177,7 +178,7 @@ fn a_broken_tool_stops_the_feed() {
     let (mill, feed) = sim.op("mill_1", "feed main slide");
     sim.wire(Owner::Station(mill), "tool_broken", Some(true));
     sim.run_until("the feed stops", |s| s.is_incomplete("mill_1"));
-    let stopped = Happening::Stopped(feed, Block::Normal, Cause::Signal);
+    let stopped = HappeningKind::Stopped(feed, Block::Normal, StopCause::Signal);
     assert!(sim.log().of(mill).any(|(_, event)| event.what == stopped));
     sim.run_for(SPREADS);
     assert_eq!(sim.energised(mill), 0);

@@ -8,15 +8,15 @@
 
 use std::time::Duration;
 
-use linewright_coordinator_logic::Command;
+use linewright_coordinator_logic::ModeCommand;
 use linewright_line::net::{Block, ControlMode};
-use linewright_station_logic::Happening;
+use linewright_station_logic::HappeningKind;
 use linewright_tests::{Sim, hand_button, transfer_line};
 
 fn in_hand_mode(seed: u64) -> Sim {
     let mut sim = Sim::new(&transfer_line(1.0), seed);
     sim.start();
-    sim.order(Command::Hand);
+    sim.order(ModeCommand::Hand);
     let all = |s: &Sim| s.line().station_ids().all(|id| s.mode_of(id) == Some(ControlMode::Hand));
     sim.run_until("hand mode", all);
     sim
@@ -42,9 +42,9 @@ fn hold(sim: &mut Sim, button: &str) -> Vec<String> {
 
 fn done_since(sim: &Sim, seen: usize) -> Vec<String> {
     let done = sim.log().entries()[seen..].iter().filter_map(|entry| match entry.what {
-        linewright_tests::What::Station(id, event) => match event.what {
-            Happening::Completed(op, Block::Normal) => Some(sim.line().operation((id, op)).name.clone()),
-            Happening::Completed(op, Block::Recovery) => {
+        linewright_tests::LogKind::Station(id, event) => match event.what {
+            HappeningKind::Completed(op, Block::Normal) => Some(sim.line().operation((id, op)).name.clone()),
+            HappeningKind::Completed(op, Block::Recovery) => {
                 Some(format!("undone: {}", sim.line().operation((id, op)).name))
             }
             _ => None,
@@ -77,7 +77,7 @@ fn the_whole_cycle_by_buttons_twice() {
         assert_eq!(hold(&mut sim, "PB_1"), ["return clamp"]);
         assert_eq!(sim.observer().machined(1, cycle), 1);
     }
-    sim.order(Command::Auto);
+    sim.order(ModeCommand::Auto);
     sim.run_until_done("mill_1", "reset main slide", 4);
 }
 
@@ -97,7 +97,7 @@ fn back_through_the_reverse_sequences() {
     assert_eq!(hold(&mut sim, "PB_5"), ["advance clamp"]);
     assert_eq!(hold(&mut sim, "PB_1"), ["undone: advance clamp"], "open again: the mill has not begun, and agrees");
     assert_eq!(hold(&mut sim, "PB_5"), ["advance clamp"]);
-    sim.order(Command::Auto);
+    sim.order(ModeCommand::Auto);
     sim.run_until_done("mill_1", "reset main slide", 3);
 }
 

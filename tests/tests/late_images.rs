@@ -4,7 +4,7 @@ use std::time::Duration;
 
 use linewright_line::net::{ControlMode, Place};
 use linewright_line::{OpId, Tick};
-use linewright_station_logic::{Controller, Input, ModeOrder, Outbox, PanelCommand, Restore, Rules};
+use linewright_station_logic::{Controller, ModeOrder, PanelCommand, Restore, Rules, StationInput, StationOutbox};
 use linewright_tests::transfer_line;
 
 fn manual() -> ModeOrder {
@@ -34,19 +34,19 @@ fn neither_off_nor_on_counts_in_an_image_from_before_the_motion() {
         Controller::new(&line, clamp, 2, Restore::From(snapshot)).expect("it compiles").with_rules(Rules::COUNTS);
 
     let is_open = 1 << described.operations[open.index()].normal.complete.0;
-    let mut out = Outbox::default();
+    let mut out = StationOutbox::default();
     let mut now = Tick::from_millis(1000);
-    let mut tell = |input: Input<'_>| {
+    let mut tell = |input: StationInput<'_>| {
         now = now + Duration::from_millis(5);
         controller.handle(now, input);
         controller.step(now, &mut out);
         (controller.marking().collect::<Vec<_>>(), out.number)
     };
-    let image = |bits: u128, under: u64| Input::Inputs { bits, valid: true, until: Tick::NEVER, under };
-    tell(Input::Order(manual()));
+    let image = |bits: u128, under: u64| StationInput::Inputs { bits, valid: true, until: Tick::NEVER, under };
+    tell(StationInput::Order(manual()));
     tell(image(0, 0));
     let press = |advance: bool, held: bool| {
-        Input::Panel(if advance { PanelCommand::Advance(held) } else { PanelCommand::Retract(held) })
+        StationInput::Panel(if advance { PanelCommand::Advance(held) } else { PanelCommand::Retract(held) })
     };
     let (opening, first) = tell(press(true, true));
     assert_eq!(opening, [Place::operating(open)]);
@@ -80,17 +80,17 @@ fn a_motion_of_which_only_the_end_is_seen_has_arrived() {
         (snapshot.cycle, snapshot.done, snapshot.started) = (1, vec![1, 0, 0, 0, 0], vec![1, 0, 0, 0, 0]);
         controller =
             Controller::new(&line, mill, 2, Restore::From(snapshot)).expect("it compiles").with_rules(Rules::COUNTS);
-        let mut out = Outbox::default();
+        let mut out = StationOutbox::default();
         let mut now = Tick::from_millis(1000);
-        let mut tell = |input: Input<'_>| {
+        let mut tell = |input: StationInput<'_>| {
             now = now + Duration::from_millis(5);
             controller.handle(now, input);
             controller.step(now, &mut out);
             (controller.marking().collect::<Vec<_>>(), out.number)
         };
-        let image = |bits: u128, under: u64| Input::Inputs { bits, valid: true, until: Tick::NEVER, under };
-        let press = |held| Input::Panel(PanelCommand::Advance(held));
-        tell(Input::Order(manual()));
+        let image = |bits: u128, under: u64| StationInput::Inputs { bits, valid: true, until: Tick::NEVER, under };
+        let press = |held| StationInput::Panel(PanelCommand::Advance(held));
+        tell(StationInput::Order(manual()));
         tell(image(0, 0));
         let (slowing, first) = tell(press(true));
         assert_eq!(slowing, [Place::operating(decel)]);

@@ -9,7 +9,7 @@
 
 use std::time::Duration;
 
-use linewright_coordinator_logic::Command;
+use linewright_coordinator_logic::ModeCommand;
 use linewright_line::StationId;
 use linewright_line::net::{ControlMode, Place};
 use linewright_tests::{Sim, transfer_line};
@@ -30,7 +30,7 @@ fn lose_memory(sim: &mut Sim, station: StationId) -> Place {
 /// People press everything that can be pressed, in every mode that can be had.
 fn press_everything(sim: &mut Sim) {
     let all_home = sim.all_home();
-    for command in [Command::Start, Command::Auto] {
+    for command in [ModeCommand::Start, ModeCommand::Auto] {
         let _ = sim.ask(command);
         sim.run_for(Duration::from_millis(500));
     }
@@ -39,16 +39,16 @@ fn press_everything(sim: &mut Sim) {
         assert!(all_home, "{}", sim.log().tail(sim.line(), 30));
         return;
     }
-    let _ = sim.ask(Command::Hand);
+    let _ = sim.ask(ModeCommand::Hand);
     for button in 0..sim.line().buttons.len() {
         sim.hold_buttons(1 << button);
         sim.run_for(Duration::from_millis(400));
         sim.release_buttons();
         sim.run_for(Duration::from_millis(100));
     }
-    let _ = sim.ask(Command::Stop);
+    let _ = sim.ask(ModeCommand::Stop);
     if sim.mode() == Some(ControlMode::Home) {
-        sim.order(Command::Start);
+        sim.order(ModeCommand::Start);
     }
     sim.settle();
     sim.go_manual();
@@ -81,7 +81,7 @@ fn a_station_without_its_memory_meets_nobody_and_is_led_back() {
             let mut sim = Sim::in_second_cycle(moment, moment);
             let id = sim.id(station);
             let stood = lose_memory(&mut sim, id);
-            let refusal = sim.ask(Command::Auto).expect_err("it has no memory of common counts");
+            let refusal = sim.ask(ModeCommand::Auto).expect_err("it has no memory of common counts");
             assert!(refusal.contains(station), "{station} at {moment} ms: {refusal}");
             lead_home(&mut sim, id, stood);
             sim.back_to_auto();
@@ -108,13 +108,13 @@ fn start_and_auto_find_a_switch_that_contradicts_the_marking() {
     sim.run_until("everything is heard", Sim::all_heard);
     sim.wire(linewright_line::Owner::Station(StationId(1)), "LS_open", Some(false));
     sim.run_for(Duration::from_millis(300));
-    let _ = sim.ask(Command::Start);
-    let refusal = sim.ask(Command::Auto).expect_err("the clamp is not measured open");
+    let _ = sim.ask(ModeCommand::Start);
+    let refusal = sim.ask(ModeCommand::Auto).expect_err("the clamp is not measured open");
     assert!(refusal.contains("clamp_1 is not measured where its chart has it"), "{refusal}");
     assert!(sim.fault(StationId(1)).contains("LS_open"), "{}", sim.fault(StationId(1)));
     sim.wire(linewright_line::Owner::Station(StationId(1)), "LS_open", None);
     sim.run_for(Duration::from_millis(300));
-    sim.order(Command::Auto);
+    sim.order(ModeCommand::Auto);
     sim.run_until_done("mill_1", "reset main slide", 1);
 }
 

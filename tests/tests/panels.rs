@@ -11,11 +11,11 @@
 
 use std::time::Duration;
 
-use linewright_coordinator_logic::Command;
+use linewright_coordinator_logic::ModeCommand;
 use linewright_line::StationId;
 use linewright_line::net::{ControlMode, Place};
 use linewright_plant::Fault;
-use linewright_station_logic::Happening;
+use linewright_station_logic::HappeningKind;
 use linewright_tests::{QUIET, Rng, Sim, network, soak, transfer_line};
 
 /// Breaks the mill's feed in its second cycle, repairs it, and enters manual.
@@ -41,7 +41,7 @@ fn a_mill_sent_home_does_not_release_the_clamp_before_the_part_is_machined() {
     assert!(!sim.jog("clamp_1", false), "the clamp does not open under the tool");
     assert!(sim.blocked_by(clamp).join("; ").contains("mill_1"), "{:?}", sim.blocked_by(clamp));
     assert!(sim.jog("mill_1", false) && sim.jog("mill_1", false), "the mill goes home");
-    assert!(sim.log().of(sim.id("mill_1")).any(|(_, e)| e.what == Happening::HomeAgain));
+    assert!(sim.log().of(sim.id("mill_1")).any(|(_, e)| e.what == HappeningKind::HomeAgain));
     assert_eq!(sim.observer().machined(1, 2), 0, "the second part has not been machined");
 
     assert!(!sim.jog("clamp_1", true), "the clamp does not go on to its next cycle");
@@ -93,7 +93,7 @@ fn a_bar_under_a_closed_clamp_does_not_go_back_up() {
 fn a_held_button_whose_refresh_is_lost_stops_and_a_late_refresh_does_not_go_on() {
     let mut sim = Sim::new(&transfer_line(1.0), 3);
     sim.start();
-    sim.order(Command::Manual);
+    sim.order(ModeCommand::Manual);
     sim.run_for(Duration::from_millis(100));
     let transfer = sim.id("transfer");
     for _ in 0..4 {
@@ -124,9 +124,9 @@ fn a_motion_taken_back_is_not_ended_by_an_image_from_before_it() {
     sim.start_auto();
     let (transfer, lower) = sim.op("transfer", "4th lower");
     sim.run_until("the bar comes down", |s| s.marking(transfer) == [Place::operating(lower)]);
-    sim.order(Command::EStop);
+    sim.order(ModeCommand::EStop);
     sim.run_for(Duration::from_millis(100));
-    sim.order(Command::Reset);
+    sim.order(ModeCommand::Reset);
     sim.go_manual();
     sim.resume("transfer");
     sim.networks(QUIET, network((190_000, 200_000), 0, 0));
@@ -173,9 +173,9 @@ fn three_operators(seed: u64, late_images: bool) {
     let mut sim = Sim::with(&transfer_line(0.1), seed, QUIET, 0.1);
     sim.start_auto();
     sim.run_for(Duration::from_millis(rng.within(0, 400)));
-    sim.command(Command::EStop);
+    sim.command(ModeCommand::EStop);
     sim.run_for(Duration::from_millis(20));
-    sim.order(Command::Reset);
+    sim.order(ModeCommand::Reset);
     sim.go_manual();
     sim.networks(rough, if late_images { rough } else { QUIET });
     let stations: Vec<StationId> = sim.line().station_ids().collect();

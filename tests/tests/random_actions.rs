@@ -9,11 +9,11 @@
 
 use std::time::Duration;
 
-use linewright_coordinator_logic::Command;
+use linewright_coordinator_logic::ModeCommand;
 use linewright_line::net::ControlMode;
 use linewright_line::{OpId, Owner, StationId};
 use linewright_plant::{DeviceFault, Fault};
-use linewright_tests::{Process, QUIET, ROUGH, Rng, Sim, soak, transfer_line_with};
+use linewright_tests::{NodeProcess, QUIET, ROUGH, Rng, Sim, soak, transfer_line_with};
 
 const FAULTS: [Fault; 4] = [Fault::Stick, Fault::Slip, Fault::Break, Fault::SlipBack];
 
@@ -49,12 +49,13 @@ impl World {
         let name = self.name(station);
         match self.rng.below(100) {
             0..15 => {
-                let command = *self.rng.pick(&Command::ALL);
+                let command = *self.rng.pick(&ModeCommand::ALL);
                 self.sim.command(command);
             }
             // What a person most often wants, so that the line gets somewhere.
             15..30 => {
-                let wish = *self.rng.pick(&[Command::Auto, Command::Start, Command::Manual, Command::Hand]);
+                let wish =
+                    *self.rng.pick(&[ModeCommand::Auto, ModeCommand::Start, ModeCommand::Manual, ModeCommand::Hand]);
                 self.sim.command(wish);
             }
             30..50 => {
@@ -97,7 +98,7 @@ impl World {
             91..94 => self.plug_in(),
             94..96 => {
                 let other = self.station();
-                let ends = [Process::Coordinator, Process::Station(other), Process::Station(station)];
+                let ends = [NodeProcess::Coordinator, NodeProcess::Station(other), NodeProcess::Station(station)];
                 let (from, to) = (*self.rng.pick(&ends), *self.rng.pick(&ends));
                 self.sim.cut(from, to);
             }
@@ -172,15 +173,15 @@ impl World {
     /// What an operator does, by the book: reset, start, manual, finish or take back what was stopped, auto.
     fn bring_back(&mut self) {
         if self.sim.mode() == Some(ControlMode::EStop) {
-            self.sim.order(Command::Reset);
+            self.sim.order(ModeCommand::Reset);
         }
         if self.sim.mode() == Some(ControlMode::Home) {
-            self.sim.order(Command::Start);
+            self.sim.order(ModeCommand::Start);
         }
         if self.sim.mode() == Some(ControlMode::Hand) || self.sim.mode() == Some(ControlMode::Auto) {
-            self.sim.command(Command::EStop);
+            self.sim.command(ModeCommand::EStop);
             self.sim.run_for(Duration::from_millis(500));
-            self.sim.order(Command::Reset);
+            self.sim.order(ModeCommand::Reset);
         }
         self.sim.go_manual();
         for station in self.stations.clone() {

@@ -7,8 +7,8 @@ use std::time::Duration;
 
 use linewright_line::net::Block;
 use linewright_line::{Line, OpId, StationId, Tick};
-use linewright_simulation::{End, Goal, Options, What, run};
-use linewright_station_logic::{Event, Happening};
+use linewright_simulation::{LogKind, RunEnd, RunGoal, SimOptions, run};
+use linewright_station_logic::{HappeningKind, StationHappening};
 use linewright_tests::{QUIET, transfer_line_with};
 
 const CYCLES: i32 = 6;
@@ -20,17 +20,17 @@ type Op = (StationId, OpId);
 struct Trace {
     started: BTreeMap<(Op, i32), Tick>,
     done: BTreeMap<(Op, i32), Tick>,
-    order: BTreeMap<StationId, Vec<(Happening, i32)>>,
+    order: BTreeMap<StationId, Vec<(HappeningKind, i32)>>,
 }
 
 impl Trace {
-    fn enter(&mut self, at: Tick, id: StationId, event: Event) {
+    fn enter(&mut self, at: Tick, id: StationId, event: StationHappening) {
         if event.cycle > CYCLES {
             return;
         }
         match event.what {
-            Happening::Started(op, Block::Normal) => drop(self.started.insert(((id, op), event.cycle), at)),
-            Happening::Completed(op, Block::Normal) => drop(self.done.insert(((id, op), event.cycle), at)),
+            HappeningKind::Started(op, Block::Normal) => drop(self.started.insert(((id, op), event.cycle), at)),
+            HappeningKind::Completed(op, Block::Normal) => drop(self.done.insert(((id, op), event.cycle), at)),
             _ => return,
         }
         self.order.entry(id).or_default().push((event.what, event.cycle));
@@ -53,13 +53,13 @@ impl Trace {
     }
 }
 
-fn played(line: &Line, options: Options) -> Trace {
-    let options = Options { keeps_log: true, ..options };
-    let (sim, end) = run(line, options, &Goal::cycles(CYCLES as usize)).expect("the line starts");
-    assert_eq!((end, sim.conflicts(), sim.record().cycles()), (End::Done, &[][..], CYCLES as usize));
+fn played(line: &Line, options: SimOptions) -> Trace {
+    let options = SimOptions { keeps_log: true, ..options };
+    let (sim, end) = run(line, options, &RunGoal::cycles(CYCLES as usize)).expect("the line starts");
+    assert_eq!((end, sim.conflicts(), sim.record().cycles()), (RunEnd::Done, &[][..], CYCLES as usize));
     let mut trace = Trace::default();
     for entry in sim.log().entries() {
-        if let What::Station(id, event) = entry.what {
+        if let LogKind::Station(id, event) = entry.what {
             trace.enter(entry.at, id, event);
         }
     }
@@ -70,8 +70,8 @@ fn played(line: &Line, options: Options) -> Trace {
 fn images_at_once_and_frames_do_the_same() {
     for machines in [1, 3] {
         let line = transfer_line_with(machines, 1.0);
-        let stack = played(&line, Options { frames: true, network: QUIET, images: QUIET, ..Options::default() });
-        let pure = played(&line, Options::default());
+        let stack = played(&line, SimOptions { frames: true, network: QUIET, images: QUIET, ..SimOptions::default() });
+        let pure = played(&line, SimOptions::default());
         assert_eq!(pure.order, stack.order, "each station does the same things in the same order");
         assert_eq!(pure.started.len(), stack.started.len());
         assert!(pure.started.len() >= 17 * (CYCLES as usize - 1), "and they are all there");

@@ -8,22 +8,22 @@ use std::time::Duration;
 
 use linewright_line::net::Block;
 use linewright_line::{Line, Tick};
-use linewright_proof::generate::{Shape, line};
-use linewright_simulation::{By, CriticalPath, End, Goal, Network, Options, Plan, Sim, run};
+use linewright_proof::generate::{LineShape, line};
+use linewright_simulation::{CriticalPath, LastWait, LinePlan, LineSim, Network, RunEnd, RunGoal, SimOptions, run};
 
 const CYCLES: usize = 40;
 
 /// A line in auto whose messages take no time.
-fn played(line: &Line) -> Sim {
+fn played(line: &Line) -> LineSim {
     let network = Network { delay: Duration::ZERO, ..Network::default() };
-    let options = Options { network, keeps_log: true, ..Options::default() };
-    let (sim, end) = run(line, options, &Goal::cycles(CYCLES)).expect("the line compiles");
-    assert_eq!(end, End::Done, "{}: {}", line.title, sim.log().tail(line, 40));
+    let options = SimOptions { network, keeps_log: true, ..SimOptions::default() };
+    let (sim, end) = run(line, options, &RunGoal::cycles(CYCLES)).expect("the line compiles");
+    assert_eq!(end, RunEnd::Done, "{}: {}", line.title, sim.log().tail(line, 40));
     sim
 }
 
-fn starts_and_ends_where_planned(line: &Line, sim: &Sim) {
-    let (plan, began) = (Plan::of(line), sim.record().began().expect("it ran"));
+fn starts_and_ends_where_planned(line: &Line, sim: &LineSim) {
+    let (plan, began) = (LinePlan::of(line), sim.record().began().expect("it ran"));
     let schedule = plan.schedule(CYCLES + 2);
     for motion in sim.record().motions() {
         assert_eq!(motion.block, Block::Normal);
@@ -40,18 +40,18 @@ fn starts_and_ends_where_planned(line: &Line, sim: &Sim) {
 #[test]
 fn every_start_is_where_the_plan_has_it_and_has_its_cause() {
     for seed in 1..=400 {
-        let line = line(&Shape { stations: 2..=4, more_arrows: 4, ..Shape::default() }, seed);
+        let line = line(&LineShape { stations: 2..=4, more_arrows: 4, ..LineShape::default() }, seed);
         let sim = played(&line);
         starts_and_ends_where_planned(&line, &sim);
         let began = sim.record().began();
         for motion in sim.record().motions() {
-            assert!(motion.by != By::Person || Some(motion.start) == began, "{}: {motion:?}", line.title);
-            if let By::Arrow(arrow) = motion.by {
+            assert!(motion.by != LastWait::Person || Some(motion.start) == began, "{}: {motion:?}", line.title);
+            if let LastWait::Arrow(arrow) = motion.by {
                 assert!(line.arrows[arrow].auto, "{}: {motion:?}", line.title);
             }
         }
         let path = CriticalPath::of(&line, sim.record()).unwrap_or_else(|| panic!("{}: no path", line.title));
-        let planned = Plan::of(&line).cycle_time() / 1e6;
+        let planned = LinePlan::of(&line).cycle_time() / 1e6;
         let found = path.cycle_time_s();
         assert!((planned * 0.995..=planned * 1.001).contains(&found), "{}: {found} against {planned}", line.title);
     }

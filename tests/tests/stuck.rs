@@ -9,7 +9,7 @@ use std::time::Duration;
 
 use linewright_line::net::ControlMode;
 use linewright_line::{InputId, Line, OpId, OutputId, Owner, StationId};
-use linewright_station_logic::{Cause, Happening};
+use linewright_station_logic::{HappeningKind, StopCause};
 use linewright_tests::{Sim, transfer_line};
 
 /// Every operation whose signal is on a digital device: the operation, the device, the signal.
@@ -40,9 +40,9 @@ fn relays(line: &Line) -> Vec<(StationId, OpId, String, OutputId)> {
 }
 
 /// Why the operation was stopped last, and what the operator reads of it.
-fn last_stop(sim: &Sim, station: StationId) -> Option<(OpId, Cause, String)> {
+fn last_stop(sim: &Sim, station: StationId) -> Option<(OpId, StopCause, String)> {
     let stops = sim.log().of(station).filter_map(|(_, event)| match event.what {
-        Happening::Stopped(op, block, cause) => Some((op, cause, cause.text_of(sim.line(), station, op, block))),
+        HappeningKind::Stopped(op, block, cause) => Some((op, cause, cause.text_of(sim.line(), station, op, block))),
         _ => None,
     });
     stops.last()
@@ -95,7 +95,7 @@ fn a_switch_that_does_not_close() {
             // What moves towards it waits in vain; where an axis stands at it, its position is lost.
             let lost = sim.controller(station).and_then(|c| c.position_lost());
             let (found, said) = match last_stop(&sim, station) {
-                Some((stopped, Cause::Watchdog, said)) => {
+                Some((stopped, StopCause::Watchdog, said)) => {
                     // Others may wait for the same switch.
                     (sim.line().operation((station, stopped)).normal.complete, said)
                 }
@@ -126,7 +126,7 @@ fn a_switch_that_is_closed_from_the_start() {
         until_found(&mut sim, station);
         let (stopped, cause, said) = last_stop(&sim, station).unwrap();
         let waited_for = sim.line().operation((station, stopped)).normal.complete;
-        assert_eq!((waited_for, cause), (switch, Cause::SwitchStuck), "{device}: {said}");
+        assert_eq!((waited_for, cause), (switch, StopCause::SwitchStuck), "{device}: {said}");
         assert!(says_where(&said, &name, &device), "{said}");
         sim.wire(Owner::Station(station), &name, None);
         goes_on(&mut sim, &lives);
@@ -144,7 +144,7 @@ fn a_relay_that_does_not_close() {
             until_found(&mut sim, station);
             let (stopped, cause, said) = last_stop(&sim, station).unwrap();
             assert_eq!(stopped, op, "{device} at {moment} ms: {said}");
-            assert!(matches!(cause, Cause::Watchdog | Cause::SwitchStuck), "{said}");
+            assert!(matches!(cause, StopCause::Watchdog | StopCause::SwitchStuck), "{said}");
             sim.stick(&device, output, None);
             goes_on(&mut sim, &lives);
         }

@@ -3,9 +3,9 @@
 //! Nothing here reads a clock: how far a search goes depends on the net and the limits alone, so that the answer to the
 //! same question is always the same.
 
-use linewright_nets::certificate::{Property, StructuralVerdict, check, decide_by_structure};
+use linewright_nets::certificate::{NetProperty, StructuralVerdict, check, decide_by_structure};
 use linewright_nets::coverability::{self, Coverability, coverability};
-use linewright_nets::explicit::{self, Facts, Limits};
+use linewright_nets::explicit::{self, ExplorationLimits, NetFacts};
 use linewright_nets::semiflows::{self, Semiflows, place_semiflows, transition_semiflows};
 use linewright_nets::{Net, PlaceId, TransitionId};
 
@@ -23,30 +23,30 @@ pub struct Findings {
     /// What structure says; its certificates have been checked.
     pub structure: StructuralVerdict,
     /// Certificates that the checker did not accept, in words: their claims count for nothing.
-    pub rejected: Vec<(Property, String)>,
+    pub rejected: Vec<(NetProperty, String)>,
     /// The conserved sums.
-    pub place_flows: Result<Semiflows<PlaceId>, semiflows::Undecided>,
+    pub place_flows: Result<Semiflows<PlaceId>, semiflows::SemiflowsUndecided>,
     /// The repetitions.
-    pub transition_flows: Result<Semiflows<TransitionId>, semiflows::Undecided>,
+    pub transition_flows: Result<Semiflows<TransitionId>, semiflows::SemiflowsUndecided>,
     /// The markings played out.
-    pub explored: Option<Result<Facts, explicit::Undecided>>,
+    pub explored: Option<Result<NetFacts, explicit::ExplorationUndecided>>,
     /// The exploration was for the count alone, and kept short.
     pub is_short: bool,
     /// The coverability graph.
-    pub covered: Option<Result<Coverability, coverability::Undecided>>,
+    pub covered: Option<Result<Coverability, coverability::CoverabilityUndecided>>,
     /// Two analyses that do not agree: then one of them is wrong, and neither can be believed.
     pub contradiction: Option<String>,
 }
 
 impl Findings {
     /// What structure says of a property, if it says anything and the checker agrees.
-    pub fn by_structure(&self, property: Property) -> Option<bool> {
+    pub fn by_structure(&self, property: NetProperty) -> Option<bool> {
         let is_rejected = self.rejected.iter().any(|(rejected, _)| *rejected == property);
         self.structure.answer(property).holds().filter(|_| !is_rejected)
     }
 
     /// All there is to know if the markings have been played out.
-    pub fn facts(&self) -> Option<&Facts> {
+    pub fn facts(&self) -> Option<&NetFacts> {
         self.explored.as_ref()?.as_ref().ok()
     }
 
@@ -56,32 +56,32 @@ impl Findings {
     }
 
     /// What exploration says of a property.
-    pub fn by_exploration(&self, property: Property) -> Option<bool> {
+    pub fn by_exploration(&self, property: NetProperty) -> Option<bool> {
         let facts = self.facts()?;
         Some(match property {
-            Property::DeadlockFree => facts.deadlocks == 0,
-            Property::Live => facts.is_live(),
-            Property::Bounded => true,
-            Property::Safe => facts.is_safe(),
-            Property::Reversible => facts.is_reversible(),
+            NetProperty::DeadlockFree => facts.deadlocks == 0,
+            NetProperty::Live => facts.is_live(),
+            NetProperty::Bounded => true,
+            NetProperty::Safe => facts.is_safe(),
+            NetProperty::Reversible => facts.is_reversible(),
         })
     }
 
     /// What the coverability graph says of a property.
-    pub fn by_coverability(&self, net: &Net, property: Property) -> Option<bool> {
+    pub fn by_coverability(&self, net: &Net, property: NetProperty) -> Option<bool> {
         let graph = self.coverability()?;
         match property {
-            Property::Bounded => Some(graph.is_bounded().is_ok()),
-            Property::Safe => Some(net.places().all(|p| graph.bound_of(p).is_some_and(|bound| bound <= 1))),
+            NetProperty::Bounded => Some(graph.is_bounded().is_ok()),
+            NetProperty::Safe => Some(net.places().all(|p| graph.bound_of(p).is_some_and(|bound| bound <= 1))),
             // A transition that never fires is not live; the graph forgets too much to say more.
-            Property::Live if !graph.dead_transitions().is_empty() => Some(false),
-            Property::Live | Property::DeadlockFree | Property::Reversible => None,
+            NetProperty::Live if !graph.dead_transitions().is_empty() => Some(false),
+            NetProperty::Live | NetProperty::DeadlockFree | NetProperty::Reversible => None,
         }
     }
 }
 
 /// Decides what can be decided within the limits. `insists` is whether they were asked for: then they are used up.
-pub fn decide(net: &Net, limits: &Limits, insists: bool) -> Findings {
+pub fn decide(net: &Net, limits: &ExplorationLimits, insists: bool) -> Findings {
     let structure = decide_by_structure(net);
     let rejected = structure.certificates().filter_map(|certificate| {
         check(net, certificate).err().map(|rejected| (certificate.property, rejected.to_string()))
@@ -89,16 +89,16 @@ pub fn decide(net: &Net, limits: &Limits, insists: bool) -> Findings {
     let mut findings = Findings {
         rejected: rejected.collect(),
         structure,
-        place_flows: place_semiflows(net, &semiflows::Limits::default()),
-        transition_flows: transition_semiflows(net, &semiflows::Limits::default()),
+        place_flows: place_semiflows(net, &semiflows::SemiflowLimits::default()),
+        transition_flows: transition_semiflows(net, &semiflows::SemiflowLimits::default()),
         explored: None,
         is_short: false,
         covered: None,
         contradiction: None,
     };
-    match findings.by_structure(Property::Bounded) {
+    match findings.by_structure(NetProperty::Bounded) {
         // There is no end to its markings.
-        Some(false) => findings.covered = Some(coverability(net, &coverability::Limits::default())),
+        Some(false) => findings.covered = Some(coverability(net, &coverability::CoverabilityLimits::default())),
         Some(true) => explore_bounded(net, limits, insists, &mut findings),
         None => explore_or_cover(net, limits, &mut findings),
     }
@@ -106,31 +106,31 @@ pub fn decide(net: &Net, limits: &Limits, insists: bool) -> Findings {
     findings
 }
 
-fn explore_bounded(net: &Net, limits: &Limits, insists: bool, findings: &mut Findings) {
-    let all_known = Property::ALL.into_iter().all(|property| findings.by_structure(property).is_some());
+fn explore_bounded(net: &Net, limits: &ExplorationLimits, insists: bool, findings: &mut Findings) {
+    let all_known = NetProperty::ALL.into_iter().all(|property| findings.by_structure(property).is_some());
     let fits = possible_markings_log2(net, findings) <= ((limits.bytes as f64) * 8.0).log2();
     findings.is_short = all_known && !fits && !insists;
     let states = if findings.is_short { limits.states.min(STATES_TO_COUNT) } else { limits.states };
-    findings.explored = Some(explicit::decide(net, &Limits { states, ..*limits }));
+    findings.explored = Some(explicit::decide(net, &ExplorationLimits { states, ..*limits }));
 }
 
-fn explore_or_cover(net: &Net, limits: &Limits, findings: &mut Findings) {
+fn explore_or_cover(net: &Net, limits: &ExplorationLimits, findings: &mut Findings) {
     // A place in no conserved sum is suspicious, and a net that grows is mostly seen to do so at once.
     if !findings.place_flows.as_ref().is_ok_and(|flows| flows.uncovered(net).next().is_none()) {
-        let few = coverability::Limits { labels: LABELS_BEFORE_EXPLORATION, ..Default::default() };
+        let few = coverability::CoverabilityLimits { labels: LABELS_BEFORE_EXPLORATION, ..Default::default() };
         let covered = coverability(net, &few);
         if covered.as_ref().is_ok_and(|graph| graph.is_bounded().is_err()) {
             findings.covered = Some(covered);
             return;
         }
     }
-    let first = Limits { states: limits.states.min(STATES_BEFORE_COVERABILITY), ..*limits };
+    let first = ExplorationLimits { states: limits.states.min(STATES_BEFORE_COVERABILITY), ..*limits };
     let explored = explicit::decide(net, &first);
     if explored.is_ok() {
         findings.explored = Some(explored);
         return;
     }
-    let covered = coverability(net, &coverability::Limits::default());
+    let covered = coverability(net, &coverability::CoverabilityLimits::default());
     let is_unbounded = covered.as_ref().is_ok_and(|graph| graph.is_bounded().is_err());
     findings.covered = Some(covered);
     if !is_unbounded {
@@ -157,7 +157,7 @@ fn possible_markings_log2(net: &Net, findings: &Findings) -> f64 {
 
 /// The first property that two analyses answer differently.
 fn contradiction(net: &Net, findings: &Findings) -> Option<String> {
-    Property::ALL.into_iter().find_map(|property| {
+    NetProperty::ALL.into_iter().find_map(|property| {
         let answers = [
             ("structure", findings.by_structure(property)),
             ("exploration", findings.by_exploration(property)),

@@ -5,7 +5,7 @@ use std::io::{self, BufWriter, Write};
 use std::path::Path;
 
 use linewright_nets::Net;
-use linewright_nets::explicit::{Event, Limits, walk};
+use linewright_nets::explicit::{ExplorationLimits, GraphEvent, walk};
 use miette::{IntoDiagnostic, WrapErr, miette};
 use serde_json::json;
 
@@ -36,19 +36,19 @@ pub fn certificates(file: &Path, net: &Net, findings: &Findings) -> miette::Resu
 
 /// How a graph is written.
 #[derive(Clone, Copy)]
-pub enum Format {
+pub enum GraphFormat {
     Dot,
     Json,
     Aldebaran,
 }
 
-impl Format {
+impl GraphFormat {
     /// The one that a file's name asks for.
-    pub fn of(file: &Path) -> miette::Result<Format> {
+    pub fn of(file: &Path) -> miette::Result<GraphFormat> {
         match file.extension().and_then(|extension| extension.to_str()) {
-            Some("dot" | "gv") => Ok(Format::Dot),
-            Some("json") => Ok(Format::Json),
-            Some("aut") => Ok(Format::Aldebaran),
+            Some("dot" | "gv") => Ok(GraphFormat::Dot),
+            Some("json") => Ok(GraphFormat::Json),
+            Some("aut") => Ok(GraphFormat::Aldebaran),
             _ => Err(miette!(
                 help = "end the name in .dot, .json or .aut",
                 "{} names no format for a graph",
@@ -60,41 +60,41 @@ impl Format {
 
 /// Plays the net out once more, and again while the graph is written: the arcs are never held, and the states are within
 /// the limits.
-pub fn graph(file: &Path, format: Format, net: &Net, limits: &Limits) -> miette::Result<()> {
-    let limits = Limits { states: limits.states.min(STATES_MAX), ..*limits };
+pub fn graph(file: &Path, format: GraphFormat, net: &Net, limits: &ExplorationLimits) -> miette::Result<()> {
+    let limits = ExplorationLimits { states: limits.states.min(STATES_MAX), ..*limits };
     let (mut states, mut arcs) = (0_u64, 0_u64);
-    let count = |event: Event| match event {
-        Event::State(..) => states += 1,
-        Event::Arc { .. } => arcs += 1,
+    let count = |event: GraphEvent| match event {
+        GraphEvent::State(..) => states += 1,
+        GraphEvent::Arc { .. } => arcs += 1,
     };
     walk(net, &limits, count).map_err(|why| {
         miette!(help = format!("a graph is written up to {} states", limits.states), "no graph is written: {why}")
     })?;
     let cannot = || format!("cannot write {}", file.display());
     let mut out = BufWriter::new(File::create(file).into_diagnostic().wrap_err_with(cannot)?);
-    let graph = Graph { net, limits, states, arcs };
+    let graph = ReachabilityGraph { net, limits, states, arcs };
     let written = match format {
-        Format::Dot => graph.dot(&mut out),
-        Format::Json => graph.json(&mut out),
-        Format::Aldebaran => graph.aldebaran(&mut out),
+        GraphFormat::Dot => graph.dot(&mut out),
+        GraphFormat::Json => graph.json(&mut out),
+        GraphFormat::Aldebaran => graph.aldebaran(&mut out),
     };
     written.and_then(|()| out.flush()).into_diagnostic().wrap_err_with(cannot)
 }
 
 /// A graph that has been seen to end within the limits.
-struct Graph<'a> {
+struct ReachabilityGraph<'a> {
     net: &'a Net,
-    limits: Limits,
+    limits: ExplorationLimits,
     states: u64,
     arcs: u64,
 }
 
-impl Graph<'_> {
+impl ReachabilityGraph<'_> {
     /// Shows the graph, each piece with the number of the last state shown.
-    fn show(&self, mut write: impl FnMut(u32, Event) -> io::Result<()>) -> io::Result<()> {
+    fn show(&self, mut write: impl FnMut(u32, GraphEvent) -> io::Result<()>) -> io::Result<()> {
         let (mut written, mut last) = (Ok(()), 0);
-        let show = |event: Event| {
-            if let Event::State(state, _) = &event {
+        let show = |event: GraphEvent| {
+            if let GraphEvent::State(state, _) = &event {
                 last = state.0;
             }
             if written.is_ok() {
@@ -109,12 +109,12 @@ impl Graph<'_> {
     fn dot(&self, out: &mut impl Write) -> io::Result<()> {
         writeln!(out, "digraph \"{}\" {{\n  node [shape=box];", escape(self.net.name()))?;
         self.show(|from, event| match event {
-            Event::State(state, marking) => {
+            GraphEvent::State(state, marking) => {
                 let bold = if state.0 == 0 { ", penwidth=2" } else { "" };
                 let label = escape(&self.net.describe(&marking.to_marking()));
                 writeln!(out, "  s{} [label=\"{label}\"{bold}];", state.0)
             }
-            Event::Arc { transition, to } => {
+            GraphEvent::Arc { transition, to } => {
                 let label = escape(self.net.transition_name(transition));
                 writeln!(out, "  s{from} -> s{} [label=\"{label}\"];", to.0)
             }
@@ -126,8 +126,8 @@ impl Graph<'_> {
     fn aldebaran(&self, out: &mut impl Write) -> io::Result<()> {
         writeln!(out, "des (0, {}, {})", self.arcs, self.states)?;
         self.show(|from, event| match event {
-            Event::State(..) => Ok(()),
-            Event::Arc { transition, to } => {
+            GraphEvent::State(..) => Ok(()),
+            GraphEvent::Arc { transition, to } => {
                 let label = self.net.transition_name(transition).replace(['"', '\n', '\r'], "'");
                 writeln!(out, "({from}, \"{label}\", {})", to.0)
             }
@@ -139,17 +139,17 @@ impl Graph<'_> {
         let transitions: Vec<_> = self.net.transitions().map(|t| self.net.transition_name(t)).collect();
         write!(out, "{{\"places\":{},\"transitions\":{},\"states\":[", json!(places), json!(transitions))?;
         self.show(|_, event| match event {
-            Event::State(state, marking) => {
+            GraphEvent::State(state, marking) => {
                 let comma = if state.0 == 0 { "" } else { "," };
                 write!(out, "{comma}{}", json!(marking.to_marking().as_slice()))
             }
-            Event::Arc { .. } => Ok(()),
+            GraphEvent::Arc { .. } => Ok(()),
         })?;
         write!(out, "],\"arcs\":[")?;
         let mut comma = "";
         self.show(|from, event| match event {
-            Event::State(..) => Ok(()),
-            Event::Arc { transition, to } => {
+            GraphEvent::State(..) => Ok(()),
+            GraphEvent::Arc { transition, to } => {
                 write!(out, "{comma}[{from},{},{}]", transition.0, to.0)?;
                 comma = ",";
                 Ok(())

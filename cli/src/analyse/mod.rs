@@ -16,7 +16,7 @@ use std::path::PathBuf;
 use std::process::ExitCode;
 use std::time::Instant;
 
-use linewright_nets::explicit::Limits;
+use linewright_nets::explicit::ExplorationLimits;
 use miette::miette;
 
 use crate::out::{self, say};
@@ -62,9 +62,9 @@ pub struct Args {
 }
 
 impl Args {
-    fn limits(&self) -> Limits {
+    fn limits(&self) -> ExplorationLimits {
         let cores = || std::thread::available_parallelism().map_or(1, usize::from);
-        Limits {
+        ExplorationLimits {
             states: self.states.unwrap_or(STATES),
             bytes: self.memory.unwrap_or(MEGABYTES).saturating_mul(1 << 20),
             threads: self.threads.unwrap_or_else(cores).clamp(1, 64),
@@ -81,7 +81,8 @@ impl Args {
 pub fn run(args: &Args) -> miette::Result<ExitCode> {
     let start = Instant::now();
     // Before anything is looked at: a search may take long.
-    let graph = args.graph.as_deref().map(|file| export::Format::of(file).map(|format| (file, format))).transpose()?;
+    let graph =
+        args.graph.as_deref().map(|file| export::GraphFormat::of(file).map(|format| (file, format))).transpose()?;
     let net = match open::net(&args.file, args.net.as_deref()) {
         Ok(net) => net,
         Err(error) if args.json => {

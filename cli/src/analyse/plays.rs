@@ -1,7 +1,7 @@
 //! Counterexamples: a way to play the net that shows why something does not hold.
 
-use linewright_nets::certificate::{Certificate, Evidence, Run};
-use linewright_nets::explicit::{Limits, find, find_marking};
+use linewright_nets::certificate::{Certificate, Evidence, RepeatedFiring};
+use linewright_nets::explicit::{ExplorationLimits, find, find_marking};
 use linewright_nets::{Marking, Net, TransitionId};
 use serde::Serialize;
 
@@ -18,7 +18,7 @@ const STEPS_MAX: usize = 10_000;
 
 /// Why a property does not hold.
 #[derive(Debug, Serialize)]
-pub struct Play {
+pub struct ViolationPath {
     /// What it shows: "deadlock", "unsafe", "not live", "not reversible", "unbounded".
     pub shows: &'static str,
     /// What to look at: the transition that is lost, the place that overflows.
@@ -34,7 +34,7 @@ pub struct Play {
 }
 
 /// What there is to show of a net.
-pub fn plays(net: &Net, findings: &Findings) -> Vec<Play> {
+pub fn plays(net: &Net, findings: &Findings) -> Vec<ViolationPath> {
     let mut plays = explored(net, findings);
     if plays.iter().all(|play| play.shows != "deadlock")
         && let Some(Certificate { evidence: Evidence::Deadlock(run), .. }) =
@@ -54,9 +54,9 @@ pub fn plays(net: &Net, findings: &Findings) -> Vec<Play> {
 }
 
 /// From the facts of an exploration, with ways that a second search finds.
-fn explored(net: &Net, findings: &Findings) -> Vec<Play> {
+fn explored(net: &Net, findings: &Findings) -> Vec<ViolationPath> {
     let Some(facts) = findings.facts() else { return Vec::new() };
-    let limits = Limits { states: STATES_MAX.min(facts.states), bytes: BYTES_MAX, threads: 1 };
+    let limits = ExplorationLimits { states: STATES_MAX.min(facts.states), bytes: BYTES_MAX, threads: 1 };
     let way_to = |marking: &Marking| {
         let found = (facts.states <= STATES_MAX).then(|| find_marking(net, &limits, marking));
         found.and_then(|found| found.ok().flatten()).map(|found| found.path)
@@ -87,7 +87,7 @@ fn explored(net: &Net, findings: &Findings) -> Vec<Play> {
 }
 
 /// How an unbounded net grows.
-fn grows(net: &Net, findings: &Findings) -> Option<Play> {
+fn grows(net: &Net, findings: &Findings) -> Option<ViolationPath> {
     let pump = findings.coverability().and_then(|graph| graph.is_bounded().err());
     let (prefix, cycle, place) = match (pump, findings.structure.bounded.certificate()) {
         (Some(pump), _) => (pump.prefix.clone(), pump.cycle.clone(), *pump.grows.first()?),
@@ -97,22 +97,22 @@ fn grows(net: &Net, findings: &Findings) -> Option<Play> {
         _ => return None,
     };
     let play = play(net, "unbounded", Some(net.place_name(place).to_owned()), &prefix)?;
-    Some(Play { repeat: names(net, &cycle), ..play })
+    Some(ViolationPath { repeat: names(net, &cycle), ..play })
 }
 
 /// A sequence written out; none if it is too long to be read.
-fn fired(runs: &[Run]) -> Option<Vec<TransitionId>> {
+fn fired(runs: &[RepeatedFiring]) -> Option<Vec<TransitionId>> {
     let steps: u64 = runs.iter().map(|run| run.times).fold(0, u64::saturating_add);
-    let each = |run: &Run| std::iter::repeat_n(run.transition, run.times as usize);
+    let each = |run: &RepeatedFiring| std::iter::repeat_n(run.transition, run.times as usize);
     (steps <= STEPS_MAX as u64).then(|| runs.iter().flat_map(each).collect())
 }
 
 /// Plays a sequence, so that what is shown is what happens; none if it cannot be played.
-fn play(net: &Net, shows: &'static str, of: Option<String>, path: &[TransitionId]) -> Option<Play> {
+fn play(net: &Net, shows: &'static str, of: Option<String>, path: &[TransitionId]) -> Option<ViolationPath> {
     let mut marking = net.initial_marking();
     path.iter().try_for_each(|&t| net.fire(&mut marking, t)).ok()?;
     let marked = marking.marked().map(|p| (net.place_name(p).to_owned(), marking.tokens(p))).collect();
-    Some(Play { shows, of, fire: names(net, path), repeat: Vec::new(), marking: marked })
+    Some(ViolationPath { shows, of, fire: names(net, path), repeat: Vec::new(), marking: marked })
 }
 
 fn names(net: &Net, path: &[TransitionId]) -> Vec<String> {

@@ -1,12 +1,12 @@
 //! What is known of a net, as data: the JSON of `--json`, and what the table is made from.
 
-use linewright_nets::certificate::{Bound, Property};
+use linewright_nets::certificate::{NetProperty, TokenBound};
 use linewright_nets::semiflows::{Semiflow, Semiflows};
 use linewright_nets::{Net, explicit};
 use serde::Serialize;
 
 use super::decide::Findings;
-use super::plays::{Play, plays};
+use super::plays::{ViolationPath, plays};
 
 /// How many semiflows are listed; all are counted.
 const FLOWS_LISTED: usize = 1000;
@@ -16,7 +16,7 @@ const NAMES_LISTED: usize = 1000;
 
 /// Everything that was found. What is not known is `null`, and `undecided` says why.
 #[derive(Debug, Serialize)]
-pub struct Report {
+pub struct AnalysisReport {
     /// The net's name.
     pub net: String,
     /// How many places there are.
@@ -62,11 +62,11 @@ pub struct Report {
     /// Places without a bound.
     pub unbounded_places: Option<Vec<String>>,
     /// The places and weights of the first conserved sums, and what each is initially.
-    pub place_semiflows: Vec<Flow>,
+    pub place_semiflows: Vec<ReportedFlow>,
     /// The transitions and counts of the first repetitions.
-    pub transition_semiflows: Vec<Flow>,
+    pub transition_semiflows: Vec<ReportedFlow>,
     /// Ways to play the net that show what does not hold.
-    pub counterexamples: Vec<Play>,
+    pub counterexamples: Vec<ViolationPath>,
     /// What is not known, and why.
     pub undecided: Vec<String>,
 }
@@ -83,7 +83,7 @@ pub struct DecidedBy {
 
 /// A minimal semiflow.
 #[derive(Debug, Serialize)]
-pub struct Flow {
+pub struct ReportedFlow {
     /// Node and weight.
     pub weights: Vec<(String, u64)>,
     /// Of a place semiflow, the sum that never changes.
@@ -92,8 +92,8 @@ pub struct Flow {
 }
 
 /// Puts together what the analyses say.
-pub fn report(net: &Net, findings: &Findings, seconds: f64) -> Report {
-    let answer = |property: Property| {
+pub fn report(net: &Net, findings: &Findings, seconds: f64) -> AnalysisReport {
+    let answer = |property: NetProperty| {
         let by = [
             ("structure", findings.by_structure(property)),
             ("exploration", findings.by_exploration(property)),
@@ -101,13 +101,13 @@ pub fn report(net: &Net, findings: &Findings, seconds: f64) -> Report {
         ];
         by.into_iter().find_map(|(by, holds)| Some((holds?, by)))
     };
-    let [deadlock_free, live, bounded, safe, reversible] = Property::ALL.map(answer);
+    let [deadlock_free, live, bounded, safe, reversible] = NetProperty::ALL.map(answer);
     let holds = |answer: Option<(bool, _)>| answer.map(|(holds, _)| holds);
     let by = |answer: Option<(_, &'static str)>| answer.map(|(_, by)| by);
     let facts = findings.facts();
     let initial = net.initial_marking();
     let sum = |flow: &Semiflow<_>| u64::try_from(flow.sum(&initial)).ok();
-    Report {
+    AnalysisReport {
         net: net.name().to_owned(),
         places: net.place_count(),
         transitions: net.transition_count(),
@@ -168,10 +168,10 @@ fn bound(net: &Net, findings: &Findings) -> Option<u64> {
             .try_fold(0, |most, bound| Some(most.max(bound?)))
             .map(u64::from);
     }
-    findings.by_structure(Property::Bounded).filter(|&bounded| bounded)?;
+    findings.by_structure(NetProperty::Bounded).filter(|&bounded| bounded)?;
     findings.structure.bounds.iter().try_fold(0, |most: u64, bound| match bound {
-        Bound::Exactly(bound) => Some(most.max(u64::try_from(*bound).ok()?)),
-        Bound::AtMost(_) | Bound::Unbounded | Bound::Unknown => None,
+        TokenBound::Exactly(bound) => Some(most.max(u64::try_from(*bound).ok()?)),
+        TokenBound::AtMost(_) | TokenBound::Unbounded | TokenBound::Unknown => None,
     })
 }
 
@@ -189,7 +189,7 @@ fn dead(net: &Net, findings: &Findings, live: Option<bool>) -> Option<Vec<String
 }
 
 fn not_live(net: &Net, findings: &Findings, live: Option<bool>) -> Option<Vec<String>> {
-    let lost = |facts: &explicit::Facts| {
+    let lost = |facts: &explicit::NetFacts| {
         let lost = net.transitions().filter(|&t| !facts.is_transition_live(t));
         some(lost, |t| net.transition_name(t).to_owned())
     };
@@ -205,9 +205,9 @@ fn listed<I: Copy + Ord, E>(
     flows: &Result<Semiflows<I>, E>,
     name: impl Fn(I) -> String,
     sum: impl Fn(&Semiflow<I>) -> Option<u64>,
-) -> Vec<Flow> {
+) -> Vec<ReportedFlow> {
     let Ok(flows) = flows else { return Vec::new() };
-    let flow = |flow: &Semiflow<I>| Flow {
+    let flow = |flow: &Semiflow<I>| ReportedFlow {
         weights: flow.weights.iter().map(|&(node, weight)| (name(node), weight)).collect(),
         sum: sum(flow),
     };
@@ -218,29 +218,33 @@ fn listed<I: Copy + Ord, E>(
 fn undecided(net: &Net, findings: &Findings) -> Vec<String> {
     let mut open = Vec::new();
     let is_unbounded = findings.coverability().is_some_and(|graph| graph.is_bounded().is_err())
-        || findings.by_structure(Property::Bounded) == Some(false);
+        || findings.by_structure(NetProperty::Bounded) == Some(false);
     if is_unbounded {
         open.push("states, arcs: the net is unbounded, there is no end to its markings".to_owned());
     } else if let Some(Err(why)) = &findings.explored {
         open.push(match why.cause {
-            explicit::Cause::States { limit } if findings.is_short => {
+            explicit::ExplorationLimit::States { limit } if findings.is_short => {
                 format!(
                     "states, arcs: more than {limit}, and all else is known without them; --states N counts further"
                 )
             }
-            explicit::Cause::States { limit } => format!("states, arcs: more than {limit}; --states N looks further"),
-            explicit::Cause::Bytes { .. } => format!("states, arcs: {why}; --memory MB allows more"),
-            explicit::Cause::Overflow(_) => format!("states, arcs: {why}"),
+            explicit::ExplorationLimit::States { limit } => {
+                format!("states, arcs: more than {limit}; --states N looks further")
+            }
+            explicit::ExplorationLimit::Bytes { .. } => format!("states, arcs: {why}; --memory MB allows more"),
+            explicit::ExplorationLimit::Overflow(_) => format!("states, arcs: {why}"),
         });
     }
     if let Some(Err(why)) = &findings.covered {
         open.push(format!("unbounded places: {why}"));
     }
-    for property in Property::ALL {
+    for property in NetProperty::ALL {
         let is_known = findings.by_structure(property).is_some()
             || findings.by_exploration(property).is_some()
             || findings.by_coverability(net, property).is_some();
-        if !is_known && let linewright_nets::certificate::Answer::Unknown(why) = findings.structure.answer(property) {
+        if !is_known
+            && let linewright_nets::certificate::CertificateAnswer::Unknown(why) = findings.structure.answer(property)
+        {
             open.push(format!("{property}: {why}"));
         }
     }

@@ -2,8 +2,8 @@
 
 use std::fmt::Write;
 
-use super::plays::Play;
-use super::report::{Flow, Report};
+use super::plays::ViolationPath;
+use super::report::{AnalysisReport, ReportedFlow};
 
 /// How many semiflows are shown; `--json` has more.
 const FLOWS_SHOWN: usize = 12;
@@ -13,7 +13,7 @@ const NAMES_SHOWN: usize = 12;
 const STEPS_SHOWN: usize = 40;
 
 /// The report in words.
-pub fn text(report: &Report) -> String {
+pub fn text(report: &AnalysisReport) -> String {
     let mut out = String::new();
     // Writing to a string cannot fail.
     write(report, &mut out).expect("a string accepts every write");
@@ -21,7 +21,7 @@ pub fn text(report: &Report) -> String {
     out.replace(|c: char| c.is_control() && c != '\n', " ")
 }
 
-fn write(r: &Report, out: &mut String) -> std::fmt::Result {
+fn write(r: &AnalysisReport, out: &mut String) -> std::fmt::Result {
     let class = if r.class.is_empty() { "of no special class".to_owned() } else { r.class.join(", ") };
     writeln!(out, "{}: {} places, {} transitions; {class}\n", r.net, r.places, r.transitions)?;
     let by = &r.decided_by;
@@ -75,7 +75,7 @@ fn some(words: &[String], most: usize, between: &str) -> String {
     }
 }
 
-fn flows(out: &mut String, what: &str, flows: &[Flow]) -> std::fmt::Result {
+fn flows(out: &mut String, what: &str, flows: &[ReportedFlow]) -> std::fmt::Result {
     if flows.is_empty() {
         return Ok(());
     }
@@ -92,7 +92,7 @@ fn flows(out: &mut String, what: &str, flows: &[Flow]) -> std::fmt::Result {
     }
 }
 
-fn counterexample(out: &mut String, play: &Play) -> std::fmt::Result {
+fn counterexample(out: &mut String, play: &ViolationPath) -> std::fmt::Result {
     let of = play.of.as_ref().map_or(String::new(), |of| format!(" ({of})"));
     writeln!(out, "\n{}{of}:", play.shows)?;
     let fire = if play.fire.is_empty() {

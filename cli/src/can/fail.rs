@@ -16,7 +16,7 @@ use crate::nodes::DEFAULT_BUS;
 
 /// What goes wrong.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, ValueEnum)]
-enum Wrong {
+enum InjectedFault {
     /// The mechanism does not move.
     Stick,
     /// It moves at a quarter of its speed.
@@ -51,17 +51,17 @@ enum Wrong {
     Clear,
 }
 
-impl Wrong {
+impl InjectedFault {
     /// What happens to a motion (`Some(None)`: nothing any more), if it happens to one.
     fn of_a_motion(self) -> Option<Option<Fault>> {
         match self {
-            Wrong::Clear => Some(None),
-            Wrong::Stick => Some(Some(Fault::Stick)),
-            Wrong::Slip => Some(Some(Fault::Slip)),
-            Wrong::Break => Some(Some(Fault::Break)),
-            Wrong::SlipBack => Some(Some(Fault::SlipBack)),
-            Wrong::Miss => Some(Some(Fault::Miss)),
-            Wrong::Drop => Some(Some(Fault::Drop)),
+            InjectedFault::Clear => Some(None),
+            InjectedFault::Stick => Some(Some(Fault::Stick)),
+            InjectedFault::Slip => Some(Some(Fault::Slip)),
+            InjectedFault::Break => Some(Some(Fault::Break)),
+            InjectedFault::SlipBack => Some(Some(Fault::SlipBack)),
+            InjectedFault::Miss => Some(Some(Fault::Miss)),
+            InjectedFault::Drop => Some(Some(Fault::Drop)),
             _ => None,
         }
     }
@@ -70,26 +70,31 @@ impl Wrong {
     fn of_a_device(self) -> Option<Orders> {
         const HARDWARE: u32 = 0x0606_0000;
         let faults = match self {
-            Wrong::Clear => return Some(vec![CLEAR]),
-            Wrong::Silent => vec![DeviceFault::Silent],
-            Wrong::Reboot => vec![DeviceFault::Reboot],
-            Wrong::NoBoot => vec![DeviceFault::NoBoot],
-            Wrong::NoHeartbeat => vec![DeviceFault::NoHeartbeat],
-            Wrong::Identity => {
+            InjectedFault::Clear => return Some(vec![CLEAR]),
+            InjectedFault::Silent => vec![DeviceFault::Silent],
+            InjectedFault::Reboot => vec![DeviceFault::Reboot],
+            InjectedFault::NoBoot => vec![DeviceFault::NoBoot],
+            InjectedFault::NoHeartbeat => vec![DeviceFault::NoHeartbeat],
+            InjectedFault::Identity => {
                 vec![DeviceFault::Identity { object: (0x1018, 2), value: 0xFFFF }, DeviceFault::Reboot]
             }
-            Wrong::Refuse => {
+            InjectedFault::Refuse => {
                 let object = (0x1017, 0);
                 let refusal = DeviceFault::Abort { object, code: HARDWARE, reading: false, writing: true };
                 vec![refusal, DeviceFault::Reboot]
             }
-            Wrong::Emergency => vec![DeviceFault::Emergency { code: 0x2310, register: 5 }],
-            Wrong::BusOff => vec![DeviceFault::BusOff { millis: 1000 }],
-            Wrong::Lossy => {
+            InjectedFault::Emergency => vec![DeviceFault::Emergency { code: 0x2310, register: 5 }],
+            InjectedFault::BusOff => vec![DeviceFault::BusOff { millis: 1000 }],
+            InjectedFault::Lossy => {
                 let faults = FrameFaults { lost_to: 50, lost_from: 50, doubled: 50, ..FrameFaults::default() };
                 return Some(faults.orders());
             }
-            Wrong::Stick | Wrong::Slip | Wrong::Break | Wrong::SlipBack | Wrong::Miss | Wrong::Drop => return None,
+            InjectedFault::Stick
+            | InjectedFault::Slip
+            | InjectedFault::Break
+            | InjectedFault::SlipBack
+            | InjectedFault::Miss
+            | InjectedFault::Drop => return None,
         };
         Some(faults.into_iter().flat_map(DeviceFault::orders).collect())
     }
@@ -103,7 +108,7 @@ pub struct FailArgs {
     /// The station.
     station: String,
     /// What goes wrong.
-    what: Wrong,
+    what: InjectedFault,
     /// With which operation's motion; needed for stick, slip, slip-back and break.
     #[arg(long)]
     operation: Option<String>,

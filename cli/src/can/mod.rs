@@ -32,11 +32,11 @@ pub struct CanArgs {
     #[arg(long, global = true, default_value = DEFAULT_BUS)]
     bus: String,
     #[command(subcommand)]
-    command: Command,
+    command: CanCommand,
 }
 
 #[derive(Debug, Subcommand)]
-enum Command {
+enum CanCommand {
     /// Ask every node id who is there: profile, identity, name, state.
     Scan(scan::ScanArgs),
     /// Listen, and say in a sentence how each device of a line is.
@@ -58,13 +58,13 @@ enum Command {
 pub async fn run(args: CanArgs) -> miette::Result<ExitCode> {
     let mut bus = open(&args.bus)?;
     match args.command {
-        Command::Scan(args) => scan::run(&mut bus, &args).await,
-        Command::Status(status) => status::run(&mut bus, &args.bus, &status).await,
-        Command::Nmt(args) => nmt::run(&mut bus, &args).await,
-        Command::Sdo(command) => sdo::run(&mut bus, &command).await,
-        Command::Monitor(monitor) => log::monitor(&mut bus, &args.bus, &monitor).await,
-        Command::Record(args) => log::record(&mut bus, &args).await,
-        Command::Replay(args) => log::replay(&mut bus, &args).await,
+        CanCommand::Scan(args) => scan::run(&mut bus, &args).await,
+        CanCommand::Status(status) => status::run(&mut bus, &args.bus, &status).await,
+        CanCommand::Nmt(args) => nmt::run(&mut bus, &args).await,
+        CanCommand::Sdo(command) => sdo::run(&mut bus, &command).await,
+        CanCommand::Monitor(monitor) => log::monitor(&mut bus, &args.bus, &monitor).await,
+        CanCommand::Record(args) => log::record(&mut bus, &args).await,
+        CanCommand::Replay(args) => log::replay(&mut bus, &args).await,
     }
 }
 

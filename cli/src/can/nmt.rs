@@ -16,7 +16,7 @@ use super::node;
 const PATIENCE: Duration = Duration::from_millis(1500);
 
 #[derive(Clone, Copy, Debug, PartialEq, Eq, ValueEnum)]
-enum Order {
+enum NmtRequest {
     /// Enter operational.
     Start,
     /// Stop: no process data, no SDO.
@@ -29,30 +29,30 @@ enum Order {
     ResetCommunication,
 }
 
-impl Order {
+impl NmtRequest {
     fn command(self) -> NmtCommand {
         match self {
-            Order::Start => NmtCommand::Start,
-            Order::Stop => NmtCommand::Stop,
-            Order::PreOperational => NmtCommand::EnterPreOperational,
-            Order::ResetNode => NmtCommand::ResetNode,
-            Order::ResetCommunication => NmtCommand::ResetCommunication,
+            NmtRequest::Start => NmtCommand::Start,
+            NmtRequest::Stop => NmtCommand::Stop,
+            NmtRequest::PreOperational => NmtCommand::EnterPreOperational,
+            NmtRequest::ResetNode => NmtCommand::ResetNode,
+            NmtRequest::ResetCommunication => NmtCommand::ResetCommunication,
         }
     }
 
     /// The state in which a node that has obeyed reports itself.
     fn leads_to(self) -> NmtState {
         match self {
-            Order::Start => NmtState::Operational,
-            Order::Stop => NmtState::Stopped,
-            Order::PreOperational => NmtState::PreOperational,
-            Order::ResetNode | Order::ResetCommunication => NmtState::BootUp,
+            NmtRequest::Start => NmtState::Operational,
+            NmtRequest::Stop => NmtState::Stopped,
+            NmtRequest::PreOperational => NmtState::PreOperational,
+            NmtRequest::ResetNode | NmtRequest::ResetCommunication => NmtState::BootUp,
         }
     }
 }
 
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
-enum Whom {
+enum NmtTarget {
     All,
     One(NodeId),
 }
@@ -61,20 +61,20 @@ enum Whom {
 #[derive(Debug, Args)]
 pub struct NmtArgs {
     /// What to do.
-    order: Order,
+    order: NmtRequest,
     /// Who is to do it: a node id, or `all`.
     #[arg(value_parser = whom)]
-    whom: Whom,
+    whom: NmtTarget,
 }
 
-fn whom(text: &str) -> Result<Whom, String> {
-    if text == "all" { Ok(Whom::All) } else { node(text).map(Whom::One) }
+fn whom(text: &str) -> Result<NmtTarget, String> {
+    if text == "all" { Ok(NmtTarget::All) } else { node(text).map(NmtTarget::One) }
 }
 
 pub async fn run(bus: &mut Bus, args: &NmtArgs) -> miette::Result<ExitCode> {
     let addressed = match args.whom {
-        Whom::All => None,
-        Whom::One(node) => Some(node),
+        NmtTarget::All => None,
+        NmtTarget::One(node) => Some(node),
     };
     bus.send(&Message::Nmt { command: args.order.command(), node: addressed }.encode());
     let expected = args.order.leads_to();

@@ -39,7 +39,7 @@ const ANSWER: Options = Options {
 };
 
 #[derive(Debug, Default, Serialize)]
-struct Found {
+struct ScannedNode {
     node: u8,
     state: Option<String>,
     device_type: Option<u32>,
@@ -85,8 +85,8 @@ async fn listen_and_ask(bus: &mut Bus, wait: Duration) -> miette::Result<BTreeMa
     Ok(heard)
 }
 
-async fn question(bus: &mut Bus, node: NodeId, state: Option<NmtState>) -> Found {
-    let mut found = Found { node: node.get(), state: state.map(state_name), ..Found::default() };
+async fn question(bus: &mut Bus, node: NodeId, state: Option<NmtState>) -> ScannedNode {
+    let mut found = ScannedNode { node: node.get(), state: state.map(state_name), ..ScannedNode::default() };
     // A stopped node answers nothing (CiA 301 §7.3.2.2), and a manager need not be a server at all.
     let Some(device_type) = number(bus, node, 0x1000, 0).await else { return found };
     found.device_type = Some(device_type);
@@ -121,7 +121,7 @@ fn profile(device_type: u32) -> String {
     }
 }
 
-fn table(found: &[Found]) {
+fn table(found: &[ScannedNode]) {
     if found.is_empty() {
         crate::out::complain!("nobody answers");
         return;

@@ -12,7 +12,7 @@ use linewright_fieldbus::{Bus, NodeId, sdo_client};
 use miette::{IntoDiagnostic, miette};
 
 use super::node;
-use super::value::{Kind, guess};
+use super::value::{ValueKind, guess};
 
 #[derive(Debug, Subcommand)]
 pub enum SdoCommand {
@@ -23,7 +23,7 @@ pub enum SdoCommand {
 }
 
 #[derive(Debug, Args)]
-struct Whose {
+struct SdoTarget {
     /// The node id.
     #[arg(value_parser = node)]
     node: NodeId,
@@ -34,7 +34,7 @@ struct Whose {
     timeout: u64,
 }
 
-impl Whose {
+impl SdoTarget {
     fn options(&self) -> Options {
         Options { timeout: Duration::from_millis(self.timeout), ..Options::default() }
     }
@@ -43,22 +43,22 @@ impl Whose {
 #[derive(Debug, Args)]
 pub struct ReadArgs {
     #[command(flatten)]
-    whose: Whose,
+    whose: SdoTarget,
     /// What its bytes are; without it they are shown in every likely way.
     #[arg(long = "type", value_enum)]
-    kind: Option<Kind>,
+    kind: Option<ValueKind>,
 }
 
 #[derive(Debug, Args)]
 pub struct WriteArgs {
     #[command(flatten)]
-    whose: Whose,
+    whose: SdoTarget,
     /// The value.
     #[arg(allow_hyphen_values = true)]
     value: String,
     /// What its bytes are. It must be said: a device refuses a number of another length.
     #[arg(long = "type", value_enum)]
-    kind: Kind,
+    kind: ValueKind,
 }
 
 pub async fn run(bus: &mut Bus, command: &SdoCommand) -> miette::Result<ExitCode> {
@@ -80,10 +80,10 @@ pub async fn run(bus: &mut Bus, command: &SdoCommand) -> miette::Result<ExitCode
     Ok(ExitCode::SUCCESS)
 }
 
-async fn read(bus: &mut Bus, whose: &Whose) -> miette::Result<Vec<u8>> {
+async fn read(bus: &mut Bus, whose: &SdoTarget) -> miette::Result<Vec<u8>> {
     sdo_client::read(bus, whose.node, whose.object, whose.options()).await.into_diagnostic()
 }
 
-async fn write(bus: &mut Bus, whose: &Whose, bytes: &[u8]) -> miette::Result<()> {
+async fn write(bus: &mut Bus, whose: &SdoTarget, bytes: &[u8]) -> miette::Result<()> {
     sdo_client::write(bus, whose.node, whose.object, bytes, whose.options()).await.into_diagnostic()
 }

@@ -29,7 +29,7 @@ pub struct StatusArgs {
 }
 
 #[derive(Debug, Serialize)]
-struct Node {
+struct StatusNode {
     /// `None` for a device that speaks no CANopen.
     node: Option<u8>,
     name: Option<String>,
@@ -53,7 +53,7 @@ pub async fn run(bus: &mut Bus, interface: &str, args: &StatusArgs) -> miette::R
         plain.handle(clock.now(), &frame, &mut Outbox::default());
     }
     let mut nodes = nodes(&line, interface, &survey, clock.now(), listen);
-    nodes.extend(plain.plain_statuses(clock.now()).map(|status| Node {
+    nodes.extend(plain.plain_statuses(clock.now()).map(|status| StatusNode {
         node: None,
         name: Some(status.name.to_owned()),
         owner: Some(line.owner_name(status.owner).to_owned()),
@@ -81,10 +81,10 @@ fn long_enough(line: &Line, interface: &str) -> Duration {
 }
 
 /// The description's CANopen devices on this bus, then whoever else was heard.
-fn nodes(line: &Line, interface: &str, survey: &Survey, now: Tick, listened: Duration) -> Vec<Node> {
+fn nodes(line: &Line, interface: &str, survey: &Survey, now: Tick, listened: Duration) -> Vec<StatusNode> {
     let described = line.devices_on(interface).filter(|device| device.frames.is_none()).map(|device| {
         let heard = NodeId::new(device.node_id).and_then(|node| survey.node(node));
-        Node {
+        StatusNode {
             node: Some(device.node_id),
             name: Some(device.name.clone()),
             owner: Some(line.owner_name(device.owner).to_owned()),
@@ -96,7 +96,7 @@ fn nodes(line: &Line, interface: &str, survey: &Survey, now: Tick, listened: Dur
         }
     });
     let known = |node: NodeId| line.devices_on(interface).any(|device| device.node_id == node.get());
-    let others = survey.heard().filter(|(node, _)| !known(*node)).map(|(node, heard)| Node {
+    let others = survey.heard().filter(|(node, _)| !known(*node)).map(|(node, heard)| StatusNode {
         node: Some(node.get()),
         name: None,
         owner: (node == MANAGER_NODE).then(|| "the manager".to_owned()),
@@ -106,8 +106,8 @@ fn nodes(line: &Line, interface: &str, survey: &Survey, now: Tick, listened: Dur
     described.chain(others).collect()
 }
 
-fn table(nodes: &[Node], survey: &Survey) {
-    let name = |node: &Node| match (&node.name, &node.owner) {
+fn table(nodes: &[StatusNode], survey: &Survey) {
+    let name = |node: &StatusNode| match (&node.name, &node.owner) {
         (Some(name), Some(owner)) => format!("{name} ({owner})"),
         (None, Some(owner)) => owner.clone(),
         _ => "not in the description".to_owned(),

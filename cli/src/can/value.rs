@@ -4,7 +4,7 @@ use clap::ValueEnum;
 
 /// What the bytes of an object are.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, ValueEnum)]
-pub enum Kind {
+pub enum ValueKind {
     /// Unsigned, one byte.
     U8,
     /// Unsigned, two bytes.
@@ -31,19 +31,19 @@ pub enum Kind {
     Hex,
 }
 
-impl Kind {
+impl ValueKind {
     /// Bytes of a whole number, and whether it has a sign.
     fn whole(self) -> Option<(usize, bool)> {
         match self {
-            Kind::U8 => Some((1, false)),
-            Kind::U16 => Some((2, false)),
-            Kind::U32 => Some((4, false)),
-            Kind::U64 => Some((8, false)),
-            Kind::I8 => Some((1, true)),
-            Kind::I16 => Some((2, true)),
-            Kind::I32 => Some((4, true)),
-            Kind::I64 => Some((8, true)),
-            Kind::F32 | Kind::F64 | Kind::Text | Kind::Hex => None,
+            ValueKind::U8 => Some((1, false)),
+            ValueKind::U16 => Some((2, false)),
+            ValueKind::U32 => Some((4, false)),
+            ValueKind::U64 => Some((8, false)),
+            ValueKind::I8 => Some((1, true)),
+            ValueKind::I16 => Some((2, true)),
+            ValueKind::I32 => Some((4, true)),
+            ValueKind::I64 => Some((8, true)),
+            ValueKind::F32 | ValueKind::F64 | ValueKind::Text | ValueKind::Hex => None,
         }
     }
 
@@ -61,9 +61,9 @@ impl Kind {
         }
         let real = |error| format!("'{text}': {error}");
         match self {
-            Kind::F32 => Ok(text.parse::<f32>().map_err(real)?.to_le_bytes().to_vec()),
-            Kind::F64 => Ok(text.parse::<f64>().map_err(real)?.to_le_bytes().to_vec()),
-            Kind::Hex => hex(text).ok_or_else(|| format!("'{text}' is not pairs of hexadecimal digits")),
+            ValueKind::F32 => Ok(text.parse::<f32>().map_err(real)?.to_le_bytes().to_vec()),
+            ValueKind::F64 => Ok(text.parse::<f64>().map_err(real)?.to_le_bytes().to_vec()),
+            ValueKind::Hex => hex(text).ok_or_else(|| format!("'{text}' is not pairs of hexadecimal digits")),
             _ => Ok(text.as_bytes().to_vec()),
         }
     }
@@ -80,9 +80,9 @@ impl Kind {
             return Ok(number.to_string());
         }
         match self {
-            Kind::F32 => Ok(f32::from_le_bytes(fits(bytes, 4)?.try_into().unwrap_or_default()).to_string()),
-            Kind::F64 => Ok(f64::from_le_bytes(fits(bytes, 8)?.try_into().unwrap_or_default()).to_string()),
-            Kind::Hex => Ok(spaced(bytes)),
+            ValueKind::F32 => Ok(f32::from_le_bytes(fits(bytes, 4)?.try_into().unwrap_or_default()).to_string()),
+            ValueKind::F64 => Ok(f64::from_le_bytes(fits(bytes, 8)?.try_into().unwrap_or_default()).to_string()),
+            ValueKind::Hex => Ok(spaced(bytes)),
             _ => Ok(String::from_utf8_lossy(bytes).trim_end_matches('\0').to_owned()),
         }
     }
@@ -145,33 +145,42 @@ mod tests {
     #[test]
     fn what_is_written_is_read_back() {
         let cases = [
-            (Kind::U8, "255", &[0xFF][..]),
-            (Kind::U16, "0x1234", &[0x34, 0x12]),
-            (Kind::I16, "-2", &[0xFE, 0xFF]),
-            (Kind::I8, "-128", &[0x80]),
-            (Kind::U64, "18446744073709551615", &[0xFF; 8]),
-            (Kind::F32, "1.5", &[0, 0, 0xC0, 0x3F]),
-            (Kind::Text, "mill 1", b"mill 1"),
-            (Kind::Hex, "01 0a", &[1, 10]),
+            (ValueKind::U8, "255", &[0xFF][..]),
+            (ValueKind::U16, "0x1234", &[0x34, 0x12]),
+            (ValueKind::I16, "-2", &[0xFE, 0xFF]),
+            (ValueKind::I8, "-128", &[0x80]),
+            (ValueKind::U64, "18446744073709551615", &[0xFF; 8]),
+            (ValueKind::F32, "1.5", &[0, 0, 0xC0, 0x3F]),
+            (ValueKind::Text, "mill 1", b"mill 1"),
+            (ValueKind::Hex, "01 0a", &[1, 10]),
         ];
         for (kind, text, bytes) in cases {
             assert_eq!(kind.bytes(text).as_deref(), Ok(bytes), "{text}");
         }
-        assert_eq!(Kind::I16.text(&[0xFE, 0xFF]).as_deref(), Ok("-2"));
-        assert_eq!(Kind::U32.text(&[1, 0, 0, 0x80]).as_deref(), Ok("2147483649"));
-        assert_eq!(Kind::F32.text(&[0, 0, 0xC0, 0x3F]).as_deref(), Ok("1.5"));
-        assert_eq!(Kind::Text.text(b"io\0\0").as_deref(), Ok("io"));
+        assert_eq!(ValueKind::I16.text(&[0xFE, 0xFF]).as_deref(), Ok("-2"));
+        assert_eq!(ValueKind::U32.text(&[1, 0, 0, 0x80]).as_deref(), Ok("2147483649"));
+        assert_eq!(ValueKind::F32.text(&[0, 0, 0xC0, 0x3F]).as_deref(), Ok("1.5"));
+        assert_eq!(ValueKind::Text.text(b"io\0\0").as_deref(), Ok("io"));
     }
 
     #[test]
     fn what_does_not_fit_is_refused() {
-        let bad = [(Kind::U8, "256"), (Kind::U8, "-1"), (Kind::I8, "128"), (Kind::U8, "+1"), (Kind::U8, "0x+1")];
-        for (kind, text) in
-            bad.into_iter().chain([(Kind::U8, ""), (Kind::Hex, "012"), (Kind::Hex, "0g"), (Kind::F32, "x")])
-        {
+        let bad = [
+            (ValueKind::U8, "256"),
+            (ValueKind::U8, "-1"),
+            (ValueKind::I8, "128"),
+            (ValueKind::U8, "+1"),
+            (ValueKind::U8, "0x+1"),
+        ];
+        for (kind, text) in bad.into_iter().chain([
+            (ValueKind::U8, ""),
+            (ValueKind::Hex, "012"),
+            (ValueKind::Hex, "0g"),
+            (ValueKind::F32, "x"),
+        ]) {
             assert!(kind.bytes(text).is_err(), "{kind:?} {text}");
         }
-        assert!(Kind::U16.text(&[1]).is_err());
+        assert!(ValueKind::U16.text(&[1]).is_err());
     }
 
     #[test]

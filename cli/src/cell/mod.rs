@@ -14,7 +14,7 @@ use linewright_msgs::{
     ProductionState, RosService, SetResource, SetResourceRequest, SubmitOrders, SubmitOrdersRequest, WhyNot,
     WhyNotRequest,
 };
-use linewright_node_shell::{CallError, Caller, Forward, Mapping, Node, RosArgs, forward, fresh_key, qos};
+use linewright_node_shell::{CallError, Caller, Forward, Mapping, RosArgs, RosNode, forward, fresh_key, qos};
 use linewright_station_shell::NewestBySequence;
 use miette::miette;
 use tokio::sync::mpsc;
@@ -50,7 +50,7 @@ pub struct CellClient {
     domain_id: u16,
     _task: Forward,
     // The node must outlive what it has opened.
-    _node: Node,
+    _node: RosNode,
 }
 
 impl CellClient {
@@ -155,7 +155,7 @@ fn who() -> String {
     std::env::var("USER").unwrap_or_default()
 }
 
-fn caller<S: RosService>(node: &mut Node, service: &str) -> miette::Result<Caller<S>> {
+fn caller<S: RosService>(node: &mut RosNode, service: &str) -> miette::Result<Caller<S>> {
     let name = format!("coordinator/{service}");
     node.caller(&name, Mapping::Enhanced).map_err(|error| miette!("{error}"))
 }

@@ -22,11 +22,11 @@ pub struct OrderArgs {
     /// The cell's directory.
     cell: PathBuf,
     #[command(subcommand)]
-    what: Option<What>,
+    what: Option<OrderOperation>,
 }
 
 #[derive(Debug, Subcommand)]
-enum What {
+enum OrderOperation {
     /// Put something on order.
     Submit(Submit),
     /// Show what is on order; the same as no word at all.
@@ -73,8 +73,8 @@ pub async fn order(args: OrderArgs, ros: &RosArgs) -> miette::Result<ExitCode> {
     let mut client = CellClient::open(&line, ros, "order")?;
     let state = client.until_heard(CONNECT).await?;
     match args.what {
-        None | Some(What::List) => say!("{}", list(state)),
-        Some(What::Submit(submit)) => {
+        None | Some(OrderOperation::List) => say!("{}", list(state)),
+        Some(OrderOperation::Submit(submit)) => {
             let wall = SystemTime::now().duration_since(SystemTime::UNIX_EPOCH).unwrap_or_default();
             let name = submit.name.clone().unwrap_or_else(|| format!("{} {}", submit.product, wall.as_secs()));
             let mut wanted = request(&name, &submit.product, submit.quantity);
@@ -85,11 +85,11 @@ pub async fn order(args: OrderArgs, ros: &RosArgs) -> miette::Result<ExitCode> {
             let ids: Vec<String> = ids.iter().map(u64::to_string).collect();
             say!("production order {}: `{name}`", ids.join(", "));
         }
-        Some(What::Cancel { name }) => {
+        Some(OrderOperation::Cancel { name }) => {
             client.cancel(&name).await?;
             say!("`{name}` is cancelled");
         }
-        Some(What::Withdraw { name }) => {
+        Some(OrderOperation::Withdraw { name }) => {
             client.withdraw(&name).await?;
             say!("`{name}` is withdrawn");
         }
@@ -187,11 +187,11 @@ pub struct ResourceArgs {
     resource: Option<String>,
     /// How it is.
     #[command(subcommand)]
-    is: Option<Is>,
+    is: Option<ResourceService>,
 }
 
 #[derive(Debug, Subcommand)]
-enum Is {
+enum ResourceService {
     /// Stop what the resource takes part in: all stations of its activities stand at once, half-way if need be; the activities
     /// have failed, and the resource is left out. This is no emergency stop.
     Alarm {
@@ -228,12 +228,12 @@ pub async fn resource(args: ResourceArgs, ros: &RosArgs) -> miette::Result<ExitC
         (None, Some(_)) => return Err(miette!("which resource? Name it before what is said of it")),
     };
     let (what, text, done) = match is {
-        Is::Alarm { text } => {
+        ResourceService::Alarm { text } => {
             (SetResourceRequest::ALARM, text.join(" "), "is left out, and what it was doing is stopped and has failed")
         }
-        Is::Down => (SetResourceRequest::DOWN, String::new(), "is left out"),
-        Is::Up => (SetResourceRequest::UP, String::new(), "is counted on again"),
-        Is::Reset => (SetResourceRequest::RESET, String::new(), "is reset"),
+        ResourceService::Down => (SetResourceRequest::DOWN, String::new(), "is left out"),
+        ResourceService::Up => (SetResourceRequest::UP, String::new(), "is counted on again"),
+        ResourceService::Reset => (SetResourceRequest::RESET, String::new(), "is reset"),
     };
     client.resource(&name, what, &text).await?;
     say!("{name} {done}");

@@ -9,13 +9,14 @@ use linewright_line::{Line, Problems};
 use linewright_proof::cell::protocol::{ProtocolSetting, check_protocol, properties};
 use linewright_proof::cell::recovery::check_recovery;
 use linewright_proof::cell::{
-    Checked, Explored, Holding, Property, Setting, Story, Verdict, Waiting, check, check_conflicts,
+    CellExploration, CellPath, CellProperty, Checked, GroupExplored, Holding, Verdict, WaitingPart, check,
+    check_conflicts,
 };
 use miette::miette;
 use serde::Serialize;
 
-use super::explored::Options;
-use super::report::Place;
+use super::explored::ExploreOptions;
+use super::report::TextPlace;
 use crate::load;
 
 /// What no exploration of a cell settles.
@@ -38,18 +39,18 @@ pub struct CellReport {
     /// With so many parts at once nothing is wrong; none if nothing was explored.
     pub sound_parts: Option<u32>,
     /// What was explored: resources that have nothing to do with each other, each for itself.
-    pub groups: Vec<Group>,
+    pub groups: Vec<GroupReport>,
     /// One by one.
-    pub properties: Vec<Found>,
+    pub properties: Vec<CellFinding>,
     /// What is suspicious about the text.
-    pub warnings: Vec<Place>,
+    pub warnings: Vec<TextPlace>,
     /// What is wrong with the text.
-    pub problems: Vec<Place>,
+    pub problems: Vec<TextPlace>,
 }
 
 /// One exploration.
 #[derive(Debug, Serialize)]
-pub struct Group {
+pub struct GroupReport {
     /// The resources.
     pub resources: Vec<String>,
     /// With so many parts at once; the figures are those of this search.
@@ -68,7 +69,7 @@ pub struct Group {
 
 /// One property.
 #[derive(Debug, Serialize)]
-pub struct Found {
+pub struct CellFinding {
     /// What was asked.
     pub name: &'static str,
     /// `holds`, `fails`, `undecided` or `remark`.
@@ -80,34 +81,34 @@ pub struct Found {
     pub help: Option<String>,
     /// How it comes to be, where it fails.
     #[serde(skip_serializing_if = "Option::is_none")]
-    pub counterexample: Option<Counterexample>,
+    pub counterexample: Option<CellCounterexample>,
 }
 
 /// A story as data.
 #[derive(Debug, Serialize)]
-pub struct Counterexample {
+pub struct CellCounterexample {
     /// What happened, in order.
     pub steps: Vec<String>,
     /// What is wrong at the end.
     pub end: String,
     /// What each resource has then.
-    pub resources: Vec<Resource>,
+    pub resources: Vec<FinalResource>,
 }
 
 /// A resource at the end of a story.
 #[derive(Debug, Serialize)]
-pub struct Resource {
+pub struct FinalResource {
     /// Which.
     pub name: String,
     /// How many parts it can hold or carry.
     pub capacity: u32,
     /// Those that it has.
-    pub parts: Vec<Part>,
+    pub parts: Vec<FinalPart>,
 }
 
 /// A part at the end of a story.
 #[derive(Debug, Serialize)]
-pub struct Part {
+pub struct FinalPart {
     /// Which.
     pub part: String,
     /// How far it is.
@@ -135,20 +136,20 @@ impl CellReport {
     fn add(&mut self, found: Checked) {
         self.ok = found.holds();
         self.sound_parts = Some(found.sound);
-        self.groups = found.groups.into_iter().map(Group::from).collect();
-        self.properties = found.properties.into_iter().map(Found::from).collect();
+        self.groups = found.groups.into_iter().map(GroupReport::from).collect();
+        self.properties = found.properties.into_iter().map(CellFinding::from).collect();
     }
 }
 
 impl CellReport {
-    fn add_more(&mut self, found: Vec<Property>) {
-        let is_right = |property: &Property| matches!(property.verdict, Verdict::Holds | Verdict::Remark);
+    fn add_more(&mut self, found: Vec<CellProperty>) {
+        let is_right = |property: &CellProperty| matches!(property.verdict, Verdict::Holds | Verdict::Remark);
         self.ok &= found.iter().all(is_right);
-        self.properties.extend(found.into_iter().map(Found::from));
+        self.properties.extend(found.into_iter().map(CellFinding::from));
     }
 
     /// Adds what is found of tasks in conflict.
-    fn keep_apart(&mut self, setting: &Setting<'_>, line: &Line) {
+    fn keep_apart(&mut self, setting: &CellExploration<'_>, line: &Line) {
         match check_conflicts(setting, line) {
             Ok(found) => self.add_more(found),
             Err(why) => (self.ok, self.problems) = (false, vec![placeless(why.to_string())]),
@@ -156,17 +157,17 @@ impl CellReport {
     }
 
     /// Adds what is found of the order protocol, activity by activity.
-    fn follow_orders(&mut self, cell: &Cell, line: &Line, options: &Options) {
+    fn follow_orders(&mut self, cell: &Cell, line: &Line, options: &ExploreOptions) {
         let mut setting = ProtocolSetting::new(cell, line);
         setting.states = usize::try_from(options.cell_limits().states).unwrap_or(usize::MAX).min(setting.states);
         match check_protocol(&setting) {
             Ok(found) => {
                 let properties = properties(&found);
                 self.ok &= properties.iter().all(|property| property.verdict != Verdict::Fails);
-                self.properties.extend(properties.into_iter().map(Found::from));
+                self.properties.extend(properties.into_iter().map(CellFinding::from));
             }
             // A cell without reserved grasps is checked, and not played.
-            Err(why) => self.properties.push(Found {
+            Err(why) => self.properties.push(CellFinding {
                 name: "the orders of its activities keep their rules",
                 verdict: "remark",
                 reason: why.to_string(),
@@ -181,7 +182,7 @@ impl CellReport {
 ///
 /// # Errors
 /// When the options ask for what the cell does not have.
-pub fn judge(file: &Path, line: Option<&Line>, options: &Options, quiet: bool) -> miette::Result<CellReport> {
+pub fn judge(file: &Path, line: Option<&Line>, options: &ExploreOptions, quiet: bool) -> miette::Result<CellReport> {
     let parsed = match load::cell(file, line) {
         Ok(parsed) => parsed,
         Err(error) => {
@@ -197,7 +198,7 @@ pub fn judge(file: &Path, line: Option<&Line>, options: &Options, quiet: bool) -
     let mut report = CellReport {
         name: Some(parsed.cell.name.clone()),
         ok: true,
-        warnings: parsed.warnings.iter().map(Place::from).collect(),
+        warnings: parsed.warnings.iter().map(TextPlace::from).collect(),
         ..CellReport::nothing()
     };
     if options.asks_to_explore() {
@@ -220,8 +221,8 @@ pub fn judge(file: &Path, line: Option<&Line>, options: &Options, quiet: bool) -
 }
 
 /// What is wrong nowhere in particular.
-fn placeless(message: String) -> Place {
-    Place { line: None, column: None, message, help: None }
+fn placeless(message: String) -> TextPlace {
+    TextPlace { line: None, column: None, message, help: None }
 }
 
 fn of_error(error: &miette::Report) -> CellReport {
@@ -230,14 +231,14 @@ fn of_error(error: &miette::Report) -> CellReport {
     };
     let (warnings, errors): (Vec<_>, Vec<_>) = problems.iter().partition(|problem| problem.is_warning);
     CellReport {
-        warnings: warnings.into_iter().map(Place::from).collect(),
-        problems: errors.into_iter().map(Place::from).collect(),
+        warnings: warnings.into_iter().map(TextPlace::from).collect(),
+        problems: errors.into_iter().map(TextPlace::from).collect(),
         ..CellReport::nothing()
     }
 }
 
-fn setting<'c>(cell: &'c Cell, options: &Options) -> miette::Result<Setting<'c>> {
-    let mut setting = Setting::new(cell);
+fn setting<'c>(cell: &'c Cell, options: &ExploreOptions) -> miette::Result<CellExploration<'c>> {
+    let mut setting = CellExploration::new(cell);
     setting.limits = options.cell_limits();
     if options.expanded {
         setting.detail = Detail::Expanded;
@@ -256,39 +257,39 @@ fn setting<'c>(cell: &'c Cell, options: &Options) -> miette::Result<Setting<'c>>
     Ok(setting)
 }
 
-impl From<Explored> for Group {
-    fn from(Explored { resources, parts, states, arcs, bytes, sound, exhausted }: Explored) -> Self {
-        Group { resources, parts, states, arcs, bytes, sound_parts: sound, exhausted }
+impl From<GroupExplored> for GroupReport {
+    fn from(GroupExplored { resources, parts, states, arcs, bytes, sound, exhausted }: GroupExplored) -> Self {
+        GroupReport { resources, parts, states, arcs, bytes, sound_parts: sound, exhausted }
     }
 }
 
-impl From<Property> for Found {
-    fn from(Property { name, verdict, reason, help, counterexample }: Property) -> Self {
+impl From<CellProperty> for CellFinding {
+    fn from(CellProperty { name, verdict, reason, help, counterexample }: CellProperty) -> Self {
         let verdict = match verdict {
             Verdict::Holds => "holds",
             Verdict::Fails => "fails",
             Verdict::Undecided => "undecided",
             Verdict::Remark => "remark",
         };
-        Found { name, verdict, reason, help, counterexample: counterexample.map(Counterexample::from) }
+        CellFinding { name, verdict, reason, help, counterexample: counterexample.map(CellCounterexample::from) }
     }
 }
 
-impl From<Story> for Counterexample {
-    fn from(Story { steps, end, resources }: Story) -> Self {
-        Counterexample { steps, end, resources: resources.into_iter().map(Resource::from).collect() }
+impl From<CellPath> for CellCounterexample {
+    fn from(CellPath { steps, end, resources }: CellPath) -> Self {
+        CellCounterexample { steps, end, resources: resources.into_iter().map(FinalResource::from).collect() }
     }
 }
 
-impl From<Holding> for Resource {
+impl From<Holding> for FinalResource {
     fn from(Holding { name, capacity, parts }: Holding) -> Self {
-        Resource { name, capacity, parts: parts.into_iter().map(Part::from).collect() }
+        FinalResource { name, capacity, parts: parts.into_iter().map(FinalPart::from).collect() }
     }
 }
 
-impl From<Waiting> for Part {
-    fn from(Waiting { part, stage, at, needs }: Waiting) -> Self {
-        Part { part, stage, at, needs }
+impl From<WaitingPart> for FinalPart {
+    fn from(WaitingPart { part, stage, at, needs }: WaitingPart) -> Self {
+        FinalPart { part, stage, at, needs }
     }
 }
 
@@ -296,7 +297,7 @@ impl From<Waiting> for Part {
 pub fn write(report: &CellReport, out: &mut String) -> std::fmt::Result {
     writeln!(out)?;
     for group in report.groups.iter().take(GROUPS_SHOWN) {
-        let Group { resources, parts, states, arcs, bytes, .. } = group;
+        let GroupReport { resources, parts, states, arcs, bytes, .. } = group;
         let mebibytes = bytes.div_ceil(1 << 20);
         let shown = resources.iter().take(RESOURCES_SHOWN).map(String::as_str).collect::<Vec<_>>().join(", ");
         let more = match resources.len().saturating_sub(RESOURCES_SHOWN) {
@@ -312,7 +313,7 @@ pub fn write(report: &CellReport, out: &mut String) -> std::fmt::Result {
     for problem in report.problems.iter().filter(|problem| problem.line.is_none()) {
         writeln!(out, "✗ {}", problem.message)?;
     }
-    for Found { name, verdict, reason, help, counterexample } in &report.properties {
+    for CellFinding { name, verdict, reason, help, counterexample } in &report.properties {
         writeln!(out, "{} {name}: {reason}", super::show::sign(verdict))?;
         if let Some(counterexample) = counterexample {
             story(counterexample, out)?;
@@ -324,19 +325,19 @@ pub fn write(report: &CellReport, out: &mut String) -> std::fmt::Result {
     Ok(())
 }
 
-fn story(story: &Counterexample, out: &mut String) -> std::fmt::Result {
+fn story(story: &CellCounterexample, out: &mut String) -> std::fmt::Result {
     writeln!(out)?;
     for (nth, step) in story.steps.iter().enumerate() {
         writeln!(out, "{:6}. {step}", nth + 1)?;
     }
     writeln!(out, "        and so: {}\n", story.end)?;
-    for Resource { name, capacity, parts } in &story.resources {
+    for FinalResource { name, capacity, parts } in &story.resources {
         if parts.is_empty() {
             writeln!(out, "    {name} has nothing")?;
             continue;
         }
         writeln!(out, "    {name} has {} of {capacity}:", parts.len())?;
-        for Part { part, stage, at, needs } in parts {
+        for FinalPart { part, stage, at, needs } in parts {
             let at = at.as_ref().map(|at| format!(", {at}")).unwrap_or_default();
             let needs = if needs.is_empty() { "can go on".to_owned() } else { needs.join(", or ") };
             writeln!(out, "      {part} ({stage}){at}: {needs}")?;

@@ -3,24 +3,26 @@
 use clap::{Args, ValueEnum};
 use linewright_line::net::ControlMode;
 use linewright_line::{Conflict, Line};
-use linewright_proof::explore::{Explored, Grants, Limits, NotExplorable, Property, Setting, Story, Verdict, explore};
-use linewright_proof::parts::{Part, cyclic, on_order, parts};
+use linewright_proof::explore::{
+    Grants, LineExploration, LineExplored, LineNotExplorable, LinePath, LineProperty, SearchLimits, Verdict, explore,
+};
+use linewright_proof::parts::{SubLine, cyclic, on_order, parts};
 use linewright_proof::positions::PositionRules;
 use serde::Serialize;
 
 /// What is explored, and how freely.
 #[derive(Clone, Debug, Args)]
 #[command(next_help_heading = "Exploration")]
-pub struct Options {
+pub struct ExploreOptions {
     /// Structure only: explore nothing.
     #[arg(long, conflicts_with_all = ["modes", "views", "no_faults", "any_grants", "flags", "without", "whole", "states", "memory", "parts", "expanded"])]
     structure: bool,
     /// A mode that may be granted; repeat it for several. All of them if none is named.
     #[arg(long = "mode", value_enum)]
-    modes: Vec<Mode>,
+    modes: Vec<GrantedMode>,
     /// Whether a station may act on an older report than the newest sent, or hears each at once.
-    #[arg(long, value_enum, default_value_t = Views::Stale)]
-    views: Views,
+    #[arg(long, value_enum, default_value_t = ViewFreshness::Stale)]
+    views: ViewFreshness,
     /// Nothing fails.
     #[arg(long)]
     no_faults: bool,
@@ -32,7 +34,7 @@ pub struct Options {
     flags: bool,
     /// Switch off a rule, to see what it is good for; repeat it for several.
     #[arg(long, value_enum)]
-    without: Vec<Rule>,
+    without: Vec<SafetyRule>,
     /// Explore the whole line, however many stations it has, instead of its parts.
     #[arg(long)]
     whole: bool,
@@ -58,14 +60,14 @@ fn part(text: &str) -> Result<(String, u32), String> {
 }
 
 #[derive(Clone, Copy, Debug, PartialEq, Eq, ValueEnum)]
-enum Mode {
+enum GrantedMode {
     Auto,
     Hand,
     Manual,
 }
 
 #[derive(Clone, Copy, Debug, PartialEq, Eq, ValueEnum)]
-enum Views {
+enum ViewFreshness {
     /// Reports take as long as they like, and some are lost.
     Stale,
     /// Every report is heard at once.
@@ -73,7 +75,7 @@ enum Views {
 }
 
 #[derive(Clone, Copy, Debug, PartialEq, Eq, ValueEnum)]
-enum Rule {
+enum SafetyRule {
     /// Counts go back before the recovery motion starts, not when it is complete.
     WithdrawFirst,
     /// Counts go back only when every station that could build on them agrees.
@@ -112,12 +114,12 @@ pub struct Exploration {
     /// Every state was seen.
     pub exhausted: bool,
     /// One by one.
-    pub properties: Vec<Found>,
+    pub properties: Vec<LineFinding>,
 }
 
 /// One property.
 #[derive(Debug, Serialize)]
-pub struct Found {
+pub struct LineFinding {
     /// What was asked.
     pub name: String,
     /// `holds`, `fails`, `undecided` or `remark`.
@@ -126,12 +128,12 @@ pub struct Found {
     pub reason: String,
     /// How it comes to be, where it fails.
     #[serde(skip_serializing_if = "Option::is_none")]
-    pub counterexample: Option<Counterexample>,
+    pub counterexample: Option<LineCounterexample>,
 }
 
 /// A story as data.
 #[derive(Debug, Serialize)]
-pub struct Counterexample {
+pub struct LineCounterexample {
     /// What happened, in order.
     pub steps: Vec<String>,
     /// What is wrong at the end.
@@ -140,7 +142,7 @@ pub struct Counterexample {
     pub chart: Vec<String>,
 }
 
-impl Options {
+impl ExploreOptions {
     /// Whether anything is to be explored at all.
     pub fn asks_to_explore(&self) -> bool {
         !self.structure
@@ -149,15 +151,15 @@ impl Options {
     /// The rules of measured positions that are explored by themselves; none if nothing is explored.
     pub fn measured(&self) -> Option<PositionRules> {
         let without = |rule| self.without.contains(&rule);
-        let starts = !without(Rule::Measured);
-        self.asks_to_explore().then(|| PositionRules { starts, stops: starts && !without(Rule::MeasuredStop) })
+        let starts = !without(SafetyRule::Measured);
+        self.asks_to_explore().then(|| PositionRules { starts, stops: starts && !without(SafetyRule::MeasuredStop) })
     }
 
     /// What was asked for that only a line's stations have.
     pub fn of_stations(&self) -> Option<&'static str> {
         let asked = [
             (!self.modes.is_empty(), "--mode"),
-            (self.views != Views::Stale, "--views"),
+            (self.views != ViewFreshness::Stale, "--views"),
             (self.no_faults, "--no-faults"),
             (self.any_grants, "--any-grants"),
             (self.flags, "--flags"),
@@ -174,17 +176,17 @@ impl Options {
     }
 
     /// How far a cell is explored.
-    pub fn cell_limits(&self) -> linewright_proof::cell::Limits {
+    pub fn cell_limits(&self) -> linewright_proof::cell::ExplorationLimits {
         let threads = std::thread::available_parallelism().map_or(1, std::num::NonZero::get);
-        let Limits { states, bytes } = self.limits();
-        linewright_proof::cell::Limits { states: states as u64, bytes, threads }
+        let SearchLimits { states, bytes } = self.limits();
+        linewright_proof::cell::ExplorationLimits { states: states as u64, bytes, threads }
     }
 
     /// Explores as asked. The first thing that fails ends it: what is wrong once need not be found twice.
     ///
     /// # Errors
     /// When the line cannot be explored at all.
-    pub fn explore(&self, line: &Line) -> Result<Vec<Exploration>, NotExplorable> {
+    pub fn explore(&self, line: &Line) -> Result<Vec<Exploration>, LineNotExplorable> {
         let mut found = Vec::new();
         if self.structure {
             return Ok(found);
@@ -198,7 +200,7 @@ impl Options {
             return self.together(line);
         }
         let others = cyclic(line);
-        found.extend(self.by_parts(alone, "alone", Options::each)?);
+        found.extend(self.by_parts(alone, "alone", ExploreOptions::each)?);
         if !others.stations.is_empty() {
             found.extend(self.together(&others)?);
         }
@@ -206,7 +208,7 @@ impl Options {
     }
 
     /// Stations that are joined by arrows: all at once, or conflict by conflict where they are many.
-    fn together(&self, line: &Line) -> Result<Vec<Exploration>, NotExplorable> {
+    fn together(&self, line: &Line) -> Result<Vec<Exploration>, LineNotExplorable> {
         let mut found = Vec::new();
         if self.whole || line.stations.len() <= WHOLE_STATIONS_MAX {
             if self.modes.is_empty() {
@@ -215,17 +217,17 @@ impl Options {
             found.extend(self.both(line, "the whole line")?);
             return Ok(found);
         }
-        self.by_parts(parts(line), "part", Options::both)
+        self.by_parts(parts(line), "part", ExploreOptions::both)
     }
 
     /// Parts that are alike are explored once.
     fn by_parts(
         &self,
-        parts: Vec<Part>,
+        parts: Vec<SubLine>,
         what: &str,
-        each: fn(&Self, &Line, &str) -> Result<Vec<Exploration>, NotExplorable>,
-    ) -> Result<Vec<Exploration>, NotExplorable> {
-        let (mut found, mut seen): (_, Vec<(Part, bool)>) = (Vec::new(), Vec::new());
+        each: fn(&Self, &Line, &str) -> Result<Vec<Exploration>, LineNotExplorable>,
+    ) -> Result<Vec<Exploration>, LineNotExplorable> {
+        let (mut found, mut seen): (_, Vec<(SubLine, bool)>) = (Vec::new(), Vec::new());
         for part in parts {
             let like = seen.iter().find(|(other, _)| part.is_like(other));
             if let Some((other, holds)) = like.map(|(other, holds)| (other.names(), *holds)) {
@@ -239,51 +241,51 @@ impl Options {
         Ok(found)
     }
 
-    fn setting(&self, line: &Line) -> Setting {
-        let mut setting = Setting::new(line);
+    fn setting(&self, line: &Line) -> LineExploration {
+        let mut setting = LineExploration::new(line);
         if !self.modes.is_empty() {
             setting.modes.retain(|mode| self.modes.iter().any(|named| named.control() == *mode));
         }
         setting.faults = !self.no_faults;
-        setting.lag = if self.views == Views::Fresh { 0 } else { setting.lag };
+        setting.lag = if self.views == ViewFreshness::Fresh { 0 } else { setting.lag };
         setting.grants = if self.any_grants { Grants::Anyhow } else { Grants::InEpochs };
         let rules = &mut setting.rules;
         rules.counted = !self.flags;
         for rule in &self.without {
             match rule {
-                Rule::WithdrawFirst => rules.withdraw_first = false,
-                Rule::Agreement => rules.ask = false,
-                Rule::FreshNumbers => rules.fresh_numbers = false,
-                Rule::RedoRound => rules.redo_round = false,
-                Rule::WayHome => rules.home_waits = false,
+                SafetyRule::WithdrawFirst => rules.withdraw_first = false,
+                SafetyRule::Agreement => rules.ask = false,
+                SafetyRule::FreshNumbers => rules.fresh_numbers = false,
+                SafetyRule::RedoRound => rules.redo_round = false,
+                SafetyRule::WayHome => rules.home_waits = false,
                 // Of lost memories, and of the second barrier, which are explored by themselves.
-                Rule::Generations | Rule::Measured | Rule::MeasuredStop => {}
+                SafetyRule::Generations | SafetyRule::Measured | SafetyRule::MeasuredStop => {}
             }
         }
         setting
     }
 
-    fn limits(&self) -> Limits {
-        Limits { states: self.states, bytes: self.memory.saturating_mul(1 << 20) }
+    fn limits(&self) -> SearchLimits {
+        SearchLimits { states: self.states, bytes: self.memory.saturating_mul(1 << 20) }
     }
 
     /// The exploration with intact memories, then the one with restarts and lost memories; only the first where a property fails
     /// in it.
-    fn both(&self, line: &Line, what: &str) -> Result<Vec<Exploration>, NotExplorable> {
+    fn both(&self, line: &Line, what: &str) -> Result<Vec<Exploration>, LineNotExplorable> {
         let mut found = self.each(line, what)?;
         let mut setting = self.setting(line).with_lost_memories();
-        setting.rules.generations = !self.without.contains(&Rule::Generations);
+        setting.rules.generations = !self.without.contains(&SafetyRule::Generations);
         if !setting.modes.is_empty() && found.iter().all(Exploration::holds) {
             found.push(self.one(&setting, &format!("{what}, restarted with memories, and in auto and hand without"))?);
         }
         Ok(found)
     }
 
-    fn each(&self, line: &Line, what: &str) -> Result<Vec<Exploration>, NotExplorable> {
+    fn each(&self, line: &Line, what: &str) -> Result<Vec<Exploration>, LineNotExplorable> {
         Ok(vec![self.one(&self.setting(line), what)?])
     }
 
-    fn one(&self, setting: &Setting, what: &str) -> Result<Exploration, NotExplorable> {
+    fn one(&self, setting: &LineExploration, what: &str) -> Result<Exploration, LineNotExplorable> {
         let modes: Vec<&str> = setting.modes.iter().map(|mode| mode.name()).collect();
         let faults = if setting.faults { "anything may fail" } else { "nothing fails" };
         let views = if setting.lag == 0 { "reports heard at once" } else { "late and lost reports" };
@@ -292,34 +294,34 @@ impl Options {
     }
 
     /// Auto mode alone, with nothing failing: whether every wait of the normal cycle ends.
-    fn undisturbed(&self, line: &Line) -> Result<Exploration, NotExplorable> {
+    fn undisturbed(&self, line: &Line) -> Result<Exploration, LineNotExplorable> {
         let mut setting = self.setting(line);
         (setting.modes, setting.faults) = (vec![ControlMode::Auto], false);
         Ok(Exploration::of("the whole line in auto, undisturbed".to_owned(), explore(&setting, self.limits())?))
     }
 }
 
-impl Mode {
+impl GrantedMode {
     const fn control(self) -> ControlMode {
         match self {
-            Mode::Auto => ControlMode::Auto,
-            Mode::Hand => ControlMode::Hand,
-            Mode::Manual => ControlMode::Manual,
+            GrantedMode::Auto => ControlMode::Auto,
+            GrantedMode::Hand => ControlMode::Hand,
+            GrantedMode::Manual => ControlMode::Manual,
         }
     }
 }
 
 impl Exploration {
-    fn of(scope: String, explored: Explored) -> Self {
-        let Explored { states, kept, arcs, bytes, exhausted, properties, .. } = explored;
-        let properties = properties.into_iter().map(Found::from).collect();
+    fn of(scope: String, explored: LineExplored) -> Self {
+        let LineExplored { states, kept, arcs, bytes, exhausted, properties, .. } = explored;
+        let properties = properties.into_iter().map(LineFinding::from).collect();
         Exploration { scope, states, kept, arcs, bytes, exhausted, properties }
     }
 
     /// A part that differs in names alone from one that has been explored.
-    fn like(part: &Part, what: &str, other: &str, holds: bool) -> Self {
+    fn like(part: &SubLine, what: &str, other: &str, holds: bool) -> Self {
         let verdict = if holds { "holds" } else { "undecided" };
-        let property = |conflict: &Conflict| Found {
+        let property = |conflict: &Conflict| LineFinding {
             name: format!("never: {}", conflict.why),
             verdict,
             reason: format!("differs from {other} in names alone"),
@@ -342,21 +344,21 @@ impl Exploration {
     }
 }
 
-impl From<Property> for Found {
-    fn from(property: Property) -> Self {
+impl From<LineProperty> for LineFinding {
+    fn from(property: LineProperty) -> Self {
         let verdict = match property.verdict {
             Verdict::Holds => "holds",
             Verdict::Fails => "fails",
             Verdict::Undecided => "undecided",
             Verdict::Remark => "remark",
         };
-        let counterexample = property.counterexample.map(Counterexample::from);
-        Found { name: property.name, verdict, reason: property.reason, counterexample }
+        let counterexample = property.counterexample.map(LineCounterexample::from);
+        LineFinding { name: property.name, verdict, reason: property.reason, counterexample }
     }
 }
 
-impl From<Story> for Counterexample {
-    fn from(Story { steps, end, chart }: Story) -> Self {
-        Counterexample { steps, end, chart }
+impl From<LinePath> for LineCounterexample {
+    fn from(LinePath { steps, end, chart }: LinePath) -> Self {
+        LineCounterexample { steps, end, chart }
     }
 }

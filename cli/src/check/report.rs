@@ -2,13 +2,13 @@
 
 use linewright_line::{Parsed, Problem, Problems};
 use linewright_proof::cell::APART;
-use linewright_proof::explore::{NotExplorable, Setting};
-use linewright_proof::structure::{Check, StationReport, judge_line, judge_stations};
+use linewright_proof::explore::{LineExploration, LineNotExplorable};
+use linewright_proof::structure::{Check, StructureReport, judge_line, judge_stations};
 use serde::Serialize;
 
 use super::barriers::{self, Barriers};
 use super::cell::{self, CellReport};
-use super::explored::{Exploration, Options};
+use super::explored::{Exploration, ExploreOptions};
 
 /// What no exploration settles, in words; printed with every result so that nobody takes it for more than it is.
 const DEVICES: &str = "whether mechanisms and devices behave as the description says";
@@ -28,13 +28,13 @@ const TASKS: &str = "whether tasks in conflict are ordered at once: a cell's des
 
 /// Everything that was found.
 #[derive(Debug, Serialize)]
-pub struct Report {
+pub struct CheckReport {
     /// The line's name; none if there is none, or its description could not be understood.
     pub line: Option<String>,
     /// Nothing speaks against running it.
     pub ok: bool,
     /// Station by station.
-    pub stations: Vec<StationReport>,
+    pub stations: Vec<StructureReport>,
     /// What concerns the whole line.
     pub line_checks: Vec<Check>,
     /// What holds each conflict on the machine.
@@ -47,14 +47,14 @@ pub struct Report {
     /// What the checks do not say.
     pub not_decided: Vec<&'static str>,
     /// What is suspicious about the text.
-    pub warnings: Vec<Place>,
+    pub warnings: Vec<TextPlace>,
     /// What is wrong with the text.
-    pub problems: Vec<Place>,
+    pub problems: Vec<TextPlace>,
 }
 
 /// A problem of the text with its place.
 #[derive(Debug, Serialize)]
-pub struct Place {
+pub struct TextPlace {
     /// The line of the text, from 1; none if the text could not even be read.
     pub line: Option<usize>,
     /// The column, in characters, from 1.
@@ -66,9 +66,9 @@ pub struct Place {
     pub help: Option<String>,
 }
 
-impl From<&Problem> for Place {
+impl From<&Problem> for TextPlace {
     fn from(problem: &Problem) -> Self {
-        Place {
+        TextPlace {
             line: Some(problem.line),
             column: Some(problem.column),
             message: problem.message.clone(),
@@ -77,26 +77,26 @@ impl From<&Problem> for Place {
     }
 }
 
-impl Report {
+impl CheckReport {
     /// A description that is not one.
     pub fn of_problems(problems: &Problems) -> Self {
         let (warnings, errors): (Vec<_>, Vec<_>) = problems.iter().partition(|problem| problem.is_warning);
-        Report {
-            warnings: warnings.into_iter().map(Place::from).collect(),
-            problems: errors.into_iter().map(Place::from).collect(),
-            ..Report::nothing()
+        CheckReport {
+            warnings: warnings.into_iter().map(TextPlace::from).collect(),
+            problems: errors.into_iter().map(TextPlace::from).collect(),
+            ..CheckReport::nothing()
         }
     }
 
     /// A description that could not be read.
     pub fn unreadable(message: String) -> Self {
-        let place = Place { line: None, column: None, message, help: None };
-        Report { problems: vec![place], ..Report::nothing() }
+        let place = TextPlace { line: None, column: None, message, help: None };
+        CheckReport { problems: vec![place], ..CheckReport::nothing() }
     }
 
     /// There is no line, which is nothing wrong.
     pub fn of_no_line() -> Self {
-        Report { ok: true, ..Report::nothing() }
+        CheckReport { ok: true, ..CheckReport::nothing() }
     }
 
     /// Adds what was found of the cell.
@@ -112,7 +112,7 @@ impl Report {
     }
 
     fn nothing() -> Self {
-        Report {
+        CheckReport {
             line: None,
             ok: false,
             stations: Vec::new(),
@@ -131,11 +131,11 @@ impl Report {
 ///
 /// # Errors
 /// When the line cannot be explored at all.
-pub fn judge(parsed: &Parsed, options: &Options) -> Result<Report, NotExplorable> {
+pub fn judge(parsed: &Parsed, options: &ExploreOptions) -> Result<CheckReport, LineNotExplorable> {
     let Parsed { line, warnings } = parsed;
-    let stations: Vec<StationReport> = judge_stations(line);
+    let stations: Vec<StructureReport> = judge_stations(line);
     let line_checks = judge_line(line);
-    let sound = stations.iter().all(StationReport::ok) && line_checks.iter().all(|check| check.ok);
+    let sound = stations.iter().all(StructureReport::ok) && line_checks.iter().all(|check| check.ok);
     let explorations = options.explore(line)?;
     let barriers = barriers::of(line, options.measured())?;
     let mut not_decided = Vec::new();
@@ -144,14 +144,14 @@ pub fn judge(parsed: &Parsed, options: &Options) -> Result<Report, NotExplorable
     } else if explorations.iter().all(|exploration| exploration.scope.starts_with("part")) {
         not_decided.push(IN_PARTS);
     }
-    if options.asks_to_explore() && !Setting::new(line).covers_every_delay() {
+    if options.asks_to_explore() && !LineExploration::new(line).covers_every_delay() {
         not_decided.push(RING);
     }
     if line.conflicts.iter().any(|conflict| line.is_of_tasks(conflict)) {
         not_decided.push(TASKS);
     }
     not_decided.push(DEVICES);
-    Ok(Report {
+    Ok(CheckReport {
         line: Some(line.name.clone()),
         ok: sound && explorations.iter().all(Exploration::holds) && barriers.iter().all(Barriers::holds),
         stations,
@@ -160,7 +160,7 @@ pub fn judge(parsed: &Parsed, options: &Options) -> Result<Report, NotExplorable
         explorations,
         cell: None,
         not_decided,
-        warnings: warnings.iter().map(Place::from).collect(),
+        warnings: warnings.iter().map(TextPlace::from).collect(),
         problems: Vec::new(),
     })
 }

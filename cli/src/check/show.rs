@@ -2,11 +2,11 @@
 
 use std::fmt::Write;
 
-use linewright_proof::structure::{Check, StationReport};
+use linewright_proof::structure::{Check, StructureReport};
 
 use super::cell;
-use super::explored::{Counterexample, Exploration, Found};
-use super::report::Report;
+use super::explored::{Exploration, LineCounterexample, LineFinding};
+use super::report::CheckReport;
 
 /// Column headings for the checks of a station, in the order of the table.
 const COLUMNS: [(&str, &str); 10] = [
@@ -23,14 +23,14 @@ const COLUMNS: [(&str, &str); 10] = [
 ];
 
 /// The result in words.
-pub fn text(report: &Report) -> String {
+pub fn text(report: &CheckReport) -> String {
     let mut out = String::new();
     // Writing to a string cannot fail.
     write(report, &mut out).expect("a string accepts every write");
     out
 }
 
-fn write(report: &Report, out: &mut String) -> std::fmt::Result {
+fn write(report: &CheckReport, out: &mut String) -> std::fmt::Result {
     if report.line.is_some() {
         of_line(report, out)?;
     }
@@ -44,7 +44,7 @@ fn write(report: &Report, out: &mut String) -> std::fmt::Result {
     summary(report, out)
 }
 
-fn of_line(report: &Report, out: &mut String) -> std::fmt::Result {
+fn of_line(report: &CheckReport, out: &mut String) -> std::fmt::Result {
     stations(&report.stations, out)?;
     for station in &report.stations {
         for check in station.checks.iter().filter(|check| !check.ok) {
@@ -62,7 +62,7 @@ fn of_line(report: &Report, out: &mut String) -> std::fmt::Result {
 }
 
 /// How many checks hold.
-fn summary(report: &Report, out: &mut String) -> std::fmt::Result {
+fn summary(report: &CheckReport, out: &mut String) -> std::fmt::Result {
     let checks = || report.stations.iter().flat_map(|station| &station.checks).chain(&report.line_checks);
     let of_stations = report.explorations.iter().flat_map(|exploration| &exploration.properties).map(|p| p.verdict);
     let of_cell = report.cell.iter().flat_map(|cell| &cell.properties).map(|property| property.verdict);
@@ -93,7 +93,7 @@ fn explored(exploration: &Exploration, out: &mut String) -> std::fmt::Result {
         0 => writeln!(out, "\n{scope}")?,
         _ => writeln!(out, "\n{scope}\n  {states} states ({kept} kept), {arcs} arcs, {mebibytes} MiB")?,
     }
-    for Found { name, verdict, reason, counterexample } in &exploration.properties {
+    for LineFinding { name, verdict, reason, counterexample } in &exploration.properties {
         writeln!(out, "{} {name}: {reason}", sign(verdict))?;
         if let Some(counterexample) = counterexample {
             story(counterexample, out)?;
@@ -102,7 +102,7 @@ fn explored(exploration: &Exploration, out: &mut String) -> std::fmt::Result {
     Ok(())
 }
 
-fn story(counterexample: &Counterexample, out: &mut String) -> std::fmt::Result {
+fn story(counterexample: &LineCounterexample, out: &mut String) -> std::fmt::Result {
     writeln!(out)?;
     for (nth, step) in counterexample.steps.iter().enumerate() {
         writeln!(out, "{:6}. {step}", nth + 1)?;
@@ -112,7 +112,7 @@ fn story(counterexample: &Counterexample, out: &mut String) -> std::fmt::Result 
     writeln!(out)
 }
 
-fn stations(stations: &[StationReport], out: &mut String) -> std::fmt::Result {
+fn stations(stations: &[StructureReport], out: &mut String) -> std::fmt::Result {
     let width = stations.iter().map(|station| station.name.len()).max().unwrap_or(0).max("station".len());
     write!(out, "{:width$}   R   I  places  transitions", "station")?;
     COLUMNS.iter().try_for_each(|(_, heading)| write!(out, "  {heading}"))?;

@@ -5,15 +5,15 @@ use std::fs::File;
 use std::path::Path;
 use std::time::Duration;
 
-use linewright_coordinator_cell::tracking::{Done, Passage};
-use linewright_history::Event;
+use linewright_coordinator_cell::tracking::{FinishedActivity, PartHistory};
+use linewright_history::HistoryEvent;
 use linewright_line::Tick;
 use miette::{IntoDiagnostic, WrapErr, miette};
 use serde::Serialize;
 
 use super::json::on_order;
 use super::rows::{EventRow, event_row};
-use super::story::{Story, failed};
+use super::story::{ReportSource, failed};
 
 /// An activity.
 #[derive(Default, Serialize)]
@@ -51,7 +51,7 @@ struct PartRow {
 }
 
 /// Writes all tables into a directory, which is made if there is none.
-pub fn write(story: &Story, dir: &Path) -> miette::Result<()> {
+pub fn write(story: &ReportSource, dir: &Path) -> miette::Result<()> {
     std::fs::create_dir_all(dir).into_diagnostic().wrap_err_with(|| format!("cannot make {}", dir.display()))?;
     table(dir, "activity.csv", story.activities.iter().map(|done| activity(story, done)))?;
     table(dir, "part.csv", story.tracking.passages().map(|passage| part(story, passage)))?;
@@ -81,11 +81,11 @@ fn table<T: Serialize + Default>(dir: &Path, name: &str, rows: impl Iterator<Ite
 }
 
 /// Events are not kept in memory: they go from the one file into the other.
-fn events(story: &Story, dir: &Path) -> miette::Result<()> {
+fn events(story: &ReportSource, dir: &Path) -> miette::Result<()> {
     let path = dir.join("event.csv");
     let mut to = begin::<EventRow>(&path).into_diagnostic()?;
     let mut written = Ok(());
-    let within = |event: Event| {
+    let within = |event: HistoryEvent| {
         if event.at >= story.from && written.is_ok() {
             written = to.serialize(event_row(story, &event));
         }
@@ -95,7 +95,7 @@ fn events(story: &Story, dir: &Path) -> miette::Result<()> {
     written.map_err(|error| miette!("cannot write {}: {error}", path.display()))
 }
 
-fn activity(story: &Story, done: &Done) -> ActivityRow {
+fn activity(story: &ReportSource, done: &FinishedActivity) -> ActivityRow {
     let sheet = &story.about.sheet;
     let entry = sheet.entry(done.mode);
     let resource = |of: Option<usize>| of.and_then(|of| sheet.resources.get(of)).map(|of| of.name.clone());
@@ -121,11 +121,11 @@ fn activity(story: &Story, done: &Done) -> ActivityRow {
     }
 }
 
-fn product(story: &Story, of: Option<usize>) -> Option<String> {
+fn product(story: &ReportSource, of: Option<usize>) -> Option<String> {
     of.and_then(|of| story.about.sheet.products.get(of)).cloned()
 }
 
-fn part(story: &Story, passage: &Passage) -> PartRow {
+fn part(story: &ReportSource, passage: &PartHistory) -> PartRow {
     let times = passage.lead_and_wait();
     PartRow {
         part: passage.part.0,

@@ -5,10 +5,10 @@
 
 use std::fmt::Write as _;
 
-use linewright_coordinator_cell::tracking::Done;
+use linewright_coordinator_cell::tracking::FinishedActivity;
 use linewright_line::Tick;
 
-use super::story::Story;
+use super::story::ReportSource;
 use crate::chart::svg::{PLANNED, Style, Svg, Times, escaped};
 use crate::chart::{Bar, Chart, Row};
 
@@ -40,10 +40,10 @@ const STYLE: Style = Style {
     planned: "planned ",
 };
 
-fn chart(story: &Story) -> Chart {
+fn chart(story: &ReportSource) -> Chart {
     let sheet = &story.about.sheet;
     let seconds = |tick: Tick| tick.since(story.from).as_secs_f64();
-    let bar = |done: &Done| {
+    let bar = |done: &FinishedActivity| {
         let entry = sheet.entry(done.mode);
         let name = entry.map(|entry| entry.name.as_str()).unwrap_or_default();
         let part = done.part.map(|part| format!(", {part}")).unwrap_or_default();
@@ -57,7 +57,7 @@ fn chart(story: &Story) -> Chart {
             colour: product.map_or(COLOURS[6], |product| COLOURS[product % COLOURS.len()]),
         }
     };
-    let does = |done: &&Done, resource: usize| {
+    let does = |done: &&FinishedActivity, resource: usize| {
         let entry = sheet.entry(done.mode);
         entry.is_some_and(|entry| [entry.worker, entry.carrier].contains(&Some(resource)))
     };
@@ -71,7 +71,7 @@ fn chart(story: &Story) -> Chart {
 }
 
 /// As text: the number of its part where a bar begins, `▒` what was planned, `█` what was done, `░` what had failed.
-pub fn text(story: &Story) -> String {
+pub fn text(story: &ReportSource) -> String {
     let (chart, from, to) = (chart(story), story.show(story.from), story.show(story.to));
     let name = |row: &'_ Row| row.group.clone().unwrap_or_default();
     let label = chart.rows.iter().map(|row| name(row).chars().count()).max().unwrap_or(0);
@@ -90,7 +90,7 @@ pub fn text(story: &Story) -> String {
 }
 
 /// As SVG: the plan above what was done, what had failed hatched.
-pub fn svg(story: &Story) -> String {
+pub fn svg(story: &ReportSource) -> String {
     let chart = chart(story);
     let letters = chart.rows.iter().flat_map(|row| &row.group).map(|name| name.chars().count() as f64 * LETTER + 24.0);
     let labels = letters.fold(LABELS_MIN, f64::max);
@@ -101,7 +101,7 @@ pub fn svg(story: &Story) -> String {
     svg.end()
 }
 
-fn legend(svg: &mut Svg<'_>, story: &Story) {
+fn legend(svg: &mut Svg<'_>, story: &ReportSource) {
     let products = story.about.sheet.products.iter().zip(COLOURS.iter().cycle());
     let marks = [("planned", PLANNED), ("failed, down", FAILED)].into_iter();
     let mut left = 8.0;

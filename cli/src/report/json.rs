@@ -2,16 +2,16 @@
 
 use std::time::Duration;
 
-use linewright_coordinator_cell::production::Order;
+use linewright_coordinator_cell::production::ProductionOrder;
 use linewright_coordinator_cell::tracking::{Effectiveness, OrdersReport, ResourceReport, Spread};
 use linewright_line::Tick;
 use serde::Serialize;
 
-use super::story::Story;
+use super::story::ReportSource;
 
 /// Everything that is reported.
 #[derive(Serialize)]
-pub struct Object {
+pub struct ReportJson {
     cell: String,
     title: String,
     from: String,
@@ -19,16 +19,16 @@ pub struct Object {
     observed_s: f64,
     /// Records of the log that are not in the database, each from and to.
     missing: Vec<(u64, u64)>,
-    parts: Parts,
+    parts: JsonParts,
     failures: u64,
     #[serde(skip_serializing_if = "Option::is_none")]
     effectiveness: Option<Shares>,
-    resources: Vec<Resource>,
-    orders: Orders,
+    resources: Vec<JsonResourceReport>,
+    orders: JsonOrders,
 }
 
 #[derive(Serialize)]
-struct Parts {
+struct JsonParts {
     left: usize,
     inside: usize,
     lost: u64,
@@ -58,7 +58,7 @@ struct Shares {
 }
 
 #[derive(Serialize)]
-struct Resource {
+struct JsonResourceReport {
     name: String,
     prototype: String,
     capacity: u32,
@@ -73,18 +73,18 @@ struct Resource {
     actual_s: f64,
     taken_mean: f64,
     taken_most: u32,
-    causes: Vec<Cause>,
+    causes: Vec<JsonCause>,
 }
 
 #[derive(Serialize)]
-struct Cause {
+struct JsonCause {
     cause: String,
     times: u64,
     down_s: f64,
 }
 
 #[derive(Serialize)]
-struct Orders {
+struct JsonOrders {
     done: usize,
     open: usize,
     cancelled: usize,
@@ -92,12 +92,12 @@ struct Orders {
     due: usize,
     in_time: usize,
     late_s: Times,
-    list: Vec<OnOrder>,
+    list: Vec<JsonProductionOrder>,
 }
 
 /// A production order.
 #[derive(Default, Serialize)]
-pub struct OnOrder {
+pub struct JsonProductionOrder {
     /// Its number.
     pub id: u64,
     /// Its name.
@@ -143,9 +143,9 @@ impl From<Effectiveness> for Shares {
 }
 
 /// An order as it is written in tables.
-pub fn on_order(story: &Story, order: &Order) -> OnOrder {
+pub fn on_order(story: &ReportSource, order: &ProductionOrder) -> JsonProductionOrder {
     let show = |tick: Option<Tick>| tick.map(|tick| story.show(tick));
-    OnOrder {
+    JsonProductionOrder {
         id: order.id.0,
         name: order.request.name.clone(),
         product: order.request.product.clone(),
@@ -168,18 +168,18 @@ pub fn on_order(story: &Story, order: &Order) -> OnOrder {
     }
 }
 
-impl Object {
+impl ReportJson {
     /// Of what was read.
-    pub fn new(story: &Story) -> Self {
+    pub fn new(story: &ReportSource) -> Self {
         let report = &story.report;
-        Object {
+        ReportJson {
             cell: story.about.cell.clone(),
             title: story.about.title.clone(),
             from: story.show(story.from),
             to: story.show(story.to),
             observed_s: report.observed.as_secs_f64(),
             missing: story.missing.clone(),
-            parts: Parts {
+            parts: JsonParts {
                 left: report.left,
                 inside: report.inside,
                 lost: report.lost,
@@ -196,13 +196,13 @@ impl Object {
     }
 }
 
-fn resource(of: &ResourceReport, observed: Duration) -> Resource {
-    let cause = |(cause, times, down): (&str, u64, Duration)| Cause {
+fn resource(of: &ResourceReport, observed: Duration) -> JsonResourceReport {
+    let cause = |(cause, times, down): (&str, u64, Duration)| JsonCause {
         cause: cause.to_owned(),
         times,
         down_s: down.as_secs_f64(),
     };
-    Resource {
+    JsonResourceReport {
         name: of.name.clone(),
         prototype: of.prototype.clone(),
         capacity: of.capacity,
@@ -221,8 +221,8 @@ fn resource(of: &ResourceReport, observed: Duration) -> Resource {
     }
 }
 
-fn orders(story: &Story, of: &OrdersReport) -> Orders {
+fn orders(story: &ReportSource, of: &OrdersReport) -> JsonOrders {
     let &OrdersReport { open, done, cancelled, withdrawn, due, in_time, late } = of;
     let list = story.orders().map(|order| on_order(story, order)).collect();
-    Orders { done, open, cancelled, withdrawn, due, in_time, late_s: late.into(), list }
+    JsonOrders { done, open, cancelled, withdrawn, due, in_time, late_s: late.into(), list }
 }

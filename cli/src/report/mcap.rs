@@ -11,8 +11,8 @@ use std::fs::File;
 use std::io::BufWriter;
 use std::path::Path;
 
-use linewright_coordinator_cell::tracking::Done;
-use linewright_history::Event;
+use linewright_coordinator_cell::tracking::FinishedActivity;
+use linewright_history::HistoryEvent;
 use linewright_line::Tick;
 use mcap::records::MessageHeader;
 use mcap::{McapError, WriteOptions, Writer};
@@ -20,7 +20,7 @@ use miette::miette;
 use serde_json::{Value, json};
 
 use super::rows::event_row;
-use super::story::{Story, failed};
+use super::story::{ReportSource, failed};
 
 /// How serious a line of `foxglove.Log` is.
 const DEBUG: u8 = 1;
@@ -28,7 +28,7 @@ const INFO: u8 = 2;
 const WARNING: u8 = 3;
 
 /// Writes the file.
-pub fn write(story: &Story, path: &Path) -> miette::Result<()> {
+pub fn write(story: &ReportSource, path: &Path) -> miette::Result<()> {
     let cannot = |why: &dyn std::fmt::Display| miette!("cannot write {}: {why}", path.display());
     let file = File::create(path).map_err(|error| cannot(&error))?;
     let mut recording = Recording::new(file).map_err(|error| cannot(&error))?;
@@ -119,45 +119,46 @@ impl Schema {
 }
 
 /// When what begins or ends, in the order of time; what ends at a moment comes before what begins.
-fn edges(story: &Story) -> Vec<(Tick, Edge, &Done)> {
+fn edges(story: &ReportSource) -> Vec<(Tick, SpanEdge, &FinishedActivity)> {
     let mut edges = Vec::new();
     for done in &story.activities {
-        edges.push((done.began.max(story.from), Edge::Begins, done));
-        edges.extend(done.failed.as_ref().map(|failed| (failed.at.max(story.from), Edge::Fails, done)));
-        edges.extend(done.ended.map(|ended| (ended, Edge::Ends, done)));
+        edges.push((done.began.max(story.from), SpanEdge::Begins, done));
+        edges.extend(done.failed.as_ref().map(|failed| (failed.at.max(story.from), SpanEdge::Fails, done)));
+        edges.extend(done.ended.map(|ended| (ended, SpanEdge::Ends, done)));
     }
     edges.sort_by_key(|(at, edge, done)| (*at, *edge, done.firing));
     edges
 }
 
 #[derive(Clone, Copy, PartialEq, Eq, PartialOrd, Ord)]
-enum Edge {
+enum SpanEdge {
     Ends,
     Fails,
     Begins,
 }
 
 /// What each resource is doing, whenever that changes.
-fn resources(story: &Story, to: &mut Recording) -> Result<(), McapError> {
+fn resources(story: &ReportSource, to: &mut Recording) -> Result<(), McapError> {
     let sheet = &story.about.sheet;
-    let takes_part =
-        |done: &Done, resource: usize| sheet.entry(done.mode).is_some_and(|entry| entry.resources.contains(&resource));
+    let takes_part = |done: &FinishedActivity, resource: usize| {
+        sheet.entry(done.mode).is_some_and(|entry| entry.resources.contains(&resource))
+    };
     let edges = edges(story);
     for (resource, of) in sheet.resources.iter().enumerate() {
         let topic = format!("/resources/{}", of.name);
         let idle = json!({"state": "idle", "activity": "", "part": null, "cause": "", "in_progress": 0});
         to.say(&topic, Schema::Resource, story.from, &idle)?;
-        let mut going_on: Vec<(&Done, bool)> = Vec::new();
+        let mut going_on: Vec<(&FinishedActivity, bool)> = Vec::new();
         let mut own = edges.iter().filter(|(.., done)| takes_part(done, resource)).peekable();
         while let Some(&(at, edge, done)) = own.next() {
             match edge {
                 // What begins and ends at one moment is never seen.
-                Edge::Begins if done.ended == Some(at) => (),
-                Edge::Begins => going_on.push((done, done.failed.as_ref().is_some_and(|failed| failed.at <= at))),
-                Edge::Fails => {
+                SpanEdge::Begins if done.ended == Some(at) => (),
+                SpanEdge::Begins => going_on.push((done, done.failed.as_ref().is_some_and(|failed| failed.at <= at))),
+                SpanEdge::Fails => {
                     going_on.iter_mut().filter(|(of, _)| of.firing == done.firing).for_each(|of| of.1 = true);
                 }
-                Edge::Ends => going_on.retain(|(of, _)| of.firing != done.firing),
+                SpanEdge::Ends => going_on.retain(|(of, _)| of.firing != done.firing),
             }
             if own.peek().is_none_or(|(next, ..)| *next > at) {
                 to.say(&topic, Schema::Resource, at, &doing(story, &going_on))?;
@@ -168,7 +169,7 @@ fn resources(story: &Story, to: &mut Recording) -> Result<(), McapError> {
 }
 
 /// What somebody is doing: first of all what has failed, then what has begun first.
-fn doing(story: &Story, going_on: &[(&Done, bool)]) -> Value {
+fn doing(story: &ReportSource, going_on: &[(&FinishedActivity, bool)]) -> Value {
     let shown = going_on.iter().find(|(_, failed)| *failed).or(going_on.first());
     let state = match shown {
         Some((_, true)) => "down",
@@ -187,7 +188,7 @@ fn doing(story: &Story, going_on: &[(&Done, bool)]) -> Value {
 }
 
 /// How many parts and activities there are, whenever that changes.
-fn counts(story: &Story, to: &mut Recording) -> Result<(), McapError> {
+fn counts(story: &ReportSource, to: &mut Recording) -> Result<(), McapError> {
     let mut changes: BTreeMap<Tick, [i64; 4]> = BTreeMap::from([(story.from, [0; 4])]);
     let mut add = |at: Tick, index: usize, by: i64| {
         changes.entry(at.max(story.from)).or_default()[index] += by;
@@ -201,12 +202,12 @@ fn counts(story: &Story, to: &mut Recording) -> Result<(), McapError> {
     }
     for (at, edge, done) in edges(story) {
         match edge {
-            Edge::Begins => add(at, 2, 1),
-            Edge::Fails => {
+            SpanEdge::Begins => add(at, 2, 1),
+            SpanEdge::Fails => {
                 add(at, 2, -1);
                 add(at, 3, 1);
             }
-            Edge::Ends => add(at, if done.failed.is_some() { 3 } else { 2 }, -1),
+            SpanEdge::Ends => add(at, if done.failed.is_some() { 3 } else { 2 }, -1),
         }
     }
     let mut now = [0; 4];
@@ -220,7 +221,7 @@ fn counts(story: &Story, to: &mut Recording) -> Result<(), McapError> {
 }
 
 /// How long everything took that has ended.
-fn activities(story: &Story, to: &mut Recording) -> Result<(), McapError> {
+fn activities(story: &ReportSource, to: &mut Recording) -> Result<(), McapError> {
     for done in &story.activities {
         let (Some(ended), Some(entry)) = (done.ended, story.about.sheet.entry(done.mode)) else { continue };
         let late = story.planned.get(&done.firing).map(|(from, _)| {
@@ -242,9 +243,9 @@ fn activities(story: &Story, to: &mut Recording) -> Result<(), McapError> {
 }
 
 /// Everything that has happened, for people and for programs.
-fn events(story: &Story, to: &mut Recording) -> miette::Result<Result<(), McapError>> {
+fn events(story: &ReportSource, to: &mut Recording) -> miette::Result<Result<(), McapError>> {
     let mut written = Ok(());
-    let take = |event: Event| {
+    let take = |event: HistoryEvent| {
         if event.at >= story.from && written.is_ok() {
             written = say_event(story, to, &event);
         }
@@ -253,7 +254,7 @@ fn events(story: &Story, to: &mut Recording) -> miette::Result<Result<(), McapEr
     Ok(written)
 }
 
-fn say_event(story: &Story, to: &mut Recording, event: &Event) -> Result<(), McapError> {
+fn say_event(story: &ReportSource, to: &mut Recording, event: &HistoryEvent) -> Result<(), McapError> {
     let row = event_row(story, event);
     let data: Value = serde_json::from_str(&row.data).unwrap_or_default();
     let message = json!({"log": row.log, "kind": row.kind, "station": row.station, "activity": row.activity,

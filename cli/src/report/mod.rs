@@ -19,7 +19,7 @@ use std::process::ExitCode;
 use miette::{IntoDiagnostic, WrapErr};
 
 use crate::out::{self, say};
-use story::Story;
+use story::ReportSource;
 use when::Zone;
 
 /// Options of `report`.
@@ -58,7 +58,7 @@ pub struct Args {
 pub fn run(args: &Args) -> miette::Result<ExitCode> {
     let zone = if args.utc { Zone::Utc } else { Zone::Local };
     let db = if args.db.is_dir() { args.db.join("cell.db") } else { args.db.clone() };
-    let story = Story::read(&db, (args.from.as_deref(), args.to.as_deref()), zone)?;
+    let story = ReportSource::read(&db, (args.from.as_deref(), args.to.as_deref()), zone)?;
     if let Some(dir) = &args.csv {
         csv::write(&story, dir)?;
     }
@@ -70,7 +70,7 @@ pub fn run(args: &Args) -> miette::Result<ExitCode> {
         written.into_diagnostic().wrap_err_with(|| format!("cannot write {}", path.display()))?;
     }
     if args.json {
-        out::json(&json::Object::new(&story))?;
+        out::json(&json::ReportJson::new(&story))?;
     } else {
         say!("{}", story.text().trim_end());
         if args.chart {

@@ -1,10 +1,10 @@
 //! An event as a row of a table: with names instead of numbers.
 
-use linewright_history::{Event, What};
+use linewright_history::{EventKind, HistoryEvent};
 use serde::Serialize;
 use serde_json::Value;
 
-use super::story::Story;
+use super::story::ReportSource;
 
 /// Something that has happened.
 #[derive(Default, Serialize)]
@@ -30,15 +30,15 @@ pub struct EventRow {
 }
 
 /// What a fact is about stands in its JSON under the same words, whichever fact it is.
-pub fn event_row(story: &Story, event: &Event) -> EventRow {
+pub fn event_row(story: &ReportSource, event: &HistoryEvent) -> EventRow {
     let (kind, data) = event.parts();
     let value: Value = serde_json::from_str(&data).unwrap_or_default();
     let number = |name: &str| value.get(name).and_then(Value::as_u64);
     let index = |name: &str| number(name).and_then(|of| usize::try_from(of).ok());
     EventRow {
         log: match event.what {
-            What::Fact(number, _) => Some(number),
-            What::Note(_) => None,
+            EventKind::Fact(number, _) => Some(number),
+            EventKind::Note(_) => None,
         },
         at_us: event.at.as_micros(),
         time: story.show(event.at),

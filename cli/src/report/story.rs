@@ -4,20 +4,20 @@ use std::collections::BTreeMap;
 use std::path::Path;
 
 use linewright_coordinator_cell::FiringId;
-use linewright_coordinator_cell::production::Order;
-use linewright_coordinator_cell::tracking::{Activities, Done, Report, Tracking};
-use linewright_history::{About, HistoryError, Note, Reader, What};
+use linewright_coordinator_cell::production::ProductionOrder;
+use linewright_coordinator_cell::tracking::{Activities, CellSummary, FinishedActivity, Tracking};
+use linewright_history::{CellAbout, EventKind, HistoryError, HistoryReader, Note};
 use linewright_line::Tick;
 use miette::miette;
 
 use super::when::{self, Zone};
 
 /// What a database says.
-pub struct Story {
+pub struct ReportSource {
     /// The database, as it was at one moment.
-    pub reader: Reader,
+    pub reader: HistoryReader,
     /// What it is about.
-    pub about: About,
+    pub about: CellAbout,
     /// How times are shown.
     pub zone: Zone,
     /// The span that is reported.
@@ -27,9 +27,9 @@ pub struct Story {
     /// Sums.
     pub tracking: Tracking,
     /// The same, of the span.
-    pub report: Report,
+    pub report: CellSummary,
     /// The activities of which anything lies within the span.
-    pub activities: Vec<Done>,
+    pub activities: Vec<FinishedActivity>,
     /// When each of them was planned, if it was.
     pub planned: BTreeMap<FiringId, (Tick, Tick)>,
     /// Records that are not in the database.
@@ -41,13 +41,13 @@ pub fn failed(error: HistoryError) -> miette::Report {
     miette!("{error}")
 }
 
-impl Story {
+impl ReportSource {
     /// Reads a database.
     ///
     /// # Errors
     /// What is wrong with it, or with the span.
     pub fn read(path: &Path, (from, to): (Option<&str>, Option<&str>), zone: Zone) -> miette::Result<Self> {
-        let reader = Reader::open(path).map_err(failed)?;
+        let reader = HistoryReader::open(path).map_err(failed)?;
         let about = reader.about().clone();
         let time = |text: Option<&str>| text.map(|text| when::parse(text, about.clock, zone)).transpose();
         let (from, to) = (time(from)?, time(to)?);
@@ -69,16 +69,16 @@ impl Story {
                     activities.take(&record);
                 }
                 match event.what {
-                    What::Note(Note::Planned { firing, from, to }) => _ = planned.insert(firing, (from, to)),
-                    What::Note(Note::Missing { from, to }) => missing.push((from, to)),
-                    What::Note(
+                    EventKind::Note(Note::Planned { firing, from, to }) => _ = planned.insert(firing, (from, to)),
+                    EventKind::Note(Note::Missing { from, to }) => missing.push((from, to)),
+                    EventKind::Note(
                         Note::Mode { .. }
                         | Note::EmergencyStop { .. }
                         | Note::Station { .. }
                         | Note::Device { .. }
                         | Note::Said { .. },
                     )
-                    | What::Fact(..) => (),
+                    | EventKind::Fact(..) => (),
                 }
             })
             .map_err(failed)?;
@@ -86,11 +86,11 @@ impl Story {
         let activities = within.cloned().collect();
         // After the last event nobody knows anything.
         let report = tracking.report(to.min(last));
-        Ok(Story { reader, about, zone, from, to: to.min(last), tracking, report, activities, planned, missing })
+        Ok(ReportSource { reader, about, zone, from, to: to.min(last), tracking, report, activities, planned, missing })
     }
 
     /// The production orders that were not over before the span.
-    pub fn orders(&self) -> impl Iterator<Item = &Order> {
+    pub fn orders(&self) -> impl Iterator<Item = &ProductionOrder> {
         let all = self.tracking.production().orders();
         all.filter(|order| order.ended.is_none_or(|ended| ended >= self.from))
     }

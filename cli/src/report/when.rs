@@ -4,7 +4,7 @@
 //! a local time that is there twice, when clocks go back, is the first of the two.
 
 use chrono::{DateTime, Local, NaiveDate, NaiveDateTime, NaiveTime, SecondsFormat, TimeZone, Utc};
-use linewright_history::Clock;
+use linewright_history::TimeBase;
 use linewright_line::Tick;
 use miette::{IntoDiagnostic, miette};
 
@@ -18,10 +18,10 @@ pub enum Zone {
 }
 
 /// The time that somebody has written.
-pub fn parse(text: &str, clock: Clock, zone: Zone) -> miette::Result<Tick> {
+pub fn parse(text: &str, clock: TimeBase, zone: Zone) -> miette::Result<Tick> {
     match clock {
-        Clock::Simulated => seconds(text),
-        Clock::Unix => calendar(text, zone),
+        TimeBase::Simulated => seconds(text),
+        TimeBase::Unix => calendar(text, zone),
     }
 }
 
@@ -66,13 +66,13 @@ fn naive(text: &str) -> Option<NaiveDateTime> {
 }
 
 /// A time for people and machines: RFC 3339, or seconds of a simulation.
-pub fn show(tick: Tick, clock: Clock, zone: Zone) -> String {
+pub fn show(tick: Tick, clock: TimeBase, zone: Zone) -> String {
     let seconds = || format!("{:.3} s", tick.as_micros() as f64 / 1e6);
     let utc = i64::try_from(tick.as_micros()).ok().and_then(DateTime::from_timestamp_micros);
     match (clock, utc, zone) {
-        (Clock::Simulated, ..) | (Clock::Unix, None, _) => seconds(),
-        (Clock::Unix, Some(utc), Zone::Utc) => utc.to_rfc3339_opts(SecondsFormat::Millis, true),
-        (Clock::Unix, Some(utc), Zone::Local) => {
+        (TimeBase::Simulated, ..) | (TimeBase::Unix, None, _) => seconds(),
+        (TimeBase::Unix, Some(utc), Zone::Utc) => utc.to_rfc3339_opts(SecondsFormat::Millis, true),
+        (TimeBase::Unix, Some(utc), Zone::Local) => {
             utc.with_timezone(&Local).to_rfc3339_opts(SecondsFormat::Millis, false)
         }
     }
@@ -87,30 +87,30 @@ mod tests {
         // 2026-11-22 05:00:00 UTC, by `date -u -d @1795323600`.
         let tick = Tick::from_micros(1_795_323_600_000_000);
         for text in ["2026-11-22T05:00:00Z", "2026-11-22T06:00:00+01:00", "2026-11-21T23:00:00.000-06:00"] {
-            assert_eq!(parse(text, Clock::Unix, Zone::Local).unwrap(), tick, "{text}");
+            assert_eq!(parse(text, TimeBase::Unix, Zone::Local).unwrap(), tick, "{text}");
         }
         for text in ["2026-11-22 05:00", "2026-11-22T05:00:00", "2026-11-22 05:00:00.000"] {
-            assert_eq!(parse(text, Clock::Unix, Zone::Utc).unwrap(), tick, "{text}");
+            assert_eq!(parse(text, TimeBase::Unix, Zone::Utc).unwrap(), tick, "{text}");
         }
-        assert_eq!(show(tick, Clock::Unix, Zone::Utc), "2026-11-22T05:00:00.000Z");
-        let day = parse("2026-11-22", Clock::Unix, Zone::Utc).unwrap();
+        assert_eq!(show(tick, TimeBase::Unix, Zone::Utc), "2026-11-22T05:00:00.000Z");
+        let day = parse("2026-11-22", TimeBase::Unix, Zone::Utc).unwrap();
         assert_eq!(tick.since(day), std::time::Duration::from_secs(5 * 3600));
         // Wherever this runs, local time is there and back the same.
-        let local = show(tick, Clock::Unix, Zone::Local);
-        assert_eq!(parse(&local, Clock::Unix, Zone::Local).unwrap(), tick);
-        assert_eq!(parse(&local[..23], Clock::Unix, Zone::Local).unwrap(), tick, "{local}");
+        let local = show(tick, TimeBase::Unix, Zone::Local);
+        assert_eq!(parse(&local, TimeBase::Unix, Zone::Local).unwrap(), tick);
+        assert_eq!(parse(&local[..23], TimeBase::Unix, Zone::Local).unwrap(), tick, "{local}");
         for text in ["yesterday", "2026-13-01", "2026-11-22 25:00", "", "1960-01-01"] {
-            assert!(parse(text, Clock::Unix, Zone::Utc).is_err(), "{text}");
+            assert!(parse(text, TimeBase::Unix, Zone::Utc).is_err(), "{text}");
         }
     }
 
     #[test]
     fn a_simulation_has_seconds() {
-        assert_eq!(parse("12.5", Clock::Simulated, Zone::Utc).unwrap(), Tick::from_millis(12_500));
-        assert_eq!(parse("12.5 s", Clock::Simulated, Zone::Utc).unwrap(), Tick::from_millis(12_500));
-        assert_eq!(show(Tick::from_millis(12_500), Clock::Simulated, Zone::Local), "12.500 s");
+        assert_eq!(parse("12.5", TimeBase::Simulated, Zone::Utc).unwrap(), Tick::from_millis(12_500));
+        assert_eq!(parse("12.5 s", TimeBase::Simulated, Zone::Utc).unwrap(), Tick::from_millis(12_500));
+        assert_eq!(show(Tick::from_millis(12_500), TimeBase::Simulated, Zone::Local), "12.500 s");
         for text in ["2026-11-22", "-1", "NaN", "inf"] {
-            assert!(parse(text, Clock::Simulated, Zone::Utc).is_err(), "{text}");
+            assert!(parse(text, TimeBase::Simulated, Zone::Utc).is_err(), "{text}");
         }
     }
 }

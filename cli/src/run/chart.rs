@@ -8,7 +8,7 @@ use crate::chart::text::Strip;
 
 /// One stretch of an operation.
 #[derive(Clone, Copy, Debug)]
-struct Bar {
+struct ChartStretch {
     row: usize,
     start: f64,
     end: Option<f64>,
@@ -18,16 +18,16 @@ struct Bar {
 
 /// A bar chart over the last seconds.
 #[derive(Clone, Debug)]
-pub struct Chart {
+pub struct RollingChart {
     labels: Vec<String>,
     first_row: Vec<usize>,
-    bars: Vec<Bar>,
+    bars: Vec<ChartStretch>,
 }
 
 /// Enough for several cycles of a large line; older ones are forgotten.
 const BARS_MAX: usize = 4096;
 
-impl Chart {
+impl RollingChart {
     /// An empty chart of a line.
     pub fn new(line: &Line) -> Self {
         let mut labels = Vec::new();
@@ -41,7 +41,7 @@ impl Chart {
                 labels.push(format!("{name:width$} {}{star}", operation.name));
             }
         }
-        Chart { labels, first_row, bars: Vec::new() }
+        RollingChart { labels, first_row, bars: Vec::new() }
     }
 
     fn row(&self, station: StationId, op: OpId) -> usize {
@@ -60,7 +60,7 @@ impl Chart {
         if self.bars.len() >= BARS_MAX {
             self.bars.drain(..BARS_MAX / 2);
         }
-        self.bars.push(Bar { row, start: at, end: None, undoing, failed: false });
+        self.bars.push(ChartStretch { row, start: at, end: None, undoing, failed: false });
     }
 
     /// A motion ended, completed or not.
@@ -103,7 +103,7 @@ mod tests {
     #[test]
     fn a_bar_covers_its_time_and_a_fault_marks_its_end() {
         let line = linewright_line::parse("line.toml", &TransferLine::default().text()).expect("parses").line;
-        let mut chart = Chart::new(&line);
+        let mut chart = RollingChart::new(&line);
         let (clamp, op) = (StationId(1), OpId(0));
         chart.started(clamp, op, 2.0, false);
         chart.ended(clamp, op, 5.0, true);

@@ -24,7 +24,7 @@ const SHORT_LIVES_MAX: u32 = 3;
 const TAIL_BYTES: u64 = 16 * 1024;
 
 /// One process of the line.
-struct Member {
+struct ChildProcess {
     name: String,
     args: Vec<String>,
     log: PathBuf,
@@ -35,7 +35,7 @@ struct Member {
 
 /// All processes of a line.
 pub struct Children {
-    members: Vec<Member>,
+    members: Vec<ChildProcess>,
     dir: PathBuf,
     /// Where their virtual buses are, if not where everybody's are.
     buses: Option<PathBuf>,
@@ -53,7 +53,7 @@ impl Children {
         let log = self.dir.join(format!("{name}.log"));
         let child = spawn(&args, &log, self.buses.as_deref()).wrap_err_with(|| format!("cannot start {name}"))?;
         let started = Instant::now();
-        self.members.push(Member { name: name.to_owned(), args, log, child, started, short_lives: 0 });
+        self.members.push(ChildProcess { name: name.to_owned(), args, log, child, started, short_lives: 0 });
         Ok(())
     }
 

@@ -23,15 +23,15 @@ use linewright_node_shell::{Claim, RosArgs};
 use miette::{IntoDiagnostic, WrapErr, miette};
 use tokio::sync::mpsc;
 
-use crate::client::{Client, Heard};
+use crate::client::{OperatorClient, StateUpdate};
 use crate::interrupts::Interrupts;
 use crate::load;
 use crate::nodes::{DEFAULT_BUS, claim_coordinator, claim_station};
-use crate::watch::{PICTURE_EVERY, Screen, View};
+use crate::watch::{PICTURE_EVERY, Screen, WatchState};
 use cell::CellRun;
 use children::Children;
-use observer::Observer;
-use tally::Tally;
+use observer::BusObserver;
+use tally::RunTally;
 
 /// Run a whole line on this machine, with simulated devices.
 #[derive(Debug, ClapArgs)]
@@ -70,7 +70,7 @@ pub struct Args {
 
 /// Where the run is.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
-enum Phase {
+enum RunPhase {
     /// Waiting for everybody, then giving start and auto.
     Starting,
     /// In auto.
@@ -99,7 +99,7 @@ pub async fn run(args: Args, ros: RosArgs) -> miette::Result<ExitCode> {
     let about = crate::can::run_of(&line, &ros)?;
     let own = if args.no_plant { None } else { OwnBuses::create(&about).into_diagnostic()? };
     let bus = BusOptions { dir: own.as_ref().map(|own| own.dir().to_owned()), ..BusOptions::default() };
-    let scratch = Scratch::new(args.state_dir.as_deref())?;
+    let scratch = RunDirectory::new(args.state_dir.as_deref())?;
     nothing_runs_yet(&line, &args, &ros, &bus)?;
     let mut children = Children::new(&scratch.dir, own.as_ref().map(OwnBuses::dir));
     let mut session = Session::open(&line, &args, &ros, &scratch.dir, &bus).await?;
@@ -165,12 +165,12 @@ fn forwarded_ros_args() -> Vec<String> {
 
 struct Session {
     line: Line,
-    client: Client,
-    observer: Observer,
+    client: OperatorClient,
+    observer: BusObserver,
     frames: mpsc::Receiver<Result<(Bus, Frame), BusError>>,
-    tally: Tally,
-    view: View,
-    phase: Phase,
+    tally: RunTally,
+    view: WatchState,
+    phase: RunPhase,
     target: Option<usize>,
     cell: Option<CellRun>,
     no_auto: bool,
@@ -213,16 +213,16 @@ impl Session {
         if !args.json && !live {
             crate::out::say!("{}", head.join("\n"));
         }
-        let mut view = View::new(line);
+        let mut view = WatchState::new(line);
         view.head = head;
         let works = line.stations.iter().flat_map(|s| &s.operations).map(|o| o.duration.as_secs_f64()).sum::<f64>();
         Ok(Session {
-            client: Client::open(line, ros, "run")?,
-            observer: Observer::new(line),
+            client: OperatorClient::open(line, ros, "run")?,
+            observer: BusObserver::new(line),
             frames,
-            tally: Tally::new(line),
+            tally: RunTally::new(line),
             view,
-            phase: Phase::Starting,
+            phase: RunPhase::Starting,
             target: args.cycles,
             cell: None,
             no_auto: args.no_auto,
@@ -258,10 +258,10 @@ impl Session {
                     }
                 }
                 () = interrupts.next() => {
-                    if self.phase != Phase::Running {
+                    if self.phase != RunPhase::Running {
                         return Ok(());
                     }
-                    self.phase = Phase::Stopping;
+                    self.phase = RunPhase::Stopping;
                     self.said = None;
                     self.view.say("stopping at home; Ctrl-C again ends at once".to_owned());
                 }
@@ -277,12 +277,12 @@ impl Session {
                     }
                 }
             }
-            if self.phase == Phase::Running
+            if self.phase == RunPhase::Running
                 && let Some(cell) = &mut self.cell
             {
                 cell.begin().await?;
                 if cell.is_over() {
-                    self.phase = Phase::Stopping;
+                    self.phase = RunPhase::Stopping;
                     self.said = None;
                 }
             }
@@ -292,22 +292,22 @@ impl Session {
         }
     }
 
-    fn take(&mut self, heard: &Heard) {
+    fn take(&mut self, heard: &StateUpdate) {
         self.view.take(heard);
         match heard {
-            Heard::Line => {}
-            Heard::Station(id) => {
+            StateUpdate::Line => {}
+            StateUpdate::Station(id) => {
                 let id = *id;
                 if let Some(state) = self.client.station(id).cloned() {
                     self.tally.state(id, &state);
                     let begun = self.tally.begun(id, &state);
-                    if self.phase == Phase::Running && self.target.is_some_and(|target| begun >= target) {
-                        self.phase = Phase::Stopping;
+                    if self.phase == RunPhase::Running && self.target.is_some_and(|target| begun >= target) {
+                        self.phase = RunPhase::Stopping;
                         self.said = None;
                     }
                 }
             }
-            Heard::Event(id, event) => self.tally.event(*id, event),
+            StateUpdate::Event(id, event) => self.tally.event(*id, event),
         }
     }
 
@@ -315,26 +315,26 @@ impl Session {
     fn advance(&mut self) -> miette::Result<bool> {
         let Some(state) = self.client.coordinator().cloned() else { return self.wait() };
         match self.phase {
-            Phase::Starting if !self.no_auto => match state.mode {
+            RunPhase::Starting if !self.no_auto => match state.mode {
                 StationState::MODE_HOME if self.all_ready() => self.say("start"),
                 StationState::MODE_STANDBY if self.all_ready() => self.say("auto"),
                 StationState::MODE_AUTO if state.enabled => {
                     self.tally.begin(&state.header);
                     self.progress.1 = Instant::now();
-                    self.phase = Phase::Running;
+                    self.phase = RunPhase::Running;
                 }
                 _ => {}
             },
             // Somebody else operates it; the cycles are counted all the same.
-            Phase::Starting if state.mode == StationState::MODE_AUTO && state.enabled => {
+            RunPhase::Starting if state.mode == StationState::MODE_AUTO && state.enabled => {
                 self.tally.begin(&state.header)
             }
-            Phase::Starting => {}
-            Phase::Running if state.mode == StationState::MODE_STANDBY && self.ends() => {
+            RunPhase::Starting => {}
+            RunPhase::Running if state.mode == StationState::MODE_STANDBY && self.ends() => {
                 return Err(miette!("auto ended: {}", self.why(&state)));
             }
-            Phase::Running => {}
-            Phase::Stopping => match state.mode {
+            RunPhase::Running => {}
+            RunPhase::Stopping => match state.mode {
                 StationState::MODE_AUTO if state.master_stop => {}
                 StationState::MODE_AUTO | StationState::MODE_HAND => self.say("stop"),
                 // The coordinator may be heard before the states that it has decided by.
@@ -456,19 +456,19 @@ fn mode_name(code: u8) -> &'static str {
 }
 
 /// The directory of this run's journals and logs.
-struct Scratch {
+struct RunDirectory {
     dir: PathBuf,
     temporary: bool,
 }
 
-impl Scratch {
+impl RunDirectory {
     fn new(given: Option<&Path>) -> miette::Result<Self> {
         let dir = match given {
             Some(dir) => dir.to_owned(),
             None => std::env::temp_dir().join(format!("linewright-run-{}", std::process::id())),
         };
         std::fs::create_dir_all(&dir).into_diagnostic().wrap_err_with(|| format!("cannot use {}", dir.display()))?;
-        Ok(Scratch { dir, temporary: given.is_none() })
+        Ok(RunDirectory { dir, temporary: given.is_none() })
     }
 
     /// A temporary directory is kept only if somebody will want to read the logs.

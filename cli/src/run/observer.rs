@@ -12,7 +12,7 @@ use linewright_line::{Bus, Conflict, Device, InputId, Line, Module, Owner, Span,
 
 /// The inputs of one station, as its devices last sent them.
 #[derive(Clone, Debug)]
-struct Seen {
+struct SeenStationInputs {
     bits: u128,
     /// For each of its devices, whether it was heard.
     heard: Vec<bool>,
@@ -20,13 +20,13 @@ struct Seen {
     drives: Vec<Option<DriveBinding>>,
 }
 
-impl Seen {
+impl SeenStationInputs {
     fn of(line: &Line, id: StationId) -> Self {
         let devices = || line.devices_of(Owner::Station(id));
         let drives = devices().map(|device| device.drive.as_ref().map(DriveBinding::of)).collect();
         // One that has nothing to say in its first process data need not be heard.
         let heard = devices().map(|device| device.inputs.iter().flatten().next().is_none() && device.drive.is_none());
-        Seen { bits: 0, heard: heard.collect(), drives }
+        SeenStationInputs { bits: 0, heard: heard.collect(), drives }
     }
 
     /// Takes process data of one of its devices. Too short for its inputs, they are nobody's, whatever their identifier
@@ -72,9 +72,9 @@ fn switches(line: &Line, span: &Span) -> (Option<InputId>, InputId) {
 
 /// The observer of all buses of a line.
 #[derive(Clone, Debug)]
-pub struct Observer {
+pub struct BusObserver {
     line: Line,
-    stations: Vec<Seen>,
+    stations: Vec<SeenStationInputs>,
     /// For each conflict, whether it can be seen at all.
     watched: Vec<bool>,
     /// For each conflict, whether both stretches hold now.
@@ -83,7 +83,7 @@ pub struct Observer {
     frames: u64,
 }
 
-impl Observer {
+impl BusObserver {
     /// An observer that has seen nothing.
     pub fn new(line: &Line) -> Self {
         let is_seen = |span: &Span| {
@@ -92,9 +92,9 @@ impl Observer {
             let is_told = !line.station(span.station).works_on_order() || line.clearance(span).is_ok();
             is_told && from.into_iter().chain([until]).all(|input| is_read(line, span.station, input))
         };
-        Observer {
+        BusObserver {
             watched: line.conflicts.iter().map(|conflict| is_seen(&conflict.a) && is_seen(&conflict.b)).collect(),
-            stations: line.station_ids().map(|id| Seen::of(line, id)).collect(),
+            stations: line.station_ids().map(|id| SeenStationInputs::of(line, id)).collect(),
             holds: vec![false; line.conflicts.len()],
             line: line.clone(),
             seen: Vec::new(),

@@ -9,10 +9,10 @@ use linewright_line::{Line, OpId, StationId};
 use linewright_msgs::{Header, StationEvent, StationState};
 use serde::Serialize;
 
-use super::observer::Observer;
+use super::observer::BusObserver;
 
 /// The tally of a run.
-pub struct Tally {
+pub struct RunTally {
     line: Line,
     stations: Vec<StationTally>,
     /// When each cycle of the line ended, in seconds; the first entry is when auto began.
@@ -34,7 +34,7 @@ struct StationTally {
 
 /// The report, in the form `--json` prints.
 #[derive(Serialize)]
-pub struct Report {
+pub struct RunReport {
     /// The line's name.
     pub line: String,
     /// Cycles ended.
@@ -69,14 +69,14 @@ fn seconds(header: &Header) -> f64 {
     f64::from(header.stamp.sec) + f64::from(header.stamp.nanosec) * 1e-9
 }
 
-impl Tally {
+impl RunTally {
     /// Nothing yet.
     pub fn new(line: &Line) -> Self {
         let station = |s: &linewright_line::Station| StationTally {
             durations: vec![Vec::new(); s.operations.len()],
             ..StationTally::default()
         };
-        Tally { stations: line.stations.iter().map(station).collect(), line: line.clone(), ends: Vec::new() }
+        RunTally { stations: line.stations.iter().map(station).collect(), line: line.clone(), ends: Vec::new() }
     }
 
     /// Auto has begun.
@@ -160,12 +160,12 @@ impl Tally {
     }
 
     /// The report.
-    pub fn report(&self, mode: &str, observer: &Observer, restarts: u32, error: Option<String>) -> Report {
+    pub fn report(&self, mode: &str, observer: &BusObserver, restarts: u32, error: Option<String>) -> RunReport {
         let mut stations = serde_json::Map::new();
         for (id, tally) in self.line.station_ids().zip(&self.stations) {
             stations.insert(self.line.station(id).name.clone(), self.station_report(id, tally));
         }
-        Report {
+        RunReport {
             parts_made: None,
             parts_wanted: None,
             line: self.line.name.clone(),

@@ -5,7 +5,7 @@ use std::fmt::Write as _;
 
 use linewright_line::{Line, OpId, Station};
 
-use super::report::{Report, Row};
+use super::report::{OperationRow, SimulationReport};
 use crate::chart::svg::{PLANNED, Style, Svg, Times};
 use crate::chart::{self, Chart};
 
@@ -37,7 +37,7 @@ const STYLE: Style = Style {
     planned: "",
 };
 
-fn chart(line: &Line, rows: &[Row]) -> Chart {
+fn chart(line: &Line, rows: &[OperationRow]) -> Chart {
     let rows = rows.iter().map(|row| {
         let station = line.station(row.station);
         let star = if row.op == station.home { " *" } else { "" };
@@ -60,7 +60,7 @@ fn chart(line: &Line, rows: &[Row]) -> Chart {
 
 /// As text. A line is two halves high: the upper one is the bar of the plan, the lower one that of the simulation, so a
 /// deviation shows as a step.
-pub fn text(line: &Line, rows: &[Row]) -> String {
+pub fn text(line: &Line, rows: &[OperationRow]) -> String {
     let chart = chart(line, rows);
     let widest = |names: &mut dyn Iterator<Item = &String>| names.map(|name| name.chars().count()).max().unwrap_or(0);
     let station_width = widest(&mut line.stations.iter().map(|station| &station.name));
@@ -85,7 +85,7 @@ pub fn text(line: &Line, rows: &[Row]) -> String {
 }
 
 /// As SVG.
-pub fn svg(line: &Line, report: &Report) -> String {
+pub fn svg(line: &Line, report: &SimulationReport) -> String {
     let chart = chart(line, &report.rows);
     let mut title = format!("{}: cycle {}", line.title, report.drawn);
     // Writing to a string does not fail.
@@ -119,7 +119,7 @@ fn labels(line: &Line) -> f64 {
 }
 
 /// Arrows within the drawn cycle; those carried over from the cycle before come from outside of it.
-fn arrows(svg: &mut Svg<'_>, line: &Line, report: &Report) {
+fn arrows(svg: &mut Svg<'_>, line: &Line, report: &SimulationReport) {
     for arrow in &line.arrows {
         let row =
             |op: (linewright_line::StationId, OpId)| report.rows.iter().position(|row| (row.station, row.op) == op);

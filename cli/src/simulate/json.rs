@@ -1,14 +1,14 @@
 //! The one object that `--json` prints.
 
 use linewright_line::Line;
-use linewright_simulation::{By, Sim};
+use linewright_simulation::{LastWait, LineSim};
 use serde::Serialize;
 
-use super::report::{Bar, Report, micros, op_text};
+use super::report::{OperationSpan, SimulationReport, micros, op_text};
 
 /// Everything that came out. Times are seconds.
 #[derive(Serialize)]
-pub struct Object {
+pub struct SimulationJson {
     line: String,
     ok: bool,
     #[serde(skip_serializing_if = "Option::is_none")]
@@ -20,11 +20,11 @@ pub struct Object {
     planned_cycle_time_s: f64,
     cycle_ends_s: Vec<f64>,
     drawn_cycle: i32,
-    operations: Vec<Operation>,
+    operations: Vec<JsonOperation>,
     critical_path: Vec<Critical>,
-    waits: Vec<Wait>,
-    conflicts: Vec<Conflict>,
-    faults: Vec<Fault>,
+    waits: Vec<JsonWait>,
+    conflicts: Vec<JsonConflict>,
+    faults: Vec<JsonFault>,
     withdrawn: u64,
     /// Events before those that are kept.
     events_forgotten: u64,
@@ -32,17 +32,17 @@ pub struct Object {
 }
 
 #[derive(Serialize)]
-struct Operation {
+struct JsonOperation {
     station: String,
     operation: String,
-    planned: Option<Span>,
-    simulated: Option<Span>,
+    planned: Option<JsonSpan>,
+    simulated: Option<JsonSpan>,
     critical: bool,
     done: i32,
 }
 
 #[derive(Serialize)]
-struct Span {
+struct JsonSpan {
     start_s: f64,
     end_s: f64,
 }
@@ -58,7 +58,7 @@ struct Critical {
 }
 
 #[derive(Serialize)]
-struct Wait {
+struct JsonWait {
     operation: String,
     waits_for: String,
     starts: u64,
@@ -67,24 +67,24 @@ struct Wait {
 }
 
 #[derive(Serialize)]
-struct Conflict {
+struct JsonConflict {
     at_s: f64,
     why: String,
     positions: String,
 }
 
 #[derive(Serialize)]
-struct Fault {
+struct JsonFault {
     at_s: f64,
     operation: String,
     cause: &'static str,
 }
 
-impl Object {
+impl SimulationJson {
     /// The object of a run.
-    pub fn new(line: &Line, sim: &Sim, report: &Report) -> Self {
-        let span = |bar: Bar| Span { start_s: bar.0, end_s: bar.1 };
-        let operations = report.rows.iter().map(|row| Operation {
+    pub fn new(line: &Line, sim: &LineSim, report: &SimulationReport) -> Self {
+        let span = |bar: OperationSpan| JsonSpan { start_s: bar.0, end_s: bar.1 };
+        let operations = report.rows.iter().map(|row| JsonOperation {
             station: line.station(row.station).name.clone(),
             operation: line.operation((row.station, row.op)).name.clone(),
             planned: row.planned.map(span),
@@ -92,14 +92,14 @@ impl Object {
             critical: row.is_critical,
             done: sim.done(row.station, row.op),
         });
-        let waits = report.waits.iter().map(|&(arrow, starts, total_s)| Wait {
+        let waits = report.waits.iter().map(|&(arrow, starts, total_s)| JsonWait {
             operation: op_text(line, line.arrows[arrow].to),
             waits_for: op_text(line, line.arrows[arrow].from),
             starts,
             total_s,
             mean_s: micros(total_s / starts as f64),
         });
-        Object {
+        SimulationJson {
             line: line.name.clone(),
             ok: report.error.is_none(),
             error: report.error.clone(),
@@ -121,7 +121,7 @@ impl Object {
     }
 }
 
-fn critical(line: &Line, report: &Report) -> Vec<Critical> {
+fn critical(line: &Line, report: &SimulationReport) -> Vec<Critical> {
     let links = report.critical.iter().flat_map(|path| &path.links);
     links
         .map(|link| Critical {
@@ -129,17 +129,17 @@ fn critical(line: &Line, report: &Report) -> Vec<Critical> {
             cycle: link.motion.cycle,
             duration_s: link.motion.end.since(link.motion.start).as_secs_f64(),
             waited_for: match link.motion.by {
-                By::Arrow(arrow) => op_text(line, line.arrows[arrow].from),
-                By::Previous | By::Person => "step".to_owned(),
+                LastWait::Arrow(arrow) => op_text(line, line.arrows[arrow].from),
+                LastWait::Previous | LastWait::Person => "step".to_owned(),
             },
             late_s: link.late.as_secs_f64(),
         })
         .collect()
 }
 
-fn conflicts(line: &Line, sim: &Sim) -> Vec<Conflict> {
+fn conflicts(line: &Line, sim: &LineSim) -> Vec<JsonConflict> {
     let seen = sim.conflicts().iter();
-    seen.map(|seen| Conflict {
+    seen.map(|seen| JsonConflict {
         at_s: seen.at.as_micros() as f64 / 1e6,
         why: line.conflicts[seen.conflict].why.clone(),
         positions: seen.positions.clone(),
@@ -147,10 +147,10 @@ fn conflicts(line: &Line, sim: &Sim) -> Vec<Conflict> {
     .collect()
 }
 
-fn faults(line: &Line, sim: &Sim) -> Vec<Fault> {
+fn faults(line: &Line, sim: &LineSim) -> Vec<JsonFault> {
     let faults = sim.record().faults().iter();
     faults
-        .map(|fault| Fault {
+        .map(|fault| JsonFault {
             at_s: fault.at.as_micros() as f64 / 1e6,
             operation: op_text(line, (fault.station, fault.op)),
             cause: fault.cause.text(),

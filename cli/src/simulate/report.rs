@@ -6,29 +6,31 @@ use std::fmt::Write;
 
 use linewright_line::net::Block;
 use linewright_line::{Line, OpId, StationId};
-use linewright_simulation::{By, CriticalPath, End, Ended, Goal, Motion, Plan, Record, Scenario, Sim};
+use linewright_simulation::{
+    CriticalPath, LastWait, LinePlan, LineSim, MotionEnd, RecordedMotion, RunEnd, RunGoal, RunRecord, Scenario,
+};
 
 use super::chart;
 
 /// Start and end of an operation in the drawn cycle, in seconds after that cycle began.
-pub type Bar = (f64, f64);
+pub type OperationSpan = (f64, f64);
 
 /// One operation of the drawn cycle.
-pub struct Row {
+pub struct OperationRow {
     /// Whose.
     pub station: StationId,
     /// Which.
     pub op: OpId,
     /// By the description alone.
-    pub planned: Option<Bar>,
+    pub planned: Option<OperationSpan>,
     /// By the controllers.
-    pub simulated: Option<Bar>,
+    pub simulated: Option<OperationSpan>,
     /// It is on the critical path.
     pub is_critical: bool,
 }
 
 /// What came out.
-pub struct Report {
+pub struct SimulationReport {
     /// Cycles that were asked for.
     pub asked: usize,
     /// Cycles that ended.
@@ -43,7 +45,7 @@ pub struct Report {
     /// The cycle that is drawn.
     pub drawn: i32,
     /// Its operations.
-    pub rows: Vec<Row>,
+    pub rows: Vec<OperationRow>,
     /// The chain that determines the cycle time.
     pub critical: Option<CriticalPath>,
     /// Who waited for whom: arrow, how many starts, seconds together.
@@ -54,13 +56,13 @@ pub struct Report {
     pub title: Option<String>,
 }
 
-impl Report {
+impl SimulationReport {
     /// The report of a run that has ended.
-    pub fn new(sim: &Sim, end: &End, goal: &Goal, scenario: Option<&Scenario>) -> Self {
+    pub fn new(sim: &LineSim, end: &RunEnd, goal: &RunGoal, scenario: Option<&Scenario>) -> Self {
         let (line, record) = (sim.line(), sim.record());
         let origin = record.began().map_or(0.0, |began| began.as_micros() as f64);
         let ends_s: Vec<f64> = record.cycle_ends().iter().map(|at| (at.as_micros() as f64 - origin) / 1e6).collect();
-        let plan = Plan::of(line);
+        let plan = LinePlan::of(line);
         let critical = CriticalPath::of(line, record);
         let every = line.station_ids().flat_map(|id| line.station(id).op_ids().map(move |op| (id, op)));
         let drawn = every.map(|(id, op)| record.count(id, op)).min().unwrap_or(0);
@@ -74,7 +76,7 @@ impl Report {
         // By the mean, which is what is shown.
         let mean = |wait: &(usize, u64, f64)| wait.2 / wait.1 as f64;
         waits.sort_by(|a, b| mean(b).total_cmp(&mean(a)));
-        Report {
+        SimulationReport {
             asked: goal.cycles,
             cycles: record.cycles(),
             cycle_time_s: cycle_time(&ends_s, record),
@@ -125,7 +127,7 @@ pub fn op_text(line: &Line, (id, op): (StationId, OpId)) -> String {
     format!("{}: {}", line.station(id).name, line.operation((id, op)).name)
 }
 
-fn cycle_time(ends: &[f64], record: &Record) -> Option<f64> {
+fn cycle_time(ends: &[f64], record: &RunRecord) -> Option<f64> {
     if let ([only], []) = (ends, record.faults()) {
         return Some(*only);
     }
@@ -140,22 +142,23 @@ pub fn micros(seconds: f64) -> f64 {
     (seconds * 1e6).round() / 1e6
 }
 
-fn rows(sim: &Sim, plan: &Plan, cycle: i32, critical: Option<&CriticalPath>) -> Vec<Row> {
+fn rows(sim: &LineSim, plan: &LinePlan, cycle: i32, critical: Option<&CriticalPath>) -> Vec<OperationRow> {
     let line = sim.line();
     // Far enough to be steady, and no further: a long run's plan repeats itself.
     let shown = cycle.clamp(0, 200);
     let schedule = plan.schedule(usize::try_from(shown).unwrap_or(0) + 1);
-    let drawn =
-        |motion: &&Motion| motion.cycle == cycle && motion.block == Block::Normal && motion.ended == Ended::Done;
+    let drawn = |motion: &&RecordedMotion| {
+        motion.cycle == cycle && motion.block == Block::Normal && motion.ended == MotionEnd::Done
+    };
     let mut rows = Vec::new();
     for id in line.station_ids() {
         for op in line.station(id).op_ids() {
-            let of = |motion: &&Motion| (motion.station, motion.op) == (id, op);
+            let of = |motion: &&RecordedMotion| (motion.station, motion.op) == (id, op);
             let motion = sim.record().motions().iter().rev().filter(drawn).find(of);
             let planned = plan.planned(&schedule, (id, op), shown);
             let is_critical =
                 critical.is_some_and(|path| path.links.iter().any(|l| (l.motion.station, l.motion.op) == (id, op)));
-            rows.push(Row {
+            rows.push(OperationRow {
                 station: id,
                 op,
                 planned: planned.map(|p| (p.start as f64 / 1e6, p.end as f64 / 1e6)),
@@ -165,7 +168,7 @@ fn rows(sim: &Sim, plan: &Plan, cycle: i32, critical: Option<&CriticalPath>) -> 
         }
     }
     // Both charts begin where their first operation does.
-    let first = |bars: &mut dyn Iterator<Item = Bar>| bars.map(|bar| bar.0).fold(f64::INFINITY, f64::min);
+    let first = |bars: &mut dyn Iterator<Item = OperationSpan>| bars.map(|bar| bar.0).fold(f64::INFINITY, f64::min);
     let planned = first(&mut rows.iter().filter_map(|row| row.planned));
     let simulated = first(&mut rows.iter().filter_map(|row| row.simulated));
     for row in &mut rows {
@@ -180,7 +183,7 @@ fn critical_text(line: &Line, path: &CriticalPath) -> String {
     let mut text = format!("\ncritical path, {:.3} s{cycles}:\n", path.time.as_secs_f64());
     for link in &path.links {
         let motion = &link.motion;
-        let how = if let By::Arrow(_) = motion.by {
+        let how = if let LastWait::Arrow(_) = motion.by {
             format!("arrow, {:.1} ms", link.late.as_secs_f64() * 1e3)
         } else {
             String::new()
@@ -192,11 +195,11 @@ fn critical_text(line: &Line, path: &CriticalPath) -> String {
 }
 
 /// Why a run was no success; `None` if it was one.
-pub fn end_text(sim: &Sim, end: &End) -> Option<String> {
+pub fn end_text(sim: &LineSim, end: &RunEnd) -> Option<String> {
     let line = sim.line();
     match end {
-        End::Done => None,
-        End::Conflict => {
+        RunEnd::Done => None,
+        RunEnd::Conflict => {
             let conflicts = sim.conflicts().iter().map(|seen| {
                 let conflict = &line.conflicts[seen.conflict];
                 format!("conflict at {}: {} ({})", seen.at, conflict.why, seen.positions)
@@ -204,12 +207,12 @@ pub fn end_text(sim: &Sim, end: &End) -> Option<String> {
             let alarms = (sim.alarms() > 0).then(|| "drives both ways of one axis came on at once".to_owned());
             Some(conflicts.chain(alarms).collect::<Vec<_>>().join("\n"))
         }
-        End::Miscounted => Some(sim.record().errors().join("\n")),
-        End::Stuck(reasons) => {
+        RunEnd::Miscounted => Some(sim.record().errors().join("\n")),
+        RunEnd::Stuck(reasons) => {
             Some(format!("nothing happens any more after {}:\n  {}", sim.now(), reasons.join("\n  ")))
         }
-        End::Failed { step: None, why } => Some(format!("the line does not start: {why}")),
-        End::Failed { step: Some(step), why } => Some(format!("step {} of the scenario: {why}", step + 1)),
-        End::Spins => Some(format!("no time passes any more at {}; this is a mistake of the program", sim.now())),
+        RunEnd::Failed { step: None, why } => Some(format!("the line does not start: {why}")),
+        RunEnd::Failed { step: Some(step), why } => Some(format!("step {} of the scenario: {why}", step + 1)),
+        RunEnd::Spins => Some(format!("no time passes any more at {}; this is a mistake of the program", sim.now())),
     }
 }

@@ -10,7 +10,7 @@ use linewright_msgs::{
     Byte, CORead, COReadID, COWrite, CoReadIdRequest, CoReadRequest, CoReadResponse, CoWriteRequest, DiagnosticArray,
     DiagnosticStatus, RosMessage, RosService, Text, Trigger, TriggerRequest,
 };
-use linewright_node_shell::{Caller, Mapping, Node, Participant, RosArgs, Subscription, qos};
+use linewright_node_shell::{Caller, Mapping, Participant, RosArgs, RosNode, Subscription, qos};
 use tokio::runtime::Runtime;
 
 use crate::support::rig::{Rig, line};
@@ -19,7 +19,7 @@ use crate::support::{PATIENCE, pause};
 /// A technician with a node of his own.
 struct Technician {
     runtime: Runtime,
-    node: Node,
+    node: RosNode,
 }
 
 impl Technician {

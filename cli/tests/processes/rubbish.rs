@@ -6,7 +6,7 @@
 use std::time::{Duration, Instant};
 
 use linewright_msgs::{ModeOrder, ProcessImage, StationEvent, StationState, Text};
-use linewright_node_shell::{Node, Participant, Publisher, RosArgs, qos};
+use linewright_node_shell::{Participant, Publisher, RosArgs, RosNode, qos};
 
 use super::rubbish_senders::{Vandal, commander, litter};
 use crate::support::chart::starts_follow_the_chart;
@@ -80,7 +80,7 @@ struct Bytes {
 }
 
 impl Bytes {
-    fn open(node: &mut Node) -> Self {
+    fn open(node: &mut RosNode) -> Self {
         let mut texts: Vec<Vandal<Text>> =
             ["mode_cmd", "buttons"].iter().map(|topic| Vandal::open(node, topic, qos::command())).collect();
         let (mut states, mut images) = (Vec::new(), Vec::new());
@@ -113,12 +113,12 @@ struct Words {
 }
 
 impl Words {
-    fn open(node: &mut Node) -> Self {
+    fn open(node: &mut RosNode) -> Self {
         let mut images = Vec::new();
         for (station, side) in STATIONS.iter().flat_map(|station| [(station, "inputs"), (station, "outputs")]) {
             images.push(node.publisher(&format!("{station}/{side}"), qos::repeated()).expect("a topic"));
         }
-        let state = |node: &mut Node, station: &&str| {
+        let state = |node: &mut RosNode, station: &&str| {
             node.publisher(&format!("{station}/state"), qos::latched_state()).expect("a topic")
         };
         Words {

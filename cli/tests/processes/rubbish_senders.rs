@@ -5,7 +5,7 @@
 use std::marker::PhantomData;
 
 use linewright_msgs::{Invalid, RosField, RosMessage};
-use linewright_node_shell::{Node, Publisher, qos};
+use linewright_node_shell::{Publisher, RosNode, qos};
 use ros2_client::QosProfile;
 use serde::de::Error as _;
 use serde::ser::SerializeTuple;
@@ -56,7 +56,7 @@ pub struct Vandal<M: RosMessage> {
 
 impl<M: RosMessage> Vandal<M> {
     /// Opens the topic under its true type and quality of service.
-    pub fn open(node: &mut Node, topic: &str, qos: QosProfile) -> Self {
+    pub fn open(node: &mut RosNode, topic: &str, qos: QosProfile) -> Self {
         Vandal { publisher: node.publisher(topic, qos).expect("a topic") }
     }
 
@@ -70,7 +70,7 @@ impl<M: RosMessage> Vandal<M> {
 }
 
 /// A publisher of well-formed messages on a command topic.
-pub fn commander<M: RosMessage>(node: &mut Node, topic: &str) -> Publisher<M> {
+pub fn commander<M: RosMessage>(node: &mut RosNode, topic: &str) -> Publisher<M> {
     node.publisher(topic, qos::command()).expect("a topic")
 }
 

@@ -13,7 +13,7 @@ use std::thread::JoinHandle;
 use std::time::Duration;
 
 use linewright_msgs::{ModeOrder, StationState};
-use linewright_node_shell::{Node, Participant, RosArgs, qos};
+use linewright_node_shell::{Participant, RosArgs, RosNode, qos};
 
 use crate::support::operator::Operator;
 use crate::support::rig::{OWN_BUS, Rig, line, send_signal};
@@ -26,7 +26,7 @@ const ENDS: u8 = u8::MAX;
 struct Other {
     mode: Arc<AtomicU8>,
     thread: Option<JoinHandle<()>>,
-    _node: Node,
+    _node: RosNode,
     _participant: Participant,
 }
 

@@ -11,7 +11,7 @@ use std::time::Duration;
 
 use linewright_line::Tick;
 use linewright_msgs::{Flag, LineState, StationEvent, StationState, Text};
-use linewright_node_shell::{Forward, Node, Participant, Publisher, RosArgs, forward, qos};
+use linewright_node_shell::{Forward, Participant, Publisher, RosArgs, RosNode, forward, qos};
 use linewright_station_shell::NewestBySequence;
 use tokio::sync::{mpsc, oneshot};
 
@@ -69,7 +69,7 @@ pub struct Operator {
     buttons: Arc<Publisher<Text>>,
     panels: HashMap<String, Arc<Publisher<Flag>>>,
     selectors: HashMap<&'static str, Publisher<Text>>,
-    node: Node,
+    node: RosNode,
     end: Option<oneshot::Sender<()>>,
     thread: Option<JoinHandle<()>>,
 }

@@ -13,14 +13,15 @@ use std::sync::Arc;
 use std::time::{Duration, Instant};
 
 use linewright_cell::net::Supply;
-use linewright_cell::{Cell, Rule};
+use linewright_cell::{Cell, DispatchRule};
 use linewright_coordinator_cell::ahead::LookAhead;
-use linewright_coordinator_cell::described::{Pace, described};
-use linewright_coordinator_cell::dispatch::ByRules;
-use linewright_coordinator_cell::production::{Desk, Production, Request};
-use linewright_coordinator_cell::schedule::{Builtin, Foreman};
+use linewright_coordinator_cell::compile::{OrderTiming, compile_cell};
+use linewright_coordinator_cell::dispatch::RuleDispatcher;
+use linewright_coordinator_cell::production::{DispatchConfiguration, Production, ProductionOrderRequest};
+use linewright_coordinator_cell::schedule::{RolloutScheduler, ScheduleFollower};
 use linewright_coordinator_cell::{
-    Answer, CellTable, Coordination, Dispatcher, Fact, Input, Outbox, Question, Record, State,
+    CellTable, Coordination, DispatchDecision, Dispatcher, PlayerInput, PlayerOutbox, PlayerState, Question, Record,
+    RecordKind,
 };
 use linewright_line::Tick;
 
@@ -77,7 +78,7 @@ struct Timed<'a> {
 }
 
 impl Dispatcher for Timed<'_> {
-    fn decide(&mut self, question: &Question<'_>) -> Answer {
+    fn decide(&mut self, question: &Question<'_>) -> DispatchDecision {
         let begin = Instant::now();
         let answer = self.inner.decide(question);
         let took = begin.elapsed();
@@ -93,14 +94,15 @@ impl Dispatcher for Timed<'_> {
 /// The makespan in seconds, the mean and the longest time of a decision.
 fn play(table: &Arc<CellTable>, dispatcher: &mut dyn Dispatcher, parts: u64) -> (f64, Duration, Duration) {
     let mut timed = Timed { inner: dispatcher, asked: 0, all: Duration::ZERO, longest: Duration::ZERO };
-    let mut out = Outbox::default();
-    let mut player = Coordination::begin(State::new(table.clone()), Tick::ZERO, 1, &mut out).expect("a first life");
-    player.step(Tick::ZERO, &[Input::Starts(true)], &mut timed, &mut out);
+    let mut out = PlayerOutbox::default();
+    let mut player =
+        Coordination::begin(PlayerState::new(table.clone()), Tick::ZERO, 1, &mut out).expect("a first life");
+    player.step(Tick::ZERO, &[PlayerInput::Starts(true)], &mut timed, &mut out);
     while let Some(at) = player.next_deadline().filter(|&at| at != Tick::NEVER) {
         player.step(at, &[], &mut timed, &mut out);
     }
     assert_eq!(player.state().left(), parts, "all is done");
-    let ends = out.records.iter().filter(|record| matches!(record.fact, Fact::Ended { .. }));
+    let ends = out.records.iter().filter(|record| matches!(record.fact, RecordKind::Ended { .. }));
     let end = ends.map(|record| record.at).max().unwrap_or(Tick::ZERO);
     (end.as_micros() as f64 / 1e6, timed.all / timed.asked.max(1), timed.longest)
 }
@@ -108,37 +110,39 @@ fn play(table: &Arc<CellTable>, dispatcher: &mut dyn Dispatcher, parts: u64) -> 
 /// Orders of so many parts of each product.
 fn ordered<'a>(production: &mut Production, products: impl Iterator<Item = (&'a str, u32)>) {
     for (kind, (product, quantity)) in products.enumerate() {
-        let request = Request {
+        let request = ProductionOrderRequest {
             key: kind as u128,
             name: format!("order {kind}"),
             product: product.to_owned(),
             quantity,
-            ..Request::default()
+            ..ProductionOrderRequest::default()
         };
         for change in production.submit(&[request]).expect("it is sound") {
-            let record = Record { at: Tick::ZERO, fact: Fact::Production { change } };
+            let record = Record { at: Tick::ZERO, fact: RecordKind::Production { change } };
             production.note(&record).expect("it fits");
         }
     }
 }
 
 fn compare(seed: u64, cell: &Cell, parts: u32) -> [f64; 3] {
-    let pace = Pace { refresh: Duration::from_secs(1), grace: Duration::from_secs(1) };
-    let made = described(cell, None, Supply::Open, pace).expect("it can be played");
+    let pace = OrderTiming { refresh: Duration::from_secs(1), grace: Duration::from_secs(1) };
+    let made = compile_cell(cell, None, Supply::Open, pace).expect("it can be played");
     let table = Arc::new(made.table.clone());
     let mut production = Production::new(&table);
     let names: Vec<String> = (0..TYPES).map(|kind| format!("P{kind}")).collect();
     ordered(&mut production, names.iter().map(|name| (name.as_str(), parts / TYPES as u32)));
-    let desk = |rules: &[Rule]| Desk::new(ByRules::new(&table, rules, PATIENCE), production.clone());
+    let desk = |rules: &[DispatchRule]| {
+        DispatchConfiguration::new(RuleDispatcher::new(&table, rules, PATIENCE), production.clone())
+    };
     let all = u64::from(parts / TYPES as u32 * TYPES as u32);
-    let rules = [Rule::Fifo, Rule::ShortestProcessingTime];
+    let rules = [DispatchRule::Fifo, DispatchRule::ShortestProcessingTime];
     let by_rules = rules.map(|rule| play(&table, &mut desk(&[rule]), all).0);
     let best = by_rules.iter().copied().fold(f64::INFINITY, f64::min);
-    let mut look = LookAhead::new(&table, desk(&[Rule::Fifo]), Duration::from_secs(300));
+    let mut look = LookAhead::new(&table, desk(&[DispatchRule::Fifo]), Duration::from_secs(300));
     let (ahead, mean, longest) = play(&table, &mut look, all);
-    let base = LookAhead::new(&table, desk(&[Rule::Schedule, Rule::Fifo]), Duration::ZERO);
-    let mut foreman = Foreman::new(base, Box::new(Builtin::default()));
-    let (followed, _, planning) = play(&table, &mut foreman, all);
+    let base = LookAhead::new(&table, desk(&[DispatchRule::Schedule, DispatchRule::Fifo]), Duration::ZERO);
+    let mut follower = ScheduleFollower::new(base, Box::new(RolloutScheduler::default()));
+    let (followed, _, planning) = play(&table, &mut follower, all);
     println!(
         "{seed:>4} {:>6} {:>6}   {:>8.0} {:>8.0}   {ahead:>8.0} {:>+6.1} %  {:>6.2} {:>7.1}   {followed:>8.0} {:>+6.1} %  {:>8.0} {:>4}",
         table.cell_count(),
@@ -150,7 +154,7 @@ fn compare(seed: u64, cell: &Cell, parts: u32) -> [f64; 3] {
         longest.as_secs_f64() * 1e3,
         (followed / best - 1.0) * 100.0,
         planning.as_secs_f64() * 1e3,
-        foreman.revisions().len(),
+        follower.revisions().len(),
     );
     [best, ahead, followed]
 }
@@ -160,20 +164,23 @@ fn small() {
     let text = include_str!("../../../launch-config/lines/assembly-cell/cell.toml");
     let text = text.replace("wip_max = 5", "wip_max = 9").replace("capacity = 5", "capacity = 9");
     let cell = linewright_cell::parse("cell.toml", &text, None).unwrap_or_else(|why| panic!("{why:#}")).cell;
-    let pace = Pace { refresh: Duration::from_secs(1), grace: Duration::from_secs(1) };
-    let table = Arc::new(described(&cell, None, Supply::Open, pace).expect("it can be played").table.without_orders());
+    let pace = OrderTiming { refresh: Duration::from_secs(1), grace: Duration::from_secs(1) };
+    let table =
+        Arc::new(compile_cell(&cell, None, Supply::Open, pace).expect("it can be played").table.without_orders());
     println!("assembly cell, makespans in s\nparts      optimum    fifo     spt   ahead  schedule");
     for (counts, optimum) in [([1, 1, 1], 17.5), ([2, 2, 1], 31.0), ([2, 2, 2], 35.0), ([3, 3, 3], 52.5)] {
         let mut production = Production::new(&table);
         ordered(&mut production, ["1", "2", "3"].into_iter().zip(counts));
-        let desk = |rules: &[Rule]| Desk::new(ByRules::new(&table, rules, PATIENCE), production.clone());
+        let desk = |rules: &[DispatchRule]| {
+            DispatchConfiguration::new(RuleDispatcher::new(&table, rules, PATIENCE), production.clone())
+        };
         let all = u64::from(counts.iter().sum::<u32>());
-        let [fifo, spt] =
-            [Rule::Fifo, Rule::ShortestProcessingTime].map(|rule| play(&table, &mut desk(&[rule]), all).0);
-        let mut look = LookAhead::new(&table, desk(&[Rule::Fifo]), Duration::from_secs(30));
+        let [fifo, spt] = [DispatchRule::Fifo, DispatchRule::ShortestProcessingTime]
+            .map(|rule| play(&table, &mut desk(&[rule]), all).0);
+        let mut look = LookAhead::new(&table, desk(&[DispatchRule::Fifo]), Duration::from_secs(30));
         let ahead = play(&table, &mut look, all).0;
-        let base = LookAhead::new(&table, desk(&[Rule::Schedule, Rule::Fifo]), Duration::ZERO);
-        let followed = play(&table, &mut Foreman::new(base, Box::new(Builtin::default())), all).0;
+        let base = LookAhead::new(&table, desk(&[DispatchRule::Schedule, DispatchRule::Fifo]), Duration::ZERO);
+        let followed = play(&table, &mut ScheduleFollower::new(base, Box::new(RolloutScheduler::default())), all).0;
         println!("{counts:?} {optimum:>8} {fifo:>7} {spt:>7} {ahead:>7} {followed:>9}");
     }
     println!();

@@ -5,49 +5,51 @@
 
 use linewright_line::{StationId, Tick};
 
-use super::firing::{Firing, Next, Order, OrderState, Phase};
+use super::firing::{ActivityPhase, OngoingActivity, OngoingOrder, OrderProgress, PendingRecord};
 use super::ids::{CellId, FiringId, ModeId, OrderKey, PartId};
-use super::plan::{CellKind, OrderTemplate};
-use super::question::Reason;
-use super::record::{Cause, Fact, Failure, Record};
+use super::plan::{CellKind, PlayedOrderTemplate};
+use super::question::HoldReason;
+use super::record::{ActivityFailure, Failure, Record, RecordKind};
 use super::snapshot::NUMBER_MAX;
-use super::state::{Misfit, Part, Place, State};
+use super::state::{Part, PartPlace, PlayerState, ReplayError};
 
-type Fits = Result<(), String>;
+type FitResult = Result<(), String>;
 
-impl State {
+impl PlayerState {
     /// Does what the record says. It takes time for what it touches only: the cells of one mode, one firing.
-    pub fn apply(&mut self, record: &Record) -> Result<(), Misfit> {
+    pub fn apply(&mut self, record: &Record) -> Result<(), ReplayError> {
         let sequence = self.sequence + 1;
         if record.at < self.now {
-            return Err(Misfit { sequence, why: format!("it is of {}, after one of {}", record.at, self.now) });
+            return Err(ReplayError { sequence, why: format!("it is of {}, after one of {}", record.at, self.now) });
         }
         let result = match &record.fact {
-            Fact::Epoch { epoch } => self.begin_epoch(*epoch, record.at),
-            Fact::Memory { station, memory } => {
+            RecordKind::Epoch { epoch } => self.begin_epoch(*epoch, record.at),
+            RecordKind::Memory { station, memory } => {
                 self.memory.insert(*station, *memory);
                 Ok(())
             }
-            Fact::Decided { question, started, held } => self.decided(*question, started, held),
-            Fact::Started { firing, mode, part, orders } => self.started(*firing, *mode, *part, orders, record.at),
-            Fact::Acknowledged { key } => self.acknowledged(*key),
-            Fact::OrderEnded { key } => self.order_ended(*key),
-            Fact::OrderFailed { key, failure } => self.order_failed(*key, *failure),
-            Fact::Raised { firing, cause } => self.raised(*firing, *cause, record.at),
-            Fact::Ended { firing } => self.ended(*firing, record.at),
-            Fact::Fired { mode, part } => self.fired(*mode, *part, record.at),
+            RecordKind::Decided { question, started, held } => self.decided(*question, started, held),
+            RecordKind::Started { firing, mode, part, orders } => {
+                self.started(*firing, *mode, *part, orders, record.at)
+            }
+            RecordKind::Acknowledged { key } => self.acknowledged(*key),
+            RecordKind::OrderEnded { key } => self.order_ended(*key),
+            RecordKind::OrderFailed { key, failure } => self.order_failed(*key, *failure),
+            RecordKind::Raised { firing, cause } => self.raised(*firing, *cause, record.at),
+            RecordKind::Ended { firing } => self.ended(*firing, record.at),
+            RecordKind::Fired { mode, part } => self.fired(*mode, *part, record.at),
             // Production orders look at all records themselves, and refuse none but their own.
-            Fact::Production { change: _ } => Ok(()),
-            Fact::Exception(step) => self.exception(step, record.at),
+            RecordKind::Production { change: _ } => Ok(()),
+            RecordKind::Exception(step) => self.exception(step, record.at),
         };
         let noted = |()| self.production.note(record).map_err(|unfit| unfit.to_string());
-        result.and_then(noted).map_err(|why| Misfit { sequence, why })?;
+        result.and_then(noted).map_err(|why| ReplayError { sequence, why })?;
         self.sequence = sequence;
         self.now = record.at;
         Ok(())
     }
 
-    fn begin_epoch(&mut self, epoch: u64, at: Tick) -> Fits {
+    fn begin_epoch(&mut self, epoch: u64, at: Tick) -> FitResult {
         if epoch <= self.epoch || epoch >= NUMBER_MAX {
             return Err(format!("epoch {epoch} after epoch {}", self.epoch));
         }
@@ -58,7 +60,12 @@ impl State {
         Ok(())
     }
 
-    fn decided(&mut self, question: u64, started: &[(ModeId, Option<PartId>)], held: &[(ModeId, Reason)]) -> Fits {
+    fn decided(
+        &mut self,
+        question: u64,
+        started: &[(ModeId, Option<PartId>)],
+        held: &[(ModeId, HoldReason)],
+    ) -> FitResult {
         if question != self.questions + 1 {
             return Err(format!("question {question} after question {}", self.questions));
         }
@@ -72,7 +79,7 @@ impl State {
         Ok(())
     }
 
-    fn started(&mut self, id: FiringId, mode: ModeId, part: Option<PartId>, keys: &[OrderKey], at: Tick) -> Fits {
+    fn started(&mut self, id: FiringId, mode: ModeId, part: Option<PartId>, keys: &[OrderKey], at: Tick) -> FitResult {
         let arrival = self.can_fire(mode, part)?;
         let table = self.table.clone();
         if id.0 != self.last_firing + 1 {
@@ -89,21 +96,29 @@ impl State {
         self.moves_on(mode, part, false);
         self.take(mode, part, arrival);
         if let Some(part) = part {
-            self.place(part, Place::In(id), at);
+            self.place(part, PartPlace::In(id), at);
             self.reserve(mode, part);
         }
-        let order = |(&key, template): (&OrderKey, &OrderTemplate)| Order {
+        let order = |(&key, template): (&OrderKey, &PlayedOrderTemplate)| OngoingOrder {
             key,
             station: template.station,
-            state: OrderState::Written,
+            state: OrderProgress::Written,
             limit: at + template.limit,
         };
-        let orders: Vec<Order> = keys.iter().zip(templates).map(order).collect();
+        let orders: Vec<OngoingOrder> = keys.iter().zip(templates).map(order).collect();
         for (position, order) in orders.iter().enumerate() {
             self.orders.insert(order.key, (id, position));
             self.unheard.entry(order.station).or_default().insert(order.key);
         }
-        let firing = Firing { id, mode, part, began: at, orders, phase: Phase::Running, spared_until: Tick::ZERO };
+        let firing = OngoingActivity {
+            id,
+            mode,
+            part,
+            began: at,
+            orders,
+            phase: ActivityPhase::Running,
+            spared_until: Tick::ZERO,
+        };
         self.due.extend(firing.due(table.activity(mode)).map(|due| (due, id)));
         self.firings.insert(id, firing);
         self.in_progress[mode.index()] += 1;
@@ -112,60 +127,60 @@ impl State {
         Ok(())
     }
 
-    fn acknowledged(&mut self, key: OrderKey) -> Fits {
-        let (id, position, Order { station, state, .. }) = self.open(key)?;
-        if state != OrderState::Written {
+    fn acknowledged(&mut self, key: OrderKey) -> FitResult {
+        let (id, position, OngoingOrder { station, state, .. }) = self.open(key)?;
+        if state != OrderProgress::Written {
             return Err(format!("{key} is taken on, but is {state:?}"));
         }
         self.answered(station, key);
-        self.change(id, |firing| firing.orders[position].state = OrderState::Running);
+        self.change(id, |firing| firing.orders[position].state = OrderProgress::Running);
         Ok(())
     }
 
-    fn order_ended(&mut self, key: OrderKey) -> Fits {
-        let (id, position, Order { station, state, .. }) = self.open(key)?;
+    fn order_ended(&mut self, key: OrderKey) -> FitResult {
+        let (id, position, OngoingOrder { station, state, .. }) = self.open(key)?;
         let failed = self.running(id).is_err();
         match state {
-            OrderState::Written | OrderState::Running => (),
-            OrderState::Failed(_) if failed => (),
-            OrderState::Ended | OrderState::Failed(_) => return Err(format!("{key} ends, but is {state:?}")),
+            OrderProgress::Written | OrderProgress::Running => (),
+            OrderProgress::Failed(_) if failed => (),
+            OrderProgress::Ended | OrderProgress::Failed(_) => return Err(format!("{key} ends, but is {state:?}")),
         }
         self.answered(station, key);
-        self.change(id, |firing| firing.orders[position].state = OrderState::Ended);
+        self.change(id, |firing| firing.orders[position].state = OrderProgress::Ended);
         Ok(())
     }
 
-    fn order_failed(&mut self, key: OrderKey, failure: Failure) -> Fits {
-        let (id, position, Order { station, state, .. }) = self.open(key)?;
+    fn order_failed(&mut self, key: OrderKey, failure: Failure) -> FitResult {
+        let (id, position, OngoingOrder { station, state, .. }) = self.open(key)?;
         match state {
-            OrderState::Written | OrderState::Running => (),
-            OrderState::Failed(Failure::TimedOut) if failure.is_expiry() && self.exceptions.is_securing(id) => (),
-            OrderState::Ended | OrderState::Failed(_) => return Err(format!("{key} fails, but is {state:?}")),
+            OrderProgress::Written | OrderProgress::Running => (),
+            OrderProgress::Failed(Failure::TimedOut) if failure.is_expiry() && self.exceptions.is_securing(id) => (),
+            OrderProgress::Ended | OrderProgress::Failed(_) => return Err(format!("{key} fails, but is {state:?}")),
         }
         self.answered(station, key);
         self.change(id, |firing| {
-            firing.orders[position].state = OrderState::Failed(failure);
+            firing.orders[position].state = OrderProgress::Failed(failure);
             // The same, said more exactly.
-            if firing.phase == Phase::Failed(Cause::Order { key, failure: Failure::TimedOut }) {
-                firing.phase = Phase::Failed(Cause::Order { key, failure });
+            if firing.phase == ActivityPhase::Failed(ActivityFailure::Order { key, failure: Failure::TimedOut }) {
+                firing.phase = ActivityPhase::Failed(ActivityFailure::Order { key, failure });
             }
         });
         Ok(())
     }
 
-    fn raised(&mut self, id: FiringId, cause: Cause, at: Tick) -> Fits {
+    fn raised(&mut self, id: FiringId, cause: ActivityFailure, at: Tick) -> FitResult {
         let firing = self.running(id)?;
         // Whatever of it has not been taken on is not asked for any more.
         let keys: Vec<_> = firing.orders.iter().map(|order| (order.station, order.key)).collect();
         keys.into_iter().for_each(|(station, key)| self.answered(station, key));
-        self.change(id, |firing| firing.phase = Phase::Failed(cause));
+        self.change(id, |firing| firing.phase = ActivityPhase::Failed(cause));
         self.exception_begins(id, at);
         Ok(())
     }
 
-    fn ended(&mut self, id: FiringId, at: Tick) -> Fits {
+    fn ended(&mut self, id: FiringId, at: Tick) -> FitResult {
         let firing = self.running(id)?;
-        if firing.orders.iter().any(|order| order.state != OrderState::Ended) {
+        if firing.orders.iter().any(|order| order.state != OrderProgress::Ended) {
             return Err(format!("{id} ends before its orders do"));
         }
         let (mode, part) = (firing.mode, firing.part);
@@ -183,7 +198,7 @@ impl State {
         self.in_progress[firing.mode.index()] -= 1;
     }
 
-    fn fired(&mut self, mode: ModeId, part: Option<PartId>, at: Tick) -> Fits {
+    fn fired(&mut self, mode: ModeId, part: Option<PartId>, at: Tick) -> FitResult {
         let arrival = self.can_fire(mode, part)?;
         if !self.table.is_immediate(mode) {
             return Err(format!("`{}` takes time", self.table.mode_name(mode)));
@@ -232,10 +247,10 @@ impl State {
     fn arrival(&self, from: CellId, part: PartId) -> Option<u64> {
         let CellKind::Parts(pick) = self.table.kind(from) else { return None };
         match self.parts.get(&part)?.place {
-            Place::On { cell, arrival } if cell == from => {
+            PartPlace::On { cell, arrival } if cell == from => {
                 self.marking.is_takeable(cell, pick, arrival).then_some(arrival)
             }
-            Place::On { .. } | Place::In(_) => None,
+            PartPlace::On { .. } | PartPlace::In(_) => None,
         }
     }
 
@@ -264,7 +279,7 @@ impl State {
         match table.part_out(mode) {
             Some(cell) => {
                 let arrival = self.marking.put(cell, part);
-                self.place(part, Place::On { cell, arrival }, at);
+                self.place(part, PartPlace::On { cell, arrival }, at);
                 self.arrive(mode, part);
             }
             None => {
@@ -275,13 +290,13 @@ impl State {
         }
     }
 
-    pub(super) fn place(&mut self, id: PartId, place: Place, at: Tick) {
+    pub(super) fn place(&mut self, id: PartId, place: PartPlace, at: Tick) {
         let part = self.parts.entry(id).or_insert(Part::new(id, at));
         self.waiting.remove(&(part.since, id));
         (part.place, part.since) = (place, at);
         match place {
-            Place::On { .. } => _ = self.waiting.insert((at, id)),
-            Place::In(_) => (),
+            PartPlace::On { .. } => _ = self.waiting.insert((at, id)),
+            PartPlace::In(_) => (),
         }
     }
 
@@ -291,15 +306,15 @@ impl State {
         was.into_iter().for_each(|was| _ = self.waiting.remove(&(was.since, part)));
     }
 
-    fn running(&self, id: FiringId) -> Result<&Firing, String> {
+    fn running(&self, id: FiringId) -> Result<&OngoingActivity, String> {
         let firing = self.firings.get(&id).ok_or_else(|| format!("{id} is not in progress"))?;
         match firing.phase {
-            Phase::Running => Ok(firing),
-            Phase::Failed(_) => Err(format!("{id} has failed already")),
+            ActivityPhase::Running => Ok(firing),
+            ActivityPhase::Failed(_) => Err(format!("{id} has failed already")),
         }
     }
 
-    fn open(&self, key: OrderKey) -> Result<(FiringId, usize, Order), String> {
+    fn open(&self, key: OrderKey) -> Result<(FiringId, usize, OngoingOrder), String> {
         let &(id, at) = self.orders.get(&key).ok_or_else(|| format!("{key} is of no activity in progress"))?;
         let order = self.firings.get(&id).and_then(|firing| firing.orders.get(at));
         order.map(|order| (id, at, *order)).ok_or_else(|| format!("{key} is not where it was"))
@@ -316,12 +331,12 @@ impl State {
     }
 
     /// Changes a firing, and with it when it is due and whether it is settled.
-    fn change(&mut self, id: FiringId, change: impl FnOnce(&mut Firing)) {
+    fn change(&mut self, id: FiringId, change: impl FnOnce(&mut OngoingActivity)) {
         self.unschedule(id);
         if let Some(firing) = self.firings.get_mut(&id) {
             change(firing);
             self.due.extend(firing.due(self.table.activity(firing.mode)).map(|due| (due, id)));
-            if firing.next() != Next::Wait {
+            if firing.next() != PendingRecord::Wait {
                 self.settled.insert(id);
             }
         }

@@ -4,7 +4,7 @@
 //! the net, on the names of its modes and cells, and on who is told what; it does not depend on times and limits, which
 //! may be changed between two lives of a coordinator: what is in progress then has the new ones.
 
-use super::plan::{ActivityKind, CellKind, Pick, Value};
+use super::plan::{ActivityTiming, CellKind, PartPick, TaskParameterValue};
 use super::table::CellTable;
 
 impl CellTable {
@@ -16,9 +16,9 @@ impl CellTable {
             sum.text(self.cell_name(cell));
             sum.number(match self.kind(cell) {
                 CellKind::Tokens => 0,
-                CellKind::Parts(Pick::Any) => 1,
-                CellKind::Parts(Pick::Oldest) => 2,
-                CellKind::Parts(Pick::Newest) => 3,
+                CellKind::Parts(PartPick::Any) => 1,
+                CellKind::Parts(PartPick::Oldest) => 2,
+                CellKind::Parts(PartPick::Newest) => 3,
             });
             sum.number(self.initial()[cell.index()]);
         }
@@ -37,8 +37,8 @@ impl CellTable {
             let activity = self.activity(mode);
             sum.text(&activity.name);
             sum.number(match activity.kind {
-                ActivityKind::Immediate => 0,
-                ActivityKind::Decided { time: _, limit: _ } => 1,
+                ActivityTiming::Immediate => 0,
+                ActivityTiming::Decided { time: _, limit: _ } => 1,
             });
             sum.number(u64::from(activity.servers));
             sum.number(activity.orders.len() as u64);
@@ -49,9 +49,9 @@ impl CellTable {
                 for (name, value) in &order.parameters {
                     sum.text(name);
                     sum.number(match *value {
-                        Value::Number(number) => u64::from(number.cast_unsigned()),
-                        Value::Source => 1 << 32,
-                        Value::Target => 2 << 32,
+                        TaskParameterValue::Number(number) => u64::from(number.cast_unsigned()),
+                        TaskParameterValue::Source => 1 << 32,
+                        TaskParameterValue::Target => 2 << 32,
                     });
                 }
             }

@@ -22,7 +22,7 @@ use super::table::CellTable;
 
 /// What a mode waits for, if anything.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
-enum Status {
+enum EnablingStatus {
     /// Enabled; its position in the list of those.
     Enabled(usize),
     /// It lacks tokens of this cell, and is on its list of watchers.
@@ -34,7 +34,7 @@ enum Status {
 /// The set of enabled modes. It does not hold the counts; whoever changes a count says so, one cell at a time.
 #[derive(Clone, Debug, PartialEq, Eq)]
 pub struct Enabling {
-    status: Vec<Status>,
+    status: Vec<EnablingStatus>,
     /// The enabled modes, those that are decided about and those that happen by themselves, in no order.
     decided: Vec<ModeId>,
     immediate: Vec<ModeId>,
@@ -50,7 +50,7 @@ impl Enabling {
     /// Of the given counts.
     pub fn new(table: &CellTable, counts: &[u64]) -> Self {
         let mut new = Enabling {
-            status: vec![Status::Enabled(0); table.mode_count()],
+            status: vec![EnablingStatus::Enabled(0); table.mode_count()],
             decided: Vec::new(),
             immediate: Vec::new(),
             needed: vec![Vec::new(); table.cell_count()],
@@ -64,26 +64,28 @@ impl Enabling {
 
     /// Whether a mode has its tokens.
     pub fn is_enabled(&self, mode: ModeId) -> bool {
-        matches!(self.status[mode.index()], Status::Enabled(_))
+        matches!(self.status[mode.index()], EnablingStatus::Enabled(_))
     }
 
     /// A cell of which a mode lacks tokens; none if it is enabled, or blocked.
     pub fn lacks(&self, mode: ModeId) -> Option<CellId> {
         match self.status[mode.index()] {
-            Status::Enabled(_) | Status::Blocked => None,
-            Status::Watches(cell) => Some(cell),
+            EnablingStatus::Enabled(_) | EnablingStatus::Blocked => None,
+            EnablingStatus::Watches(cell) => Some(cell),
         }
     }
 
     /// Keeps a mode from being enabled whatever is there, or does not any more.
     pub(super) fn block(&mut self, table: &CellTable, counts: &[u64], mode: ModeId, blocks: bool) {
         match (self.status[mode.index()], blocks) {
-            (Status::Blocked, true) | (Status::Enabled(_) | Status::Watches(_), false) => return,
-            (Status::Blocked, false) => return self.settle(table, counts, mode),
-            (Status::Enabled(_), true) => self.disable(table, mode),
-            (Status::Watches(cell), true) => self.watchers[cell.index()].retain(|&watcher| watcher != mode),
+            (EnablingStatus::Blocked, true) | (EnablingStatus::Enabled(_) | EnablingStatus::Watches(_), false) => {
+                return;
+            }
+            (EnablingStatus::Blocked, false) => return self.settle(table, counts, mode),
+            (EnablingStatus::Enabled(_), true) => self.disable(table, mode),
+            (EnablingStatus::Watches(cell), true) => self.watchers[cell.index()].retain(|&watcher| watcher != mode),
         }
-        self.status[mode.index()] = Status::Blocked;
+        self.status[mode.index()] = EnablingStatus::Blocked;
     }
 
     /// The enabled modes that somebody decides about, in no order that means anything.
@@ -147,12 +149,12 @@ impl Enabling {
         let list = self.list(table, mode);
         let at = list.len();
         list.push(mode);
-        self.status[mode.index()] = Status::Enabled(at);
+        self.status[mode.index()] = EnablingStatus::Enabled(at);
     }
 
     fn watch(&mut self, mode: ModeId, cell: CellId) {
         self.watchers[cell.index()].push(mode);
-        self.status[mode.index()] = Status::Watches(cell);
+        self.status[mode.index()] = EnablingStatus::Watches(cell);
     }
 
     /// Takes an enabled mode off all lists.
@@ -165,11 +167,11 @@ impl Enabling {
                 self.place_in_needed[moved] = at;
             }
         }
-        if let Status::Enabled(at) = self.status[mode.index()] {
+        if let EnablingStatus::Enabled(at) = self.status[mode.index()] {
             let list = self.list(table, mode);
             list.swap_remove(at);
             if let Some(&moved) = list.get(at) {
-                self.status[moved.index()] = Status::Enabled(at);
+                self.status[moved.index()] = EnablingStatus::Enabled(at);
             }
         }
     }

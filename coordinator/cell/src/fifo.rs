@@ -10,23 +10,23 @@ use std::collections::{BTreeMap, BTreeSet, BinaryHeap};
 use linewright_line::Tick;
 
 use super::ids::{CellId, ModeId, PartId};
-use super::question::{Answer, Dispatcher, Held, Question, Start};
-use super::reason::{Ground, Lost, Reason};
+use super::question::{DispatchDecision, Dispatcher, HeldCandidate, Question, Start};
+use super::reason::{DecidingRule, HoldReason, LostDecision};
 
 /// First come, first served.
 #[derive(Clone, Copy, Debug, Default)]
 pub struct Fifo;
 
 /// What stands in the line for a candidate: its next part, or how often it can still start.
-type Waiting = Reverse<(Tick, Option<PartId>, ModeId, usize)>;
+type FifoCandidate = Reverse<(Tick, Option<PartId>, ModeId, usize)>;
 
 impl Dispatcher for Fifo {
-    fn decide(&mut self, question: &Question<'_>) -> Answer {
-        let mut answer = Answer::default();
-        let mut taken = Taken::default();
+    fn decide(&mut self, question: &Question<'_>) -> DispatchDecision {
+        let mut answer = DispatchDecision::default();
+        let mut taken = FifoTaken::default();
         let mut parts: Vec<_> = question.candidates.iter().map(|candidate| question.parts(candidate)).collect();
         let mut started = vec![0; question.candidates.len()];
-        let mut line: BinaryHeap<Waiting> = BinaryHeap::new();
+        let mut line: BinaryHeap<FifoCandidate> = BinaryHeap::new();
         for (index, parts) in parts.iter_mut().enumerate() {
             line.extend(next(question, parts, index, &taken.parts));
         }
@@ -50,8 +50,8 @@ impl Dispatcher for Fifo {
         answer.held.extend(idle.filter_map(|(candidate, (_, lost))| {
             let (to, with) = taken.in_the_way(question, lost.mode)?;
             let own = question.parts(lost).next();
-            let reason = Reason::LostTo(Lost { to, with, own, by: Ground::Order });
-            Some(Held { candidate, reason, until: None })
+            let reason = HoldReason::LostTo(LostDecision { to, with, own, by: DecidingRule::Order });
+            Some(HeldCandidate { candidate, reason, until: None })
         }));
         answer
     }
@@ -62,7 +62,7 @@ fn next(
     parts: &mut impl Iterator<Item = PartId>,
     index: usize,
     gone: &BTreeSet<PartId>,
-) -> Option<Waiting> {
+) -> Option<FifoCandidate> {
     let candidate = &question.candidates[index];
     if !question.takes_part(candidate) {
         return Some(Reverse((Tick::NEVER, None, candidate.mode, index)));
@@ -74,12 +74,12 @@ fn next(
 
 /// What has been given away so far, and to whom first.
 #[derive(Default)]
-struct Taken {
+struct FifoTaken {
     parts: BTreeSet<PartId>,
     tokens: BTreeMap<CellId, (u64, (ModeId, Option<PartId>))>,
 }
 
-impl Taken {
+impl FifoTaken {
     /// Who took what the mode would need.
     fn in_the_way(&self, question: &Question<'_>, mode: ModeId) -> Option<(ModeId, Option<PartId>)> {
         let short = |&(cell, weight): &(CellId, u32)| {

@@ -14,14 +14,14 @@ use linewright_line::{StationId, Tick};
 use serde::{Deserialize, Serialize};
 
 use super::ids::{FiringId, ModeId, OrderKey, PartId};
-use super::plan::{Activity, ActivityKind};
-use super::record::{Cause, Failure};
+use super::plan::{ActivityTiming, PlayedActivity};
+use super::record::{ActivityFailure, Failure};
 use super::serial;
 
 /// An activity in progress.
 #[derive(Clone, Debug, PartialEq, Eq, Serialize, Deserialize)]
 #[serde(deny_unknown_fields)]
-pub struct Firing {
+pub struct OngoingActivity {
     /// Its number.
     pub id: FiringId,
     /// What it is; the table knows what it has taken and will give.
@@ -32,9 +32,9 @@ pub struct Firing {
     #[serde(with = "serial::micros")]
     pub began: Tick,
     /// What stations were told, as the activity lists it.
-    pub orders: Vec<Order>,
+    pub orders: Vec<OngoingOrder>,
     /// Where it is.
-    pub phase: Phase,
+    pub phase: ActivityPhase,
     /// Before this no limit runs out.
     #[serde(with = "serial::micros")]
     pub(super) spared_until: Tick,
@@ -43,24 +43,24 @@ pub struct Firing {
 /// Where an activity in progress is.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Serialize, Deserialize)]
 #[serde(rename_all = "kebab-case", deny_unknown_fields)]
-pub enum Phase {
+pub enum ActivityPhase {
     /// On its way to its end.
     Running,
     /// It will not end by itself.
-    Failed(Cause),
+    Failed(ActivityFailure),
 }
 
 /// One order of an activity in progress.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Serialize, Deserialize)]
 #[serde(deny_unknown_fields)]
-pub struct Order {
+pub struct OngoingOrder {
     /// What the station knows it by.
     pub key: OrderKey,
     /// To whom.
     #[serde(with = "serial::station")]
     pub station: StationId,
     /// What has been heard of it.
-    pub state: OrderState,
+    pub state: OrderProgress,
     /// When it should have ended.
     #[serde(with = "serial::micros")]
     pub limit: Tick,
@@ -69,7 +69,7 @@ pub struct Order {
 /// What has been heard of an order.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Serialize, Deserialize)]
 #[serde(rename_all = "kebab-case", deny_unknown_fields)]
-pub enum OrderState {
+pub enum OrderProgress {
     /// Nothing. It may have been sent or not; [`super::Coordination::sending`] knows for this life.
     Written,
     /// The station has taken it on.
@@ -82,39 +82,41 @@ pub enum OrderState {
 
 /// What a firing is waiting to have written about it.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
-pub(super) enum Next {
+pub(super) enum PendingRecord {
     /// Nothing yet.
     Wait,
     /// That it has ended.
     End,
     /// That it has failed.
-    Fail(Cause),
+    Fail(ActivityFailure),
 }
 
-impl Firing {
+impl OngoingActivity {
     /// What the orders say.
-    pub(super) fn next(&self) -> Next {
+    pub(super) fn next(&self) -> PendingRecord {
         match self.phase {
-            Phase::Failed(_) => return Next::Wait,
-            Phase::Running => (),
+            ActivityPhase::Failed(_) => return PendingRecord::Wait,
+            ActivityPhase::Running => (),
         }
         for order in &self.orders {
             match order.state {
-                OrderState::Failed(failure) => return Next::Fail(Cause::Order { key: order.key, failure }),
-                OrderState::Written | OrderState::Running | OrderState::Ended => (),
+                OrderProgress::Failed(failure) => {
+                    return PendingRecord::Fail(ActivityFailure::Order { key: order.key, failure });
+                }
+                OrderProgress::Written | OrderProgress::Running | OrderProgress::Ended => (),
             }
         }
-        let done = !self.orders.is_empty() && self.orders.iter().all(|order| order.state == OrderState::Ended);
-        if done { Next::End } else { Next::Wait }
+        let done = !self.orders.is_empty() && self.orders.iter().all(|order| order.state == OrderProgress::Ended);
+        if done { PendingRecord::End } else { PendingRecord::Wait }
     }
 
     /// When it has something to do unless something is heard before: its end, or its first limit.
-    pub(super) fn due(&self, activity: &Activity) -> Option<Tick> {
+    pub(super) fn due(&self, activity: &PlayedActivity) -> Option<Tick> {
         match self.phase {
-            Phase::Failed(_) => return None,
-            Phase::Running => (),
+            ActivityPhase::Failed(_) => return None,
+            ActivityPhase::Running => (),
         }
-        let ActivityKind::Decided { time, limit } = activity.kind else { return None };
+        let ActivityTiming::Decided { time, limit } = activity.kind else { return None };
         if self.orders.is_empty() {
             return Some(self.began + time);
         }
@@ -124,12 +126,12 @@ impl Firing {
     }
 }
 
-impl Order {
+impl OngoingOrder {
     /// Whether its end is waited for.
     pub fn is_open(&self) -> bool {
         match self.state {
-            OrderState::Written | OrderState::Running => true,
-            OrderState::Ended | OrderState::Failed(_) => false,
+            OrderProgress::Written | OrderProgress::Running => true,
+            OrderProgress::Ended | OrderProgress::Failed(_) => false,
         }
     }
 }

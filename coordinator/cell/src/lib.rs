@@ -1,11 +1,11 @@
 //! The coordination of a flexible cell: a coloured net whose transitions are activities, played with parts and stations.
 //!
 //! # Map
-//! - [`CellTable`], compiled from the net's long form and a [`Plan`] that says what transitions and tokens stand for.
-//! - [`State`]: marking, parts, what is in progress; it changes by [`Record`]s alone, in [`State::apply`].
-//! - [`Snapshot`]: what a state is made of, to be written down in the place of all records that led to it.
+//! - [`CellTable`], compiled from the net's long form and a [`PlayPlan`] that says what transitions and tokens stand for.
+//! - [`PlayerState`]: marking, parts, what is in progress; it changes by [`Record`]s alone, in [`PlayerState::apply`].
+//! - [`CellSnapshot`]: what a state is made of, to be written down in the place of all records that led to it.
 //! - [`Enabling`]: which modes have their tokens, after each firing by looking at what it touched.
-//! - [`Question`], [`Answer`], [`Dispatcher`]: what is asked before anything starts; [`Fifo`] answers where
+//! - [`Question`], [`DispatchDecision`], [`Dispatcher`]: what is asked before anything starts; [`Fifo`] answers where
 //!   nobody who knows more does.
 //! - [`dispatch`]: the dispatcher with rules, who lets nobody wait for ever, and says why.
 //! - [`production`]: what is to be made, and which part counts to which order.
@@ -14,13 +14,13 @@
 //! - [`tracking`]: what has happened, for reports.
 //! - [`exception`]: what becomes of what has failed, and what is down.
 //! - [`Coordination`]: the token player, with the argument why a crash loses nothing and repeats nothing.
-//! - [`described`]: what is played, from a cell's description; the only module that knows one.
+//! - [`compile`]: what is played, from a cell's description; the only module that knows one.
 //!
 //! Nothing here knows ROS or files.
 
 pub mod ahead;
 mod apply;
-pub mod described;
+pub mod compile;
 mod digest;
 pub mod dispatch;
 mod enabling;
@@ -46,20 +46,26 @@ mod table;
 pub mod tracking;
 
 pub use enabling::Enabling;
-pub use exception::{Handling, Presence, Unable};
+pub use exception::{Presence, RecoveryPolicy, StationUnavailable};
 pub use fifo::Fifo;
-pub use firing::{Firing, Order, OrderState, Phase};
+pub use firing::{ActivityPhase, OngoingActivity, OngoingOrder, OrderProgress};
 pub use ids::{AlarmId, CellId, FiringId, ModeId, OrderKey, PartId, ProductionId, ResourceId};
-pub use marking::Marking;
+pub use marking::CellMarking;
 pub use orders::{
-    Denied, Event, Heard, Input, OrderMessage, Outbox, Outcome, ProductionCommand, Reply, Send, Sending, Ticket,
+    CellEvent, CellMessage, OrderMessage, Outcome, PlayerInput, PlayerOutbox, ProductionCommand,
+    ProductionCommandError, Reply, RequestId, Sending, TaskReport,
 };
-pub use plan::{Activity, ActivityKind, CellKind, OrderTemplate, Pick, Plan, Product, Store, Value};
+pub use plan::{
+    ActivityTiming, CellKind, PartPick, PlayPlan, PlayedActivity, PlayedOrderTemplate, Product, StorePositions,
+    TaskParameterValue,
+};
 pub use player::{Coordination, OldEpoch};
 pub use protocol::ProtocolRules;
-pub use question::{Answer, BadAnswer, Candidate, Dispatcher, Group, Held, Question, Start, check};
-pub use reason::{Gain, Ground, Lost, Outlook, Reason};
-pub use record::{Cause, Fact, Failure, Record, Refusal};
-pub use snapshot::Snapshot;
-pub use state::{Misfit, Part, Place, State};
-pub use table::{CellTable, PlanError, Tokens};
+pub use question::{
+    BadAnswer, Candidate, ConflictGroup, DispatchDecision, Dispatcher, HeldCandidate, Question, Start, check,
+};
+pub use reason::{DecidingRule, Gain, HoldReason, LostDecision, ProgressComparison};
+pub use record::{ActivityFailure, Failure, Record, RecordKind, Refusal};
+pub use snapshot::CellSnapshot;
+pub use state::{Part, PartPlace, PlayerState, ReplayError};
+pub use table::{CellTable, PlanError, TokenDemand};

@@ -7,12 +7,12 @@
 use std::collections::BTreeMap;
 
 use super::ids::{CellId, PartId};
-use super::plan::{CellKind, Pick};
+use super::plan::{CellKind, PartPick};
 use super::table::CellTable;
 
 /// The marking of a cell.
 #[derive(Clone, Debug, PartialEq, Eq)]
-pub struct Marking {
+pub struct CellMarking {
     counts: Vec<u64>,
     /// Of each cell, its parts by when they came; empty for cells of plain tokens.
     parts: Vec<BTreeMap<u64, PartId>>,
@@ -20,18 +20,18 @@ pub struct Marking {
     arrivals: u64,
 }
 
-impl Marking {
+impl CellMarking {
     /// The table's initial counts, without any part yet.
     pub(super) fn new(table: &CellTable) -> Self {
         let is_parts = |cell: CellId| matches!(table.kind(cell), CellKind::Parts(_));
         let counts = table.cells().map(|cell| if is_parts(cell) { 0 } else { table.initial()[cell.index()] });
-        Marking { counts: counts.collect(), parts: vec![BTreeMap::new(); table.cell_count()], arrivals: 0 }
+        CellMarking { counts: counts.collect(), parts: vec![BTreeMap::new(); table.cell_count()], arrivals: 0 }
     }
 
     /// Nothing, after so many arrivals.
     pub(super) fn empty(table: &CellTable, arrivals: u64) -> Self {
         let cells = table.cell_count();
-        Marking { counts: vec![0; cells], parts: vec![BTreeMap::new(); cells], arrivals }
+        CellMarking { counts: vec![0; cells], parts: vec![BTreeMap::new(); cells], arrivals }
     }
 
     /// So many tokens.
@@ -66,23 +66,23 @@ impl Marking {
     }
 
     /// Those of its parts that can be taken, in the same order.
-    pub(super) fn takeable(&self, cell: CellId, pick: Pick) -> impl Iterator<Item = PartId> + '_ {
+    pub(super) fn takeable(&self, cell: CellId, pick: PartPick) -> impl Iterator<Item = PartId> + '_ {
         let parts = &self.parts[cell.index()];
         let (from, most) = match pick {
-            Pick::Any => (0, usize::MAX),
-            Pick::Oldest => (0, 1),
-            Pick::Newest => (parts.last_key_value().map_or(0, |(&arrival, _)| arrival), 1),
+            PartPick::Any => (0, usize::MAX),
+            PartPick::Oldest => (0, 1),
+            PartPick::Newest => (parts.last_key_value().map_or(0, |(&arrival, _)| arrival), 1),
         };
         parts.range(from..).take(most).map(|(_, &part)| part)
     }
 
     /// Whether a part that is on a cell, since an arrival, can be taken from it.
-    pub(super) fn is_takeable(&self, cell: CellId, pick: Pick, arrival: u64) -> bool {
+    pub(super) fn is_takeable(&self, cell: CellId, pick: PartPick, arrival: u64) -> bool {
         let parts = &self.parts[cell.index()];
         match pick {
-            Pick::Any => true,
-            Pick::Oldest => parts.first_key_value().is_some_and(|(&first, _)| first == arrival),
-            Pick::Newest => parts.last_key_value().is_some_and(|(&last, _)| last == arrival),
+            PartPick::Any => true,
+            PartPick::Oldest => parts.first_key_value().is_some_and(|(&first, _)| first == arrival),
+            PartPick::Newest => parts.last_key_value().is_some_and(|(&last, _)| last == arrival),
         }
     }
 
@@ -111,11 +111,13 @@ impl Marking {
         let first = self.parts[cell.index()].first_key_value().map(|(&first, _)| first);
         match (kind, first) {
             // Whoever was taken before the first that is there came before it, so there is such a number.
-            (CellKind::Parts(Pick::Oldest), Some(first)) if first > 1 => {
+            (CellKind::Parts(PartPick::Oldest), Some(first)) if first > 1 => {
                 self.parts[cell.index()].insert(first - 1, part);
                 first - 1
             }
-            (CellKind::Parts(Pick::Oldest | Pick::Any | Pick::Newest) | CellKind::Tokens, _) => self.put(cell, part),
+            (CellKind::Parts(PartPick::Oldest | PartPick::Any | PartPick::Newest) | CellKind::Tokens, _) => {
+                self.put(cell, part)
+            }
         }
     }
 

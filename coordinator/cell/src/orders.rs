@@ -9,17 +9,17 @@ use linewright_orders::TaskOrder;
 pub use linewright_orders::{Outcome, Reply};
 use thiserror::Error;
 
-use super::exception::{Asked, Objection, Presence, Unable};
+use super::exception::{AlarmAnswerRefusal, Presence, ResourceRequest, StationUnavailable};
 use super::ids::{AlarmId, ModeId, OrderKey, PartId, ProductionId, ResourceId};
-use super::production::{Refused, Request, Wrong};
+use super::production::{ProductionOrderRequest, ProductionRefusal, RequestProblem};
 use super::question::BadAnswer;
 use super::record::{Record, Refusal};
 
 /// What reaches the player.
 #[derive(Clone, Copy, Debug)]
-pub enum Input<'a> {
+pub enum PlayerInput<'a> {
     /// A station's newest whole state.
-    Station(StationId, &'a Heard),
+    Station(StationId, &'a TaskReport),
     /// A station's answer to one order.
     Reply(StationId, OrderKey, Reply),
     /// A station's answer when it was told to leave an order.
@@ -27,7 +27,7 @@ pub enum Input<'a> {
     /// Whether activities may start: the line is in auto, and enabled. They may not until this says so.
     Starts(bool),
     /// Somebody asks for something to be made, or not to be made, and waits for a reply.
-    Production(Ticket, ProductionCommand<'a>),
+    Production(RequestId, ProductionCommand<'a>),
     /// A person's answer to an alarm.
     Answer {
         /// Which.
@@ -54,13 +54,13 @@ pub enum Input<'a> {
 }
 
 /// What a reply to somebody is known by; the caller's affair.
-pub type Ticket = u64;
+pub type RequestId = u64;
 
 /// What people say about production orders.
 #[derive(Clone, Copy, Debug)]
 pub enum ProductionCommand<'a> {
     /// Make orders of these requests, all of them or none. Asking again for what is on order changes nothing.
-    Submit(&'a [Request]),
+    Submit(&'a [ProductionOrderRequest]),
     /// Nothing more of the order of that name is to enter.
     Cancel(&'a str),
     /// The order of that name, of which nothing has entered, is to be as if it had never been.
@@ -69,13 +69,13 @@ pub enum ProductionCommand<'a> {
 
 /// Why something was not changed.
 #[derive(Clone, Debug, PartialEq, Eq, Error)]
-pub enum Denied {
+pub enum ProductionCommandError {
     /// All that is wrong with the requests.
     #[error("{}", .0.iter().map(ToString::to_string).collect::<Vec<_>>().join("\n"))]
-    Request(Vec<Wrong>),
+    Request(Vec<RequestProblem>),
     /// The order cannot be changed so.
     #[error(transparent)]
-    Order(Refused),
+    Order(ProductionRefusal),
     /// Another life of the coordinator has begun, and knows better.
     #[error("this coordinator is not the newest any more; ask that one")]
     Superseded,
@@ -83,7 +83,7 @@ pub enum Denied {
 
 /// What a station says of itself, again and again.
 #[derive(Clone, Debug, Default, PartialEq, Eq)]
-pub struct Heard {
+pub struct TaskReport {
     /// A number that it drew when its memory began. As long as it is the same, the station knows every order it has had.
     pub memory: u64,
     /// The newest epoch in which it was told anything; 0 if it never was.
@@ -95,12 +95,12 @@ pub struct Heard {
     /// It stands between two rests, and does not go on from there by itself.
     pub is_held: bool,
     /// Why it could not do anything now; none if it could.
-    pub unable: Option<Unable>,
+    pub unable: Option<StationUnavailable>,
     /// Whether there is a part where its sensor looks.
     pub presence: Presence,
 }
 
-impl Heard {
+impl TaskReport {
     /// What the station says of an order that it was told to leave: whether it is still at it.
     pub fn secured(&self, key: OrderKey) -> Reply {
         match self.results.iter().find(|(of, _)| *of == key) {
@@ -115,20 +115,20 @@ impl Heard {
 
 /// What a step leaves for the caller: first write the records down, then send, then tell.
 #[derive(Clone, Debug, Default, PartialEq, Eq)]
-pub struct Outbox {
+pub struct PlayerOutbox {
     /// To be on disk, in this order, before anything is sent.
     pub records: Vec<Record>,
     /// To be sent. Each may be lost or doubled.
-    pub sends: Vec<Send>,
+    pub sends: Vec<CellMessage>,
     /// To be told to those who have asked, when the records are on disk: the orders that were made or changed.
-    pub replies: Vec<(Ticket, Result<Vec<ProductionId>, Denied>)>,
+    pub replies: Vec<(RequestId, Result<Vec<ProductionId>, ProductionCommandError>)>,
     /// To be told to people.
-    pub events: Vec<Event>,
+    pub events: Vec<CellEvent>,
 }
 
 /// What is sent.
 #[derive(Clone, Debug, PartialEq, Eq)]
-pub enum Send {
+pub enum CellMessage {
     /// Do this.
     Order(OrderMessage),
     /// Leave an order, and go back to where it began as far as that goes by itself. Who has done it already has; who has
@@ -170,7 +170,7 @@ pub enum Sending {
 
 /// What people should know.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
-pub enum Event {
+pub enum CellEvent {
     /// A dispatcher's answer could not be followed, and first come, first served has answered instead.
     BadAnswer {
         /// The number of the question.
@@ -188,9 +188,9 @@ pub enum Event {
     /// What a person has asked for is not done.
     Objected {
         /// What that was.
-        to: Asked,
+        to: ResourceRequest,
         /// Why not.
-        why: Objection,
+        why: AlarmAnswerRefusal,
     },
     /// So much has happened by itself or was started at one moment that it goes on in the next step. If this comes again
     /// and again, the net has a circle that takes no time.

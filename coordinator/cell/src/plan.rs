@@ -12,17 +12,17 @@ use super::ids::{CellId, ModeId};
 
 /// Everything the player needs beside the net.
 #[derive(Clone, Debug, PartialEq, Eq)]
-pub struct Plan {
+pub struct PlayPlan {
     /// What the tokens of each place of the unfolded net are, in its order.
     pub cells: Vec<CellKind>,
     /// What can be done.
-    pub activities: Vec<Activity>,
+    pub activities: Vec<PlayedActivity>,
     /// For each transition of the unfolded net, in its order, the position of its activity in `activities`.
     pub activity_of: Vec<usize>,
     /// What is made. Where nothing is said to be, there are no production orders.
     pub products: Vec<Product>,
     /// Whose parts have positions.
-    pub stores: Vec<Store>,
+    pub stores: Vec<StorePositions>,
     /// An order that no station has acknowledged is repeated after this time.
     pub refresh: Duration,
     /// After a restart no limit runs out before this time: what has ended meanwhile is to be heard first.
@@ -41,7 +41,7 @@ pub struct Product {
 /// A place with positions, numbered from 1, each for one part: a random-access store (seed 001, L72-77). Which position a
 /// part has matters to whoever reaches for it, and enables nothing.
 #[derive(Clone, Debug, PartialEq, Eq)]
-pub struct Store {
+pub struct StorePositions {
     /// What people call it.
     pub name: Arc<str>,
     /// Its parts are on these cells. How many there can be the net knows.
@@ -54,12 +54,12 @@ pub enum CellKind {
     /// Capacities, permissions: one is as good as another.
     Tokens,
     /// Parts, each itself.
-    Parts(Pick),
+    Parts(PartPick),
 }
 
 /// Which of the parts of a cell can be taken.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
-pub enum Pick {
+pub enum PartPick {
     /// Any.
     Any,
     /// The one that has been there longest.
@@ -70,20 +70,20 @@ pub enum Pick {
 
 /// What transitions stand for.
 #[derive(Clone, Debug, PartialEq, Eq)]
-pub struct Activity {
+pub struct PlayedActivity {
     /// What people call it.
     pub name: Arc<str>,
     /// Whether anybody decides about it, and how long it takes.
-    pub kind: ActivityKind,
+    pub kind: ActivityTiming,
     /// How many firings of one mode may be in progress. 1 is the single server of seed 000, proposition 15 (L2385).
     pub servers: u32,
     /// What stations are told when it starts. It has ended when all of them have done what they were told.
-    pub orders: Vec<OrderTemplate>,
+    pub orders: Vec<PlayedOrderTemplate>,
 }
 
 /// How an activity comes and goes.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
-pub enum ActivityKind {
+pub enum ActivityTiming {
     /// It happens by itself as soon as it can, and takes no time. Nobody is told.
     Immediate,
     /// Its start is decided (seed 001, L187-190).
@@ -97,13 +97,13 @@ pub enum ActivityKind {
 
 /// What one station is told.
 #[derive(Clone, Debug, PartialEq, Eq)]
-pub struct OrderTemplate {
+pub struct PlayedOrderTemplate {
     /// Who.
     pub station: StationId,
     /// Which of its tasks.
     pub task: Arc<str>,
     /// The task's parameters.
-    pub parameters: Vec<(Arc<str>, Value)>,
+    pub parameters: Vec<(Arc<str>, TaskParameterValue)>,
     /// How long that may take from the start of the activity: one limit for each operation and resource (seed 001,
     /// Fig. 6, L137-177).
     pub limit: Duration,
@@ -111,7 +111,7 @@ pub struct OrderTemplate {
 
 /// What a parameter is.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
-pub enum Value {
+pub enum TaskParameterValue {
     /// Always this.
     Number(i32),
     /// The position that the part has in the store it comes from.

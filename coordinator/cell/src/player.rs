@@ -3,12 +3,12 @@
 //! An activity takes its tokens when it starts, its stations are told, and it gives its tokens when all of them have done
 //! what they were told. One [`Coordination::step`] takes what was heard, lets limits run out, closes what has ended, lets
 //! happen what happens by itself, asks the dispatcher, starts what he says, and repeats that until nothing is new. It has
-//! no clock, no file and no network; what it knows of the cell is its [`State`], which changes by records alone.
+//! no clock, no file and no network; what it knows of the cell is its [`PlayerState`], which changes by records alone.
 //!
 //! # Why a crash at any moment loses nothing and repeats nothing
 //! 1. The caller has `records` on disk before it performs `sends`. So nobody ever knows of an order that the log lacks.
 //! 2. Numbers come from counters that are folded from the records, and the life before the first order of a life is a
-//!    record, [`Fact::Epoch`]. So no two orders ever have one key.
+//!    record, [`RecordKind::Epoch`]. So no two orders ever have one key.
 //! 3. A station remembers the orders it has had, over its own restarts, and does none of them twice. So an order may be
 //!    sent again at any time. All that nobody has acknowledged are: after a restart too, since nobody knows whether they
 //!    were sent.
@@ -31,19 +31,20 @@ use linewright_line::{StationId, Tick};
 use linewright_orders::{Failure as Ended, TaskOrder};
 use thiserror::Error;
 
-use super::exception::Watch;
+use super::exception::StationMonitor;
 use super::fifo::Fifo;
-use super::firing::{Next, OrderState, Phase};
+use super::firing::{ActivityPhase, OrderProgress, PendingRecord};
 use super::ids::{FiringId, ModeId, OrderKey, PartId, ProductionId};
 use super::orders::{
-    Denied, Event, Heard, Input, OrderMessage, Outbox, Outcome, ProductionCommand, Reply, Send, Sending,
+    CellEvent, CellMessage, OrderMessage, Outcome, PlayerInput, PlayerOutbox, ProductionCommand,
+    ProductionCommandError, Reply, Sending, TaskReport,
 };
-use super::plan::Value;
-use super::production::Change;
+use super::plan::TaskParameterValue;
+use super::production::ProductionChange;
 use super::protocol::ProtocolRules;
-use super::question::{Answer, Candidate, Dispatcher, Question, Reason, check, pose};
-use super::record::{Cause, Fact, Failure, Record};
-use super::state::State;
+use super::question::{Candidate, DispatchDecision, Dispatcher, HoldReason, Question, check, pose};
+use super::record::{ActivityFailure, Failure, Record, RecordKind};
+use super::state::PlayerState;
 
 /// At most so much happens by itself in one step, and as many activities start; the rest does in the next. A net may have
 /// circles that take no time.
@@ -62,14 +63,14 @@ pub struct OldEpoch {
 /// One life of the coordinator of a cell.
 #[derive(Clone, Debug)]
 pub struct Coordination {
-    pub(super) state: State,
+    pub(super) state: PlayerState,
     pub(super) starts: bool,
     /// The stations that were heard in this life.
     pub(super) heard: BTreeSet<StationId>,
     /// What was sent in this life, of orders that nobody has taken on: how often, and when last.
     pub(super) sent: BTreeMap<OrderKey, (u32, Tick)>,
     pub(super) superseded: bool,
-    pub(super) watch: Watch,
+    pub(super) watch: StationMonitor,
     pub(super) rules: ProtocolRules,
     /// When the dispatcher wants to be asked again.
     ask_again: Option<Tick>,
@@ -80,21 +81,21 @@ pub struct Coordination {
 }
 
 /// Tells a dispatcher the records it has not been told.
-fn tell(dispatcher: &mut dyn Dispatcher, out: &Outbox, told: &mut usize) {
+fn tell(dispatcher: &mut dyn Dispatcher, out: &PlayerOutbox, told: &mut usize) {
     out.records[*told..].iter().for_each(|record| dispatcher.note(record));
     *told = out.records.len();
 }
 
 impl Coordination {
-    /// Begins a life, after what `state` knows (see [`State::replay`]). The epoch is above that of every life before, also
+    /// Begins a life, after what `state` knows (see [`PlayerState::replay`]). The epoch is above that of every life before, also
     /// of those that only stations know of.
-    pub fn begin(state: State, now: Tick, epoch: u64, out: &mut Outbox) -> Result<Self, OldEpoch> {
+    pub fn begin(state: PlayerState, now: Tick, epoch: u64, out: &mut PlayerOutbox) -> Result<Self, OldEpoch> {
         if epoch <= state.epoch() {
             return Err(OldEpoch { asked: epoch, newest: state.epoch() });
         }
         let now = now.max(state.now());
         let mut new = Coordination {
-            watch: Watch::new(&state, now),
+            watch: StationMonitor::new(&state, now),
             state,
             starts: false,
             heard: BTreeSet::new(),
@@ -105,12 +106,12 @@ impl Coordination {
             answered: None,
             cut_short: false,
         };
-        new.write(now, Fact::Epoch { epoch }, out);
+        new.write(now, RecordKind::Epoch { epoch }, out);
         Ok(new)
     }
 
     /// What is known of the cell.
-    pub fn state(&self) -> &State {
+    pub fn state(&self) -> &PlayerState {
         &self.state
     }
 
@@ -126,29 +127,35 @@ impl Coordination {
 
     /// Takes what has arrived, all of it before anything is decided, and does what follows. A time before that of the
     /// newest record is taken for that.
-    pub fn step(&mut self, now: Tick, inputs: &[Input<'_>], dispatcher: &mut dyn Dispatcher, out: &mut Outbox) {
+    pub fn step(
+        &mut self,
+        now: Tick,
+        inputs: &[PlayerInput<'_>],
+        dispatcher: &mut dyn Dispatcher,
+        out: &mut PlayerOutbox,
+    ) {
         let now = now.max(self.state.now());
         let mut told = out.records.len();
         for input in inputs {
             match *input {
-                Input::Station(station, heard) => self.hear(now, station, heard, out),
-                Input::Reply(station, key, reply) => {
+                PlayerInput::Station(station, heard) => self.hear(now, station, heard, out),
+                PlayerInput::Reply(station, key, reply) => {
                     // What has failed may be gone back from: its end says nothing of where the station is.
                     if reply == Reply::Ended(Outcome::Done) {
                         self.watch.done(station, key);
                     }
                     self.reply(now, station, key, reply, out);
                 }
-                Input::Secured(_, key, reply) => self.watch.answered(now, key, reply),
-                Input::Starts(may) => self.starts = may,
-                Input::Production(ticket, command) => {
+                PlayerInput::Secured(_, key, reply) => self.watch.answered(now, key, reply),
+                PlayerInput::Starts(may) => self.starts = may,
+                PlayerInput::Production(ticket, command) => {
                     let reply = self.change(now, command, out);
                     out.replies.push((ticket, reply));
                 }
-                Input::Answer { alarm, word } => self.answer(now, alarm, word, out),
-                Input::Alarm { resource, text } => self.alarmed(now, resource, text, out),
-                Input::Resource { resource, up } => self.set_resource(now, resource, up, out),
-                Input::Reset(station) => self.reset(now, station, out),
+                PlayerInput::Answer { alarm, word } => self.answer(now, alarm, word, out),
+                PlayerInput::Alarm { resource, text } => self.alarmed(now, resource, text, out),
+                PlayerInput::Resource { resource, up } => self.set_resource(now, resource, up, out),
+                PlayerInput::Reset(station) => self.reset(now, station, out),
             }
         }
         let (mut room, mut starts) = (FIRINGS_MAX, FIRINGS_MAX);
@@ -194,31 +201,31 @@ impl Coordination {
         self.sent.remove(&key);
     }
 
-    pub(super) fn write(&mut self, at: Tick, fact: Fact, out: &mut Outbox) {
+    pub(super) fn write(&mut self, at: Tick, fact: RecordKind, out: &mut PlayerOutbox) {
         let record = Record { at, fact };
         // Every caller has looked at the state it writes about, and nothing else changes it.
         self.state.apply(&record).expect("the player writes only what fits");
         out.records.push(record);
     }
 
-    fn hear(&mut self, now: Tick, station: StationId, heard: &Heard, out: &mut Outbox) {
+    fn hear(&mut self, now: Tick, station: StationId, heard: &TaskReport, out: &mut PlayerOutbox) {
         match self.state.memory.get(&station) {
             Some(&memory) if memory == heard.memory => (),
             Some(_) => {
                 // First what follows from it: a crash in between would make the new memory one that was always there.
                 let open = self.state.orders.keys().copied().filter(|&key| self.may_be_known(station, key));
                 for key in open.collect::<Vec<_>>() {
-                    self.write(now, Fact::OrderFailed { key, failure: Failure::Forgotten }, out);
+                    self.write(now, RecordKind::OrderFailed { key, failure: Failure::Forgotten }, out);
                 }
-                self.write(now, Fact::Memory { station, memory: heard.memory }, out);
+                self.write(now, RecordKind::Memory { station, memory: heard.memory }, out);
             }
-            None => self.write(now, Fact::Memory { station, memory: heard.memory }, out),
+            None => self.write(now, RecordKind::Memory { station, memory: heard.memory }, out),
         }
         self.heard.insert(station);
         self.watch_station(now, station, heard, out);
         if heard.epoch > self.state.epoch() && !self.superseded {
             self.superseded = true;
-            out.events.push(Event::Superseded { by: station, epoch: heard.epoch });
+            out.events.push(CellEvent::Superseded { by: station, epoch: heard.epoch });
         }
         if let Some(key) = heard.slot {
             self.reply(now, station, key, Reply::Running, out);
@@ -234,33 +241,38 @@ impl Coordination {
         open && (key.epoch < self.state.epoch() || self.sending(key) != Some(Sending::Unsent))
     }
 
-    fn reply(&mut self, now: Tick, station: StationId, key: OrderKey, reply: Reply, out: &mut Outbox) {
+    fn reply(&mut self, now: Tick, station: StationId, key: OrderKey, reply: Reply, out: &mut PlayerOutbox) {
         // Of orders that are over, or another station's, nothing need be known.
         let known = self.state.order(key).filter(|(_, order)| order.station == station);
         let Some((firing, order)) = known else { return };
-        let has_failed = firing.phase != Phase::Running;
+        let has_failed = firing.phase != ActivityPhase::Running;
         let fact = match (reply, order.state) {
-            (Reply::Running, OrderState::Written) => Fact::Acknowledged { key },
-            (Reply::Ended(Outcome::Done), OrderState::Written | OrderState::Running) => Fact::OrderEnded { key },
+            (Reply::Running, OrderProgress::Written) => RecordKind::Acknowledged { key },
+            (Reply::Ended(Outcome::Done), OrderProgress::Written | OrderProgress::Running) => {
+                RecordKind::OrderEnded { key }
+            }
             // Known to whoever has to find out what is true.
-            (Reply::Ended(Outcome::Done), OrderState::Failed(_)) if has_failed => Fact::OrderEnded { key },
-            (Reply::Ended(Outcome::Failed(ended)), OrderState::Written | OrderState::Running) => {
-                Fact::OrderFailed { key, failure: Failure::of(ended) }
+            (Reply::Ended(Outcome::Done), OrderProgress::Failed(_)) if has_failed => RecordKind::OrderEnded { key },
+            (Reply::Ended(Outcome::Failed(ended)), OrderProgress::Written | OrderProgress::Running) => {
+                RecordKind::OrderFailed { key, failure: Failure::of(ended) }
             }
             // Its time was over here first. What it waited for, the station says when it stands.
-            (Reply::Ended(Outcome::Failed(ended @ Ended::Waiting(_))), OrderState::Failed(Failure::TimedOut))
+            (Reply::Ended(Outcome::Failed(ended @ Ended::Waiting(_))), OrderProgress::Failed(Failure::TimedOut))
                 if self.state.exceptions().is_securing(firing.id) =>
             {
-                Fact::OrderFailed { key, failure: Failure::of(ended) }
+                RecordKind::OrderFailed { key, failure: Failure::of(ended) }
             }
-            (Reply::Refused(refusal), OrderState::Written) if !refusal.is_passing() => {
-                Fact::OrderFailed { key, failure: Failure::Refused(refusal) }
+            (Reply::Refused(refusal), OrderProgress::Written) if !refusal.is_passing() => {
+                RecordKind::OrderFailed { key, failure: Failure::Refused(refusal) }
             }
             // It is repeated when the time has come.
-            (Reply::Refused(_), OrderState::Written) => return,
+            (Reply::Refused(_), OrderProgress::Written) => return,
             // A refusal of what is being done answers a doubled message. What has failed or ended has.
-            (Reply::Running | Reply::Refused(_), OrderState::Running | OrderState::Ended | OrderState::Failed(_))
-            | (Reply::Ended(_), OrderState::Ended | OrderState::Failed(_)) => return,
+            (
+                Reply::Running | Reply::Refused(_),
+                OrderProgress::Running | OrderProgress::Ended | OrderProgress::Failed(_),
+            )
+            | (Reply::Ended(_), OrderProgress::Ended | OrderProgress::Failed(_)) => return,
         };
         self.sent.remove(&key);
         self.write(now, fact, out);
@@ -271,19 +283,23 @@ impl Coordination {
         &mut self,
         now: Tick,
         command: ProductionCommand<'_>,
-        out: &mut Outbox,
-    ) -> Result<Vec<ProductionId>, Denied> {
+        out: &mut PlayerOutbox,
+    ) -> Result<Vec<ProductionId>, ProductionCommandError> {
         if self.superseded {
-            return Err(Denied::Superseded);
+            return Err(ProductionCommandError::Superseded);
         }
         let production = self.state.production();
         let changes = match command {
-            ProductionCommand::Submit(requests) => production.submit(requests).map_err(Denied::Request)?,
-            ProductionCommand::Cancel(name) => vec![production.cancel(name).map_err(Denied::Order)?],
-            ProductionCommand::Withdraw(name) => vec![production.withdraw(name).map_err(Denied::Order)?],
+            ProductionCommand::Submit(requests) => {
+                production.submit(requests).map_err(ProductionCommandError::Request)?
+            }
+            ProductionCommand::Cancel(name) => vec![production.cancel(name).map_err(ProductionCommandError::Order)?],
+            ProductionCommand::Withdraw(name) => {
+                vec![production.withdraw(name).map_err(ProductionCommandError::Order)?]
+            }
         };
-        let changed = changes.iter().filter_map(Change::order).collect();
-        changes.into_iter().for_each(|change| self.write(now, Fact::Production { change }, out));
+        let changed = changes.iter().filter_map(ProductionChange::order).collect();
+        changes.into_iter().for_each(|change| self.write(now, RecordKind::Production { change }, out));
         Ok(match command {
             // Those that were on order already are an answer as well.
             ProductionCommand::Submit(requests) => {
@@ -295,22 +311,22 @@ impl Coordination {
     }
 
     /// Lets time run out: of orders, of activities, and of those that nobody but the clock ends.
-    fn run_out(&mut self, now: Tick, out: &mut Outbox) {
+    fn run_out(&mut self, now: Tick, out: &mut PlayerOutbox) {
         while let Some(&(due, id)) = self.state.due.first().filter(|(due, _)| *due <= now) {
             let Some(firing) = self.state.firing(id) else { return };
             let late = firing.orders.iter().filter(|order| order.is_open() && order.limit <= due);
             let late: Vec<OrderKey> = late.map(|order| order.key).collect();
             if firing.orders.is_empty() {
-                self.write(now, Fact::Ended { firing: id }, out);
-            } else if firing.next() != Next::Wait {
+                self.write(now, RecordKind::Ended { firing: id }, out);
+            } else if firing.next() != PendingRecord::Wait {
                 // What was heard just now counts for more than a limit that runs out just now.
                 self.settle(now, out);
             } else if late.is_empty() {
-                self.write(now, Fact::Raised { firing: id, cause: Cause::TimedOut }, out);
+                self.write(now, RecordKind::Raised { firing: id, cause: ActivityFailure::TimedOut }, out);
             } else {
                 for key in late {
                     self.sent.remove(&key);
-                    self.write(now, Fact::OrderFailed { key, failure: Failure::TimedOut }, out);
+                    self.write(now, RecordKind::OrderFailed { key, failure: Failure::TimedOut }, out);
                 }
                 self.settle(now, out);
             }
@@ -318,34 +334,34 @@ impl Coordination {
     }
 
     /// Closes what has ended or failed.
-    fn settle(&mut self, now: Tick, out: &mut Outbox) {
+    fn settle(&mut self, now: Tick, out: &mut PlayerOutbox) {
         while let Some(&id) = self.state.settled.first() {
             match self.state.firing(id).map(|firing| firing.next()) {
-                Some(Next::End) => self.write(now, Fact::Ended { firing: id }, out),
-                Some(Next::Fail(cause)) => self.fail(now, id, cause, out),
+                Some(PendingRecord::End) => self.write(now, RecordKind::Ended { firing: id }, out),
+                Some(PendingRecord::Fail(cause)) => self.fail(now, id, cause, out),
                 // Only firings that have something next are listed.
-                Some(Next::Wait) | None => return,
+                Some(PendingRecord::Wait) | None => return,
             }
         }
     }
 
     /// What happens by itself, the first mode first.
-    fn immediates(&mut self, now: Tick, room: &mut usize, out: &mut Outbox) -> bool {
+    fn immediates(&mut self, now: Tick, room: &mut usize, out: &mut PlayerOutbox) -> bool {
         let before = *room;
         while *room > 0 {
             let Some(mode) = self.state.enabling().immediate().iter().copied().min() else { break };
             let part = self.state.part_for(mode);
-            self.write(now, Fact::Fired { mode, part }, out);
+            self.write(now, RecordKind::Fired { mode, part }, out);
             *room -= 1;
             if *room == 0 {
-                out.events.push(Event::Busy { mode });
+                out.events.push(CellEvent::Busy { mode });
             }
         }
         *room < before
     }
 
     /// Puts the question, and starts what is answered.
-    fn ask(&mut self, now: Tick, room: &mut usize, dispatcher: &mut dyn Dispatcher, out: &mut Outbox) -> bool {
+    fn ask(&mut self, now: Tick, room: &mut usize, dispatcher: &mut dyn Dispatcher, out: &mut PlayerOutbox) -> bool {
         if !self.starts || self.superseded {
             return false;
         }
@@ -368,7 +384,7 @@ impl Coordination {
         let question = Question { now, state: &self.state, candidates: &candidates, groups: &groups };
         let mut answer = dispatcher.decide(&question);
         if let Err(why) = check(&question, &answer) {
-            out.events.push(Event::BadAnswer { question: number, why });
+            out.events.push(CellEvent::BadAnswer { question: number, why });
             answer = Fifo.decide(&question);
         }
         answer.start.truncate(*room);
@@ -377,7 +393,7 @@ impl Coordination {
         self.ask_again = wakes.min();
         self.start(now, number, &candidates, &answer, out);
         if let Some(last) = answer.start.last().filter(|_| *room == 0) {
-            out.events.push(Event::Busy { mode: candidates[last.candidate].mode });
+            out.events.push(CellEvent::Busy { mode: candidates[last.candidate].mode });
         }
         // What has started makes it another question.
         self.answered = answer.start.is_empty().then(|| (self.state.sequence(), self.heard.len()));
@@ -394,23 +410,31 @@ impl Coordination {
             && !table.handling().mode(mode).resources().any(|id| self.watch.is_to_be_compared(&self.state, id))
     }
 
-    fn start(&mut self, now: Tick, question: u64, candidates: &[Candidate], answer: &Answer, out: &mut Outbox) {
+    fn start(
+        &mut self,
+        now: Tick,
+        question: u64,
+        candidates: &[Candidate],
+        answer: &DispatchDecision,
+        out: &mut PlayerOutbox,
+    ) {
         let mode = |index: usize| candidates[index].mode;
-        let held: Vec<(ModeId, Reason)> = answer.held.iter().map(|held| (mode(held.candidate), held.reason)).collect();
+        let held: Vec<(ModeId, HoldReason)> =
+            answer.held.iter().map(|held| (mode(held.candidate), held.reason)).collect();
         let started: Vec<_> = answer.start.iter().map(|start| (mode(start.candidate), start.part)).collect();
         if !started.is_empty() || held != self.state.held() {
-            self.write(now, Fact::Decided { question, started: started.clone(), held }, out);
+            self.write(now, RecordKind::Decided { question, started: started.clone(), held }, out);
         }
         started.into_iter().for_each(|(mode, part)| self.start_one(now, mode, part, out));
     }
 
-    pub(super) fn start_one(&mut self, now: Tick, mode: ModeId, part: Option<PartId>, out: &mut Outbox) {
+    pub(super) fn start_one(&mut self, now: Tick, mode: ModeId, part: Option<PartId>, out: &mut PlayerOutbox) {
         let part = part.or_else(|| self.state.part_for(mode));
         let (epoch, last) = (self.state.epoch(), self.state.last_order);
         let count = self.state.table.activity(mode).orders.len() as u64;
         let orders = (1..=count).map(|k| OrderKey { epoch, id: last + k }).collect();
         let firing = FiringId(self.state.last_firing + 1);
-        self.write(now, Fact::Started { firing, mode, part, orders }, out);
+        self.write(now, RecordKind::Started { firing, mode, part, orders }, out);
         self.expect(mode);
     }
 
@@ -424,13 +448,13 @@ impl Coordination {
         self.heads().min_by_key(|key| self.sent.get(key).map_or(Tick::ZERO, |&(_, at)| at))
     }
 
-    fn send(&mut self, now: Tick, out: &mut Outbox) {
+    fn send(&mut self, now: Tick, out: &mut PlayerOutbox) {
         let refresh = self.state.table.refresh();
         let is_due = |key: &OrderKey| self.sent.get(key).is_none_or(|&(_, at)| at + refresh <= now);
         for key in self.heads().filter(is_due).collect::<Vec<_>>() {
             let Some(message) = self.message(now, key) else { continue };
             self.sent.entry(key).and_modify(|(tries, at)| (*tries, *at) = (*tries + 1, now)).or_insert((1, now));
-            out.sends.push(Send::Order(message));
+            out.sends.push(CellMessage::Order(message));
         }
         self.send_secure(now, out);
     }
@@ -440,10 +464,10 @@ impl Coordination {
         let (firing, order) = self.state.order(key)?;
         let template = self.state.table.activity(firing.mode).orders.get(position)?;
         let part = firing.part.and_then(|part| self.state.part(part));
-        let value = |value: &Value| match *value {
-            Value::Number(number) => Some(number),
-            Value::Source => i32::try_from(part?.position?).ok(),
-            Value::Target => i32::try_from(part?.target?).ok(),
+        let value = |value: &TaskParameterValue| match *value {
+            TaskParameterValue::Number(number) => Some(number),
+            TaskParameterValue::Source => i32::try_from(part?.position?).ok(),
+            TaskParameterValue::Target => i32::try_from(part?.target?).ok(),
         };
         // The table has values that can be known alone. Should one not be, then nothing is sent rather than a wrong place,
         // and the order runs out of time.

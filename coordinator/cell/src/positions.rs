@@ -8,7 +8,7 @@
 use std::collections::BTreeSet;
 
 use super::ids::{CellId, ModeId, PartId};
-use super::state::State;
+use super::state::PlayerState;
 
 /// Positions of a store, from 1. Equal sets are equal values.
 #[derive(Clone, Debug, Default, PartialEq, Eq)]
@@ -47,7 +47,7 @@ impl Positions {
     }
 }
 
-impl State {
+impl PlayerState {
     fn store(&mut self, cell: Option<CellId>) -> Option<&mut Positions> {
         let store = self.table.store_of(cell?)?;
         self.positions.get_mut(store)

@@ -14,10 +14,10 @@ use linewright_line::Tick;
 use thiserror::Error;
 
 use super::ids::{CellId, ModeId, PartId};
-use super::plan::{CellKind, Pick};
-pub use super::reason::Reason;
+use super::plan::{CellKind, PartPick};
+pub use super::reason::HoldReason;
 use super::record::Record;
-use super::state::State;
+use super::state::PlayerState;
 
 /// What could start now.
 #[derive(Clone, Copy, Debug)]
@@ -25,11 +25,11 @@ pub struct Question<'a> {
     /// The time.
     pub now: Tick,
     /// The cell.
-    pub state: &'a State,
+    pub state: &'a PlayerState,
     /// What could start, by mode.
     pub candidates: &'a [Candidate],
     /// Which of them compete.
-    pub groups: &'a [Group],
+    pub groups: &'a [ConflictGroup],
 }
 
 /// A mode that could start.
@@ -45,7 +45,7 @@ pub struct Candidate {
 
 /// Candidates that compete, directly or through others.
 #[derive(Clone, Debug, PartialEq, Eq)]
-pub struct Group {
+pub struct ConflictGroup {
     /// They, as indices, ascending.
     pub candidates: Vec<usize>,
     /// The cells that have less than all of them together would take.
@@ -66,11 +66,11 @@ impl<'a> Question<'a> {
 
 /// What a dispatcher says.
 #[derive(Clone, Debug, Default, PartialEq, Eq)]
-pub struct Answer {
+pub struct DispatchDecision {
     /// What is to start.
     pub start: Vec<Start>,
     /// What is not, and why. A candidate that is in neither list is held without a reason.
-    pub held: Vec<Held>,
+    pub held: Vec<HeldCandidate>,
 }
 
 /// A candidate that is to start.
@@ -84,11 +84,11 @@ pub struct Start {
 
 /// A candidate that is not to start now.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
-pub struct Held {
+pub struct HeldCandidate {
     /// Which, as an index.
     pub candidate: usize,
     /// Why.
-    pub reason: Reason,
+    pub reason: HoldReason,
     /// When to ask again, if nothing happens before.
     pub until: Option<Tick>,
 }
@@ -96,7 +96,7 @@ pub struct Held {
 /// Decides what starts.
 pub trait Dispatcher {
     /// Answers a question. It can be asked the same again.
-    fn decide(&mut self, question: &Question<'_>) -> Answer;
+    fn decide(&mut self, question: &Question<'_>) -> DispatchDecision;
 
     /// Is told of every record that a step writes, in their order, before it is asked again. What a dispatcher remembers of
     /// a cell can follow from this alone; after a restart whoever made it tells it the log.
@@ -129,7 +129,7 @@ pub enum BadAnswer {
 }
 
 /// The question about these modes; none if nothing could start.
-pub(super) fn pose(state: &State, modes: impl Iterator<Item = ModeId>) -> (Vec<Candidate>, Vec<Group>) {
+pub(super) fn pose(state: &PlayerState, modes: impl Iterator<Item = ModeId>) -> (Vec<Candidate>, Vec<ConflictGroup>) {
     let with_room = modes.map(|mode| Candidate { mode, times: state.room(mode), group: 0 });
     let mut candidates: Vec<Candidate> = with_room.filter(|candidate| candidate.times > 0).collect();
     candidates.sort_unstable_by_key(|candidate| candidate.mode);
@@ -146,11 +146,11 @@ pub(super) fn pose(state: &State, modes: impl Iterator<Item = ModeId>) -> (Vec<C
     for (_, by) in demand.values() {
         by.windows(2).for_each(|pair| join(&mut leader, pair[0], pair[1]));
     }
-    let mut groups: Vec<Group> = Vec::new();
+    let mut groups: Vec<ConflictGroup> = Vec::new();
     let mut group_of = BTreeMap::new();
     for (index, candidate) in candidates.iter_mut().enumerate() {
         let at = *group_of.entry(find(&mut leader, index)).or_insert_with(|| {
-            groups.push(Group { candidates: Vec::new(), contested: Vec::new() });
+            groups.push(ConflictGroup { candidates: Vec::new(), contested: Vec::new() });
             groups.len() - 1
         });
         groups[at].candidates.push(index);
@@ -176,7 +176,7 @@ fn join(leader: &mut [usize], a: usize, b: usize) {
 }
 
 /// Whether all that an answer starts can start at once (seed 000, definition 16).
-pub fn check(question: &Question<'_>, answer: &Answer) -> Result<(), BadAnswer> {
+pub fn check(question: &Question<'_>, answer: &DispatchDecision) -> Result<(), BadAnswer> {
     let (state, table) = (question.state, question.state.table());
     let (mut parts, mut ordered) = (BTreeSet::new(), BTreeSet::new());
     let (mut often, mut demand) = (BTreeMap::<ModeId, u32>::new(), BTreeMap::<CellId, u64>::new());
@@ -193,8 +193,8 @@ pub fn check(question: &Question<'_>, answer: &Answer) -> Result<(), BadAnswer> 
                     return Err(BadAnswer::PartTwice(part));
                 }
                 let one_by_one = match table.kind(cell) {
-                    CellKind::Tokens | CellKind::Parts(Pick::Any) => false,
-                    CellKind::Parts(Pick::Oldest | Pick::Newest) => true,
+                    CellKind::Tokens | CellKind::Parts(PartPick::Any) => false,
+                    CellKind::Parts(PartPick::Oldest | PartPick::Newest) => true,
                 };
                 if one_by_one && !ordered.insert(cell) {
                     return Err(BadAnswer::TooOften(mode));

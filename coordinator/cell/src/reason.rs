@@ -9,16 +9,16 @@ use std::time::Duration;
 use linewright_line::Tick;
 use serde::{Deserialize, Serialize};
 
-use super::dispatch::{Measure, Rule};
+use super::dispatch::{DispatchRule, Measure};
 use super::ids::{ModeId, PartId};
 use super::serial;
 
 /// Why something does not start.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Serialize, Deserialize)]
 #[serde(rename_all = "kebab-case", deny_unknown_fields)]
-pub enum Reason {
+pub enum HoldReason {
     /// What it needs goes to another.
-    LostTo(Lost),
+    LostTo(LostDecision),
     /// It is too early; it is not before this.
     NotYet(#[serde(with = "serial::micros")] Tick),
     /// What it needs is kept for one that has waited too long.
@@ -33,13 +33,13 @@ pub enum Reason {
     /// The schedule has the part do this next.
     PlannedOtherwise(ModeId),
     /// It was tried out what comes of it, and something else leads further.
-    LooksWorse(Outlook),
+    LooksWorse(ProgressComparison),
 }
 
 /// What leads further, and by how much.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Serialize, Deserialize)]
 #[serde(deny_unknown_fields)]
-pub struct Outlook {
+pub struct ProgressComparison {
     /// What starts instead, and with which part; none if it is better to wait for what happens next.
     pub instead: Option<(ModeId, Option<PartId>)>,
     /// By how much it is better.
@@ -62,14 +62,14 @@ pub enum Gain {
     Nothing,
 }
 
-impl Reason {
+impl HoldReason {
     /// The modes it names.
     pub(super) fn modes(&self) -> impl Iterator<Item = ModeId> {
         match self {
-            Reason::LostTo(lost) => Some(lost.to),
-            Reason::NotYet(_) | Reason::NotOrdered => None,
-            Reason::ReservedFor { mode, .. } | Reason::PlannedOtherwise(mode) => Some(*mode),
-            Reason::LooksWorse(outlook) => outlook.instead.map(|(mode, _)| mode),
+            HoldReason::LostTo(lost) => Some(lost.to),
+            HoldReason::NotYet(_) | HoldReason::NotOrdered => None,
+            HoldReason::ReservedFor { mode, .. } | HoldReason::PlannedOtherwise(mode) => Some(*mode),
+            HoldReason::LooksWorse(outlook) => outlook.instead.map(|(mode, _)| mode),
         }
         .into_iter()
     }
@@ -78,7 +78,7 @@ impl Reason {
 /// To whom something is lost, and why.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Serialize, Deserialize)]
 #[serde(deny_unknown_fields)]
-pub struct Lost {
+pub struct LostDecision {
     /// What starts instead.
     pub to: ModeId,
     /// With which part; none if it takes none.
@@ -86,13 +86,13 @@ pub struct Lost {
     /// The part that would have been next here.
     pub own: Option<PartId>,
     /// Why the other comes first.
-    pub by: Ground,
+    pub by: DecidingRule,
 }
 
 /// Why one comes before another.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Serialize, Deserialize)]
 #[serde(rename_all = "kebab-case", deny_unknown_fields)]
-pub enum Ground {
+pub enum DecidingRule {
     /// It has waited longer than parts should, or longer than the other that has.
     Waited,
     /// It makes way for one that has waited longer than parts should.
@@ -106,7 +106,7 @@ pub enum Ground {
     Rule {
         /// Which.
         #[serde(with = "serial::rule")]
-        rule: Rule,
+        rule: DispatchRule,
         /// What it says of the other.
         theirs: Measure,
         /// What it says of this one.

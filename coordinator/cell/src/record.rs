@@ -12,10 +12,10 @@ use linewright_orders::Failure as Ended;
 pub use linewright_orders::Refusal;
 use serde::{Deserialize, Serialize};
 
-use super::exception::Step;
+use super::exception::ExceptionStep;
 use super::ids::{FiringId, ModeId, OrderKey, PartId, ResourceId};
-use super::production::Change;
-use super::question::Reason;
+use super::production::ProductionChange;
+use super::question::HoldReason;
 use super::serial;
 
 /// What has happened, and when.
@@ -26,13 +26,13 @@ pub struct Record {
     #[serde(with = "serial::micros")]
     pub at: Tick,
     /// What.
-    pub fact: Fact,
+    pub fact: RecordKind,
 }
 
 /// What has happened.
 #[derive(Clone, Debug, PartialEq, Eq, Serialize, Deserialize)]
 #[serde(rename_all = "kebab-case", deny_unknown_fields)]
-pub enum Fact {
+pub enum RecordKind {
     /// A life of the coordinator begins.
     Epoch {
         /// Greater than any before.
@@ -46,14 +46,14 @@ pub enum Fact {
         /// A number that it drew when its memory began.
         memory: u64,
     },
-    /// A question was answered. What was decided to start follows as [`Fact::Started`].
+    /// A question was answered. What was decided to start follows as [`RecordKind::Started`].
     Decided {
         /// The number of the question, from 1.
         question: u64,
         /// What is to start, with which part.
         started: Vec<(ModeId, Option<PartId>)>,
         /// What is not, and why.
-        held: Vec<(ModeId, Reason)>,
+        held: Vec<(ModeId, HoldReason)>,
     },
     /// An activity has started: its tokens are taken, its orders exist.
     Started {
@@ -88,7 +88,7 @@ pub enum Fact {
         /// Which.
         firing: FiringId,
         /// Why.
-        cause: Cause,
+        cause: ActivityFailure,
     },
     /// An activity has ended: its tokens are given.
     Ended {
@@ -105,10 +105,10 @@ pub enum Fact {
     /// Somebody has changed what is on order.
     Production {
         /// What.
-        change: Change,
+        change: ProductionChange,
     },
     /// A step on the way from a failure to where it goes on from.
-    Exception(Step),
+    Exception(ExceptionStep),
 }
 
 /// Why an order was not done.
@@ -132,7 +132,7 @@ pub enum Failure {
 /// Why an activity does not end by itself.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Serialize, Deserialize)]
 #[serde(rename_all = "kebab-case", deny_unknown_fields)]
-pub enum Cause {
+pub enum ActivityFailure {
     /// One of its orders has failed.
     Order {
         /// The first of them.
@@ -175,13 +175,13 @@ impl Failure {
     }
 }
 
-impl Cause {
+impl ActivityFailure {
     /// Some time was over.
     pub fn is_expiry(self) -> bool {
         match self {
-            Cause::TimedOut => true,
-            Cause::Order { key: _, failure } => failure.is_expiry(),
-            Cause::ByHand { .. } => false,
+            ActivityFailure::TimedOut => true,
+            ActivityFailure::Order { key: _, failure } => failure.is_expiry(),
+            ActivityFailure::ByHand { .. } => false,
         }
     }
 }

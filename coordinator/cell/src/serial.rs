@@ -62,17 +62,17 @@ pub(super) mod station {
 
 /// A rule, by its word.
 pub(super) mod rule {
-    use linewright_cell::Rule;
+    use linewright_cell::DispatchRule;
     use serde::de::Error;
     use serde::{Deserialize, Deserializer, Serializer};
 
-    pub fn serialize<S: Serializer>(rule: &Rule, to: S) -> Result<S::Ok, S::Error> {
+    pub fn serialize<S: Serializer>(rule: &DispatchRule, to: S) -> Result<S::Ok, S::Error> {
         to.collect_str(rule)
     }
 
-    pub fn deserialize<'de, D: Deserializer<'de>>(from: D) -> Result<Rule, D::Error> {
+    pub fn deserialize<'de, D: Deserializer<'de>>(from: D) -> Result<DispatchRule, D::Error> {
         let word = String::deserialize(from)?;
-        let known = Rule::ALL.iter().find(|(known, _)| *known == word);
+        let known = DispatchRule::ALL.iter().find(|(known, _)| *known == word);
         known.map(|&(_, rule)| rule).ok_or_else(|| D::Error::custom(format!("there is no rule `{word}`")))
     }
 }

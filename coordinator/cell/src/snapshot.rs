@@ -11,16 +11,16 @@ use linewright_line::{StationId, Tick};
 use serde::{Deserialize, Serialize};
 
 use super::enabling::Enabling;
-use super::exception::{Exceptions, KeptExceptions};
-use super::firing::{Firing, Next, OrderState, Phase};
+use super::exception::{Exceptions, SavedExceptions};
+use super::firing::{ActivityPhase, OngoingActivity, OrderProgress, PendingRecord};
 use super::ids::{CellId, FiringId, ModeId, PartId};
-use super::marking::Marking;
+use super::marking::CellMarking;
 use super::plan::CellKind;
 use super::positions::Positions;
-use super::production::{Kept, Production};
-use super::question::Reason;
+use super::production::{Production, SavedProduction};
+use super::question::HoldReason;
 use super::serial;
-use super::state::{Misfit, Part, Place, State, waiting};
+use super::state::{Part, PartPlace, PlayerState, ReplayError, waiting};
 use super::table::CellTable;
 
 /// Counters stay below this, so that counting on from what somebody has made up never fails.
@@ -32,7 +32,7 @@ const POSITION_MAX: u32 = 1_000_000;
 /// A state to be written down.
 #[derive(Clone, Debug, PartialEq, Eq, Serialize, Deserialize)]
 #[serde(deny_unknown_fields)]
-pub struct Snapshot {
+pub struct CellSnapshot {
     sequence: u64,
     #[serde(with = "serial::micros")]
     now: Tick,
@@ -46,11 +46,11 @@ pub struct Snapshot {
     /// The cells of plain tokens that have any.
     tokens: Vec<(CellId, u64)>,
     parts: Vec<Part>,
-    firings: Vec<Firing>,
+    firings: Vec<OngoingActivity>,
     memory: Vec<Memory>,
-    held: Vec<(ModeId, Reason)>,
-    production: Kept,
-    exceptions: KeptExceptions,
+    held: Vec<(ModeId, HoldReason)>,
+    production: SavedProduction,
+    exceptions: SavedExceptions,
 }
 
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Serialize, Deserialize)]
@@ -61,18 +61,18 @@ struct Memory {
     memory: u64,
 }
 
-impl Snapshot {
+impl CellSnapshot {
     /// The number of the last record that it stands for.
     pub fn sequence(&self) -> u64 {
         self.sequence
     }
 }
 
-impl State {
+impl PlayerState {
     /// What this state is made of.
-    pub fn snapshot(&self) -> Snapshot {
+    pub fn snapshot(&self) -> CellSnapshot {
         let is_tokens = |cell: &CellId| self.table.kind(*cell) == CellKind::Tokens && self.marking.count(*cell) > 0;
-        Snapshot {
+        CellSnapshot {
             sequence: self.sequence,
             now: self.now,
             epoch: self.epoch,
@@ -96,13 +96,13 @@ impl State {
     ///
     /// # Errors
     /// Why it is no state of this table.
-    pub fn restore(table: Arc<CellTable>, of: Snapshot) -> Result<Self, Misfit> {
+    pub fn restore(table: Arc<CellTable>, of: CellSnapshot) -> Result<Self, ReplayError> {
         let sequence = of.sequence;
-        restored(table, of).map_err(|why| Misfit { sequence, why })
+        restored(table, of).map_err(|why| ReplayError { sequence, why })
     }
 }
 
-fn restored(table: Arc<CellTable>, of: Snapshot) -> Result<State, String> {
+fn restored(table: Arc<CellTable>, of: CellSnapshot) -> Result<PlayerState, String> {
     let counters =
         [of.sequence, of.epoch, of.questions, of.last_order, of.last_firing, of.last_part, of.left, of.arrivals];
     if counters.iter().any(|&counter| counter >= NUMBER_MAX) {
@@ -125,7 +125,7 @@ fn restored(table: Arc<CellTable>, of: Snapshot) -> Result<State, String> {
         if id.0 > of.last_firing || firings.contains_key(&id) {
             return Err(format!("{id} is in it twice, or has not started yet"));
         }
-        let is_held = |part| parts.get(&part).is_some_and(|part: &Part| part.place == Place::In(id));
+        let is_held = |part| parts.get(&part).is_some_and(|part: &Part| part.place == PartPlace::In(id));
         if firing.part.is_some_and(|part| !is_held(part)) {
             return Err(format!("{id} does not hold its part"));
         }
@@ -134,29 +134,29 @@ fn restored(table: Arc<CellTable>, of: Snapshot) -> Result<State, String> {
             if !is_new || orders.insert(order.key, (id, position)).is_some() {
                 return Err(format!("{} is in it twice, or has not been given yet", order.key));
             }
-            if firing.phase == Phase::Running && order.state == OrderState::Written {
+            if firing.phase == ActivityPhase::Running && order.state == OrderProgress::Written {
                 unheard.entry(order.station).or_default().insert(order.key);
             }
         }
         in_progress[firing.mode.index()] += 1;
         due.extend(firing.due(table.activity(firing.mode)).map(|due| (due, id)));
-        settled.extend((firing.next() != Next::Wait).then_some(id));
+        settled.extend((firing.next() != PendingRecord::Wait).then_some(id));
         firings.insert(id, firing);
     }
     for part in parts.values() {
         let holds = |id: FiringId| firings.get(&id).is_some_and(|firing| firing.part == Some(part.id));
         match part.place {
-            Place::In(firing) if !holds(firing) => {
+            PartPlace::In(firing) if !holds(firing) => {
                 return Err(format!("{} is with {firing}, which has it not", part.id));
             }
-            Place::In(_) | Place::On { .. } => (),
+            PartPlace::In(_) | PartPlace::On { .. } => (),
         }
     }
     if !of.held.iter().all(|(mode, reason)| table.has_mode(*mode) && reason.modes().all(|mode| table.has_mode(mode))) {
         return Err("it holds back what there is not".to_owned());
     }
     let positions = positions(&table, &parts, &firings)?;
-    let state = State {
+    let state = PlayerState {
         waiting: waiting(&parts),
         production,
         positions,
@@ -189,13 +189,13 @@ fn restored(table: Arc<CellTable>, of: Snapshot) -> Result<State, String> {
 fn positions(
     table: &CellTable,
     parts: &BTreeMap<PartId, Part>,
-    firings: &BTreeMap<FiringId, Firing>,
+    firings: &BTreeMap<FiringId, OngoingActivity>,
 ) -> Result<Vec<Positions>, String> {
     let mut positions = vec![Positions::default(); table.stores().len()];
     for part in parts.values() {
         let (from, to) = match part.place {
-            Place::On { cell, arrival: _ } => (Some(cell), None),
-            Place::In(firing) => match firings.get(&firing) {
+            PartPlace::On { cell, arrival: _ } => (Some(cell), None),
+            PartPlace::In(firing) => match firings.get(&firing) {
                 Some(firing) => (table.part_in(firing.mode), table.part_out(firing.mode)),
                 None => (None, None),
             },
@@ -218,8 +218,8 @@ fn positions(
 }
 
 /// Tokens and parts where the snapshot has them.
-fn marking(table: &CellTable, of: &Snapshot) -> Result<Marking, String> {
-    let mut marking = Marking::empty(table, of.arrivals);
+fn marking(table: &CellTable, of: &CellSnapshot) -> Result<CellMarking, String> {
+    let mut marking = CellMarking::empty(table, of.arrivals);
     let mut before = None;
     for &(cell, count) in &of.tokens {
         let is_tokens = cell.index() < table.cell_count() && table.kind(cell) == CellKind::Tokens;
@@ -230,7 +230,7 @@ fn marking(table: &CellTable, of: &Snapshot) -> Result<Marking, String> {
         marking.set(cell, count);
     }
     for part in &of.parts {
-        let Place::On { cell, arrival } = part.place else { continue };
+        let PartPlace::On { cell, arrival } = part.place else { continue };
         let is_parts = cell.index() < table.cell_count() && table.kind(cell) != CellKind::Tokens;
         if !is_parts || arrival > of.arrivals || !marking.lay(cell, arrival, part.id) {
             return Err(format!("{} cannot be on {cell}, where it came as number {arrival}", part.id));
@@ -240,7 +240,7 @@ fn marking(table: &CellTable, of: &Snapshot) -> Result<Marking, String> {
 }
 
 /// Whether the table has such an activity, with such orders.
-fn can_be(table: &CellTable, firing: &Firing) -> Result<(), String> {
+fn can_be(table: &CellTable, firing: &OngoingActivity) -> Result<(), String> {
     let id = firing.id;
     if !table.has_mode(firing.mode) || table.is_immediate(firing.mode) {
         return Err(format!("{id} is of {}, which cannot be in progress", firing.mode));

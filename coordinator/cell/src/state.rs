@@ -1,6 +1,6 @@
 //! All that is remembered of a cell: marking, parts, what is in progress, and the counters that numbers come from.
 //!
-//! It changes in [`State::apply`] alone, and all of it follows from the records. What does not follow from them (what
+//! It changes in [`PlayerState::apply`] alone, and all of it follows from the records. What does not follow from them (what
 //! was sent when, who was heard in this life) is the player's and is forgotten by a restart on purpose. Beside the facts
 //! there are lists that could be worked out from them and are kept up to date instead, so that no step searches: the
 //! enabled modes, the parts by since when they wait, the firings by when they are due, those that can be closed, the
@@ -15,13 +15,13 @@ use thiserror::Error;
 
 use super::enabling::Enabling;
 use super::exception::Exceptions;
-use super::firing::Firing;
+use super::firing::OngoingActivity;
 use super::ids::{CellId, FiringId, ModeId, OrderKey, PartId};
-use super::marking::Marking;
-use super::plan::{CellKind, Pick};
+use super::marking::CellMarking;
+use super::plan::{CellKind, PartPick};
 use super::positions::Positions;
 use super::production::Production;
-use super::question::Reason;
+use super::question::HoldReason;
 use super::record::Record;
 use super::serial;
 use super::table::CellTable;
@@ -39,7 +39,7 @@ pub struct Part {
     #[serde(with = "serial::micros")]
     pub since: Tick,
     /// Where it is.
-    pub place: Place,
+    pub place: PartPlace,
     /// Its position in the store that it is in, or comes from, from 1; none where there are no positions.
     #[serde(default, skip_serializing_if = "Option::is_none")]
     pub position: Option<u32>,
@@ -51,7 +51,7 @@ pub struct Part {
 impl Part {
     /// One that enters, before it is anywhere.
     pub(super) fn new(id: PartId, at: Tick) -> Self {
-        let nowhere = Place::In(FiringId(0));
+        let nowhere = PartPlace::In(FiringId(0));
         Part { id, entered: at, since: at, place: nowhere, position: None, target: None }
     }
 }
@@ -59,7 +59,7 @@ impl Part {
 /// Where a part is.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Serialize, Deserialize)]
 #[serde(rename_all = "kebab-case", deny_unknown_fields)]
-pub enum Place {
+pub enum PartPlace {
     /// On a cell.
     On {
         /// Where.
@@ -74,7 +74,7 @@ pub enum Place {
 /// Why records cannot be what happened to this cell.
 #[derive(Clone, Debug, PartialEq, Eq, Error)]
 #[error("record {sequence} does not fit: {why}")]
-pub struct Misfit {
+pub struct ReplayError {
     /// The position of the record, from 1.
     pub sequence: u64,
     /// What is wrong with it.
@@ -83,14 +83,14 @@ pub struct Misfit {
 
 /// The state of a cell.
 #[derive(Clone, Debug, PartialEq, Eq)]
-pub struct State {
+pub struct PlayerState {
     pub(super) table: Arc<CellTable>,
-    pub(super) marking: Marking,
+    pub(super) marking: CellMarking,
     pub(super) enabling: Enabling,
     pub(super) parts: BTreeMap<PartId, Part>,
     /// The parts that are on a cell, by since when.
     pub(super) waiting: BTreeSet<(Tick, PartId)>,
-    pub(super) firings: BTreeMap<FiringId, Firing>,
+    pub(super) firings: BTreeMap<FiringId, OngoingActivity>,
     /// For each mode how many of the firings are its.
     pub(super) in_progress: Vec<u32>,
     /// The firing of each order of one, and the position there.
@@ -105,7 +105,7 @@ pub struct State {
     pub(super) production: Production,
     /// Of each store.
     pub(super) positions: Vec<Positions>,
-    pub(super) held: Vec<(ModeId, Reason)>,
+    pub(super) held: Vec<(ModeId, HoldReason)>,
     pub(super) exceptions: Exceptions,
     pub(super) epoch: u64,
     pub(super) questions: u64,
@@ -120,16 +120,16 @@ pub struct State {
 /// Of these parts those that no activity holds, by since when they are where they are.
 pub(super) fn waiting(parts: &BTreeMap<PartId, Part>) -> BTreeSet<(Tick, PartId)> {
     let is_waiting = |part: &&Part| match part.place {
-        Place::On { .. } => true,
-        Place::In(_) => false,
+        PartPlace::On { .. } => true,
+        PartPlace::In(_) => false,
     };
     parts.values().filter(is_waiting).map(|part| (part.since, part.id)).collect()
 }
 
-impl State {
+impl PlayerState {
     /// Before anything has happened. The parts of the initial marking have the first numbers, in the order of the cells.
     pub fn new(table: Arc<CellTable>) -> Self {
-        let mut marking = Marking::new(&table);
+        let mut marking = CellMarking::new(&table);
         let (mut parts, mut last_part) = (BTreeMap::new(), 0);
         let mut positions = vec![Positions::default(); table.stores().len()];
         for cell in table.cells().filter(|&cell| matches!(table.kind(cell), CellKind::Parts(_))) {
@@ -139,12 +139,12 @@ impl State {
                 marking.give(cell, 1);
                 let arrival = marking.put(cell, id);
                 let position = table.store_of(cell).map(|store| positions[store].take_lowest());
-                let place = Place::On { cell, arrival };
+                let place = PartPlace::On { cell, arrival };
                 let part = Part { id, entered: Tick::ZERO, since: Tick::ZERO, place, position, target: None };
                 parts.insert(id, part);
             }
         }
-        State {
+        PlayerState {
             enabling: Enabling::new(&table, marking.counts()),
             marking,
             waiting: waiting(&parts),
@@ -173,8 +173,11 @@ impl State {
     }
 
     /// What the records make of a cell. Records of another cell, or not from the beginning, do not fit.
-    pub fn replay<'a>(table: Arc<CellTable>, records: impl IntoIterator<Item = &'a Record>) -> Result<Self, Misfit> {
-        let mut state = State::new(table);
+    pub fn replay<'a>(
+        table: Arc<CellTable>,
+        records: impl IntoIterator<Item = &'a Record>,
+    ) -> Result<Self, ReplayError> {
+        let mut state = PlayerState::new(table);
         records.into_iter().try_for_each(|record| state.apply(record))?;
         Ok(state)
     }
@@ -185,7 +188,7 @@ impl State {
     }
 
     /// Where the tokens are. What activities in progress have taken is nowhere.
-    pub fn marking(&self) -> &Marking {
+    pub fn marking(&self) -> &CellMarking {
         &self.marking
     }
 
@@ -227,12 +230,12 @@ impl State {
     }
 
     /// The activities in progress, by number.
-    pub fn firings(&self) -> impl ExactSizeIterator<Item = &Firing> {
+    pub fn firings(&self) -> impl ExactSizeIterator<Item = &OngoingActivity> {
         self.firings.values()
     }
 
     /// An activity, if it is in progress.
-    pub fn firing(&self, firing: FiringId) -> Option<&Firing> {
+    pub fn firing(&self, firing: FiringId) -> Option<&OngoingActivity> {
         self.firings.get(&firing)
     }
 
@@ -242,7 +245,7 @@ impl State {
     }
 
     /// The modes that were last decided not to start, and why.
-    pub fn held(&self) -> &[(ModeId, Reason)] {
+    pub fn held(&self) -> &[(ModeId, HoldReason)] {
         &self.held
     }
 
@@ -285,15 +288,15 @@ impl State {
         let times = |&(cell, weight): &(CellId, u32)| self.marking.count(cell) / u64::from(weight).max(1);
         let tokens = self.table.takes(mode).iter().map(times).min().unwrap_or(u64::MAX);
         let ordered = self.table.part_in(mode).is_some_and(|cell| match self.table.kind(cell) {
-            CellKind::Tokens | CellKind::Parts(Pick::Any) => false,
-            CellKind::Parts(Pick::Oldest | Pick::Newest) => true,
+            CellKind::Tokens | CellKind::Parts(PartPick::Any) => false,
+            CellKind::Parts(PartPick::Oldest | PartPick::Newest) => true,
         });
         let most = if ordered { servers.min(1) } else { servers };
         u32::try_from(tokens).map_or(most, |tokens| tokens.min(most))
     }
 
     /// The order of that key, if its activity is in progress.
-    pub fn order(&self, key: OrderKey) -> Option<(&Firing, &super::firing::Order)> {
+    pub fn order(&self, key: OrderKey) -> Option<(&OngoingActivity, &super::firing::OngoingOrder)> {
         let &(firing, at) = self.orders.get(&key)?;
         let firing = self.firings.get(&firing)?;
         Some((firing, firing.orders.get(at)?))

@@ -15,9 +15,9 @@ use linewright_nets::coloured::Unfolding;
 use linewright_nets::{Net, PlaceId, TransitionId};
 use thiserror::Error;
 
-use super::exception::Handling;
+use super::exception::RecoveryPolicy;
 use super::ids::{CellId, ModeId};
-use super::plan::{Activity, ActivityKind, CellKind, Plan, Product, Store, Value};
+use super::plan::{ActivityTiming, CellKind, PlayPlan, PlayedActivity, Product, StorePositions, TaskParameterValue};
 
 /// Why a plan does not fit its net.
 #[derive(Clone, Debug, PartialEq, Eq, Error)]
@@ -113,7 +113,7 @@ const PARTS_MAX: u64 = 1_000_000;
 
 /// What a mode is beside its arcs.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
-struct Row {
+struct TableMode {
     activity: usize,
     part_in: Option<CellId>,
     part_out: Option<CellId>,
@@ -146,7 +146,7 @@ impl<T> Rows<T> {
 }
 
 /// A token demand or gift: so many of a cell.
-pub type Tokens = (CellId, u32);
+pub type TokenDemand = (CellId, u32);
 
 /// A cell, compiled.
 ///
@@ -158,26 +158,26 @@ pub struct CellTable {
     mode_names: Vec<Arc<str>>,
     kinds: Vec<CellKind>,
     initial: Vec<u64>,
-    activities: Vec<Activity>,
-    modes: Vec<Row>,
-    inputs: Rows<Tokens>,
-    outputs: Rows<Tokens>,
+    activities: Vec<PlayedActivity>,
+    modes: Vec<TableMode>,
+    inputs: Rows<TokenDemand>,
+    outputs: Rows<TokenDemand>,
     consumers: Rows<ModeId>,
     /// Whose each of the input arcs is.
     arc_modes: Vec<ModeId>,
     products: Vec<Product>,
-    stores: Vec<Store>,
+    stores: Vec<StorePositions>,
     /// The store of each cell, if it belongs to one.
     store_of: Vec<Option<usize>>,
     refresh: Duration,
     grace: Duration,
-    handling: Arc<Handling>,
+    handling: Arc<RecoveryPolicy>,
 }
 
 impl CellTable {
     /// Compiles the long form of a coloured net, with what `plan` says of its places and transitions. Cells and modes are
     /// numbered as places and transitions of [`Unfolding::net`] are.
-    pub fn compile(unfolding: &Unfolding, plan: Plan) -> Result<Self, PlanError> {
+    pub fn compile(unfolding: &Unfolding, plan: PlayPlan) -> Result<Self, PlanError> {
         let net = unfolding.net();
         let cells = net.place_count();
         if plan.cells.len() != cells {
@@ -239,10 +239,10 @@ impl CellTable {
     fn check_positions(&self) -> Result<(), PlanError> {
         for mode in self.modes() {
             for order in &self.activity(mode).orders {
-                let is_known = |value: &Value| match value {
-                    Value::Number(_) => true,
-                    Value::Source => self.part_in(mode).and_then(|cell| self.store_of(cell)).is_some(),
-                    Value::Target => self.part_out(mode).and_then(|cell| self.store_of(cell)).is_some(),
+                let is_known = |value: &TaskParameterValue| match value {
+                    TaskParameterValue::Number(_) => true,
+                    TaskParameterValue::Source => self.part_in(mode).and_then(|cell| self.store_of(cell)).is_some(),
+                    TaskParameterValue::Target => self.part_out(mode).and_then(|cell| self.store_of(cell)).is_some(),
                 };
                 if !order.parameters.iter().all(|(_, value)| is_known(value)) {
                     let (task, mode) = (order.task.to_string(), self.mode_name(mode).to_owned());
@@ -255,7 +255,7 @@ impl CellTable {
 
     /// The same cell, of which it is known what to do when something fails.
     #[must_use]
-    pub fn with_handling(mut self, handling: Handling) -> Self {
+    pub fn with_handling(mut self, handling: RecoveryPolicy) -> Self {
         self.handling = Arc::new(handling);
         self
     }
@@ -267,7 +267,7 @@ impl CellTable {
     }
 
     /// What is known for the case that something fails.
-    pub fn handling(&self) -> &Handling {
+    pub fn handling(&self) -> &RecoveryPolicy {
         &self.handling
     }
 
@@ -326,12 +326,12 @@ impl CellTable {
     }
 
     /// What a mode takes, each cell once, in the order in which enabling looks at them.
-    pub fn takes(&self, mode: ModeId) -> &[Tokens] {
+    pub fn takes(&self, mode: ModeId) -> &[TokenDemand] {
         self.inputs.of(mode.index())
     }
 
     /// What a mode gives, each cell once.
-    pub fn gives(&self, mode: ModeId) -> &[Tokens] {
+    pub fn gives(&self, mode: ModeId) -> &[TokenDemand] {
         self.outputs.of(mode.index())
     }
 
@@ -341,13 +341,13 @@ impl CellTable {
     }
 
     /// What a mode stands for.
-    pub fn activity(&self, mode: ModeId) -> &Activity {
+    pub fn activity(&self, mode: ModeId) -> &PlayedActivity {
         &self.activities[self.modes[mode.index()].activity]
     }
 
     /// Whether a mode happens by itself.
     pub fn is_immediate(&self, mode: ModeId) -> bool {
-        matches!(self.activity(mode).kind, ActivityKind::Immediate)
+        matches!(self.activity(mode).kind, ActivityTiming::Immediate)
     }
 
     /// Where a mode takes its part from; none if it takes none.
@@ -367,7 +367,7 @@ impl CellTable {
     }
 
     /// Whose parts have positions.
-    pub fn stores(&self) -> &[Store] {
+    pub fn stores(&self) -> &[StorePositions] {
         &self.stores
     }
 
@@ -397,12 +397,12 @@ impl CellTable {
     }
 
     /// One input arc: whose it is, and what it takes.
-    pub(super) fn arc(&self, arc: usize) -> (ModeId, Tokens) {
+    pub(super) fn arc(&self, arc: usize) -> (ModeId, TokenDemand) {
         (self.arc_modes[arc], self.inputs.items[arc])
     }
 }
 
-fn store_of(plan: &Plan) -> Result<Vec<Option<usize>>, PlanError> {
+fn store_of(plan: &PlayPlan) -> Result<Vec<Option<usize>>, PlanError> {
     let mut store_of = vec![None; plan.cells.len()];
     for (at, store) in plan.stores.iter().enumerate() {
         for &cell in &store.cells {
@@ -415,8 +415,8 @@ fn store_of(plan: &Plan) -> Result<Vec<Option<usize>>, PlanError> {
     Ok(store_of)
 }
 
-fn check_activity(activity: &Activity) -> Result<(), PlanError> {
-    if matches!(activity.kind, ActivityKind::Immediate) && !activity.orders.is_empty() {
+fn check_activity(activity: &PlayedActivity) -> Result<(), PlanError> {
+    if matches!(activity.kind, ActivityTiming::Immediate) && !activity.orders.is_empty() {
         return Err(PlanError::ImmediateOrders { activity: activity.name.to_string() });
     }
     if activity.servers == 0 {
@@ -425,12 +425,12 @@ fn check_activity(activity: &Activity) -> Result<(), PlanError> {
     Ok(())
 }
 
-fn row(net: &Net, t: TransitionId, plan: &Plan) -> Result<Row, PlanError> {
+fn row(net: &Net, t: TransitionId, plan: &PlayPlan) -> Result<TableMode, PlanError> {
     let (mode, at) = (|| net.transition_name(t).to_owned(), plan.activity_of[t.index()]);
     let Some(activity) = plan.activities.get(at) else {
         return Err(PlanError::NoActivity { mode: mode(), activity: at, count: plan.activities.len() });
     };
-    if matches!(activity.kind, ActivityKind::Immediate) && net.preset(t).is_empty() {
+    if matches!(activity.kind, ActivityTiming::Immediate) && net.preset(t).is_empty() {
         return Err(PlanError::ImmediateSource { mode: mode() });
     }
     let the_part = |arcs: &[(PlaceId, u32)], moves| {
@@ -442,5 +442,5 @@ fn row(net: &Net, t: TransitionId, plan: &Plan) -> Result<Row, PlanError> {
         }
     };
     let (part_in, part_out) = (the_part(net.preset(t), "takes")?, the_part(net.postset(t), "gives")?);
-    Ok(Row { activity: at, part_in, part_out })
+    Ok(TableMode { activity: at, part_in, part_out })
 }

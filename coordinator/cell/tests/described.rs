@@ -5,10 +5,11 @@ use std::sync::Arc;
 use std::time::Duration;
 
 use linewright_cell::net::Supply;
-use linewright_coordinator_cell::described::{Described, Pace, Unplayable, described, dispatcher};
+use linewright_coordinator_cell::compile::{CompiledCell, OrderTiming, Unplayable, compile_cell, dispatcher};
 use linewright_coordinator_cell::dispatch::{Fairness, words};
 use linewright_coordinator_cell::{
-    ActivityKind, Answer, Dispatcher, Fact, Fifo, Held, Outbox, Phase, Question, Reason, Start, Value,
+    ActivityPhase, ActivityTiming, DispatchDecision, Dispatcher, Fifo, HeldCandidate, HoldReason, PlayerOutbox,
+    Question, RecordKind, Start, TaskParameterValue,
 };
 use linewright_line::Tick;
 
@@ -17,14 +18,14 @@ use crate::player::world::World;
 
 const C1: &str = include_str!("../../../launch-config/lines/workcell-c1/cell.toml");
 const ASSEMBLY: &str = include_str!("../../../launch-config/lines/assembly-cell/cell.toml");
-const PACE: Pace = Pace { refresh: Duration::from_millis(200), grace: Duration::from_secs(1) };
+const PACE: OrderTiming = OrderTiming { refresh: Duration::from_millis(200), grace: Duration::from_secs(1) };
 
-fn made(text: &str, supply: Supply<'_>) -> Described {
+fn made(text: &str, supply: Supply<'_>) -> CompiledCell {
     let cell = linewright_cell::parse("cell.toml", text, None).unwrap_or_else(|problems| panic!("{problems:#}")).cell;
-    described(&cell, None, supply, PACE).unwrap_or_else(|why| panic!("{why}"))
+    compile_cell(&cell, None, supply, PACE).unwrap_or_else(|why| panic!("{why}"))
 }
 
-fn world(made: Described, stations: usize, seed: u64) -> World {
+fn world(made: CompiledCell, stations: usize, seed: u64) -> World {
     let it = Compiled { net: made.net.net().clone(), long: made.long, table: Arc::new(made.table) };
     World::new(it, stations, seed)
 }
@@ -36,17 +37,17 @@ struct Script {
 }
 
 impl Dispatcher for Script {
-    fn decide(&mut self, question: &Question<'_>) -> Answer {
+    fn decide(&mut self, question: &Question<'_>) -> DispatchDecision {
         let table = question.state.table();
         self.asked = question.candidates.iter().map(|of| table.mode_name(of.mode).to_owned()).collect();
-        let mut answer = Answer::default();
+        let mut answer = DispatchDecision::default();
         for (candidate, name) in self.asked.iter().enumerate() {
             if self.starts.first() == Some(&name.as_str()) {
                 self.starts.remove(0);
                 let part = question.parts(&question.candidates[candidate]).next();
                 answer.start.push(Start { candidate, part });
             } else {
-                answer.held.push(Held { candidate, reason: Reason::NotYet(Tick::NEVER), until: None });
+                answer.held.push(HeldCandidate { candidate, reason: HoldReason::NotYet(Tick::NEVER), until: None });
             }
         }
         answer
@@ -77,11 +78,11 @@ fn the_described_cell_decides_its_conflict_by_its_own_rules() {
     let mut by_rules = dispatcher(&cell, &world.it.table);
     // What was scripted has taken longer than parts should wait.
     by_rules.fairness = Fairness::OFF;
-    let mut out = Outbox::default();
+    let mut out = PlayerOutbox::default();
     let now = world.now;
     world.coordination.reconsider();
     world.coordination.step(now, &[], &mut by_rules, &mut out);
-    let Fact::Decided { started, held, .. } = &out.records[0].fact else { panic!("{:?}", out.records) };
+    let RecordKind::Decided { started, held, .. } = &out.records[0].fact else { panic!("{:?}", out.records) };
     let said = words::decision(&world.it.table, started, held);
     assert_eq!(started.len(), 1);
     assert!(said[0].starts_with("`unload robot_2<1.done>` with part "), "{said:?}");
@@ -101,7 +102,7 @@ fn loading_and_working_are_in_progress_at_once() {
     for millis in (0..60_000).step_by(20) {
         world.run(&mut script, Tick::from_millis(millis));
         let table = world.state().table();
-        let running = world.state().firings().filter(|firing| firing.phase == Phase::Running);
+        let running = world.state().firings().filter(|firing| firing.phase == ActivityPhase::Running);
         let names: Vec<&str> = running.map(|firing| table.mode_name(firing.mode)).collect();
         seen |= names.contains(&"robot_2.process<1.new>") && names.contains(&"load human<2.new>");
     }
@@ -114,7 +115,7 @@ struct LetIn {
 }
 
 impl Dispatcher for LetIn {
-    fn decide(&mut self, question: &Question<'_>) -> Answer {
+    fn decide(&mut self, question: &Question<'_>) -> DispatchDecision {
         let mut answer = Fifo.decide(question);
         let table = question.state.table();
         answer.start.retain(|start| {
@@ -124,7 +125,11 @@ impl Dispatcher for LetIn {
             if may {
                 *left -= 1;
             } else {
-                answer.held.push(Held { candidate: start.candidate, reason: Reason::NotYet(Tick::NEVER), until: None });
+                answer.held.push(HeldCandidate {
+                    candidate: start.candidate,
+                    reason: HoldReason::NotYet(Tick::NEVER),
+                    until: None,
+                });
             }
             may
         });
@@ -165,7 +170,7 @@ fn each_part_has_a_slot_of_its_own_in_the_store() {
         let mut dispatcher = LetIn { left: [("enter<A.new>", 4), ("enter<B.new>", 3)].into() };
         world.run(&mut dispatcher, Tick::from_millis(900_000));
         assert_eq!(world.state().left(), 7, "seed {seed}");
-        let told = |done: &linewright_simulation::cell::Done| match &done.parameters[..] {
+        let told = |done: &linewright_simulation::cell::BegunTask| match &done.parameters[..] {
             [(name, slot)] if &**name == "slot" => (done.task.starts_with("unload"), done.part.unwrap(), *slot),
             other => panic!("{other:?}"),
         };
@@ -195,13 +200,13 @@ fn modes_have_the_times_of_their_stages() {
     };
     let second = Duration::from_secs;
     let work = of("M2.process<A.new>");
-    assert_eq!(work.kind, ActivityKind::Decided { time: second(55), limit: None });
+    assert_eq!(work.kind, ActivityTiming::Decided { time: second(55), limit: None });
     assert_eq!((work.orders.len(), work.orders[0].limit), (1, second(110)));
-    assert_eq!(work.orders[0].parameters, [("program".into(), Value::Number(1))]);
-    assert_eq!(of("M2.process<B.grind>").orders[0].parameters, [("program".into(), Value::Number(4))]);
+    assert_eq!(work.orders[0].parameters, [("program".into(), TaskParameterValue::Number(1))]);
+    assert_eq!(of("M2.process<B.grind>").orders[0].parameters, [("program".into(), TaskParameterValue::Number(4))]);
     let load = of("load M3<B.new>");
     assert_eq!(load.orders.iter().map(|order| order.limit).collect::<Vec<_>>(), [second(24), second(26)]);
-    assert_eq!(of("enter<A.new>").kind, ActivityKind::Decided { time: Duration::ZERO, limit: None });
+    assert_eq!(of("enter<A.new>").kind, ActivityTiming::Decided { time: Duration::ZERO, limit: None });
     assert!(made.table.modes().all(|mode| made.table.activity(mode).servers == 1));
 }
 
@@ -209,11 +214,11 @@ fn modes_have_the_times_of_their_stages() {
 fn what_cannot_be_played_says_why() {
     let text = C1.replace("reserve = true", "reserve = false");
     let cell = linewright_cell::parse("cell.toml", &text, None).expect("it can be described").cell;
-    let refused = described(&cell, None, Supply::Open, PACE);
+    let refused = compile_cell(&cell, None, Supply::Open, PACE);
     assert!(matches!(refused, Err(Unplayable::Unreserved)));
     let line = linewright_line::TransferLine::default().text();
     let line = linewright_line::parse("line.toml", &line).expect("the shipped line is sound").line;
     let cell = linewright_cell::parse("cell.toml", C1, None).expect("it is sound").cell;
-    let refused = described(&cell, Some(&line), Supply::Open, PACE).map(|_| ()).unwrap_err();
+    let refused = compile_cell(&cell, Some(&line), Supply::Open, PACE).map(|_| ()).unwrap_err();
     assert_eq!(refused.to_string(), "the line has no station `m1`");
 }

@@ -6,11 +6,11 @@ use std::sync::Arc;
 use std::time::Duration;
 
 use linewright_cell::net::Supply;
-use linewright_coordinator_cell::described::{Pace, Recovery, RecoveryNet, described, recovery_net};
-use linewright_coordinator_cell::exception::{Step, Strategy, Whereabouts};
+use linewright_coordinator_cell::compile::{OrderTiming, Recovery, RecoveryNet, compile_cell, recovery_net};
+use linewright_coordinator_cell::exception::{ExceptionStep, Strategy, Whereabouts};
 use linewright_coordinator_cell::{
-    AlarmId, Answer, Coordination, Dispatcher, Fact, Firing, Heard, Input, ModeId, Outbox, Outcome, Phase, Question,
-    Record, Reply, Start, State,
+    ActivityPhase, AlarmId, Coordination, DispatchDecision, Dispatcher, ModeId, OngoingActivity, Outcome, PlayerInput,
+    PlayerOutbox, PlayerState, Question, Record, RecordKind, Reply, Start, TaskReport,
 };
 use linewright_line::{StationId, Tick};
 use linewright_nets::TransitionId;
@@ -18,7 +18,7 @@ use linewright_orders::Failure as Ended;
 
 const C1: &str = include_str!("../../../launch-config/lines/workcell-c1/cell.toml");
 const ASSEMBLY: &str = include_str!("../../../launch-config/lines/assembly-cell/cell.toml");
-const PACE: Pace = Pace { refresh: Duration::from_millis(200), grace: Duration::from_secs(1) };
+const PACE: OrderTiming = OrderTiming { refresh: Duration::from_millis(200), grace: Duration::from_secs(1) };
 /// No rule of a shipped cell is about this code, which is no wait that was too long.
 const ANY_CODE: u16 = 1997;
 
@@ -30,13 +30,13 @@ struct Wanted {
 }
 
 impl Dispatcher for Wanted {
-    fn decide(&mut self, question: &Question<'_>) -> Answer {
+    fn decide(&mut self, question: &Question<'_>) -> DispatchDecision {
         self.asked = question.candidates.iter().map(|of| of.mode).collect();
         let found = question.candidates.iter().position(|of| Some(of.mode) == self.mode);
         let start =
             found.map(|candidate| Start { candidate, part: question.parts(&question.candidates[candidate]).next() });
         self.mode = self.mode.filter(|_| start.is_none());
-        Answer { start: start.into_iter().collect(), held: Vec::new() }
+        DispatchDecision { start: start.into_iter().collect(), held: Vec::new() }
     }
 }
 
@@ -52,8 +52,8 @@ struct Life {
 type Taken = (ModeId, bool, Whereabouts, Strategy);
 
 impl Life {
-    fn step(&mut self, inputs: &[Input<'_>], wanted: &mut Wanted) -> Vec<Record> {
-        let mut out = Outbox::default();
+    fn step(&mut self, inputs: &[PlayerInput<'_>], wanted: &mut Wanted) -> Vec<Record> {
+        let mut out = PlayerOutbox::default();
         self.player.reconsider();
         self.player.step(self.now, inputs, wanted, &mut out);
         out.records
@@ -61,9 +61,12 @@ impl Life {
 
     /// All stations stand at a rest, and know of no order.
     fn hear(&mut self) {
-        let heard = Heard { memory: 1, ..Heard::default() };
+        let heard = TaskReport { memory: 1, ..TaskReport::default() };
         for station in 0..self.stations {
-            self.step(&[Input::Starts(true), Input::Station(StationId::at(station), &heard)], &mut Wanted::default());
+            self.step(
+                &[PlayerInput::Starts(true), PlayerInput::Station(StationId::at(station), &heard)],
+                &mut Wanted::default(),
+            );
         }
     }
 
@@ -76,7 +79,7 @@ impl Life {
     }
 
     /// The activity of a mode that is in progress or open.
-    fn firing(&self, mode: ModeId) -> Option<Firing> {
+    fn firing(&self, mode: ModeId) -> Option<OngoingActivity> {
         self.player.state().firings().find(|firing| firing.mode == mode).cloned()
     }
 
@@ -93,7 +96,7 @@ impl Life {
     fn done(&mut self, mode: ModeId) {
         let orders = self.firing(mode).map(|firing| firing.orders).unwrap_or_default();
         for order in &orders {
-            let reply = Input::Reply(order.station, order.key, Reply::Ended(Outcome::Done));
+            let reply = PlayerInput::Reply(order.station, order.key, Reply::Ended(Outcome::Done));
             self.step(&[reply], &mut Wanted::default());
         }
         while self.firing(mode).is_some() {
@@ -128,12 +131,12 @@ impl Check<'_> {
             let firing = life.firing(mode).expect("it is in progress");
             if let (Some(code), Some(order)) = (cause, firing.orders.first()) {
                 let reply =
-                    Input::Reply(order.station, order.key, Reply::Ended(Outcome::Failed(Ended::from_code(code))));
+                    PlayerInput::Reply(order.station, order.key, Reply::Ended(Outcome::Failed(Ended::from_code(code))));
                 life.step(&[reply], &mut Wanted::default());
             } else if firing.orders.is_empty() {
                 let handling = life.player.state().table().handling().clone();
                 let Some(resource) = handling.mode(mode).resources().next() else { continue };
-                life.step(&[Input::Alarm { resource, text: "by hand" }], &mut Wanted::default());
+                life.step(&[PlayerInput::Alarm { resource, text: "by hand" }], &mut Wanted::default());
             }
             // Otherwise its time runs out. Nobody comes to rest by himself: people are asked in any case.
             for _ in 0..1000 {
@@ -142,7 +145,7 @@ impl Check<'_> {
                 }
                 life.on();
             }
-            assert!(matches!(life.firing(mode).map(|firing| firing.phase), Some(Phase::Failed(_))));
+            assert!(matches!(life.firing(mode).map(|firing| firing.phase), Some(ActivityPhase::Failed(_))));
             self.answer(&life, mode, false, depth);
         }
     }
@@ -160,7 +163,7 @@ impl Check<'_> {
             self.taken.insert((mode, is_carried, ruling.part, ruling.then));
             let mut life = life.clone();
             let mut state = life.player.state().clone();
-            let mut records = life.step(&[Input::Answer { alarm, word: &ruling.word }], &mut Wanted::default());
+            let mut records = life.step(&[PlayerInput::Answer { alarm, word: &ruling.word }], &mut Wanted::default());
             for _ in 0..1000 {
                 if life.firing(mode).is_none() || life.alarm().is_some() {
                     break;
@@ -178,7 +181,7 @@ impl Check<'_> {
                 let resources: Vec<_> = life.player.state().table().handling().resource_ids().collect();
                 life.hear();
                 for resource in resources {
-                    life.step(&[Input::Resource { resource, up: true }], &mut Wanted::default());
+                    life.step(&[PlayerInput::Resource { resource, up: true }], &mut Wanted::default());
                 }
                 assert!(life.firing(mode).is_some(), "{name} is done again");
                 self.fail(&life, mode, &[Some(ANY_CODE)], depth - 1);
@@ -187,10 +190,10 @@ impl Check<'_> {
     }
 
     /// What the record that closes an activity does to the marking.
-    fn closed(&self, state: &mut State, record: &Record) -> Option<BTreeMap<usize, i64>> {
+    fn closed(&self, state: &mut PlayerState, record: &Record) -> Option<BTreeMap<usize, i64>> {
         let before: Vec<i64> = state.marking().counts().iter().map(|&n| n as i64).collect();
         state.apply(record).expect("the player wrote it");
-        let is_closed = matches!(record.fact, Fact::Exception(Step::Closed { .. }));
+        let is_closed = matches!(record.fact, RecordKind::Exception(ExceptionStep::Closed { .. }));
         is_closed.then(|| {
             let after = state.marking().counts().iter().map(|&n| n as i64);
             after
@@ -206,7 +209,7 @@ impl Check<'_> {
 /// Everything that can fail fails in every way, as soon as it can start.
 fn held_against(text: &str) -> (RecoveryNet, usize) {
     let cell = linewright_cell::parse("cell.toml", text, None).unwrap_or_else(|problems| panic!("{problems:#}")).cell;
-    let made = described(&cell, None, Supply::Open, PACE).unwrap_or_else(|why| panic!("{why}"));
+    let made = compile_cell(&cell, None, Supply::Open, PACE).unwrap_or_else(|why| panic!("{why}"));
     // No sensor contradicts an answer here.
     let mut handling = made.table.handling().clone();
     handling.resources.iter_mut().for_each(|resource| resource.is_sensed = false);
@@ -215,8 +218,8 @@ fn held_against(text: &str) -> (RecoveryNet, usize) {
     let mut codes: Vec<Option<u16>> =
         cell.exceptions.iter().filter_map(|rule| rule.code.parse().ok()).map(Some).collect();
     codes.extend([None, Some(ANY_CODE)]);
-    let mut out = Outbox::default();
-    let player = Coordination::begin(State::new(table.clone()), Tick::ZERO, 1, &mut out).expect("the first life");
+    let mut out = PlayerOutbox::default();
+    let player = Coordination::begin(PlayerState::new(table.clone()), Tick::ZERO, 1, &mut out).expect("the first life");
     let mut life = Life { player, now: Tick::ZERO, stations: cell.controllers.len() };
     life.hear();
     let mut check = Check { net: &net, cells: table.cell_count(), taken: BTreeSet::new() };

@@ -1,12 +1,12 @@
 //! What a database is about: one cell, as it was described.
 
-use linewright_coordinator_cell::tracking::Sheet;
+use linewright_coordinator_cell::tracking::ReportMetadata;
 use serde::{Deserialize, Serialize};
 
 /// What a database is about. All that a report has to know of the cell is in it, so that none needs the description.
 #[derive(Clone, Debug, PartialEq, Eq, Serialize, Deserialize)]
 #[serde(deny_unknown_fields)]
-pub struct About {
+pub struct CellAbout {
     /// The cell's name.
     pub cell: String,
     /// What people call it.
@@ -14,35 +14,35 @@ pub struct About {
     /// The digest of the table that the records are about.
     pub table: u64,
     /// What times are.
-    pub clock: Clock,
+    pub clock: TimeBase,
     /// Its stations, by number.
     pub stations: Vec<String>,
     /// Modes and resources.
-    pub sheet: Sheet,
+    pub sheet: ReportMetadata,
 }
 
 /// What times are.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Serialize, Deserialize)]
 #[serde(rename_all = "kebab-case")]
-pub enum Clock {
+pub enum TimeBase {
     /// Microseconds since 1970 began, UTC.
     Unix,
     /// Microseconds since a simulation began.
     Simulated,
 }
 
-impl About {
+impl CellAbout {
     /// What is different in a database that is about this, if it cannot be used for `expected`: what it is about, and what
     /// it should be. Times, titles and what stations are called may differ.
-    pub(crate) fn difference(&self, expected: &About) -> Option<(String, String)> {
+    pub(crate) fn difference(&self, expected: &CellAbout) -> Option<(String, String)> {
         let of = |cell: &str| format!("cell `{cell}`");
         if self.cell != expected.cell {
             return Some((of(&self.cell), of(&expected.cell)));
         }
         if self.clock != expected.clock {
             let of = |clock| match clock {
-                Clock::Unix => "a cell that has run".to_owned(),
-                Clock::Simulated => "a simulation".to_owned(),
+                TimeBase::Unix => "a cell that has run".to_owned(),
+                TimeBase::Simulated => "a simulation".to_owned(),
             };
             return Some((of(self.clock), of(expected.clock)));
         }

@@ -3,7 +3,7 @@
 //! A fact is written as serde writes it, `{"started": {…}}`, and kept in two columns, the word and what stands behind it.
 //! So a fact that is new needs nothing here, and a word that nobody knows is of a newer program.
 
-use linewright_coordinator_cell::{Fact, Record};
+use linewright_coordinator_cell::{Record, RecordKind};
 use linewright_line::Tick;
 use serde::Serialize;
 use serde::de::DeserializeOwned;
@@ -12,36 +12,36 @@ use crate::Note;
 
 /// Something that has happened.
 #[derive(Clone, Debug, PartialEq, Eq)]
-pub struct Event {
+pub struct HistoryEvent {
     /// When.
     pub at: Tick,
     /// What.
-    pub what: What,
+    pub what: EventKind,
 }
 
 /// What has happened.
 #[derive(Clone, Debug, PartialEq, Eq)]
-pub enum What {
+pub enum EventKind {
     /// What the log says under a number.
-    Fact(u64, Fact),
+    Fact(u64, RecordKind),
     /// What no log says.
     Note(Note),
 }
 
-impl Event {
+impl HistoryEvent {
     /// The record, if it is one.
     pub fn record(&self) -> Option<Record> {
         match &self.what {
-            What::Fact(_, fact) => Some(Record { at: self.at, fact: fact.clone() }),
-            What::Note(_) => None,
+            EventKind::Fact(_, fact) => Some(Record { at: self.at, fact: fact.clone() }),
+            EventKind::Note(_) => None,
         }
     }
 
     /// Its word, and what stands behind it as JSON.
     pub fn parts(&self) -> (String, String) {
         match &self.what {
-            What::Fact(_, fact) => parts(fact),
-            What::Note(note) => parts(note),
+            EventKind::Fact(_, fact) => parts(fact),
+            EventKind::Note(note) => parts(note),
         }
     }
 }
@@ -70,16 +70,19 @@ mod tests {
 
     #[test]
     fn what_is_split_can_be_put_together() {
-        let facts = [Fact::Epoch { epoch: 3 }, Fact::Decided { question: 1, started: Vec::new(), held: Vec::new() }];
+        let facts = [
+            RecordKind::Epoch { epoch: 3 },
+            RecordKind::Decided { question: 1, started: Vec::new(), held: Vec::new() },
+        ];
         for fact in facts {
             let (kind, data) = parts(&fact);
-            assert_eq!(whole::<Fact>(&kind, &data).expect("it is a fact"), fact);
+            assert_eq!(whole::<RecordKind>(&kind, &data).expect("it is a fact"), fact);
         }
-        assert_eq!(parts(&Fact::Epoch { epoch: 3 }), ("epoch".to_owned(), "{\"epoch\":3}".to_owned()));
+        assert_eq!(parts(&RecordKind::Epoch { epoch: 3 }), ("epoch".to_owned(), "{\"epoch\":3}".to_owned()));
         let said = Note::Said { text: "\":{\"".to_owned() };
         let (kind, data) = parts(&said);
         assert_eq!((kind.as_str(), whole::<Note>(&kind, &data).expect("a note")), ("said", said));
-        assert!(whole::<Fact>("was-never", "{}").is_err());
+        assert!(whole::<RecordKind>("was-never", "{}").is_err());
         #[derive(Serialize)]
         enum Bare {
             One,

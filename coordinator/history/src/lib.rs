@@ -7,7 +7,7 @@
 //! ```
 //!
 //! The log of a cell is what its coordinator goes on from, and forgets all that a snapshot stands for. This remembers, and
-//! nothing of the cell depends on it: a database that is lost, full or slow is a report that is missing. Each [`Event`] is a
+//! nothing of the cell depends on it: a database that is lost, full or slow is a report that is missing. Each [`HistoryEvent`] is a
 //! row: a record of the log by its number, so that feeding it twice changes nothing, or a [`Note`] about what is no record
 //! (the mode of the cell, a device that is lost). Rows say what has happened as the record does, as JSON; reports are folds
 //! over the same records as everywhere else, and SQL is for people ([`schema`](mod@self) has views for them).
@@ -23,10 +23,10 @@ mod recorder;
 mod schema;
 mod writer;
 
-pub use about::{About, Clock};
+pub use about::{CellAbout, TimeBase};
 pub use error::HistoryError;
-pub use event::{Event, What};
+pub use event::{EventKind, HistoryEvent};
 pub use note::Note;
-pub use reader::Reader;
-pub use recorder::{Recorder, Source};
+pub use reader::HistoryReader;
+pub use recorder::{HistoryFeed, RecordSource};
 pub use writer::History;

@@ -2,24 +2,24 @@
 
 use std::path::{Path, PathBuf};
 
-use linewright_coordinator_cell::Fact;
+use linewright_coordinator_cell::RecordKind;
 use linewright_line::Tick;
 use rusqlite::{Connection, OpenFlags};
 
 use crate::error::at;
-use crate::event::{Event, What, whole};
+use crate::event::{EventKind, HistoryEvent, whole};
 use crate::writer::{PATIENCE, number, read_about};
-use crate::{About, HistoryError, Note, schema};
+use crate::{CellAbout, HistoryError, Note, schema};
 
 /// A database as it was when it was opened, whatever is written meanwhile.
 #[derive(Debug)]
-pub struct Reader {
+pub struct HistoryReader {
     db: Connection,
     path: PathBuf,
-    about: About,
+    about: CellAbout,
 }
 
-impl Reader {
+impl HistoryReader {
     /// Opens a database. Nothing in it is changed.
     ///
     /// # Errors
@@ -39,11 +39,11 @@ impl Reader {
         }
         schema::check(&db, path)?;
         let about = read_about(&db, path)?;
-        Ok(Reader { db, path: path.to_owned(), about })
+        Ok(HistoryReader { db, path: path.to_owned(), about })
     }
 
     /// What it is about.
-    pub fn about(&self) -> &About {
+    pub fn about(&self) -> &CellAbout {
         &self.about
     }
 
@@ -62,7 +62,7 @@ impl Reader {
     ///
     /// # Errors
     /// When it cannot be read, or says what cannot be.
-    pub fn each(&self, until: Tick, mut take: impl FnMut(Event)) -> Result<(), HistoryError> {
+    pub fn each(&self, until: Tick, mut take: impl FnMut(HistoryEvent)) -> Result<(), HistoryError> {
         let failed = at(&self.path);
         let damaged = |why: String| HistoryError::Damaged { path: self.path.clone(), why };
         let mut select = self
@@ -72,7 +72,8 @@ impl Reader {
         let mut rows = select.query([number(until.as_micros())]).map_err(failed)?;
         let (mut newest, mut count) = (0, 0_u64);
         while let Some(row) = rows.next().map_err(failed)? {
-            let Row { id, log, at, kind, data } = Row::new(row).map_err(|error| damaged(error.to_string()))?;
+            let EventColumns { id, log, at, kind, data } =
+                EventColumns::new(row).map_err(|error| damaged(error.to_string()))?;
             let unknown = |error| damaged(format!("event {id} of kind `{kind}` is none: {error}"));
             let what = match log {
                 Some(log) => {
@@ -80,16 +81,16 @@ impl Reader {
                         return Err(damaged(format!("record {log} of the log follows on record {newest}")));
                     }
                     newest = log;
-                    What::Fact(log, whole::<Fact>(&kind, &data).map_err(unknown)?)
+                    EventKind::Fact(log, whole::<RecordKind>(&kind, &data).map_err(unknown)?)
                 }
-                None => What::Note(whole::<Note>(&kind, &data).map_err(unknown)?),
+                None => EventKind::Note(whole::<Note>(&kind, &data).map_err(unknown)?),
             };
             // A note of what is missing comes before what is there again: of one time, what has no number comes first.
-            if let What::Note(Note::Missing { from: _, to }) = what {
+            if let EventKind::Note(Note::Missing { from: _, to }) = what {
                 newest = to;
             }
             count += 1;
-            take(Event { at: Tick::from_micros(at), what });
+            take(HistoryEvent { at: Tick::from_micros(at), what });
         }
         // A damaged index can hide rows without being noticed; the table itself is counted beside it.
         let all = "SELECT count(*) FROM event NOT INDEXED WHERE at <= ?1";
@@ -99,7 +100,7 @@ impl Reader {
 }
 
 /// A row as it is.
-struct Row {
+struct EventColumns {
     id: i64,
     log: Option<u64>,
     at: u64,
@@ -107,8 +108,8 @@ struct Row {
     data: String,
 }
 
-impl Row {
+impl EventColumns {
     fn new(row: &rusqlite::Row<'_>) -> rusqlite::Result<Self> {
-        Ok(Row { id: row.get(0)?, log: row.get(1)?, at: row.get(2)?, kind: row.get(3)?, data: row.get(4)? })
+        Ok(EventColumns { id: row.get(0)?, log: row.get(1)?, at: row.get(2)?, kind: row.get(3)?, data: row.get(4)? })
     }
 }

@@ -1,9 +1,9 @@
 //! Feeds the database on a thread of its own, so that no decision waits for a disk.
 //!
 //! Records are offered through a bounded queue, after they are in the cell's log. What finds the queue full is dropped: the
-//! thread sees by the numbers that something is missing and reads it from the log ([`Source`]). The same happens when it
+//! thread sees by the numbers that something is missing and reads it from the log ([`RecordSource`]). The same happens when it
 //! begins, so a database that is behind for whatever reason (killed, moved away, damaged and replaced) catches up by itself,
-//! as far back as the log goes. [`Recorder::newest`] says how far it is: a log may forget what is older.
+//! as far back as the log goes. [`HistoryFeed::newest`] says how far it is: a log may forget what is older.
 
 use std::collections::VecDeque;
 use std::path::PathBuf;
@@ -15,7 +15,7 @@ use std::thread::JoinHandle;
 use linewright_coordinator_cell::Record;
 use linewright_line::Tick;
 
-use crate::writer::Item;
+use crate::writer::HistoryItem;
 use crate::{History, HistoryError, Note};
 
 /// So many batches can wait. A step of the player is one.
@@ -26,7 +26,7 @@ const BATCH: usize = 1000;
 const NOTES_MAX: usize = 1000;
 
 /// The log, for whoever reads it beside the one who writes it.
-pub trait Source: Send {
+pub trait RecordSource: Send {
     /// Gives `take` every record that the log has, with its number, in their order, as far as they are written. It may begin
     /// later than with the first: what is before, the log has forgotten.
     ///
@@ -36,14 +36,14 @@ pub trait Source: Send {
 }
 
 /// What waits to be written.
-enum Waiting {
+enum FeedQueue {
     Records(u64, Vec<Record>),
     Note(Tick, Note),
 }
 
 /// What both sides know.
 #[derive(Debug, Default)]
-struct Shared {
+struct FeedState {
     /// The newest record that the database has.
     newest: AtomicU64,
     /// The newest that the log has.
@@ -54,24 +54,24 @@ struct Shared {
 
 /// Feeds a database.
 #[derive(Debug)]
-pub struct Recorder {
-    queue: Option<SyncSender<Waiting>>,
+pub struct HistoryFeed {
+    queue: Option<SyncSender<FeedQueue>>,
     notes: VecDeque<(Tick, Note)>,
-    shared: Arc<Shared>,
+    shared: Arc<FeedState>,
     thread: Option<JoinHandle<Result<History, HistoryError>>>,
 }
 
-impl Recorder {
+impl HistoryFeed {
     /// Begins, with what the log has: `last` is the number of its newest record. Records of the database beyond that are
     /// removed, since a power cut has taken them from the log before anybody was told of them.
-    pub fn start(history: History, source: Box<dyn Source>, last: u64) -> Self {
+    pub fn start(history: History, source: Box<dyn RecordSource>, last: u64) -> Self {
         Self::with_queue(history, source, last, QUEUE)
     }
 
     /// The same with room for so many batches.
-    pub fn with_queue(history: History, source: Box<dyn Source>, last: u64, queue: usize) -> Self {
+    pub fn with_queue(history: History, source: Box<dyn RecordSource>, last: u64, queue: usize) -> Self {
         let (sender, receiver) = sync_channel(queue);
-        let shared = Arc::new(Shared::default());
+        let shared = Arc::new(FeedState::default());
         shared.written.store(last, Ordering::Release);
         let mut feeding = Feeding { history, source, shared: shared.clone() };
         let thread = std::thread::spawn(move || {
@@ -83,7 +83,7 @@ impl Recorder {
             }
             fed.map(|()| feeding.history)
         });
-        Recorder { queue: Some(sender), notes: VecDeque::new(), shared, thread: Some(thread) }
+        HistoryFeed { queue: Some(sender), notes: VecDeque::new(), shared, thread: Some(thread) }
     }
 
     /// Offers records that are in the log, numbered from `first` on. It never waits.
@@ -92,7 +92,7 @@ impl Recorder {
         self.shared.written.fetch_max(last, Ordering::AcqRel);
         self.flush();
         // A full queue is caught up from the log.
-        _ = self.send(Waiting::Records(first, records.to_vec()));
+        _ = self.send(FeedQueue::Records(first, records.to_vec()));
     }
 
     /// Offers what is no record. It never waits.
@@ -106,14 +106,14 @@ impl Recorder {
 
     fn flush(&mut self) {
         while let Some((at, note)) = self.notes.pop_front() {
-            if let Err(Waiting::Note(at, note)) = self.send(Waiting::Note(at, note)) {
+            if let Err(FeedQueue::Note(at, note)) = self.send(FeedQueue::Note(at, note)) {
                 self.notes.push_front((at, note));
                 return;
             }
         }
     }
 
-    fn send(&self, what: Waiting) -> Result<(), Waiting> {
+    fn send(&self, what: FeedQueue) -> Result<(), FeedQueue> {
         match self.queue.as_ref().map(|queue| queue.try_send(what)) {
             Some(Err(TrySendError::Full(what) | TrySendError::Disconnected(what))) => Err(what),
             Some(Ok(())) | None => Ok(()),
@@ -137,7 +137,7 @@ impl Recorder {
     pub fn close(mut self) -> Result<History, HistoryError> {
         for (at, note) in std::mem::take(&mut self.notes) {
             // At the end there is time to wait; a thread that has given up says so below.
-            _ = self.queue.as_ref().map(|queue| queue.send(Waiting::Note(at, note)));
+            _ = self.queue.as_ref().map(|queue| queue.send(FeedQueue::Note(at, note)));
         }
         self.queue = None;
         match self.thread.take().map(JoinHandle::join) {
@@ -150,7 +150,7 @@ impl Recorder {
     }
 }
 
-impl Drop for Recorder {
+impl Drop for HistoryFeed {
     /// Waits as well: who drops it by mistake loses nothing.
     fn drop(&mut self) {
         self.queue = None;
@@ -161,8 +161,8 @@ impl Drop for Recorder {
 /// The thread.
 struct Feeding {
     history: History,
-    source: Box<dyn Source>,
-    shared: Arc<Shared>,
+    source: Box<dyn RecordSource>,
+    shared: Arc<FeedState>,
 }
 
 impl Feeding {
@@ -181,7 +181,7 @@ impl Feeding {
         self.shared.newest.store(self.history.newest(), Ordering::Release);
     }
 
-    fn go_on(&mut self, queue: &Receiver<Waiting>) -> Result<(), HistoryError> {
+    fn go_on(&mut self, queue: &Receiver<FeedQueue>) -> Result<(), HistoryError> {
         let mut items = Vec::new();
         while let Ok(first) = queue.recv() {
             let mut next = Some(first);
@@ -205,22 +205,22 @@ impl Feeding {
         if self.shared.written.load(Ordering::Acquire) > newest { self.catch_up(newest, u64::MAX) } else { Ok(()) }
     }
 
-    fn take(&mut self, what: Waiting, items: &mut Vec<Item>) -> Result<(), HistoryError> {
+    fn take(&mut self, what: FeedQueue, items: &mut Vec<HistoryItem>) -> Result<(), HistoryError> {
         match what {
-            Waiting::Note(at, note) => items.push(Item::Note(at, note)),
-            Waiting::Records(first, records) => {
-                let newest = items.iter().map(Item::number).max().unwrap_or(0).max(self.history.newest());
+            FeedQueue::Note(at, note) => items.push(HistoryItem::Note(at, note)),
+            FeedQueue::Records(first, records) => {
+                let newest = items.iter().map(HistoryItem::number).max().unwrap_or(0).max(self.history.newest());
                 if first > newest + 1 {
                     self.write(items)?;
                     self.catch_up(self.history.newest(), u64::MAX)?;
                 }
-                items.extend((first..).zip(records).map(|(number, record)| Item::Record(number, record)));
+                items.extend((first..).zip(records).map(|(number, record)| HistoryItem::Record(number, record)));
             }
         }
         Ok(())
     }
 
-    fn write(&mut self, items: &mut Vec<Item>) -> Result<(), HistoryError> {
+    fn write(&mut self, items: &mut Vec<HistoryItem>) -> Result<(), HistoryError> {
         self.history.put(items)?;
         items.clear();
         self.tell();
@@ -235,11 +235,11 @@ impl Feeding {
             if number <= after || number > until || put.is_err() {
                 return;
             }
-            let newest = items.last().map_or(0, Item::number).max(history.newest());
+            let newest = items.last().map_or(0, HistoryItem::number).max(history.newest());
             if number > newest + 1 {
-                items.push(Item::Note(record.at, Note::Missing { from: newest + 1, to: number - 1 }));
+                items.push(HistoryItem::Note(record.at, Note::Missing { from: newest + 1, to: number - 1 }));
             }
-            items.push(Item::Record(number, record));
+            items.push(HistoryItem::Record(number, record));
             if items.len() >= BATCH {
                 put = history.put(&items);
                 items.clear();

@@ -12,7 +12,7 @@ use rusqlite::{Connection, OptionalExtension, Transaction, TransactionBehavior, 
 
 use crate::error::at;
 use crate::event::parts;
-use crate::{About, HistoryError, Note, schema};
+use crate::{CellAbout, HistoryError, Note, schema};
 
 /// How long another one may hold the file. Readers never do.
 pub(crate) const PATIENCE: Duration = Duration::from_secs(5);
@@ -27,19 +27,19 @@ pub struct History {
 
 /// What is written.
 #[derive(Clone, Debug)]
-pub(crate) enum Item {
+pub(crate) enum HistoryItem {
     /// Under its number in the log.
     Record(u64, Record),
     /// Beside the log.
     Note(Tick, Note),
 }
 
-impl Item {
+impl HistoryItem {
     /// Its number in the log; 0 if it has none.
     pub(crate) fn number(&self) -> u64 {
         match self {
-            Item::Record(number, _) => *number,
-            Item::Note(..) => 0,
+            HistoryItem::Record(number, _) => *number,
+            HistoryItem::Note(..) => 0,
         }
     }
 }
@@ -56,7 +56,7 @@ impl History {
     ///
     /// # Errors
     /// When there is such a file, or it cannot be written.
-    pub fn create(path: &Path, about: &About) -> Result<Self, HistoryError> {
+    pub fn create(path: &Path, about: &CellAbout) -> Result<Self, HistoryError> {
         let new = std::fs::File::options().write(true).create_new(true).open(path);
         match new {
             Err(error) if error.kind() == std::io::ErrorKind::AlreadyExists => {
@@ -71,7 +71,7 @@ impl History {
     ///
     /// # Errors
     /// When it is no such database, is about another cell or another description of it, is damaged, or cannot be written.
-    pub fn open(path: &Path, about: &About) -> Result<Self, HistoryError> {
+    pub fn open(path: &Path, about: &CellAbout) -> Result<Self, HistoryError> {
         let failed = at(path);
         let mut db = Connection::open(path).map_err(failed)?;
         db.busy_timeout(PATIENCE).map_err(failed)?;
@@ -112,7 +112,8 @@ impl History {
     /// # Errors
     /// When something else is there under one of the numbers, or they cannot be written. Nothing is written then.
     pub fn feed(&mut self, first: u64, records: &[Record]) -> Result<(), HistoryError> {
-        let items: Vec<Item> = (first..).zip(records).map(|(number, of)| Item::Record(number, of.clone())).collect();
+        let items: Vec<HistoryItem> =
+            (first..).zip(records).map(|(number, of)| HistoryItem::Record(number, of.clone())).collect();
         self.put(&items)
     }
 
@@ -121,7 +122,7 @@ impl History {
     /// # Errors
     /// When it cannot be written.
     pub fn note(&mut self, at: Tick, note: &Note) -> Result<(), HistoryError> {
-        self.put(&[Item::Note(at, note.clone())])
+        self.put(&[HistoryItem::Note(at, note.clone())])
     }
 
     /// Removes records beyond `last`: a power cut has taken them from the log, and nobody was told anything about them.
@@ -134,13 +135,13 @@ impl History {
         Ok(())
     }
 
-    pub(crate) fn put(&mut self, items: &[Item]) -> Result<(), HistoryError> {
+    pub(crate) fn put(&mut self, items: &[HistoryItem]) -> Result<(), HistoryError> {
         let failed = at(&self.path);
         let change = self.db.transaction_with_behavior(TransactionBehavior::Immediate).map_err(failed)?;
         let mut newest = self.newest;
         for item in items {
             match item {
-                Item::Record(number, record) => {
+                HistoryItem::Record(number, record) => {
                     match insert(&change, *number, record).map_err(failed)? {
                         Under::Nothing | Under::Same => (),
                         Under::Other => {
@@ -149,7 +150,7 @@ impl History {
                     }
                     newest = newest.max(*number);
                 }
-                Item::Note(at, note) => {
+                HistoryItem::Note(at, note) => {
                     let (kind, data) = parts(note);
                     let mut add = change
                         .prepare_cached("INSERT INTO event (at, kind, data) VALUES (?1, ?2, ?3)")
@@ -183,7 +184,7 @@ pub(crate) fn number(of: u64) -> i64 {
     i64::try_from(of).unwrap_or(i64::MAX)
 }
 
-pub(crate) fn read_about(db: &Connection, path: &Path) -> Result<About, HistoryError> {
+pub(crate) fn read_about(db: &Connection, path: &Path) -> Result<CellAbout, HistoryError> {
     let text =
         db.query_row("SELECT data FROM about", [], |row| row.get::<_, String>(0)).optional().map_err(at(path))?;
     let damaged = |why: String| HistoryError::Damaged { path: path.to_owned(), why };
@@ -191,7 +192,7 @@ pub(crate) fn read_about(db: &Connection, path: &Path) -> Result<About, HistoryE
     serde_json::from_str(&text).map_err(|error| damaged(format!("what it is about cannot be read: {error}")))
 }
 
-fn write_about(db: &Connection, path: &Path, about: &About) -> Result<(), HistoryError> {
+fn write_about(db: &Connection, path: &Path, about: &CellAbout) -> Result<(), HistoryError> {
     let text = serde_json::to_string(about)
         .map_err(|error| HistoryError::Refused { path: path.to_owned(), why: error.to_string() })?;
     let written = db.execute("INSERT OR REPLACE INTO about (only, data) VALUES (1, ?1)", [text]);

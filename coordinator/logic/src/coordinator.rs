@@ -11,18 +11,18 @@ mod exchange;
 mod founding;
 mod obey;
 
-pub use exchange::{Heard, Input, Order, Outbox};
+pub use exchange::{ModeGrant, ModeInput, ModeOutbox, StationView};
 
 use linewright_line::net::ControlMode;
 use linewright_line::{InputId, Line, Owner, StationId, Tick};
 
 use crate::buttons::Buttons;
-use crate::decision::{Command, Facts, next};
-use crate::refusal::{Reason, Refusal};
+use crate::decision::{ModeCommand, ModeFacts, next};
+use crate::refusal::{ModeRefusal, Refusal};
 
 #[derive(Clone, Debug, Default)]
-struct Station {
-    heard: Heard,
+struct StationEntry {
+    heard: StationView,
     known_until: Tick,
     /// Came up anew while the line was in auto or hand, and nobody has looked at it since.
     restarted: bool,
@@ -40,10 +40,10 @@ struct Station {
     reset_in: u64,
 }
 
-impl Station {
+impl StationEntry {
     fn of(line: &Line, id: StationId) -> Self {
         let compares = line.arrows.iter().any(|arrow| arrow.from.0 == id || arrow.to.0 == id);
-        Station { on_order: line.station(id).works_on_order(), compares, ..Station::default() }
+        StationEntry { on_order: line.station(id).works_on_order(), compares, ..StationEntry::default() }
     }
 
     /// Whether it is not in the latest round, or at the end of it.
@@ -79,7 +79,7 @@ pub struct Coordinator {
     rival: Option<(u64, Tick)>,
     /// "Manual" was commanded: as if every selector stood at manual.
     manual_all: bool,
-    stations: Vec<Station>,
+    stations: Vec<StationEntry>,
     console: (u128, bool),
     console_was_heard: bool,
     /// Wired hand-mode buttons that were down when the console was heard again, and have not been up since.
@@ -95,7 +95,7 @@ impl Coordinator {
     /// its predecessor used (0 if none). It comes up in the home mode, in which nothing moves.
     pub fn new(line: Line, boot_id: u64, last_epoch: u64) -> Self {
         Coordinator {
-            stations: line.station_ids().map(|id| Station::of(&line, id)).collect(),
+            stations: line.station_ids().map(|id| StationEntry::of(&line, id)).collect(),
             line,
             boot_id,
             now: Tick::ZERO,
@@ -152,8 +152,8 @@ impl Coordinator {
     }
 
     /// The order as it stands.
-    pub fn order(&self) -> Order {
-        Order {
+    pub fn order(&self) -> ModeGrant {
+        ModeGrant {
             epoch: self.epoch,
             mode: self.mode,
             enabled: self.enabled || !self.mode.enables_motion(),
@@ -196,22 +196,22 @@ impl Coordinator {
     }
 
     /// Takes what has arrived and acts on it. Follow with [`Coordinator::step`].
-    pub fn handle(&mut self, now: Tick, input: Input) {
+    pub fn handle(&mut self, now: Tick, input: ModeInput) {
         self.now = self.now.max(now);
         match input {
-            Input::Command(command) => self.command(command),
-            Input::Console { bits, valid } => self.hear_console(bits, valid),
-            Input::Buttons(held) => self.changed |= self.buttons.hear(self.now, held, self.line.timing.stale),
-            Input::LateButtons(held) => {
+            ModeInput::Command(command) => self.command(command),
+            ModeInput::Console { bits, valid } => self.hear_console(bits, valid),
+            ModeInput::Buttons(held) => self.changed |= self.buttons.hear(self.now, held, self.line.timing.stale),
+            ModeInput::LateButtons(held) => {
                 self.buttons.hear_late(self.now, held, self.line.timing.stale);
                 self.changed = true;
             }
-            Input::Station(id, heard) => self.hear_station(id, heard),
-            Input::Rival(life, until) => {
+            ModeInput::Station(id, heard) => self.hear_station(id, heard),
+            ModeInput::Rival(life, until) => {
                 self.changed |= self.rival() != Some(life);
                 self.rival = Some((life, until));
             }
-            Input::Journal(is_written) => {
+            ModeInput::Journal(is_written) => {
                 self.changed |= self.journal_lost == is_written;
                 self.journal_lost = !is_written;
                 self.estop |= self.journal_lost;
@@ -241,11 +241,11 @@ impl Coordinator {
         if valid && !first {
             let pressed = |input: Option<InputId>| input.is_some_and(|input| bits & !before.0 & (1 << input.0) != 0);
             let buttons = [
-                (console.start, Command::Start),
-                (console.stop, Command::Stop),
-                (console.auto, Command::Auto),
-                (console.hand, Command::Hand),
-                (console.reset, Command::Reset),
+                (console.start, ModeCommand::Start),
+                (console.stop, ModeCommand::Stop),
+                (console.auto, ModeCommand::Auto),
+                (console.hand, ModeCommand::Hand),
+                (console.reset, ModeCommand::Reset),
             ];
             for (input, command) in buttons {
                 if pressed(input) {
@@ -256,7 +256,7 @@ impl Coordinator {
         self.console_was_heard |= valid;
     }
 
-    fn hear_station(&mut self, id: StationId, heard: Heard) {
+    fn hear_station(&mut self, id: StationId, heard: StationView) {
         let now = self.now;
         let Some(station) = self.stations.get_mut(id.index()) else { return };
         let rebooted = station.heard.boot_id != 0 && station.heard.boot_id != heard.boot_id;
@@ -288,16 +288,16 @@ impl Coordinator {
         self.rival.filter(|(_, until)| self.now < *until).map(|(life, _)| life)
     }
 
-    fn is_known(&self, station: &Station) -> bool {
+    fn is_known(&self, station: &StationEntry) -> bool {
         self.now < station.known_until
     }
 
-    fn all(&self, what: impl Fn(&Heard) -> bool) -> bool {
+    fn all(&self, what: impl Fn(&StationView) -> bool) -> bool {
         self.counted().all(|(_, s)| self.is_known(s) && what(&s.heard))
     }
 
-    fn facts(&self, command: Option<Command>) -> Facts {
-        Facts {
+    fn facts(&self, command: Option<ModeCommand>) -> ModeFacts {
+        ModeFacts {
             command,
             estop: self.estop,
             trouble: !self.troubles().is_empty(),
@@ -309,7 +309,7 @@ impl Coordinator {
     }
 
     /// Nothing moves, and nothing will by an order that it heard before.
-    fn is_at_rest(&self, heard: &Heard) -> bool {
+    fn is_at_rest(&self, heard: &StationView) -> bool {
         heard.stopped && heard.mode_epoch >= self.quiet
     }
 
@@ -318,34 +318,34 @@ impl Coordinator {
     }
 
     /// What speaks against motion in auto and hand.
-    fn troubles(&self) -> Vec<Reason> {
+    fn troubles(&self) -> Vec<ModeRefusal> {
         let mut reasons = Vec::new();
         if self.journal_lost {
-            reasons.push(Reason::JournalLost);
+            reasons.push(ModeRefusal::JournalLost);
         }
-        reasons.extend(self.rival().map(Reason::OtherCoordinator));
+        reasons.extend(self.rival().map(ModeRefusal::OtherCoordinator));
         if self.console_was_heard && !self.console.1 {
-            reasons.push(Reason::ConsoleLost);
+            reasons.push(ModeRefusal::ConsoleLost);
         }
         if self.console_is_unknown() {
-            reasons.push(Reason::ConsoleNeverHeard);
+            reasons.push(ModeRefusal::ConsoleNeverHeard);
         }
         for (id, station) in self.counted() {
             if !self.is_known(station) {
-                reasons.push(Reason::NotHeard(id));
+                reasons.push(ModeRefusal::NotHeard(id));
                 continue;
             }
             if !station.heard.devices_valid {
-                reasons.push(Reason::DevicesLost(id));
+                reasons.push(ModeRefusal::DevicesLost(id));
             }
             if station.heard.incomplete {
-                reasons.push(Reason::Incomplete(id));
+                reasons.push(ModeRefusal::Incomplete(id));
             }
             if station.heard.position_lost {
-                reasons.push(Reason::PositionLost(id));
+                reasons.push(ModeRefusal::PositionLost(id));
             }
             if station.restarted {
-                reasons.push(Reason::Restarted(id));
+                reasons.push(ModeRefusal::Restarted(id));
             }
         }
         // At home nothing moves, and the start that leads out founds what is missing.
@@ -355,16 +355,20 @@ impl Coordinator {
         reasons
     }
 
-    fn which(&self, what: impl Fn(&Heard) -> bool, reason: impl Fn(StationId) -> Reason) -> Vec<Reason> {
+    fn which(
+        &self,
+        what: impl Fn(&StationView) -> bool,
+        reason: impl Fn(StationId) -> ModeRefusal,
+    ) -> Vec<ModeRefusal> {
         self.counted().filter(|(_, s)| self.is_known(s) && what(&s.heard)).map(|(id, _)| reason(id)).collect()
     }
 
-    fn unheard(&self) -> Vec<Reason> {
-        self.counted().filter(|(_, s)| !self.is_known(s)).map(|(id, _)| Reason::NotHeard(id)).collect()
+    fn unheard(&self) -> Vec<ModeRefusal> {
+        self.counted().filter(|(_, s)| !self.is_known(s)).map(|(id, _)| ModeRefusal::NotHeard(id)).collect()
     }
 
     /// Plays the net until no arc is allowed. A command is used by the first arc that takes it.
-    fn decide(&mut self, mut command: Option<Command>) {
+    fn decide(&mut self, mut command: Option<ModeCommand>) {
         // Six places and exclusive arcs: more hops than places would be a loop among conditions that hold together.
         for _ in ControlMode::ALL {
             let Some(mode) = next(self.mode, &self.facts(command)) else { break };
@@ -406,7 +410,7 @@ impl Coordinator {
     }
 
     /// Brings the decision up to `now`. Call it after every [`Coordinator::handle`] and at every deadline.
-    pub fn step(&mut self, now: Tick, out: &mut Outbox) {
+    pub fn step(&mut self, now: Tick, out: &mut ModeOutbox) {
         self.now = self.now.max(now);
         self.decide(None);
         // In no mode, manual included, while it is not known whether the emergency stop button is pressed, or while another

@@ -16,7 +16,7 @@
 //!      all selectors auto                 └──▶ (any place) ── e-stop ──▶ e-stop
 //! ```
 //!
-//! Every condition is a conjunction over [`Facts`], so that a test can try all of them: out of each place at most one
+//! Every condition is a conjunction over [`ModeFacts`], so that a test can try all of them: out of each place at most one
 //! arc is ever allowed. Emergency stop comes before trouble, trouble before what the operator asks for.
 
 use linewright_line::net::ControlMode;
@@ -24,7 +24,7 @@ use linewright_nets::{Net, NetBuilder};
 
 /// What an operator may ask for.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Hash)]
-pub enum Command {
+pub enum ModeCommand {
     /// Master start: from home to stand-by; also takes a master stop back.
     Start,
     /// Master stop: halt at home.
@@ -41,36 +41,43 @@ pub enum Command {
     Reset,
 }
 
-impl Command {
+impl ModeCommand {
     /// All seven.
-    pub const ALL: [Command; 7] =
-        [Command::Start, Command::Stop, Command::Auto, Command::Hand, Command::Manual, Command::EStop, Command::Reset];
+    pub const ALL: [ModeCommand; 7] = [
+        ModeCommand::Start,
+        ModeCommand::Stop,
+        ModeCommand::Auto,
+        ModeCommand::Hand,
+        ModeCommand::Manual,
+        ModeCommand::EStop,
+        ModeCommand::Reset,
+    ];
 
     /// The word an operator types: `start`, `stop`, `auto`, `hand`, `manual`, `estop`, `reset`.
     pub const fn name(self) -> &'static str {
         match self {
-            Command::Start => "start",
-            Command::Stop => "stop",
-            Command::Auto => "auto",
-            Command::Hand => "hand",
-            Command::Manual => "manual",
-            Command::EStop => "estop",
-            Command::Reset => "reset",
+            ModeCommand::Start => "start",
+            ModeCommand::Stop => "stop",
+            ModeCommand::Auto => "auto",
+            ModeCommand::Hand => "hand",
+            ModeCommand::Manual => "manual",
+            ModeCommand::EStop => "estop",
+            ModeCommand::Reset => "reset",
         }
     }
 
     /// The command with this name; blanks around it and letter case do not matter, nor does a dash in `e-stop`.
     pub fn parse(word: &str) -> Option<Self> {
         let word = word.trim().to_ascii_lowercase().replace('-', "");
-        Command::ALL.into_iter().find(|command| command.name() == word)
+        ModeCommand::ALL.into_iter().find(|command| command.name() == word)
     }
 }
 
 /// Everything the decision depends on.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
-pub struct Facts {
+pub struct ModeFacts {
     /// The command being judged.
-    pub command: Option<Command>,
+    pub command: Option<ModeCommand>,
     /// The emergency stop is latched.
     pub estop: bool,
     /// A fault, an incomplete operation, or a station or device that is not heard.
@@ -85,12 +92,12 @@ pub struct Facts {
     pub any_manual: bool,
 }
 
-impl Facts {
+impl ModeFacts {
     /// Every combination of facts and command, for whoever wants to try them all.
-    pub fn all() -> impl Iterator<Item = Facts> {
+    pub fn all() -> impl Iterator<Item = ModeFacts> {
         (0..1u32 << 6).flat_map(|bits| {
             let on = move |bit: u32| bits & (1 << bit) != 0;
-            std::iter::once(None).chain(Command::ALL.map(Some)).map(move |command| Facts {
+            std::iter::once(None).chain(ModeCommand::ALL.map(Some)).map(move |command| ModeFacts {
                 command,
                 estop: on(0),
                 trouble: on(1),
@@ -105,61 +112,69 @@ impl Facts {
 
 /// An arc of the mode decision net.
 #[derive(Clone, Copy, Debug)]
-pub struct Arc {
+pub struct ModeArc {
     /// From this mode.
     pub from: ControlMode,
     /// To this mode.
     pub to: ControlMode,
     /// If this holds.
-    pub when: fn(&Facts) -> bool,
+    pub when: fn(&ModeFacts) -> bool,
 }
 
 /// Every arc of the net.
-pub const ARCS: [Arc; 16] = [
-    Arc { from: ControlMode::Home, to: ControlMode::EStop, when: |f| f.estop },
-    Arc { from: ControlMode::StandBy, to: ControlMode::EStop, when: |f| f.estop },
-    Arc { from: ControlMode::Auto, to: ControlMode::EStop, when: |f| f.estop },
-    Arc { from: ControlMode::Hand, to: ControlMode::EStop, when: |f| f.estop },
-    Arc { from: ControlMode::Manual, to: ControlMode::EStop, when: |f| f.estop },
-    Arc { from: ControlMode::Home, to: ControlMode::StandBy, when: |f| !f.estop && f.command == Some(Command::Start) },
-    Arc {
+pub const ARCS: [ModeArc; 16] = [
+    ModeArc { from: ControlMode::Home, to: ControlMode::EStop, when: |f| f.estop },
+    ModeArc { from: ControlMode::StandBy, to: ControlMode::EStop, when: |f| f.estop },
+    ModeArc { from: ControlMode::Auto, to: ControlMode::EStop, when: |f| f.estop },
+    ModeArc { from: ControlMode::Hand, to: ControlMode::EStop, when: |f| f.estop },
+    ModeArc { from: ControlMode::Manual, to: ControlMode::EStop, when: |f| f.estop },
+    ModeArc {
+        from: ControlMode::Home,
+        to: ControlMode::StandBy,
+        when: |f| !f.estop && f.command == Some(ModeCommand::Start),
+    },
+    ModeArc {
         from: ControlMode::StandBy,
         to: ControlMode::Home,
-        when: |f| !f.estop && !f.any_manual && f.command == Some(Command::Stop) && f.all_home && f.all_stopped,
+        when: |f| !f.estop && !f.any_manual && f.command == Some(ModeCommand::Stop) && f.all_home && f.all_stopped,
     },
-    Arc {
+    ModeArc {
         from: ControlMode::StandBy,
         to: ControlMode::Auto,
-        when: |f| !f.estop && !f.any_manual && !f.trouble && f.command == Some(Command::Auto),
+        when: |f| !f.estop && !f.any_manual && !f.trouble && f.command == Some(ModeCommand::Auto),
     },
-    Arc {
+    ModeArc {
         from: ControlMode::StandBy,
         to: ControlMode::Hand,
-        when: |f| !f.estop && !f.any_manual && !f.trouble && f.all_stopped && f.command == Some(Command::Hand),
+        when: |f| !f.estop && !f.any_manual && !f.trouble && f.all_stopped && f.command == Some(ModeCommand::Hand),
     },
-    Arc { from: ControlMode::StandBy, to: ControlMode::Manual, when: |f| !f.estop && f.any_manual && f.all_stopped },
-    Arc { from: ControlMode::Auto, to: ControlMode::StandBy, when: |f| !f.estop && (f.trouble || f.any_manual) },
-    Arc {
+    ModeArc {
+        from: ControlMode::StandBy,
+        to: ControlMode::Manual,
+        when: |f| !f.estop && f.any_manual && f.all_stopped,
+    },
+    ModeArc { from: ControlMode::Auto, to: ControlMode::StandBy, when: |f| !f.estop && (f.trouble || f.any_manual) },
+    ModeArc {
         from: ControlMode::Auto,
         to: ControlMode::Home,
         when: |f| !f.estop && !f.trouble && !f.any_manual && f.stopping && f.all_home && f.all_stopped,
     },
-    Arc {
+    ModeArc {
         from: ControlMode::Hand,
         to: ControlMode::StandBy,
-        when: |f| !f.estop && (f.trouble || f.any_manual || f.command == Some(Command::Stop)),
+        when: |f| !f.estop && (f.trouble || f.any_manual || f.command == Some(ModeCommand::Stop)),
     },
-    Arc {
+    ModeArc {
         from: ControlMode::Hand,
         to: ControlMode::Auto,
-        when: |f| !f.estop && !f.trouble && !f.any_manual && f.command == Some(Command::Auto),
+        when: |f| !f.estop && !f.trouble && !f.any_manual && f.command == Some(ModeCommand::Auto),
     },
-    Arc { from: ControlMode::Manual, to: ControlMode::StandBy, when: |f| !f.estop && !f.any_manual },
-    Arc { from: ControlMode::EStop, to: ControlMode::Manual, when: |f| !f.estop && f.any_manual && f.all_stopped },
+    ModeArc { from: ControlMode::Manual, to: ControlMode::StandBy, when: |f| !f.estop && !f.any_manual },
+    ModeArc { from: ControlMode::EStop, to: ControlMode::Manual, when: |f| !f.estop && f.any_manual && f.all_stopped },
 ];
 
 /// The mode the net goes to from `mode`, if an arc allows it.
-pub fn next(mode: ControlMode, facts: &Facts) -> Option<ControlMode> {
+pub fn next(mode: ControlMode, facts: &ModeFacts) -> Option<ControlMode> {
     let mut allowed = ARCS.iter().filter(|arc| arc.from == mode && (arc.when)(facts));
     let first = allowed.next()?;
     debug_assert!(allowed.next().is_none(), "the arcs out of {mode} are exclusive");
@@ -188,7 +203,7 @@ mod tests {
     #[test]
     fn at_most_one_arc_is_allowed_out_of_every_place_under_all_facts() {
         for mode in ControlMode::ALL {
-            for facts in Facts::all() {
+            for facts in ModeFacts::all() {
                 let allowed: Vec<_> = ARCS.iter().filter(|a| a.from == mode && (a.when)(&facts)).collect();
                 assert!(allowed.len() <= 1, "{mode} under {facts:?}: {allowed:?}");
             }
@@ -198,7 +213,7 @@ mod tests {
     #[test]
     fn every_arc_is_allowed_under_some_facts() {
         for arc in ARCS {
-            assert!(Facts::all().any(|facts| (arc.when)(&facts)), "{arc:?}");
+            assert!(ModeFacts::all().any(|facts| (arc.when)(&facts)), "{arc:?}");
         }
     }
 

@@ -28,7 +28,7 @@ pub struct OutputImage {
 
 /// What is put on the bus for a station.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
-pub struct InForce {
+pub struct AppliedImage {
     /// Bit `i` is output `i` of the station.
     pub bits: u128,
     /// Life and number of the station's image it is; `None` when all is off because no image may be used. Told with
@@ -37,7 +37,7 @@ pub struct InForce {
 }
 
 #[derive(Clone, Copy, Debug)]
-struct Held {
+struct HeldImage {
     image: OutputImage,
     until: Tick,
 }
@@ -45,7 +45,7 @@ struct Held {
 /// The output images of all stations behind the gateway.
 #[derive(Clone, Debug)]
 pub struct Gateway {
-    stations: Vec<Option<Held>>,
+    stations: Vec<Option<HeldImage>>,
     stale: Duration,
 }
 
@@ -58,21 +58,21 @@ impl Gateway {
     /// Takes a newer image of a station.
     pub fn hear(&mut self, now: Tick, station: StationId, image: OutputImage) {
         if let Some(held) = self.stations.get_mut(station.index()) {
-            *held = Some(Held { image, until: now + self.stale });
+            *held = Some(HeldImage { image, until: now + self.stale });
         }
     }
 
     /// What to energise for a station whose devices have been lost `losses` times: its image, or all off. `since` is the
     /// epoch of the last emergency stop: an image from before it is not energised after it.
-    pub fn in_force(&self, now: Tick, station: StationId, losses: u64, since: u64) -> InForce {
+    pub fn in_force(&self, now: Tick, station: StationId, losses: u64, since: u64) -> AppliedImage {
         match self.stations.get(station.index()).copied().flatten() {
-            Some(Held { image, until })
+            Some(HeldImage { image, until })
                 if now < until && image.valid && image.losses == losses && image.mode_epoch >= since =>
             {
-                InForce { bits: image.bits, image: Some((image.boot_id, image.number)) }
+                AppliedImage { bits: image.bits, image: Some((image.boot_id, image.number)) }
             }
             // Silence, an image nobody vouches for, or one decided before a loss or an emergency stop: off is the safe state.
-            Some(_) | None => InForce::default(),
+            Some(_) | None => AppliedImage::default(),
         }
     }
 

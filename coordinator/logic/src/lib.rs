@@ -10,7 +10,7 @@ pub mod decision;
 mod gateway;
 mod refusal;
 
-pub use coordinator::{Coordinator, Heard, Input, Order, Outbox};
-pub use decision::Command;
-pub use gateway::{Gateway, InForce, OutputImage};
-pub use refusal::{Reason, Refusal};
+pub use coordinator::{Coordinator, ModeGrant, ModeInput, ModeOutbox, StationView};
+pub use decision::ModeCommand;
+pub use gateway::{AppliedImage, Gateway, OutputImage};
+pub use refusal::{ModeRefusal, Refusal};

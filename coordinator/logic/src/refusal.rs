@@ -3,13 +3,13 @@
 use linewright_line::net::ControlMode;
 use linewright_line::{Line, Owner, StationId};
 
-use crate::decision::Command;
+use crate::decision::ModeCommand;
 
 /// Why a command is not obeyed now.
 #[derive(Clone, Debug, PartialEq, Eq)]
-pub enum Reason {
+pub enum ModeRefusal {
     /// The mode has no use for it; these commands it would take.
-    WrongMode(Vec<Command>),
+    WrongMode(Vec<ModeCommand>),
     /// The line is already in that mode.
     Already,
     /// The emergency stop is latched.
@@ -52,11 +52,11 @@ pub enum Reason {
 #[derive(Clone, Debug, PartialEq, Eq)]
 pub struct Refusal {
     /// The command.
-    pub command: Command,
+    pub command: ModeCommand,
     /// The mode that refused it.
     pub mode: ControlMode,
     /// All reasons, at least one.
-    pub reasons: Vec<Reason>,
+    pub reasons: Vec<ModeRefusal>,
 }
 
 impl Refusal {
@@ -67,10 +67,10 @@ impl Refusal {
 
     /// The same, with what is wrong with the devices of whoever has lost them (empty where nobody knows).
     pub fn text_with(&self, line: &Line, trouble: impl Fn(Owner) -> String) -> String {
-        let in_words = |reason: &Reason| {
+        let in_words = |reason: &ModeRefusal| {
             let trouble = match reason {
-                Reason::DevicesLost(station) => trouble(Owner::Station(*station)),
-                Reason::ConsoleLost | Reason::ConsoleNeverHeard => trouble(Owner::Console),
+                ModeRefusal::DevicesLost(station) => trouble(Owner::Station(*station)),
+                ModeRefusal::ConsoleLost | ModeRefusal::ConsoleNeverHeard => trouble(Owner::Console),
                 _ => String::new(),
             };
             let text = reason.text(line);
@@ -81,49 +81,49 @@ impl Refusal {
     }
 }
 
-impl Reason {
+impl ModeRefusal {
     /// The reason in words.
     pub fn text(&self, line: &Line) -> String {
         let name = |station: &StationId| line.station(*station).name.as_str();
         match self {
-            Reason::WrongMode(takes) => {
+            ModeRefusal::WrongMode(takes) => {
                 let takes: Vec<&str> = takes.iter().map(|command| command.name()).collect();
                 format!("this mode takes {}", takes.join(", "))
             }
-            Reason::Already => "the line is in that mode already".to_owned(),
-            Reason::EStop => "the emergency stop is on: reset it, then only manual leads out".to_owned(),
-            Reason::EStopPressed => "the emergency stop button is pressed: pull it out first".to_owned(),
-            Reason::ConsoleLost => "the console's devices are not heard".to_owned(),
-            Reason::JournalLost => {
+            ModeRefusal::Already => "the line is in that mode already".to_owned(),
+            ModeRefusal::EStop => "the emergency stop is on: reset it, then only manual leads out".to_owned(),
+            ModeRefusal::EStopPressed => "the emergency stop button is pressed: pull it out first".to_owned(),
+            ModeRefusal::ConsoleLost => "the console's devices are not heard".to_owned(),
+            ModeRefusal::JournalLost => {
                 "the coordinator cannot write its journal (its log names file and cause): put that right, then reset"
                     .to_owned()
             }
-            Reason::OtherCoordinator(life) => {
+            ModeRefusal::OtherCoordinator(life) => {
                 format!("another coordinator (boot id {life}) gives orders to this line: end one of the two")
             }
-            Reason::ConsoleNeverHeard => {
+            ModeRefusal::ConsoleNeverHeard => {
                 "the console has not been heard yet, so its emergency stop may be pressed: see to its device's supply and bus"
                     .to_owned()
             }
-            Reason::NotHeard(s) => format!("{} is not heard", name(s)),
-            Reason::DevicesLost(s) => format!("{} has lost its devices", name(s)),
-            Reason::Incomplete(s) => format!("{} has an incomplete operation: recover it in manual", name(s)),
-            Reason::PositionLost(s) => {
+            ModeRefusal::NotHeard(s) => format!("{} is not heard", name(s)),
+            ModeRefusal::DevicesLost(s) => format!("{} has lost its devices", name(s)),
+            ModeRefusal::Incomplete(s) => format!("{} has an incomplete operation: recover it in manual", name(s)),
+            ModeRefusal::PositionLost(s) => {
                 format!(
                     "{} is not measured where its chart has it: see its fault, look at the mechanism and the switch",
                     name(s)
                 )
             }
-            Reason::NoCommonStart(s) => format!(
+            ModeRefusal::NoCommonStart(s) => format!(
                 "{} has no memory of the counts the others share: lead all stations home in manual, then give auto",
                 name(s)
             ),
-            Reason::Restarted(s) => format!("{} was restarted: give start or go through manual first", name(s)),
-            Reason::SelectorManual(s) => format!("the selector of {} stands at manual", name(s)),
-            Reason::Moving(s) => format!("{} is still moving", name(s)),
-            Reason::Unaware(s) => format!("{} has not acknowledged stand-by yet", name(s)),
-            Reason::NotAtHome(s) => format!("{} is not at home", name(s)),
-            Reason::Behind(s) => format!("{} is at home, but a cycle behind: give auto and then stop", name(s)),
+            ModeRefusal::Restarted(s) => format!("{} was restarted: give start or go through manual first", name(s)),
+            ModeRefusal::SelectorManual(s) => format!("the selector of {} stands at manual", name(s)),
+            ModeRefusal::Moving(s) => format!("{} is still moving", name(s)),
+            ModeRefusal::Unaware(s) => format!("{} has not acknowledged stand-by yet", name(s)),
+            ModeRefusal::NotAtHome(s) => format!("{} is not at home", name(s)),
+            ModeRefusal::Behind(s) => format!("{} is at home, but a cycle behind: give auto and then stop", name(s)),
         }
     }
 }
@@ -136,8 +136,9 @@ mod tests {
     #[test]
     fn a_loss_is_refused_with_the_device_and_its_trouble_where_it_is_known() {
         let line = linewright_line::parse("line.toml", &TransferLine::default().text()).expect("parses").line;
-        let reasons = vec![Reason::DevicesLost(StationId(1)), Reason::ConsoleLost, Reason::Moving(StationId(0))];
-        let refusal = Refusal { command: Command::Auto, mode: ControlMode::StandBy, reasons };
+        let reasons =
+            vec![ModeRefusal::DevicesLost(StationId(1)), ModeRefusal::ConsoleLost, ModeRefusal::Moving(StationId(0))];
+        let refusal = Refusal { command: ModeCommand::Auto, mode: ControlMode::StandBy, reasons };
         let known = |owner| match owner {
             Owner::Station(_) => "clamp 1 io (node 21h): no heartbeat (1017h) for 230 ms".to_owned(),
             Owner::Console => String::new(),

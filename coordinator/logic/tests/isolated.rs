@@ -1,6 +1,6 @@
 //! Stations whose trouble is an exception of the cell they work in: the others stay in auto.
 
-use linewright_coordinator_logic::Command;
+use linewright_coordinator_logic::ModeCommand;
 use linewright_line::StationId;
 use linewright_line::net::ControlMode;
 
@@ -9,7 +9,7 @@ use crate::common::Bench;
 /// The line in auto.
 fn bench() -> Bench {
     let mut bench = Bench::with_one_on_order();
-    for command in [Command::Start, Command::Auto] {
+    for command in [ModeCommand::Start, ModeCommand::Auto] {
         assert_eq!(bench.command(command), None);
     }
     bench
@@ -20,7 +20,7 @@ const ON_ORDER: StationId = StationId(1);
 #[test]
 fn its_trouble_is_not_the_lines() {
     for (what, wrong) in [
-        ("incomplete", (|heard| heard.incomplete = true) as fn(&mut linewright_coordinator_logic::Heard)),
+        ("incomplete", (|heard| heard.incomplete = true) as fn(&mut linewright_coordinator_logic::StationView)),
         ("devices", |heard| heard.devices_valid = false),
         ("selector", |heard| heard.selector_manual = true),
         ("restarted", |heard| heard.boot_id += 1),
@@ -48,7 +48,7 @@ fn one_that_is_not_heard_is_not_waited_for() {
     }
     assert_eq!((bench.mode(), bench.coordinator.text().as_str()), (ControlMode::Auto, "auto, without clamp_1"));
     // A new epoch is acknowledged by the others alone.
-    bench.command(Command::Stop);
+    bench.command(ModeCommand::Stop);
     assert!(!bench.coordinator.waiting_for().contains(&ON_ORDER));
 }
 
@@ -67,9 +67,9 @@ fn in_the_emergency_stop_all_count() {
     let mut bench = bench();
     bench.coordinator.isolate(|id, _| id == ON_ORDER);
     bench.heard[1].stopped = false;
-    bench.command(Command::EStop);
+    bench.command(ModeCommand::EStop);
     assert_eq!(bench.mode(), ControlMode::EStop);
-    bench.command(Command::Reset);
+    bench.command(ModeCommand::Reset);
     bench.heard[0].selector_manual = true;
     bench.beat();
     assert_eq!(bench.mode(), ControlMode::EStop);
@@ -101,15 +101,15 @@ fn one_that_is_stopped_alone_stops_nobody_else() {
     assert_eq!(bench.coordinator.stopped_until(ON_ORDER), reset);
     assert!(bench.coordinator.stopped_until(StationId(0)) < reset);
     let heard = bench.heard[1];
-    bench.coordinator.handle(bench.now, linewright_coordinator_logic::Input::Station(ON_ORDER, heard));
-    bench.coordinator.step(bench.now, &mut linewright_coordinator_logic::Outbox::default());
+    bench.coordinator.handle(bench.now, linewright_coordinator_logic::ModeInput::Station(ON_ORDER, heard));
+    bench.coordinator.step(bench.now, &mut linewright_coordinator_logic::ModeOutbox::default());
     assert_eq!(bench.mode(), ControlMode::Auto);
     assert!(bench.coordinator.order().enabled);
 
     // If it is in one still though it has, somebody else has stopped it.
-    let heard = linewright_coordinator_logic::Heard { mode_epoch: reset, ..heard };
-    bench.coordinator.handle(bench.now, linewright_coordinator_logic::Input::Station(ON_ORDER, heard));
-    bench.coordinator.step(bench.now, &mut linewright_coordinator_logic::Outbox::default());
+    let heard = linewright_coordinator_logic::StationView { mode_epoch: reset, ..heard };
+    bench.coordinator.handle(bench.now, linewright_coordinator_logic::ModeInput::Station(ON_ORDER, heard));
+    bench.coordinator.step(bench.now, &mut linewright_coordinator_logic::ModeOutbox::default());
     assert_eq!(bench.mode(), ControlMode::EStop);
 }
 

@@ -3,15 +3,15 @@
 //! One table for a line that stands at home, one for a line in the middle of a cycle. What is not obeyed is refused
 //! with the words an operator reads.
 
-use Command as C;
 use ControlMode as M;
-use linewright_coordinator_logic::Command;
+use ModeCommand as C;
+use linewright_coordinator_logic::ModeCommand;
 use linewright_line::net::ControlMode;
 
 use crate::common::Bench;
 
 /// The mode after the command, and the refusal's reasons; "" where it is obeyed.
-type Row = (ControlMode, Command, ControlMode, &'static str);
+type Row = (ControlMode, ModeCommand, ControlMode, &'static str);
 
 const TAKES_START: &str = "this mode takes start";
 const ALREADY: &str = "the line is in that mode already";
@@ -77,7 +77,7 @@ fn check(bench: &mut Bench, (before, command, after, reasons): Row) {
 #[test]
 fn every_pair_is_in_the_table() {
     for mode in ControlMode::ALL {
-        for command in Command::ALL {
+        for command in ModeCommand::ALL {
             assert_eq!(AT_HOME.iter().filter(|row| (row.0, row.1) == (mode, command)).count(), 1);
         }
     }
@@ -142,7 +142,7 @@ fn a_stop_in_stand_by_that_is_refused_always_says_why() {
         let mut bench = Bench::in_mode(M::StandBy);
         change(&mut bench);
         bench.out.refusals.clear();
-        bench.input(linewright_coordinator_logic::Input::Command(C::Stop));
+        bench.input(linewright_coordinator_logic::ModeInput::Command(C::Stop));
         bench.out.refusals.first().map(|refusal| refusal.text(&bench.line)).unwrap_or_default()
     };
     let behind = reason(|b| {

@@ -1,6 +1,6 @@
 //! Stations on order among others: they have no rounds, and are at home at any rest.
 
-use linewright_coordinator_logic::Command;
+use linewright_coordinator_logic::ModeCommand;
 use linewright_line::net::ControlMode;
 
 use crate::common::Bench;
@@ -8,7 +8,7 @@ use crate::common::Bench;
 #[test]
 fn after_master_stop_home_is_entered_when_the_others_have_ended_their_round() {
     let mut bench = Bench::with_one_on_order();
-    for command in [Command::Start, Command::Auto] {
+    for command in [ModeCommand::Start, ModeCommand::Auto] {
         assert_eq!(bench.command(command), None);
     }
     for station in [0, 2] {
@@ -16,7 +16,7 @@ fn after_master_stop_home_is_entered_when_the_others_have_ended_their_round() {
     }
     bench.heard[1].round = 99;
     bench.beat();
-    bench.command(Command::Stop);
+    bench.command(ModeCommand::Stop);
     bench.beat();
     assert_eq!(bench.coordinator.mode(), ControlMode::Home);
 }
@@ -24,11 +24,11 @@ fn after_master_stop_home_is_entered_when_the_others_have_ended_their_round() {
 #[test]
 fn away_from_its_rests_it_keeps_the_line_from_home_mode_and_it_is_said_so() {
     let mut bench = Bench::with_one_on_order();
-    bench.command(Command::Start);
+    bench.command(ModeCommand::Start);
     bench.heard[1].at_home = false;
     bench.heard[2].round = 1;
     bench.beat();
-    let refusal = bench.command(Command::Stop).expect("it is refused");
+    let refusal = bench.command(ModeCommand::Stop).expect("it is refused");
     assert_eq!(
         refusal,
         "stop refused in stand-by: transfer is at home, but a cycle behind: give auto and then stop; clamp_1 is not at home"

@@ -2,24 +2,24 @@
 
 use std::time::Duration;
 
-use linewright_coordinator_logic::{Command, Coordinator, Heard, Input, Outbox};
+use linewright_coordinator_logic::{Coordinator, ModeCommand, ModeInput, ModeOutbox, StationView};
 use linewright_line::net::ControlMode;
 use linewright_line::{Owner, StationId, Tick};
 
 use crate::common::{Bench, line};
 
 /// The console's image with these of its inputs on.
-fn console(names: &[&str]) -> Input {
+fn console(names: &[&str]) -> ModeInput {
     let inputs = line().console.inputs;
     let bit = |name: &&str| 1u128 << inputs.iter().position(|input| input == name).expect("an input of the console");
-    Input::Console { bits: names.iter().map(bit).fold(0, |bits, bit| bits | bit), valid: true }
+    ModeInput::Console { bits: names.iter().map(bit).fold(0, |bits, bit| bits | bit), valid: true }
 }
 
 #[test]
 fn a_mode_is_enabled_only_when_every_station_has_acknowledged_it() {
     let mut bench = Bench::in_mode(ControlMode::StandBy);
     bench.acknowledge = false;
-    assert_eq!(bench.command(Command::Auto), None);
+    assert_eq!(bench.command(ModeCommand::Auto), None);
     for station in 0..3 {
         assert!(!bench.coordinator.order().enabled, "{station} stations have acknowledged");
         assert_eq!(bench.coordinator.waiting_for().len(), 3 - station);
@@ -34,7 +34,7 @@ fn a_mode_is_enabled_only_when_every_station_has_acknowledged_it() {
 fn a_mode_that_enables_no_motion_waits_for_nobody() {
     let mut bench = Bench::in_mode(ControlMode::Auto);
     bench.acknowledge = false;
-    bench.command(Command::EStop);
+    bench.command(ModeCommand::EStop);
     assert!(bench.coordinator.order().enabled);
 }
 
@@ -59,10 +59,10 @@ fn a_station_restarted_in_auto_or_hand_means_stand_by_until_somebody_has_looked(
         bench.heard[1].boot_id += 1;
         bench.beat();
         assert_eq!(bench.mode(), ControlMode::StandBy, "from {mode}");
-        let refusal = bench.command(Command::Auto).expect("it was restarted");
+        let refusal = bench.command(ModeCommand::Auto).expect("it was restarted");
         assert!(refusal.contains("clamp_1 was restarted: give start or go through manual first"), "{refusal}");
-        assert_eq!(bench.command(Command::Start), None);
-        assert_eq!(bench.command(Command::Auto), None);
+        assert_eq!(bench.command(ModeCommand::Start), None);
+        assert_eq!(bench.command(ModeCommand::Auto), None);
     }
 }
 
@@ -72,7 +72,7 @@ fn a_station_restarted_in_manual_has_somebody_standing_in_front_of_it() {
     bench.heard[1].boot_id += 1;
     bench.beat();
     assert_eq!(bench.mode(), ControlMode::Manual);
-    assert_eq!(bench.command(Command::Auto), None, "and manual has been gone through");
+    assert_eq!(bench.command(ModeCommand::Auto), None, "and manual has been gone through");
     assert_eq!(bench.mode(), ControlMode::Auto);
 }
 
@@ -100,7 +100,7 @@ fn the_greatest_epoch_there_is_does_not_end_the_coordinator() {
     let mut bench = Bench::with_last_epoch(u64::MAX);
     bench.heard[0].mode_epoch = u64::MAX;
     bench.beat();
-    bench.command(Command::Start);
+    bench.command(ModeCommand::Start);
     assert_eq!(bench.mode(), ControlMode::StandBy);
 }
 
@@ -109,16 +109,16 @@ fn a_console_that_is_lost_is_an_emergency_stop_and_must_be_back_before_the_reset
     let mut bench = Bench::in_mode(ControlMode::Auto);
     bench.input(console(&[]));
     assert_eq!(bench.mode(), ControlMode::Auto);
-    bench.input(Input::Console { bits: 0, valid: false });
+    bench.input(ModeInput::Console { bits: 0, valid: false });
     assert_eq!(bench.mode(), ControlMode::EStop);
-    let refusal = bench.command(Command::Reset).expect("the button cannot be heard");
+    let refusal = bench.command(ModeCommand::Reset).expect("the button cannot be heard");
     assert!(refusal.ends_with("the console's devices are not heard"), "{refusal}");
     bench.input(console(&["ES_pressed"]));
-    let refusal = bench.command(Command::Reset).expect("the button is in");
+    let refusal = bench.command(ModeCommand::Reset).expect("the button is in");
     assert!(refusal.ends_with("the emergency stop button is pressed: pull it out first"), "{refusal}");
     bench.input(console(&[]));
-    assert_eq!(bench.command(Command::Reset), None);
-    assert_eq!(bench.command(Command::Manual), None);
+    assert_eq!(bench.command(ModeCommand::Reset), None);
+    assert_eq!(bench.command(ModeCommand::Manual), None);
 }
 
 /// The mushroom button's contact opens when it is pressed, and so does a broken wire.
@@ -128,27 +128,27 @@ fn a_closed_circuit_contact_is_pressed_while_it_is_off() {
     let contact = described.console.estop.as_mut().expect("it has one");
     contact.pressed = false;
     let mut bench = Bench::of(described, 0);
-    assert_eq!(bench.command(Command::Start), None);
-    assert_eq!(bench.command(Command::Auto), None);
+    assert_eq!(bench.command(ModeCommand::Start), None);
+    assert_eq!(bench.command(ModeCommand::Auto), None);
     assert_eq!(bench.mode(), ControlMode::Auto);
     bench.input(console(&[]));
     assert_eq!(bench.mode(), ControlMode::EStop);
-    let refusal = bench.command(Command::Reset).expect("the button is in");
+    let refusal = bench.command(ModeCommand::Reset).expect("the button is in");
     assert!(refusal.ends_with("the emergency stop button is pressed: pull it out first"), "{refusal}");
     bench.input(console(&["ES_pressed"]));
-    assert_eq!(bench.command(Command::Reset), None);
+    assert_eq!(bench.command(ModeCommand::Reset), None);
 }
 
 /// Whether its emergency stop is pressed is unknown.
 #[test]
 fn nothing_is_enabled_before_a_described_console_was_heard() {
-    for mode in [Command::Auto, Command::Hand, Command::Manual] {
+    for mode in [ModeCommand::Auto, ModeCommand::Hand, ModeCommand::Manual] {
         let mut bench = Bench::of_unheard_console(line(), 0);
-        assert_eq!(bench.command(Command::Start), None);
+        assert_eq!(bench.command(ModeCommand::Start), None);
         let refusal = bench.command(mode).expect("the console is not heard");
         assert!(refusal.contains("the console has not been heard yet"), "{refusal}");
         assert!(refusal.contains("see to its device's supply and bus"), "{refusal}");
-        bench.input(Input::Console { bits: 0, valid: false });
+        bench.input(ModeInput::Console { bits: 0, valid: false });
         assert!(bench.command(mode).is_some());
         bench.input(console(&[]));
         assert_eq!(bench.command(mode), None);
@@ -160,7 +160,7 @@ fn nothing_is_enabled_before_a_described_console_was_heard() {
 #[test]
 fn a_selector_enables_nothing_before_a_described_console_was_heard() {
     let mut bench = Bench::of_unheard_console(line(), 0);
-    assert_eq!(bench.command(Command::Start), None);
+    assert_eq!(bench.command(ModeCommand::Start), None);
     bench.heard[0].selector_manual = true;
     bench.beat();
     assert!(!bench.coordinator.order().enabled || !bench.mode().enables_motion(), "{}", bench.coordinator.text());
@@ -172,8 +172,8 @@ fn a_selector_enables_nothing_before_a_described_console_was_heard() {
 #[test]
 fn an_emergency_stop_is_not_reset_before_a_described_console_was_heard() {
     let mut bench = Bench::of_unheard_console(line(), 0);
-    bench.command(Command::EStop);
-    let refusal = bench.command(Command::Reset).expect("the button may be in");
+    bench.command(ModeCommand::EStop);
+    let refusal = bench.command(ModeCommand::Reset).expect("the button may be in");
     assert!(refusal.contains("the console has not been heard yet"), "{refusal}");
 }
 
@@ -183,8 +183,8 @@ fn a_line_without_a_console_is_not_kept_from_moving() {
     described.devices.retain(|device| device.owner != Owner::Console);
     described.console = linewright_line::Console::default();
     let mut bench = Bench::of_unheard_console(described, 0);
-    assert_eq!(bench.command(Command::Start), None);
-    assert_eq!(bench.command(Command::Auto), None);
+    assert_eq!(bench.command(ModeCommand::Start), None);
+    assert_eq!(bench.command(ModeCommand::Auto), None);
     assert!(bench.coordinator.order().enabled);
 }
 
@@ -199,7 +199,7 @@ fn a_wired_hand_button_that_is_down_when_the_console_comes_back_counts_when_it_w
     bench.input(console(&[&button]));
     assert_eq!(bench.coordinator.order().buttons, 1);
     for _ in 0..2 {
-        bench.input(Input::Console { bits: 0, valid: false });
+        bench.input(ModeInput::Console { bits: 0, valid: false });
         assert_eq!(bench.coordinator.order().buttons, 0);
         bench.input(console(&[&button]));
         assert_eq!(bench.coordinator.order().buttons, 0);
@@ -240,34 +240,34 @@ fn lamps_show_the_mode_and_a_fault() {
 #[test]
 fn held_buttons_run_out_and_a_late_refresh_is_no_new_press() {
     let mut bench = Bench::in_mode(ControlMode::Hand);
-    bench.input(Input::Buttons(0b100));
+    bench.input(ModeInput::Buttons(0b100));
     assert_eq!(bench.coordinator.order().buttons, 0b100);
     bench.out.changed = false;
     bench.wait(Duration::from_millis(250));
     assert_eq!(bench.coordinator.order().buttons, 0);
     for silence in [0, 750, 5000, 3_600_000] {
         bench.now = bench.now + Duration::from_millis(silence);
-        bench.input(Input::Buttons(0b100));
+        bench.input(ModeInput::Buttons(0b100));
         assert_eq!(bench.coordinator.order().buttons, 0, "nobody has decided to go on, {silence} ms later");
     }
-    bench.input(Input::Buttons(0));
-    bench.input(Input::Buttons(0b100));
+    bench.input(ModeInput::Buttons(0));
+    bench.input(ModeInput::Buttons(0b100));
     assert_eq!(bench.coordinator.order().buttons, 0b100);
 }
 
 #[test]
 fn a_report_of_a_station_that_is_not_there_is_ignored() {
     let mut bench = Bench::new();
-    bench.input(Input::Station(StationId(99), Heard::default()));
+    bench.input(ModeInput::Station(StationId(99), StationView::default()));
     assert_eq!(bench.mode(), ControlMode::Home);
 }
 
 #[test]
 fn a_coordinator_that_has_heard_nobody_stays_where_nothing_moves() {
     let mut coordinator = Coordinator::new(line(), 1, 0);
-    let mut out = Outbox::default();
-    for command in [Command::Start, Command::Auto, Command::Hand, Command::Manual] {
-        coordinator.handle(Tick::from_millis(5), Input::Command(command));
+    let mut out = ModeOutbox::default();
+    for command in [ModeCommand::Start, ModeCommand::Auto, ModeCommand::Hand, ModeCommand::Manual] {
+        coordinator.handle(Tick::from_millis(5), ModeInput::Command(command));
         coordinator.step(Tick::from_millis(5), &mut out);
     }
     assert_eq!(coordinator.mode(), ControlMode::StandBy);
@@ -280,18 +280,18 @@ fn a_coordinator_that_has_heard_nobody_stays_where_nothing_moves() {
 fn home_is_reached_only_when_every_station_has_heard_of_the_stop() {
     let mut bench = Bench::in_mode(ControlMode::Auto);
     bench.acknowledge = false;
-    assert_eq!(bench.command(Command::Stop), None);
+    assert_eq!(bench.command(ModeCommand::Stop), None);
     assert_eq!(bench.mode(), ControlMode::Auto, "all are at home, as far as anybody knows");
     assert!(bench.coordinator.order().enabled, "and go on meanwhile");
     // The bar had begun: the others have to follow it.
-    bench.heard[0] = Heard { at_home: false, stopped: false, round: 1, ..bench.heard[0] };
+    bench.heard[0] = StationView { at_home: false, stopped: false, round: 1, ..bench.heard[0] };
     bench.say(0);
     assert_eq!(bench.coordinator.order().master_stop, Some(1));
     bench.acknowledge = true;
     bench.beat();
     assert_eq!(bench.mode(), ControlMode::Auto);
     for heard in &mut bench.heard {
-        *heard = Heard { at_home: true, stopped: true, round: 1, ..*heard };
+        *heard = StationView { at_home: true, stopped: true, round: 1, ..*heard };
     }
     bench.beat();
     assert_eq!(bench.mode(), ControlMode::Home);
@@ -300,7 +300,7 @@ fn home_is_reached_only_when_every_station_has_heard_of_the_stop() {
 /// The same for stand-by: what a station was ordered in auto it may have begun since it was last heard.
 #[test]
 fn in_stand_by_a_station_stands_only_when_it_has_heard_of_it() {
-    for command in [Command::Stop, Command::Hand] {
+    for command in [ModeCommand::Stop, ModeCommand::Hand] {
         let mut bench = Bench::in_mode(ControlMode::Auto);
         bench.acknowledge = false;
         bench.heard[1].devices_valid = false;
@@ -323,10 +323,10 @@ fn manual_is_entered_as_soon_as_every_station_has_heard_of_stand_by() {
     bench.acknowledge = false;
     bench.heard[1].devices_valid = false;
     bench.say(1);
-    assert_eq!(bench.command(Command::Manual), None);
+    assert_eq!(bench.command(ModeCommand::Manual), None);
     assert_eq!(bench.mode(), ControlMode::StandBy);
     // One of them had begun to move.
-    bench.heard[0] = Heard { stopped: false, mode_epoch: bench.coordinator.epoch(), ..bench.heard[0] };
+    bench.heard[0] = StationView { stopped: false, mode_epoch: bench.coordinator.epoch(), ..bench.heard[0] };
     bench.acknowledge = true;
     bench.beat();
     assert_eq!(bench.mode(), ControlMode::StandBy);

@@ -3,7 +3,7 @@
 use linewright_coordinator_shell::InputsImage;
 use linewright_line::{Line, Owner, StationId};
 use linewright_msgs::ProcessImage;
-use linewright_node_shell::{Node, TopicError, stamp};
+use linewright_node_shell::{RosNode, TopicError, stamp};
 use linewright_station_node::devices::Trouble;
 
 /// The message that carries a station's inputs.
@@ -25,7 +25,7 @@ pub struct Behind {
 }
 
 impl Behind {
-    pub fn open(node: &mut Node, line: &Line, station: StationId) -> Result<Self, TopicError> {
+    pub fn open(node: &mut RosNode, line: &Line, station: StationId) -> Result<Self, TopicError> {
         let topic = format!("{}/trouble", line.station(station).name);
         let trouble = Trouble::open(node, &topic, Owner::Station(station))?;
         Ok(Behind { station, trouble })

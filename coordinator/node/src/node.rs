@@ -4,7 +4,7 @@ use std::path::PathBuf;
 use std::time::Duration;
 
 use linewright_cell::Cell;
-use linewright_coordinator_logic::{Command, Heard, OutputImage, Refusal};
+use linewright_coordinator_logic::{ModeCommand, OutputImage, Refusal, StationView};
 use linewright_coordinator_shell::{CoordinatorArrival, CoordinatorEffect, CoordinatorShell, InputsImage, heard};
 use linewright_fieldbus::{
     Bus as CanBus, BusError, Clock, Driver, DriverError, Event as BusEvent, Manager, ManagerError,
@@ -13,7 +13,7 @@ use linewright_line::net::ControlMode;
 use linewright_line::{Bus, Line, Owner, StationId, Tick};
 use linewright_msgs::{LineState, ModeOrder, Text, fitting};
 use linewright_node_shell::{
-    Forward, JournalError, OpenError, Participant, Recorder, TopicError, Watchdog, fresh_boot_id, stamp,
+    Forward, JournalError, JournalWriter, OpenError, Participant, TopicError, Watchdog, fresh_boot_id, stamp,
 };
 use linewright_station_logic::Founding;
 use linewright_station_node::devices::{Devices, in_words};
@@ -110,7 +110,7 @@ pub(crate) struct Shell {
     pub(crate) cell: Option<Playing>,
     pub(crate) driver: Driver,
     devices: Devices,
-    pub(crate) journal: Option<Recorder>,
+    pub(crate) journal: Option<JournalWriter>,
     pub(crate) waiting: Waiting<Arrived>,
     says: Says,
     pub(crate) from: mpsc::Receiver<Arrived>,
@@ -128,7 +128,7 @@ pub(crate) struct Shell {
     ignored: u64,
     has_ended: bool,
     // The node must outlive its publishers and subscriptions.
-    _node: linewright_node_shell::Node,
+    _node: linewright_node_shell::RosNode,
 }
 
 /// An end that nobody has planned lets go of the outputs as well.
@@ -144,7 +144,7 @@ impl Shell {
         let (journal, record) = match &state_dir {
             Some(dir) => {
                 let path = dir.join("coordinator.journal");
-                let (journal, record) = Recorder::open(&path)?;
+                let (journal, record) = JournalWriter::open(&path)?;
                 (Some(journal), record.map(|record| remembered(&record, &path)))
             }
             None => (None, None),
@@ -244,13 +244,13 @@ impl Shell {
 
     pub(crate) fn arrived(&mut self, arrived: Arrived) {
         match arrived {
-            Arrived::Command(word) => match Command::parse(&word) {
+            Arrived::Command(word) => match ModeCommand::parse(&word) {
                 Some(command) => {
                     tracing::info!("operator: {}", command.name());
                     self.handle(CoordinatorArrival::Command(command));
                 }
                 None => {
-                    let known: Vec<&str> = Command::ALL.iter().map(|command| command.name()).collect();
+                    let known: Vec<&str> = ModeCommand::ALL.iter().map(|command| command.name()).collect();
                     self.refuse(format!("'{}' is no command; commands are {}", quoted(word.trim()), known.join(", ")));
                 }
             },
@@ -262,7 +262,7 @@ impl Shell {
             Arrived::State(message) => match report_from_message(&self.line, &message) {
                 Ok((station, report)) => {
                     let (sequence, follows) = (message.sequence, message.coordinator_boot_id);
-                    let heard = Heard { follows, ..heard(&report) };
+                    let heard = StationView { follows, ..heard(&report) };
                     if !self.shell.handle(self.clock.now(), CoordinatorArrival::State { station, sequence, heard }) {
                         let (epoch, name) = (heard.mode_epoch, &message.station);
                         self.ignore(format_args!("mode epoch {epoch} of {name} is beyond any: start it again"));

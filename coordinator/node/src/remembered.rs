@@ -2,29 +2,29 @@
 
 use std::path::Path;
 
-use linewright_coordinator_shell::Remembered;
+use linewright_coordinator_shell::CoordinatorRecord;
 
 /// The record.
-pub fn record_of(remembered: Remembered) -> Vec<u8> {
+pub fn record_of(remembered: CoordinatorRecord) -> Vec<u8> {
     format!("epoch {} {}", remembered.epoch, if remembered.estop { "estop" } else { "-" }).into_bytes()
 }
 
 /// What a journal holds. One that holds something else may have held an emergency stop: that is in force then.
-pub fn remembered(record: &[u8], path: &Path) -> Remembered {
+pub fn remembered(record: &[u8], path: &Path) -> CoordinatorRecord {
     read(record).unwrap_or_else(|| {
         let path = path.display();
         tracing::warn!(
             "the journal {path} does not hold an epoch: emergency stop, as it may have held one; give reset"
         );
-        Remembered { epoch: 0, estop: true }
+        CoordinatorRecord { epoch: 0, estop: true }
     })
 }
 
-fn read(record: &[u8]) -> Option<Remembered> {
+fn read(record: &[u8]) -> Option<CoordinatorRecord> {
     let words: Vec<&str> = std::str::from_utf8(record).ok()?.split(' ').collect();
     match words[..] {
         ["epoch", number, latch @ ("estop" | "-")] => {
-            Some(Remembered { epoch: number.parse().ok()?, estop: latch == "estop" })
+            Some(CoordinatorRecord { epoch: number.parse().ok()?, estop: latch == "estop" })
         }
         _ => None,
     }
@@ -38,11 +38,11 @@ mod tests {
     fn a_journal_that_holds_something_else_is_an_emergency_stop() {
         let path = Path::new("coordinator.journal");
         for estop in [false, true] {
-            let kept = Remembered { epoch: 7, estop };
+            let kept = CoordinatorRecord { epoch: 7, estop };
             assert_eq!(remembered(&record_of(kept), path), kept);
         }
         for other in [&b"epoch x -"[..], b"epoch 7", b"epoch 7 maybe", b"\xff", b"", b"epoch 18446744073709551616 -"] {
-            assert_eq!(remembered(other, path), Remembered { epoch: 0, estop: true }, "{other:?}");
+            assert_eq!(remembered(other, path), CoordinatorRecord { epoch: 0, estop: true }, "{other:?}");
         }
     }
 }

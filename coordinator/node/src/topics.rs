@@ -2,7 +2,7 @@
 
 use linewright_line::{Bus, Line, StationId};
 use linewright_msgs::{LineState, ModeOrder, ProcessImage, StationState, Text};
-use linewright_node_shell::{Forward, Node, Publisher, TopicError, forward, qos, watch_middleware};
+use linewright_node_shell::{Forward, Publisher, RosNode, TopicError, forward, qos, watch_middleware};
 use tokio::sync::mpsc;
 
 /// Something a subscription brought.
@@ -35,7 +35,7 @@ pub struct Says {
 const QUEUE: usize = 1024;
 
 /// Opens every topic of the coordinator.
-pub fn open(node: &mut Node, line: &Line) -> Result<(Says, mpsc::Receiver<Arrived>, Vec<Forward>), TopicError> {
+pub fn open(node: &mut RosNode, line: &Line) -> Result<(Says, mpsc::Receiver<Arrived>, Vec<Forward>), TopicError> {
     let mut says = Says {
         order: node.publisher("mode", qos::repeated())?,
         state: node.publisher("state", qos::latched_state())?,

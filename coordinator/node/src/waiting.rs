@@ -3,8 +3,8 @@
 //! It waits: what follows the record was decided without it. An emergency stop, by command or from the console, comes first:
 //! what follows the record is dropped then, and decided again.
 
-use linewright_coordinator_logic::Command;
-use linewright_coordinator_shell::Remembered;
+use linewright_coordinator_logic::ModeCommand;
+use linewright_coordinator_shell::CoordinatorRecord;
 use linewright_fieldbus::Event as BusEvent;
 use linewright_line::net::ControlMode;
 use linewright_line::{Owner, Tick};
@@ -40,7 +40,7 @@ impl Shell {
     }
 
     /// Writes a record down, after the one that may still be under way.
-    pub(crate) async fn remember(&mut self, record: Remembered) -> Result<Recorded, NodeError> {
+    pub(crate) async fn remember(&mut self, record: CoordinatorRecord) -> Result<Recorded, NodeError> {
         let Some(journal) = &self.journal else { return Ok(Recorded::Yes) };
         if journal.is_writing() && self.recorded().await? == Recorded::Interrupted {
             return Ok(Recorded::Interrupted);
@@ -120,5 +120,5 @@ impl Shell {
 }
 
 fn is_emergency_stop(arrived: &Arrived) -> bool {
-    matches!(arrived, Arrived::Command(word) if Command::parse(word) == Some(Command::EStop))
+    matches!(arrived, Arrived::Command(word) if ModeCommand::parse(word) == Some(ModeCommand::EStop))
 }

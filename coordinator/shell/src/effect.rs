@@ -1,17 +1,17 @@
 //! What arrives at the coordinator, and what follows from it.
 
-use linewright_coordinator_logic::{Command, Heard, OutputImage, Refusal};
+use linewright_coordinator_logic::{ModeCommand, OutputImage, Refusal, StationView};
 use linewright_line::StationId;
 use linewright_line::net::ControlMode;
-use linewright_station_logic::Report;
+use linewright_station_logic::StationReport;
 
-use crate::behind::InputsImage;
+use crate::gateway_station::InputsImage;
 
 /// Something that has arrived.
 #[derive(Clone, Copy, Debug)]
 pub enum CoordinatorArrival {
     /// An operator's command.
-    Command(Command),
+    Command(ModeCommand),
     /// Hand-mode buttons held, a bit each.
     Buttons(u32),
     /// An order that was given on this line, by whichever coordinator.
@@ -28,7 +28,7 @@ pub enum CoordinatorArrival {
         /// Its number in that station's life.
         sequence: u64,
         /// What of it matters here; see [`heard`].
-        heard: Heard,
+        heard: StationView,
     },
     /// The output image of a station behind the gateway.
     Outputs {
@@ -61,7 +61,7 @@ pub enum CoordinatorArrival {
 
 /// What the coordinator keeps over its own restarts.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
-pub struct Remembered {
+pub struct CoordinatorRecord {
     /// The highest epoch used.
     pub epoch: u64,
     /// The emergency stop was on.
@@ -77,7 +77,7 @@ pub enum CoordinatorEffect {
     /// A mode is entered.
     Entered(ControlMode),
     /// Write this down, and tell [`crate::CoordinatorShell::remembered`] whether it was.
-    Remember(Remembered),
+    Remember(CoordinatorRecord),
     /// Put these outputs of the console on the bus: its lamps.
     Lamps(u128),
     /// Put these outputs of a station behind the gateway on the bus.
@@ -104,8 +104,8 @@ pub enum CoordinatorEffect {
 }
 
 /// What the coordinator looks at in a station's report.
-pub fn heard(report: &Report) -> Heard {
-    Heard {
+pub fn heard(report: &StationReport) -> StationView {
+    StationView {
         boot_id: report.boot_id,
         mode_epoch: report.mode_epoch,
         // Not in the report: whoever reads it from a message adds it.

@@ -6,11 +6,11 @@
 //! [`CoordinatorShell`]: it takes what has arrived and gives effects, in the order in which they must become true. The
 //! node of ROS 2 performs them with sockets and files, a simulation in memory; neither has rules of its own.
 
-mod behind;
 mod effect;
+mod gateway_station;
 pub mod orders;
 mod shell;
 
-pub use behind::InputsImage;
-pub use effect::{CoordinatorArrival, CoordinatorEffect, Remembered, heard};
+pub use effect::{CoordinatorArrival, CoordinatorEffect, CoordinatorRecord, heard};
+pub use gateway_station::InputsImage;
 pub use shell::CoordinatorShell;

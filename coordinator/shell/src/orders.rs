@@ -3,17 +3,17 @@
 //! Neither crate knows the other. In a plant messages stand between the two; where both are in one process, as in a simulation
 //! and under a checker, this does.
 
-use linewright_coordinator_cell::Heard;
-use linewright_station_logic::OrderReport;
+use linewright_coordinator_cell::TaskReport;
+use linewright_station_logic::TaskOrderReport;
 
 /// What the token player takes from a station's report.
-pub fn heard(report: &OrderReport) -> Heard {
-    Heard {
+pub fn heard(report: &TaskOrderReport) -> TaskReport {
+    TaskReport {
         memory: report.memory,
         epoch: report.epoch,
         slot: report.slot.map(|slot| slot.key),
         results: report.results.clone(),
         is_held: report.slot.is_none() && report.rest.is_none(),
-        ..Heard::default()
+        ..TaskReport::default()
     }
 }

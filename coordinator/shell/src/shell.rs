@@ -11,14 +11,14 @@
 
 use std::time::Duration;
 
-use linewright_coordinator_logic::{Command, Coordinator, Gateway, Input, Outbox};
+use linewright_coordinator_logic::{Coordinator, Gateway, ModeCommand, ModeInput, ModeOutbox};
 use linewright_line::net::ControlMode;
 use linewright_line::{Bus, Line, StationId, Tick};
 use linewright_station_logic::{Founding, ModeOrder};
 use linewright_station_shell::{EPOCH_JUMP_MAX, NewestBySequence, RivalLife, Rivals};
 
-use crate::behind::{Behind, Stop};
-use crate::effect::{CoordinatorArrival, CoordinatorEffect, Remembered};
+use crate::effect::{CoordinatorArrival, CoordinatorEffect, CoordinatorRecord};
+use crate::gateway_station::{GatewayStation, GatewayStop};
 
 /// How soon a refusal may follow another one in what is sent.
 const ANSWER_EVERY: Duration = Duration::from_millis(20);
@@ -31,8 +31,8 @@ pub struct CoordinatorShell {
     coordinator: Coordinator,
     gateway: Gateway,
     boot_id: u64,
-    outbox: Outbox,
-    behind: Vec<Behind>,
+    outbox: ModeOutbox,
+    behind: Vec<GatewayStation>,
     states: Vec<NewestBySequence>,
     /// Other coordinators that give orders on this line.
     rivals: Rivals,
@@ -48,7 +48,7 @@ pub struct CoordinatorShell {
     isolated: Option<Vec<StationId>>,
     stopped: Vec<StationId>,
     /// What is known to be written down.
-    written: Remembered,
+    written: CoordinatorRecord,
     /// The last attempt to write failed; when the next is due.
     write_again: Option<Tick>,
     order_sequence: u64,
@@ -69,7 +69,7 @@ pub struct CoordinatorShell {
 
 impl CoordinatorShell {
     /// The shell of a line's coordinator in its life `boot_id`, which remembers what its predecessor has written down.
-    pub fn new(line: &Line, boot_id: u64, remembered: Remembered) -> Self {
+    pub fn new(line: &Line, boot_id: u64, remembered: CoordinatorRecord) -> Self {
         let (stations, stale) = (line.stations.len(), line.timing.stale);
         let coordinator = Coordinator::new(line.clone(), boot_id, remembered.epoch);
         let behind = line.station_ids().filter(|&id| line.station(id).bus == Bus::Line);
@@ -77,8 +77,8 @@ impl CoordinatorShell {
             coordinator: if remembered.estop { coordinator.with_estop() } else { coordinator },
             gateway: Gateway::new(stations, stale),
             boot_id,
-            outbox: Outbox::default(),
-            behind: behind.map(|id| Behind::new(id, stale)).collect(),
+            outbox: ModeOutbox::default(),
+            behind: behind.map(|id| GatewayStation::new(id, stale)).collect(),
             states: vec![NewestBySequence::new(stale); stations],
             rivals: Rivals::new(line.timing.refresh, stale),
             is_followed: false,
@@ -87,7 +87,7 @@ impl CoordinatorShell {
             in_trouble: vec![false; stations],
             isolated: None,
             stopped: Vec::new(),
-            written: Remembered::default(),
+            written: CoordinatorRecord::default(),
             write_again: None,
             order_sequence: 0,
             state_sequence: 0,
@@ -122,8 +122,8 @@ impl CoordinatorShell {
     }
 
     /// What a successor has to know.
-    pub fn to_remember(&self) -> Remembered {
-        Remembered { epoch: self.coordinator.epoch(), estop: self.coordinator.is_estopped() }
+    pub fn to_remember(&self) -> CoordinatorRecord {
+        CoordinatorRecord { epoch: self.coordinator.epoch(), estop: self.coordinator.is_estopped() }
     }
 
     /// Whether a station was ever heard.
@@ -184,18 +184,18 @@ impl CoordinatorShell {
         self.notice_gap(now);
         let is_doubtful = now < self.doubts_until;
         match arrival {
-            CoordinatorArrival::Command(command) => self.coordinator.handle(now, Input::Command(command)),
+            CoordinatorArrival::Command(command) => self.coordinator.handle(now, ModeInput::Command(command)),
             // Buttons that were held before the gap may have been released in it, or not.
             CoordinatorArrival::Buttons(held) if is_doubtful => {
-                self.coordinator.handle(now, Input::LateButtons(held));
+                self.coordinator.handle(now, ModeInput::LateButtons(held));
             }
-            CoordinatorArrival::Buttons(held) => self.coordinator.handle(now, Input::Buttons(held)),
+            CoordinatorArrival::Buttons(held) => self.coordinator.handle(now, ModeInput::Buttons(held)),
             CoordinatorArrival::Order { boot_id, sequence } => {
                 if boot_id != self.boot_id && !is_doubtful {
                     self.rivals.hear(now, (boot_id, sequence), now);
                 }
                 if let Some(rival) = self.rivals.there(now) {
-                    self.coordinator.handle(now, Input::Rival(rival.life, rival.until));
+                    self.coordinator.handle(now, ModeInput::Rival(rival.life, rival.until));
                 }
             }
             CoordinatorArrival::State { station, sequence, heard } => {
@@ -204,7 +204,7 @@ impl CoordinatorShell {
                 // heard. An emergency stop is believed of it all the same.
                 if heard.mode_epoch > self.coordinator.epoch().saturating_add(EPOCH_JUMP_MAX) {
                     if heard.estopped && !self.coordinator.is_estopped() {
-                        self.coordinator.handle(now, Input::Command(Command::EStop));
+                        self.coordinator.handle(now, ModeInput::Command(ModeCommand::EStop));
                     }
                     return false;
                 }
@@ -213,7 +213,7 @@ impl CoordinatorShell {
                     self.has_devices[station.index()] = heard.devices_valid;
                     let lost = heard.position_lost || !heard.devices_valid;
                     self.in_trouble[station.index()] = heard.incomplete || lost;
-                    self.coordinator.handle(now, Input::Station(station, heard));
+                    self.coordinator.handle(now, ModeInput::Station(station, heard));
                     self.is_followed |= heard.follows == self.boot_id;
                     self.others_are_followed |= heard.follows != 0 && heard.follows != self.boot_id;
                 }
@@ -225,7 +225,7 @@ impl CoordinatorShell {
                 }
             }
             CoordinatorArrival::Console { bits, valid } => {
-                self.coordinator.handle(now, Input::Console { bits, valid });
+                self.coordinator.handle(now, ModeInput::Console { bits, valid });
             }
             CoordinatorArrival::Devices { station, bits, valid, losses } => {
                 if let Some(behind) = self.behind.iter_mut().find(|b| b.station == station) {
@@ -304,7 +304,7 @@ impl CoordinatorShell {
 
     /// What has become of writing `record` down. False if what follows in the same effects must not be performed: it was not
     /// written, or that took longer than a period. Act again at once then; after a failure the emergency stop is in force.
-    pub fn remembered(&mut self, now: Tick, record: Remembered, is_written: bool) -> bool {
+    pub fn remembered(&mut self, now: Tick, record: CoordinatorRecord, is_written: bool) -> bool {
         let is_late = now > self.acted + self.refresh;
         if is_written {
             self.written = record;
@@ -316,7 +316,7 @@ impl CoordinatorShell {
         if !goes_on {
             self.interrupted(now);
         }
-        self.coordinator.handle(now, Input::Journal(is_written));
+        self.coordinator.handle(now, ModeInput::Journal(is_written));
         goes_on
     }
 
@@ -340,7 +340,7 @@ impl CoordinatorShell {
     /// What followed a record was not performed, since an emergency stop arrived while the record was being written. Act again
     /// at once; the record is asked for again.
     pub fn interrupted(&mut self, now: Tick) {
-        self.behind.iter_mut().for_each(Behind::forget);
+        self.behind.iter_mut().for_each(GatewayStation::forget);
         self.refresh_due = self.refresh_due.min(now);
     }
 
@@ -369,9 +369,9 @@ impl CoordinatorShell {
 }
 
 /// The emergency stop of a station, as the gateway sees it.
-fn stop_of(coordinator: &Coordinator, station: StationId) -> Stop {
+fn stop_of(coordinator: &Coordinator, station: StationId) -> GatewayStop {
     match coordinator.is_stopped(station) {
-        true => Stop::InForce,
-        false => Stop::Since(coordinator.stopped_until(station)),
+        true => GatewayStop::InForce,
+        false => GatewayStop::Since(coordinator.stopped_until(station)),
     }
 }

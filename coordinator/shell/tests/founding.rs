@@ -1,7 +1,7 @@
 //! Founding a generation: by a command while all stand at home, and given up where a station cannot take it.
 
-use linewright_coordinator_logic::Command;
-use linewright_coordinator_shell::Remembered;
+use linewright_coordinator_logic::ModeCommand;
+use linewright_coordinator_shell::CoordinatorRecord;
 use linewright_line::StationId;
 use linewright_line::net::ControlMode;
 
@@ -9,10 +9,10 @@ use crate::rig::Rig;
 
 /// All at home, none with a generation; *start* has just been given.
 fn begun() -> Rig {
-    let mut rig = Rig::new(Remembered::default());
+    let mut rig = Rig::new(CoordinatorRecord::default());
     rig.heard.iter_mut().for_each(|heard| heard.generation = 0);
     rig.refresh();
-    rig.command(Command::Start);
+    rig.command(ModeCommand::Start);
     rig.refresh();
     assert!(rig.shell.coordinator().founding(StationId(1)).is_some());
     rig
@@ -26,7 +26,7 @@ fn it_ends_when_all_have_taken_it() {
     rig.heard.iter_mut().for_each(|heard| heard.generation = generation);
     rig.refresh();
     assert_eq!(rig.shell.coordinator().founding(StationId(1)), None);
-    rig.command(Command::Auto);
+    rig.command(ModeCommand::Auto);
     rig.refresh();
     rig.refresh();
     assert!(rig.shell.order().enabled && rig.mode() == ControlMode::Auto, "{}", rig.shell.coordinator().text());
@@ -43,7 +43,7 @@ fn a_station_that_cannot_take_it_does_not_keep_manual_mode_disabled() {
         let mut rig = begun();
         fault(&mut rig);
         rig.refresh();
-        rig.command(Command::Manual);
+        rig.command(ModeCommand::Manual);
         rig.refresh();
         rig.refresh();
         assert!(

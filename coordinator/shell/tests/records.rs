@@ -2,8 +2,8 @@
 
 use std::time::Duration;
 
-use linewright_coordinator_logic::Command;
-use linewright_coordinator_shell::{CoordinatorEffect, Remembered};
+use linewright_coordinator_logic::ModeCommand;
+use linewright_coordinator_shell::{CoordinatorEffect, CoordinatorRecord};
 use linewright_line::net::ControlMode;
 
 use crate::rig::Rig;
@@ -22,12 +22,12 @@ fn is_order(effect: &CoordinatorEffect) -> bool {
 
 #[test]
 fn a_mode_is_written_down_before_it_is_ordered_and_the_emergency_stop_after() {
-    let mut rig = Rig::new(Remembered::default());
+    let mut rig = Rig::new(CoordinatorRecord::default());
     rig.refresh();
-    rig.command(Command::Start);
+    rig.command(ModeCommand::Start);
     let done = rig.act();
     assert!(place(&done, is_record) < place(&done, is_order));
-    rig.command(Command::EStop);
+    rig.command(ModeCommand::EStop);
     let done = rig.act();
     assert!(place(&done, is_order) < place(&done, is_record));
     assert!(rig.record.estop);
@@ -35,13 +35,13 @@ fn a_mode_is_written_down_before_it_is_ordered_and_the_emergency_stop_after() {
 
 #[test]
 fn the_emergency_stop_takes_outputs_off_the_bus_before_anything_is_written() {
-    let mut rig = Rig::new(Remembered::default());
+    let mut rig = Rig::new(CoordinatorRecord::default());
     rig.in_auto();
     let station = rig.line.station_named("clamp_1").expect("a clamp");
     rig.outputs(station, 1);
     let on = rig.act();
     assert!(on.contains(&CoordinatorEffect::Energise(station, 1)), "{on:?}");
-    rig.command(Command::EStop);
+    rig.command(ModeCommand::EStop);
     let done = rig.act();
     let off = place(&done, |effect| *effect == CoordinatorEffect::Energise(station, 0));
     assert!(off < place(&done, is_record));
@@ -49,16 +49,16 @@ fn the_emergency_stop_takes_outputs_off_the_bus_before_anything_is_written() {
 
 #[test]
 fn an_emergency_stop_that_cannot_be_written_stays_in_force_and_is_written_when_it_can_be() {
-    let mut rig = Rig::new(Remembered::default());
+    let mut rig = Rig::new(CoordinatorRecord::default());
     rig.in_auto();
     rig.disk_is_full = true;
     rig.writes.clear();
-    rig.command(Command::EStop);
+    rig.command(ModeCommand::EStop);
     rig.act();
     assert_eq!(rig.mode(), ControlMode::EStop);
     for _ in 0..100 {
         rig.refresh();
-        rig.command(Command::Reset);
+        rig.command(ModeCommand::Reset);
         let refused = rig.act();
         let is_refused = |effect: &CoordinatorEffect| match effect {
             CoordinatorEffect::Refused(refusal) => refusal.text(&rig.line).contains("cannot write its journal"),
@@ -73,8 +73,8 @@ fn an_emergency_stop_that_cannot_be_written_stays_in_force_and_is_written_when_i
     rig.disk_is_full = false;
     (0..21).for_each(|_| drop(rig.refresh()));
     assert!(rig.record.estop);
-    rig.command(Command::Reset);
-    rig.command(Command::Manual);
+    rig.command(ModeCommand::Reset);
+    rig.command(ModeCommand::Manual);
     rig.act();
     assert_eq!(rig.mode(), ControlMode::Manual);
 }
@@ -82,12 +82,12 @@ fn an_emergency_stop_that_cannot_be_written_stays_in_force_and_is_written_when_i
 /// The order of a mode that could not be written down must not go out: the next coordinator would not know its epoch.
 #[test]
 fn a_mode_that_cannot_be_written_is_not_ordered_and_becomes_an_emergency_stop() {
-    let mut rig = Rig::new(Remembered::default());
+    let mut rig = Rig::new(CoordinatorRecord::default());
     rig.refresh();
-    rig.command(Command::Start);
+    rig.command(ModeCommand::Start);
     rig.refresh();
     rig.disk_is_full = true;
-    rig.command(Command::Auto);
+    rig.command(ModeCommand::Auto);
     let done = rig.act();
     let (record, order) = (place(&done, is_record), place(&done, is_order));
     assert!(record < order, "{done:?}");
@@ -97,7 +97,7 @@ fn a_mode_that_cannot_be_written_is_not_ordered_and_becomes_an_emergency_stop() 
 
 #[test]
 fn outputs_go_off_before_a_record_and_after_a_slow_one_none_goes_on_by_what_was_decided_before_it() {
-    let mut rig = Rig::new(Remembered::default());
+    let mut rig = Rig::new(CoordinatorRecord::default());
     rig.in_auto();
     let station = rig.line.station_named("clamp_1").expect("a clamp");
     rig.outputs(station, 0b01);
@@ -105,7 +105,7 @@ fn outputs_go_off_before_a_record_and_after_a_slow_one_none_goes_on_by_what_was_
     // The epoch of a master stop is to be written down, and another output comes in the same moment.
     rig.disk_takes = Duration::from_secs(1);
     rig.outputs(station, 0b10);
-    rig.command(Command::Stop);
+    rig.command(ModeCommand::Stop);
     let done = rig.act();
     let energised = |bits| move |effect: &CoordinatorEffect| *effect == CoordinatorEffect::Energise(station, bits);
     assert!(place(&done, energised(0)) < place(&done, is_record), "{done:?}");
@@ -121,12 +121,12 @@ fn outputs_go_off_before_a_record_and_after_a_slow_one_none_goes_on_by_what_was_
 /// What was decided before the slow record was dropped, and with it the account of what is on the bus.
 #[test]
 fn outputs_go_off_before_the_record_that_follows_a_slow_one() {
-    let mut rig = Rig::new(Remembered::default());
+    let mut rig = Rig::new(CoordinatorRecord::default());
     rig.in_auto();
     let station = rig.line.station_named("clamp_1").expect("a clamp");
     rig.outputs(station, 0b01);
     rig.act();
-    rig.command(Command::Stop);
+    rig.command(ModeCommand::Stop);
     let mut effects = Vec::new();
     rig.shell.act(rig.now, &mut effects);
     let Some(CoordinatorEffect::Remember(record)) = effects.iter().find(|effect| is_record(effect)).cloned() else {

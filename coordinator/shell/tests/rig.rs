@@ -2,8 +2,8 @@
 
 use std::time::Duration;
 
-use linewright_coordinator_logic::{Command, Heard, OutputImage};
-use linewright_coordinator_shell::{CoordinatorArrival, CoordinatorEffect, CoordinatorShell, Remembered};
+use linewright_coordinator_logic::{ModeCommand, OutputImage, StationView};
+use linewright_coordinator_shell::{CoordinatorArrival, CoordinatorEffect, CoordinatorRecord, CoordinatorShell};
 use linewright_line::net::ControlMode;
 use linewright_line::{Line, Rest, RestId, StationId, Task, Tick, TransferLine, parse};
 
@@ -14,23 +14,23 @@ pub struct Rig {
     pub shell: CoordinatorShell,
     pub now: Tick,
     pub effects: Vec<CoordinatorEffect>,
-    pub heard: Vec<Heard>,
+    pub heard: Vec<StationView>,
     pub disk_is_full: bool,
     /// How long it takes to write.
     pub disk_takes: Duration,
-    pub record: Remembered,
+    pub record: CoordinatorRecord,
     /// When it was tried to write.
     pub writes: Vec<Tick>,
     sequence: u64,
 }
 
 impl Rig {
-    pub fn new(remembered: Remembered) -> Self {
+    pub fn new(remembered: CoordinatorRecord) -> Self {
         Rig::of(parse("line.toml", &TransferLine::default().text()).expect("the shipped line").line, remembered)
     }
 
     /// With one station that works on order.
-    pub fn with_one_on_order(remembered: Remembered) -> Self {
+    pub fn with_one_on_order(remembered: CoordinatorRecord) -> Self {
         let mut line = parse("line.toml", &TransferLine::default().text()).expect("the shipped line").line;
         let id = line.station_named("clamp_1").expect("a clamp");
         let station = &mut line.stations[id.index()];
@@ -40,15 +40,15 @@ impl Rig {
         Rig::of(line, remembered)
     }
 
-    fn of(line: Line, remembered: Remembered) -> Self {
-        let at_home = Heard {
+    fn of(line: Line, remembered: CoordinatorRecord) -> Self {
+        let at_home = StationView {
             boot_id: 7,
             follows: LIFE,
             at_home: true,
             stopped: true,
             devices_valid: true,
             generation: 1,
-            ..Heard::default()
+            ..StationView::default()
         };
         let mut shell = CoordinatorShell::new(&line, LIFE, remembered);
         shell.handle(Tick::from_millis(1000), CoordinatorArrival::Console { bits: 0, valid: true });
@@ -75,7 +75,7 @@ impl Rig {
         let epoch = self.shell.coordinator().epoch();
         for (at, heard) in self.heard.clone().into_iter().enumerate() {
             self.sequence += 1;
-            let heard = Heard { mode_epoch: heard.mode_epoch.max(epoch), ..heard };
+            let heard = StationView { mode_epoch: heard.mode_epoch.max(epoch), ..heard };
             let (station, sequence) = (StationId::at(at), self.sequence);
             self.shell.handle(self.now, CoordinatorArrival::State { station, sequence, heard });
         }
@@ -95,7 +95,7 @@ impl Rig {
         self.shell.handle(self.now, CoordinatorArrival::Outputs { station, sequence, image });
     }
 
-    pub fn command(&mut self, command: Command) {
+    pub fn command(&mut self, command: ModeCommand) {
         self.shell.handle(self.now, CoordinatorArrival::Command(command));
     }
 
@@ -129,9 +129,9 @@ impl Rig {
     /// In auto, and everybody knows.
     pub fn in_auto(&mut self) {
         self.refresh();
-        self.command(Command::Start);
+        self.command(ModeCommand::Start);
         self.refresh();
-        self.command(Command::Auto);
+        self.command(ModeCommand::Auto);
         self.refresh();
         self.refresh();
         assert_eq!(self.mode(), ControlMode::Auto, "{}", self.shell.coordinator().text());

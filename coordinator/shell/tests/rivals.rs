@@ -2,8 +2,8 @@
 
 use std::time::Duration;
 
-use linewright_coordinator_logic::{Command, Heard};
-use linewright_coordinator_shell::{CoordinatorArrival, CoordinatorEffect, Remembered};
+use linewright_coordinator_logic::{ModeCommand, StationView};
+use linewright_coordinator_shell::{CoordinatorArrival, CoordinatorEffect, CoordinatorRecord};
 use linewright_line::net::ControlMode;
 
 use crate::rig::{LIFE, Rig};
@@ -22,7 +22,7 @@ impl Rig {
         done
     }
 
-    fn refusal(&mut self, command: Command) -> String {
+    fn refusal(&mut self, command: ModeCommand) -> String {
         self.command(command);
         let done = self.act();
         let text = |effect: &CoordinatorEffect| match effect {
@@ -35,31 +35,31 @@ impl Rig {
 
 #[test]
 fn auto_ends_while_another_coordinator_gives_orders_and_no_mode_that_moves_is_entered() {
-    let mut rig = Rig::new(Remembered::default());
+    let mut rig = Rig::new(CoordinatorRecord::default());
     rig.in_auto();
     rig.beside_another(4, 1);
     assert_eq!(rig.mode(), ControlMode::StandBy);
     let expected = format!("another coordinator (boot id {OTHER}) gives orders to this line: end one of the two");
     assert!(rig.shell.coordinator().text().contains(&expected), "{}", rig.shell.coordinator().text());
-    for command in [Command::Auto, Command::Hand, Command::Manual] {
+    for command in [ModeCommand::Auto, ModeCommand::Hand, ModeCommand::Manual] {
         let refusal = rig.refusal(command);
         assert!(refusal.contains(&expected), "{refusal}");
     }
     assert_eq!(rig.shell.gives_way_to(rig.now), None, "it is the one that is followed");
     // Once the other one is silent an operator goes on.
     (0..8).for_each(|_| drop(rig.refresh()));
-    rig.command(Command::Auto);
+    rig.command(ModeCommand::Auto);
     rig.refresh();
     assert_eq!(rig.mode(), ControlMode::Auto);
 }
 
 #[test]
 fn manual_is_not_enabled_while_another_coordinator_gives_orders() {
-    let mut rig = Rig::new(Remembered::default());
+    let mut rig = Rig::new(CoordinatorRecord::default());
     rig.refresh();
-    rig.command(Command::Start);
+    rig.command(ModeCommand::Start);
     rig.refresh();
-    rig.command(Command::Manual);
+    rig.command(ModeCommand::Manual);
     (0..2).for_each(|_| drop(rig.refresh()));
     assert!(rig.shell.order().enabled && rig.mode() == ControlMode::Manual);
     rig.beside_another(4, 1);
@@ -68,7 +68,7 @@ fn manual_is_not_enabled_while_another_coordinator_gives_orders() {
 
 #[test]
 fn one_late_order_of_a_predecessor_changes_nothing() {
-    let mut rig = Rig::new(Remembered::default());
+    let mut rig = Rig::new(CoordinatorRecord::default());
     rig.in_auto();
     for _ in 0..4 {
         rig.shell.handle(rig.now, CoordinatorArrival::Order { boot_id: OTHER, sequence: 800 });
@@ -79,13 +79,13 @@ fn one_late_order_of_a_predecessor_changes_nothing() {
 
 #[test]
 fn who_comes_second_gives_way_and_who_is_followed_does_not() {
-    let mut rig = Rig::new(Remembered::default());
+    let mut rig = Rig::new(CoordinatorRecord::default());
     // The stations follow the other one, whose epochs they acknowledge.
     for round in 0..4 {
         rig.now = rig.now + Duration::from_millis(50);
         rig.shell.handle(rig.now, CoordinatorArrival::Order { boot_id: OTHER, sequence: 10 + round });
         // The same epoch as this one's, by chance.
-        let heard = Heard { mode_epoch: rig.shell.coordinator().epoch(), follows: OTHER, ..rig.heard[0] };
+        let heard = StationView { mode_epoch: rig.shell.coordinator().epoch(), follows: OTHER, ..rig.heard[0] };
         let station = linewright_line::StationId(0);
         rig.shell.handle(rig.now, CoordinatorArrival::State { station, sequence: 1 + round, heard });
         rig.act();
@@ -97,7 +97,7 @@ fn who_comes_second_gives_way_and_who_is_followed_does_not() {
 #[test]
 fn of_two_that_no_station_has_heard_the_younger_one_gives_way() {
     for (from, expected) in [(1000, Some(OTHER)), (1, None)] {
-        let mut rig = Rig::new(Remembered::default());
+        let mut rig = Rig::new(CoordinatorRecord::default());
         (0..100).for_each(|_| {
             rig.now = rig.now + Duration::from_millis(50);
             rig.act();
@@ -114,12 +114,12 @@ fn of_two_that_no_station_has_heard_the_younger_one_gives_way() {
 /// Two that do not hear each other can come to the same epoch.
 #[test]
 fn a_station_that_follows_another_coordinator_has_acknowledged_nothing() {
-    let mut rig = Rig::new(Remembered::default());
+    let mut rig = Rig::new(CoordinatorRecord::default());
     rig.refresh();
-    rig.command(Command::Start);
+    rig.command(ModeCommand::Start);
     rig.refresh();
     rig.heard[1].follows = OTHER;
-    rig.command(Command::Manual);
+    rig.command(ModeCommand::Manual);
     (0..4).for_each(|_| drop(rig.refresh()));
     assert!(!rig.shell.order().enabled);
     rig.heard[1].follows = rig.shell.boot_id();

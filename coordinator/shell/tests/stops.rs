@@ -2,8 +2,8 @@
 
 use std::time::Duration;
 
-use linewright_coordinator_logic::{Command, Heard};
-use linewright_coordinator_shell::{CoordinatorArrival, CoordinatorEffect, Remembered};
+use linewright_coordinator_logic::{ModeCommand, StationView};
+use linewright_coordinator_shell::{CoordinatorArrival, CoordinatorEffect, CoordinatorRecord};
 use linewright_line::StationId;
 use linewright_line::net::ControlMode;
 
@@ -11,8 +11,8 @@ use crate::rig::Rig;
 
 #[test]
 fn a_coordinator_without_a_record_adopts_the_stop_that_a_station_is_in() {
-    let mut rig = Rig::new(Remembered::default());
-    rig.heard[1] = Heard { estopped: true, mode_epoch: 57, ..rig.heard[1] };
+    let mut rig = Rig::new(CoordinatorRecord::default());
+    rig.heard[1] = StationView { estopped: true, mode_epoch: 57, ..rig.heard[1] };
     rig.refresh();
     assert_eq!(rig.mode(), ControlMode::EStop);
     assert!(rig.shell.coordinator().epoch() > 57 && rig.record.estop);
@@ -20,19 +20,19 @@ fn a_coordinator_without_a_record_adopts_the_stop_that_a_station_is_in() {
 
 #[test]
 fn a_stop_that_somebody_else_gives_a_station_in_auto_is_adopted_and_adopted_again_while_it_lasts() {
-    let mut rig = Rig::new(Remembered::default());
+    let mut rig = Rig::new(CoordinatorRecord::default());
     rig.in_auto();
     rig.heard[2].estopped = true;
     rig.refresh();
     assert_eq!(rig.mode(), ControlMode::EStop);
-    rig.command(Command::Reset);
-    rig.command(Command::Manual);
+    rig.command(ModeCommand::Reset);
+    rig.command(ModeCommand::Manual);
     rig.refresh();
     rig.refresh();
     assert_eq!(rig.mode(), ControlMode::EStop, "it has heard of the way out and is in it still");
     rig.heard[2].estopped = false;
-    rig.command(Command::Reset);
-    rig.command(Command::Manual);
+    rig.command(ModeCommand::Reset);
+    rig.command(ModeCommand::Manual);
     rig.refresh();
     rig.refresh();
     assert_eq!(rig.mode(), ControlMode::Manual);
@@ -41,16 +41,16 @@ fn a_stop_that_somebody_else_gives_a_station_in_auto_is_adopted_and_adopted_agai
 /// The last state from before the way out was heard says nothing new.
 #[test]
 fn a_station_that_has_not_heard_of_the_way_out_yet_stops_nothing() {
-    let mut rig = Rig::new(Remembered::default());
+    let mut rig = Rig::new(CoordinatorRecord::default());
     rig.in_auto();
-    rig.command(Command::EStop);
+    rig.command(ModeCommand::EStop);
     rig.refresh();
     let stopped = rig.shell.coordinator().epoch();
-    rig.command(Command::Reset);
-    rig.command(Command::Manual);
+    rig.command(ModeCommand::Reset);
+    rig.command(ModeCommand::Manual);
     rig.act();
     assert_eq!(rig.mode(), ControlMode::Manual);
-    let heard = Heard { estopped: true, mode_epoch: stopped, ..rig.heard[0] };
+    let heard = StationView { estopped: true, mode_epoch: stopped, ..rig.heard[0] };
     rig.shell.handle(rig.now, CoordinatorArrival::State { station: StationId(0), sequence: 900, heard });
     rig.act();
     assert_eq!(rig.mode(), ControlMode::Manual);
@@ -58,7 +58,7 @@ fn a_station_that_has_not_heard_of_the_way_out_yet_stops_nothing() {
 
 #[test]
 fn after_a_standstill_what_waited_says_nothing_of_the_present() {
-    let mut rig = Rig::new(Remembered::default());
+    let mut rig = Rig::new(CoordinatorRecord::default());
     rig.in_auto();
     let station = rig.line.station_named("clamp_1").expect("a clamp");
     rig.now = rig.now + Duration::from_secs(10);
@@ -77,7 +77,7 @@ fn after_a_standstill_what_waited_says_nothing_of_the_present() {
 /// The finger never left it: what waited while the coordinator stood still holds it down, and so does what follows.
 #[test]
 fn a_button_that_was_held_over_a_standstill_counts_when_it_was_released() {
-    let mut rig = Rig::new(Remembered::default());
+    let mut rig = Rig::new(CoordinatorRecord::default());
     rig.refresh();
     let held = |rig: &mut Rig, buttons: u32| {
         rig.shell.handle(rig.now, CoordinatorArrival::Buttons(buttons));
@@ -96,8 +96,8 @@ fn a_button_that_was_held_over_a_standstill_counts_when_it_was_released() {
 /// Its journal is gone, and the line's epochs have come far.
 #[test]
 fn a_station_in_an_emergency_stop_is_believed_whatever_its_epoch() {
-    let mut rig = Rig::new(Remembered::default());
-    rig.heard[1] = Heard { estopped: true, mode_epoch: 1 << 40, ..rig.heard[1] };
+    let mut rig = Rig::new(CoordinatorRecord::default());
+    rig.heard[1] = StationView { estopped: true, mode_epoch: 1 << 40, ..rig.heard[1] };
     let beyond = CoordinatorArrival::State { station: StationId(1), sequence: u64::MAX, heard: rig.heard[1] };
     assert!(!rig.shell.handle(rig.now, beyond), "it is reported");
     rig.refresh();
@@ -109,7 +109,7 @@ fn a_station_in_an_emergency_stop_is_believed_whatever_its_epoch() {
 /// nothing that it decided before is put out.
 #[test]
 fn a_station_is_stopped_by_itself_and_follows_again_in_an_epoch_of_its_own() {
-    let mut rig = Rig::with_one_on_order(Remembered::default());
+    let mut rig = Rig::with_one_on_order(CoordinatorRecord::default());
     rig.shell.plays_cell([].into_iter(), [].into_iter());
     rig.in_auto();
     let (id, other) = (rig.line.station_named("clamp_1").expect("there"), StationId(0));
@@ -151,11 +151,11 @@ fn a_station_is_stopped_by_itself_and_follows_again_in_an_epoch_of_its_own() {
 #[test]
 fn a_new_coordinator_knows_the_station_or_stops_the_line() {
     for is_known in [true, false] {
-        let mut rig = Rig::with_one_on_order(Remembered { epoch: 40, estop: false });
+        let mut rig = Rig::with_one_on_order(CoordinatorRecord { epoch: 40, estop: false });
         let id = rig.line.station_named("clamp_1").expect("there");
         let stopped = is_known.then_some(id);
         rig.shell.plays_cell(stopped.into_iter(), stopped.into_iter());
-        rig.heard[id.index()] = Heard { estopped: true, mode_epoch: 41, ..rig.heard[id.index()] };
+        rig.heard[id.index()] = StationView { estopped: true, mode_epoch: 41, ..rig.heard[id.index()] };
         rig.refresh();
         assert_eq!(rig.mode() == ControlMode::EStop, !is_known, "{}", rig.shell.coordinator().text());
         assert_eq!(rig.shell.order_for(id).mode, ControlMode::EStop);

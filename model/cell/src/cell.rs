@@ -10,7 +10,7 @@ use std::time::Duration;
 
 use linewright_text::index_id;
 
-use crate::prototype::{Action, Prototype, Role};
+use crate::prototype::{Prototype, ResourceAction, Role};
 
 index_id! {
     /// A resource, by its place in [`Cell::resources`].
@@ -33,7 +33,7 @@ pub struct Cell {
     /// What a person calls it.
     pub title: String,
     /// What holds for all of it.
-    pub limits: Limits,
+    pub limits: CellTimeouts,
     /// How the dispatcher decides.
     pub dispatch: Dispatch,
     /// The stations that get orders or belong to resources, by name.
@@ -52,7 +52,7 @@ pub struct Cell {
 
 /// What holds for all of a cell.
 #[derive(Clone, Copy, Debug, PartialEq)]
-pub struct Limits {
+pub struct CellTimeouts {
     /// Parts in the cell at once.
     pub wip_max: u32,
     /// A part is grasped only if the place for it is reserved (seed 000, L1439).
@@ -65,7 +65,7 @@ pub struct Limits {
 #[derive(Clone, Debug, PartialEq)]
 pub struct Dispatch {
     /// In this order; what one leaves equal the next decides.
-    pub rules: Vec<Rule>,
+    pub rules: Vec<DispatchRule>,
     /// How far decisions are tried out beforehand; zero for not at all.
     pub look_ahead: Duration,
     /// A part that could move and has waited this long goes first.
@@ -76,7 +76,7 @@ pub struct Dispatch {
 
 /// A rule of the dispatcher.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, PartialOrd, Ord, Hash)]
-pub enum Rule {
+pub enum DispatchRule {
     /// First come, first served: the part that has been where it is for longest.
     Fifo,
     /// What takes least time, with what then follows by itself.
@@ -121,7 +121,7 @@ pub struct Activity {
     /// What stations are told; together they have done it when each of them has.
     pub orders: Vec<OrderTemplate>,
     /// For which stages it is possible, in their order, and what it makes of them. At most one for each pair.
-    pub moves: Vec<Move>,
+    pub moves: Vec<StageMove>,
 }
 
 /// What an activity is.
@@ -143,12 +143,12 @@ pub struct Use {
     /// Whose action; none for the outside.
     pub of: Option<ResourceId>,
     /// What it does.
-    pub action: Action,
+    pub action: ResourceAction,
 }
 
 /// What an activity makes of one stage.
 #[derive(Clone, Debug, PartialEq)]
-pub struct Move {
+pub struct StageMove {
     /// Before.
     pub from: StageId,
     /// Afterwards; the same where parts are only moved.
@@ -180,7 +180,7 @@ pub enum ParameterSource {
     Number(i32),
     /// The position that the part has, or will have, in a store.
     Position(ResourceId),
-    /// [`Move::program`].
+    /// [`StageMove::program`].
     Program,
 }
 
@@ -192,12 +192,12 @@ pub struct PartType {
     /// Its stages: the first is that of a part on which nothing has been done, the last that of a finished one.
     pub stages: Range<u16>,
     /// Its plan, in the order of the description.
-    pub steps: Vec<Step>,
+    pub steps: Vec<PlanStep>,
 }
 
 /// A step of a plan.
 #[derive(Clone, Debug, PartialEq, Eq)]
-pub struct Step {
+pub struct PlanStep {
     /// Its name.
     pub name: String,
     /// Before.
@@ -233,12 +233,12 @@ pub struct ExceptionRule {
     /// The stations that go into emergency stop at once (seed 001 §5.2, L206).
     pub emergency_stop: Vec<StopOf>,
     /// What the operator can answer.
-    pub answers: Vec<Answer>,
+    pub answers: Vec<AlarmAnswer>,
 }
 
 /// An answer: where the part is, and how to go on from there.
 #[derive(Clone, Debug, PartialEq, Eq)]
-pub struct Answer {
+pub struct AlarmAnswer {
     /// The word.
     pub word: String,
     /// Where the part is.
@@ -328,7 +328,7 @@ impl Cell {
     }
 
     /// How long an order may take; none where neither a limit nor a time is known.
-    pub fn limit(&self, order: &OrderTemplate, of: &Move) -> Option<Duration> {
+    pub fn limit(&self, order: &OrderTemplate, of: &StageMove) -> Option<Duration> {
         order.limit.or_else(|| of.time.map(|time| time.mul_f64(self.limits.safety)))
     }
 }
@@ -340,7 +340,7 @@ impl Activity {
     }
 
     /// What it makes of a stage, by the tones of a mode: before, and afterwards.
-    pub fn move_of(&self, from: StageId, to: StageId) -> Option<&Move> {
+    pub fn move_of(&self, from: StageId, to: StageId) -> Option<&StageMove> {
         self.moves.iter().find(|of| (of.from, of.to) == (from, to))
     }
 
@@ -362,22 +362,22 @@ impl PartType {
     }
 }
 
-impl Rule {
+impl DispatchRule {
     /// All rules with the words that a description has for them.
-    pub const ALL: [(&'static str, Rule); 7] = [
-        ("fifo", Rule::Fifo),
-        ("shortest-processing-time", Rule::ShortestProcessingTime),
-        ("earliest-due-date", Rule::EarliestDueDate),
-        ("least-slack", Rule::LeastSlack),
-        ("critical-ratio", Rule::CriticalRatio),
-        ("priority", Rule::Priority),
-        ("schedule", Rule::Schedule),
+    pub const ALL: [(&'static str, DispatchRule); 7] = [
+        ("fifo", DispatchRule::Fifo),
+        ("shortest-processing-time", DispatchRule::ShortestProcessingTime),
+        ("earliest-due-date", DispatchRule::EarliestDueDate),
+        ("least-slack", DispatchRule::LeastSlack),
+        ("critical-ratio", DispatchRule::CriticalRatio),
+        ("priority", DispatchRule::Priority),
+        ("schedule", DispatchRule::Schedule),
     ];
 }
 
-impl fmt::Display for Rule {
+impl fmt::Display for DispatchRule {
     fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
-        let (word, _) = Rule::ALL.iter().find(|(_, rule)| rule == self).ok_or(fmt::Error)?;
+        let (word, _) = DispatchRule::ALL.iter().find(|(_, rule)| rule == self).ok_or(fmt::Error)?;
         f.write_str(word)
     }
 }

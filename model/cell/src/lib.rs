@@ -11,5 +11,5 @@ mod prototype;
 mod routes;
 
 pub use cell::*;
-pub use parse::{Parsed, parse};
-pub use prototype::{Action, Prototype, Role};
+pub use parse::{ParsedCell, parse};
+pub use prototype::{Prototype, ResourceAction, Role};

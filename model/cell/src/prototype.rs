@@ -24,7 +24,7 @@ pub enum Prototype {
 
 /// What a resource does when an activity happens.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, PartialOrd, Ord, Hash)]
-pub enum Action {
+pub enum ResourceAction {
     /// A machine takes a part.
     Load,
     /// A machine works on the part it has.
@@ -82,14 +82,16 @@ impl Prototype {
     }
 
     /// What it can do.
-    pub const fn actions(self) -> &'static [Action] {
+    pub const fn actions(self) -> &'static [ResourceAction] {
         match self {
-            Prototype::Machine => &[Action::Load, Action::Process, Action::Unload],
-            Prototype::Human => &[Action::Load, Action::Process, Action::Unload, Action::PickAndPlace],
-            Prototype::RandomAccessStore | Prototype::FifoBuffer | Prototype::LifoBuffer => {
-                &[Action::Store, Action::Retrieve]
+            Prototype::Machine => &[ResourceAction::Load, ResourceAction::Process, ResourceAction::Unload],
+            Prototype::Human => {
+                &[ResourceAction::Load, ResourceAction::Process, ResourceAction::Unload, ResourceAction::PickAndPlace]
             }
-            Prototype::Robot | Prototype::Conveyor => &[Action::PickAndPlace],
+            Prototype::RandomAccessStore | Prototype::FifoBuffer | Prototype::LifoBuffer => {
+                &[ResourceAction::Store, ResourceAction::Retrieve]
+            }
+            Prototype::Robot | Prototype::Conveyor => &[ResourceAction::PickAndPlace],
         }
     }
 
@@ -113,37 +115,37 @@ impl Prototype {
 
     /// Whether it works on parts.
     pub fn processes(self) -> bool {
-        self.actions().contains(&Action::Process)
+        self.actions().contains(&ResourceAction::Process)
     }
 
     /// Whether parts stay in it between activities without being worked on.
     pub fn stores(self) -> bool {
-        self.actions().contains(&Action::Store)
+        self.actions().contains(&ResourceAction::Store)
     }
 }
 
-impl Action {
+impl ResourceAction {
     /// As a description writes it.
     pub const fn name(self) -> &'static str {
         match self {
-            Action::Load => "load",
-            Action::Process => "process",
-            Action::Unload => "unload",
-            Action::Store => "store",
-            Action::Retrieve => "retrieve",
-            Action::PickAndPlace => "pick-and-place",
-            Action::In => "in",
-            Action::Out => "out",
+            ResourceAction::Load => "load",
+            ResourceAction::Process => "process",
+            ResourceAction::Unload => "unload",
+            ResourceAction::Store => "store",
+            ResourceAction::Retrieve => "retrieve",
+            ResourceAction::PickAndPlace => "pick-and-place",
+            ResourceAction::In => "in",
+            ResourceAction::Out => "out",
         }
     }
 
     /// What it is for the part that moves.
     pub const fn role(self) -> Role {
         match self {
-            Action::Unload | Action::Retrieve | Action::In => Role::Source,
-            Action::Load | Action::Store | Action::Out => Role::Target,
-            Action::PickAndPlace => Role::Carrier,
-            Action::Process => Role::Worker,
+            ResourceAction::Unload | ResourceAction::Retrieve | ResourceAction::In => Role::Source,
+            ResourceAction::Load | ResourceAction::Store | ResourceAction::Out => Role::Target,
+            ResourceAction::PickAndPlace => Role::Carrier,
+            ResourceAction::Process => Role::Worker,
         }
     }
 }

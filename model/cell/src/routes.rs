@@ -4,42 +4,44 @@
 //! lies on a way from *new, outside* to *done, outside* is what activities are for; the rest is left out of the nets and
 //! reported where a plan needs it. Capacities play no part here. The search is linear in spots × stages × ways.
 
-use crate::prototype::Action;
+use crate::prototype::ResourceAction;
 use crate::{ResourceId, StageId};
 
 /// Where a part can stand.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, PartialOrd, Ord, Hash)]
-pub struct Spot(usize);
+pub struct PartSpot(usize);
 
-impl Spot {
+impl PartSpot {
     /// Outside, before.
-    pub const BEFORE: Spot = Spot(0);
+    pub const BEFORE: PartSpot = PartSpot(0);
     /// Outside, afterwards.
-    pub const AFTER: Spot = Spot(1);
+    pub const AFTER: PartSpot = PartSpot(1);
 
     /// The spot that an action takes the part from or puts it to; none for a carrier.
-    pub fn of(resource: Option<ResourceId>, action: Action) -> Option<Spot> {
+    pub fn of(resource: Option<ResourceId>, action: ResourceAction) -> Option<PartSpot> {
         let first = resource.map(|id| 2 + 2 * id.index());
         match action {
-            Action::In => Some(Spot::BEFORE),
-            Action::Out => Some(Spot::AFTER),
-            Action::Load | Action::Store | Action::Retrieve | Action::Process => first.map(Spot),
-            Action::Unload => first.map(|first| Spot(first + 1)),
-            Action::PickAndPlace => None,
+            ResourceAction::In => Some(PartSpot::BEFORE),
+            ResourceAction::Out => Some(PartSpot::AFTER),
+            ResourceAction::Load | ResourceAction::Store | ResourceAction::Retrieve | ResourceAction::Process => {
+                first.map(PartSpot)
+            }
+            ResourceAction::Unload => first.map(|first| PartSpot(first + 1)),
+            ResourceAction::PickAndPlace => None,
         }
     }
 
     /// Where a machine's parts are before and after its work.
-    pub fn work(resource: ResourceId) -> [Spot; 2] {
-        [Spot(2 + 2 * resource.index()), Spot(3 + 2 * resource.index())]
+    pub fn work(resource: ResourceId) -> [PartSpot; 2] {
+        [PartSpot(2 + 2 * resource.index()), PartSpot(3 + 2 * resource.index())]
     }
 }
 
 /// What moves parts and what changes them.
 #[derive(Clone, Debug, Default)]
-pub struct Ways {
+pub struct RouteTable {
     /// From where to where, whatever the stage.
-    pub transports: Vec<(Spot, Spot)>,
+    pub transports: Vec<(PartSpot, PartSpot)>,
     /// On which resource, from which stage to which.
     pub works: Vec<(ResourceId, StageId, StageId)>,
     /// The first and the last stage of each part type.
@@ -62,7 +64,7 @@ pub struct Routes {
 
 impl Routes {
     /// Plays all ways.
-    pub fn new(ways: &Ways) -> Routes {
+    pub fn new(ways: &RouteTable) -> Routes {
         let spots = 2 + 2 * ways.resources;
         let mut forwards = vec![(Vec::new(), Vec::new()); spots];
         let mut backwards = forwards.clone();
@@ -71,12 +73,12 @@ impl Routes {
             backwards[target.0].0.push(source.0);
         }
         for &(resource, from, to) in &ways.works {
-            let [before, after] = Spot::work(resource);
+            let [before, after] = PartSpot::work(resource);
             forwards[before.0].1.push((from.index(), after.0, to.index()));
             backwards[after.0].1.push((to.index(), before.0, from.index()));
         }
-        let starts = ways.ends.iter().map(|(new, _)| (Spot::BEFORE.0, new.index()));
-        let goals = ways.ends.iter().map(|(_, done)| (Spot::AFTER.0, done.index()));
+        let starts = ways.ends.iter().map(|(new, _)| (PartSpot::BEFORE.0, new.index()));
+        let goals = ways.ends.iter().map(|(_, done)| (PartSpot::AFTER.0, done.index()));
         Routes {
             stages: ways.stages,
             reached: spread(&forwards, ways.stages, starts),
@@ -85,17 +87,17 @@ impl Routes {
     }
 
     /// Whether a part of this stage can come there.
-    pub fn is_reached(&self, spot: Spot, stage: StageId) -> bool {
+    pub fn is_reached(&self, spot: PartSpot, stage: StageId) -> bool {
         self.reached.get(spot.0 * self.stages + stage.index()).copied().unwrap_or(false)
     }
 
     /// Whether a part of this stage that is there can still be finished and leave.
-    pub fn finishes(&self, spot: Spot, stage: StageId) -> bool {
+    pub fn finishes(&self, spot: PartSpot, stage: StageId) -> bool {
         self.finishes.get(spot.0 * self.stages + stage.index()).copied().unwrap_or(false)
     }
 
     /// Whether this transport of this stage is part of a way from the beginning to the end.
-    pub fn is_of_use(&self, (source, target): (Spot, Spot), stage: StageId) -> bool {
+    pub fn is_of_use(&self, (source, target): (PartSpot, PartSpot), stage: StageId) -> bool {
         self.is_reached(source, stage) && self.finishes(target, stage)
     }
 }

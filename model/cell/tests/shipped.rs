@@ -2,7 +2,7 @@
 
 use std::time::Duration;
 
-use linewright_cell::{ActivityKind, LeftOut, ParameterSource, Prototype, Rule, StopOf, Whereabouts};
+use linewright_cell::{ActivityKind, DispatchRule, LeftOut, ParameterSource, Prototype, StopOf, Whereabouts};
 
 use crate::common::{ASSEMBLY, C1, cell};
 
@@ -32,7 +32,7 @@ fn the_resources_of_the_assembly_cell_are_the_printed_ones() {
     assert_eq!(of("robot_1"), Some((Prototype::Robot, 1)));
     assert_eq!(of("robot_2"), Some((Prototype::Machine, 1)));
     assert_eq!(of("human"), Some((Prototype::Human, 1)));
-    assert_eq!(cell.dispatch.rules, [Rule::Schedule, Rule::ShortestProcessingTime, Rule::Fifo]);
+    assert_eq!(cell.dispatch.rules, [DispatchRule::Schedule, DispatchRule::ShortestProcessingTime, DispatchRule::Fifo]);
 }
 
 /// Seed 001, L72-77: M1, M2, M3, ST and R; load and unload actions are synchronised with pick-and-place.

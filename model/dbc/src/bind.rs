@@ -4,7 +4,7 @@ use linewright_line::{
     Checksum, Field, FrameBinding, Frames, HeardFrame, Named, Page, Problem, Receive, When, suggestion,
 };
 
-use crate::{Database, Message, Mux, Signal};
+use crate::{Database, DbcMessage, DbcSignal, Mux};
 
 /// Bytes of a classic frame.
 const LEN_MAX: u64 = 8;
@@ -31,7 +31,7 @@ impl<'a> Binder<'a> {
         self.problems.push(Problem::error(at.at.clone(), message).maybe_hint(hint));
     }
 
-    pub(crate) fn message(&mut self, named: &Named) -> Option<&'a Message> {
+    pub(crate) fn message(&mut self, named: &Named) -> Option<&'a DbcMessage> {
         let database = self.database;
         let Some(message) = database.messages.iter().find(|message| message.name == named.name) else {
             let hint = suggestion(&named.name, database.messages.iter().map(|message| message.name.as_str()));
@@ -45,7 +45,7 @@ impl<'a> Binder<'a> {
         Some(message)
     }
 
-    pub(crate) fn signal(&mut self, message: &'a Message, named: &Named) -> Option<(&'a Signal, Field)> {
+    pub(crate) fn signal(&mut self, message: &'a DbcMessage, named: &Named) -> Option<(&'a DbcSignal, Field)> {
         let Some(signal) = message.signals.iter().find(|signal| signal.name == named.name) else {
             let names = message.signals.iter().map(|signal| signal.name.as_str());
             let near = suggestion(&named.name, names.clone());
@@ -63,7 +63,7 @@ impl<'a> Binder<'a> {
     }
 
     /// A signal that is in every frame.
-    fn plain(&mut self, message: &'a Message, named: &Named, what: &str) -> Option<Field> {
+    fn plain(&mut self, message: &'a DbcMessage, named: &Named, what: &str) -> Option<Field> {
         let (signal, field) = self.signal(message, named)?;
         if matches!(signal.mux, Mux::Selected(_) | Mux::Nested) {
             self.problem(named, format!("`{}` is not in every frame, as {what} must be", signal.name), None);
@@ -72,7 +72,7 @@ impl<'a> Binder<'a> {
         Some(field)
     }
 
-    pub(crate) fn counter(&mut self, message: &'a Message, named: Option<&Named>) -> Option<Option<Field>> {
+    pub(crate) fn counter(&mut self, message: &'a DbcMessage, named: Option<&Named>) -> Option<Option<Field>> {
         let Some(named) = named else { return Some(None) };
         let field = self.plain(message, named, "a counter")?;
         if field.size < COUNTER_BITS_MIN {
@@ -84,7 +84,7 @@ impl<'a> Binder<'a> {
 
     pub(crate) fn checksum(
         &mut self,
-        message: &'a Message,
+        message: &'a DbcMessage,
         named: Option<&(Named, Checksum)>,
     ) -> Option<Option<(u8, Checksum)>> {
         let Some((named, kind)) = named else { return Some(None) };
@@ -99,7 +99,7 @@ impl<'a> Binder<'a> {
     }
 
     /// The selector that shows the multiplexed signal `named`.
-    pub(crate) fn selector(&mut self, message: &'a Message, named: &Named) -> Option<Field> {
+    pub(crate) fn selector(&mut self, message: &'a DbcMessage, named: &Named) -> Option<Field> {
         let selector = message.selector().map(|(_, field)| field);
         if selector.is_none() {
             self.problem(
@@ -157,7 +157,7 @@ impl<'a> Binder<'a> {
         })
     }
 
-    fn condition_is_possible(&mut self, at: &Named, signal: &Signal, field: &Field, when: When) {
+    fn condition_is_possible(&mut self, at: &Named, signal: &DbcSignal, field: &Field, when: When) {
         let (least, most) = within(signal, field);
         let unit = &signal.unit;
         let has =
@@ -208,12 +208,12 @@ impl<'a> Binder<'a> {
     /// Each of these signals has one meaning in a frame, and bits of its own; so has `other`, which is there besides.
     pub(crate) fn apart<'n>(
         &mut self,
-        message: &'a Message,
+        message: &'a DbcMessage,
         named: impl Iterator<Item = &'n Named>,
-        other: Option<&'a Signal>,
+        other: Option<&'a DbcSignal>,
     ) {
-        let lies = |signal: &Signal| signal.field.filter(|field| field.fits(message.len as u8));
-        let place = |signal: &'a Signal| Some((signal.name.as_str(), lies(signal)?));
+        let lies = |signal: &DbcSignal| signal.field.filter(|field| field.fits(message.len as u8));
+        let place = |signal: &'a DbcSignal| Some((signal.name.as_str(), lies(signal)?));
         let mut seen: Vec<(&str, Field)> = other.and_then(place).into_iter().collect();
         for named in named {
             let signal = message.signals.iter().find(|signal| signal.name == named.name);
@@ -230,7 +230,7 @@ impl<'a> Binder<'a> {
 
 /// The least and the greatest value of a signal: what its bits hold, and no more than the file says. A limit between two
 /// values is taken as the nearer one.
-fn within(signal: &Signal, field: &Field) -> (f64, f64) {
+fn within(signal: &DbcSignal, field: &Field) -> (f64, f64) {
     let (first, last) = field.range();
     let nearest = |limit: f64| field.bits(limit).map_or(limit, |bits| field.value(bits));
     let limits = signal.limits.map(|(least, most)| (nearest(least).max(first), nearest(most).min(last)));

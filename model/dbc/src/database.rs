@@ -34,12 +34,12 @@ pub enum DbcError {
 #[derive(Clone, Debug, Default, PartialEq)]
 pub struct Database {
     /// In the order of the file.
-    pub messages: Vec<Message>,
+    pub messages: Vec<DbcMessage>,
 }
 
 /// A message.
 #[derive(Clone, Debug, PartialEq)]
-pub struct Message {
+pub struct DbcMessage {
     /// Its name.
     pub name: String,
     /// Its identifier.
@@ -47,12 +47,12 @@ pub struct Message {
     /// Its bytes; a classic frame has up to 8.
     pub len: u64,
     /// Its signals.
-    pub signals: Vec<Signal>,
+    pub signals: Vec<DbcSignal>,
 }
 
 /// A signal.
 #[derive(Clone, Debug, PartialEq)]
-pub struct Signal {
+pub struct DbcSignal {
     /// Its name.
     pub name: String,
     /// Where it lies. `None` for one that no frame of eight bytes holds, or whose step is worth nothing.
@@ -78,15 +78,15 @@ pub enum Mux {
     Nested,
 }
 
-impl Message {
+impl DbcMessage {
     /// The signal that selects others, if there is one in its eight bytes, and where it lies.
-    pub fn selector(&self) -> Option<(&Signal, Field)> {
+    pub fn selector(&self) -> Option<(&DbcSignal, Field)> {
         let selector = self.signals.iter().find(|signal| signal.mux == Mux::Selector)?;
         Some((selector, selector.field.filter(|field| u8::try_from(self.len).is_ok_and(|len| field.fits(len)))?))
     }
 }
 
-impl fmt::Display for Message {
+impl fmt::Display for DbcMessage {
     fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
         write!(f, "{} ({}, {} bytes)", self.name, self.id, self.len)
     }
@@ -116,16 +116,16 @@ fn error(error: can_dbc::DbcError) -> DbcError {
     DbcError::Syntax { line, column, message: error.variant.message().into_owned() }
 }
 
-fn message(dbc: &Dbc, raw: &can_dbc::Message) -> Message {
+fn message(dbc: &Dbc, raw: &can_dbc::Message) -> DbcMessage {
     let id = match raw.id {
         MessageId::Standard(id) => FrameId { id: id.into(), extended: false },
         MessageId::Extended(id) => FrameId { id, extended: true },
     };
     let signals = raw.signals.iter().map(|signal| self::signal(dbc, raw, signal)).collect();
-    Message { name: raw.name.clone(), id, len: raw.size, signals }
+    DbcMessage { name: raw.name.clone(), id, len: raw.size, signals }
 }
 
-fn signal(dbc: &Dbc, message: &can_dbc::Message, raw: &can_dbc::Signal) -> Signal {
+fn signal(dbc: &Dbc, message: &can_dbc::Message, raw: &can_dbc::Signal) -> DbcSignal {
     let extended = dbc
         .signal_extended_value_type_list
         .iter()
@@ -138,7 +138,7 @@ fn signal(dbc: &Dbc, message: &can_dbc::Message, raw: &can_dbc::Signal) -> Signa
         (_, ValueType::Unsigned) => Coding::Unsigned,
     };
     let (least, most) = (number(raw.min), number(raw.max));
-    Signal {
+    DbcSignal {
         name: raw.name.clone(),
         field: field(raw, coding),
         mux: mux(dbc, message, raw),

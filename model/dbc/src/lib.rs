@@ -9,4 +9,4 @@ mod database;
 mod told;
 
 pub use bind::bind;
-pub use database::{Database, DbcError, FILE_BYTES_MAX, Message, Mux, Signal, read};
+pub use database::{Database, DbcError, DbcMessage, DbcSignal, FILE_BYTES_MAX, Mux, read};

@@ -6,7 +6,7 @@
 use linewright_line::{Field, Named, Send, ToldFrame};
 
 use crate::bind::Binder;
-use crate::{Message, Mux, Signal};
+use crate::{DbcMessage, DbcSignal, Mux};
 
 impl<'a> Binder<'a> {
     /// All of them.
@@ -22,7 +22,7 @@ impl<'a> Binder<'a> {
         all
     }
 
-    fn forms_of_one_message(&mut self, send: &Send, message: &Message, [earlier, told]: [&ToldFrame; 2]) {
+    fn forms_of_one_message(&mut self, send: &Send, message: &DbcMessage, [earlier, told]: [&ToldFrame; 2]) {
         let selector = message.selector();
         let shown = |told: &ToldFrame| selector.and_then(|(_, field)| shown(told, &field));
         if shown(told).is_none() || shown(told) == shown(earlier) {
@@ -42,12 +42,12 @@ impl<'a> Binder<'a> {
         }
     }
 
-    fn told(&mut self, send: &Send) -> Option<(&'a Message, ToldFrame)> {
+    fn told(&mut self, send: &Send) -> Option<(&'a DbcMessage, ToldFrame)> {
         let message = self.message(&send.message)?;
         let counter = self.counter(message, send.counter.as_ref());
         let checksum = self.checksum(message, send.checksum.as_ref());
         let mut rest = [0; 8];
-        let mut given: Vec<(&Named, &Signal)> = Vec::new();
+        let mut given: Vec<(&Named, &DbcSignal)> = Vec::new();
         for (named, value) in &send.set {
             let Some((signal, field)) = self.signal(message, named) else { continue };
             given.push((named, signal));
@@ -80,7 +80,7 @@ impl<'a> Binder<'a> {
     }
 
     /// What is multiplexed is there because of the selector's value, which then is for nothing else.
-    fn signals_are_apart(&mut self, message: &'a Message, send: &Send, is_multiplexed: bool) {
+    fn signals_are_apart(&mut self, message: &'a DbcMessage, send: &Send, is_multiplexed: bool) {
         let checksum = send.checksum.iter().map(|(named, _)| named);
         let changing = || send.counter.iter().chain(checksum.clone()).chain(send.outputs.iter().map(|own| &own.signal));
         let set = send.set.iter().map(|(named, _)| named);
@@ -98,7 +98,7 @@ impl<'a> Binder<'a> {
     }
 
     /// A signal that is multiplexed is sent with the selector's value that shows it.
-    fn is_selected(&mut self, message: &'a Message, named: &Named, signal: &Signal, rest: &[u8; 8]) {
+    fn is_selected(&mut self, message: &'a DbcMessage, named: &Named, signal: &DbcSignal, rest: &[u8; 8]) {
         match &signal.mux {
             Mux::Plain | Mux::Selector => {}
             Mux::Nested => {
@@ -119,7 +119,7 @@ impl<'a> Binder<'a> {
         }
     }
 
-    fn bits(&mut self, named: &Named, signal: &Signal, field: &Field, value: f64) -> Option<u64> {
+    fn bits(&mut self, named: &Named, signal: &DbcSignal, field: &Field, value: f64) -> Option<u64> {
         let bits = field.bits(value);
         if bits.is_none() {
             let what = format!("`{}` cannot be {value} {}", signal.name, signal.unit);

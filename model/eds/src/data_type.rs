@@ -37,10 +37,10 @@ macro_rules! data_types {
                 }
             }
 
-            pub(crate) fn shape(self) -> Shape {
+            pub(crate) fn shape(self) -> ValueShape {
                 match self {
                     $(DataType::$variant => $shape,)*
-                    DataType::Other(_) => Shape::Unknown,
+                    DataType::Other(_) => ValueShape::Unknown,
                 }
             }
         }
@@ -57,36 +57,36 @@ macro_rules! data_types {
 }
 
 data_types! {
-    Boolean = 0x01 "BOOLEAN" Shape::Boolean;
-    Integer8 = 0x02 "INTEGER8" Shape::Signed(1);
-    Integer16 = 0x03 "INTEGER16" Shape::Signed(2);
-    Integer32 = 0x04 "INTEGER32" Shape::Signed(4);
-    Unsigned8 = 0x05 "UNSIGNED8" Shape::Unsigned(1);
-    Unsigned16 = 0x06 "UNSIGNED16" Shape::Unsigned(2);
-    Unsigned32 = 0x07 "UNSIGNED32" Shape::Unsigned(4);
-    Real32 = 0x08 "REAL32" Shape::Real32;
-    VisibleString = 0x09 "VISIBLE_STRING" Shape::Text;
-    OctetString = 0x0A "OCTET_STRING" Shape::Bytes;
-    UnicodeString = 0x0B "UNICODE_STRING" Shape::Utf16;
-    TimeOfDay = 0x0C "TIME_OF_DAY" Shape::Unsigned(6);
-    TimeDifference = 0x0D "TIME_DIFFERENCE" Shape::Unsigned(6);
-    Domain = 0x0F "DOMAIN" Shape::Bytes;
-    Integer24 = 0x10 "INTEGER24" Shape::Signed(3);
-    Real64 = 0x11 "REAL64" Shape::Real64;
-    Integer40 = 0x12 "INTEGER40" Shape::Signed(5);
-    Integer48 = 0x13 "INTEGER48" Shape::Signed(6);
-    Integer56 = 0x14 "INTEGER56" Shape::Signed(7);
-    Integer64 = 0x15 "INTEGER64" Shape::Signed(8);
-    Unsigned24 = 0x16 "UNSIGNED24" Shape::Unsigned(3);
-    Unsigned40 = 0x18 "UNSIGNED40" Shape::Unsigned(5);
-    Unsigned48 = 0x19 "UNSIGNED48" Shape::Unsigned(6);
-    Unsigned56 = 0x1A "UNSIGNED56" Shape::Unsigned(7);
-    Unsigned64 = 0x1B "UNSIGNED64" Shape::Unsigned(8);
+    Boolean = 0x01 "BOOLEAN" ValueShape::Boolean;
+    Integer8 = 0x02 "INTEGER8" ValueShape::Signed(1);
+    Integer16 = 0x03 "INTEGER16" ValueShape::Signed(2);
+    Integer32 = 0x04 "INTEGER32" ValueShape::Signed(4);
+    Unsigned8 = 0x05 "UNSIGNED8" ValueShape::Unsigned(1);
+    Unsigned16 = 0x06 "UNSIGNED16" ValueShape::Unsigned(2);
+    Unsigned32 = 0x07 "UNSIGNED32" ValueShape::Unsigned(4);
+    Real32 = 0x08 "REAL32" ValueShape::Real32;
+    VisibleString = 0x09 "VISIBLE_STRING" ValueShape::Text;
+    OctetString = 0x0A "OCTET_STRING" ValueShape::Bytes;
+    UnicodeString = 0x0B "UNICODE_STRING" ValueShape::Utf16;
+    TimeOfDay = 0x0C "TIME_OF_DAY" ValueShape::Unsigned(6);
+    TimeDifference = 0x0D "TIME_DIFFERENCE" ValueShape::Unsigned(6);
+    Domain = 0x0F "DOMAIN" ValueShape::Bytes;
+    Integer24 = 0x10 "INTEGER24" ValueShape::Signed(3);
+    Real64 = 0x11 "REAL64" ValueShape::Real64;
+    Integer40 = 0x12 "INTEGER40" ValueShape::Signed(5);
+    Integer48 = 0x13 "INTEGER48" ValueShape::Signed(6);
+    Integer56 = 0x14 "INTEGER56" ValueShape::Signed(7);
+    Integer64 = 0x15 "INTEGER64" ValueShape::Signed(8);
+    Unsigned24 = 0x16 "UNSIGNED24" ValueShape::Unsigned(3);
+    Unsigned40 = 0x18 "UNSIGNED40" ValueShape::Unsigned(5);
+    Unsigned48 = 0x19 "UNSIGNED48" ValueShape::Unsigned(6);
+    Unsigned56 = 0x1A "UNSIGNED56" ValueShape::Unsigned(7);
+    Unsigned64 = 0x1B "UNSIGNED64" ValueShape::Unsigned(8);
 }
 
 /// What the types have in common. Numbers carry their size in bytes.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
-pub(crate) enum Shape {
+pub(crate) enum ValueShape {
     Boolean,
     Signed(u8),
     Unsigned(u8),
@@ -98,13 +98,15 @@ pub(crate) enum Shape {
     Unknown,
 }
 
-impl Shape {
+impl ValueShape {
     /// The least and the greatest value of a whole number.
     pub(crate) fn limits(self) -> Option<(i128, i128)> {
         match self {
-            Shape::Boolean => Some((0, 1)),
-            Shape::Signed(bytes) => Some((-(1 << (8 * u32::from(bytes) - 1)), (1 << (8 * u32::from(bytes) - 1)) - 1)),
-            Shape::Unsigned(bytes) => Some((0, (1 << (8 * u32::from(bytes))) - 1)),
+            ValueShape::Boolean => Some((0, 1)),
+            ValueShape::Signed(bytes) => {
+                Some((-(1 << (8 * u32::from(bytes) - 1)), (1 << (8 * u32::from(bytes) - 1)) - 1))
+            }
+            ValueShape::Unsigned(bytes) => Some((0, (1 << (8 * u32::from(bytes))) - 1)),
             _ => None,
         }
     }
@@ -151,7 +153,7 @@ impl std::error::Error for EncodeError {}
 
 /// Why bytes are no value of a type.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
-pub enum DecodeError {
+pub enum ValueDecodeError {
     /// Another number of bytes is needed.
     Length {
         /// The type.
@@ -165,28 +167,28 @@ pub enum DecodeError {
     NoText,
 }
 
-impl fmt::Display for DecodeError {
+impl fmt::Display for ValueDecodeError {
     fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
         match self {
-            DecodeError::Length { data_type, expected, actual } => {
+            ValueDecodeError::Length { data_type, expected, actual } => {
                 write!(f, "{data_type} has {expected} bytes, not {actual}")
             }
-            DecodeError::NoText => f.write_str("these bytes are no UNICODE_STRING"),
+            ValueDecodeError::NoText => f.write_str("these bytes are no UNICODE_STRING"),
         }
     }
 }
 
-impl std::error::Error for DecodeError {}
+impl std::error::Error for ValueDecodeError {}
 
 impl DataType {
     /// How many bytes a value has; `None` if that depends on the value or is not known.
     pub fn size(self) -> Option<usize> {
         match self.shape() {
-            Shape::Boolean => Some(1),
-            Shape::Signed(bytes) | Shape::Unsigned(bytes) => Some(bytes.into()),
-            Shape::Real32 => Some(4),
-            Shape::Real64 => Some(8),
-            Shape::Text | Shape::Bytes | Shape::Utf16 | Shape::Unknown => None,
+            ValueShape::Boolean => Some(1),
+            ValueShape::Signed(bytes) | ValueShape::Unsigned(bytes) => Some(bytes.into()),
+            ValueShape::Real32 => Some(4),
+            ValueShape::Real64 => Some(8),
+            ValueShape::Text | ValueShape::Bytes | ValueShape::Utf16 | ValueShape::Unknown => None,
         }
     }
 
@@ -199,14 +201,14 @@ impl DataType {
     pub fn encode(self, value: &Value) -> Result<Vec<u8>, EncodeError> {
         let wrong = || EncodeError::WrongKind { data_type: self, value: value.clone() };
         match (self.shape(), value) {
-            (Shape::Unknown, Value::Bytes(bytes)) | (Shape::Bytes, Value::Bytes(bytes)) => Ok(bytes.clone()),
-            (Shape::Unknown, _) => Err(EncodeError::UnknownType(self.code())),
-            (Shape::Real32, Value::Real32(real)) => Ok(real.to_le_bytes().to_vec()),
-            (Shape::Real64, Value::Real64(real)) => Ok(real.to_le_bytes().to_vec()),
-            (Shape::Text, Value::Text(text)) => {
+            (ValueShape::Unknown, Value::Bytes(bytes)) | (ValueShape::Bytes, Value::Bytes(bytes)) => Ok(bytes.clone()),
+            (ValueShape::Unknown, _) => Err(EncodeError::UnknownType(self.code())),
+            (ValueShape::Real32, Value::Real32(real)) => Ok(real.to_le_bytes().to_vec()),
+            (ValueShape::Real64, Value::Real64(real)) => Ok(real.to_le_bytes().to_vec()),
+            (ValueShape::Text, Value::Text(text)) => {
                 text.chars().map(|c| u8::try_from(u32::from(c)).map_err(|_| EncodeError::NoSuchCharacter(c))).collect()
             }
-            (Shape::Utf16, Value::Text(text)) => Ok(text.encode_utf16().flat_map(u16::to_le_bytes).collect()),
+            (ValueShape::Utf16, Value::Text(text)) => Ok(text.encode_utf16().flat_map(u16::to_le_bytes).collect()),
             (shape, value) => {
                 let ((least, most), number) = shape.limits().zip(value.whole()).ok_or_else(wrong)?;
                 if !(least..=most).contains(&number) {
@@ -222,31 +224,32 @@ impl DataType {
     ///
     /// # Errors
     /// A number of another length, or a UNICODE_STRING that is no text.
-    pub fn decode(self, bytes: &[u8]) -> Result<Value, DecodeError> {
+    pub fn decode(self, bytes: &[u8]) -> Result<Value, ValueDecodeError> {
         if let Some(expected) = self.size().filter(|expected| *expected != bytes.len()) {
-            return Err(DecodeError::Length { data_type: self, expected, actual: bytes.len() });
+            return Err(ValueDecodeError::Length { data_type: self, expected, actual: bytes.len() });
         }
         let mut raw = [0; 8];
         raw.iter_mut().zip(bytes).for_each(|(to, from)| *to = *from);
         let unsigned = u64::from_le_bytes(raw);
         Ok(match self.shape() {
-            Shape::Boolean => Value::Boolean(unsigned != 0),
-            Shape::Unsigned(_) => Value::Unsigned(unsigned),
-            Shape::Signed(bytes) => {
+            ValueShape::Boolean => Value::Boolean(unsigned != 0),
+            ValueShape::Unsigned(_) => Value::Unsigned(unsigned),
+            ValueShape::Signed(bytes) => {
                 let unused = 64 - 8 * u32::from(bytes);
                 Value::Integer((unsigned << unused) as i64 >> unused)
             }
-            Shape::Real32 => Value::Real32(f32::from_bits(unsigned as u32)),
-            Shape::Real64 => Value::Real64(f64::from_bits(unsigned)),
-            Shape::Text => {
+            ValueShape::Real32 => Value::Real32(f32::from_bits(unsigned as u32)),
+            ValueShape::Real64 => Value::Real64(f64::from_bits(unsigned)),
+            ValueShape::Text => {
                 let text: String = bytes.iter().map(|&byte| char::from(byte)).collect();
                 Value::Text(text.trim_end_matches('\0').to_owned())
             }
-            Shape::Bytes | Shape::Unknown => Value::Bytes(bytes.to_vec()),
-            Shape::Utf16 => {
+            ValueShape::Bytes | ValueShape::Unknown => Value::Bytes(bytes.to_vec()),
+            ValueShape::Utf16 => {
                 let (units, rest) = bytes.as_chunks::<2>();
                 let units: Vec<u16> = units.iter().map(|unit| u16::from_le_bytes(*unit)).collect();
-                let text = String::from_utf16(&units).ok().filter(|_| rest.is_empty()).ok_or(DecodeError::NoText)?;
+                let text =
+                    String::from_utf16(&units).ok().filter(|_| rest.is_empty()).ok_or(ValueDecodeError::NoText)?;
                 Value::Text(text)
             }
         })

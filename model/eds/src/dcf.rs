@@ -11,9 +11,9 @@ use linewright_problems::{Problems, Report};
 use crate::download::address;
 use crate::edit::Editor;
 use crate::ini::SectionRef;
-use crate::names::{Kind, classify};
+use crate::names::{SectionKind, classify};
 use crate::value::{self, NodeId, Value};
-use crate::{Access, Eds, EncodeError, understand};
+use crate::{AccessType, Eds, EncodeError, understand};
 
 /// What one device of one net is to be given.
 #[derive(Clone, Debug, PartialEq)]
@@ -62,7 +62,7 @@ pub enum ConfigureError {
         /// Its name.
         name: String,
         /// Its access.
-        access: Access,
+        access: AccessType,
     },
     /// The value is none of the entry's type.
     Encode {
@@ -206,11 +206,11 @@ impl Eds {
 
     /// Values of a compact array stand in a section of their own, which counts them.
     fn set_compact(&self, index: u16, values: &[(u8, String)], editor: &mut Editor<'_>) {
-        let Some(section) = self.section_of(Kind::Values(index)) else {
+        let Some(section) = self.section_of(SectionKind::Values(index)) else {
             let Some(object) = self.object(index).and_then(|object| self.document.section(object.section)) else {
                 return;
             };
-            let names = self.section_of(Kind::Names(index));
+            let names = self.section_of(SectionKind::Names(index));
             let mut lines = vec![String::new(), format!("[{index:04X}Value]"), format!("NrOfEntries={}", values.len())];
             lines.extend(values.iter().map(|(sub, text)| format!("{sub}={text}")));
             return editor.insert(names.unwrap_or(object).end(), &lines);
@@ -230,7 +230,7 @@ impl Eds {
     }
 
     fn set_commissioning(&self, values: &[(&'static str, String)], editor: &mut Editor<'_>) {
-        match self.section_of(Kind::Commissioning) {
+        match self.section_of(SectionKind::Commissioning) {
             Some(section) => {
                 for (key, text) in values {
                     editor.set(section, key, text);
@@ -246,7 +246,7 @@ impl Eds {
     }
 
     fn set_file_info(&self, file_name: &str, editor: &mut Editor<'_>) {
-        let Some(section) = self.section_of(Kind::FileInfo) else { return };
+        let Some(section) = self.section_of(SectionKind::FileInfo) else { return };
         let last = |path: &str| path.rsplit(['/', '\\']).next().unwrap_or_default().to_owned();
         let names = [last(file_name), last(&self.file_name)];
         if names.iter().any(|name| breaks_lines(name)) {
@@ -258,7 +258,7 @@ impl Eds {
         }
     }
 
-    fn section_of(&self, kind: Kind) -> Option<SectionRef<'_>> {
+    fn section_of(&self, kind: SectionKind) -> Option<SectionRef<'_>> {
         self.document.sections().find(|section| classify(section.name()) == kind)
     }
 
@@ -273,7 +273,7 @@ impl Eds {
                 errors.push(not_sayable(address(index, sub), &text));
             }
         }
-        let section = self.section_of(Kind::Commissioning);
+        let section = self.section_of(SectionKind::Commissioning);
         for (key, text) in said {
             let read = section.and_then(|section| section.key(key).map(|key| section.str(key.value)));
             if read != Some(text) {

@@ -10,7 +10,7 @@ use crate::limits::FILE_BYTES_MAX;
 
 /// How a file says its text.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
-pub(crate) enum Encoding {
+pub(crate) enum TextEncoding {
     Utf8,
     /// With a byte order mark before it.
     Utf8Marked,
@@ -20,7 +20,7 @@ pub(crate) enum Encoding {
 const MARK: &[u8] = b"\xEF\xBB\xBF";
 
 /// The text, or why there is none together with what could be read.
-pub(crate) fn decode(bytes: &[u8]) -> Result<(String, Encoding), (Finding, String)> {
+pub(crate) fn decode(bytes: &[u8]) -> Result<(String, TextEncoding), (Finding, String)> {
     let start = At::default();
     if bytes.len() > FILE_BYTES_MAX {
         let hint = format!("at most {FILE_BYTES_MAX} are read; is this the right file?");
@@ -39,9 +39,9 @@ pub(crate) fn decode(bytes: &[u8]) -> Result<(String, Encoding), (Finding, Strin
         None => (false, bytes),
     };
     match (std::str::from_utf8(rest), marked) {
-        (Ok(text), true) => Ok((text.to_owned(), Encoding::Utf8Marked)),
-        (Ok(text), false) => Ok((text.to_owned(), Encoding::Utf8)),
-        (Err(_), false) => Ok((latin1(bytes), Encoding::Latin1)),
+        (Ok(text), true) => Ok((text.to_owned(), TextEncoding::Utf8Marked)),
+        (Ok(text), false) => Ok((text.to_owned(), TextEncoding::Utf8)),
+        (Err(_), false) => Ok((latin1(bytes), TextEncoding::Latin1)),
         (Err(error), true) => {
             let readable = latin1(&rest[..error.valid_up_to()]);
             let at = At::new(readable.len()..readable.len());
@@ -54,12 +54,12 @@ pub(crate) fn decode(bytes: &[u8]) -> Result<(String, Encoding), (Finding, Strin
 }
 
 /// The bytes of a text. One that its old encoding cannot say, or would say as something else, becomes marked UTF-8.
-pub(crate) fn encode(text: &str, encoding: Encoding) -> Vec<u8> {
+pub(crate) fn encode(text: &str, encoding: TextEncoding) -> Vec<u8> {
     let marked = || [MARK, text.as_bytes()].concat();
     match encoding {
-        Encoding::Utf8 => text.as_bytes().to_vec(),
-        Encoding::Utf8Marked => marked(),
-        Encoding::Latin1 => {
+        TextEncoding::Utf8 => text.as_bytes().to_vec(),
+        TextEncoding::Utf8Marked => marked(),
+        TextEncoding::Latin1 => {
             let bytes: Option<Vec<u8>> = text.chars().map(|c| u8::try_from(u32::from(c)).ok()).collect();
             // ASCII is the same in both; with anything else it must still not pass for UTF-8.
             bytes.filter(|bytes| text.is_ascii() || std::str::from_utf8(bytes).is_err()).unwrap_or_else(marked)
@@ -87,11 +87,11 @@ mod tests {
     #[test]
     fn a_text_its_encoding_cannot_say_becomes_utf_8() {
         for text in ["5 €", "Ã¼"] {
-            let bytes = encode(text, Encoding::Latin1);
-            assert_eq!(decode(&bytes).unwrap(), (text.to_owned(), Encoding::Utf8Marked));
+            let bytes = encode(text, TextEncoding::Latin1);
+            assert_eq!(decode(&bytes).unwrap(), (text.to_owned(), TextEncoding::Utf8Marked));
         }
-        assert_eq!(encode("ü", Encoding::Latin1), b"\xFC");
-        assert_eq!(encode("u", Encoding::Latin1), b"u");
+        assert_eq!(encode("ü", TextEncoding::Latin1), b"\xFC");
+        assert_eq!(encode("u", TextEncoding::Latin1), b"u");
     }
 
     #[test]

@@ -8,12 +8,12 @@ use std::collections::{BTreeMap, BTreeSet};
 use std::fmt;
 
 use crate::Eds;
-use crate::model::Entry;
+use crate::model::SubObject;
 use crate::value::{NodeId, Value};
 
 /// What is written.
 #[derive(Clone, Debug, PartialEq, Eq)]
-pub enum Content {
+pub enum DownloadContent {
     /// These bytes.
     Bytes(Vec<u8>),
     /// The content of the file with this name (DownloadFile).
@@ -22,7 +22,7 @@ pub enum Content {
 
 /// Why it is written.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
-pub enum Reason {
+pub enum WriteReason {
     /// The file says so.
     Value,
     /// The PDO is off while it is changed.
@@ -41,9 +41,9 @@ pub struct Download {
     /// Its subindex.
     pub sub: u8,
     /// What is written.
-    pub content: Content,
+    pub content: DownloadContent,
     /// Why.
-    pub reason: Reason,
+    pub reason: WriteReason,
     /// The line of the entry's section in the file.
     pub line: u32,
 }
@@ -53,14 +53,14 @@ impl fmt::Display for Download {
     fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
         write!(f, "{}: ", address(self.index, self.sub))?;
         match &self.content {
-            Content::Bytes(bytes) => Value::Bytes(bytes.clone()).fmt(f)?,
-            Content::File(name) => write!(f, "the file {name}")?,
+            DownloadContent::Bytes(bytes) => Value::Bytes(bytes.clone()).fmt(f)?,
+            DownloadContent::File(name) => write!(f, "the file {name}")?,
         }
         f.write_str(match self.reason {
-            Reason::Value => "",
-            Reason::SwitchOff => " (switched off)",
-            Reason::ClearMapping => " (no mapping)",
-            Reason::Restore => " (as before)",
+            WriteReason::Value => "",
+            WriteReason::SwitchOff => " (switched off)",
+            WriteReason::ClearMapping => " (no mapping)",
+            WriteReason::Restore => " (as before)",
         })
     }
 }
@@ -92,7 +92,7 @@ impl fmt::Display for DownloadError {
 impl std::error::Error for DownloadError {}
 
 /// What the file sets of one entry.
-type Wanted = BTreeMap<(u16, u8), Download>;
+type WantedEntry = BTreeMap<(u16, u8), Download>;
 
 /// The bit of a COB-ID that says the PDO does not exist.
 const INVALID: u64 = 1 << 31;
@@ -131,29 +131,29 @@ impl Eds {
         Ok(order)
     }
 
-    fn wanted(&self, node: NodeId) -> Wanted {
+    fn wanted(&self, node: NodeId) -> WantedEntry {
         let mut wanted = BTreeMap::new();
         for (index, sub, entry) in self.entries() {
             if !entry.access.is_writable() || entry.refuses_download() {
                 continue;
             }
             let content = match (&entry.download_file, entry.value_for(node)) {
-                (Some(file), _) => Content::File(file.clone()),
+                (Some(file), _) => DownloadContent::File(file.clone()),
                 (None, Some(value)) => match entry.data_type.encode(&value) {
-                    Ok(bytes) => Content::Bytes(bytes),
+                    Ok(bytes) => DownloadContent::Bytes(bytes),
                     // What was read has been checked to fit.
                     Err(_) => continue,
                 },
                 (None, None) => continue,
             };
             let line = entry.line;
-            wanted.insert((index, sub), Download { index, sub, content, reason: Reason::Value, line });
+            wanted.insert((index, sub), Download { index, sub, content, reason: WriteReason::Value, line });
         }
         wanted
     }
 
     /// One PDO: off, its mapping, its other parameters, and on again.
-    fn pdo(&self, index: u16, node: NodeId, wanted: &mut Wanted, order: &mut Vec<Download>) {
+    fn pdo(&self, index: u16, node: NodeId, wanted: &mut WantedEntry, order: &mut Vec<Download>) {
         let cob_id = self.entry(index, 1).filter(|entry| entry.access.is_writable() && !entry.refuses_download());
         let set_on = wanted.remove(&(index, 1));
         let mut on = None;
@@ -162,8 +162,8 @@ impl Eds {
         {
             // A device may refuse another identifier together with the bit, so the one it has is used where known.
             let present = entry.default_for(node).and_then(|value| value.as_u64()).unwrap_or(target);
-            order.extend(written(&entry, (index, 1), present | INVALID, Reason::SwitchOff));
-            on = set_on.or_else(|| written(&entry, (index, 1), target, Reason::Restore));
+            order.extend(written(&entry, (index, 1), present | INVALID, WriteReason::SwitchOff));
+            on = set_on.or_else(|| written(&entry, (index, 1), target, WriteReason::Restore));
         }
         let mapping = index + TO_MAPPING;
         self.mapping(mapping, node, wanted, order);
@@ -172,7 +172,7 @@ impl Eds {
         order.extend(on);
     }
 
-    fn mapping(&self, index: u16, node: NodeId, wanted: &mut Wanted, order: &mut Vec<Download>) {
+    fn mapping(&self, index: u16, node: NodeId, wanted: &mut WantedEntry, order: &mut Vec<Download>) {
         let set_count = wanted.remove(&(index, 0));
         let elements: Vec<_> = wanted.range((index, 1)..=(index, u8::MAX)).map(|(key, _)| *key).collect();
         let highest = elements.last().map(|(_, sub)| *sub);
@@ -182,16 +182,16 @@ impl Eds {
             order.extend(elements);
             return order.extend(set_count);
         };
-        order.extend(written(&count, (index, 0), 0, Reason::ClearMapping));
+        order.extend(written(&count, (index, 0), 0, WriteReason::ClearMapping));
         order.extend(elements);
         let before = count.default_for(node).and_then(|value| value.as_u64()).unwrap_or(highest.into());
-        order.extend(set_count.or_else(|| written(&count, (index, 0), before, Reason::Restore)));
+        order.extend(set_count.or_else(|| written(&count, (index, 0), before, WriteReason::Restore)));
     }
 }
 
-fn written(entry: &Entry, (index, sub): (u16, u8), value: u64, reason: Reason) -> Option<Download> {
+fn written(entry: &SubObject, (index, sub): (u16, u8), value: u64, reason: WriteReason) -> Option<Download> {
     let bytes = entry.data_type.encode(&Value::Unsigned(value)).ok()?;
-    Some(Download { index, sub, content: Content::Bytes(bytes), reason, line: entry.line })
+    Some(Download { index, sub, content: DownloadContent::Bytes(bytes), reason, line: entry.line })
 }
 
 /// The communication parameters of the PDO that an object belongs to.

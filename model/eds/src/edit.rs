@@ -2,7 +2,7 @@
 
 use std::ops::Range;
 
-use crate::ini::{Document, Key, SectionRef, range};
+use crate::ini::{Document, IniKey, SectionRef, range};
 
 /// Changes to be made of a document, all at once.
 pub(crate) struct Editor<'a> {
@@ -25,7 +25,7 @@ impl<'a> Editor<'a> {
     }
 
     /// Puts another value in the place of one.
-    pub(crate) fn replace(&mut self, key: Key, value: &str) {
+    pub(crate) fn replace(&mut self, key: IniKey, value: &str) {
         let behind = &self.document.text[key.value.end as usize..];
         // A comment that followed `=` at once needs a space to remain one.
         let is_close = key.value.start == key.value.end && behind.starts_with(';');

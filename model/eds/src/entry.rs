@@ -6,13 +6,13 @@
 use linewright_problems::shown;
 
 use crate::data_type::DataType;
-use crate::ini::Key;
-use crate::model::{Access, Entry, ObjectType};
-use crate::reader::{Reader, Weight};
-use crate::value::{self, NodeId, Setting};
+use crate::ini::IniKey;
+use crate::model::{AccessType, ObjectType, SubObject};
+use crate::reader::{SectionReader, Weight};
+use crate::value::{self, NodeId, ValueSetting};
 
 /// The kind of object a section describes; a section that does not say describes one value (CiA 306 §4.6.3.2).
-pub(crate) fn object_type(reader: &mut Reader<'_, '_>) -> ObjectType {
+pub(crate) fn object_type(reader: &mut SectionReader<'_, '_>) -> ObjectType {
     const WORDS: [(&str, ObjectType); 6] = [
         ("DOMAIN", ObjectType::Domain),
         ("DEFTYPE", ObjectType::DefType),
@@ -36,13 +36,13 @@ pub(crate) fn object_type(reader: &mut Reader<'_, '_>) -> ObjectType {
 }
 
 /// ObjFlags.
-pub(crate) fn flags(reader: &mut Reader<'_, '_>) -> u32 {
+pub(crate) fn flags(reader: &mut SectionReader<'_, '_>) -> u32 {
     let flags = reader.number("ObjFlags", u32::MAX.into(), Weight::Warning);
     flags.and_then(|flags| u32::try_from(flags).ok()).unwrap_or_default()
 }
 
 /// ParameterName, which every object has.
-pub(crate) fn name(reader: &mut Reader<'_, '_>) -> String {
+pub(crate) fn name(reader: &mut SectionReader<'_, '_>) -> String {
     let name = reader.text("ParameterName");
     if name.is_none() {
         reader.say_here(Weight::Warning, "has no ParameterName", "write ParameterName=…");
@@ -51,7 +51,7 @@ pub(crate) fn name(reader: &mut Reader<'_, '_>) -> String {
 }
 
 /// Reads the section of one entry. `None` if it has no data, or if it cannot be told what the data are.
-pub(crate) fn read(reader: &mut Reader<'_, '_>, object_type: ObjectType, node: NodeId) -> Option<Entry> {
+pub(crate) fn read(reader: &mut SectionReader<'_, '_>, object_type: ObjectType, node: NodeId) -> Option<SubObject> {
     let entry_name = name(reader);
     if object_type == ObjectType::Null {
         return None;
@@ -59,7 +59,7 @@ pub(crate) fn read(reader: &mut Reader<'_, '_>, object_type: ObjectType, node: N
     let data_type = data_type(reader, object_type);
     let access = access(reader, object_type);
     let (data_type, access) = (data_type?, access?);
-    let mut entry = Entry {
+    let mut entry = SubObject {
         name: entry_name,
         denotation: reader.text("Denotation"),
         object_type,
@@ -84,7 +84,7 @@ pub(crate) fn read(reader: &mut Reader<'_, '_>, object_type: ObjectType, node: N
     Some(entry)
 }
 
-fn data_type(reader: &mut Reader<'_, '_>, object_type: ObjectType) -> Option<DataType> {
+fn data_type(reader: &mut SectionReader<'_, '_>, object_type: ObjectType) -> Option<DataType> {
     let Some((key, text)) = reader.key("DataType") else {
         if object_type == ObjectType::Domain {
             return Some(DataType::Domain);
@@ -104,13 +104,13 @@ fn data_type(reader: &mut Reader<'_, '_>, object_type: ObjectType) -> Option<Dat
     u16::try_from(code).ok().map(DataType::from_code)
 }
 
-fn access(reader: &mut Reader<'_, '_>, object_type: ObjectType) -> Option<Access> {
-    let names = || Access::ALL.map(Access::name).join(", ");
+fn access(reader: &mut SectionReader<'_, '_>, object_type: ObjectType) -> Option<AccessType> {
+    let names = || AccessType::ALL.map(AccessType::name).join(", ");
     let Some((key, text)) = reader.key("AccessType") else {
         return match object_type {
             // CiA 306: what a DOMAIN does not say is rw.
-            ObjectType::Domain => Some(Access::ReadWrite),
-            ObjectType::DefType | ObjectType::Other(_) => Some(Access::ReadOnly),
+            ObjectType::Domain => Some(AccessType::ReadWrite),
+            ObjectType::DefType | ObjectType::Other(_) => Some(AccessType::ReadOnly),
             _ => {
                 let hint = format!("write AccessType= and one of {}", names());
                 reader.say_here(Weight::Error, "has no AccessType", hint);
@@ -119,7 +119,7 @@ fn access(reader: &mut Reader<'_, '_>, object_type: ObjectType) -> Option<Access
         };
     };
     let text = text.split(';').next().unwrap_or_default().trim();
-    let access = Access::ALL.into_iter().find(|access| access.name().eq_ignore_ascii_case(text));
+    let access = AccessType::ALL.into_iter().find(|access| access.name().eq_ignore_ascii_case(text));
     if access.is_none() {
         let hint = format!("it is one of {}", names());
         reader.say(key, Weight::Error, format!("there is no access type `{}`", shown(text)), hint);
@@ -128,19 +128,19 @@ fn access(reader: &mut Reader<'_, '_>, object_type: ObjectType) -> Option<Access
 }
 
 /// The value of one of the four keys that hold one.
-pub(crate) fn setting(reader: &mut Reader<'_, '_>, name: &str, data_type: DataType) -> Option<Setting> {
+pub(crate) fn setting(reader: &mut SectionReader<'_, '_>, name: &str, data_type: DataType) -> Option<ValueSetting> {
     let (key, text) = reader.key(name)?;
     setting_of(reader, key, text, name, data_type)
 }
 
 /// The value of a key that was found, which is read like the key `role`.
 pub(crate) fn setting_of(
-    reader: &mut Reader<'_, '_>,
-    key: Key,
+    reader: &mut SectionReader<'_, '_>,
+    key: IniKey,
     text: &str,
     role: &str,
     data_type: DataType,
-) -> Option<Setting> {
+) -> Option<ValueSetting> {
     let is_number = data_type.size().is_some();
     if key.commented && !is_number && role == "ParameterValue" {
         let hint = "write text without ` ;`, which begins a comment";
@@ -172,7 +172,7 @@ pub(crate) fn setting_of(
 }
 
 /// A value beyond the limits will be refused by the device. Limits that contradict each other are none.
-fn check_limits(reader: &mut Reader<'_, '_>, entry: &mut Entry, node: NodeId) {
+fn check_limits(reader: &mut SectionReader<'_, '_>, entry: &mut SubObject, node: NodeId) {
     let ends = entry.low.as_ref().zip(entry.high.as_ref());
     if let Some((low, high)) = ends.map(|(low, high)| (low.for_node(node), high.for_node(node)))
         && high.is_less(&low) == Some(true)

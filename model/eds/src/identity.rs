@@ -7,14 +7,14 @@ use linewright_problems::Report;
 use crate::info::DeviceInfo;
 use crate::ini::Document;
 use crate::model::Object;
-use crate::reader::{Reader, Weight};
+use crate::reader::{SectionReader, Weight};
 use crate::value::NodeId;
 use crate::{Commissioning, Eds};
 
 /// What a device of this description answers. What the description leaves open, or calls 0, is `None`: there is nothing
 /// to compare (as in objects 1F84h to 1F88h of CiA 302).
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Hash)]
-pub struct Identity {
+pub struct EdsIdentity {
     /// Object 1000h.
     pub device_type: Option<u32>,
     /// Object 1018h sub 1.
@@ -29,12 +29,12 @@ pub struct Identity {
 
 impl Eds {
     /// Who a device of this description is. Object 1018h counts first, then `[DeviceInfo]`.
-    pub fn identity(&self) -> Identity {
+    pub fn identity(&self) -> EdsIdentity {
         let node = self.node_id().unwrap_or(NodeId::FIRST);
         let stated = |index, sub| stated(&self.objects, index, sub, node);
         let device = &self.device;
         let serial = self.commissioning.as_ref().and_then(|Commissioning { serial_number, .. }| *serial_number);
-        Identity {
+        EdsIdentity {
             device_type: stated(0x1000, 0),
             vendor: stated(0x1018, 1).or(device.vendor_number.filter(|number| *number > 0)),
             product: stated(0x1018, 2).or(device.product_number.filter(|number| *number > 0)),
@@ -67,7 +67,7 @@ pub(crate) fn check(
         let Some(object) = stated(objects, 0x1018, sub, node).filter(|object| *object != number) else { continue };
         let section = document.sections().find(|section| section.name().eq_ignore_ascii_case("DeviceInfo"));
         let Some(section) = section else { continue };
-        let mut reader = Reader::new(section, report);
+        let mut reader = SectionReader::new(section, report);
         if let Some((key, _)) = reader.key(key) {
             let message = format!("0x{number:X} here, 0x{object:X} in object 1018h sub {sub}, which counts");
             reader.say(key, Weight::Warning, message, "find out which of them the device answers");

@@ -1,6 +1,6 @@
 //! The sections about the file and the device as a whole.
 
-use crate::reader::{Reader, Weight};
+use crate::reader::{SectionReader, Weight};
 use crate::value::NodeId;
 
 /// `[FileInfo]`: about the file.
@@ -87,7 +87,7 @@ pub struct Commissioning {
 const BAUD_RATES: [u16; 8] = [10, 20, 50, 125, 250, 500, 800, 1000];
 
 impl FileInfo {
-    pub(crate) fn read(reader: &Reader<'_, '_>) -> Self {
+    pub(crate) fn read(reader: &SectionReader<'_, '_>) -> Self {
         let joined = |date: &str, time: &str| {
             let parts: Vec<String> = [date, time].into_iter().filter_map(|key| reader.text(key)).collect();
             (!parts.is_empty()).then(|| parts.join(" "))
@@ -108,7 +108,7 @@ impl FileInfo {
 }
 
 impl DeviceInfo {
-    pub(crate) fn read(reader: &mut Reader<'_, '_>) -> Self {
+    pub(crate) fn read(reader: &mut SectionReader<'_, '_>) -> Self {
         let baud_rates = BAUD_RATES.into_iter().filter(|rate| reader.flag(&format!("BaudRate_{rate}"))).collect();
         DeviceInfo {
             vendor_name: reader.text("VendorName"),
@@ -131,7 +131,7 @@ impl DeviceInfo {
     }
 }
 
-fn compact_pdo(reader: &mut Reader<'_, '_>) -> u8 {
+fn compact_pdo(reader: &mut SectionReader<'_, '_>) -> u8 {
     let Some((key, text)) = reader.key("CompactPDO") else { return 0 };
     let mask = reader.number_of(key, text, 0xFF, Weight::Warning).and_then(|mask| u8::try_from(mask).ok());
     if mask.is_some_and(|mask| mask > 0) {
@@ -142,7 +142,7 @@ fn compact_pdo(reader: &mut Reader<'_, '_>) -> u8 {
 }
 
 impl Commissioning {
-    pub(crate) fn read(reader: &mut Reader<'_, '_>) -> Self {
+    pub(crate) fn read(reader: &mut SectionReader<'_, '_>) -> Self {
         Commissioning {
             node_id: node_id(reader),
             node_name: reader.text("NodeName"),
@@ -155,7 +155,7 @@ impl Commissioning {
     }
 }
 
-fn node_id(reader: &mut Reader<'_, '_>) -> Option<NodeId> {
+fn node_id(reader: &mut SectionReader<'_, '_>) -> Option<NodeId> {
     let (key, text) = reader.key("NodeID")?;
     let id = reader.number_of(key, text, 255, Weight::Error)?;
     let id = u8::try_from(id).ok()?;
@@ -170,16 +170,16 @@ fn node_id(reader: &mut Reader<'_, '_>) -> Option<NodeId> {
     node
 }
 
-fn word(reader: &mut Reader<'_, '_>, key: &str) -> Option<u32> {
+fn word(reader: &mut SectionReader<'_, '_>, key: &str) -> Option<u32> {
     reader.number(key, u32::MAX.into(), Weight::Warning).and_then(|value| u32::try_from(value).ok())
 }
 
-fn half(reader: &mut Reader<'_, '_>, key: &str) -> Option<u16> {
+fn half(reader: &mut SectionReader<'_, '_>, key: &str) -> Option<u16> {
     reader.number(key, u16::MAX.into(), Weight::Warning).and_then(|value| u16::try_from(value).ok())
 }
 
 /// `[Comments]`: its lines in their order.
-pub(crate) fn comments(reader: &Reader<'_, '_>) -> Vec<String> {
+pub(crate) fn comments(reader: &SectionReader<'_, '_>) -> Vec<String> {
     let mut lines: Vec<(u32, String)> = Vec::new();
     for key in reader.section.keys() {
         let name = reader.section.str(key.key).to_ascii_lowercase();
@@ -192,7 +192,7 @@ pub(crate) fn comments(reader: &Reader<'_, '_>) -> Vec<String> {
 }
 
 /// `[DummyUsage]`: the types, by their numbers, that stand for a gap in a PDO.
-pub(crate) fn dummies(reader: &mut Reader<'_, '_>) -> Vec<u16> {
+pub(crate) fn dummies(reader: &mut SectionReader<'_, '_>) -> Vec<u16> {
     let mut types = Vec::new();
     for key in reader.section.keys() {
         let name = reader.section.str(key.key).to_ascii_lowercase();

@@ -29,7 +29,7 @@ const NEVER_LOST: [&str; 12] = [
 pub(crate) struct Document {
     pub text: String,
     sections: Vec<Section>,
-    keys: Vec<Key>,
+    keys: Vec<IniKey>,
 }
 
 #[derive(Clone, Copy, Debug)]
@@ -44,7 +44,7 @@ struct Section {
 
 /// One `key=value`.
 #[derive(Clone, Copy, Debug)]
-pub(crate) struct Key {
+pub(crate) struct IniKey {
     pub key: At,
     /// Without spaces and comments around it.
     pub value: At,
@@ -90,7 +90,7 @@ impl Document {
         let Some(equals) = content.find('=') else { return report.add(no_key(at, content)) };
         let middle = at.start as usize + equals;
         let (value, commented) = without_comment(text, trimmed(text, middle + 1, at.end as usize));
-        let key = Key { key: trimmed(text, at.start as usize, middle), value, commented };
+        let key = IniKey { key: trimmed(text, at.start as usize, middle), value, commented };
         match self.sections.last_mut() {
             Some(section) => {
                 section.end = narrow(end);
@@ -167,14 +167,14 @@ impl<'a> SectionRef<'a> {
     }
 
     /// Its keys, in order.
-    pub(crate) fn keys(self) -> &'a [Key] {
+    pub(crate) fn keys(self) -> &'a [IniKey] {
         let next = self.document.sections.get(self.index + 1);
         let end = next.map_or(self.document.keys.len(), |next| next.first_key as usize);
         &self.document.keys[self.own().first_key as usize..end]
     }
 
     /// The first key of this name, in any case.
-    pub(crate) fn key(self, name: &str) -> Option<Key> {
+    pub(crate) fn key(self, name: &str) -> Option<IniKey> {
         self.keys().iter().find(|key| self.document.str(key.key).eq_ignore_ascii_case(name)).copied()
     }
 
@@ -185,7 +185,7 @@ impl<'a> SectionRef<'a> {
 
     /// Two values for one key: which one a program takes is chance, unless they are the same.
     pub(crate) fn check_twice(self, report: &mut Report) {
-        let mut first: HashMap<String, Key> = HashMap::new();
+        let mut first: HashMap<String, IniKey> = HashMap::new();
         for &key in self.keys() {
             let name = self.str(key.key);
             let Some(&before) = first.get(&name.to_ascii_lowercase()) else {

@@ -64,21 +64,21 @@ use std::borrow::Cow;
 use std::collections::BTreeMap;
 use std::collections::HashMap;
 
-pub use data_type::{DataType, DecodeError, EncodeError};
+pub use data_type::{DataType, EncodeError, ValueDecodeError};
 pub use dcf::{Configuration, ConfigureError, ConfigureErrors};
-pub use download::{Content, Download, DownloadError, Reason};
-pub use identity::Identity;
+pub use download::{Download, DownloadContent, DownloadError, WriteReason};
+pub use identity::EdsIdentity;
 pub use info::{Commissioning, DeviceInfo, FileInfo};
 pub use linewright_problems::{Problem, Problems};
-pub use model::{Access, Entry, Object, ObjectType};
+pub use model::{AccessType, Object, ObjectType, SubObject};
 pub use names::Category;
-pub use value::{NodeId, Setting, Value};
+pub use value::{NodeId, Value, ValueSetting};
 
-use decode::Encoding;
+use decode::TextEncoding;
 use ini::{Document, SectionRef};
 use linewright_problems::{Finding, Report, shown};
-use names::Kind;
-use reader::{Reader, Weight};
+use names::SectionKind;
+use reader::{SectionReader, Weight};
 
 /// A device description that was read.
 #[derive(Clone, Debug)]
@@ -94,7 +94,7 @@ pub struct Eds {
     /// `[DummyUsage]`: the numbers of the types that may be mapped into an RPDO as a gap.
     pub dummies: Vec<u16>,
     file_name: String,
-    encoding: Encoding,
+    encoding: TextEncoding,
     document: Document,
     objects: BTreeMap<u16, Object>,
     warnings: Problems,
@@ -115,17 +115,20 @@ pub fn read(file_name: &str, bytes: &[u8]) -> Result<Eds, Problems> {
     }
 }
 
-fn understand(file_name: &str, text: String, encoding: Encoding, mut report: Report) -> Result<Eds, Problems> {
+fn understand(file_name: &str, text: String, encoding: TextEncoding, mut report: Report) -> Result<Eds, Problems> {
     let document = Document::new(text, &mut report);
     let sections = classify(&document, &mut report);
-    let of_kind = |wanted: Kind| sections.iter().find(|(kind, _)| *kind == wanted).map(|(_, section)| *section);
-    let file = of_kind(Kind::FileInfo).map(|section| FileInfo::read(&Reader::new(section, &mut report)));
-    let device = of_kind(Kind::DeviceInfo).map(|section| DeviceInfo::read(&mut Reader::new(section, &mut report)));
+    let of_kind = |wanted: SectionKind| sections.iter().find(|(kind, _)| *kind == wanted).map(|(_, section)| *section);
+    let file = of_kind(SectionKind::FileInfo).map(|section| FileInfo::read(&SectionReader::new(section, &mut report)));
+    let device =
+        of_kind(SectionKind::DeviceInfo).map(|section| DeviceInfo::read(&mut SectionReader::new(section, &mut report)));
     let device = device.unwrap_or_default();
-    let commissioning = of_kind(Kind::Commissioning);
-    let commissioning = commissioning.map(|section| Commissioning::read(&mut Reader::new(section, &mut report)));
-    let comments = of_kind(Kind::Comments).map(|section| info::comments(&Reader::new(section, &mut report)));
-    let dummies = of_kind(Kind::DummyUsage).map(|section| info::dummies(&mut Reader::new(section, &mut report)));
+    let commissioning = of_kind(SectionKind::Commissioning);
+    let commissioning = commissioning.map(|section| Commissioning::read(&mut SectionReader::new(section, &mut report)));
+    let comments =
+        of_kind(SectionKind::Comments).map(|section| info::comments(&SectionReader::new(section, &mut report)));
+    let dummies =
+        of_kind(SectionKind::DummyUsage).map(|section| info::dummies(&mut SectionReader::new(section, &mut report)));
     let node = commissioning.as_ref().and_then(|commissioning| commissioning.node_id).unwrap_or(NodeId::FIRST);
     let mut objects = objects::read(&sections, node, &mut report);
     objects::check_elements(&objects, &document, &mut report);
@@ -156,16 +159,20 @@ fn understand(file_name: &str, text: String, encoding: Encoding, mut report: Rep
 }
 
 /// What each section is about. Of two about the same thing a program would take one by chance.
-fn classify<'a>(document: &'a Document, report: &mut Report) -> Vec<(Kind, SectionRef<'a>)> {
+fn classify<'a>(document: &'a Document, report: &mut Report) -> Vec<(SectionKind, SectionRef<'a>)> {
     let mut sections = Vec::new();
-    let mut first: HashMap<Kind, SectionRef<'a>> = HashMap::new();
+    let mut first: HashMap<SectionKind, SectionRef<'a>> = HashMap::new();
     for section in document.sections() {
         let kind = names::classify(section.name());
         match kind {
-            Kind::Unknown => continue,
-            Kind::Garbled => {
+            SectionKind::Unknown => continue,
+            SectionKind::Garbled => {
                 let message = "looks like an object, but its index or subindex is not understood";
-                Reader::new(section, report).say_here(Weight::Error, message, "write it as [1018] or [1018sub1]");
+                SectionReader::new(section, report).say_here(
+                    Weight::Error,
+                    message,
+                    "write it as [1018] or [1018sub1]",
+                );
                 continue;
             }
             _ => {}
@@ -210,12 +217,12 @@ impl Eds {
     }
 
     /// The entry with this index and subindex; a single value has subindex 0.
-    pub fn entry(&self, index: u16, sub: u8) -> Option<Cow<'_, Entry>> {
+    pub fn entry(&self, index: u16, sub: u8) -> Option<Cow<'_, SubObject>> {
         self.objects.get(&index)?.entry(sub)
     }
 
     /// All entries with index and subindex, in order. Those of compact arrays are made one by one.
-    pub fn entries(&self) -> impl Iterator<Item = (u16, u8, Cow<'_, Entry>)> {
+    pub fn entries(&self) -> impl Iterator<Item = (u16, u8, Cow<'_, SubObject>)> {
         self.objects.values().flat_map(|object| object.entries().map(|(sub, entry)| (object.index, sub, entry)))
     }
 

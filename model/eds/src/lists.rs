@@ -6,9 +6,9 @@ use linewright_problems::Report;
 
 use crate::ini::Document;
 use crate::model::Object;
-use crate::names::{Category, Kind};
+use crate::names::{Category, SectionKind};
 use crate::objects::Classified;
-use crate::reader::{Reader, Weight};
+use crate::reader::{SectionReader, Weight};
 
 /// The PDO objects, which a file with CompactPDO need not describe.
 const PDO_OBJECTS: std::ops::RangeInclusive<u16> = 0x1400..=0x1BFF;
@@ -23,14 +23,14 @@ pub(crate) fn check(
 ) {
     let mut has_lists = [false; 3];
     for &(kind, section) in sections {
-        let Kind::List(category) = kind else { continue };
+        let SectionKind::List(category) = kind else { continue };
         has_lists[category as usize] = true;
-        list(category, &mut Reader::new(section, report), objects, has_compact_pdo);
+        list(category, &mut SectionReader::new(section, report), objects, has_compact_pdo);
     }
     if !has_lists[Category::Mandatory as usize]
         && let Some(first) = document.sections().next()
     {
-        let mut reader = Reader::new(first, report);
+        let mut reader = SectionReader::new(first, report);
         let hint = "this may be no EDS, or part of one";
         reader.say_here(Weight::Warning, "begins a file without [MandatoryObjects]", hint);
     }
@@ -44,7 +44,7 @@ pub(crate) fn check(
         let Some(section) = document.section(object.section) else { continue };
         let expected = expected(object.index);
         let hint = format!("add it to [{}] and count it in SupportedObjects", expected.section());
-        Reader::new(section, report).say_here(Weight::Warning, "stands in none of the lists of objects", hint);
+        SectionReader::new(section, report).say_here(Weight::Warning, "stands in none of the lists of objects", hint);
     }
 }
 
@@ -57,7 +57,12 @@ fn expected(index: u16) -> Category {
     }
 }
 
-fn list(category: Category, reader: &mut Reader<'_, '_>, objects: &mut BTreeMap<u16, Object>, has_compact_pdo: bool) {
+fn list(
+    category: Category,
+    reader: &mut SectionReader<'_, '_>,
+    objects: &mut BTreeMap<u16, Object>,
+    has_compact_pdo: bool,
+) {
     let found = reader.numbered("SupportedObjects");
     for (position, (number, key, _)) in found.iter().enumerate() {
         if *number != position as u64 + 1 {

@@ -6,7 +6,7 @@ use std::fmt;
 
 use crate::data_type::DataType;
 use crate::names::Category;
-use crate::value::{NodeId, Setting, Value};
+use crate::value::{NodeId, Value, ValueSetting};
 
 /// What kind of object something is (CiA 301 §7.4.3, table 42).
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Hash)]
@@ -51,7 +51,7 @@ impl ObjectType {
 
 /// Who may do what with an entry (CiA 306, AccessType).
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Hash)]
-pub enum Access {
+pub enum AccessType {
     /// `ro`: may only be read.
     ReadOnly,
     /// `wo`: may only be written.
@@ -66,40 +66,40 @@ pub enum Access {
     Const,
 }
 
-impl Access {
-    pub(crate) const ALL: [Access; 6] = [
-        Access::ReadOnly,
-        Access::WriteOnly,
-        Access::ReadWrite,
-        Access::ReadWriteInput,
-        Access::ReadWriteOutput,
-        Access::Const,
+impl AccessType {
+    pub(crate) const ALL: [AccessType; 6] = [
+        AccessType::ReadOnly,
+        AccessType::WriteOnly,
+        AccessType::ReadWrite,
+        AccessType::ReadWriteInput,
+        AccessType::ReadWriteOutput,
+        AccessType::Const,
     ];
 
     /// As a file says it.
     pub fn name(self) -> &'static str {
         match self {
-            Access::ReadOnly => "ro",
-            Access::WriteOnly => "wo",
-            Access::ReadWrite => "rw",
-            Access::ReadWriteInput => "rwr",
-            Access::ReadWriteOutput => "rww",
-            Access::Const => "const",
+            AccessType::ReadOnly => "ro",
+            AccessType::WriteOnly => "wo",
+            AccessType::ReadWrite => "rw",
+            AccessType::ReadWriteInput => "rwr",
+            AccessType::ReadWriteOutput => "rww",
+            AccessType::Const => "const",
         }
     }
 
     /// Whether an SDO may write it.
     pub fn is_writable(self) -> bool {
-        !matches!(self, Access::ReadOnly | Access::Const)
+        !matches!(self, AccessType::ReadOnly | AccessType::Const)
     }
 
     /// Whether an SDO may read it.
     pub fn is_readable(self) -> bool {
-        self != Access::WriteOnly
+        self != AccessType::WriteOnly
     }
 }
 
-impl fmt::Display for Access {
+impl fmt::Display for AccessType {
     fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
         f.write_str(self.name())
     }
@@ -107,7 +107,7 @@ impl fmt::Display for Access {
 
 /// One value of a device: what an index and a subindex lead to.
 #[derive(Clone, Debug)]
-pub struct Entry {
+pub struct SubObject {
     /// ParameterName.
     pub name: String,
     /// Denotation: what the plant calls it (DCF).
@@ -117,19 +117,19 @@ pub struct Entry {
     /// DataType.
     pub data_type: DataType,
     /// AccessType.
-    pub access: Access,
+    pub access: AccessType,
     /// DefaultValue: what the device has after switching on, if the file says so.
-    pub default: Option<Setting>,
+    pub default: Option<ValueSetting>,
     /// LowLimit.
-    pub low: Option<Setting>,
+    pub low: Option<ValueSetting>,
     /// HighLimit.
-    pub high: Option<Setting>,
+    pub high: Option<ValueSetting>,
     /// PDOMapping: whether it may be mapped into a PDO.
     pub pdo_mappable: bool,
-    /// ObjFlags; see [`Entry::refuses_download`].
+    /// ObjFlags; see [`SubObject::refuses_download`].
     pub flags: u32,
     /// ParameterValue: what the device is to be given (DCF).
-    pub value: Option<Setting>,
+    pub value: Option<ValueSetting>,
     /// UploadFile: where its content is to be put, for a DOMAIN (DCF).
     pub upload_file: Option<String>,
     /// DownloadFile: where its content is, for a DOMAIN (DCF).
@@ -140,7 +140,7 @@ pub struct Entry {
     pub(crate) section: u32,
 }
 
-impl Entry {
+impl SubObject {
     /// Its default for this node id.
     pub fn default_for(&self, node: NodeId) -> Option<Value> {
         self.default.as_ref().map(|setting| setting.for_node(node))
@@ -176,10 +176,10 @@ impl Entry {
 #[derive(Clone, Debug)]
 pub(crate) struct Compact {
     pub count: u8,
-    pub template: Entry,
+    pub template: SubObject,
     pub names: BTreeMap<u8, String>,
     pub denotations: BTreeMap<u8, String>,
-    pub values: BTreeMap<u8, Setting>,
+    pub values: BTreeMap<u8, ValueSetting>,
 }
 
 /// One object: what an index leads to.
@@ -206,13 +206,13 @@ pub struct Object {
     /// Only elements of it are in the file; its section is that of the first one.
     pub(crate) is_implied: bool,
     /// Its elements, or of an object without any its value as element 0.
-    pub(crate) subs: BTreeMap<u8, Entry>,
+    pub(crate) subs: BTreeMap<u8, SubObject>,
     pub(crate) compact: Option<Compact>,
 }
 
 impl Object {
     /// The entry with this subindex; a single value has subindex 0.
-    pub fn entry(&self, sub: u8) -> Option<Cow<'_, Entry>> {
+    pub fn entry(&self, sub: u8) -> Option<Cow<'_, SubObject>> {
         match self.subs.get(&sub) {
             Some(entry) => Some(Cow::Borrowed(entry)),
             None => self.compact.as_ref()?.entry(sub).map(Cow::Owned),
@@ -220,7 +220,7 @@ impl Object {
     }
 
     /// Its entries with their subindices, in order. Those of a compact array are made one by one.
-    pub fn entries(&self) -> impl Iterator<Item = (u8, Cow<'_, Entry>)> {
+    pub fn entries(&self) -> impl Iterator<Item = (u8, Cow<'_, SubObject>)> {
         let last_compact = self.compact.as_ref().map(|compact| compact.count);
         let last = self.subs.last_key_value().map(|(sub, _)| *sub).max(last_compact);
         let all = last.map(|last| 0..=last).into_iter().flatten();
@@ -229,20 +229,20 @@ impl Object {
 }
 
 impl Compact {
-    fn entry(&self, sub: u8) -> Option<Entry> {
+    fn entry(&self, sub: u8) -> Option<SubObject> {
         if sub > self.count {
             return None;
         }
         let template = &self.template;
         if sub == 0 {
             // CiA 306: the number of elements is constant and described by nothing but CompactSubObj.
-            return Some(Entry {
+            return Some(SubObject {
                 name: "NrOfObjects".to_owned(),
                 denotation: None,
                 object_type: ObjectType::Var,
                 data_type: DataType::Unsigned8,
-                access: Access::ReadOnly,
-                default: Some(Setting::fixed(Value::Unsigned(self.count.into()))),
+                access: AccessType::ReadOnly,
+                default: Some(ValueSetting::fixed(Value::Unsigned(self.count.into()))),
                 low: None,
                 high: None,
                 pdo_mappable: false,
@@ -254,7 +254,7 @@ impl Compact {
                 section: template.section,
             });
         }
-        Some(Entry {
+        Some(SubObject {
             name: self.names.get(&sub).cloned().unwrap_or_else(|| format!("{}{sub}", template.name)),
             denotation: self.denotations.get(&sub).cloned(),
             value: self.values.get(&sub).or(template.value.as_ref()).cloned(),

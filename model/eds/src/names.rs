@@ -27,7 +27,7 @@ impl Category {
 
 /// What a section is about.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Hash)]
-pub(crate) enum Kind {
+pub(crate) enum SectionKind {
     FileInfo,
     DeviceInfo,
     Commissioning,
@@ -47,43 +47,43 @@ pub(crate) enum Kind {
 }
 
 /// What the name of a section says.
-pub(crate) fn classify(name: &str) -> Kind {
-    const NAMED: [(&str, Kind); 9] = [
-        ("FileInfo", Kind::FileInfo),
-        ("DeviceInfo", Kind::DeviceInfo),
+pub(crate) fn classify(name: &str) -> SectionKind {
+    const NAMED: [(&str, SectionKind); 9] = [
+        ("FileInfo", SectionKind::FileInfo),
+        ("DeviceInfo", SectionKind::DeviceInfo),
         // Spelt so in the standard.
-        ("DeviceComissioning", Kind::Commissioning),
-        ("DeviceCommissioning", Kind::Commissioning),
-        ("DummyUsage", Kind::DummyUsage),
-        ("Comments", Kind::Comments),
-        ("MandatoryObjects", Kind::List(Category::Mandatory)),
-        ("OptionalObjects", Kind::List(Category::Optional)),
-        ("ManufacturerObjects", Kind::List(Category::Manufacturer)),
+        ("DeviceComissioning", SectionKind::Commissioning),
+        ("DeviceCommissioning", SectionKind::Commissioning),
+        ("DummyUsage", SectionKind::DummyUsage),
+        ("Comments", SectionKind::Comments),
+        ("MandatoryObjects", SectionKind::List(Category::Mandatory)),
+        ("OptionalObjects", SectionKind::List(Category::Optional)),
+        ("ManufacturerObjects", SectionKind::List(Category::Manufacturer)),
     ];
     if let Some((_, kind)) = NAMED.iter().find(|(known, _)| known.eq_ignore_ascii_case(name)) {
         return *kind;
     }
     if name.starts_with("0x") || name.starts_with("0X") {
-        return Kind::Garbled;
+        return SectionKind::Garbled;
     }
-    let Some((digits, rest)) = name.split_at_checked(4) else { return Kind::Unknown };
-    let Some(index) = hex(digits).and_then(|index| u16::try_from(index).ok()) else { return Kind::Unknown };
+    let Some((digits, rest)) = name.split_at_checked(4) else { return SectionKind::Unknown };
+    let Some(index) = hex(digits).and_then(|index| u16::try_from(index).ok()) else { return SectionKind::Unknown };
     let rest = rest.trim_start();
     match rest.to_ascii_lowercase().as_str() {
-        "" => return Kind::Object(index),
-        "name" => return Kind::Names(index),
-        "denotation" => return Kind::Denotations(index),
-        "value" => return Kind::Values(index),
+        "" => return SectionKind::Object(index),
+        "name" => return SectionKind::Names(index),
+        "denotation" => return SectionKind::Denotations(index),
+        "value" => return SectionKind::Values(index),
         _ => {}
     }
     match rest.split_at_checked(3) {
         Some((word, digits)) if word.eq_ignore_ascii_case("sub") => {
             match hex(digits.trim()).and_then(|sub| u8::try_from(sub).ok()) {
-                Some(sub) => Kind::Sub(index, sub),
-                None => Kind::Garbled,
+                Some(sub) => SectionKind::Sub(index, sub),
+                None => SectionKind::Garbled,
             }
         }
-        _ => Kind::Unknown,
+        _ => SectionKind::Unknown,
     }
 }
 
@@ -99,27 +99,27 @@ mod tests {
     #[test]
     fn names_in_any_case() {
         for (name, expected) in [
-            ("fileinfo", Kind::FileInfo),
-            ("DEVICECOMMISSIONING", Kind::Commissioning),
-            ("DeviceComissioning", Kind::Commissioning),
-            ("1018", Kind::Object(0x1018)),
-            ("1A00", Kind::Object(0x1A00)),
-            ("1a00SUBa", Kind::Sub(0x1A00, 10)),
-            ("1A00sub0A", Kind::Sub(0x1A00, 10)),
-            ("6000 sub 1", Kind::Sub(0x6000, 1)),
-            ("1003Name", Kind::Names(0x1003)),
-            ("1003value", Kind::Values(0x1003)),
-            ("1003Denotation", Kind::Denotations(0x1003)),
-            ("1003ObjectLinks", Kind::Unknown),
-            ("M1SubExt6000", Kind::Unknown),
-            ("Tools", Kind::Unknown),
-            ("A0", Kind::Unknown),
-            ("", Kind::Unknown),
-            ("1018sub", Kind::Garbled),
-            ("1018sub1FF", Kind::Garbled),
-            ("1018sub0x1", Kind::Garbled),
-            ("0x1018", Kind::Garbled),
-            ("101ü", Kind::Unknown),
+            ("fileinfo", SectionKind::FileInfo),
+            ("DEVICECOMMISSIONING", SectionKind::Commissioning),
+            ("DeviceComissioning", SectionKind::Commissioning),
+            ("1018", SectionKind::Object(0x1018)),
+            ("1A00", SectionKind::Object(0x1A00)),
+            ("1a00SUBa", SectionKind::Sub(0x1A00, 10)),
+            ("1A00sub0A", SectionKind::Sub(0x1A00, 10)),
+            ("6000 sub 1", SectionKind::Sub(0x6000, 1)),
+            ("1003Name", SectionKind::Names(0x1003)),
+            ("1003value", SectionKind::Values(0x1003)),
+            ("1003Denotation", SectionKind::Denotations(0x1003)),
+            ("1003ObjectLinks", SectionKind::Unknown),
+            ("M1SubExt6000", SectionKind::Unknown),
+            ("Tools", SectionKind::Unknown),
+            ("A0", SectionKind::Unknown),
+            ("", SectionKind::Unknown),
+            ("1018sub", SectionKind::Garbled),
+            ("1018sub1FF", SectionKind::Garbled),
+            ("1018sub0x1", SectionKind::Garbled),
+            ("0x1018", SectionKind::Garbled),
+            ("101ü", SectionKind::Unknown),
         ] {
             assert_eq!(classify(name), expected, "{name}");
         }

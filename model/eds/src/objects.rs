@@ -8,29 +8,29 @@ use crate::entry;
 use crate::ini::{Document, SectionRef};
 use crate::limits::COMPACT_MAX;
 use crate::model::{Compact, Object, ObjectType};
-use crate::names::Kind;
-use crate::reader::{Reader, Weight};
+use crate::names::SectionKind;
+use crate::reader::{SectionReader, Weight};
 use crate::value::NodeId;
 
 /// Sections with what their names say.
-pub(crate) type Classified<'a> = [(Kind, SectionRef<'a>)];
+pub(crate) type Classified<'a> = [(SectionKind, SectionRef<'a>)];
 
 /// Reads all objects. `node` is what limits that depend on the node id are checked with.
 pub(crate) fn read(sections: &Classified<'_>, node: NodeId, report: &mut Report) -> BTreeMap<u16, Object> {
     let mut objects = BTreeMap::new();
     for &(kind, section) in sections {
-        if let Kind::Object(index) = kind {
-            objects.insert(index, object(index, &mut Reader::new(section, report), node));
+        if let SectionKind::Object(index) = kind {
+            objects.insert(index, object(index, &mut SectionReader::new(section, report), node));
         }
     }
     for &(kind, section) in sections {
-        if let Kind::Sub(index, sub) = kind {
-            element(&mut objects, (index, sub), &mut Reader::new(section, report), node);
+        if let SectionKind::Sub(index, sub) = kind {
+            element(&mut objects, (index, sub), &mut SectionReader::new(section, report), node);
         }
     }
     for &(kind, section) in sections {
-        if let Kind::Names(index) | Kind::Denotations(index) | Kind::Values(index) = kind {
-            of_compact(&mut objects, index, kind, &mut Reader::new(section, report), node);
+        if let SectionKind::Names(index) | SectionKind::Denotations(index) | SectionKind::Values(index) = kind {
+            of_compact(&mut objects, index, kind, &mut SectionReader::new(section, report), node);
         }
     }
     objects
@@ -40,7 +40,7 @@ pub(crate) fn read(sections: &Classified<'_>, node: NodeId, report: &mut Report)
 pub(crate) fn check_elements(objects: &BTreeMap<u16, Object>, document: &Document, report: &mut Report) {
     for object in objects.values().filter(|object| !object.is_implied) {
         let Some(section) = document.section(object.section) else { continue };
-        let mut reader = Reader::new(section, report);
+        let mut reader = SectionReader::new(section, report);
         let described = usize::from(object.described);
         let is_explicit = object.object_type.has_subs() && object.compact.is_none();
         match reader.key("SubNumber").zip(object.sub_number) {
@@ -63,7 +63,7 @@ pub(crate) fn check_elements(objects: &BTreeMap<u16, Object>, document: &Documen
     }
 }
 
-fn object(index: u16, reader: &mut Reader<'_, '_>, node: NodeId) -> Object {
+fn object(index: u16, reader: &mut SectionReader<'_, '_>, node: NodeId) -> Object {
     let object_type = entry::object_type(reader);
     let compact_count = compact_count(reader, object_type);
     let mut object = Object {
@@ -102,7 +102,7 @@ fn object(index: u16, reader: &mut Reader<'_, '_>, node: NodeId) -> Object {
     object
 }
 
-fn compact_count(reader: &mut Reader<'_, '_>, object_type: ObjectType) -> u8 {
+fn compact_count(reader: &mut SectionReader<'_, '_>, object_type: ObjectType) -> u8 {
     let Some((key, text)) = reader.key("CompactSubObj") else { return 0 };
     let count = reader.number_of(key, text, COMPACT_MAX.into(), Weight::Error);
     let count = count.and_then(|count| u8::try_from(count).ok()).unwrap_or_default();
@@ -119,7 +119,12 @@ fn is_uniform(object_type: ObjectType) -> bool {
     matches!(object_type, ObjectType::Array | ObjectType::Record)
 }
 
-fn element(objects: &mut BTreeMap<u16, Object>, (index, sub): (u16, u8), reader: &mut Reader<'_, '_>, node: NodeId) {
+fn element(
+    objects: &mut BTreeMap<u16, Object>,
+    (index, sub): (u16, u8),
+    reader: &mut SectionReader<'_, '_>,
+    node: NodeId,
+) {
     let object_type = entry::object_type(reader);
     let entry = entry::read(reader, object_type, node);
     let mut is_orphan = false;
@@ -163,11 +168,17 @@ fn element(objects: &mut BTreeMap<u16, Object>, (index, sub): (u16, u8), reader:
 }
 
 /// `[1003Name]` and the like: what elements of a compact array have of their own.
-fn of_compact(objects: &mut BTreeMap<u16, Object>, index: u16, kind: Kind, reader: &mut Reader<'_, '_>, node: NodeId) {
+fn of_compact(
+    objects: &mut BTreeMap<u16, Object>,
+    index: u16,
+    kind: SectionKind,
+    reader: &mut SectionReader<'_, '_>,
+    node: NodeId,
+) {
     let Some(compact) = objects.get_mut(&index).and_then(|object| object.compact.as_mut()) else {
         let message = format!("belongs to an array with CompactSubObj, which [{index:04X}] is not");
         // A name is only a name, but a value is lost.
-        let weight = if matches!(kind, Kind::Values(_)) { Weight::Error } else { Weight::Warning };
+        let weight = if matches!(kind, SectionKind::Values(_)) { Weight::Error } else { Weight::Warning };
         return reader.say_here(weight, message, format!("write CompactSubObj in [{index:04X}], or remove this"));
     };
     for (number, key, text) in reader.numbered("NrOfEntries") {
@@ -177,8 +188,8 @@ fn of_compact(objects: &mut BTreeMap<u16, Object>, index: u16, kind: Kind, reade
             continue;
         };
         match kind {
-            Kind::Names(_) => drop(compact.names.insert(sub, text.to_owned())),
-            Kind::Denotations(_) => drop(compact.denotations.insert(sub, text.to_owned())),
+            SectionKind::Names(_) => drop(compact.names.insert(sub, text.to_owned())),
+            SectionKind::Denotations(_) => drop(compact.denotations.insert(sub, text.to_owned())),
             _ if text.is_empty() => {}
             _ => {
                 let template = &compact.template;

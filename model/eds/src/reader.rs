@@ -2,7 +2,7 @@
 
 use linewright_problems::{Finding, Report, shown};
 
-use crate::ini::{Key, SectionRef};
+use crate::ini::{IniKey, SectionRef};
 use crate::number;
 
 /// How much it matters that a value is not understood.
@@ -15,18 +15,18 @@ pub(crate) enum Weight {
 }
 
 /// A section and where to report what is wrong in it.
-pub(crate) struct Reader<'a, 'r> {
+pub(crate) struct SectionReader<'a, 'r> {
     pub section: SectionRef<'a>,
     pub report: &'r mut Report,
 }
 
-impl<'a, 'r> Reader<'a, 'r> {
+impl<'a, 'r> SectionReader<'a, 'r> {
     pub(crate) fn new(section: SectionRef<'a>, report: &'r mut Report) -> Self {
-        Reader { section, report }
+        SectionReader { section, report }
     }
 
     /// The key of this name, if it is there and not empty.
-    pub(crate) fn key(&self, name: &str) -> Option<(Key, &'a str)> {
+    pub(crate) fn key(&self, name: &str) -> Option<(IniKey, &'a str)> {
         let key = self.section.key(name)?;
         let text = self.section.str(key.value);
         (!text.is_empty()).then_some((key, text))
@@ -44,7 +44,7 @@ impl<'a, 'r> Reader<'a, 'r> {
     }
 
     /// The number of a key that was found.
-    pub(crate) fn number_of(&mut self, key: Key, text: &str, most: u64, weight: Weight) -> Option<u64> {
+    pub(crate) fn number_of(&mut self, key: IniKey, text: &str, most: u64, weight: Weight) -> Option<u64> {
         // Behind a number a `;` can only be a comment, even without a space.
         let text = text.split(';').next().unwrap_or_default();
         match number::number(text) {
@@ -89,13 +89,13 @@ impl<'a, 'r> Reader<'a, 'r> {
     }
 
     /// That a leading zero makes the number another one.
-    pub(crate) fn say_octal(&mut self, key: Key, text: &str, value: i128) {
+    pub(crate) fn say_octal(&mut self, key: IniKey, text: &str, value: i128) {
         let message = format!("`{}` is octal and means {value}", shown(text));
         self.say(key, Weight::Warning, message, "write it without the leading 0, or with 0x, if that is not meant");
     }
 
     /// Reports something about a key.
-    pub(crate) fn say(&mut self, key: Key, weight: Weight, message: impl AsRef<str>, hint: impl Into<String>) {
+    pub(crate) fn say(&mut self, key: IniKey, weight: Weight, message: impl AsRef<str>, hint: impl Into<String>) {
         let at = if key.value.start < key.value.end { key.value } else { key.key };
         let name = shown(self.section.str(key.key));
         let message = format!("[{}] {name}: {}", shown(self.section.name()), message.as_ref());
@@ -119,7 +119,7 @@ impl<'a, 'r> Reader<'a, 'r> {
     /// The numbered keys `1=`, `2=` … of a list, with the count that its key `counted_by` states.
     ///
     /// What is counted and what stands there must agree: a program that believes the count would lose the rest.
-    pub(crate) fn numbered(&mut self, counted_by: &str) -> Vec<(u64, Key, &'a str)> {
+    pub(crate) fn numbered(&mut self, counted_by: &str) -> Vec<(u64, IniKey, &'a str)> {
         let mut found = Vec::new();
         for &key in self.section.keys() {
             let name = self.section.str(key.key);

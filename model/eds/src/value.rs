@@ -5,7 +5,7 @@ use std::fmt::Write as _;
 
 use linewright_problems::shown;
 
-use crate::data_type::{DataType, EncodeError, Shape};
+use crate::data_type::{DataType, EncodeError, ValueShape};
 use crate::number::{self, NotANumber};
 
 /// A CANopen node id: 1 to 127.
@@ -108,15 +108,15 @@ impl fmt::Display for Value {
 
 /// A value as a file states it: itself, or to be added to the node id the device will have.
 #[derive(Clone, Debug, PartialEq)]
-pub struct Setting {
+pub struct ValueSetting {
     pub(crate) value: Value,
     pub(crate) plus_node_id: bool,
 }
 
-impl Setting {
+impl ValueSetting {
     /// A value that is the same for every node id.
     pub fn fixed(value: Value) -> Self {
-        Setting { value, plus_node_id: false }
+        ValueSetting { value, plus_node_id: false }
     }
 
     /// The value for this node id.
@@ -199,28 +199,28 @@ impl fmt::Display for BadValue {
 }
 
 /// What a text says for a type, and whether it was octal.
-pub(crate) fn read(text: &str, data_type: DataType) -> Result<(Setting, bool), BadValue> {
-    let fixed = |value| Ok((Setting::fixed(value), false));
+pub(crate) fn read(text: &str, data_type: DataType) -> Result<(ValueSetting, bool), BadValue> {
+    let fixed = |value| Ok((ValueSetting::fixed(value), false));
     match data_type.shape() {
-        Shape::Text => match text.chars().find(|c| u32::from(*c) > 0xFF) {
+        ValueShape::Text => match text.chars().find(|c| u32::from(*c) > 0xFF) {
             Some(c) => Err(BadValue::Character(c)),
             None => fixed(Value::Text(text.to_owned())),
         },
-        Shape::Utf16 => fixed(Value::Text(text.to_owned())),
-        Shape::Bytes => match hex_bytes(text) {
+        ValueShape::Utf16 => fixed(Value::Text(text.to_owned())),
+        ValueShape::Bytes => match hex_bytes(text) {
             Some(bytes) => fixed(Value::Bytes(bytes)),
             None => Err(BadValue::Hex(text.to_owned())),
         },
-        Shape::Real32 => match bits(text, 4)? {
+        ValueShape::Real32 => match bits(text, 4)? {
             Some(bits) => fixed(Value::Real32(f32::from_bits(bits as u32))),
             None => fixed(Value::Real32(text.trim().parse().map_err(|_| BadValue::Real(text.to_owned()))?)),
         },
-        Shape::Real64 => match bits(text, 8)? {
+        ValueShape::Real64 => match bits(text, 8)? {
             Some(bits) => fixed(Value::Real64(f64::from_bits(bits))),
             None => fixed(Value::Real64(text.trim().parse().map_err(|_| BadValue::Real(text.to_owned()))?)),
         },
-        Shape::Unknown => Err(BadValue::Unknown(data_type.code())),
-        shape @ (Shape::Boolean | Shape::Signed(_) | Shape::Unsigned(_)) => {
+        ValueShape::Unknown => Err(BadValue::Unknown(data_type.code())),
+        shape @ (ValueShape::Boolean | ValueShape::Signed(_) | ValueShape::Unsigned(_)) => {
             if matches!(data_type, DataType::TimeOfDay | DataType::TimeDifference)
                 && let Some(time) = days_and_millis(text)
             {
@@ -230,7 +230,7 @@ pub(crate) fn read(text: &str, data_type: DataType) -> Result<(Setting, bool), B
             let range = || BadValue::Range { text: text.to_owned(), data_type, with_node_id: plus_node_id };
             let (least, most) = shape.limits().ok_or_else(range)?;
             let mut value = number.value;
-            if let Shape::Signed(bytes) = shape
+            if let ValueShape::Signed(bytes) = shape
                 && number.is_hex
                 && (most + 1..1 << (8 * u32::from(bytes))).contains(&value)
             {
@@ -238,15 +238,15 @@ pub(crate) fn read(text: &str, data_type: DataType) -> Result<(Setting, bool), B
                 value -= 1 << (8 * u32::from(bytes));
             }
             let largest = value + if plus_node_id { 127 } else { 0 };
-            if value < least || largest > most || (plus_node_id && shape == Shape::Boolean) {
+            if value < least || largest > most || (plus_node_id && shape == ValueShape::Boolean) {
                 return Err(range());
             }
             let value = match shape {
-                Shape::Boolean => Value::Boolean(value != 0),
-                Shape::Signed(_) => Value::Integer(i64::try_from(value).map_err(|_| range())?),
+                ValueShape::Boolean => Value::Boolean(value != 0),
+                ValueShape::Signed(_) => Value::Integer(i64::try_from(value).map_err(|_| range())?),
                 _ => Value::Unsigned(u64::try_from(value).map_err(|_| range())?),
             };
-            Ok((Setting { value, plus_node_id }, number.is_octal))
+            Ok((ValueSetting { value, plus_node_id }, number.is_octal))
         }
     }
 }
@@ -258,7 +258,9 @@ pub(crate) fn write(value: &Value, data_type: DataType) -> Result<String, Encode
         Value::Boolean(_) | Value::Integer(_) | Value::Unsigned(_) => {
             let number = value.whole().unwrap_or_default();
             match data_type.shape() {
-                Shape::Unsigned(size) if number > 9 => format!("0x{number:0width$X}", width = 2 * usize::from(size)),
+                ValueShape::Unsigned(size) if number > 9 => {
+                    format!("0x{number:0width$X}", width = 2 * usize::from(size))
+                }
                 _ => number.to_string(),
             }
         }

@@ -1,7 +1,8 @@
 //! Two whole devices: what is read of them, and what a configuration of them sets in which order.
 
 use linewright_eds::{
-    Access, Category, Configuration, ConfigureError, DataType, Eds, Identity, ObjectType, Reason, Value, read,
+    AccessType, Category, Configuration, ConfigureError, DataType, Eds, EdsIdentity, ObjectType, Value, WriteReason,
+    read,
 };
 
 use crate::common::{DRIVE, HEAD, IO, node, sound};
@@ -18,16 +19,16 @@ fn downloads(eds: &Eds, id: u8) -> Vec<String> {
 fn the_shipped_device_is_read_without_a_warning() {
     let io = read("linewright-io.eds", IO).unwrap_or_else(|problems| panic!("{problems:#}"));
     assert!(io.warnings().is_empty(), "{:#}", io.warnings());
-    let identity = Identity {
+    let identity = EdsIdentity {
         product: Some(401),
         revision: Some(0x1_0000),
         device_type: Some(0x0003_0191),
-        ..Identity::default()
+        ..EdsIdentity::default()
     };
     assert_eq!(io.identity(), identity);
     assert_eq!(io.device.baud_rates, [10, 20, 50, 125, 250, 500, 800, 1000]);
     assert_eq!(io.entry(0x6000, 8).expect("the last byte").name, "Inputs 56 to 63");
-    assert_eq!(io.entry(0x5F00, 64).expect("the last output").access, Access::WriteOnly);
+    assert_eq!(io.entry(0x5F00, 64).expect("the last output").access, AccessType::WriteOnly);
     assert!(io.entry(0x6000, 9).is_none() && io.entry(0x6001, 0).is_none());
     assert_eq!(io.to_bytes(), IO);
 }
@@ -42,7 +43,7 @@ fn what_a_drive_says_of_itself() {
     assert_eq!(drive.dummies, [5, 6]);
     assert_eq!(
         drive.identity(),
-        Identity {
+        EdsIdentity {
             device_type: Some(0x0002_0192),
             vendor: Some(0x3E7),
             product: Some(0x10400),
@@ -69,7 +70,7 @@ fn entries_have_type_access_and_default() {
     assert_eq!(entry(0x2000, 0).name, "Lead of the screw / mm");
     assert_eq!(entry(0x2002, 0).default_for(node(1)), Some(Value::Boolean(true)));
     assert_eq!((entry(0x2010, 0).object_type, entry(0x2010, 0).data_type), (ObjectType::Domain, DataType::Domain));
-    assert_eq!((entry(0x6040, 0).access, entry(0x6040, 0).pdo_mappable), (Access::ReadWriteOutput, true));
+    assert_eq!((entry(0x6040, 0).access, entry(0x6040, 0).pdo_mappable), (AccessType::ReadWriteOutput, true));
     assert_eq!(entry(0x6041, 0).default_for(node(1)), None);
     assert_eq!(drive.object(0x6040).expect("there").category, Some(Category::Optional));
     let line = entry(0x1017, 0).line as usize;
@@ -132,7 +133,7 @@ fn a_pdo_is_off_while_it_is_changed_and_storing_comes_last() {
         ]
     );
     let first = &dcf.downloads(node(9)).expect("for this node")[0];
-    assert_eq!((first.index, first.sub, first.reason), (0x1016, 1, Reason::Value));
+    assert_eq!((first.index, first.sub, first.reason), (0x1016, 1, WriteReason::Value));
     let error = dcf.downloads(node(8)).unwrap_err().to_string();
     assert_eq!(error, "the file is for node 9, not for node 8; correct NodeID in its [DeviceComissioning]");
 }

@@ -9,7 +9,7 @@
 //! memory of the process.
 
 use divan::Bencher;
-use linewright_nets::explicit::{Facts, Limits, decide};
+use linewright_nets::explicit::{ExplorationLimits, NetFacts, decide};
 
 #[path = "../tests/explicit_ring/mod.rs"]
 mod explicit_ring;
@@ -29,8 +29,9 @@ fn main() {
     }
 }
 
-fn verdict(stations: usize, threads: usize) -> Facts {
-    let facts = decide(&ring(stations, false), &Limits { threads, ..Limits::default() }).expect("it is bounded");
+fn verdict(stations: usize, threads: usize) -> NetFacts {
+    let facts = decide(&ring(stations, false), &ExplorationLimits { threads, ..ExplorationLimits::default() })
+        .expect("it is bounded");
     assert!(facts.deadlocks == 0 && facts.is_safe() && facts.is_live() && facts.is_reversible());
     facts
 }

@@ -13,7 +13,7 @@ use std::sync::Arc;
 use thiserror::Error;
 
 use crate::net::Adjacency;
-use crate::{Marking, Named, Net, PlaceId, TransitionId};
+use crate::{Marking, NamedId, Net, PlaceId, TransitionId};
 
 /// The largest number of places, and of transitions. A line of hundreds of stations has tens of thousands; sixteen
 /// million come from a generator that has lost its way, and it should hear about it before the memory is gone.
@@ -21,7 +21,7 @@ pub const MAX_NODES: usize = 1 << 24;
 
 /// The direction of an arc.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, PartialOrd, Ord, Hash)]
-pub enum Direction {
+pub enum ArcDirection {
     /// From a place to a transition (the relation Pre).
     Input,
     /// From a transition to a place (the relation Post).
@@ -32,18 +32,18 @@ pub enum Direction {
 #[derive(Clone, Debug, PartialEq, Eq)]
 pub struct ArcName {
     /// Which end is the place.
-    pub direction: Direction,
+    pub direction: ArcDirection,
     /// The place at one end.
-    pub place: Named<PlaceId>,
+    pub place: NamedId<PlaceId>,
     /// The transition at the other.
-    pub transition: Named<TransitionId>,
+    pub transition: NamedId<TransitionId>,
 }
 
 impl fmt::Display for ArcName {
     fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
         match self.direction {
-            Direction::Input => write!(f, "{} → {}", self.place, self.transition),
-            Direction::Output => write!(f, "{} → {}", self.transition, self.place),
+            ArcDirection::Input => write!(f, "{} → {}", self.place, self.transition),
+            ArcDirection::Output => write!(f, "{} → {}", self.transition, self.place),
         }
     }
 }
@@ -124,8 +124,8 @@ pub enum NetError {
 
 /// An arc as declared. The derived order groups duplicates and puts arcs in the order in which tables want them.
 #[derive(Clone, Copy, PartialEq, Eq, PartialOrd, Ord)]
-struct RawArc {
-    direction: Direction,
+struct DeclaredArc {
+    direction: ArcDirection,
     transition: TransitionId,
     place: PlaceId,
     weight: u32,
@@ -138,7 +138,7 @@ pub struct NetBuilder {
     places: Vec<Arc<str>>,
     tokens: Vec<u32>,
     transitions: Vec<Arc<str>>,
-    arcs: Vec<RawArc>,
+    arcs: Vec<DeclaredArc>,
     /// Declarations, those beyond the limit included; the names of those are dropped.
     places_declared: usize,
     transitions_declared: usize,
@@ -183,13 +183,13 @@ impl NetBuilder {
 
     /// Declares that firing `transition` takes `weight` tokens from `place`.
     pub fn input(&mut self, transition: TransitionId, place: PlaceId, weight: u32) -> &mut Self {
-        self.arcs.push(RawArc { direction: Direction::Input, transition, place, weight });
+        self.arcs.push(DeclaredArc { direction: ArcDirection::Input, transition, place, weight });
         self
     }
 
     /// Declares that firing `transition` puts `weight` tokens on `place`.
     pub fn output(&mut self, transition: TransitionId, place: PlaceId, weight: u32) -> &mut Self {
-        self.arcs.push(RawArc { direction: Direction::Output, transition, place, weight });
+        self.arcs.push(DeclaredArc { direction: ArcDirection::Output, transition, place, weight });
         self
     }
 
@@ -212,8 +212,8 @@ impl NetBuilder {
             let arcs = self.arcs.iter().filter(move |arc| arc.direction == direction);
             Adjacency::new(self.places.len(), arcs.map(|arc| (arc.place.index(), (arc.transition, arc.weight))))
         };
-        let (presets, postsets) = (by_transition(Direction::Input), by_transition(Direction::Output));
-        let (consumers, producers) = (by_place(Direction::Input), by_place(Direction::Output));
+        let (presets, postsets) = (by_transition(ArcDirection::Input), by_transition(ArcDirection::Output));
+        let (consumers, producers) = (by_place(ArcDirection::Input), by_place(ArcDirection::Output));
         Ok(Net {
             name: self.name,
             place_by_name: self.places.iter().cloned().zip((0..).map(PlaceId)).collect(),
@@ -265,19 +265,19 @@ impl NetBuilder {
                 problems.push(NetError::ZeroWeight { arc: self.named(arc) });
             }
         }
-        let ends = |arc: &RawArc| (arc.direction, arc.transition, arc.place);
+        let ends = |arc: &DeclaredArc| (arc.direction, arc.transition, arc.place);
         for same in self.arcs.chunk_by(|a, b| ends(a) == ends(b)).filter(|same| same.len() > 1) {
             problems.push(NetError::DuplicateArc { arc: self.named(&same[0]), times: same.len() });
         }
     }
 
     /// An arc with the names of its ends; an end that was never declared is shown by its number.
-    fn named(&self, arc: &RawArc) -> ArcName {
+    fn named(&self, arc: &DeclaredArc) -> ArcName {
         let name = |names: &[Arc<str>], id: u32| names.get(id as usize).cloned().unwrap_or(format!("#{id}").into());
         ArcName {
             direction: arc.direction,
-            place: Named { id: arc.place, name: name(&self.places, arc.place.0) },
-            transition: Named { id: arc.transition, name: name(&self.transitions, arc.transition.0) },
+            place: NamedId { id: arc.place, name: name(&self.places, arc.place.0) },
+            transition: NamedId { id: arc.transition, name: name(&self.transitions, arc.transition.0) },
         }
     }
 }

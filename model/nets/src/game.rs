@@ -12,22 +12,22 @@ use std::fmt;
 
 use thiserror::Error;
 
-use crate::{Marking, Named, Net, PlaceId, TransitionId};
+use crate::{Marking, NamedId, Net, PlaceId, TransitionId};
 
 /// Which way a transition is played.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, PartialOrd, Ord, Hash)]
-pub enum Move {
+pub enum PlayDirection {
     /// Take from the preset, give to the postset.
     Fire,
     /// Take from the postset, give to the preset.
     FireBack,
 }
 
-impl fmt::Display for Move {
+impl fmt::Display for PlayDirection {
     fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
         f.write_str(match self {
-            Move::Fire => "fire",
-            Move::FireBack => "fire back",
+            PlayDirection::Fire => "fire",
+            PlayDirection::FireBack => "fire back",
         })
     }
 }
@@ -39,11 +39,11 @@ pub enum FireError {
     #[error("{transition} cannot {attempt}: {place} has {has} of the {needs} tokens needed")]
     Lacking {
         /// What was attempted.
-        attempt: Move,
+        attempt: PlayDirection,
         /// The transition.
-        transition: Named<TransitionId>,
+        transition: NamedId<TransitionId>,
         /// The first place that lacks tokens.
-        place: Named<PlaceId>,
+        place: NamedId<PlaceId>,
         /// What it has.
         has: u32,
         /// What it would need.
@@ -53,11 +53,11 @@ pub enum FireError {
     #[error("{transition} cannot {attempt}: {place} has {has} tokens, and {gets} more cannot be counted")]
     Overflow {
         /// What was attempted.
-        attempt: Move,
+        attempt: PlayDirection,
         /// The transition.
-        transition: Named<TransitionId>,
+        transition: NamedId<TransitionId>,
         /// The first place that would overflow.
-        place: Named<PlaceId>,
+        place: NamedId<PlaceId>,
         /// What it has.
         has: u32,
         /// What it would get.
@@ -96,19 +96,19 @@ impl Net {
 
     /// M₁[t⟩M₂: takes the tokens of the preset and gives those of the postset (seed 002 §3.1, firing rule 2).
     pub fn fire(&self, marking: &mut Marking, transition: TransitionId) -> Result<(), FireError> {
-        self.play(marking, transition, Move::Fire)
+        self.play(marking, transition, PlayDirection::Fire)
     }
 
     /// The inverse of [`Net::fire`]: from M₂ back to the M₁ with M₁[t⟩M₂.
     pub fn fire_back(&self, marking: &mut Marking, transition: TransitionId) -> Result<(), FireError> {
-        self.play(marking, transition, Move::FireBack)
+        self.play(marking, transition, PlayDirection::FireBack)
     }
 
-    fn play(&self, marking: &mut Marking, transition: TransitionId, attempt: Move) -> Result<(), FireError> {
+    fn play(&self, marking: &mut Marking, transition: TransitionId, attempt: PlayDirection) -> Result<(), FireError> {
         self.expect_own(marking);
         let (takes, gives) = match attempt {
-            Move::Fire => (self.preset(transition), self.postset(transition)),
-            Move::FireBack => (self.postset(transition), self.preset(transition)),
+            PlayDirection::Fire => (self.preset(transition), self.postset(transition)),
+            PlayDirection::FireBack => (self.postset(transition), self.preset(transition)),
         };
         for &(place, needs) in takes {
             let has = marking.tokens(place);

@@ -1,7 +1,7 @@
 //! What places and transitions are called: a number to compute with, a name to show.
 //!
 //! Everything a controller does at run time uses the numbers, dense from zero, so that an id is an index into a table.
-//! Findings and errors are read by people and carry a [`Named`] id: the name is shared with the net, not copied. An id
+//! Findings and errors are read by people and carry a [`NamedId`] id: the name is shared with the net, not copied. An id
 //! does not know which net it belongs to; using it with another net is a programming error that only an index out of
 //! range brings to light.
 
@@ -32,39 +32,39 @@ impl TransitionId {
 
 /// Either kind of node: P ∪ T of the definition of a net (seed 002 §3.1).
 #[derive(Clone, Copy, Debug, PartialEq, Eq, PartialOrd, Ord, Hash)]
-pub enum Node {
+pub enum NetNode {
     /// A place.
     Place(PlaceId),
     /// A transition.
     Transition(TransitionId),
 }
 
-impl From<PlaceId> for Node {
-    fn from(place: PlaceId) -> Node {
-        Node::Place(place)
+impl From<PlaceId> for NetNode {
+    fn from(place: PlaceId) -> NetNode {
+        NetNode::Place(place)
     }
 }
 
-impl From<TransitionId> for Node {
-    fn from(transition: TransitionId) -> Node {
-        Node::Transition(transition)
+impl From<TransitionId> for NetNode {
+    fn from(transition: TransitionId) -> NetNode {
+        NetNode::Transition(transition)
     }
 }
 
 /// An id together with the name it has in its net. Displays as "place `home`" or "transition `start`".
 #[derive(Clone, Debug, PartialEq, Eq, PartialOrd, Ord, Hash)]
-pub struct Named<I> {
+pub struct NamedId<I> {
     /// The number.
     pub id: I,
     /// The name.
     pub name: Arc<str>,
 }
 
-impl<I: Copy + Into<Node>> fmt::Display for Named<I> {
+impl<I: Copy + Into<NetNode>> fmt::Display for NamedId<I> {
     fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
         let kind = match self.id.into() {
-            Node::Place(_) => "place",
-            Node::Transition(_) => "transition",
+            NetNode::Place(_) => "place",
+            NetNode::Transition(_) => "transition",
         };
         write!(f, "{kind} `{}`", self.name)
     }

@@ -69,11 +69,11 @@ pub mod structure;
 mod table;
 pub mod tnces;
 
-pub use builder::{ArcName, Direction, MAX_NODES, NetBuilder, NetError};
+pub use builder::{ArcDirection, ArcName, MAX_NODES, NetBuilder, NetError};
 pub use dot::dot;
-pub use game::{FireError, Move};
-pub use id::{Named, Node, PlaceId, TransitionId};
+pub use game::{FireError, PlayDirection};
+pub use id::{NamedId, NetNode, PlaceId, TransitionId};
 pub use marking::Marking;
 pub use net::Net;
-pub use reach::{Cause, Reachability, StateId, Step, Undecided, explore};
-pub use structure::{NotLive, NotReversible, NotSafe, NotStateMachine, Verdict, state_machine_verdict};
+pub use reach::{ReachArc, ReachLimit, ReachUndecided, Reachability, StateId, explore};
+pub use structure::{NotLive, NotReversible, NotSafe, NotStateMachine, StateMachineVerdict, state_machine_verdict};

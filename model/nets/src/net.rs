@@ -10,7 +10,7 @@
 use std::collections::HashMap;
 use std::sync::Arc;
 
-use crate::{Marking, Named, Node, PlaceId, TransitionId};
+use crate::{Marking, NamedId, NetNode, PlaceId, TransitionId};
 
 /// A marked place/transition net {P, T, Pre, Post, M} with weighted arcs (seed 002 §3.1; the weights, which are all 1
 /// there, are those of the usual place/transition nets).
@@ -104,22 +104,22 @@ impl Net {
     }
 
     /// A place with its name, for messages.
-    pub fn place(&self, place: PlaceId) -> Named<PlaceId> {
-        Named { id: place, name: self.place_names[place.index()].clone() }
+    pub fn place(&self, place: PlaceId) -> NamedId<PlaceId> {
+        NamedId { id: place, name: self.place_names[place.index()].clone() }
     }
 
     /// A transition with its name, for messages.
-    pub fn transition(&self, transition: TransitionId) -> Named<TransitionId> {
-        Named { id: transition, name: self.transition_names[transition.index()].clone() }
+    pub fn transition(&self, transition: TransitionId) -> NamedId<TransitionId> {
+        NamedId { id: transition, name: self.transition_names[transition.index()].clone() }
     }
 
     /// A node with its name, for messages.
-    pub fn node(&self, node: Node) -> Named<Node> {
+    pub fn node(&self, node: NetNode) -> NamedId<NetNode> {
         let name = match node {
-            Node::Place(place) => &self.place_names[place.index()],
-            Node::Transition(transition) => &self.transition_names[transition.index()],
+            NetNode::Place(place) => &self.place_names[place.index()],
+            NetNode::Transition(transition) => &self.transition_names[transition.index()],
         };
-        Named { id: node, name: name.clone() }
+        NamedId { id: node, name: name.clone() }
     }
 }
 

@@ -28,7 +28,7 @@ impl StateId {
 
 /// M₁[t⟩M₂ as an arc of the reachability graph.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, PartialOrd, Ord, Hash)]
-pub struct Step {
+pub struct ReachArc {
     /// M₁.
     pub from: StateId,
     /// t.
@@ -40,16 +40,16 @@ pub struct Step {
 /// The exploration did not come to an end: nothing is known about the net as a whole.
 #[derive(Clone, Debug, PartialEq, Eq, Error)]
 #[error("undecided after {states} states: {cause}")]
-pub struct Undecided {
+pub struct ReachUndecided {
     /// The states found until then.
     pub states: usize,
     /// What stopped it.
-    pub cause: Cause,
+    pub cause: ReachLimit,
 }
 
 /// What stops an exploration.
 #[derive(Clone, Debug, PartialEq, Eq, Error)]
-pub enum Cause {
+pub enum ReachLimit {
     /// There are more states than allowed.
     #[error("there are more than allowed")]
     Limit,
@@ -63,9 +63,9 @@ pub enum Cause {
 pub struct Reachability {
     states: Vec<Marking>,
     /// Ordered by `from`, then by transition.
-    steps: Vec<Step>,
+    steps: Vec<ReachArc>,
     /// The step by which each state was found; none for the initial one.
-    found_by: Vec<Option<Step>>,
+    found_by: Vec<Option<ReachArc>>,
     /// Per transition, a state from which it can never be enabled again, if there is one.
     lost: Vec<Option<StateId>>,
     /// A state from which the initial one cannot be reached.
@@ -73,11 +73,11 @@ pub struct Reachability {
 }
 
 /// Finds all reachable markings, unless there are more than `limit_states`.
-pub fn explore(net: &Net, limit_states: usize) -> Result<Reachability, Undecided> {
+pub fn explore(net: &Net, limit_states: usize) -> Result<Reachability, ReachUndecided> {
     // State numbers have 32 bits; memory ends long before.
     let limit = limit_states.min(u32::MAX as usize);
     if limit == 0 {
-        return Err(Undecided { states: 0, cause: Cause::Limit });
+        return Err(ReachUndecided { states: 0, cause: ReachLimit::Limit });
     }
     let mut states = vec![net.initial_marking()];
     let mut number_of = HashMap::from([(net.initial_marking(), StateId::INITIAL)]);
@@ -89,15 +89,15 @@ pub fn explore(net: &Net, limit_states: usize) -> Result<Reachability, Undecided
         let here = states[next].clone();
         for transition in net.enabled(&here) {
             let mut marking = here.clone();
-            let overflow = |error| Undecided { states: states.len(), cause: Cause::Overflow(error) };
+            let overflow = |error| ReachUndecided { states: states.len(), cause: ReachLimit::Overflow(error) };
             net.fire(&mut marking, transition).map_err(overflow)?;
-            let step = |to| Step { from, transition, to };
+            let step = |to| ReachArc { from, transition, to };
             if let Some(&known) = number_of.get(&marking) {
                 steps.push(step(known));
                 continue;
             }
             if states.len() == limit {
-                return Err(Undecided { states: limit, cause: Cause::Limit });
+                return Err(ReachUndecided { states: limit, cause: ReachLimit::Limit });
             }
             let new = step(StateId(states.len() as u32));
             number_of.insert(marking.clone(), new.to);
@@ -114,7 +114,7 @@ pub fn explore(net: &Net, limit_states: usize) -> Result<Reachability, Undecided
 }
 
 /// A transition is live iff it can fire in every terminal component: all states lead into one of them, none leads out.
-fn lost_transitions(net: &Net, steps: &[Step], parts: &Components) -> Vec<Option<StateId>> {
+fn lost_transitions(net: &Net, steps: &[ReachArc], parts: &Components) -> Vec<Option<StateId>> {
     let fires: HashSet<(usize, TransitionId)> =
         steps.iter().map(|step| (parts.of(step.from.index()), step.transition)).collect();
     let missing = |t| parts.terminal().find(|&component| !fires.contains(&(component, t)));
@@ -128,7 +128,7 @@ impl Reachability {
     }
 
     /// The steps between them, ordered by where they start, then by transition.
-    pub fn steps(&self) -> &[Step] {
+    pub fn steps(&self) -> &[ReachArc] {
         &self.steps
     }
 
@@ -138,7 +138,7 @@ impl Reachability {
     }
 
     /// The steps that start at a state.
-    pub fn steps_from(&self, state: StateId) -> &[Step] {
+    pub fn steps_from(&self, state: StateId) -> &[ReachArc] {
         let start = self.steps.partition_point(|step| step.from < state);
         let end = self.steps.partition_point(|step| step.from <= state);
         &self.steps[start..end]
@@ -233,7 +233,7 @@ mod tests {
         let (pool, spring) = (b.place("pool", 0), b.transition("spring"));
         b.output(spring, pool, 1);
         let error = explore(&b.build().unwrap(), 10).unwrap_err();
-        assert_eq!(error, Undecided { states: 10, cause: Cause::Limit });
+        assert_eq!(error, ReachUndecided { states: 10, cause: ReachLimit::Limit });
 
         let mut b = NetBuilder::new("flood");
         let (pool, spring) = (b.place("pool", 1), b.transition("spring"));

@@ -6,7 +6,8 @@ use std::collections::BTreeMap;
 
 use crate::ring::ring;
 use linewright_nets::certificate::{
-    Answer, Bound, Certificate, Evidence, Property, Rule, StructuralVerdict, Unknown, check, decide_by_structure,
+    Certificate, CertificateAnswer, CertificateRule, Evidence, NetProperty, StructuralVerdict, TokenBound, Unknown,
+    check, decide_by_structure,
 };
 use linewright_nets::coverability::{self, coverability};
 use linewright_nets::{Net, NetBuilder, explore};
@@ -17,21 +18,23 @@ use samples::{connected_marked_graph, free_choice_net, marked_graph, samples};
 
 const ENOUGH: usize = 700;
 
-type Truth = BTreeMap<Property, bool>;
+type Truth = BTreeMap<NetProperty, bool>;
 type Judged = (Net, StructuralVerdict, Truth);
 
 /// What playing everything out finds, as far as it comes to an end.
 fn truth(net: &Net) -> Truth {
     let mut truth = BTreeMap::new();
     if let Ok(explored) = explore(net, ENOUGH) {
-        truth.insert(Property::DeadlockFree, explored.deadlocks().next().is_none());
-        truth.insert(Property::Live, explored.is_live());
-        truth.insert(Property::Bounded, true);
-        truth.insert(Property::Safe, explored.is_safe());
-        truth.insert(Property::Reversible, explored.is_reversible().is_ok());
-    } else if let Ok(found) = coverability(net, &coverability::Limits { labels: ENOUGH, ..Default::default() }) {
-        truth.insert(Property::Bounded, found.is_bounded().is_ok());
-        truth.insert(Property::Safe, net.places().all(|p| found.bound_of(p).is_some_and(|bound| bound <= 1)));
+        truth.insert(NetProperty::DeadlockFree, explored.deadlocks().next().is_none());
+        truth.insert(NetProperty::Live, explored.is_live());
+        truth.insert(NetProperty::Bounded, true);
+        truth.insert(NetProperty::Safe, explored.is_safe());
+        truth.insert(NetProperty::Reversible, explored.is_reversible().is_ok());
+    } else if let Ok(found) =
+        coverability(net, &coverability::CoverabilityLimits { labels: ENOUGH, ..Default::default() })
+    {
+        truth.insert(NetProperty::Bounded, found.is_bounded().is_ok());
+        truth.insert(NetProperty::Safe, net.places().all(|p| found.bound_of(p).is_some_and(|bound| bound <= 1)));
     }
     truth
 }
@@ -40,7 +43,7 @@ fn truth(net: &Net) -> Truth {
 fn confirmed(net: &Net) -> (StructuralVerdict, Truth) {
     let verdict = decide_by_structure(net);
     let truth = truth(net);
-    for property in Property::ALL {
+    for property in NetProperty::ALL {
         let answer = verdict.answer(property);
         if let (Some(claimed), Some(&holds)) = (answer.holds(), truth.get(&property)) {
             assert_eq!(claimed, holds, "{property}\n{net}{verdict}");
@@ -56,14 +59,17 @@ fn confirmed(net: &Net) -> (StructuralVerdict, Truth) {
 
 /// The bounds, against those of the coverability graph.
 fn confirm_bounds(net: &Net, verdict: &StructuralVerdict) {
-    let Ok(found) = coverability(net, &coverability::Limits { labels: ENOUGH, ..Default::default() }) else { return };
+    let Ok(found) = coverability(net, &coverability::CoverabilityLimits { labels: ENOUGH, ..Default::default() })
+    else {
+        return;
+    };
     for place in net.places() {
         let bound = found.bound_of(place).map(u128::from);
         match verdict.bounds[place.index()] {
-            Bound::Exactly(most) => assert_eq!(bound, Some(most), "{net}{verdict}"),
-            Bound::AtMost(most) => assert!(bound.is_some_and(|bound| bound <= most), "{net}"),
-            Bound::Unbounded => assert_eq!(bound, None, "{net}"),
-            Bound::Unknown => {}
+            TokenBound::Exactly(most) => assert_eq!(bound, Some(most), "{net}{verdict}"),
+            TokenBound::AtMost(most) => assert!(bound.is_some_and(|bound| bound <= most), "{net}"),
+            TokenBound::Unbounded => assert_eq!(bound, None, "{net}"),
+            TokenBound::Unknown => {}
         }
     }
 }
@@ -100,8 +106,11 @@ fn marked_graphs_are_decided_completely() {
     let nets = [samples(marked_graph(), 1500), samples(connected_marked_graph(), 800)].concat();
     let verdicts = judged(nets);
     for (net, verdict, _) in &verdicts {
-        assert!(Property::ALL.into_iter().all(|property| verdict.answer(property).holds().is_some()), "{net}{verdict}");
-        assert!(verdict.bounds.iter().all(|bound| matches!(bound, Bound::Exactly(_) | Bound::Unbounded)));
+        assert!(
+            NetProperty::ALL.into_iter().all(|property| verdict.answer(property).holds().is_some()),
+            "{net}{verdict}"
+        );
+        assert!(verdict.bounds.iter().all(|bound| matches!(bound, TokenBound::Exactly(_) | TokenBound::Unbounded)));
     }
     expect_kinds(
         &verdicts,
@@ -127,8 +136,11 @@ fn state_machines_are_decided_completely() {
             .concat(),
     );
     for (net, verdict, _) in &verdicts {
-        assert!(Property::ALL.into_iter().all(|property| verdict.answer(property).holds().is_some()), "{net}{verdict}");
-        assert!(verdict.bounds.iter().all(|bound| matches!(bound, Bound::Exactly(_))));
+        assert!(
+            NetProperty::ALL.into_iter().all(|property| verdict.answer(property).holds().is_some()),
+            "{net}{verdict}"
+        );
+        assert!(verdict.bounds.iter().all(|bound| matches!(bound, TokenBound::Exactly(_))));
     }
     expect_kinds(
         &verdicts,
@@ -149,13 +161,13 @@ fn state_machines_are_decided_completely() {
 fn free_choice_nets_are_decided_when_live_and_bounded() {
     let verdicts = judged(samples(free_choice_net(), 1500));
     for (net, verdict, truth) in &verdicts {
-        if truth.get(&Property::Live) == Some(&true) && net.is_strongly_connected().is_ok() {
+        if truth.get(&NetProperty::Live) == Some(&true) && net.is_strongly_connected().is_ok() {
             assert_eq!(verdict.live.holds(), Some(true), "{net}{verdict}");
-            assert_eq!(verdict.reversible.holds(), truth.get(&Property::Reversible).copied(), "{net}{verdict}");
-            assert_eq!(verdict.safe.holds(), truth.get(&Property::Safe).copied(), "{net}{verdict}");
+            assert_eq!(verdict.reversible.holds(), truth.get(&NetProperty::Reversible).copied(), "{net}{verdict}");
+            assert_eq!(verdict.safe.holds(), truth.get(&NetProperty::Safe).copied(), "{net}{verdict}");
         }
         // What is not live and has few markings is shown not to be.
-        if truth.get(&Property::Live) == Some(&false) {
+        if truth.get(&NetProperty::Live) == Some(&false) {
             assert_eq!(verdict.live.holds(), Some(false), "{net}{verdict}");
         }
     }
@@ -190,7 +202,7 @@ fn tampered(text: &str, (line, word, how): (usize, usize, usize)) -> String {
     if at == 0 && how % 2 == 0 {
         words[2] = if words[2] == "yes" { "no" } else { "yes" }.to_owned();
     } else if at == 0 {
-        words[1] = Property::ALL[word % Property::ALL.len()].to_string();
+        words[1] = NetProperty::ALL[word % NetProperty::ALL.len()].to_string();
     } else if chosen < words.len() {
         match how % 4 {
             0 => _ = words.remove(chosen),
@@ -276,35 +288,35 @@ fn a_certificate_with_a_detail_missing_is_refused() {
     let mut live = verdict.live.certificate().unwrap().clone();
     let Evidence::Order(order) = &mut live.evidence else { panic!("{live}") };
     order.transitions.reverse();
-    assert_eq!(rejected(&live), Rule::Rising);
+    assert_eq!(rejected(&live), CertificateRule::Rising);
     let Evidence::Order(order) = &mut live.evidence else { panic!("{live}") };
     order.transitions.reverse();
     order.transitions.pop();
-    assert!(matches!(rejected(&live), Rule::AllTransitions | Rule::Closed));
+    assert!(matches!(rejected(&live), CertificateRule::AllTransitions | CertificateRule::Closed));
 
     let safe = verdict.safe.certificate().unwrap();
     for (i, _) in net.places().enumerate() {
         let mut safe = safe.clone();
         let Evidence::Sums(sums) = &mut safe.evidence else { panic!("{safe}") };
         sums.bounds[i].1 = 0;
-        assert_eq!(rejected(&safe), Rule::Bound);
+        assert_eq!(rejected(&safe), CertificateRule::Bound);
     }
     let mut safe = safe.clone();
     let Evidence::Sums(sums) = &mut safe.evidence else { panic!("{safe}") };
     sums.sums[0].pop();
-    assert!(matches!(rejected(&safe), Rule::Monotone | Rule::Bound));
+    assert!(matches!(rejected(&safe), CertificateRule::Monotone | CertificateRule::Bound));
 
     // The certificate of the ring with parts says nothing about the ring without.
     let dead = ring(4, false);
-    assert_eq!(check(&dead, verdict.live.certificate().unwrap()).unwrap_err().rule, Rule::Rising);
+    assert_eq!(check(&dead, verdict.live.certificate().unwrap()).unwrap_err().rule, CertificateRule::Rising);
 }
 
 #[test]
 fn a_ring_of_a_hundred_stations_is_decided() {
     let net = ring(100, true);
     let verdict = decide_by_structure(&net);
-    assert!(Property::ALL.into_iter().all(|property| verdict.answer(property).holds() == Some(true)), "{verdict}");
-    assert!(verdict.bounds.iter().all(|&bound| bound == Bound::Exactly(1)));
+    assert!(NetProperty::ALL.into_iter().all(|property| verdict.answer(property).holds() == Some(true)), "{verdict}");
+    assert!(verdict.bounds.iter().all(|&bound| bound == TokenBound::Exactly(1)));
     for certificate in verdict.certificates() {
         assert_eq!(check(&net, certificate), Ok(()));
         assert_eq!(Certificate::parse(&certificate.to_string()).as_ref(), Ok(certificate));
@@ -319,7 +331,7 @@ fn a_ring_of_a_hundred_stations_is_decided() {
 fn a_small_ring_is_what_exploration_finds() {
     for parts in [true, false] {
         let (verdict, truth) = confirmed(&ring(2, parts));
-        assert_eq!(truth.len(), Property::ALL.len());
+        assert_eq!(truth.len(), NetProperty::ALL.len());
         assert_eq!(verdict.live.holds(), Some(parts));
         assert_eq!(verdict.to_string().lines().count(), 6);
     }
@@ -336,7 +348,7 @@ fn why_nothing_is_claimed_is_said() {
     b.input(tidy, left, 1);
     let net = b.build().unwrap();
     let (verdict, _) = confirmed(&net);
-    assert_eq!(verdict.live, Answer::Unknown(Unknown::Uncertified));
-    assert_eq!(verdict.bounded, Answer::Unknown(Unknown::Uncovered));
+    assert_eq!(verdict.live, CertificateAnswer::Unknown(Unknown::Uncertified));
+    assert_eq!(verdict.bounded, CertificateAnswer::Unknown(Unknown::Uncovered));
     assert!(verdict.to_string().contains("bounded: unknown: a place is in no conserved sum"), "{verdict}");
 }

@@ -3,9 +3,9 @@
 //!
 //! The drawings of the nets are lost. What the text prints is asserted as printed; what had to be rebuilt is said so.
 
-use linewright_nets::certificate::{Property, check, decide_by_structure};
+use linewright_nets::certificate::{NetProperty, check, decide_by_structure};
 use linewright_nets::coverability::{self, coverability};
-use linewright_nets::semiflows::{Limits, Semiflow, Semiflows, place_semiflows, transition_semiflows};
+use linewright_nets::semiflows::{Semiflow, SemiflowLimits, Semiflows, place_semiflows, transition_semiflows};
 use linewright_nets::{Net, NetBuilder, PlaceId, TransitionId, explore};
 
 /// The places of the sub-net, in the order in which its place flows are printed (L2480-2485).
@@ -59,7 +59,7 @@ fn the_sub_net_of_loading_has_its_printed_transition_flow() {
     let net = loading().build().unwrap();
     assert_eq!((net.place_count(), net.transition_count()), (9, 8));
     // L2487 and Proposition 18 (L2465): one transition flow, and all eight transitions are in it, once each.
-    let flows = transition_semiflows(&net, &Limits::default()).unwrap();
+    let flows = transition_semiflows(&net, &SemiflowLimits::default()).unwrap();
     let all: Vec<_> = net.transitions().map(|t| (t, 1)).collect();
     assert_eq!(flows.all(), [Semiflow { weights: all }]);
     // L2514: {Start, ta, tb, tc, td, te, tf, End} returns to the initial marking.
@@ -73,7 +73,7 @@ fn the_sub_net_of_loading_has_its_printed_transition_flow() {
 #[test]
 fn of_the_four_printed_place_flows_two_are_minimal_once_closed() {
     let net = loading().build().unwrap();
-    let flows = place_semiflows(&net, &Limits::default()).unwrap();
+    let flows = place_semiflows(&net, &SemiflowLimits::default()).unwrap();
     // The printed supports lie in each other, flow 1 in flow 3 in flow 4, so not all four can be minimal. What the net
     // has is flow 2 (robot 2) closed by pi, and flow 3 (coordination) closed by the part that the robots share.
     assert_eq!(
@@ -97,7 +97,7 @@ fn of_the_four_printed_place_flows_two_are_minimal_once_closed() {
     // Requirements R1 and R5 (L2444, L2461): all places and transitions are covered. R7 (L2472): live.
     assert_eq!(flows.uncovered(&net).count(), 0);
     let verdict = decide_by_structure(&net);
-    for property in Property::ALL {
+    for property in NetProperty::ALL {
         assert_eq!(verdict.answer(property).holds(), Some(true), "{property}");
         assert_eq!(check(&net, verdict.answer(property).certificate().unwrap()), Ok(()));
     }
@@ -128,14 +128,14 @@ fn counts(flows: &Semiflows<TransitionId>, net: &Net) -> Vec<Vec<String>> {
 fn the_places_of_the_watchdog_are_a_place_flow_and_exclude_each_other() {
     for recovery in [false, true] {
         let net = watchdog(recovery);
-        let flows = place_semiflows(&net, &Limits::default()).unwrap();
+        let flows = place_semiflows(&net, &SemiflowLimits::default()).unwrap();
         // L3058: the sum of pe and ~pe is the one error token; L3059: they are never both marked.
         assert_eq!(supports(&net, &flows), [["pe", "~pe"]]);
         let [error, no_error] = ["pe", "~pe"].map(|name| net.place_named(name).unwrap());
         assert_eq!(flows.all()[0].sum(&net.initial_marking()), 1);
         assert!(flows.excludes(error, no_error, &net.initial_marking()).is_some());
         // The pattern is open: nothing in it limits how many tasks are begun.
-        let found = coverability(&net, &coverability::Limits::default()).unwrap();
+        let found = coverability(&net, &coverability::CoverabilityLimits::default()).unwrap();
         assert!(found.unbounded().eq([net.place_named("pa").unwrap()]));
     }
 }
@@ -143,7 +143,7 @@ fn the_places_of_the_watchdog_are_a_place_flow_and_exclude_each_other() {
 #[test]
 fn the_normal_sequence_is_a_transition_flow_and_the_error_sequence_needs_a_recovery() {
     let net = watchdog(false);
-    let flows = transition_semiflows(&net, &Limits::default()).unwrap();
+    let flows = transition_semiflows(&net, &SemiflowLimits::default()).unwrap();
     // L3060: [ta tb 0] is a canonical transition flow.
     assert_eq!(counts(&flows, &net), [["ta", "tb"]]);
     // L3061 prints [ta 0 tc] as one too. It is not while tc moves the token from ~pe to pe …
@@ -151,7 +151,7 @@ fn the_normal_sequence_is_a_transition_flow_and_the_error_sequence_needs_a_recov
     assert_eq!(error.to_string(), "the firings change the tokens of place `pe` by 1");
     // … and is, with the recovery that moves it back.
     let net = watchdog(true);
-    let flows = transition_semiflows(&net, &Limits::default()).unwrap();
+    let flows = transition_semiflows(&net, &SemiflowLimits::default()).unwrap();
     assert_eq!(counts(&flows, &net), [vec!["ta", "tb"], vec!["ta", "tc", "t_rec"]]);
 }
 
@@ -171,7 +171,7 @@ fn a_sub_net_with_a_watchdog_keeps_its_properties_if_it_can_recover() {
         b.build().unwrap()
     };
     let net = guarded(true);
-    let flows = place_semiflows(&net, &Limits::default()).unwrap();
+    let flows = place_semiflows(&net, &SemiflowLimits::default()).unwrap();
     assert!(supports(&net, &flows).contains(&vec!["perr".to_owned(), "~perr".to_owned()]), "{flows:?}");
     assert_eq!(flows.uncovered(&net).count(), 0);
     assert_eq!(decide_by_structure(&net).safe.holds(), Some(true));

@@ -2,7 +2,7 @@
 
 use std::collections::HashSet;
 
-use linewright_nets::coverability::{Cause, Coverability, Limits, Pump, coverability};
+use linewright_nets::coverability::{Coverability, CoverabilityLimit, CoverabilityLimits, GrowthWitness, coverability};
 use linewright_nets::{Marking, Net, NetBuilder, PlaceId, TransitionId, explore};
 use proptest::prelude::*;
 use proptest::test_runner::RngSeed;
@@ -84,7 +84,7 @@ fn branch(
     true
 }
 
-fn replays(net: &Net, pump: &Pump) -> bool {
+fn replays(net: &Net, pump: &GrowthWitness) -> bool {
     let mut marking = net.initial_marking();
     let mut play = |sequence: &[TransitionId]| {
         sequence.iter().for_each(|&t| net.fire(&mut marking, t).expect("the pump can be played"));
@@ -118,7 +118,7 @@ proptest! {
 
     #[test]
     fn it_agrees_with_playing_everything_out(net in crate::common::any_net(), target in prop::collection::vec(0_u32..=6, 5)) {
-        let limits = Limits { labels: 1_000, ..Limits::default() };
+        let limits = CoverabilityLimits { labels: 1_000, ..CoverabilityLimits::default() };
         let Ok(found) = coverability(&net, &limits) else { return Ok(()) };
         let markings = some_markings(&net, 1_000);
         for marking in &markings {
@@ -141,7 +141,7 @@ proptest! {
     #[test]
     fn it_covers_what_the_slow_tree_covers(net in crate::common::any_net()) {
         let Some(tree) = slow_tree(&net, &mut 3_000) else { return Ok(()) };
-        let found = coverability(&net, &Limits::default()).unwrap();
+        let found = coverability(&net, &CoverabilityLimits::default()).unwrap();
         let most = |place: usize| {
             if tree.iter().any(|label| label[place].is_none()) { None } else { tree.iter().map(|label| label[place]).max().unwrap() }
         };
@@ -161,7 +161,7 @@ proptest! {
 
     #[test]
     fn a_conserved_net_is_its_own_graph((net, _) in crate::common::weighed_net()) {
-        agrees_with_exploration(&net, &coverability(&net, &Limits::default()).unwrap());
+        agrees_with_exploration(&net, &coverability(&net, &CoverabilityLimits::default()).unwrap());
     }
 }
 
@@ -180,7 +180,7 @@ fn store() -> Net {
 #[test]
 fn a_store_without_a_limit_is_unbounded_and_its_counter_is_not() {
     let net = store();
-    let found = coverability(&net, &Limits::default()).unwrap();
+    let found = coverability(&net, &CoverabilityLimits::default()).unwrap();
     let place = |name| net.place_named(name).unwrap();
     assert!(found.unbounded().eq([place("store")]));
     assert_eq!((found.bound_of(place("ready")), found.bound_of(place("served"))), (Some(1), Some(1)));
@@ -209,32 +209,32 @@ fn what_would_take_hours_of_comparing_is_undecided() {
     }
     let wide = b.build().unwrap();
     for net in [long, wide] {
-        let limits = Limits { comparisons: 10_000_000, ..Limits::default() };
+        let limits = CoverabilityLimits { comparisons: 10_000_000, ..CoverabilityLimits::default() };
         let stopped = coverability(&net, &limits).unwrap_err();
-        assert_eq!(stopped.cause, Cause::Comparisons);
+        assert_eq!(stopped.cause, CoverabilityLimit::Comparisons);
         assert!((1000..100_000).contains(&stopped.labels), "{stopped}");
     }
 }
 
 #[test]
 fn what_does_not_fit_is_undecided() {
-    let limits = Limits { labels: 2, ..Limits::default() };
+    let limits = CoverabilityLimits { labels: 2, ..CoverabilityLimits::default() };
     let error = coverability(&store(), &limits).unwrap_err();
-    assert_eq!((error.labels, error.cause.clone()), (2, Cause::Labels));
+    assert_eq!((error.labels, error.cause.clone()), (2, CoverabilityLimit::Labels));
     assert_eq!(error.to_string(), "undecided after 2 generalised markings: there are more than allowed");
-    let limits = Limits { bytes: 100, ..Limits::default() };
-    assert_eq!(coverability(&store(), &limits).unwrap_err().cause, Cause::Bytes);
-    let limits = Limits { comparisons: 3, ..Limits::default() };
-    assert_eq!(coverability(&store(), &limits).unwrap_err().cause, Cause::Comparisons);
+    let limits = CoverabilityLimits { bytes: 100, ..CoverabilityLimits::default() };
+    assert_eq!(coverability(&store(), &limits).unwrap_err().cause, CoverabilityLimit::Bytes);
+    let limits = CoverabilityLimits { comparisons: 3, ..CoverabilityLimits::default() };
+    assert_eq!(coverability(&store(), &limits).unwrap_err().cause, CoverabilityLimit::Comparisons);
 
     let mut b = NetBuilder::new("flood");
     let (pool, spring) = (b.place("pool", 1), b.transition("spring"));
     b.output(spring, pool, u32::MAX - 1);
-    let error = coverability(&b.build().unwrap(), &Limits::default()).unwrap_err();
-    assert!(matches!(error.cause, Cause::Overflow(_)));
+    let error = coverability(&b.build().unwrap(), &CoverabilityLimits::default()).unwrap_err();
+    assert!(matches!(error.cause, CoverabilityLimit::Overflow(_)));
 
     let mut b = NetBuilder::new("full");
     b.place("pool", u32::MAX);
-    let error = coverability(&b.build().unwrap(), &Limits::default()).unwrap_err();
+    let error = coverability(&b.build().unwrap(), &CoverabilityLimits::default()).unwrap_err();
     assert!(error.to_string().contains("place `pool` has 4294967295 tokens"), "{error}");
 }

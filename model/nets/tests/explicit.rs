@@ -1,7 +1,7 @@
 //! Whole rings of stations, with the numbers that the obvious exploration and other programs find.
 
 use crate::explicit_ring::ring;
-use linewright_nets::explicit::{Limits, Storage, decide, find_deadlock};
+use linewright_nets::explicit::{ExplorationLimits, Storage, decide, find_deadlock};
 use linewright_nets::explore;
 
 #[test]
@@ -11,7 +11,7 @@ fn the_ring_has_the_states_that_exploration_finds() {
         assert_eq!((net.place_count(), net.transition_count()), (14 * stations, 12 * stations));
         let explored = explore(&net, 100_000).unwrap();
         assert_eq!(explored.states().len(), states);
-        let facts = decide(&net, &Limits::default()).unwrap();
+        let facts = decide(&net, &ExplorationLimits::default()).unwrap();
         assert_eq!((facts.states, facts.arcs), (states as u64, explored.steps().len() as u64));
         assert_eq!((facts.deadlocks, facts.bound()), (0, 1));
         assert!(facts.is_live() && facts.is_reversible() && facts.is_safe());
@@ -22,11 +22,11 @@ fn the_ring_has_the_states_that_exploration_finds() {
 #[test]
 fn five_stations_are_a_million_states_on_any_number_of_threads() {
     let net = ring(5, false);
-    let facts = decide(&net, &Limits::default()).unwrap();
+    let facts = decide(&net, &ExplorationLimits::default()).unwrap();
     // As counted by Spin 6.5.2 and two checkers of Petri nets.
     assert_eq!((facts.states, facts.arcs), (1_084_860, 4_979_100));
     assert!(facts.is_live() && facts.is_reversible() && facts.is_safe());
-    assert_eq!(decide(&net, &Limits { threads: 2, ..Limits::default() }).unwrap(), facts);
+    assert_eq!(decide(&net, &ExplorationLimits { threads: 2, ..ExplorationLimits::default() }).unwrap(), facts);
 }
 
 #[test]
@@ -34,12 +34,12 @@ fn a_ring_without_a_part_stops() {
     for stations in 2..=4 {
         let net = ring(stations, true);
         let explored = explore(&net, 100_000).unwrap();
-        let facts = decide(&net, &Limits::default()).unwrap();
+        let facts = decide(&net, &ExplorationLimits::default()).unwrap();
         assert_eq!(facts.states, explored.states().len() as u64);
         assert_eq!(facts.deadlocks, 1);
         let deadlock = facts.deadlock.as_ref().expect("there is one");
         assert_eq!(deadlock.path.len(), explored.path_to(explored.deadlocks().next().unwrap()).len());
-        let search = find_deadlock(&net, &Limits::default()).unwrap();
+        let search = find_deadlock(&net, &ExplorationLimits::default()).unwrap();
         assert_eq!(search.deadlock.expect("there is one").marking, deadlock.marking);
         // Nothing in it is in conflict, so one order of firing stands for all.
         assert_eq!(search.states, deadlock.path.len() as u64 + 1);

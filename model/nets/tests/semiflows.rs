@@ -2,7 +2,8 @@
 
 use crate::ring::ring;
 use linewright_nets::semiflows::{
-    Cause, Limits, Semiflow, place_flow_basis, place_semiflows, rank, transition_flow_basis, transition_semiflows,
+    Semiflow, SemiflowLimit, SemiflowLimits, place_flow_basis, place_semiflows, rank, transition_flow_basis,
+    transition_semiflows,
 };
 use linewright_nets::{Net, NetBuilder, PlaceId, explore};
 use proptest::prelude::*;
@@ -86,7 +87,7 @@ proptest! {
 
     #[test]
     fn they_are_the_minimal_vectors_of_a_slow_search(net in prop_oneof![2 => light_net(), 1 => crate::common::any_net()]) {
-        let limits = Limits::default();
+        let limits = SemiflowLimits::default();
         let places = place_semiflows(&net, &limits).unwrap();
         compare(&dense(places.all(), net.place_count(), PlaceId::index), &incidence(&net), 4);
         let transitions = transition_semiflows(&net, &limits).unwrap();
@@ -122,7 +123,7 @@ proptest! {
 
     #[test]
     fn bounds_and_exclusions_hold_in_every_reachable_marking((net, _) in crate::common::weighed_net()) {
-        let flows = place_semiflows(&net, &Limits::default()).unwrap();
+        let flows = place_semiflows(&net, &SemiflowLimits::default()).unwrap();
         let initial = net.initial_marking();
         prop_assert_eq!(flows.uncovered(&net).count(), 0);
         let explored = explore(&net, 100_000).unwrap();
@@ -180,7 +181,7 @@ fn is_whole_combination(echelon: &[Vec<i64>], mut vector: Vec<i64>) -> bool {
 fn a_ring_of_a_hundred_stations_has_its_elementary_circuits() {
     let net = ring(100, true);
     assert_eq!((net.place_count(), net.transition_count()), (1400, 1200));
-    let flows = place_semiflows(&net, &Limits::default()).unwrap();
+    let flows = place_semiflows(&net, &SemiflowLimits::default()).unwrap();
     // Per station its own cycle; per buffer full against empty; and once round the line with the parts and against.
     assert_eq!(flows.all().len(), 100 + 100 + 2);
     let initial = net.initial_marking();
@@ -192,7 +193,7 @@ fn a_ring_of_a_hundred_stations_has_its_elementary_circuits() {
     let [own, other] = ["o_7_0", "c_7_3"].map(|name| net.place_named(name).unwrap());
     assert!(flows.excludes(own, other, &initial).is_some());
 
-    let round = transition_semiflows(&net, &Limits::default()).unwrap();
+    let round = transition_semiflows(&net, &SemiflowLimits::default()).unwrap();
     assert_eq!(round.all().len(), 1);
     assert!(round.all()[0].weights.iter().map(|&(_, count)| count).eq([1; 1200]));
     assert_eq!(rank(&net).unwrap(), 1199);
@@ -217,18 +218,18 @@ fn choices(n: usize) -> Net {
 
 #[test]
 fn too_many_are_undecided_and_the_basis_is_not() {
-    assert_eq!(transition_semiflows(&choices(10), &Limits::default()).unwrap().all().len(), 1024);
+    assert_eq!(transition_semiflows(&choices(10), &SemiflowLimits::default()).unwrap().all().len(), 1024);
     let net = choices(40);
-    let limits = Limits { rows: 5_000, ..Limits::default() };
+    let limits = SemiflowLimits { rows: 5_000, ..SemiflowLimits::default() };
     let error = transition_semiflows(&net, &limits).unwrap_err();
-    assert_eq!(error.cause, Cause::Rows);
+    assert_eq!(error.cause, SemiflowLimit::Rows);
     assert!(error.to_string().starts_with("undecided after "), "{error}");
-    let limits = Limits { bytes: 100_000, ..Limits::default() };
-    assert_eq!(transition_semiflows(&net, &limits).unwrap_err().cause, Cause::Bytes);
-    let limits = Limits { looks: 10_000, ..Limits::default() };
-    assert_eq!(transition_semiflows(&net, &limits).unwrap_err().cause, Cause::Combinations);
-    let limits = Limits { combinations: 1_000, ..Limits::default() };
-    assert_eq!(transition_semiflows(&net, &limits).unwrap_err().cause, Cause::Combinations);
+    let limits = SemiflowLimits { bytes: 100_000, ..SemiflowLimits::default() };
+    assert_eq!(transition_semiflows(&net, &limits).unwrap_err().cause, SemiflowLimit::Bytes);
+    let limits = SemiflowLimits { looks: 10_000, ..SemiflowLimits::default() };
+    assert_eq!(transition_semiflows(&net, &limits).unwrap_err().cause, SemiflowLimit::Combinations);
+    let limits = SemiflowLimits { combinations: 1_000, ..SemiflowLimits::default() };
+    assert_eq!(transition_semiflows(&net, &limits).unwrap_err().cause, SemiflowLimit::Combinations);
     assert_eq!(transition_flow_basis(&net).unwrap().len(), 41);
 }
 
@@ -241,8 +242,8 @@ fn weights_beyond_63_bits_are_undecided() {
         b.input(t, pair[0], u32::MAX).output(t, pair[1], u32::MAX - 1);
     }
     let net = b.build().unwrap();
-    let error = place_semiflows(&net, &Limits::default()).unwrap_err();
-    assert_eq!(error.cause, Cause::Overflow);
+    let error = place_semiflows(&net, &SemiflowLimits::default()).unwrap_err();
+    assert_eq!(error.cause, SemiflowLimit::Overflow);
     assert!(error.to_string().ends_with("a weight needs more than 63 bits"), "{error}");
-    assert_eq!(place_flow_basis(&net).unwrap_err().cause, Cause::Overflow);
+    assert_eq!(place_flow_basis(&net).unwrap_err().cause, SemiflowLimit::Overflow);
 }

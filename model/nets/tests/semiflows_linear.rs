@@ -2,7 +2,7 @@
 
 use std::collections::BTreeSet;
 
-use linewright_nets::semiflows::Limits;
+use linewright_nets::semiflows::SemiflowLimits;
 use linewright_nets::structure::Positive;
 use linewright_nets::{Net, PlaceId, TransitionId};
 use proptest::prelude::*;
@@ -64,7 +64,7 @@ proptest! {
 
     #[test]
     fn linear_properties_are_what_small_weights_say(net in small_net()) {
-        let found = net.linear_properties(&Limits::default()).unwrap();
+        let found = net.linear_properties(&SemiflowLimits::default()).unwrap();
         let (places, transitions) = (net.place_count(), net.transition_count());
         compare(&found.conservative, places, |y| zero(by_weights(&net, y)));
         compare(&found.structurally_bounded, places, |y| by_weights(&net, y).iter().all(|&change| change <= 0));

@@ -2,7 +2,7 @@
 
 use crate::ring::ring;
 use linewright_nets::siphons::{
-    Cause, Limits, commoner, is_siphon, is_trap, largest_empty_siphon, largest_siphon_in, largest_trap_in,
+    SiphonLimit, SiphonLimits, commoner, is_siphon, is_trap, largest_empty_siphon, largest_siphon_in, largest_trap_in,
     minimal_siphons, minimal_traps,
 };
 use linewright_nets::{Net, NetBuilder, PlaceId, explore};
@@ -110,8 +110,8 @@ proptest! {
     #[test]
     fn they_are_those_among_all_sets_of_places(net in sparse_net(), any in any::<u32>()) {
         let (siphons, traps) = (siphons(&net), traps(&net));
-        prop_assert_eq!(all_bits(&minimal_siphons(&net, &Limits::default()).unwrap()), minimal(&siphons));
-        prop_assert_eq!(all_bits(&minimal_traps(&net, &Limits::default()).unwrap()), minimal(&traps));
+        prop_assert_eq!(all_bits(&minimal_siphons(&net, &SiphonLimits::default()).unwrap()), minimal(&siphons));
+        prop_assert_eq!(all_bits(&minimal_traps(&net, &SiphonLimits::default()).unwrap()), minimal(&traps));
 
         let all = (1 << net.place_count()) - 1;
         let within = any & all;
@@ -127,7 +127,7 @@ proptest! {
         let controlled = |siphon: u32| traps.iter().any(|&trap| trap & !siphon == 0 && trap & marked != 0);
         let feeds = |siphon: u32| places(siphon).iter().any(|&place| !net.consumers(place).is_empty());
         let expected = siphons.iter().all(|&siphon| !feeds(siphon) || controlled(siphon));
-        match commoner(&net, &Limits::default()).unwrap() {
+        match commoner(&net, &SiphonLimits::default()).unwrap() {
             Ok(()) => prop_assert!(expected),
             Err(why) => {
                 prop_assert!(!expected && siphons.contains(&bits(&why.siphon)));
@@ -141,7 +141,7 @@ proptest! {
     fn commoners_theorem_decides_liveness_of_free_choice_nets(net in free_choice_net()) {
         prop_assert_eq!(net.is_free_choice(), Ok(()));
         let Ok(explored) = explore(&net, 2_000) else { return Ok(()) };
-        let condition = commoner(&net, &Limits::default()).unwrap();
+        let condition = commoner(&net, &SiphonLimits::default()).unwrap();
         prop_assert_eq!(condition.is_ok(), explored.is_live(), "{}", net);
     }
 
@@ -150,7 +150,7 @@ proptest! {
         let light = |arcs: &[(PlaceId, u32)]| arcs.iter().all(|&(_, weight)| weight == 1);
         let ordinary = net.transitions().all(|t| light(net.preset(t)) && light(net.postset(t)));
         let Ok(explored) = explore(&net, 500) else { return Ok(()) };
-        if ordinary && net.transition_count() > 0 && commoner(&net, &Limits::default()).unwrap().is_ok() {
+        if ordinary && net.transition_count() > 0 && commoner(&net, &SiphonLimits::default()).unwrap().is_ok() {
             prop_assert_eq!(explored.deadlocks().count(), 0, "{}", net);
         }
     }
@@ -159,12 +159,12 @@ proptest! {
 #[test]
 fn the_siphons_of_a_long_ring_are_its_circuits() {
     let net = ring(100, true);
-    let siphons = minimal_siphons(&net, &Limits::default()).unwrap();
+    let siphons = minimal_siphons(&net, &SiphonLimits::default()).unwrap();
     assert_eq!(siphons.len(), 202);
-    assert_eq!(minimal_traps(&net, &Limits::default()).unwrap(), siphons);
-    assert_eq!(commoner(&net, &Limits::default()).unwrap(), Ok(()));
+    assert_eq!(minimal_traps(&net, &SiphonLimits::default()).unwrap(), siphons);
+    assert_eq!(commoner(&net, &SiphonLimits::default()).unwrap(), Ok(()));
     // Without parts, the way round the line on which they would go is empty.
-    let uncontrolled = commoner(&ring(10, false), &Limits::default()).unwrap().unwrap_err();
+    let uncontrolled = commoner(&ring(10, false), &SiphonLimits::default()).unwrap().unwrap_err();
     assert!(uncontrolled.siphon.len() >= 10);
 }
 
@@ -181,10 +181,10 @@ fn too_many_are_undecided() {
         }
     }
     let net = b.build().unwrap();
-    let limits = Limits { sets: 1_000, ..Limits::default() };
+    let limits = SiphonLimits { sets: 1_000, ..SiphonLimits::default() };
     let error = minimal_siphons(&net, &limits).unwrap_err();
-    assert_eq!((error.cause.clone(), error.sets), (Cause::Sets, 1_000));
+    assert_eq!((error.cause.clone(), error.sets), (SiphonLimit::Sets, 1_000));
     assert!(error.to_string().starts_with("undecided after 1000 partial sets"), "{error}");
-    let limits = Limits { bytes: 1_000, ..Limits::default() };
-    assert_eq!(minimal_siphons(&net, &limits).unwrap_err().cause, Cause::Bytes);
+    let limits = SiphonLimits { bytes: 1_000, ..SiphonLimits::default() };
+    assert_eq!(minimal_siphons(&net, &limits).unwrap_err().cause, SiphonLimit::Bytes);
 }

@@ -1,7 +1,8 @@
 //! Ill-formed systems and compositions are refused with everything that is wrong, by name.
 
 use linewright_nets::tnces::{
-    ComposeError, Composite, EventMode, Interval, Module, Player, Policy, Semantics, TncesBuilder, TncesError, parts,
+    ComposeError, Composite, EventMode, Interval, Policy, Semantics, TncesBuilder, TncesError, TncesModule,
+    TncesPlayer, parts,
 };
 use linewright_nets::{NetBuilder, PlaceId, TransitionId};
 
@@ -70,7 +71,7 @@ fn every_problem_of_a_composition_is_reported_at_once() {
     line.condition((sensor, "on"), (copy, "x")).condition((sensor, "off"), (copy, "x"));
     line.event((sensor, "changed"), (update, "event")).event((sensor, "changed"), (update, "event"));
     line.event((update, "finished"), (copy, "update"));
-    line.event((linewright_nets::tnces::Part(8), "changed"), (sensor, "set"));
+    line.event((linewright_nets::tnces::ComponentId(8), "changed"), (sensor, "set"));
     let problems: Vec<String> =
         line.flatten(Semantics::default()).unwrap_err().iter().map(ToString::to_string).collect();
     assert_eq!(
@@ -94,7 +95,7 @@ fn every_problem_of_a_composition_is_reported_at_once() {
 
 #[test]
 fn modules_are_checked_too() {
-    let mut m = Module::new("m");
+    let mut m = TncesModule::new("m");
     let p = m.place("p", 1);
     let t = m.transition("t");
     m.output(t, PlaceId(5), 1).condition_in("unused");
@@ -142,7 +143,7 @@ fn a_hierarchy_flattens_to_the_same_steps() {
     inner.event("tick", (copy, "update")).condition("x", (copy, "x")).condition("not_x", (copy, "not_x"));
     inner.condition((copy, "on"), "seen").event((copy, "changed"), "news");
 
-    let mut lamp = Module::new("lamp");
+    let mut lamp = TncesModule::new("lamp");
     let [dark, lit] = [("dark", 1), ("lit", 0)].map(|(name, n)| lamp.place(name, n));
     let on = lamp.change("on", dark, lit, Interval::ANY);
     let (news, seen) = (lamp.event_in("news"), lamp.condition_in("was_seen"));
@@ -160,7 +161,7 @@ fn a_hierarchy_flattens_to_the_same_steps() {
     let id = |name: &str| system.net().transition_named(name).unwrap();
     let (turn_on, tick, turn_off) = (id("switch.set"), id("clock.occurs"), id("switch.reset"));
     let (set, reset, light) = (id("inner.copy.set"), id("inner.copy.reset"), id("lamp.on"));
-    let mut player = Player::new(&system, Policy::Soonest);
+    let mut player = TncesPlayer::new(&system, Policy::Soonest);
     let mut fire = |t| player.fire(t).unwrap().step.into_vec();
     assert_eq!(fire(tick), [tick]);
     assert_eq!(fire(turn_on), [turn_on]);
@@ -175,13 +176,13 @@ fn a_hierarchy_flattens_to_the_same_steps() {
 #[test]
 fn all_and_any_over_ports() {
     for (mode, expected) in [(EventMode::Any, [true, true]), (EventMode::All, [false, true])] {
-        let mut m = Module::new("m");
+        let mut m = TncesModule::new("m");
         let p = m.place("p", 9);
         let t = m.transition("t");
         m.input(t, p, 1, Interval::ANY).event_mode(t, mode);
         let (one, two) = (m.event_in("one"), m.event_in("two"));
         m.on(one, t).on(two, t);
-        let mut relay = Module::new("relay");
+        let mut relay = TncesModule::new("relay");
         let (near, far) = (relay.transition("near"), relay.transition("far"));
         relay.external(near).event(near, far).event_out("either", [near, far]).event_out("far", [far]);
         let mut line = Composite::new("line");
@@ -191,7 +192,7 @@ fn all_and_any_over_ports() {
             .event((relay, "far"), (m, "two"));
         let system = line.flatten(Semantics::default()).unwrap();
         let id = |name: &str| system.net().transition_named(name).unwrap();
-        let mut player = Player::new(&system, Policy::Soonest);
+        let mut player = TncesPlayer::new(&system, Policy::Soonest);
         let called = ["source.occurs", "relay.near"].map(|t| player.fire(id(t)).unwrap().step.contains(&id("m.t")));
         assert_eq!(called, expected);
     }

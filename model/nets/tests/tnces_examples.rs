@@ -1,8 +1,8 @@
 //! The examples of seed 003: its net with weights, its event-driven variable, its conveyor. Lines are those of its text.
 
 use linewright_nets::tnces::{
-    Clock, Fired, Interval, Label, Latest, Player, Policy, Refusal, Restless, Semantics, Span, StateGraph, Tnces,
-    TncesBuilder,
+    ArcClock, FiredStep, Interval, Latest, Policy, Refusal, Restless, Semantics, StateGraph, TimeBound, TimedLabel,
+    Tnces, TncesBuilder, TncesPlayer,
 };
 use linewright_nets::{Marking, Net, NetBuilder, PlaceId, StateId, TransitionId, explore};
 
@@ -39,7 +39,7 @@ fn figure_3_is_a_course_of_a_variable_under_events() {
     let mut b = TncesBuilder::new(b.build().unwrap());
     calls.iter().for_each(|&(call, ride, _)| _ = b.external(call).event(call, ride));
     let system = b.build().unwrap();
-    let mut lift = Player::new(&system, Policy::Soonest);
+    let mut lift = TncesPlayer::new(&system, Policy::Soonest);
     for (at, &(call, ride, to)) in calls.iter().enumerate() {
         // The last event of all finds nobody waiting for it before its turn comes.
         let last = calls[calls.len() - 1].0;
@@ -63,7 +63,7 @@ enum Three {
 
 /// Figure 8 (L491-495): p1 and p2 say that location 1 is free or busy, p3 and p4 location 2. t1 "will be fired if an
 /// extern event happens, and t2 and t3 will happen three seconds after they will be enabled".
-fn conveyor(clock: Clock, three: Three) -> Tnces {
+fn conveyor(clock: ArcClock, three: Three) -> Tnces {
     let mut b = NetBuilder::new("conveyor");
     let [p1, p2, p3, p4] = [("p1", 1), ("p2", 0), ("p3", 1), ("p4", 0)].map(|(name, n)| b.place(name, n));
     let [t1, t2, t3] = ["t1", "t2", "t3"].map(|name| b.transition(name));
@@ -79,11 +79,11 @@ fn conveyor(clock: Clock, three: Three) -> Tnces {
     b.build().unwrap()
 }
 
-const CLOCKS: [Clock; 3] = [Clock::TokenAge, Clock::SinceMarked, Clock::SinceEnabled];
+const CLOCKS: [ArcClock; 3] = [ArcClock::TokenAge, ArcClock::SinceMarked, ArcClock::SinceEnabled];
 
 #[test]
 fn the_conveyor_has_the_four_markings_of_l495_and_five_arcs() {
-    let system = conveyor(Clock::SinceEnabled, Three::OnBusy);
+    let system = conveyor(ArcClock::SinceEnabled, Three::OnBusy);
     let graph = system.untimed_space(100).unwrap();
     let m = [[1, 0, 1, 0], [0, 1, 1, 0], [1, 0, 0, 1], [0, 1, 0, 1]].map(|m| marking(&m));
     assert_eq!(graph.states(), m);
@@ -107,7 +107,7 @@ fn the_conveyor_has_the_four_markings_of_l495_and_five_arcs() {
 
 /// Loads a piece at 0 and one at 4 s, and returns when which transition fired.
 fn two_pieces(system: &Tnces) -> Vec<(u64, String)> {
-    let mut player = Player::new(system, Policy::Soonest);
+    let mut player = TncesPlayer::new(system, Policy::Soonest);
     let t1 = system.net().transition_named("t1").unwrap();
     let mut log = vec![player.fire(t1).unwrap()];
     assert_eq!(player.next_time(), Some(3));
@@ -115,7 +115,7 @@ fn two_pieces(system: &Tnces) -> Vec<(u64, String)> {
     log.push(player.fire(t1).unwrap());
     log.extend(player.advance(100, 10).unwrap());
     assert_eq!((player.now(), player.next_time()), (100, None));
-    log.into_iter().map(|Fired { time, step }| (time, system.net().transition_name(step[0]).to_owned())).collect()
+    log.into_iter().map(|FiredStep { time, step }| (time, system.net().transition_name(step[0]).to_owned())).collect()
 }
 
 /// Location 2 is free again at 6. L491 and L512 count three seconds from the enabling; L403 counts the time the token
@@ -129,24 +129,25 @@ fn the_second_piece_leaves_at_9_or_at_7_as_the_clock_is_read() {
         assert_eq!((log[4].1.as_str(), log[5].1.as_str()), ("t2", "t3"));
         (log[4].0, log[5].0)
     };
-    assert_eq!(second(Clock::SinceMarked, Three::OnBusy), (9, 12));
-    assert_eq!(second(Clock::SinceEnabled, Three::OnBusy), (9, 12));
-    assert_eq!(second(Clock::TokenAge, Three::OnBusy), (7, 10));
-    assert_eq!(second(Clock::TokenAge, Three::OnBoth), (9, 12));
+    assert_eq!(second(ArcClock::SinceMarked, Three::OnBusy), (9, 12));
+    assert_eq!(second(ArcClock::SinceEnabled, Three::OnBusy), (9, 12));
+    assert_eq!(second(ArcClock::TokenAge, Three::OnBusy), (7, 10));
+    assert_eq!(second(ArcClock::TokenAge, Three::OnBoth), (9, 12));
 }
 
 /// Times between states (L898). A piece that has just been put on an empty conveyor reaches location 2 after 3 s and is
 /// off after 6, unless the next piece comes; that one comes when the environment likes.
 #[test]
 fn times_between_states_of_the_conveyor() {
-    let graph = conveyor(Clock::SinceEnabled, Three::OnBusy).timed_space(1_000).unwrap();
+    let graph = conveyor(ArcClock::SinceEnabled, Three::OnBusy).timed_space(1_000).unwrap();
     let is = |m: &[u32]| {
         let m = marking(m);
         move |state: &linewright_nets::tnces::TimedState| *state.marking() == m
     };
-    let loaded = graph.arcs_from(StateId::INITIAL).iter().find(|arc| matches!(arc.label, Label::Step(_))).unwrap().to;
+    let loaded =
+        graph.arcs_from(StateId::INITIAL).iter().find(|arc| matches!(arc.label, TimedLabel::Step(_))).unwrap().to;
     let at_2 = graph.span(loaded, is(&[1, 0, 0, 1])).unwrap();
-    assert_eq!(at_2, Span { earliest: 3, latest: Latest::After(3) });
+    assert_eq!(at_2, TimeBound { earliest: 3, latest: Latest::After(3) });
     let empty = graph.span(loaded, is(&[1, 0, 1, 0])).unwrap();
     assert_eq!(empty.earliest, 6);
     assert!(matches!(empty.latest, Latest::Never(_)), "pieces may come for ever");
@@ -184,7 +185,7 @@ fn forced_transitions_in_conflict_make_several_steps() {
     let mut b = TncesBuilder::new(b.build().unwrap());
     b.event(go, left).event(go, right).external(go);
     let system = b.build().unwrap();
-    let player = Player::new(&system, Policy::Soonest);
+    let player = TncesPlayer::new(&system, Policy::Soonest);
     assert_eq!(player.steps(), [[go, left].into(), [go, right].into()] as [Box<[TransitionId]>; 2]);
 }
 
@@ -201,33 +202,33 @@ fn one_step(interval: Interval, semantics: Semantics) -> (Tnces, TransitionId) {
 /// [2, 5] in the four readings of "when": at 2; from 2 to 5; from 2 to 5 or never.
 #[test]
 fn what_happens_between_dr_and_dl_and_after_it() {
-    use linewright_nets::tnces::{Deadline, Firing};
+    use linewright_nets::tnces::{Deadline, FiringPolicy};
     let span = |firing, deadline| {
         let (system, _) = one_step(Interval::between(2, 5), Semantics { firing, deadline, ..Semantics::default() });
         let graph: StateGraph<_> = system.timed_space(100).unwrap();
         graph.span(StateId::INITIAL, |state| state.marking().total() == 0).unwrap()
     };
-    assert_eq!(span(Firing::Earliest, Deadline::Must), Span { earliest: 2, latest: Latest::After(2) });
-    assert_eq!(span(Firing::Earliest, Deadline::Expires), Span { earliest: 2, latest: Latest::After(2) });
-    assert_eq!(span(Firing::Window, Deadline::Must), Span { earliest: 2, latest: Latest::After(5) });
-    let lost = span(Firing::Window, Deadline::Expires);
+    assert_eq!(span(FiringPolicy::Earliest, Deadline::Must), TimeBound { earliest: 2, latest: Latest::After(2) });
+    assert_eq!(span(FiringPolicy::Earliest, Deadline::Expires), TimeBound { earliest: 2, latest: Latest::After(2) });
+    assert_eq!(span(FiringPolicy::Window, Deadline::Must), TimeBound { earliest: 2, latest: Latest::After(5) });
+    let lost = span(FiringPolicy::Window, Deadline::Expires);
     assert_eq!(lost.earliest, 2);
     assert!(matches!(lost.latest, Latest::Never(_)), "the token can become too old");
 }
 
 #[test]
 fn the_player_says_why_not() {
-    use linewright_nets::tnces::{Deadline, Firing};
-    let semantics = Semantics { firing: Firing::Window, deadline: Deadline::Expires, ..Semantics::default() };
+    use linewright_nets::tnces::{Deadline, FiringPolicy};
+    let semantics = Semantics { firing: FiringPolicy::Window, deadline: Deadline::Expires, ..Semantics::default() };
     let (system, t) = one_step(Interval::between(2, 5), semantics);
-    let mut player = Player::new(&system, Policy::WhenDue);
-    let refused = |player: &mut Player<_>| player.fire(t).unwrap_err().to_string();
+    let mut player = TncesPlayer::new(&system, Policy::WhenDue);
+    let refused = |player: &mut TncesPlayer<_>| player.fire(t).unwrap_err().to_string();
     assert_eq!(refused(&mut player), "transition `t` can fire from time 2 on; it is 0");
     player.advance(6, 10).unwrap();
     assert_eq!(refused(&mut player), "transition `t` could have fired before time 6; its tokens are too old now");
 
     let (system, t) = one_step(Interval::ANY, Semantics::default());
-    let mut player = Player::new(&system, Policy::Soonest);
+    let mut player = TncesPlayer::new(&system, Policy::Soonest);
     assert_eq!(player.advance(0, 0).unwrap_err(), Restless::Limit { time: 0, fired: Vec::new() });
     assert_eq!(player.advance(0, 1).unwrap().len(), 1);
     assert_eq!(
@@ -248,7 +249,7 @@ fn what_does_not_end_is_undecided() {
     assert_eq!(system.untimed_space(10).unwrap_err().to_string(), message);
     assert_eq!(system.timed_space(10).unwrap_err().to_string(), message);
     assert_eq!(system.timed_space(0).unwrap_err().states, 0);
-    let mut player = Player::new(&system, Policy::Soonest);
+    let mut player = TncesPlayer::new(&system, Policy::Soonest);
     assert!(matches!(player.advance(5, 7), Err(Restless::Limit { time: 0, fired }) if fired.len() == 7));
     assert_eq!(player.marking().tokens(PlaceId(0)), 7);
 }
@@ -300,7 +301,7 @@ fn a_mechanism_at_rest_moves_late_or_at_once_as_the_clock_is_read() {
         b.external(switch).condition(extend, on, 1).interval(extend, back, Interval::exactly(900));
         b.semantics(Semantics { clock, ..Semantics::default() });
         let system = b.build().unwrap();
-        let mut player = Player::new(&system, Policy::Soonest);
+        let mut player = TncesPlayer::new(&system, Policy::Soonest);
         assert_eq!(player.advance(rest, 10).unwrap(), []);
         player.fire(switch).unwrap();
         player.advance(10_000, 10).unwrap()[0].time

@@ -5,7 +5,7 @@
 use std::collections::BTreeSet;
 
 use linewright_nets::tnces::{
-    Clock, Composite, Interval, Latest, Module, Part, Player, Policy, Semantics, Tnces, parts,
+    ArcClock, ComponentId, Composite, Interval, Latest, Policy, Semantics, Tnces, TncesModule, TncesPlayer, parts,
 };
 use linewright_nets::{Net, NetBuilder, PlaceId, StateId, TransitionId, explore};
 
@@ -41,8 +41,8 @@ fn transport() -> Net {
 }
 
 /// The same as a module: a condition input `free k` per operation position, and the times.
-fn transport_module() -> Module {
-    let mut m = Module::new("transport");
+fn transport_module() -> TncesModule {
+    let mut m = TncesModule::new("transport");
     let p: Vec<_> = transport_places().into_iter().map(|(name, n)| m.place(name, n)).collect();
     for (from, to, seconds) in moves() {
         let t = m.transition(format!("p{} to p{}", from + 1, to + 1));
@@ -57,8 +57,8 @@ fn transport_module() -> Module {
 }
 
 /// A stopper that nobody moves.
-fn fixed(name: String, retracted: bool) -> Module {
-    let mut m = Module::new(name);
+fn fixed(name: String, retracted: bool) -> TncesModule {
+    let mut m = TncesModule::new(name);
     let [odd, even] = [("retracted", retracted), ("advanced", !retracted)].map(|(name, n)| m.place(name, u32::from(n)));
     m.condition_out("retracted", odd).condition_out("advanced", even);
     m
@@ -169,7 +169,7 @@ fn a_stopper_that_moves_doubles_the_states_and_one_that_stays_advanced_jams_the_
 #[test]
 fn the_transport_system_in_time() {
     let untimed: BTreeSet<_> = explore(&transport(), 100_000).unwrap().states().iter().cloned().collect();
-    for clock in [Clock::TokenAge, Clock::SinceMarked, Clock::SinceEnabled] {
+    for clock in [ArcClock::TokenAge, ArcClock::SinceMarked, ArcClock::SinceEnabled] {
         let system = transport_with_stoppers(None, None).with_semantics(Semantics { clock, ..Semantics::default() });
         let graph = system.timed_space(200_000).unwrap();
         println!("transport in time, {clock:?}: {} states, {} arcs", graph.states().len(), graph.arcs().len());
@@ -215,8 +215,8 @@ const SEQUENCE: [Row; 7] = [
 ];
 
 /// The sequence as a module; `third` is what its third transition waits for.
-fn sequence(third: &str) -> Module {
-    let mut m = Module::new("sequence");
+fn sequence(third: &str) -> TncesModule {
+    let mut m = TncesModule::new("sequence");
     let places: Vec<PlaceId> = (0..7).map(|i| m.place(format!("S{i}"), u32::from(i == 0))).collect();
     let at = |name: &str| places[name[1..].parse::<usize>().unwrap()];
     let mut sets: Vec<(String, Vec<TransitionId>)> = Vec::new();
@@ -264,14 +264,14 @@ fn controller(third: &str) -> Composite {
 }
 
 /// An input module reads `name` and `not_name` of the composite when this is updated.
-fn connect_input(c: &mut Composite, input: Part, name: &str) {
+fn connect_input(c: &mut Composite, input: ComponentId, name: &str) {
     let not = format!("not_{name}");
     c.condition_in(name).condition_in(not.as_str());
     c.condition(name, (input, "x")).condition(not.as_str(), (input, "not_x")).event("update", (input, "update"));
 }
 
 /// An output module shows `name` and `not_name`, and its changes are those of the composite.
-fn connect_output(c: &mut Composite, output: Part, name: &str) {
+fn connect_output(c: &mut Composite, output: ComponentId, name: &str) {
     let not = format!("not_{name}");
     c.condition_out(name).condition_out(not.as_str());
     c.condition((output, "on"), name).condition((output, "off"), not.as_str()).event((output, "changed"), "changed");
@@ -283,8 +283,8 @@ type Motion = (&'static str, usize, usize, u32, Option<&'static str>, &'static [
 /// A plant module from its places and motions. The transitions and arcs of the plants are lost with their drawings:
 /// here each motion takes its time from where it starts, while the input that drives it is on, and its end sets and
 /// resets the sensors.
-fn plant_module(name: &str, places: &[(&str, u32)], motions: &[Motion]) -> Module {
-    let mut m = Module::new(name);
+fn plant_module(name: &str, places: &[(&str, u32)], motions: &[Motion]) -> TncesModule {
+    let mut m = TncesModule::new(name);
     let p: Vec<_> = places.iter().map(|&(name, n)| m.place(name, n)).collect();
     for &(name, from, to, time, driver, events) in motions {
         let t = m.change(name, p[from], p[to], Interval::exactly(time));
@@ -300,7 +300,7 @@ fn plant_module(name: &str, places: &[(&str, u32)], motions: &[Motion]) -> Modul
 /// L729 and L731: 900 ms for the magazine, 2 s for the arm from side to side, 100 ms for the vacuum. From the middle,
 /// where the arm is before the first cycle, 1 s is assumed. The feeder and the operator's button are rebuilt: a piece
 /// comes after 0.5 s, START after 1 s.
-fn plant_modules() -> [(Module, &'static [Motion]); 5] {
+fn plant_modules() -> [(TncesModule, &'static [Motion]); 5] {
     const MAGAZINE: &[Motion] = &[
         ("extend", 0, 1, 900, Some("Mag"), &["set_Mag_front"]),
         ("retract", 1, 0, 900, Some("not_Mag"), &["reset_Mag_front"]),
@@ -366,7 +366,7 @@ fn plant() -> Composite {
 fn distributing(third: &str) -> Tnces {
     let mut line = Composite::new("distributing");
     let (controller, plant) = (line.add(controller(third)), line.add(plant()));
-    let signals = |from: Part, to: Part, name: &str, line: &mut Composite| {
+    let signals = |from: ComponentId, to: ComponentId, name: &str, line: &mut Composite| {
         for port in [name.to_owned(), format!("not_{name}")] {
             line.condition((from, port.as_str()), (to, port.as_str()));
         }
@@ -417,7 +417,7 @@ fn the_distributing_station_starts_up_and_then_repeats_one_cycle() {
 fn a_player_goes_round_as_the_state_space_says() {
     let system = distributing("Arm_put");
     let push = system.net().transition_named("controller.sequence.3").unwrap();
-    let mut player = Player::new(&system, Policy::Soonest);
+    let mut player = TncesPlayer::new(&system, Policy::Soonest);
     let fired = player.advance(2_300 + 3 * 5_800, 10_000).unwrap();
     let pushes: Vec<u64> = fired.iter().filter(|f| f.step[0] == push).map(|f| f.time).collect();
     assert_eq!(pushes, [2_300, 8_100, 13_900, 19_700]);
@@ -427,14 +427,14 @@ fn a_player_goes_round_as_the_state_space_says() {
 /// that has rested long enough moves at once.
 #[test]
 fn the_shape_is_the_same_however_the_clock_is_read() {
-    for clock in [Clock::TokenAge, Clock::SinceMarked] {
+    for clock in [ArcClock::TokenAge, ArcClock::SinceMarked] {
         let system = distributing("Arm_put").with_semantics(Semantics { clock, ..Semantics::default() });
         let graph = system.timed_space(50_000).unwrap();
         let shape = graph.shape();
         assert_eq!((graph.deadlocks().count(), shape.loops.len()), (0, 1));
         assert!(shape.loops[0].is_final && !shape.transient.is_empty());
         let push = system.net().transition_named("controller.sequence.3").unwrap();
-        let fired = Player::new(&system, Policy::Soonest).advance(60_000, 10_000).unwrap();
+        let fired = TncesPlayer::new(&system, Policy::Soonest).advance(60_000, 10_000).unwrap();
         let pushes: Vec<u64> = fired.iter().filter(|f| f.step[0] == push).map(|f| f.time).collect();
         let rounds: BTreeSet<u64> = pushes.windows(2).skip(1).map(|two| two[1] - two[0]).collect();
         println!("distributing, {clock:?}: {} states, a round takes {rounds:?}", graph.states().len());

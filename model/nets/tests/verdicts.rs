@@ -1,13 +1,15 @@
 //! Structure against exploration: what is decided on the arcs must be what playing everything out finds.
 
-use linewright_nets::{Net, NetBuilder, Node, Reachability, StateId, Verdict, explore, state_machine_verdict};
+use linewright_nets::{
+    Net, NetBuilder, NetNode, Reachability, StateId, StateMachineVerdict, explore, state_machine_verdict,
+};
 use proptest::prelude::*;
 
 /// Three tokens on six places have at most 56 markings; the weighed nets are small too.
 const ENOUGH: usize = 100_000;
 
 /// The verdict of the structure, after checking it against exploration.
-fn confirmed(net: &Net) -> Verdict {
+fn confirmed(net: &Net) -> StateMachineVerdict {
     let verdict = state_machine_verdict(net).expect("the net is a state machine");
     let explored = explore(net, ENOUGH).expect("state machines are bounded");
     assert_eq!(verdict.live.is_ok(), explored.is_live(), "{net}{verdict}");
@@ -20,13 +22,13 @@ fn confirmed(net: &Net) -> Verdict {
 }
 
 /// Which nodes can be reached from a node, by walking.
-fn reachable_from(net: &Net, start: Node) -> Vec<Node> {
+fn reachable_from(net: &Net, start: NetNode) -> Vec<NetNode> {
     let mut seen = vec![start];
     let mut next = 0;
     while let Some(&node) = seen.get(next) {
-        let successors: Vec<Node> = match node {
-            Node::Place(p) => net.consumers(p).iter().map(|&(t, _)| t.into()).collect(),
-            Node::Transition(t) => net.postset(t).iter().map(|&(p, _)| p.into()).collect(),
+        let successors: Vec<NetNode> = match node {
+            NetNode::Place(p) => net.consumers(p).iter().map(|&(t, _)| t.into()).collect(),
+            NetNode::Transition(t) => net.postset(t).iter().map(|&(p, _)| p.into()).collect(),
         };
         for successor in successors {
             if !seen.contains(&successor) {
@@ -75,8 +77,8 @@ proptest! {
 
     #[test]
     fn strong_connection_is_what_walking_finds(net in crate::common::any_net()) {
-        let places = net.places().map(Node::from);
-        let nodes: Vec<Node> = places.chain(net.transitions().map(Node::from)).collect();
+        let places = net.places().map(NetNode::from);
+        let nodes: Vec<NetNode> = places.chain(net.transitions().map(NetNode::from)).collect();
         let all = nodes.iter().all(|&node| reachable_from(&net, node).len() == nodes.len());
         match net.is_strongly_connected() {
             Ok(()) => prop_assert!(all),

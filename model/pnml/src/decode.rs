@@ -32,9 +32,9 @@ pub(crate) fn decode(bytes: &[u8]) -> Result<Cow<'_, str>, Undecodable<'_>> {
     let text = match (declared(bytes), std::str::from_utf8(bytes)) {
         // In ASCII all that is declared in practice agrees: some programs write UTF-16 above text that is not.
         (_, Ok(text)) if text.is_ascii() => Cow::Borrowed(text),
-        (Encoding::Utf8, Ok(text)) => Cow::Borrowed(text),
-        (Encoding::Latin1, _) => bytes.iter().map(|&byte| char::from(byte)).collect::<String>().into(),
-        (Encoding::Utf8, Err(error)) => {
+        (XmlEncoding::Utf8, Ok(text)) => Cow::Borrowed(text),
+        (XmlEncoding::Latin1, _) => bytes.iter().map(|&byte| char::from(byte)).collect::<String>().into(),
+        (XmlEncoding::Utf8, Err(error)) => {
             let (valid, _) = bytes.split_at(error.valid_up_to());
             let readable = std::str::from_utf8(valid).unwrap_or_default();
             let message = format!("the byte 0x{:02X} here is not UTF-8", bytes[valid.len()]);
@@ -42,7 +42,7 @@ pub(crate) fn decode(bytes: &[u8]) -> Result<Cow<'_, str>, Undecodable<'_>> {
                 "save the file as UTF-8, or declare the encoding: <?xml version=\"1.0\" encoding=\"ISO-8859-1\"?>";
             return refuse(Finding::new(At::new(valid.len()..valid.len()), message).hint(hint), readable);
         }
-        (Encoding::Other(name), _) => {
+        (XmlEncoding::Other(name), _) => {
             let problem = Finding::new(start, format!("the file declares the encoding `{}`", shown(&name)));
             return refuse(problem.hint("UTF-8, US-ASCII and ISO-8859-1 are read; save it as UTF-8"), "");
         }
@@ -61,14 +61,14 @@ pub(crate) fn decode(bytes: &[u8]) -> Result<Cow<'_, str>, Undecodable<'_>> {
     }
 }
 
-enum Encoding {
+enum XmlEncoding {
     Utf8,
     Latin1,
     Other(String),
 }
 
 /// What the XML declaration says, if there is one.
-fn declared(bytes: &[u8]) -> Encoding {
+fn declared(bytes: &[u8]) -> XmlEncoding {
     let head = String::from_utf8_lossy(&bytes[..bytes.len().min(DECLARATION_MAX)]);
     let value = || {
         let (declaration, _) = head.strip_prefix("<?xml")?.split_once("?>")?;
@@ -78,8 +78,8 @@ fn declared(bytes: &[u8]) -> Encoding {
         rest[1..].split_once(quote).map(|(name, _)| name.to_ascii_lowercase())
     };
     match value().as_deref() {
-        None | Some("utf-8" | "utf8" | "us-ascii" | "ascii") => Encoding::Utf8,
-        Some("iso-8859-1" | "iso8859-1" | "iso_8859-1" | "latin1" | "latin-1") => Encoding::Latin1,
-        Some(other) => Encoding::Other(other.to_owned()),
+        None | Some("utf-8" | "utf8" | "us-ascii" | "ascii") => XmlEncoding::Utf8,
+        Some("iso-8859-1" | "iso8859-1" | "iso_8859-1" | "latin1" | "latin-1") => XmlEncoding::Latin1,
+        Some(other) => XmlEncoding::Other(other.to_owned()),
     }
 }

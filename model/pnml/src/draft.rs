@@ -9,7 +9,7 @@ use std::collections::HashMap;
 use crate::kinds::{is_coloured_label, is_ordinary_arc, is_place_transition};
 use crate::label::{label, name, number};
 use crate::limits::{ARCS_MAX, NODES_MAX};
-use crate::xml::{Stop, Tag, Value, Xml};
+use crate::xml::{AttributeValue, Tag, Xml, XmlAbort};
 use linewright_problems::{At, Finding, Report, shown};
 
 /// An id, as a number: the same text is the same number.
@@ -17,24 +17,24 @@ use linewright_problems::{At, Finding, Report, shown};
 pub(crate) struct Id(pub u32);
 
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
-pub(crate) enum Kind {
+pub(crate) enum NodeKind {
     Place,
     Transition,
 }
 
-impl Kind {
+impl NodeKind {
     pub(crate) fn word(self) -> &'static str {
         match self {
-            Kind::Place => "place",
-            Kind::Transition => "transition",
+            NodeKind::Place => "place",
+            NodeKind::Transition => "transition",
         }
     }
 }
 
 /// A place, a transition, or another appearance of one.
 #[derive(Debug)]
-pub(crate) struct Node {
-    pub kind: Kind,
+pub(crate) struct DraftNode {
+    pub kind: NodeKind,
     pub id: Id,
     pub at: At,
     pub is: Being,
@@ -54,7 +54,7 @@ pub(crate) enum Being {
 }
 
 #[derive(Debug)]
-pub(crate) struct Arc {
+pub(crate) struct DraftArc {
     pub id: Option<Id>,
     pub source: Id,
     pub target: Id,
@@ -67,33 +67,33 @@ pub(crate) struct Arc {
 
 /// One net of a file.
 #[derive(Debug, Default)]
-pub(crate) struct Draft<'a> {
+pub(crate) struct DraftNet<'a> {
     pub at: At,
     pub name: Option<String>,
     /// The text of each id.
     pub ids: Vec<Cow<'a, str>>,
     numbers: HashMap<Cow<'a, str>, Id>,
-    pub nodes: Vec<Node>,
-    pub arcs: Vec<Arc>,
+    pub nodes: Vec<DraftNode>,
+    pub arcs: Vec<DraftArc>,
     /// The priority of the first transition that has one: others may have the same, which then means nothing.
     priority: Option<String>,
 }
 
 /// Reads the net at position `chosen` among the nets of the file; none if that cannot be done at all.
-pub(crate) fn read<'a>(text: &'a str, chosen: usize, report: &mut Report) -> Option<Draft<'a>> {
-    let mut reader = Reader { xml: Xml::new(text), report, draft: Draft::default() };
+pub(crate) fn read<'a>(text: &'a str, chosen: usize, report: &mut Report) -> Option<DraftNet<'a>> {
+    let mut reader = DraftReader { xml: Xml::new(text), report, draft: DraftNet::default() };
     reader.file(chosen).ok()?;
     Some(reader.draft)
 }
 
-struct Reader<'a, 'r> {
+struct DraftReader<'a, 'r> {
     xml: Xml<'a>,
     report: &'r mut Report,
-    draft: Draft<'a>,
+    draft: DraftNet<'a>,
 }
 
-impl<'a> Reader<'a, '_> {
-    fn file(&mut self, chosen: usize) -> Result<(), Stop> {
+impl<'a> DraftReader<'a, '_> {
+    fn file(&mut self, chosen: usize) -> Result<(), XmlAbort> {
         self.child()?;
         let mut position = 0;
         while let Some(tag) = self.child()? {
@@ -110,7 +110,7 @@ impl<'a> Reader<'a, '_> {
         Ok(())
     }
 
-    fn net(&mut self, tag: &Tag<'a>) -> Result<(), Stop> {
+    fn net(&mut self, tag: &Tag<'a>) -> Result<(), XmlAbort> {
         let [id, net_type] = self.attributes(tag, ["id", "type"]);
         if let Some(net_type) = net_type.filter(|net_type| !is_place_transition(&net_type.text)) {
             let finding = Finding::new(net_type.at, format!("this net is of the type `{}`", shown(&net_type.text)));
@@ -118,7 +118,7 @@ impl<'a> Reader<'a, '_> {
                 "only place/transition nets are read: unfold it, or export it as \
                  http://www.pnml.org/version-2009/grammar/ptnet",
             ));
-            return Err(Stop);
+            return Err(XmlAbort);
         }
         self.draft.at = tag.at;
         self.page(true)?;
@@ -129,7 +129,7 @@ impl<'a> Reader<'a, '_> {
     }
 
     /// What is in a net, or on a page. Pages lie in pages as deep as elements may.
-    fn page(&mut self, is_net: bool) -> Result<(), Stop> {
+    fn page(&mut self, is_net: bool) -> Result<(), XmlAbort> {
         while let Some(tag) = self.child()? {
             match tag.name {
                 "page" => self.page(false)?,
@@ -137,10 +137,10 @@ impl<'a> Reader<'a, '_> {
                     let text = label(&mut self.xml, self.report)?;
                     self.draft.name = text.and_then(|text| name(text, self.report));
                 }
-                "place" => self.node(&tag, Kind::Place)?,
-                "transition" => self.node(&tag, Kind::Transition)?,
-                "referencePlace" => self.reference(&tag, Kind::Place)?,
-                "referenceTransition" => self.reference(&tag, Kind::Transition)?,
+                "place" => self.node(&tag, NodeKind::Place)?,
+                "transition" => self.node(&tag, NodeKind::Transition)?,
+                "referencePlace" => self.reference(&tag, NodeKind::Place)?,
+                "referenceTransition" => self.reference(&tag, NodeKind::Transition)?,
                 "arc" => self.arc(&tag)?,
                 other => self.unknown(&tag, other)?,
             }
@@ -148,17 +148,17 @@ impl<'a> Reader<'a, '_> {
         Ok(())
     }
 
-    fn node(&mut self, tag: &Tag<'a>, kind: Kind) -> Result<(), Stop> {
+    fn node(&mut self, tag: &Tag<'a>, kind: NodeKind) -> Result<(), XmlAbort> {
         let [id, named, marked] = self.attributes(tag, ["id", "name", "initialMarking"]);
-        let what = |of: &str, id: &Option<Value<'_>>| {
+        let what = |of: &str, id: &Option<AttributeValue<'_>>| {
             format!("{of} of the {} `{}`", kind.word(), shown(id.as_ref().map_or("", |id| &id.text)))
         };
         let mut name_label = None;
-        let mut marking: Option<Value<'a>> = None;
+        let mut marking: Option<AttributeValue<'a>> = None;
         while let Some(child) = self.child()? {
             match (child.name, kind) {
                 ("name", _) => name_label = label(&mut self.xml, self.report)?,
-                ("initialMarking", Kind::Place) => {
+                ("initialMarking", NodeKind::Place) => {
                     let text = label(&mut self.xml, self.report)?;
                     if marking.is_some() {
                         let finding = Finding::new(child.at, format!("{} is given twice", what("the marking", &id)));
@@ -166,7 +166,7 @@ impl<'a> Reader<'a, '_> {
                     }
                     marking = text.or(marking);
                 }
-                ("capacity", Kind::Place) => {
+                ("capacity", NodeKind::Place) => {
                     let text = label(&mut self.xml, self.report)?;
                     let limit = text.as_ref().and_then(|text| number(text, || what("the capacity", &id), self.report));
                     if let Some(limit @ 1..) = limit {
@@ -174,20 +174,20 @@ impl<'a> Reader<'a, '_> {
                         self.report.add(finding.hint("capacities are not read; write it as a complementary place"));
                     }
                 }
-                ("priority", Kind::Transition) => {
+                ("priority", NodeKind::Transition) => {
                     let text = label(&mut self.xml, self.report)?;
                     self.priority(text, &child, || what("the priority", &id));
                 }
                 (other, _) => self.unknown(&child, other)?,
             }
         }
-        let marking = marking.or(marked.filter(|_| kind == Kind::Place));
+        let marking = marking.or(marked.filter(|_| kind == NodeKind::Place));
         let tokens = marking.and_then(|text| number(&text, || what("the initial marking", &id), self.report));
         let name = name_label.or(named).and_then(|text| name(text, self.report));
         self.add(tag, kind, id, Being::Itself { name, tokens: tokens.unwrap_or(0) })
     }
 
-    fn reference(&mut self, tag: &Tag<'a>, kind: Kind) -> Result<(), Stop> {
+    fn reference(&mut self, tag: &Tag<'a>, kind: NodeKind) -> Result<(), XmlAbort> {
         let [id, to] = self.attributes(tag, ["id", "ref"]);
         self.xml.skip(self.report)?;
         let Some(to) = to else {
@@ -200,7 +200,13 @@ impl<'a> Reader<'a, '_> {
         self.add(tag, kind, id, Being::Another { id: to, at })
     }
 
-    fn add(&mut self, tag: &Tag<'a>, kind: Kind, id: Option<Value<'a>>, is: Being) -> Result<(), Stop> {
+    fn add(
+        &mut self,
+        tag: &Tag<'a>,
+        kind: NodeKind,
+        id: Option<AttributeValue<'a>>,
+        is: Being,
+    ) -> Result<(), XmlAbort> {
         let Some(id) = id.filter(|id| !id.text.is_empty()) else {
             let finding = Finding::new(tag.at, format!("this {} has no id", kind.word()));
             self.report.add(finding.hint("arcs find their ends by id: give it one"));
@@ -209,18 +215,18 @@ impl<'a> Reader<'a, '_> {
         if self.draft.nodes.len() == NODES_MAX {
             let finding = Finding::new(tag.at, format!("the net has more than {NODES_MAX} places and transitions"));
             self.report.add(finding.hint("it is too large to be read"));
-            return Err(Stop);
+            return Err(XmlAbort);
         }
         let id = self.id(id);
-        self.draft.nodes.push(Node { kind, id, at: tag.at, is });
+        self.draft.nodes.push(DraftNode { kind, id, at: tag.at, is });
         Ok(())
     }
 
-    fn arc(&mut self, tag: &Tag<'a>) -> Result<(), Stop> {
+    fn arc(&mut self, tag: &Tag<'a>) -> Result<(), XmlAbort> {
         let names = ["id", "source", "target", "type", "inscription"];
         let [id, source, target, arc_type, inscribed] = self.attributes(tag, names);
-        let mut inscription: Option<Value<'a>> = None;
-        let mut types: Vec<Value<'a>> = arc_type.into_iter().collect();
+        let mut inscription: Option<AttributeValue<'a>> = None;
+        let mut types: Vec<AttributeValue<'a>> = arc_type.into_iter().collect();
         while let Some(child) = self.child()? {
             match child.name {
                 "inscription" => {
@@ -238,7 +244,7 @@ impl<'a> Reader<'a, '_> {
                 other => self.unknown(&child, other)?,
             }
         }
-        let what = |id: &Option<Value<'_>>| {
+        let what = |id: &Option<AttributeValue<'_>>| {
             id.as_ref().map_or("this arc".into(), |id| format!("the arc `{}`", shown(&id.text)))
         };
         if let Some(other) = types.iter().find(|text| !is_ordinary_arc(&text.text)) {
@@ -260,18 +266,18 @@ impl<'a> Reader<'a, '_> {
         if self.draft.arcs.len() == ARCS_MAX {
             let finding = Finding::new(tag.at, format!("the net has more than {ARCS_MAX} arcs"));
             self.report.add(finding.hint("it is too large to be read"));
-            return Err(Stop);
+            return Err(XmlAbort);
         }
         let (source_at, target_at) = (source.at, target.at);
         let id = id.filter(|id| !id.text.is_empty()).map(|id| self.id(id));
         let (source, target) = (self.id(source), self.id(target));
         let weight = weight.unwrap_or(1).max(1);
-        self.draft.arcs.push(Arc { id, source, target, weight, at: tag.at, source_at, target_at });
+        self.draft.arcs.push(DraftArc { id, source, target, weight, at: tag.at, source_at, target_at });
         Ok(())
     }
 
     /// Priorities that differ decide between transitions, and are not read.
-    fn priority(&mut self, text: Option<Value<'a>>, tag: &Tag<'a>, what: impl Fn() -> String) {
+    fn priority(&mut self, text: Option<AttributeValue<'a>>, tag: &Tag<'a>, what: impl Fn() -> String) {
         let Some(text) = text.filter(|text| !text.text.is_empty()) else { return };
         match &self.draft.priority {
             None => self.draft.priority = Some(text.text.into_owned()),
@@ -287,7 +293,7 @@ impl<'a> Reader<'a, '_> {
     }
 
     /// Passes over an element that means nothing here, or refuses one that is known to mean something.
-    fn unknown(&mut self, tag: &Tag<'a>, element: &str) -> Result<(), Stop> {
+    fn unknown(&mut self, tag: &Tag<'a>, element: &str) -> Result<(), XmlAbort> {
         if is_coloured_label(element) {
             let finding = Finding::new(tag.at, format!("`{}` belongs to a coloured net", shown(element)));
             self.report.add(finding.hint("only place/transition nets are read; unfold it first"));
@@ -300,16 +306,16 @@ impl<'a> Reader<'a, '_> {
         self.xml.skip(self.report)
     }
 
-    fn child(&mut self) -> Result<Option<Tag<'a>>, Stop> {
+    fn child(&mut self) -> Result<Option<Tag<'a>>, XmlAbort> {
         self.xml.child(self.report)
     }
 
-    fn attributes<const N: usize>(&mut self, tag: &Tag<'a>, names: [&str; N]) -> [Option<Value<'a>>; N] {
+    fn attributes<const N: usize>(&mut self, tag: &Tag<'a>, names: [&str; N]) -> [Option<AttributeValue<'a>>; N] {
         tag.attributes(&self.xml, names, self.report)
     }
 
     /// The number of an id. There are at most three for each node and arc, far fewer than 32 bits can count.
-    fn id(&mut self, text: Value<'a>) -> Id {
+    fn id(&mut self, text: AttributeValue<'a>) -> Id {
         let draft = &mut self.draft;
         let next = Id(draft.ids.len() as u32);
         *draft.numbers.entry(text.text).or_insert_with_key(|text| {

@@ -5,19 +5,19 @@
 //! passed over makes another net. For the same reason a label that holds only what is not known here is refused.
 
 use crate::limits::NAME_BYTES_MAX;
-use crate::xml::{Stop, Text, Value, Xml};
+use crate::xml::{AttributeValue, ElementText, Xml, XmlAbort};
 use linewright_problems::{At, Finding, Report, shown};
 
 /// Reads the label that is open: its text, or none if it is only drawn.
-pub(crate) fn label<'a>(xml: &mut Xml<'a>, report: &mut Report) -> Result<Option<Value<'a>>, Stop> {
-    let mut found: Option<Value<'a>> = None;
+pub(crate) fn label<'a>(xml: &mut Xml<'a>, report: &mut Report) -> Result<Option<AttributeValue<'a>>, XmlAbort> {
+    let mut found: Option<AttributeValue<'a>> = None;
     let mut unknown: Option<Finding> = None;
-    let mut bare = Text::default();
+    let mut bare = ElementText::default();
     while let Some(tag) = xml.child_behind(&mut bare, report)? {
         if matches!(tag.name, "text" | "value") {
             let value = xml.content(report)?;
             let at = if value.text.is_empty() { tag.at } else { value.at };
-            add(&mut found, Value { at, ..value }, tag.at, report);
+            add(&mut found, AttributeValue { at, ..value }, tag.at, report);
             continue;
         }
         if !matches!(tag.name, "graphics" | "toolspecific") {
@@ -38,7 +38,7 @@ pub(crate) fn label<'a>(xml: &mut Xml<'a>, report: &mut Report) -> Result<Option
 }
 
 /// A label may be given twice by a tool that writes for two readers; it may not say two things.
-fn add<'a>(found: &mut Option<Value<'a>>, value: Value<'a>, at: At, report: &mut Report) {
+fn add<'a>(found: &mut Option<AttributeValue<'a>>, value: AttributeValue<'a>, at: At, report: &mut Report) {
     match found {
         Some(first) if first.text != value.text => {
             report.add(Finding::new(at, "this label has two texts").hint("keep the one that is meant"));
@@ -48,7 +48,7 @@ fn add<'a>(found: &mut Option<Value<'a>>, value: Value<'a>, at: At, report: &mut
 }
 
 /// A name that is short enough; an empty one is none.
-pub(crate) fn name(value: Value<'_>, report: &mut Report) -> Option<String> {
+pub(crate) fn name(value: AttributeValue<'_>, report: &mut Report) -> Option<String> {
     if value.text.len() > NAME_BYTES_MAX {
         report.add(Finding::new(value.at, format!("a name has more than {NAME_BYTES_MAX} bytes")).hint("shorten it"));
         return None;
@@ -57,7 +57,7 @@ pub(crate) fn name(value: Value<'_>, report: &mut Report) -> Option<String> {
 }
 
 /// A number of tokens, if one is given. `what` names it in messages: "the initial marking of the place `p`".
-pub(crate) fn number(value: &Value<'_>, what: impl Fn() -> String, report: &mut Report) -> Option<u32> {
+pub(crate) fn number(value: &AttributeValue<'_>, what: impl Fn() -> String, report: &mut Report) -> Option<u32> {
     let text = value.text.trim();
     if text.is_empty() {
         return None;

@@ -4,11 +4,11 @@ use std::collections::HashMap;
 
 use linewright_nets::{Net, NetBuilder, PlaceId, TransitionId};
 
-use crate::draft::{Being, Draft, Id, Kind, Node};
+use crate::draft::{Being, DraftNet, DraftNode, Id, NodeKind};
 use linewright_problems::{At, Finding, Report, shown};
 
 /// The net of a draft; none if something is wrong, which is reported.
-pub(crate) fn resolve(draft: Draft<'_>, report: &mut Report) -> Option<Net> {
+pub(crate) fn resolve(draft: DraftNet<'_>, report: &mut Report) -> Option<Net> {
     let owners = owners(&draft, report);
     let beings = follow_references(&draft, &owners, report);
     let mut builder = NetBuilder::new(draft.name.as_deref().unwrap_or("net"));
@@ -35,7 +35,7 @@ pub(crate) fn resolve(draft: Draft<'_>, report: &mut Report) -> Option<Net> {
 }
 
 /// For each id, the node that has it. Two of the same id are reported, arcs included.
-fn owners(draft: &Draft<'_>, report: &mut Report) -> Vec<Option<u32>> {
+fn owners(draft: &DraftNet<'_>, report: &mut Report) -> Vec<Option<u32>> {
     let mut owners = vec![None; draft.ids.len()];
     let mut first: Vec<Option<At>> = vec![None; draft.ids.len()];
     let nodes = draft.nodes.iter().zip(0..).map(|(node, index)| (node.id, node.at, Some(index)));
@@ -53,29 +53,29 @@ fn owners(draft: &Draft<'_>, report: &mut Report) -> Vec<Option<u32>> {
 }
 
 /// For each node, the node it really is: itself, or the end of its chain of references. None if that is nowhere.
-fn follow_references(draft: &Draft<'_>, owners: &[Option<u32>], report: &mut Report) -> Vec<Option<u32>> {
+fn follow_references(draft: &DraftNet<'_>, owners: &[Option<u32>], report: &mut Report) -> Vec<Option<u32>> {
     #[derive(Clone, Copy, PartialEq)]
-    enum Seen {
+    enum ResolveState {
         Not,
         OnThisWay,
         Known(Option<u32>),
     }
-    let mut seen = vec![Seen::Not; draft.nodes.len()];
+    let mut seen = vec![ResolveState::Not; draft.nodes.len()];
     let mut way: Vec<u32> = Vec::new();
     for start in 0..draft.nodes.len() as u32 {
         let mut at = start;
         let being = loop {
             let node = &draft.nodes[at as usize];
             match (seen[at as usize], &node.is) {
-                (Seen::Known(being), _) => break being,
-                (Seen::OnThisWay, _) => {
+                (ResolveState::Known(being), _) => break being,
+                (ResolveState::OnThisWay, _) => {
                     let finding = Finding::new(node.at, format!("`{}` refers to itself", text(draft, node.id)));
                     report.add(finding.hint("a reference leads, over others perhaps, to a node"));
                     break None;
                 }
-                (Seen::Not, Being::Itself { .. }) => break Some(at),
-                (Seen::Not, Being::Another { id, at: place }) => {
-                    seen[at as usize] = Seen::OnThisWay;
+                (ResolveState::Not, Being::Itself { .. }) => break Some(at),
+                (ResolveState::Not, Being::Another { id, at: place }) => {
+                    seen[at as usize] = ResolveState::OnThisWay;
                     way.push(at);
                     match referred(draft, owners, node, *id, *place) {
                         Ok(next) => at = next,
@@ -87,15 +87,15 @@ fn follow_references(draft: &Draft<'_>, owners: &[Option<u32>], report: &mut Rep
                 }
             }
         };
-        seen[start as usize] = Seen::Known(being);
-        way.drain(..).for_each(|node| seen[node as usize] = Seen::Known(being));
+        seen[start as usize] = ResolveState::Known(being);
+        way.drain(..).for_each(|node| seen[node as usize] = ResolveState::Known(being));
     }
-    let known = |seen| if let Seen::Known(being) = seen { being } else { None };
+    let known = |seen| if let ResolveState::Known(being) = seen { being } else { None };
     seen.into_iter().map(known).collect()
 }
 
 /// The node that a reference names.
-fn referred(draft: &Draft<'_>, owners: &[Option<u32>], from: &Node, to: Id, at: At) -> Result<u32, Finding> {
+fn referred(draft: &DraftNet<'_>, owners: &[Option<u32>], from: &DraftNode, to: Id, at: At) -> Result<u32, Finding> {
     let (kind, name) = (from.kind.word(), text(draft, to));
     match owners[to.0 as usize] {
         None => {
@@ -118,13 +118,15 @@ enum Declared {
     Reference,
 }
 
-fn declare(draft: &Draft<'_>, builder: &mut NetBuilder) -> Vec<Declared> {
-    let places = names(draft, Kind::Place);
-    let transitions = names(draft, Kind::Transition);
-    let declare = |(index, node): (usize, &Node)| match (&node.is, node.kind) {
+fn declare(draft: &DraftNet<'_>, builder: &mut NetBuilder) -> Vec<Declared> {
+    let places = names(draft, NodeKind::Place);
+    let transitions = names(draft, NodeKind::Transition);
+    let declare = |(index, node): (usize, &DraftNode)| match (&node.is, node.kind) {
         (Being::Another { .. }, _) => Declared::Reference,
-        (Being::Itself { tokens, .. }, Kind::Place) => Declared::Place(builder.place(places[&(index as u32)], *tokens)),
-        (Being::Itself { .. }, Kind::Transition) => {
+        (Being::Itself { tokens, .. }, NodeKind::Place) => {
+            Declared::Place(builder.place(places[&(index as u32)], *tokens))
+        }
+        (Being::Itself { .. }, NodeKind::Transition) => {
             Declared::Transition(builder.transition(transitions[&(index as u32)]))
         }
     };
@@ -135,7 +137,7 @@ fn declare(draft: &Draft<'_>, builder: &mut NetBuilder) -> Vec<Declared> {
 ///
 /// A node that goes by its id takes the name away from a node that is called the same, and that one goes by its id as
 /// well, and so on. Ids are unique, so in the end all names are.
-fn names<'d>(draft: &'d Draft<'_>, kind: Kind) -> HashMap<u32, &'d str> {
+fn names<'d>(draft: &'d DraftNet<'_>, kind: NodeKind) -> HashMap<u32, &'d str> {
     let mut holder: HashMap<&str, Option<u32>> = HashMap::new();
     let mut by_id: Vec<u32> = Vec::new();
     let of_kind = || draft.nodes.iter().zip(0..).filter(|(node, _)| node.kind == kind);
@@ -165,7 +167,7 @@ type Joint = (TransitionId, PlaceId, bool);
 
 /// All arcs, parallel ones joined: together they move the sum of their weights.
 fn arcs(
-    draft: &Draft<'_>,
+    draft: &DraftNet<'_>,
     owners: &[Option<u32>],
     beings: &[Option<u32>],
     nodes: &[Declared],
@@ -216,6 +218,6 @@ fn unfit(at: At, what: &str, two: &str) -> Finding {
 }
 
 /// The text of an id, for messages.
-fn text(draft: &Draft<'_>, id: Id) -> String {
+fn text(draft: &DraftNet<'_>, id: Id) -> String {
     shown(&draft.ids[id.0 as usize])
 }

@@ -3,7 +3,7 @@
 //! It costs little and makes the rest simple: what is read afterwards is known to be XML to its end, and a file of
 //! several nets is not read half.
 
-use crate::xml::{Stop, Xml};
+use crate::xml::{Xml, XmlAbort};
 use linewright_problems::{At, Finding, Report, shown};
 
 /// The most nets in one file.
@@ -38,24 +38,24 @@ pub(crate) fn choose(text: &str, wanted: Option<&str>, report: &mut Report) -> O
 }
 
 /// The ids of all nets, empty where there is none, and where they are. Reports if there is no net at all.
-fn survey(text: &str, report: &mut Report) -> Result<Vec<(String, At)>, Stop> {
+fn survey(text: &str, report: &mut Report) -> Result<Vec<(String, At)>, XmlAbort> {
     let mut xml = Xml::new(text);
     let Some(root) = xml.child(report)? else {
         let finding = Finding::new(At::default(), "there is no XML element in this file");
         report.add(finding.hint("is this the right file?"));
-        return Err(Stop);
+        return Err(XmlAbort);
     };
     if root.name != "pnml" {
         let finding = Finding::new(root.at, format!("the outermost element is `{}`, not `pnml`", shown(root.name)));
         report.add(finding.hint("only PNML is read; is this the right file?"));
-        return Err(Stop);
+        return Err(XmlAbort);
     }
     let mut nets = Vec::new();
     while let Some(tag) = xml.child(report)? {
         if tag.name == "net" {
             if nets.len() == NETS_MAX {
                 report.add(Finding::new(tag.at, format!("the file has more than {NETS_MAX} nets")));
-                return Err(Stop);
+                return Err(XmlAbort);
             }
             let [id] = tag.attributes(&xml, ["id"], &mut Report::default());
             nets.push((id.map(|id| id.text.into_owned()).unwrap_or_default(), tag.at));
@@ -67,7 +67,7 @@ fn survey(text: &str, report: &mut Report) -> Result<Vec<(String, At)>, Stop> {
     if nets.is_empty() {
         report
             .add(Finding::new(root.at, "there is no net in this file").hint("a net is an element `<net>` in `<pnml>`"));
-        return Err(Stop);
+        return Err(XmlAbort);
     }
     Ok(nets)
 }

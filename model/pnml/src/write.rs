@@ -21,18 +21,18 @@ fn file(net: &Net, out: &mut String) -> fmt::Result {
     out.push_str("<?xml version=\"1.0\" encoding=\"UTF-8\"?>\n");
     out.push_str("<pnml xmlns=\"http://www.pnml.org/version-2009/grammar/pnml\">\n");
     out.push_str("  <net id=\"net\" type=\"http://www.pnml.org/version-2009/grammar/ptnet\">\n");
-    writeln!(out, "    {}", Name(net.name()))?;
+    writeln!(out, "    {}", EscapedName(net.name()))?;
     out.push_str("    <page id=\"page\">\n");
     let initial = net.initial_marking();
     for p in net.places() {
-        write!(out, "      <place id=\"p{}\">{}", p.0, Name(net.place_name(p)))?;
+        write!(out, "      <place id=\"p{}\">{}", p.0, EscapedName(net.place_name(p)))?;
         if initial.tokens(p) > 0 {
             write!(out, "<initialMarking><text>{}</text></initialMarking>", initial.tokens(p))?;
         }
         out.push_str("</place>\n");
     }
     for t in net.transitions() {
-        writeln!(out, "      <transition id=\"t{}\">{}</transition>", t.0, Name(net.transition_name(t)))?;
+        writeln!(out, "      <transition id=\"t{}\">{}</transition>", t.0, EscapedName(net.transition_name(t)))?;
     }
     let mut count = 0_usize;
     let mut arc = |out: &mut String, source: fmt::Arguments<'_>, target: fmt::Arguments<'_>, weight: u32| {
@@ -57,9 +57,9 @@ fn file(net: &Net, out: &mut String) -> fmt::Result {
 
 /// A name as a label. Blanks at its ends and line ends within it are written as references: readers drop or change
 /// them otherwise.
-struct Name<'a>(&'a str);
+struct EscapedName<'a>(&'a str);
 
-impl fmt::Display for Name<'_> {
+impl fmt::Display for EscapedName<'_> {
     fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
         f.write_str("<name><text>")?;
         let inside = self.0.trim();

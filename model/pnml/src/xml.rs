@@ -15,7 +15,7 @@ use crate::limits::{ATTRIBUTES_MAX, DEPTH_MAX, NAME_BYTES_MAX};
 use linewright_problems::{At, Finding, Report, shown};
 
 /// The text cannot be read on; the report says why.
-pub(crate) struct Stop;
+pub(crate) struct XmlAbort;
 
 /// The start of an element.
 pub(crate) struct Tag<'a> {
@@ -28,7 +28,7 @@ pub(crate) struct Tag<'a> {
 
 /// The value of an attribute, or the text in an element.
 #[derive(Clone, Debug)]
-pub(crate) struct Value<'a> {
+pub(crate) struct AttributeValue<'a> {
     pub text: Cow<'a, str>,
     pub at: At,
 }
@@ -50,7 +50,7 @@ impl<'a> Xml<'a> {
     }
 
     /// The next child of the element that is open; none when that has been closed.
-    pub(crate) fn child(&mut self, report: &mut Report) -> Result<Option<Tag<'a>>, Stop> {
+    pub(crate) fn child(&mut self, report: &mut Report) -> Result<Option<Tag<'a>>, XmlAbort> {
         loop {
             let (event, at) = self.event(report)?;
             match event {
@@ -62,7 +62,7 @@ impl<'a> Xml<'a> {
     }
 
     /// Passes over the rest of the element that is open.
-    pub(crate) fn skip(&mut self, report: &mut Report) -> Result<(), Stop> {
+    pub(crate) fn skip(&mut self, report: &mut Report) -> Result<(), XmlAbort> {
         let outside = self.open.len().saturating_sub(1);
         loop {
             let (event, at) = self.event(report)?;
@@ -77,8 +77,8 @@ impl<'a> Xml<'a> {
 
     /// The text in the element that is open, without blanks around it; other elements in it are passed over. Blanks that
     /// are written as references (`&#32;`) are meant, and stay.
-    pub(crate) fn content(&mut self, report: &mut Report) -> Result<Value<'a>, Stop> {
-        let mut text = Text::default();
+    pub(crate) fn content(&mut self, report: &mut Report) -> Result<AttributeValue<'a>, XmlAbort> {
+        let mut text = ElementText::default();
         while self.child_behind(&mut text, report)?.is_some() {
             self.skip(report)?;
         }
@@ -86,7 +86,11 @@ impl<'a> Xml<'a> {
     }
 
     /// As [`Xml::child`]; adds to `text` what stands before the child.
-    pub(crate) fn child_behind(&mut self, text: &mut Text, report: &mut Report) -> Result<Option<Tag<'a>>, Stop> {
+    pub(crate) fn child_behind(
+        &mut self,
+        text: &mut ElementText,
+        report: &mut Report,
+    ) -> Result<Option<Tag<'a>>, XmlAbort> {
         loop {
             let (event, at) = self.event(report)?;
             match event {
@@ -105,7 +109,7 @@ impl<'a> Xml<'a> {
     }
 
     /// One event with its place. Closing more than was opened, or less, is an error of `quick-xml` or here.
-    fn event(&mut self, report: &mut Report) -> Result<(Event<'a>, At), Stop> {
+    fn event(&mut self, report: &mut Report) -> Result<(Event<'a>, At), XmlAbort> {
         let start = self.position();
         let event = self.reader.read_event();
         let at = At::new(start..self.position());
@@ -115,7 +119,7 @@ impl<'a> Xml<'a> {
                 let shown = shown(&self.text[tag.start as usize..tag.end as usize]);
                 let finding = Finding::new(tag, format!("the file ends before `{shown}` is closed"));
                 report.add(finding.label("opened here").hint("the file has been cut short; write it again"));
-                Err(Stop)
+                Err(XmlAbort)
             }
             Ok(Event::End(end)) => {
                 self.open.pop();
@@ -129,21 +133,21 @@ impl<'a> Xml<'a> {
                 report.add(
                     Finding::new(place, format!("this is not XML: {}", words(&error))).label("reading stopped here"),
                 );
-                Err(Stop)
+                Err(XmlAbort)
             }
         }
     }
 
-    fn opened(&mut self, start: BytesStart<'a>, at: At, report: &mut Report) -> Result<Tag<'a>, Stop> {
+    fn opened(&mut self, start: BytesStart<'a>, at: At, report: &mut Report) -> Result<Tag<'a>, XmlAbort> {
         if self.open.is_empty() && self.has_root {
             let finding = Finding::new(at, "a second element stands behind the end of the first");
             report.add(finding.hint("a file has one outermost element; keep each in a file of its own"));
-            return Err(Stop);
+            return Err(XmlAbort);
         }
         if self.open.len() == DEPTH_MAX {
             let finding = Finding::new(at, format!("elements are nested more than {DEPTH_MAX} deep"));
             report.add(finding.hint("no net needs that; is this the right file?"));
-            return Err(Stop);
+            return Err(XmlAbort);
         }
         self.has_root = true;
         self.open.push(at);
@@ -170,7 +174,7 @@ impl<'a> Tag<'a> {
         xml: &Xml<'a>,
         names: [&str; N],
         report: &mut Report,
-    ) -> [Option<Value<'a>>; N] {
+    ) -> [Option<AttributeValue<'a>>; N] {
         let mut values = [const { None }; N];
         for (index, attribute) in self.start.attributes().enumerate() {
             if index == ATTRIBUTES_MAX {
@@ -194,7 +198,7 @@ impl<'a> Tag<'a> {
 
     /// One value. Where it is wrong that is reported, and it stands for itself as it is written, so that nothing else
     /// looks as if it were missing.
-    fn value(&self, xml: &Xml<'a>, name: &str, raw: &str, report: &mut Report) -> Option<Value<'a>> {
+    fn value(&self, xml: &Xml<'a>, name: &str, raw: &str, report: &mut Report) -> Option<AttributeValue<'a>> {
         // The reader lends parts of the text; where, it does not say.
         let start = (raw.as_ptr() as usize).wrapping_sub(xml.text.as_ptr() as usize);
         let range = start..start.saturating_add(raw.len());
@@ -205,7 +209,7 @@ impl<'a> Tag<'a> {
                 Finding::new(at, format!("the attribute `{name}` has {} bytes", raw.len()))
                     .hint(format!("at most {NAME_BYTES_MAX}"))
             }
-            Ok(text) if text.chars().all(is_legal) => return Some(Value { text, at }),
+            Ok(text) if text.chars().all(is_legal) => return Some(AttributeValue { text, at }),
             Ok(_) => Finding::new(at, format!("the attribute `{name}` has a character that is not allowed in XML")),
             Err(error) => {
                 let error = shown(&error.to_string());
@@ -213,7 +217,7 @@ impl<'a> Tag<'a> {
             }
         };
         report.add(finding);
-        Some(Value { text: raw.into(), at })
+        Some(AttributeValue { text: raw.into(), at })
     }
 }
 
@@ -260,26 +264,26 @@ pub(crate) fn is_legal(c: char) -> bool {
 
 /// The text in an element, with its place.
 #[derive(Default)]
-pub(crate) struct Text {
-    content: Content,
+pub(crate) struct ElementText {
+    content: BoundedText,
     at: Option<At>,
 }
 
-impl Text {
-    pub(crate) fn value<'a>(self) -> Value<'a> {
-        Value { text: self.content.finish().into(), at: self.at.unwrap_or_default() }
+impl ElementText {
+    pub(crate) fn value<'a>(self) -> AttributeValue<'a> {
+        AttributeValue { text: self.content.finish().into(), at: self.at.unwrap_or_default() }
     }
 }
 
 /// Text being put together, bounded.
 #[derive(Default)]
-struct Content {
+struct BoundedText {
     text: String,
     /// Up to here it stays whatever follows; behind it are blanks that may turn out to be the last.
     kept: usize,
 }
 
-impl Content {
+impl BoundedText {
     fn literal(&mut self, part: &str) {
         for c in part.chars() {
             if !c.is_whitespace() {

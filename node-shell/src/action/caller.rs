@@ -8,8 +8,8 @@ use ros2_client::action_msgs::{CancelGoalResponseEnum, GoalStatusEnum};
 use ros2_client::builtin_interfaces::Time;
 use thiserror::Error;
 
-use super::server::Goal;
-use crate::caller::Wire;
+use super::server::GoalHandle;
+use crate::caller::WireMessage;
 
 /// Why a goal did not get its answer.
 #[derive(Debug, Error)]
@@ -51,32 +51,35 @@ pub enum Outcome {
     Unclear,
 }
 
-type RawClient<A> =
-    ActionClient<Wire<<A as RosAction>::Goal>, Wire<<A as RosAction>::Result>, Wire<<A as RosAction>::Feedback>>;
+type RawActionClient<A> = ActionClient<
+    WireMessage<<A as RosAction>::Goal>,
+    WireMessage<<A as RosAction>::Result>,
+    WireMessage<<A as RosAction>::Feedback>,
+>;
 
 /// Asks for one action.
 pub struct ActionCaller<A: RosAction> {
-    pub(crate) inner: RawClient<A>,
+    pub(crate) inner: RawActionClient<A>,
     pub(crate) name: String,
 }
 
 impl<A: RosAction> ActionCaller<A> {
     /// Says what is wanted and waits for nothing: for whoever learns in another way what became of it, and asks again.
     pub fn send(&self, goal: A::Goal) -> Result<(), GoalError> {
-        self.inner.send_goal(Wire(goal)).map(drop).map_err(|error| self.failed(&error))
+        self.inner.send_goal(WireMessage(goal)).map(drop).map_err(|error| self.failed(&error))
     }
 
     /// Says what is wanted, and waits until it is accepted. A goal sent before the server is discovered is lost: ask again.
-    pub async fn begin(&self, goal: A::Goal, within: Duration) -> Result<Goal, GoalError> {
-        let answer = self.in_time(within, self.inner.async_send_goal(Wire(goal))).await?;
+    pub async fn begin(&self, goal: A::Goal, within: Duration) -> Result<GoalHandle, GoalError> {
+        let answer = self.in_time(within, self.inner.async_send_goal(WireMessage(goal))).await?;
         let (id, response) = answer.map_err(|error| self.failed(&error))?;
-        if response.accepted { Ok(Goal(id)) } else { Err(GoalError::Rejected { action: self.name.clone() }) }
+        if response.accepted { Ok(GoalHandle(id)) } else { Err(GoalError::Rejected { action: self.name.clone() }) }
     }
 
     /// How it has ended, when it has.
-    pub async fn result(&self, goal: Goal, within: Duration) -> Result<(Outcome, A::Result), GoalError> {
+    pub async fn result(&self, goal: GoalHandle, within: Duration) -> Result<(Outcome, A::Result), GoalError> {
         let answer = self.in_time(within, self.inner.async_request_result(goal.0)).await?;
-        let (status, Wire(result)) = answer.map_err(|error| self.failed(&error))?;
+        let (status, WireMessage(result)) = answer.map_err(|error| self.failed(&error))?;
         result.validate().map_err(|invalid| self.failed(&invalid))?;
         let outcome = match status {
             GoalStatusEnum::Succeeded => Outcome::Succeeded,
@@ -91,16 +94,16 @@ impl<A: RosAction> ActionCaller<A> {
     }
 
     /// Says that it is no longer wanted. Gives whether that was taken on; how it ends, its result says.
-    pub async fn cancel(&self, goal: Goal, within: Duration) -> Result<bool, GoalError> {
+    pub async fn cancel(&self, goal: GoalHandle, within: Duration) -> Result<bool, GoalError> {
         let answer = self.in_time(within, self.inner.async_cancel_goal(goal.0, Time::ZERO)).await?;
         let response = answer.map_err(|error| self.failed(&error))?;
         Ok(response.return_code == CancelGoalResponseEnum::None)
     }
 
     /// The newest word on how far it is that has come and was not taken yet.
-    pub fn feedback(&self, goal: Goal) -> Option<A::Feedback> {
+    pub fn feedback(&self, goal: GoalHandle) -> Option<A::Feedback> {
         let received = self.inner.receive_feedback(goal.0).ok().flatten();
-        received.map(|Wire(feedback)| feedback).filter(|feedback| feedback.validate().is_ok())
+        received.map(|WireMessage(feedback)| feedback).filter(|feedback| feedback.validate().is_ok())
     }
 
     async fn in_time<T>(&self, within: Duration, answer: impl Future<Output = T>) -> Result<T, GoalError> {

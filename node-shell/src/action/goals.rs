@@ -23,7 +23,7 @@ const WAITING_MAX: usize = 8;
 
 /// How a goal has ended.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
-pub enum Ended {
+pub enum GoalEnd {
     /// It was reached.
     Succeeded,
     /// It was not, or it was never begun: the result says why.
@@ -32,18 +32,18 @@ pub enum Ended {
     Canceled,
 }
 
-impl Ended {
+impl GoalEnd {
     fn status(self) -> GoalStatusEnum {
         match self {
-            Ended::Succeeded => GoalStatusEnum::Succeeded,
-            Ended::Aborted => GoalStatusEnum::Aborted,
-            Ended::Canceled => GoalStatusEnum::Canceled,
+            GoalEnd::Succeeded => GoalStatusEnum::Succeeded,
+            GoalEnd::Aborted => GoalStatusEnum::Aborted,
+            GoalEnd::Canceled => GoalStatusEnum::Canceled,
         }
     }
 }
 
 /// One goal. `W` is how an answer finds whoever asked.
-struct Goal<R, W> {
+struct GoalRecord<R, W> {
     info: GoalInfo,
     status: GoalStatusEnum,
     result: Option<R>,
@@ -52,7 +52,7 @@ struct Goal<R, W> {
 
 /// All that are known, the oldest first.
 pub(super) struct Goals<R, W> {
-    goals: Vec<Goal<R, W>>,
+    goals: Vec<GoalRecord<R, W>>,
 }
 
 impl<R: Clone, W> Goals<R, W> {
@@ -72,7 +72,7 @@ impl<R: Clone, W> Goals<R, W> {
             self.goals.remove(oldest);
         }
         let info = GoalInfo { goal_id, stamp };
-        self.goals.push(Goal { info, status: GoalStatusEnum::Executing, result: None, waiting: Vec::new() });
+        self.goals.push(GoalRecord { info, status: GoalStatusEnum::Executing, result: None, waiting: Vec::new() });
         true
     }
 
@@ -127,7 +127,7 @@ impl<R: Clone, W> Goals<R, W> {
     }
 
     /// It has ended. Gives its status and who waits for that; nothing if it had ended before, or is not known.
-    pub(super) fn end(&mut self, goal_id: GoalId, ended: Ended, result: R) -> Option<(GoalStatusEnum, Vec<W>)> {
+    pub(super) fn end(&mut self, goal_id: GoalId, ended: GoalEnd, result: R) -> Option<(GoalStatusEnum, Vec<W>)> {
         let goal = self.goals.iter_mut().find(|goal| goal.info.goal_id == goal_id && goal.result.is_none())?;
         goal.status = ended.status();
         goal.result = Some(result);
@@ -136,11 +136,11 @@ impl<R: Clone, W> Goals<R, W> {
 
     /// What the status topic says.
     pub(super) fn statuses(&self) -> GoalStatusArray {
-        let status = |goal: &Goal<R, W>| GoalStatus { goal_info: goal.info.clone(), status: goal.status };
+        let status = |goal: &GoalRecord<R, W>| GoalStatus { goal_info: goal.info.clone(), status: goal.status };
         GoalStatusArray { status_list: self.goals.iter().map(status).collect() }
     }
 
-    fn find(&self, goal_id: GoalId) -> Option<&Goal<R, W>> {
+    fn find(&self, goal_id: GoalId) -> Option<&GoalRecord<R, W>> {
         self.goals.iter().find(|goal| goal.info.goal_id == goal_id)
     }
 }
@@ -168,7 +168,7 @@ mod tests {
         assert!(!goals.begin(ids[0], at(9)), "twice");
         assert!(!goals.begin(GoalId::ZERO, at(9)), "no id");
         assert!(!goals.begin(GoalId::new_random(), at(9)), "too many");
-        assert!(goals.end(ids[3], Ended::Aborted, 7).is_some());
+        assert!(goals.end(ids[3], GoalEnd::Aborted, 7).is_some());
         assert!(goals.begin(GoalId::new_random(), at(9)), "room again");
         assert!(!goals.begin(ids[3], at(9)), "it has ended, and is still known");
     }
@@ -176,10 +176,10 @@ mod tests {
     #[test]
     fn what_has_ended_is_forgotten_for_what_is_new() {
         let (mut goals, ids) = goals(1);
-        goals.end(ids[0], Ended::Succeeded, 1);
+        goals.end(ids[0], GoalEnd::Succeeded, 1);
         for _ in 0..KNOWN_MAX {
             let id = GoalId::new_random();
-            assert!(goals.begin(id, at(5)) && goals.end(id, Ended::Succeeded, 1).is_some());
+            assert!(goals.begin(id, at(5)) && goals.end(id, GoalEnd::Succeeded, 1).is_some());
         }
         assert_eq!(goals.goals.len(), KNOWN_MAX);
         assert!(goals.ask(ids[0], 0).is_none());
@@ -189,9 +189,9 @@ mod tests {
     fn a_result_is_given_to_all_who_asked_before_and_to_each_who_asks_after() {
         let (mut goals, ids) = goals(1);
         assert!(goals.ask(ids[0], 1).is_none() && goals.ask(ids[0], 2).is_none());
-        let (status, who) = goals.end(ids[0], Ended::Canceled, 42).expect("it was under way");
+        let (status, who) = goals.end(ids[0], GoalEnd::Canceled, 42).expect("it was under way");
         assert_eq!((status, who), (GoalStatusEnum::Canceled, vec![1, 2]));
-        assert!(goals.end(ids[0], Ended::Succeeded, 43).is_none(), "an end is an end");
+        assert!(goals.end(ids[0], GoalEnd::Succeeded, 43).is_none(), "an end is an end");
         let (status, result, who) = goals.ask(ids[0], 3).expect("known");
         assert_eq!((status, result, who), (GoalStatusEnum::Canceled, 42, 3));
     }
@@ -213,11 +213,11 @@ mod tests {
         assert_eq!((which(&response), new), (ids[..3].to_vec(), ids[..2].to_vec()), "those up to a time");
         let (response, new) = goals.cancel(&ask(GoalId::ZERO, Time::ZERO)).expect("always");
         assert_eq!((which(&response), new), (ids.clone(), vec![ids[3]]), "all");
-        goals.end(ids[0], Ended::Succeeded, 0);
+        goals.end(ids[0], GoalEnd::Succeeded, 0);
         let (response, new) = goals.cancel(&ask(ids[0], Time::ZERO)).expect("known");
         assert_eq!((response.return_code, new.len()), (CancelGoalResponseEnum::GoalTerminated, 0));
         for id in &ids[1..] {
-            goals.end(*id, Ended::Canceled, 0);
+            goals.end(*id, GoalEnd::Canceled, 0);
         }
         let (response, _) = goals.cancel(&ask(GoalId::ZERO, Time::ZERO)).expect("always");
         assert_eq!(response.return_code, CancelGoalResponseEnum::Rejected, "nothing to cancel");

@@ -17,9 +17,9 @@ use ros2_client::QosProfile;
 use ros2_client::action::{ActionClientQosPolicies, ActionServerQosPolicies};
 
 pub use caller::{ActionCaller, GoalError, Outcome};
-pub use goals::Ended;
-pub(crate) use server::RawAction;
-pub use server::{Action, Asked, Goal, Owner, serve_action};
+pub use goals::GoalEnd;
+pub(crate) use server::RawActionServer;
+pub use server::{ActionOffer, ActionOwner, GoalHandle, GoalRequest, serve_action};
 
 use crate::qos;
 

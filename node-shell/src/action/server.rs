@@ -17,10 +17,10 @@ use ros2_client::{ReadError, RmwRequestId};
 use tokio::sync::mpsc;
 use tokio::time::Instant;
 
-use super::goals::{Ended, Goals};
+use super::goals::{GoalEnd, Goals};
 use crate::bytes::{Bytes, exactly};
-use crate::caller::Wire;
-use crate::service::{HOLD, Known};
+use crate::caller::WireMessage;
+use crate::service::{HOLD, KnownClients};
 use crate::subscription::Forward;
 
 /// Most bytes of a goal that are looked at.
@@ -28,63 +28,63 @@ const GOAL_MAX: usize = 16 * 1024;
 /// Answers that are held at once. A flood of new clients loses the oldest.
 const HELD_MAX: usize = 64;
 
-pub(crate) type RawAction<A> =
-    ActionServer<Bytes<GOAL_MAX>, Wire<<A as RosAction>::Result>, Wire<<A as RosAction>::Feedback>>;
+pub(crate) type RawActionServer<A> =
+    ActionServer<Bytes<GOAL_MAX>, WireMessage<<A as RosAction>::Result>, WireMessage<<A as RosAction>::Feedback>>;
 
 /// An action that is offered. Hand it to [`serve_action`].
-pub struct Action<A: RosAction> {
+pub struct ActionOffer<A: RosAction> {
     /// One for each way of asking. The first sends feedback and status.
-    pub(crate) servers: [RawAction<A>; 2],
+    pub(crate) servers: [RawActionServer<A>; 2],
     pub(crate) name: String,
 }
 
 /// What a goal is known by, until it has ended.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, PartialOrd, Ord)]
-pub struct Goal(pub(crate) GoalId);
+pub struct GoalHandle(pub(crate) GoalId);
 
 /// What the owner of an action hears.
 #[derive(Clone, Debug, PartialEq, Eq)]
-pub enum Asked<G> {
+pub enum GoalRequest<G> {
     /// Somebody wants this. It is accepted already; one that is refused is [ended](Owner::end) at once.
-    Goal(Goal, G),
+    Goal(GoalHandle, G),
     /// Somebody no longer wants it. It goes on until it is ended, by whatever it ends with.
-    Cancel(Goal),
+    Cancel(GoalHandle),
 }
 
 /// What the owner says.
-enum Said<A: RosAction> {
-    Feedback(Goal, A::Feedback),
-    End(Goal, Ended, A::Result),
+enum GoalUpdate<A: RosAction> {
+    Feedback(GoalHandle, A::Feedback),
+    End(GoalHandle, GoalEnd, A::Result),
 }
 
 /// The owner's side of an action that is served.
-pub struct Owner<A: RosAction>(mpsc::UnboundedSender<Said<A>>);
+pub struct ActionOwner<A: RosAction>(mpsc::UnboundedSender<GoalUpdate<A>>);
 
-impl<A: RosAction> Owner<A> {
+impl<A: RosAction> ActionOwner<A> {
     /// How far it is. Never waits.
-    pub fn feedback(&self, goal: Goal, feedback: A::Feedback) {
+    pub fn feedback(&self, goal: GoalHandle, feedback: A::Feedback) {
         // Nobody serves it any more: the process is ending.
-        let _ = self.0.send(Said::Feedback(goal, feedback));
+        let _ = self.0.send(GoalUpdate::Feedback(goal, feedback));
     }
 
     /// How it has ended; whoever asks for the result is told. Never waits. Only the first end of a goal counts.
-    pub fn end(&self, goal: Goal, ended: Ended, result: A::Result) {
-        let _ = self.0.send(Said::End(goal, ended, result));
+    pub fn end(&self, goal: GoalHandle, ended: GoalEnd, result: A::Result) {
+        let _ = self.0.send(GoalUpdate::End(goal, ended, result));
     }
 }
 
 /// Who asked, and through which of the two servers.
-type Asker = (usize, RmwRequestId);
+type GoalClient = (usize, RmwRequestId);
 
 /// An answer, ready to be sent.
-enum Answer<A: RosAction> {
+enum EncodedReply<A: RosAction> {
     Goal(SendGoalResponse),
     Cancel(CancelGoalResponse),
     Result(GoalStatusEnum, A::Result),
 }
 
 /// What came in through one of the services.
-enum Request {
+enum ActionRequest {
     Goal(GoalId, Vec<u8>),
     Cancel(CancelGoalRequest),
     Result(GoalId),
@@ -93,18 +93,24 @@ enum Request {
 /// Merges what an action is asked into `to`, as [`serve`](crate::serve) does with services. Must be called inside a tokio
 /// runtime.
 pub fn serve_action<A, U>(
-    action: Action<A>,
+    action: ActionOffer<A>,
     to: mpsc::Sender<U>,
-    mut map: impl FnMut(Asked<A::Goal>) -> U + Send + 'static,
-) -> (Owner<A>, Forward)
+    mut map: impl FnMut(GoalRequest<A::Goal>) -> U + Send + 'static,
+) -> (ActionOwner<A>, Forward)
 where
     A: RosAction,
     U: Send + 'static,
 {
     // Not bounded, but filled by the owner alone, who says a few words for each goal.
     let (owner, mut said) = mpsc::unbounded_channel();
-    let mut serving =
-        Serving { action, goals: Goals::new(), known: Known::new(), held: VecDeque::new(), rejected: 0, turn: 0 };
+    let mut serving = Serving {
+        action,
+        goals: Goals::new(),
+        known: KnownClients::new(),
+        held: VecDeque::new(),
+        rejected: 0,
+        turn: 0,
+    };
     let forward = Forward::spawn(async move {
         serving.publish_status();
         loop {
@@ -136,16 +142,16 @@ where
             tokio::task::yield_now().await;
         }
     });
-    (Owner(owner), forward)
+    (ActionOwner(owner), forward)
 }
 
 /// The task's belongings.
 struct Serving<A: RosAction> {
-    action: Action<A>,
-    goals: Goals<A::Result, Asker>,
-    known: Known,
+    action: ActionOffer<A>,
+    goals: Goals<A::Result, GoalClient>,
+    known: KnownClients,
     /// First answers to a client, held until it can be expected to hear them.
-    held: VecDeque<(Instant, Asker, Answer<A>)>,
+    held: VecDeque<(Instant, GoalClient, EncodedReply<A>)>,
     /// Requests that made no sense to the server that got them.
     rejected: u64,
     /// Which service was looked at last.
@@ -156,7 +162,7 @@ impl<A: RosAction> Serving<A> {
     /// The next request of any service of any server, or a failure of the middleware. They are looked at in turn, so that
     /// a flood of one kind does not keep the others waiting. Between two calls nothing is lost: a request stays with the
     /// middleware until it is taken, and every look leaves word whom to wake.
-    fn poll(&mut self, context: &mut Context<'_>) -> Poll<Result<(Asker, Request), ReadError>> {
+    fn poll(&mut self, context: &mut Context<'_>) -> Poll<Result<(GoalClient, ActionRequest), ReadError>> {
         for _ in 0..SERVICES * self.action.servers.len() {
             self.turn = (self.turn + 1) % (SERVICES * self.action.servers.len());
             let (which, service) = (self.turn / SERVICES, self.turn % SERVICES);
@@ -176,9 +182,9 @@ impl<A: RosAction> Serving<A> {
     }
 
     /// What a request changes, and what the owner has to hear of it.
-    fn take(&mut self, who: Asker, request: Request) -> Vec<Asked<A::Goal>> {
+    fn take(&mut self, who: GoalClient, request: ActionRequest) -> Vec<GoalRequest<A::Goal>> {
         match request {
-            Request::Goal(id, bytes) => {
+            ActionRequest::Goal(id, bytes) => {
                 let Some(goal) = exactly::<A::Goal>(&bytes) else {
                     // Most likely it is meant for the other server.
                     self.reject();
@@ -186,46 +192,46 @@ impl<A: RosAction> Serving<A> {
                 };
                 let stamp = Time::now();
                 let accepted = self.goals.begin(id, stamp);
-                self.answer(who, Answer::Goal(SendGoalResponse { accepted, stamp }));
+                self.answer(who, EncodedReply::Goal(SendGoalResponse { accepted, stamp }));
                 if !accepted {
                     return Vec::new();
                 }
                 self.publish_status();
-                vec![Asked::Goal(Goal(id), goal)]
+                vec![GoalRequest::Goal(GoalHandle(id), goal)]
             }
-            Request::Cancel(request) => {
+            ActionRequest::Cancel(request) => {
                 let Some((response, new)) = goal_info(&request).and_then(|info| self.goals.cancel(&info)) else {
                     self.reject();
                     return Vec::new();
                 };
-                self.answer(who, Answer::Cancel(response));
+                self.answer(who, EncodedReply::Cancel(response));
                 if !new.is_empty() {
                     self.publish_status();
                 }
-                new.into_iter().map(|id| Asked::Cancel(Goal(id))).collect()
+                new.into_iter().map(|id| GoalRequest::Cancel(GoalHandle(id))).collect()
             }
-            Request::Result(id) => {
+            ActionRequest::Result(id) => {
                 if let Some((status, result, who)) = self.goals.ask(id, who) {
-                    self.answer(who, Answer::Result(status, result));
+                    self.answer(who, EncodedReply::Result(status, result));
                 }
                 Vec::new()
             }
         }
     }
 
-    fn hear(&mut self, said: Said<A>) {
+    fn hear(&mut self, said: GoalUpdate<A>) {
         match said {
-            Said::Feedback(Goal(goal_id), feedback) => {
-                let sent = self.action.servers[0].send_feedback(goal_id, Wire(feedback));
+            GoalUpdate::Feedback(GoalHandle(goal_id), feedback) => {
+                let sent = self.action.servers[0].send_feedback(goal_id, WireMessage(feedback));
                 if let Err(error) = sent {
                     tracing::debug!("{}: feedback not sent: {error}", self.action.name);
                 }
             }
-            Said::End(Goal(goal_id), ended, result) => {
+            GoalUpdate::End(GoalHandle(goal_id), ended, result) => {
                 if let Some((status, waiting)) = self.goals.end(goal_id, ended, result.clone()) {
                     self.publish_status();
                     for who in waiting {
-                        self.answer(who, Answer::Result(status, result.clone()));
+                        self.answer(who, EncodedReply::Result(status, result.clone()));
                     }
                 }
             }
@@ -233,7 +239,7 @@ impl<A: RosAction> Serving<A> {
     }
 
     /// A first answer is held, as with services; those that follow it to the same client are not sent before it.
-    fn answer(&mut self, who: Asker, answer: Answer<A>) {
+    fn answer(&mut self, who: GoalClient, answer: EncodedReply<A>) {
         let client = who.1.writer_gid;
         if !self.known.meets(client) && !self.held.iter().any(|(_, (_, id), _)| id.writer_gid == client) {
             self.send(who, answer);
@@ -253,13 +259,13 @@ impl<A: RosAction> Serving<A> {
         }
     }
 
-    fn send(&self, (which, id): Asker, answer: Answer<A>) {
+    fn send(&self, (which, id): GoalClient, answer: EncodedReply<A>) {
         let server = &self.action.servers[which];
         let sent = match answer {
-            Answer::Goal(response) => server.send_goal_response(id, response),
-            Answer::Cancel(response) => server.send_cancel_response(id, response),
-            Answer::Result(status, result) => {
-                server.send_result(id, GetResultResponse { status, result: Wire(result) })
+            EncodedReply::Goal(response) => server.send_goal_response(id, response),
+            EncodedReply::Cancel(response) => server.send_cancel_response(id, response),
+            EncodedReply::Result(status, result) => {
+                server.send_result(id, GetResultResponse { status, result: WireMessage(result) })
             }
         };
         if let Err(error) = sent {
@@ -287,20 +293,20 @@ const SERVICES: usize = 3;
 /// Looks at one service of a server. A future that is dropped while it waits leaves its waker with the reader, so that
 /// looking at the next one does not lose the wake-up of this one.
 fn poll_one<A: RosAction>(
-    server: &mut RawAction<A>,
+    server: &mut RawActionServer<A>,
     service: usize,
     context: &mut Context<'_>,
-) -> Poll<Result<(RmwRequestId, Request), ReadError>> {
+) -> Poll<Result<(RmwRequestId, ActionRequest), ReadError>> {
     match service {
         0 => pin!(server.goal_server().async_receive_request())
             .poll(context)
-            .map(|received| received.map(|(id, request)| (id, Request::Goal(request.goal_id, request.goal.0)))),
+            .map(|received| received.map(|(id, request)| (id, ActionRequest::Goal(request.goal_id, request.goal.0)))),
         1 => pin!(server.cancel_server().async_receive_request())
             .poll(context)
-            .map(|received| received.map(|(id, request)| (id, Request::Cancel(request)))),
+            .map(|received| received.map(|(id, request)| (id, ActionRequest::Cancel(request)))),
         _ => pin!(server.result_server().async_receive_request())
             .poll(context)
-            .map(|received| received.map(|(id, request)| (id, Request::Result(request.goal_id)))),
+            .map(|received| received.map(|(id, request)| (id, ActionRequest::Result(request.goal_id)))),
     }
 }
 

@@ -31,7 +31,7 @@ pub(super) struct Head {
 }
 
 /// What there is at a place of a file.
-pub(super) enum Found {
+pub(super) enum FrameFound {
     /// A frame.
     Whole(Head),
     /// Anything else.
@@ -68,10 +68,10 @@ fn checksum(length: u32, head: &Head, record: &[u8]) -> u32 {
 }
 
 /// Reads the frame at a place of a file of so many bytes; its record goes to `record`.
-pub(super) fn read(file: &File, at: u64, bytes: u64, record: &mut Vec<u8>) -> io::Result<Found> {
+pub(super) fn read(file: &File, at: u64, bytes: u64, record: &mut Vec<u8>) -> io::Result<FrameFound> {
     record.clear();
     let Some(room) = bytes.checked_sub(at).and_then(|rest| rest.checked_sub(HEAD_BYTES)) else {
-        return Ok(Found::Torn);
+        return Ok(FrameFound::Torn);
     };
     let mut head = [0; HEAD_BYTES as usize];
     file.read_exact_at(&mut head, at)?;
@@ -79,13 +79,13 @@ pub(super) fn read(file: &File, at: u64, bytes: u64, record: &mut Vec<u8>) -> io
     let long = |from: usize| u64::from(word(from)) | u64::from(word(from + 4)) << 32;
     let length = word(4);
     if head[..4] != MAGIC || word(24) != 0 || length as usize > RECORD_BYTES_MAX || u64::from(length) > room {
-        return Ok(Found::Torn);
+        return Ok(FrameFound::Torn);
     }
     record.resize(length as usize, 0);
     file.read_exact_at(record, at + HEAD_BYTES)?;
     let found = Head { number: long(8), synced: long(16) };
     let is_whole = found.number < NUMBER_MAX && word(28) == checksum(length, &found, record);
-    Ok(if is_whole { Found::Whole(found) } else { Found::Torn })
+    Ok(if is_whole { FrameFound::Whole(found) } else { FrameFound::Torn })
 }
 
 /// Whether a frame from a place on, where frame `number` should be and is not, says that this was on the disk.
@@ -103,8 +103,8 @@ pub(super) fn is_counted_on(file: &File, at: u64, bytes: u64, number: u64) -> io
             let found = read(file, from + offset as u64, bytes, &mut record)?;
             summed += HEAD_BYTES + record.len() as u64;
             match found {
-                Found::Whole(head) if head.number > number && head.synced >= number => return Ok(true),
-                Found::Whole(_) | Found::Torn => (),
+                FrameFound::Whole(head) if head.number > number && head.synced >= number => return Ok(true),
+                FrameFound::Whole(_) | FrameFound::Torn => (),
             }
             if summed > SUMMED_BYTES_MAX {
                 return Ok(true);

@@ -2,9 +2,9 @@
 //! records, in their order.
 //!
 //! Beside [`crate::Journal`], which replaces one record, this appends: a record is written behind the one before
-//! ([`Log::append`]), and is on the disk after [`Log::sync`]. Whoever speaks of what a record says syncs before. So that a
+//! ([`RecordLog::append`]), and is on the disk after [`RecordLog::sync`]. Whoever speaks of what a record says syncs before. So that a
 //! log does not grow for ever, it begins anew with a *snapshot* of everything that its records have led to
-//! ([`Log::begin_anew`]); what records and snapshots say is their owner's business, here they are bytes.
+//! ([`RecordLog::begin_anew`]); what records and snapshots say is their owner's business, here they are bytes.
 //!
 //! # Files
 //! `PATH.1`, `PATH.2`, …, of which the last counts; each begins with the identity of what the log is about, and the
@@ -28,7 +28,7 @@ use std::path::{Path, PathBuf};
 use thiserror::Error;
 
 pub use frame::RECORD_BYTES_MAX;
-use frame::{Found, Head};
+use frame::{FrameFound, Head};
 
 /// A buffer that was larger is given back.
 const BUFFER_BYTES: usize = 64 * 1024;
@@ -88,7 +88,7 @@ pub enum LogError {
 
 /// What a log says, from its beginning.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
-pub enum Entry<'a> {
+pub enum LogEntry<'a> {
     /// What it is about. It comes first, and is not empty.
     Identity(&'a [u8]),
     /// What all records that are not here any more have led to.
@@ -99,7 +99,7 @@ pub enum Entry<'a> {
 
 /// A log that is open for writing.
 #[derive(Debug)]
-pub struct Log {
+pub struct RecordLog {
     path: PathBuf,
     identity: Vec<u8>,
     segment: u64,
@@ -116,7 +116,7 @@ pub struct Log {
     _lock: File,
 }
 
-impl Log {
+impl RecordLog {
     /// Opens the log at `path`, or begins one about `identity`, and gives everything in it to `read`; how many bytes of a
     /// torn end were cut off. A log that exists keeps its identity: `read` is to refuse one that it does not like.
     ///
@@ -125,7 +125,7 @@ impl Log {
     pub fn open(
         path: &Path,
         identity: &[u8],
-        mut read: impl FnMut(Entry<'_>) -> Result<(), String>,
+        mut read: impl FnMut(LogEntry<'_>) -> Result<(), String>,
     ) -> Result<(Self, u64), LogError> {
         let lock = file::lock(path)?;
         let (identity, segment, file, opened) = match file::newest(path)? {
@@ -146,7 +146,7 @@ impl Log {
         };
         file::tidy(path, segment)?;
         let Opened { end, next, cut, .. } = opened;
-        let mut log = Log {
+        let mut log = RecordLog {
             path: path.to_owned(),
             identity,
             segment,
@@ -168,7 +168,7 @@ impl Log {
     ///
     /// # Errors
     /// When there is none, or it cannot be read; when something on the disk is damaged; what `read` refuses.
-    pub fn read(path: &Path, mut read: impl FnMut(Entry<'_>) -> Result<(), String>) -> Result<(), LogError> {
+    pub fn read(path: &Path, mut read: impl FnMut(LogEntry<'_>) -> Result<(), String>) -> Result<(), LogError> {
         loop {
             let Some(segment) = file::newest(path)? else { return Err(at(path, io::ErrorKind::NotFound.into())) };
             let name = file::name(path, segment);
@@ -181,7 +181,7 @@ impl Log {
         }
     }
 
-    /// Writes records behind all others, in one go. They are kept if the process is killed, and after [`Log::sync`] if the
+    /// Writes records behind all others, in one go. They are kept if the process is killed, and after [`RecordLog::sync`] if the
     /// power goes.
     ///
     /// # Errors
@@ -268,7 +268,7 @@ struct Opened {
 fn read_all(
     file: &File,
     name: &Path,
-    read: &mut impl FnMut(Entry<'_>) -> Result<(), String>,
+    read: &mut impl FnMut(LogEntry<'_>) -> Result<(), String>,
 ) -> Result<Opened, LogError> {
     let failed = |error| at(name, error);
     let bytes = file.metadata().map_err(failed)?.len();
@@ -276,10 +276,10 @@ fn read_all(
     let (mut position, mut record) = (0_u64, Vec::new());
     while opened.end < bytes {
         let head = match frame::read(file, opened.end, bytes, &mut record).map_err(failed)? {
-            Found::Whole(head) if position == 0 || head.number == opened.next => head,
+            FrameFound::Whole(head) if position == 0 || head.number == opened.next => head,
             // The first two were on the disk before the file had its name.
-            Found::Whole(_) | Found::Torn if position < 2 => break,
-            Found::Whole(_) | Found::Torn => {
+            FrameFound::Whole(_) | FrameFound::Torn if position < 2 => break,
+            FrameFound::Whole(_) | FrameFound::Torn => {
                 if frame::is_counted_on(file, opened.end, bytes, opened.next).map_err(failed)? {
                     return Err(LogError::Damaged { path: name.to_owned(), offset: opened.end });
                 }
@@ -290,10 +290,10 @@ fn read_all(
         let entry = match position {
             0 => {
                 opened.identity = record.clone();
-                Some(Entry::Identity(&record))
+                Some(LogEntry::Identity(&record))
             }
-            1 => (!record.is_empty()).then_some(Entry::Snapshot(&record)),
-            _ => Some(Entry::Record(&record)),
+            1 => (!record.is_empty()).then_some(LogEntry::Snapshot(&record)),
+            _ => Some(LogEntry::Record(&record)),
         };
         let refused = |why| LogError::Refused { path: name.to_owned(), offset: opened.end, why };
         entry.map_or(Ok(()), &mut *read).map_err(refused)?;

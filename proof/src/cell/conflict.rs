@@ -10,13 +10,13 @@
 //! stations may stand in the midst of their tasks.
 
 use linewright_line::{Line, Span};
-use linewright_nets::explicit::{Limits, find};
+use linewright_nets::explicit::{ExplorationLimits, find};
 
-use super::group::{Group, groups};
-use super::story::{Story, tell};
+use super::counterexample::{CellPath, tell};
+use super::group::{ResourceGroup, groups};
 use super::verdict::limit_in_words;
 use super::words::moved;
-use super::{Detail, Nets, NotExplorable, Property, Setting, Verdict};
+use super::{CellExploration, CellNotExplorable, CellProperty, Detail, Nets, Verdict};
 
 /// What is asked.
 pub const APART: &str = "tasks in conflict are never under way at once";
@@ -32,7 +32,7 @@ struct Ordering<'n> {
 ///
 /// # Errors
 /// When there is no net to explore.
-pub fn check_conflicts(setting: &Setting<'_>, line: &Line) -> Result<Vec<Property>, NotExplorable> {
+pub fn check_conflicts(setting: &CellExploration<'_>, line: &Line) -> Result<Vec<CellProperty>, CellNotExplorable> {
     let conflicts: Vec<_> = line.conflicts.iter().filter(|conflict| line.is_of_tasks(conflict)).collect();
     if conflicts.is_empty() {
         return Ok(Vec::new());
@@ -44,23 +44,24 @@ pub fn check_conflicts(setting: &Setting<'_>, line: &Line) -> Result<Vec<Propert
     }
     let nets = Nets::of(setting, Detail::Coordination)?;
     let groups = groups(&nets);
-    let search = Search { nets: &nets, groups: &groups, line, wip_max: cell.limits.wip_max, limits: &setting.limits };
+    let search =
+        ConflictSearch { nets: &nets, groups: &groups, line, wip_max: cell.limits.wip_max, limits: &setting.limits };
     Ok(conflicts.iter().map(|conflict| search.judge(&conflict.why, [&conflict.a, &conflict.b])).collect())
 }
 
-fn property(verdict: Verdict, reason: String, counterexample: Option<Story>) -> Property {
-    Property { name: APART, verdict, reason, help: None, counterexample }
+fn property(verdict: Verdict, reason: String, counterexample: Option<CellPath>) -> CellProperty {
+    CellProperty { name: APART, verdict, reason, help: None, counterexample }
 }
 
-struct Search<'s> {
+struct ConflictSearch<'s> {
     nets: &'s Nets<'s>,
-    groups: &'s [Group],
+    groups: &'s [ResourceGroup],
     line: &'s Line,
     wip_max: u32,
-    limits: &'s Limits,
+    limits: &'s ExplorationLimits,
 }
 
-impl Search<'_> {
+impl ConflictSearch<'_> {
     /// The transitions of activities that order a task.
     fn orders(&self, span: &Span) -> Vec<Ordering<'_>> {
         let station = self.line.station(span.station);
@@ -82,7 +83,7 @@ impl Search<'_> {
         found
     }
 
-    fn judge(&self, why: &str, spans: [&Span; 2]) -> Property {
+    fn judge(&self, why: &str, spans: [&Span; 2]) -> CellProperty {
         let [a, b] = spans.map(|span| self.orders(span));
         let name = |span: &Span| {
             let station = self.line.station(span.station);
@@ -140,7 +141,7 @@ impl Search<'_> {
                 "`{}` and `{}` have no resource in common, and {names} may be under way at once: {why}",
                 a.activity, b.activity
             );
-            let story = Story { steps: Vec::new(), end, resources: Vec::new() };
+            let story = CellPath { steps: Vec::new(), end, resources: Vec::new() };
             return property(Verdict::Fails, format!("{why}: nothing joins the two"), Some(story));
         }
         match open {

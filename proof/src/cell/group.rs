@@ -4,8 +4,8 @@
 //! it follows from the others and holds nobody up.
 
 use linewright_cell::ResourceId;
-use linewright_cell::net::Meaning;
-use linewright_nets::explicit::View;
+use linewright_cell::net::PlaceMeaning;
+use linewright_nets::explicit::MarkingView;
 use linewright_nets::{Net, NetBuilder, PlaceId, TransitionId};
 use petgraph::unionfind::UnionFind;
 use rustc_hash::FxHashMap;
@@ -14,7 +14,7 @@ use super::Nets;
 
 /// Places and transitions that hang together without what all have in common.
 #[derive(Debug)]
-pub(super) struct Group {
+pub(super) struct ResourceGroup {
     /// Places of the long net; those of the group's own net are in the same order, with two more behind them.
     pub places: Vec<PlaceId>,
     /// Transitions of the long net, in the same order.
@@ -29,9 +29,9 @@ pub(super) struct Group {
 }
 
 /// The groups of a net, by their first place. What takes part in nothing is in none.
-pub(super) fn groups(nets: &Nets<'_>) -> Vec<Group> {
+pub(super) fn groups(nets: &Nets<'_>) -> Vec<ResourceGroup> {
     let long = nets.long.net();
-    let is_common = |place: PlaceId| nets.meaning(place) == Meaning::Admission;
+    let is_common = |place: PlaceId| nets.meaning(place) == PlaceMeaning::Admission;
     let mut together = UnionFind::<usize>::new(long.place_count());
     for t in long.transitions() {
         let mut own = around(long, t).filter(|&place| !is_common(place));
@@ -39,18 +39,18 @@ pub(super) fn groups(nets: &Nets<'_>) -> Vec<Group> {
             own.for_each(|place| _ = together.union(first.index(), place.index()));
         }
     }
-    let mut groups: FxHashMap<usize, Group> = FxHashMap::default();
+    let mut groups: FxHashMap<usize, ResourceGroup> = FxHashMap::default();
     for t in long.transitions() {
         let Some(first) = around(long, t).find(|&place| !is_common(place)) else { continue };
         let root = together.find(first.index());
-        groups.entry(root).or_insert_with(Group::nothing).transitions.push(t);
+        groups.entry(root).or_insert_with(ResourceGroup::nothing).transitions.push(t);
     }
     for place in long.places().filter(|&place| !is_common(place)) {
         if let Some(group) = groups.get_mut(&together.find(place.index())) {
             group.places.push(place);
         }
     }
-    let mut groups: Vec<Group> = groups.into_values().collect();
+    let mut groups: Vec<ResourceGroup> = groups.into_values().collect();
     groups.iter_mut().for_each(|group| group.complete(nets));
     groups.sort_by_key(|group| group.places.first().copied());
     groups
@@ -61,9 +61,9 @@ fn around(net: &Net, t: TransitionId) -> impl Iterator<Item = PlaceId> + '_ {
     net.preset(t).iter().chain(net.postset(t)).map(|&(place, _)| place)
 }
 
-impl Group {
-    fn nothing() -> Group {
-        Group {
+impl ResourceGroup {
+    fn nothing() -> ResourceGroup {
+        ResourceGroup {
             places: Vec::new(),
             transitions: Vec::new(),
             sides: Vec::new(),
@@ -128,13 +128,13 @@ impl Group {
         b.build().ok()
     }
 
-    /// What a transition takes, by its place in [`Group::transitions`].
+    /// What a transition takes, by its place in [`ResourceGroup::transitions`].
     pub fn takes(&self, transition: usize) -> &[(PlaceId, u32)] {
         &self.sides[transition][0]
     }
 
     /// Whether parts are inside and nothing can happen but that others come: then those inside stay for good.
-    pub fn is_stuck(&self, view: View<'_>) -> bool {
+    pub fn is_stuck(&self, view: MarkingView<'_>) -> bool {
         let enabled = |takes: &[(PlaceId, u32)]| takes.iter().all(|&(place, weight)| view.tokens(place) >= weight);
         let comes = |takes: &[(PlaceId, u32)]| takes.iter().any(|&(place, _)| place == self.admission());
         view.tokens(self.inside()) > 0 && !self.sides.iter().any(|[takes, _]| !comes(takes) && enabled(takes))
@@ -143,7 +143,7 @@ impl Group {
 
 impl Nets<'_> {
     /// What a place of the long net stands for.
-    pub(super) fn meaning(&self, place: PlaceId) -> Meaning {
+    pub(super) fn meaning(&self, place: PlaceId) -> PlaceMeaning {
         self.net.meaning(self.long.cell(self.net.net(), place).place)
     }
 }

@@ -20,31 +20,31 @@
 //! Time stands still here, and nothing breaks; what does is for the one who plays the net.
 
 mod conflict;
+mod counterexample;
 mod group;
 mod play;
 pub mod protocol;
 pub mod recovery;
-mod story;
 mod verdict;
 mod words;
 
 use linewright_cell::Cell;
 use linewright_cell::net::{CellNet, Detail, Supply, net};
 use linewright_nets::coloured::{ColouredError, Colours, UnfoldError, Unfolding, unfold};
-pub use linewright_nets::explicit::Limits;
+pub use linewright_nets::explicit::ExplorationLimits;
 use thiserror::Error;
 
 pub use crate::explore::Verdict;
 pub use conflict::{APART, check_conflicts};
-pub use story::{Holding, Story, Waiting};
-pub use verdict::{Checked, Explored, Property};
+pub use counterexample::{CellPath, Holding, WaitingPart};
+pub use verdict::{CellProperty, Checked, GroupExplored};
 
 /// At most so many places and transitions of the ordinary net: a thousand resources need a tenth of it.
 const NODES_MAX: usize = 1_000_000;
 
 /// What is explored, and how far.
 #[derive(Clone, Debug)]
-pub struct Setting<'c> {
+pub struct CellExploration<'c> {
     /// The cell.
     pub cell: &'c Cell,
     /// How much of an activity is to be seen. The answers are the same, the numbers of states are not.
@@ -52,19 +52,19 @@ pub struct Setting<'c> {
     /// Of each part type at most so many, in their order; none for any mix.
     pub parts: Option<Vec<u32>>,
     /// Of each search.
-    pub limits: Limits,
+    pub limits: ExplorationLimits,
 }
 
-impl<'c> Setting<'c> {
+impl<'c> CellExploration<'c> {
     /// Any mix of parts, in whole activities.
     pub fn new(cell: &'c Cell) -> Self {
-        Setting { cell, detail: Detail::Coordination, parts: None, limits: Limits::default() }
+        CellExploration { cell, detail: Detail::Coordination, parts: None, limits: ExplorationLimits::default() }
     }
 }
 
 /// Why a cell cannot be explored at all.
 #[derive(Clone, Debug, PartialEq, Eq, Error)]
-pub enum NotExplorable {
+pub enum CellNotExplorable {
     /// Too large for a net.
     #[error("the cell has no net: {}", .0.iter().map(ToString::to_string).collect::<Vec<_>>().join("; "))]
     Net(Vec<ColouredError>),
@@ -81,10 +81,10 @@ pub(crate) struct Nets<'c> {
 }
 
 impl<'c> Nets<'c> {
-    fn of(setting: &Setting<'c>, detail: Detail) -> Result<Self, NotExplorable> {
+    fn of(setting: &CellExploration<'c>, detail: Detail) -> Result<Self, CellNotExplorable> {
         let cell = setting.cell;
         let supply = setting.parts.as_deref().map_or(Supply::Open, Supply::Closed);
-        let net = net(cell, detail, supply).map_err(NotExplorable::Net)?;
+        let net = net(cell, detail, supply).map_err(CellNotExplorable::Net)?;
         let long = unfold(net.net(), Colours::Reachable, NODES_MAX)?;
         Ok(Nets { cell, net, long })
     }
@@ -94,7 +94,7 @@ impl<'c> Nets<'c> {
 ///
 /// # Errors
 /// When there is no net to explore.
-pub fn check(setting: &Setting<'_>) -> Result<Checked, NotExplorable> {
+pub fn check(setting: &CellExploration<'_>) -> Result<Checked, CellNotExplorable> {
     let cell = setting.cell;
     let nets = Nets::of(setting, setting.detail)?;
     let groups = group::groups(&nets);

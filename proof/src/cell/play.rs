@@ -1,13 +1,15 @@
 //! How many parts a group can take: sound, stuck, without an end, or too much to be seen.
 
 use linewright_nets::Marking;
-use linewright_nets::explicit::{Cause, Facts, Found, Limits, Undecided, decide, find, find_marking};
+use linewright_nets::explicit::{
+    ExplorationLimit, ExplorationLimits, ExplorationUndecided, NetFacts, WitnessMarking, decide, find, find_marking,
+};
 
-use super::group::Group;
+use super::group::ResourceGroup;
 
 /// What was found of a group.
 #[derive(Debug)]
-pub(super) struct Play {
+pub(super) struct GroupSearch {
     /// With up to so many parts at a time, everything was seen and nothing is wrong.
     pub sound: u32,
     /// Of the largest sound search; where something is wrong, of the smallest in which it is.
@@ -15,7 +17,7 @@ pub(super) struct Play {
     /// By transition, whether it was seen to fire.
     pub fires: Vec<bool>,
     /// What comes with one part more.
-    pub end: End,
+    pub end: Excess,
 }
 
 /// How large a search was.
@@ -29,29 +31,33 @@ pub(super) struct Size {
 
 /// What comes with more parts than are sound.
 #[derive(Debug)]
-pub(super) enum End {
+pub(super) enum Excess {
     /// No more are let in, or none fit.
     Sound,
     /// Parts stay where they are for good; with a shortest way there.
-    Stuck(Found),
+    Stuck(WitnessMarking),
     /// Something can always move, and yet the cell cannot become empty from here; with a shortest way there.
-    Endless(Found),
+    Endless(WitnessMarking),
     /// As one of the two, but to find a way there took more than was allowed.
-    Wrong(Undecided),
+    Wrong(ExplorationUndecided),
     /// It could not be seen to the end.
-    Limit(Undecided),
+    Limit(ExplorationUndecided),
 }
 
 /// The smallest number of parts that is not known to be sound, and why.
 enum Bad {
     Wrong(Marking, Size),
-    Limit(Undecided),
+    Limit(ExplorationUndecided),
 }
 
 /// Tries numbers of parts upwards, in growing steps, and between the last two until they are neighbours.
-pub(super) fn play(group: &Group, wip_max: u32, limits: &Limits) -> Play {
-    let mut play =
-        Play { sound: 0, size: Size::default(), fires: vec![false; group.transitions.len()], end: End::Sound };
+pub(super) fn play(group: &ResourceGroup, wip_max: u32, limits: &ExplorationLimits) -> GroupSearch {
+    let mut play = GroupSearch {
+        sound: 0,
+        size: Size::default(),
+        fires: vec![false; group.transitions.len()],
+        end: Excess::Sound,
+    };
     let mut bad: Option<(u32, Bad)> = None;
     let mut parts = 1;
     loop {
@@ -77,8 +83,8 @@ pub(super) fn play(group: &Group, wip_max: u32, limits: &Limits) -> Play {
         };
     }
     play.end = match bad {
-        None => End::Sound,
-        Some((_, Bad::Limit(why))) => End::Limit(why),
+        None => Excess::Sound,
+        Some((_, Bad::Limit(why))) => Excess::Limit(why),
         Some((_, Bad::Wrong(marking, size))) => {
             play.size = size;
             wrong(group, size.parts, &marking, limits)
@@ -87,7 +93,7 @@ pub(super) fn play(group: &Group, wip_max: u32, limits: &Limits) -> Play {
     play
 }
 
-fn once(group: &Group, parts: u32, limits: &Limits) -> Result<Facts, Undecided> {
+fn once(group: &ResourceGroup, parts: u32, limits: &ExplorationLimits) -> Result<NetFacts, ExplorationUndecided> {
     match group.net(parts) {
         Some(net) => decide(&net, limits),
         None => Err(no_net(limits)),
@@ -95,20 +101,20 @@ fn once(group: &Group, parts: u32, limits: &Limits) -> Result<Facts, Undecided> 
 }
 
 /// A net of that size could not be made.
-fn no_net(limits: &Limits) -> Undecided {
-    Undecided { states: 0, cause: Cause::States { limit: limits.states } }
+fn no_net(limits: &ExplorationLimits) -> ExplorationUndecided {
+    ExplorationUndecided { states: 0, cause: ExplorationLimit::States { limit: limits.states } }
 }
 
 /// A shortest way to where parts are stuck; or, if they never are, to where there is no way back from.
-fn wrong(group: &Group, parts: u32, no_return: &Marking, limits: &Limits) -> End {
-    let Some(net) = group.net(parts) else { return End::Wrong(no_net(limits)) };
+fn wrong(group: &ResourceGroup, parts: u32, no_return: &Marking, limits: &ExplorationLimits) -> Excess {
+    let Some(net) = group.net(parts) else { return Excess::Wrong(no_net(limits)) };
     match find(&net, limits, |view| group.is_stuck(view)) {
-        Ok(Some(found)) => End::Stuck(found),
+        Ok(Some(found)) => Excess::Stuck(found),
         Ok(None) => match find_marking(&net, limits, no_return) {
-            Ok(Some(found)) => End::Endless(found),
-            Ok(None) => End::Endless(Found { marking: no_return.clone(), path: Vec::new() }),
-            Err(why) => End::Wrong(why),
+            Ok(Some(found)) => Excess::Endless(found),
+            Ok(None) => Excess::Endless(WitnessMarking { marking: no_return.clone(), path: Vec::new() }),
+            Err(why) => Excess::Wrong(why),
         },
-        Err(why) => End::Wrong(why),
+        Err(why) => Excess::Wrong(why),
     }
 }

@@ -11,12 +11,12 @@ use std::collections::BTreeMap;
 
 use linewright_cell::Cell;
 use linewright_cell::net::Supply;
-use linewright_coordinator_cell::described::{Pace, RecoveryNet, described, recovery_net};
+use linewright_coordinator_cell::compile::{OrderTiming, RecoveryNet, compile_cell, recovery_net};
 use linewright_line::Line;
-use linewright_nets::semiflows::{Flow, Limits, place_flow_basis, place_semiflows};
+use linewright_nets::semiflows::{BasisFlow, SemiflowLimits, place_flow_basis, place_semiflows};
 use linewright_nets::{Net, NetBuilder, PlaceId, TransitionId};
 
-use super::{Property, Verdict};
+use super::{CellProperty, Verdict};
 
 /// What is asked.
 pub const BACK: &str = "what fails leads back to the normal net";
@@ -26,9 +26,9 @@ pub const KEPT: &str = "no failure and no recovery loses a token";
 pub const BOUNDED: &str = "with what fails the net is bounded";
 
 /// What the structure of a cell's net with error places says; nothing of a cell that is not played.
-pub fn check_recovery(cell: &Cell, line: Option<&Line>) -> Vec<Property> {
-    let pace = Pace { refresh: std::time::Duration::from_secs(1), grace: std::time::Duration::from_secs(1) };
-    let Ok(made) = described(cell, line, Supply::Open, pace) else { return Vec::new() };
+pub fn check_recovery(cell: &Cell, line: Option<&Line>) -> Vec<CellProperty> {
+    let pace = OrderTiming { refresh: std::time::Duration::from_secs(1), grace: std::time::Duration::from_secs(1) };
+    let Ok(made) = compile_cell(cell, line, Supply::Open, pace) else { return Vec::new() };
     match recovery_net(&cell.name, &made.table) {
         Ok(net) => judge(&net),
         Err(why) => {
@@ -38,12 +38,12 @@ pub fn check_recovery(cell: &Cell, line: Option<&Line>) -> Vec<Property> {
     }
 }
 
-fn property(name: &'static str, verdict: Verdict, reason: String) -> Property {
-    Property { name, verdict, reason, help: None, counterexample: None }
+fn property(name: &'static str, verdict: Verdict, reason: String) -> CellProperty {
+    CellProperty { name, verdict, reason, help: None, counterexample: None }
 }
 
 /// The same of any such net.
-pub fn judge(net: &RecoveryNet) -> Vec<Property> {
+pub fn judge(net: &RecoveryNet) -> Vec<CellProperty> {
     vec![leads_back(net), keeps(net), is_bounded(&net.net)]
 }
 
@@ -51,7 +51,7 @@ fn error_places(net: &RecoveryNet) -> impl Iterator<Item = PlaceId> + '_ {
     net.errors.iter().flat_map(|part| [Some(part.failed), Some(part.asked), part.carried]).flatten()
 }
 
-fn leads_back(net: &RecoveryNet) -> Property {
+fn leads_back(net: &RecoveryNet) -> CellProperty {
     let long = &net.net;
     // How far each error place is from the normal net, as far as that is known.
     let mut far: BTreeMap<PlaceId, Option<u32>> = error_places(net).map(|place| (place, None)).collect();
@@ -97,7 +97,7 @@ fn normal(net: &RecoveryNet) -> Option<Net> {
     b.build().ok()
 }
 
-fn keeps(net: &RecoveryNet) -> Property {
+fn keeps(net: &RecoveryNet) -> CellProperty {
     let long = &net.net;
     let basis = match normal(net).map(|normal| place_flow_basis(&normal)) {
         Some(Ok(basis)) => basis,
@@ -110,7 +110,7 @@ fn keeps(net: &RecoveryNet) -> Property {
         let all = [Some(part.failed), Some(part.asked), part.carried];
         stands_for.extend(all.into_iter().flatten().map(|place| (place, part.busy)));
     }
-    let is_normal = |flow: &&Flow<PlaceId>| flow.entries.iter().all(|(place, _)| !stands_for.contains_key(place));
+    let is_normal = |flow: &&BasisFlow<PlaceId>| flow.entries.iter().all(|(place, _)| !stands_for.contains_key(place));
     let flows: Vec<BTreeMap<PlaceId, i64>> =
         basis.iter().filter(is_normal).map(|flow| flow.entries.iter().copied().collect()).collect();
     let weight = |flow: &BTreeMap<PlaceId, i64>, place: PlaceId| {
@@ -132,8 +132,8 @@ fn keeps(net: &RecoveryNet) -> Property {
     }
 }
 
-fn is_bounded(net: &Net) -> Property {
-    match place_semiflows(net, &Limits::default()) {
+fn is_bounded(net: &Net) -> CellProperty {
+    match place_semiflows(net, &SemiflowLimits::default()) {
         Ok(flows) => match flows.uncovered(net).next() {
             None => {
                 let reason = format!("all {} places, by {} sums", net.place_count(), flows.all().len());

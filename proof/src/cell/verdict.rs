@@ -1,19 +1,19 @@
 //! What the searches of all groups say about the cell.
 
 use linewright_cell::{Cell, StageId};
-use linewright_nets::explicit::{Cause, Undecided};
+use linewright_nets::explicit::{ExplorationLimit, ExplorationUndecided};
 use rustc_hash::FxHashSet;
 
-use super::group::Group;
-use super::play::{End, Play, Size};
-use super::story::{Story, tell};
+use super::counterexample::{CellPath, tell};
+use super::group::ResourceGroup;
+use super::play::{Excess, GroupSearch, Size};
 use super::words::moved;
-use super::{Nets, Setting};
+use super::{CellExploration, Nets};
 use crate::explore::Verdict;
 
 /// One property of the cell.
 #[derive(Clone, Debug, PartialEq, Eq)]
-pub struct Property {
+pub struct CellProperty {
     /// What was asked.
     pub name: &'static str,
     /// The answer.
@@ -23,12 +23,12 @@ pub struct Property {
     /// What can be done about it, where that is known.
     pub help: Option<String>,
     /// How it comes to be, where it fails.
-    pub counterexample: Option<Story>,
+    pub counterexample: Option<CellPath>,
 }
 
 /// One group of resources and what was seen of it.
 #[derive(Clone, Debug, PartialEq, Eq)]
-pub struct Explored {
+pub struct GroupExplored {
     /// The resources' names.
     pub resources: Vec<String>,
     /// With so many parts in the cell at a time; the figures are those of this search. None came to an end if it is 0.
@@ -49,9 +49,9 @@ pub struct Explored {
 #[derive(Clone, Debug, PartialEq, Eq)]
 pub struct Checked {
     /// Group by group.
-    pub groups: Vec<Explored>,
+    pub groups: Vec<GroupExplored>,
     /// One by one.
-    pub properties: Vec<Property>,
+    pub properties: Vec<CellProperty>,
     /// With so many parts at a time nothing is wrong in any group.
     pub sound: u32,
 }
@@ -70,7 +70,12 @@ pub(super) const FINISHED: &str = "every part can always be finished and leave";
 /// Of the third.
 pub(super) const HAPPENS: &str = "everything described can happen";
 
-pub(super) fn judge(setting: &Setting<'_>, nets: &Nets<'_>, groups: &[Group], plays: &[Play]) -> Checked {
+pub(super) fn judge(
+    setting: &CellExploration<'_>,
+    nets: &Nets<'_>,
+    groups: &[ResourceGroup],
+    plays: &[GroupSearch],
+) -> Checked {
     let summary = Summary::new(setting.cell, groups, plays);
     Checked {
         groups: groups.iter().zip(plays).map(|(group, play)| explored(setting.cell, group, play)).collect(),
@@ -83,29 +88,29 @@ pub(super) fn judge(setting: &Setting<'_>, nets: &Nets<'_>, groups: &[Group], pl
     }
 }
 
-fn explored(cell: &Cell, group: &Group, play: &Play) -> Explored {
+fn explored(cell: &Cell, group: &ResourceGroup, play: &GroupSearch) -> GroupExplored {
     let Size { parts, states, arcs, bytes } = play.size;
-    Explored {
+    GroupExplored {
         resources: group.resources.iter().map(|&id| cell.resource(id).name.clone()).collect(),
         parts,
         states,
         arcs,
         bytes,
         sound: play.sound,
-        exhausted: !matches!(play.end, End::Limit(_)),
+        exhausted: !matches!(play.end, Excess::Limit(_)),
     }
 }
 
 /// All groups together.
 struct Summary<'p> {
     cell: &'p Cell,
-    all: Vec<(&'p Group, &'p Play)>,
+    all: Vec<(&'p ResourceGroup, &'p GroupSearch)>,
     sound: u32,
     states: u64,
 }
 
 impl<'p> Summary<'p> {
-    fn new(cell: &'p Cell, groups: &'p [Group], plays: &'p [Play]) -> Self {
+    fn new(cell: &'p Cell, groups: &'p [ResourceGroup], plays: &'p [GroupSearch]) -> Self {
         Summary {
             cell,
             all: groups.iter().zip(plays).collect(),
@@ -115,36 +120,36 @@ impl<'p> Summary<'p> {
     }
 
     /// The first group that could not be seen to the end, by how far it was.
-    fn limit(&self) -> Option<(u32, &'p Undecided)> {
+    fn limit(&self) -> Option<(u32, &'p ExplorationUndecided)> {
         let open = self.all.iter().filter_map(|(_, play)| match &play.end {
-            End::Limit(why) => Some((play.sound, why)),
-            End::Sound | End::Stuck(_) | End::Endless(_) | End::Wrong(_) => None,
+            Excess::Limit(why) => Some((play.sound, why)),
+            Excess::Sound | Excess::Stuck(_) | Excess::Endless(_) | Excess::Wrong(_) => None,
         });
         open.min_by_key(|(sound, _)| *sound)
     }
 
     /// Where something is wrong with the fewest parts.
-    fn worst(&self) -> Option<(&'p Group, &'p Play)> {
-        let is_wrong = |play: &Play| match play.end {
-            End::Stuck(_) | End::Endless(_) | End::Wrong(_) => true,
-            End::Sound | End::Limit(_) => false,
+    fn worst(&self) -> Option<(&'p ResourceGroup, &'p GroupSearch)> {
+        let is_wrong = |play: &GroupSearch| match play.end {
+            Excess::Stuck(_) | Excess::Endless(_) | Excess::Wrong(_) => true,
+            Excess::Sound | Excess::Limit(_) => false,
         };
         self.all.iter().copied().filter(|(_, play)| is_wrong(play)).min_by_key(|(_, play)| play.sound)
     }
 
-    fn stuck(&self, nets: &Nets<'_>) -> Property {
+    fn stuck(&self, nets: &Nets<'_>) -> CellProperty {
         let stuck = self.all.iter().filter_map(|(group, play)| match &play.end {
-            End::Stuck(found) => Some((group, play, found)),
-            End::Sound | End::Endless(_) | End::Wrong(_) | End::Limit(_) => None,
+            Excess::Stuck(found) => Some((group, play, found)),
+            Excess::Sound | Excess::Endless(_) | Excess::Wrong(_) | Excess::Limit(_) => None,
         });
         if let Some((group, play, found)) = stuck.min_by_key(|(_, play, _)| play.sound) {
             let story = tell(nets, group, found, "nothing of this moves any more, whatever else comes");
             return self.failed(STUCK, play, Some(story));
         }
         let open = self.all.iter().find_map(|(_, play)| match &play.end {
-            End::Wrong(why) => Some(format!("not looked for to the end: {}", limit_in_words(why))),
-            End::Endless(_) => Some(format!("not met with up to {}", with_parts(play.size.parts))),
-            End::Sound | End::Stuck(_) | End::Limit(_) => None,
+            Excess::Wrong(why) => Some(format!("not looked for to the end: {}", limit_in_words(why))),
+            Excess::Endless(_) => Some(format!("not met with up to {}", with_parts(play.size.parts))),
+            Excess::Sound | Excess::Stuck(_) | Excess::Limit(_) => None,
         });
         match (open, self.limit()) {
             (Some(reason), _) => property(STUCK, Verdict::Undecided, reason),
@@ -153,7 +158,7 @@ impl<'p> Summary<'p> {
         }
     }
 
-    fn finished(&self, nets: &Nets<'_>) -> Property {
+    fn finished(&self, nets: &Nets<'_>) -> CellProperty {
         let Some((group, play)) = self.worst() else {
             return match self.limit() {
                 Some(limit) => property(FINISHED, Verdict::Undecided, undecided(limit)),
@@ -161,17 +166,17 @@ impl<'p> Summary<'p> {
             };
         };
         match &play.end {
-            End::Endless(found) => {
+            Excess::Endless(found) => {
                 let end = "something can still move, but never again will all that is here be finished";
                 self.failed(FINISHED, play, Some(tell(nets, group, found, end)))
             }
             // Told already.
-            End::Stuck(_) => Property {
+            Excess::Stuck(_) => CellProperty {
                 help: None,
                 reason: format!("not those that are stuck, with {}", with_parts(play.size.parts)),
                 ..self.failed(FINISHED, play, None)
             },
-            End::Sound | End::Wrong(_) | End::Limit(_) => self.failed(FINISHED, play, None),
+            Excess::Sound | Excess::Wrong(_) | Excess::Limit(_) => self.failed(FINISHED, play, None),
         }
     }
 
@@ -179,7 +184,7 @@ impl<'p> Summary<'p> {
         format!("in all {} states, with up to {}", self.states, with_parts(self.cell.limits.wip_max))
     }
 
-    fn failed(&self, name: &'static str, play: &Play, story: Option<Story>) -> Property {
+    fn failed(&self, name: &'static str, play: &GroupSearch, story: Option<CellPath>) -> CellProperty {
         let parts = play.size.parts;
         let after = story.as_ref().map(|story| format!(", after {} steps", story.steps.len())).unwrap_or_default();
         let below = match parts - 1 {
@@ -187,7 +192,7 @@ impl<'p> Summary<'p> {
             below => format!("; with up to {below} it holds"),
         };
         let reason = format!("not with {}{after}{below}", with_parts(parts));
-        Property { name, verdict: Verdict::Fails, reason, help: self.help(), counterexample: story }
+        CellProperty { name, verdict: Verdict::Fails, reason, help: self.help(), counterexample: story }
     }
 
     /// What to change in the description.
@@ -201,15 +206,15 @@ impl<'p> Summary<'p> {
     }
 }
 
-fn property(name: &'static str, verdict: Verdict, reason: String) -> Property {
-    Property { name, verdict, reason, help: None, counterexample: None }
+fn property(name: &'static str, verdict: Verdict, reason: String) -> CellProperty {
+    CellProperty { name, verdict, reason, help: None, counterexample: None }
 }
 
 fn with_parts(parts: u32) -> String {
     if parts == 1 { "1 part in the cell".to_owned() } else { format!("{parts} parts in the cell at once") }
 }
 
-fn undecided((sound, why): (u32, &Undecided)) -> String {
+fn undecided((sound, why): (u32, &ExplorationUndecided)) -> String {
     match sound {
         0 => limit_in_words(why),
         sound => format!("it holds with up to {}; with more it is {}", with_parts(sound), limit_in_words(why)),
@@ -217,10 +222,10 @@ fn undecided((sound, why): (u32, &Undecided)) -> String {
 }
 
 /// What stopped a search. A cell's net is always bounded; there is no need to wonder about that.
-pub(super) fn limit_in_words(why: &Undecided) -> String {
+pub(super) fn limit_in_words(why: &ExplorationUndecided) -> String {
     let what = match &why.cause {
-        Cause::States { limit } => format!("there are more than the {limit} allowed"),
-        Cause::Bytes { .. } | Cause::Overflow(_) => why.cause.to_string(),
+        ExplorationLimit::States { limit } => format!("there are more than the {limit} allowed"),
+        ExplorationLimit::Bytes { .. } | ExplorationLimit::Overflow(_) => why.cause.to_string(),
     };
     format!("undecided after {} states: {what}", why.states)
 }
@@ -228,12 +233,12 @@ pub(super) fn limit_in_words(why: &Undecided) -> String {
 /// Whether each activity happens for each stage that it is described for. What one part alone can have done to it, it can
 /// among others as well, and the other way round; so it is known as soon as any search came to an end.
 fn happens(
-    setting: &Setting<'_>,
+    setting: &CellExploration<'_>,
     nets: &Nets<'_>,
-    groups: &[Group],
-    plays: &[Play],
-    limit: Option<(u32, &Undecided)>,
-) -> Property {
+    groups: &[ResourceGroup],
+    plays: &[GroupSearch],
+    limit: Option<(u32, &ExplorationUndecided)>,
+) -> CellProperty {
     if let Some((0, why)) = limit {
         return property(HAPPENS, Verdict::Undecided, limit_in_words(why));
     }

@@ -1,13 +1,13 @@
 //! What a transition of a cell's net does, and what a marking lacks, in the words of the description.
 
-use linewright_cell::net::{Meaning, Origin, Phase};
-use linewright_cell::{Activity, ActivityKind, Cell, Move, ResourceId, Role};
+use linewright_cell::net::{Origin, PlaceMeaning, TransitionPhase};
+use linewright_cell::{Activity, ActivityKind, Cell, ResourceId, Role, StageMove};
 use linewright_nets::{Marking, PlaceId, TransitionId};
 
 use super::Nets;
 
 /// A step of a story: what somebody beside the cell would say of a transition.
-pub(super) fn sentence(cell: &Cell, activity: &Activity, of: &Move, phase: Phase, part: &str) -> String {
+pub(super) fn sentence(cell: &Cell, activity: &Activity, of: &StageMove, phase: TransitionPhase, part: &str) -> String {
     let name = |role: Role| {
         let of = activity.used(role).and_then(|part| part.of);
         of.map_or("outside", |id| cell.resource(id).name.as_str())
@@ -15,39 +15,50 @@ pub(super) fn sentence(cell: &Cell, activity: &Activity, of: &Move, phase: Phase
     let (source, target) = (name(Role::Source), name(Role::Target));
     let carrier = activity.used(Role::Carrier).is_some().then(|| name(Role::Carrier));
     let what = match (phase, activity.kind, carrier) {
-        (Phase::Grasp | Phase::GraspStart | Phase::GraspEnd, _, carrier) => {
+        (TransitionPhase::Grasp | TransitionPhase::GraspStart | TransitionPhase::GraspEnd, _, carrier) => {
             format!("{} grasps {part}, {}", carrier.unwrap_or("nobody"), at(source))
         }
-        (Phase::Put | Phase::PutStart | Phase::PutEnd, _, carrier) => {
+        (TransitionPhase::Put | TransitionPhase::PutStart | TransitionPhase::PutEnd, _, carrier) => {
             format!("{} puts {part} {}", carrier.unwrap_or("nobody"), into(target))
         }
-        (Phase::Whole | Phase::Start | Phase::End, ActivityKind::Process, _) => format!("{} of {part}", step(cell, of)),
-        (Phase::Whole | Phase::Start | Phase::End, ActivityKind::Enter, None) => format!("{part} comes to {target}"),
-        (Phase::Whole | Phase::Start | Phase::End, ActivityKind::Leave, None) => format!("{part} leaves from {source}"),
-        (Phase::Whole | Phase::Start | Phase::End, ActivityKind::Transport, None) => {
+        (TransitionPhase::Whole | TransitionPhase::Start | TransitionPhase::End, ActivityKind::Process, _) => {
+            format!("{} of {part}", step(cell, of))
+        }
+        (TransitionPhase::Whole | TransitionPhase::Start | TransitionPhase::End, ActivityKind::Enter, None) => {
+            format!("{part} comes to {target}")
+        }
+        (TransitionPhase::Whole | TransitionPhase::Start | TransitionPhase::End, ActivityKind::Leave, None) => {
+            format!("{part} leaves from {source}")
+        }
+        (TransitionPhase::Whole | TransitionPhase::Start | TransitionPhase::End, ActivityKind::Transport, None) => {
             format!("{part} goes from {source} to {target}")
         }
         (
-            Phase::Whole | Phase::Start | Phase::End,
+            TransitionPhase::Whole | TransitionPhase::Start | TransitionPhase::End,
             ActivityKind::Enter | ActivityKind::Leave | ActivityKind::Transport,
             Some(carrier),
         ) => format!("{carrier} brings {part} from {source} to {target}"),
     };
     let how = match phase {
-        Phase::Whole | Phase::Grasp | Phase::Put => "",
-        Phase::Start | Phase::GraspStart | Phase::PutStart => " begins",
-        Phase::End | Phase::GraspEnd | Phase::PutEnd => " ends",
+        TransitionPhase::Whole | TransitionPhase::Grasp | TransitionPhase::Put => "",
+        TransitionPhase::Start | TransitionPhase::GraspStart | TransitionPhase::PutStart => " begins",
+        TransitionPhase::End | TransitionPhase::GraspEnd | TransitionPhase::PutEnd => " ends",
     };
     format!("{}{how}: {what}", activity.name)
 }
 
 /// What a transition does in one go that is the end of what the phase began; none for other phases.
-pub(super) fn begun_by(phase: Phase) -> Option<(Phase, Phase)> {
+pub(super) fn begun_by(phase: TransitionPhase) -> Option<(TransitionPhase, TransitionPhase)> {
     match phase {
-        Phase::End => Some((Phase::Start, Phase::Whole)),
-        Phase::GraspEnd => Some((Phase::GraspStart, Phase::Grasp)),
-        Phase::PutEnd => Some((Phase::PutStart, Phase::Put)),
-        Phase::Whole | Phase::Start | Phase::Grasp | Phase::Put | Phase::GraspStart | Phase::PutStart => None,
+        TransitionPhase::End => Some((TransitionPhase::Start, TransitionPhase::Whole)),
+        TransitionPhase::GraspEnd => Some((TransitionPhase::GraspStart, TransitionPhase::Grasp)),
+        TransitionPhase::PutEnd => Some((TransitionPhase::PutStart, TransitionPhase::Put)),
+        TransitionPhase::Whole
+        | TransitionPhase::Start
+        | TransitionPhase::Grasp
+        | TransitionPhase::Put
+        | TransitionPhase::GraspStart
+        | TransitionPhase::PutStart => None,
     }
 }
 
@@ -60,7 +71,7 @@ fn into(name: &str) -> String {
 }
 
 /// The name of the step that leads from the one stage to the other.
-fn step<'c>(cell: &'c Cell, of: &Move) -> &'c str {
+fn step<'c>(cell: &'c Cell, of: &StageMove) -> &'c str {
     let part = &cell.part_types[cell.stages[of.from.index()].part_type.index()];
     part.steps.iter().find(|step| (step.from, step.to) == (of.from, of.to)).map_or("work", |step| step.name.as_str())
 }
@@ -91,25 +102,25 @@ pub(super) fn needs(nets: &Nets<'_>, place: PlaceId, tokens: impl Fn(PlaceId) ->
 }
 
 /// What is missing, by the place that lacks it.
-fn lack(cell: &Cell, activity: Option<&Activity>, meaning: Meaning) -> Option<String> {
+fn lack(cell: &Cell, activity: Option<&Activity>, meaning: PlaceMeaning) -> Option<String> {
     let name = |id: ResourceId| cell.resource(id).name.as_str();
     let comes_from =
         |id| activity.and_then(|activity| activity.used(Role::Source)).is_some_and(|part| part.of == Some(id));
     match meaning {
-        Meaning::Room(id) => Some(format!("room in {}", name(id))),
-        Meaning::Free(id) => Some(format!("{} free", name(id))),
-        Meaning::Position(id, at) => Some(format!("position {at} of {} free", name(id))),
-        Meaning::Top(id) if comes_from(id) => Some(format!("to be on top of {}", name(id))),
-        Meaning::Top(id) => Some(format!("room in {}", name(id))),
-        Meaning::Idle(id) => Some(format!("`{}` not to be in progress", cell.activity(id).name)),
-        Meaning::Admission => Some("a part less in the cell".to_owned()),
-        Meaning::Held(..) | Meaning::Waiting | Meaning::Busy { .. } => None,
+        PlaceMeaning::Room(id) => Some(format!("room in {}", name(id))),
+        PlaceMeaning::Free(id) => Some(format!("{} free", name(id))),
+        PlaceMeaning::Position(id, at) => Some(format!("position {at} of {} free", name(id))),
+        PlaceMeaning::Top(id) if comes_from(id) => Some(format!("to be on top of {}", name(id))),
+        PlaceMeaning::Top(id) => Some(format!("room in {}", name(id))),
+        PlaceMeaning::Idle(id) => Some(format!("`{}` not to be in progress", cell.activity(id).name)),
+        PlaceMeaning::Admission => Some("a part less in the cell".to_owned()),
+        PlaceMeaning::Held(..) | PlaceMeaning::Waiting | PlaceMeaning::Busy { .. } => None,
     }
 }
 
 /// The activity, and what it makes of which stage, that a transition of the long net is a part of; none for a part that
 /// moves up in a buffer.
-pub(super) fn moved<'n>(nets: &'n Nets<'_>, t: TransitionId) -> Option<(&'n Activity, &'n Move, Phase)> {
+pub(super) fn moved<'n>(nets: &'n Nets<'_>, t: TransitionId) -> Option<(&'n Activity, &'n StageMove, TransitionPhase)> {
     let mode = nets.long.mode(t);
     let (activity, of) = nets.net.move_of(nets.cell, mode)?;
     match nets.net.origin(mode.transition) {

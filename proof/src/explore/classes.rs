@@ -22,13 +22,13 @@ use petgraph::graph::{DiGraph, NodeIndex};
 use petgraph::visit::EdgeRef;
 use rustc_hash::{FxHashMap, FxHashSet};
 
-use super::setting::{Grants, Setting};
-use super::station::{Act, Situations};
-use super::word::Words;
+use super::setting::{Grants, LineExploration};
+use super::station::{Situations, StationAct};
+use super::view_key::ViewKeys;
 
 /// Situations of one station between which it comes and goes by itself.
 #[derive(Clone, Debug, Default)]
-pub(crate) struct Class {
+pub(crate) struct LocalClass {
     /// All of them; the first stands for the class.
     pub members: Box<[u32]>,
     /// What leads into other classes of the same station, and concerns nobody else: a member with the number of its
@@ -66,7 +66,7 @@ pub(crate) struct MemberAct {
 pub(crate) struct Classes {
     /// For each situation the number of its class, [`UNKNOWN`] before it is known.
     of: Vec<u32>,
-    all: Vec<Class>,
+    all: Vec<LocalClass>,
     /// Bytes in the lists of all classes.
     lists: usize,
 }
@@ -76,7 +76,7 @@ const UNKNOWN: u32 = u32::MAX;
 impl Classes {
     /// The class of a situation that has been met.
     #[inline]
-    pub fn at(&self, situation: u32) -> &Class {
+    pub fn at(&self, situation: u32) -> &LocalClass {
         &self.all[self.of[situation as usize] as usize]
     }
 
@@ -90,8 +90,8 @@ impl Classes {
     /// Works out the class of a situation, and of what the station can come to from it by itself.
     pub fn enter(
         &mut self,
-        setting: &Setting,
-        words: &mut [Words],
+        setting: &LineExploration,
+        words: &mut [ViewKeys],
         station: &mut Situations,
         granted: usize,
         first: u32,
@@ -129,7 +129,7 @@ impl Classes {
             members.sort_unstable();
             let number = self.all.len() as u32;
             members.iter().for_each(|&member| self.of[member as usize] = number);
-            let mut class = Class::of(setting, station, granted, members);
+            let mut class = LocalClass::of(setting, station, granted, members);
             let edges = component.iter().flat_map(|&node| graph.edges(node));
             let leads = edges.map(|edge| (*edge.weight(), graph[edge.target()]));
             let leads = leads.filter(|&(_, to)| self.of[to as usize] != number);
@@ -151,8 +151,8 @@ impl Classes {
     /// The acts that lead from one member of a class to another without leaving it, nearest way first.
     pub fn walk(
         &self,
-        setting: &Setting,
-        words: &mut [Words],
+        setting: &LineExploration,
+        words: &mut [ViewKeys],
         station: &mut Situations,
         granted: usize,
         (from, to): (u32, u32),
@@ -185,18 +185,18 @@ impl Classes {
 
     /// Bytes, about.
     pub fn bytes(&self) -> usize {
-        self.of.capacity() * size_of::<u32>() + self.all.capacity() * size_of::<Class>() + self.lists
+        self.of.capacity() * size_of::<u32>() + self.all.capacity() * size_of::<LocalClass>() + self.lists
     }
 }
 
-impl Class {
+impl LocalClass {
     fn bytes(&self) -> usize {
         let acts = self.acts.len() * size_of::<MemberAct>() + self.leads.len() * size_of::<(MemberAct, u32)>();
         acts + (self.members.len() + self.idle.len()) * size_of::<u32>()
     }
 
-    fn of(setting: &Setting, station: &Situations, granted: usize, members: Vec<u32>) -> Self {
-        let mut class = Class::default();
+    fn of(setting: &LineExploration, station: &Situations, granted: usize, members: Vec<u32>) -> Self {
+        let mut class = LocalClass::default();
         let mut idle = Vec::new();
         for &member in &members {
             let facts = &station.facts[member as usize];
@@ -221,8 +221,8 @@ impl Class {
     /// Every act of a member that is not its station's own business alone, or leads to where nobody has looked.
     fn other_acts(
         &self,
-        setting: &Setting,
-        words: &mut [Words],
+        setting: &LineExploration,
+        words: &mut [ViewKeys],
         station: &mut Situations,
         granted: usize,
         beyond: &FxHashSet<MemberAct>,
@@ -246,15 +246,15 @@ impl Class {
 
 /// The situation that an act comes to, if it is possible now and its station's own business alone.
 fn by_itself(
-    setting: &Setting,
-    words: &mut [Words],
+    setting: &LineExploration,
+    words: &mut [ViewKeys],
     station: &mut Situations,
     granted: usize,
     act: MemberAct,
 ) -> Option<u32> {
     let what = station.facts[act.from as usize].acts[act.nth as usize];
     // A lost memory does not come back: no class holds both.
-    if !setting.lumped || !setting.lets(granted, what) || takes_up_a_mode(setting, what) || what == Act::Forget {
+    if !setting.lumped || !setting.lets(granted, what) || takes_up_a_mode(setting, what) || what == StationAct::Forget {
         return None;
     }
     let effect = station.effect(setting, words, act.from, act.nth as usize);
@@ -266,7 +266,7 @@ fn by_itself(
 }
 
 /// Whether the way home, by manual mode alone, must do without this act.
-fn takes_up_a_mode(setting: &Setting, act: Act) -> bool {
-    let Act::Mode(mode) = act else { return false };
+fn takes_up_a_mode(setting: &LineExploration, act: StationAct) -> bool {
+    let StationAct::Mode(mode) = act else { return false };
     setting.grants == Grants::InEpochs && mode != ControlMode::StandBy && mode != ControlMode::Manual
 }

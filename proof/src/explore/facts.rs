@@ -5,9 +5,9 @@ use linewright_line::net::{Block, ControlMode, Place};
 use linewright_line::{Line, Module, OpId, Signals, Span, StationId};
 
 use super::orders;
-use super::setting::{Grants, Setting};
-use super::station::{Act, Key, Situation, Situations};
-use super::word::{Word, Words};
+use super::setting::{Grants, LineExploration};
+use super::station::{PanelKey, Situation, Situations, StationAct};
+use super::view_key::{ViewKey, ViewKeys};
 
 /// At most this many conflicts: one bit each.
 pub(crate) const CONFLICTS_MAX: usize = 64;
@@ -17,13 +17,13 @@ pub(crate) const STATIONS_MAX: usize = 32;
 
 /// What is true of one situation.
 #[derive(Debug)]
-pub(crate) struct Facts {
+pub(crate) struct SituationFacts {
     /// What may happen next, to this station by itself.
-    pub acts: Box<[Act]>,
+    pub acts: Box<[StationAct]>,
     /// What it tells over each outgoing link, relative to its cycle.
-    pub says: Box<[Word]>,
+    pub says: Box<[ViewKey]>,
     /// What it holds over each incoming link, relative to its cycle.
-    pub holds: Box<[Word]>,
+    pub holds: Box<[ViewKey]>,
     /// The conflicts of which it is in the one state, a bit each.
     pub in_a: u64,
     /// The conflicts of which it is in the other.
@@ -37,8 +37,8 @@ pub(crate) struct Facts {
     pub wrong: Option<Box<str>>,
 }
 
-impl Facts {
-    pub fn of(setting: &Setting, words: &mut [Words], of: &Situations, situation: &Situation) -> Self {
+impl SituationFacts {
+    pub fn of(setting: &LineExploration, words: &mut [ViewKeys], of: &Situations, situation: &Situation) -> Self {
         let line = &setting.line;
         // Without its memory its marking says what moves, and not where the rest stands.
         let stands = |place: &Place| !situation.is_lost() || place.is_operating();
@@ -54,7 +54,7 @@ impl Facts {
         let says = of.outgoing.iter().map(|&link| situation.says(setting, link, &mut words[link])).collect();
         let holds = of.incoming.iter().enumerate();
         let holds = holds.map(|(nth, &link)| situation.holds(setting, link, nth, &mut words[link])).collect();
-        Facts {
+        SituationFacts {
             acts: acts(setting, of.station, situation).into(),
             says,
             holds,
@@ -69,45 +69,45 @@ impl Facts {
 }
 
 /// Everything that may happen to this station next, but for what it hears from others.
-fn acts(setting: &Setting, station: usize, situation: &Situation) -> Vec<Act> {
+fn acts(setting: &LineExploration, station: usize, situation: &Situation) -> Vec<StationAct> {
     let mut acts = Vec::new();
     for place in situation.controller.marking().filter(|place| place.is_operating()) {
         // A mechanism that is not driven stays where it is.
         if situation.drives(setting, place.op, place.block) {
-            acts.push(Act::Arrive(place.op, place.block));
+            acts.push(StationAct::Arrive(place.op, place.block));
         }
         if setting.faults {
-            acts.push(Act::Fail(place.op, place.block));
+            acts.push(StationAct::Fail(place.op, place.block));
         }
     }
     if setting.modes.contains(&ControlMode::Manual) && (situation.mode == ControlMode::Manual || !setting.tidy_hands) {
         match situation.key {
-            None => acts.extend([Key::Advance, Key::Return].map(|key| Act::Key(Some(key)))),
-            Some(_) => acts.push(Act::Key(None)),
+            None => acts.extend([PanelKey::Advance, PanelKey::Return].map(|key| StationAct::Key(Some(key)))),
+            Some(_) => acts.push(StationAct::Key(None)),
         }
     }
     let hands_off = situation.key.is_none() && situation.button.is_none();
     if hands_off || !setting.tidy_hands {
-        acts.extend(modes_from(setting, situation.mode).map(Act::Mode));
+        acts.extend(modes_from(setting, situation.mode).map(StationAct::Mode));
     }
     if setting.modes.contains(&ControlMode::Hand) && (situation.mode == ControlMode::Hand || !setting.tidy_hands) {
         match situation.button {
-            Some(_) => acts.push(Act::Button(None)),
-            None => acts.extend(buttons_of(&setting.line, station).map(|button| Act::Button(Some(button)))),
+            Some(_) => acts.push(StationAct::Button(None)),
+            None => acts.extend(buttons_of(&setting.line, station).map(|button| StationAct::Button(Some(button)))),
         }
     }
     if situation.controller.request().is_some() {
-        acts.push(Act::Step);
+        acts.push(StationAct::Step);
     }
     let may_restart = !setting.line.station(StationId::at(station)).works_on_order();
-    acts.extend((setting.restarts && may_restart).then_some(Act::Restart));
-    acts.extend((setting.forgets && may_restart && !situation.is_lost()).then_some(Act::Forget));
+    acts.extend((setting.restarts && may_restart).then_some(StationAct::Restart));
+    acts.extend((setting.forgets && may_restart && !situation.is_lost()).then_some(StationAct::Forget));
     orders::acts(&setting.line, StationId::at(station), situation, &mut acts);
     acts
 }
 
 /// The modes it may hear of next. In epochs, stand-by comes between any two.
-fn modes_from(setting: &Setting, mode: ControlMode) -> impl Iterator<Item = ControlMode> + '_ {
+fn modes_from(setting: &LineExploration, mode: ControlMode) -> impl Iterator<Item = ControlMode> + '_ {
     let back = (setting.grants == Grants::InEpochs && mode != ControlMode::StandBy).then_some(ControlMode::StandBy);
     let all = setting.modes.iter().copied().filter(move |&other| back.is_none() && other != mode);
     back.into_iter().chain(all)

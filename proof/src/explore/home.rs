@@ -2,10 +2,10 @@
 
 use linewright_line::net::ControlMode;
 
-use super::search::Search;
-use super::setting::{Grants, Setting};
+use super::search::LineSearch;
+use super::setting::{Grants, LineExploration};
 
-impl<const N: usize> Search<N> {
+impl<const N: usize> LineSearch<N> {
     /// Of an exhausted search: a state from which home cannot be reached, if there is one.
     ///
     /// With manual mode among the modes, by manual mode alone: no station takes up any other on the way. The mode
@@ -23,7 +23,7 @@ impl<const N: usize> Search<N> {
 
     /// The number of manual mode, where home is asked for by it alone.
     pub fn home_by_manual(&self) -> Option<u8> {
-        let Setting { modes, grants, .. } = &self.system.setting;
+        let LineExploration { modes, grants, .. } = &self.system.setting;
         let manual = modes.iter().position(|&mode| mode == ControlMode::Manual)?;
         (*grants == Grants::InEpochs).then_some(manual as u8)
     }

@@ -4,19 +4,19 @@
 use linewright_line::net::ControlMode;
 use linewright_line::{Arrow, Line};
 
-use super::judge::Tally;
-use super::search::{End, Limits, Search, search};
-use super::setting::{Grants, Setting};
+use super::path::tests::check_way;
+use super::properties::StateTally;
+use super::search::{LineSearch, SearchEnd, SearchLimits, search};
+use super::setting::{Grants, LineExploration};
 use super::state::Widths;
 use super::system::System;
-use super::way::tests::check_way;
-use crate::generate::{self, Random, Shape, break_it, breakages};
+use crate::generate::{self, LineShape, Random, break_it, breakages};
 
-fn searched(setting: &Setting, states: usize) -> Search<8> {
+fn searched(setting: &LineExploration, states: usize) -> LineSearch<8> {
     let (mut system, mut start) = System::new(setting).expect("a generated line compiles");
     let mut widths = Widths::FIRST;
     loop {
-        match search(system, start, widths, Limits { states, ..Limits::default() }) {
+        match search(system, start, widths, SearchLimits { states, ..SearchLimits::default() }) {
             Ok(search) => return search,
             Err(unfit) => (system, start, widths) = (unfit.0, unfit.1, widths.wider(unfit.2)),
         }
@@ -24,15 +24,16 @@ fn searched(setting: &Setting, states: usize) -> Search<8> {
 }
 
 /// A small line with or without a mistake in it, and something that is asked of it.
-fn random_setting(seed: u64) -> Setting {
+fn random_setting(seed: u64) -> LineExploration {
     let mut random = Random::new(seed);
     let stations = *random.pick(&[1, 2, 2, 2, 3]);
     let (groups, irreversible) = (*random.pick(&[0, 60]), *random.pick(&[0, 50]));
-    let shape = Shape { stations: stations..=stations, operations: 2..=2, groups, irreversible, ..Shape::small() };
+    let shape =
+        LineShape { stations: stations..=stations, operations: 2..=2, groups, irreversible, ..LineShape::small() };
     let line: Line = generate::line(&shape, seed);
     let all = breakages(&line);
     let broken = if all.is_empty() || random.chance(50) { None } else { break_it(&line, *random.pick(&all)) };
-    let mut setting = Setting::new(&broken.unwrap_or(line));
+    let mut setting = LineExploration::new(&broken.unwrap_or(line));
     setting.lag = random.below(4);
     (setting.faults, setting.tidy_hands) = (random.chance(70), random.chance(70));
     setting.grants = *random.pick(&[Grants::InEpochs, Grants::Anyhow]);
@@ -51,7 +52,7 @@ fn random_setting(seed: u64) -> Setting {
 const SETTINGS: u64 = 100;
 
 /// What is said of all states, once all have been seen.
-fn of_all(search: &Search<8>) -> (Tally, bool, bool) {
+fn of_all(search: &LineSearch<8>) -> (StateTally, bool, bool) {
     (search.tally, search.stranded().is_some(), search.no_return().is_some())
 }
 
@@ -60,23 +61,23 @@ fn whatever_is_asked_of_whatever_line_both_say_the_same() {
     let (mut ended, mut fewer, mut cut_off, mut wrong) = (0, 0, 0, 0);
     for seed in 0..SETTINGS {
         let setting = random_setting(seed);
-        let plain = searched(&Setting { lumped: false, ..setting.clone() }, 10_000);
+        let plain = searched(&LineExploration { lumped: false, ..setting.clone() }, 10_000);
         let kept = match plain.end {
-            End::Limit => continue,
-            End::Exhausted => 10_000,
+            SearchEnd::Limit => continue,
+            SearchEnd::Exhausted => 10_000,
             // The nearest wrong one need not be among the first that are kept.
-            End::Wrong(_) => 1_000_000,
+            SearchEnd::Wrong(_) => 1_000_000,
         };
         let mut lumped = searched(&setting, kept);
-        if let End::Wrong(_) = plain.end {
-            assert!(matches!(lumped.end, End::Wrong(_)), "seed {seed}: {:?} of {setting:?}", lumped.end);
+        if let SearchEnd::Wrong(_) = plain.end {
+            assert!(matches!(lumped.end, SearchEnd::Wrong(_)), "seed {seed}: {:?} of {setting:?}", lumped.end);
             check_way(&mut lumped);
             wrong += 1;
             continue;
         }
-        assert_eq!(lumped.end, End::Exhausted, "seed {seed}: {setting:?}");
+        assert_eq!(lumped.end, SearchEnd::Exhausted, "seed {seed}: {setting:?}");
         assert_eq!(of_all(&lumped), of_all(&plain), "seed {seed}: {setting:?}");
-        let situations = |of: &Search<8>| of.system.stations.iter().map(|s| s.all.len()).collect::<Vec<_>>();
+        let situations = |of: &LineSearch<8>| of.system.stations.iter().map(|s| s.all.len()).collect::<Vec<_>>();
         assert_eq!(situations(&lumped), situations(&plain), "seed {seed}: {setting:?}");
         ended += 1;
         fewer += u32::from(lumped.kept() < plain.kept());
@@ -88,8 +89,8 @@ fn whatever_is_asked_of_whatever_line_both_say_the_same() {
 
 /// Two stations that wait for each other in manual mode, for ever: what auto mode has brought past an operation that
 /// cannot be undone comes home by auto mode alone.
-fn stands_still_in_manual(seed: u64) -> Setting {
-    let shape = Shape { operations: 2..=3, irreversible: 100, groups: 0, more_arrows: 0, ..Shape::small() };
+fn stands_still_in_manual(seed: u64) -> LineExploration {
+    let shape = LineShape { operations: 2..=3, irreversible: 100, groups: 0, more_arrows: 0, ..LineShape::small() };
     let mut line = generate::line(&shape, seed);
     line.arrows.retain(|arrow| arrow.auto);
     line.arrows.iter_mut().for_each(|arrow| arrow.manual = false);
@@ -98,7 +99,7 @@ fn stands_still_in_manual(seed: u64) -> Setting {
         line.arrows.push(Arrow { from, to, lag: 0, auto: false, manual: true });
     }
     line.conflicts.clear();
-    let mut setting = Setting::new(&line);
+    let mut setting = LineExploration::new(&line);
     setting.modes.retain(|&mode| mode != ControlMode::Hand);
     setting
 }
@@ -108,12 +109,12 @@ fn home_by_manual_alone_is_not_home_by_another_mode() {
     let mut by_auto_alone = 0;
     for seed in 0..40 {
         let setting = stands_still_in_manual(seed);
-        let plain = searched(&Setting { lumped: false, ..setting.clone() }, 50_000);
-        if plain.end != End::Exhausted {
+        let plain = searched(&LineExploration { lumped: false, ..setting.clone() }, 50_000);
+        if plain.end != SearchEnd::Exhausted {
             continue;
         }
         let lumped = searched(&setting, 50_000);
-        assert_eq!(lumped.end, End::Exhausted, "seed {seed}");
+        assert_eq!(lumped.end, SearchEnd::Exhausted, "seed {seed}");
         assert_eq!(of_all(&lumped), of_all(&plain), "seed {seed}");
         by_auto_alone += u32::from(lumped.stranded().is_some() && lumped.no_return().is_none());
     }
@@ -123,9 +124,9 @@ fn home_by_manual_alone_is_not_home_by_another_mode() {
 
 #[test]
 fn a_limit_of_states_ends_a_search_at_the_same_state_each_time() {
-    let setting = Setting::new(&generate::line(&Shape::small(), 1));
+    let setting = LineExploration::new(&generate::line(&LineShape::small(), 1));
     let first = searched(&setting, 5_000);
-    assert_eq!((&first.end, first.looked_at()), (&End::Limit, 5_000));
+    assert_eq!((&first.end, first.looked_at()), (&SearchEnd::Limit, 5_000));
     for _ in 0..5 {
         assert_eq!(searched(&setting, 5_000).tally, first.tally);
     }
@@ -133,10 +134,10 @@ fn a_limit_of_states_ends_a_search_at_the_same_state_each_time() {
 
 #[test]
 fn a_limit_that_is_just_enough_is_enough() {
-    let mut setting = Setting::new(&generate::line(&Shape::small(), 1));
+    let mut setting = LineExploration::new(&generate::line(&LineShape::small(), 1));
     (setting.modes, setting.faults) = (vec![ControlMode::Auto], false);
     let all = searched(&setting, 1_000_000);
-    assert_eq!(all.end, End::Exhausted);
-    assert_eq!(searched(&setting, all.kept()).end, End::Exhausted);
-    assert_eq!(searched(&setting, all.kept() - 1).end, End::Limit);
+    assert_eq!(all.end, SearchEnd::Exhausted);
+    assert_eq!(searched(&setting, all.kept()).end, SearchEnd::Exhausted);
+    assert_eq!(searched(&setting, all.kept() - 1).end, SearchEnd::Limit);
 }

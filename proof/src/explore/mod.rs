@@ -8,41 +8,41 @@
 //! Controllers are not modelled but called. What keeps this fast is that a station by itself has few situations
 //! (`station.rs`): what its controller makes of each is worked out once, and the composed line is played with numbers.
 //!
-//! Time stands still here. What time does to a controller is among what may happen anyway ([`Setting`]).
+//! Time stands still here. What time does to a controller is among what may happen anyway ([`LineExploration`]).
 
 mod classes;
+mod counterexample;
 mod facts;
-mod followers;
 mod home;
-mod judge;
 #[cfg(test)]
 mod lumped;
 mod orders;
+mod path;
+mod properties;
 mod restart;
 mod search;
 mod setting;
 mod state;
 mod station;
 mod store;
-mod story;
+mod successors;
 mod system;
 mod table;
 mod verdict;
-mod way;
-mod word;
+mod view_key;
 
+pub use counterexample::LinePath;
 pub(crate) use facts::{actuator, bits_of};
-pub use search::Limits;
-pub use setting::{Grants, Setting};
-pub use story::Story;
-pub use verdict::{Explored, Property, Verdict};
+pub use search::SearchLimits;
+pub use setting::{Grants, LineExploration};
+pub use verdict::{LineExplored, LineProperty, Verdict};
 
 use linewright_station_logic::CompileError;
 use thiserror::Error;
 
 /// Why a line cannot be explored at all.
 #[derive(Clone, Debug, PartialEq, Eq, Error)]
-pub enum NotExplorable {
+pub enum LineNotExplorable {
     /// A station does not compile.
     #[error("{0}")]
     Compile(#[from] CompileError),
@@ -88,19 +88,19 @@ pub enum NotExplorable {
 ///
 /// # Errors
 /// When the line cannot be explored at all.
-pub fn explore(setting: &Setting, limits: Limits) -> Result<Explored, NotExplorable> {
+pub fn explore(setting: &LineExploration, limits: SearchLimits) -> Result<LineExplored, LineNotExplorable> {
     let found = setting.line.conflicts.len();
     if found > facts::CONFLICTS_MAX {
-        return Err(NotExplorable::Conflicts { found, max: facts::CONFLICTS_MAX });
+        return Err(LineNotExplorable::Conflicts { found, max: facts::CONFLICTS_MAX });
     }
     let (found, max) = (setting.line.stations.len(), facts::STATIONS_MAX);
     if found > max {
-        return Err(NotExplorable::Stations { found, max });
+        return Err(LineNotExplorable::Stations { found, max });
     }
     for (nth, station) in setting.line.stations.iter().enumerate() {
         let found = setting.into(nth).count();
         if found > station::LINKS_MAX {
-            return Err(NotExplorable::Links { station: station.name.clone(), found, max: station::LINKS_MAX });
+            return Err(LineNotExplorable::Links { station: station.name.clone(), found, max: station::LINKS_MAX });
         }
     }
     search::explore(setting, limits)

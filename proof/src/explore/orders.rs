@@ -2,7 +2,7 @@
 //! inputs its operations wait for.
 //!
 //! Orders have a number each, which grows for ever; what a station does with one does not depend on it. Time stands still
-//! but for the time of an order: each has the shortest there is, and only [`Act::Expire`] lets it pass.
+//! but for the time of an order: each has the shortest there is, and only [`StationAct::Expire`] lets it pass.
 
 use std::time::Duration;
 
@@ -10,7 +10,7 @@ use linewright_line::net::ControlMode;
 use linewright_line::{Line, StationId};
 use linewright_station_logic::{OrderKey, Outcome, TaskOrder};
 
-use super::station::{Act, Situation};
+use super::station::{Situation, StationAct};
 
 /// The time of every order.
 pub(super) const LIMIT: Duration = Duration::from_micros(1);
@@ -51,25 +51,25 @@ pub(super) fn parameters(line: &Line, station: StationId, situation: &Situation)
 }
 
 /// What may happen next.
-pub(super) fn acts(line: &Line, station: StationId, situation: &Situation, acts: &mut Vec<Act>) {
+pub(super) fn acts(line: &Line, station: StationId, situation: &Situation, acts: &mut Vec<StationAct>) {
     let Some(report) = situation.controller.report().order else { return };
     match (report.slot, report.rest) {
         (Some(slot), _) => {
-            acts.push(Act::Secure);
+            acts.push(StationAct::Secure);
             if !slot.is_securing {
-                acts.push(Act::Expire);
+                acts.push(StationAct::Expire);
             }
         }
         (None, Some(rest)) if situation.mode == ControlMode::Auto => {
-            acts.extend(line.station(station).tasks_from(rest).map(Act::Order));
+            acts.extend(line.station(station).tasks_from(rest).map(StationAct::Order));
         }
         (None, Some(_)) => {}
         (None, None) => {
             let failed = report.results.last().is_some_and(|(_, outcome)| matches!(outcome, Outcome::Failed(_)));
-            acts.extend(failed.then_some(Act::Secure));
+            acts.extend(failed.then_some(StationAct::Secure));
         }
     }
     if sensors_of(line, station) != 0 {
-        acts.push(Act::Sensors(!situation.has_sensors()));
+        acts.push(StationAct::Sensors(!situation.has_sensors()));
     }
 }

@@ -1,28 +1,28 @@
 //! A station whose process ends and starts again: with its memory, and without.
 
 use linewright_line::StationId;
-use linewright_station_logic::{Controller, Event, Input, Report, Restore};
+use linewright_station_logic::{Controller, Restore, StationHappening, StationInput, StationReport};
 
-use super::setting::Setting;
+use super::setting::LineExploration;
 use super::station::Situation;
 
 impl Situation {
     /// Comes up from its snapshot. It hears again what it had heard from each writer last; buttons start released.
-    pub(super) fn restart(&mut self, setting: &Setting, events: &mut Vec<Event>) {
+    pub(super) fn restart(&mut self, setting: &LineExploration, events: &mut Vec<StationHappening>) {
         let station = self.controller.station();
-        let held: Vec<(StationId, Report)> =
+        let held: Vec<(StationId, StationReport)> =
             setting.into(station.index()).filter_map(|link| self.heard_over(setting, link)).collect();
         self.begin_life(setting, Restore::From(self.controller.snapshot()));
         self.image(0, true, events);
         self.order(setting, events);
         for (writer, report) in held {
-            self.controller.handle(self.now, Input::View(writer, &report));
+            self.controller.handle(self.now, StationInput::View(writer, &report));
             self.step(events);
         }
     }
 
     /// Comes up without its snapshot. Its switches say whether it is at home; what it hears cannot be compared with anything.
-    pub(super) fn forget(&mut self, setting: &Setting, events: &mut Vec<Event>) {
+    pub(super) fn forget(&mut self, setting: &LineExploration, events: &mut Vec<StationHappening>) {
         let (line, station) = (&setting.line, self.controller.station());
         self.stood = Some(self.controller.marking().collect());
         let home = line.operation((station, line.station(station).home)).normal.complete.bit();
@@ -34,7 +34,7 @@ impl Situation {
         self.order(setting, events);
     }
 
-    fn begin_life(&mut self, setting: &Setting, restore: Restore) {
+    fn begin_life(&mut self, setting: &LineExploration, restore: Restore) {
         let life = self.controller.writer().boot_id + 1;
         self.controller = Controller::new(&setting.line, self.controller.station(), life, restore)
             .expect("its program has compiled before, and its own snapshot fits it")
@@ -43,11 +43,14 @@ impl Situation {
     }
 
     /// The last report that it heard over a link, but for the answer to a request that it has forgotten.
-    fn heard_over(&self, setting: &Setting, link: usize) -> Option<(StationId, Report)> {
+    fn heard_over(&self, setting: &LineExploration, link: usize) -> Option<(StationId, StationReport)> {
         let writer = StationId::at(setting.links[link].writer);
         let held = self.controller.held(writer)?;
         let (cycle, done) = (held.cycle, held.done.to_vec());
         let generation = held.generation;
-        Some((writer, Report { boot_id: 1, generation, cycle, done, request: held.request, ..Report::default() }))
+        Some((
+            writer,
+            StationReport { boot_id: 1, generation, cycle, done, request: held.request, ..StationReport::default() },
+        ))
     }
 }

@@ -4,35 +4,35 @@ use std::collections::VecDeque;
 use std::sync::mpsc::sync_channel;
 use std::thread;
 
-use super::NotExplorable;
-use super::followers::{Followers, Next};
-use super::judge::Tally;
-use super::setting::Setting;
-use super::state::{Layout, State, Unfit, Widths};
-use super::store::{Batch, Entered, Store};
+use super::LineNotExplorable;
+use super::properties::StateTally;
+use super::setting::LineExploration;
+use super::state::{ComposedState, FieldOverflow, StateLayout, Widths};
+use super::store::{Batch, InsertResult, StateStore};
+use super::successors::{Successor, Successors};
 use super::system::{Granted, System};
-use super::table::Key;
-use super::verdict::{self, Explored};
+use super::table::StateKey;
+use super::verdict::{self, LineExplored};
 
 /// How far a search may go.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
-pub struct Limits {
+pub struct SearchLimits {
     /// At most this many states looked at, each of those that are kept once. What follows them is kept as well.
     pub states: usize,
     /// At most about this many bytes. Where they run out depends on the moment a little; the number of states does not.
     pub bytes: usize,
 }
 
-impl Default for Limits {
+impl Default for SearchLimits {
     /// Fifty million states, three gibibytes.
     fn default() -> Self {
-        Limits { states: 50_000_000, bytes: 3 << 30 }
+        SearchLimits { states: 50_000_000, bytes: 3 << 30 }
     }
 }
 
 /// Why a search ended.
 #[derive(Clone, Debug, PartialEq, Eq)]
-pub(crate) enum End {
+pub(crate) enum SearchEnd {
     /// Every state has been seen.
     Exhausted,
     /// Something is wrong in the state with this number.
@@ -43,29 +43,30 @@ pub(crate) enum End {
 
 /// What a search has seen.
 #[derive(Debug)]
-pub(crate) struct Search<const N: usize> {
+pub(crate) struct LineSearch<const N: usize> {
     pub system: System,
-    pub layout: Layout,
-    pub store: Store<N>,
-    pub start: State,
+    pub layout: StateLayout,
+    pub store: StateStore<N>,
+    pub start: ComposedState,
     pub at_home: Vec<bool>,
     /// For each state, the mode granted and who acts on it.
     pub grants: Vec<Granted>,
     /// What the states looked at stand for.
-    pub tally: Tally,
-    pub end: End,
+    pub tally: StateTally,
+    pub end: SearchEnd,
 }
 
 /// Breadth first, so that the first wrong state met is one of the nearest.
 pub(crate) fn search<const N: usize>(
     system: System,
-    start: State,
+    start: ComposedState,
     widths: Widths,
-    limits: Limits,
-) -> Result<Search<N>, Box<(System, State, Unfit)>> {
+    limits: SearchLimits,
+) -> Result<LineSearch<N>, Box<(System, ComposedState, FieldOverflow)>> {
     let layout = system.layout(widths);
-    let (at_home, grants, tally) = (Vec::new(), Vec::new(), Tally::default());
-    let mut search = Search { system, layout, store: Store::new(), start, at_home, grants, tally, end: End::Limit };
+    let (at_home, grants, tally) = (Vec::new(), Vec::new(), StateTally::default());
+    let mut search =
+        LineSearch { system, layout, store: StateStore::new(), start, at_home, grants, tally, end: SearchEnd::Limit };
     match search.run(limits) {
         Ok(end) => {
             search.end = end;
@@ -85,26 +86,26 @@ const BATCHES_MAX: usize = 16;
 const SHARE_OF_ONE: usize = 4;
 
 /// Why not everything that follows a state is known.
-enum Stop {
-    Unfit(Unfit),
+enum SearchStop {
+    Unfit(FieldOverflow),
     /// There is too much of it.
     Limit,
 }
 
-impl<const N: usize> Search<N> {
+impl<const N: usize> LineSearch<N> {
     /// Two threads share the work: this one plays, the other keeps the states. States are numbered in the order in
     /// which one thread alone would meet them, so the result does not depend on how the two take turns.
-    fn run(&mut self, limits: Limits) -> Result<End, Unfit> {
-        let Search { system, layout, store, start, at_home, grants, tally, .. } = self;
+    fn run(&mut self, limits: SearchLimits) -> Result<SearchEnd, FieldOverflow> {
+        let LineSearch { system, layout, store, start, at_home, grants, tally, .. } = self;
         let mut here = start.clone();
         system.settle(&mut here);
         let first = layout.pack(&here)?;
-        let keys_max = limits.bytes / SHARE_OF_ONE / size_of::<Key<N>>();
-        let (followers, bytes_max) = (Followers::new(start), limits.bytes);
-        let mut player = Player { system, layout, here, followers, keys_max, bytes_max };
+        let keys_max = limits.bytes / SHARE_OF_ONE / size_of::<StateKey<N>>();
+        let (followers, bytes_max) = (Successors::new(start), limits.bytes);
+        let mut player = PackedPlayer { system, layout, here, followers, keys_max, bytes_max };
         thread::scope(|scope| {
             let (batches, incoming) = sync_channel::<Batch<N>>(BATCHES_MAX);
-            let (entered, results) = sync_channel::<Entered<N>>(BATCHES_MAX);
+            let (entered, results) = sync_channel::<InsertResult<N>>(BATCHES_MAX);
             scope.spawn(move || {
                 for batch in incoming {
                     if entered.send(store.enter(&batch, limits)).is_err() {
@@ -115,7 +116,7 @@ impl<const N: usize> Search<N> {
             let mut queue = VecDeque::new();
             let mut under_way = 1;
             if batches.send(Batch { keys: vec![first], ends: Vec::new(), bytes: 0 }).is_err() {
-                return Ok(End::Limit);
+                return Ok(SearchEnd::Limit);
             }
             loop {
                 let wait = queue.is_empty() || under_way == BATCHES_MAX;
@@ -124,7 +125,7 @@ impl<const N: usize> Search<N> {
                     under_way -= 1;
                     queue.extend(result.new);
                     if result.full {
-                        return Ok(End::Limit);
+                        return Ok(SearchEnd::Limit);
                     }
                     continue;
                 }
@@ -132,36 +133,36 @@ impl<const N: usize> Search<N> {
                 while batch.ends.len() < BATCH && batch.keys.len() < BATCH_KEYS_MAX {
                     let Some(key) = queue.pop_front() else { break };
                     if at_home.len() == limits.states {
-                        return Ok(End::Limit);
+                        return Ok(SearchEnd::Limit);
                     }
                     player.layout.unpack(&key, &mut player.here);
                     at_home.push(player.system.all_at_home(&player.here));
                     grants.push(player.system.granted(&player.here));
                     tally.add(player.system.tally(&player.here));
                     if player.system.wrong(&player.here).is_some() {
-                        return Ok(End::Wrong(at_home.len() as u32 - 1));
+                        return Ok(SearchEnd::Wrong(at_home.len() as u32 - 1));
                     }
                     match player.expand(&key, &mut batch) {
                         Ok(()) => {}
-                        Err(Stop::Unfit(unfit)) => return Err(unfit),
-                        Err(Stop::Limit) => return Ok(End::Limit),
+                        Err(SearchStop::Unfit(unfit)) => return Err(unfit),
+                        Err(SearchStop::Limit) => return Ok(SearchEnd::Limit),
                     }
                 }
                 batch.bytes = player.system.bytes() + at_home.capacity() + grants.capacity() * size_of::<Granted>();
                 if batches.send(batch).is_err() {
-                    return Ok(End::Limit);
+                    return Ok(SearchEnd::Limit);
                 }
                 under_way += 1;
                 while queue.is_empty() && under_way > 0 {
-                    let Ok(result) = results.recv() else { return Ok(End::Limit) };
+                    let Ok(result) = results.recv() else { return Ok(SearchEnd::Limit) };
                     under_way -= 1;
                     queue.extend(result.new);
                     if result.full {
-                        return Ok(End::Limit);
+                        return Ok(SearchEnd::Limit);
                     }
                 }
                 if queue.is_empty() {
-                    return Ok(End::Exhausted);
+                    return Ok(SearchEnd::Exhausted);
                 }
             }
         })
@@ -178,7 +179,7 @@ impl<const N: usize> Search<N> {
     }
 
     /// The state with a number, as it is kept.
-    pub fn state(&self, number: u32) -> State {
+    pub fn state(&self, number: u32) -> ComposedState {
         let mut state = self.start.clone();
         self.layout.unpack(self.store.key(number), &mut state);
         state
@@ -191,31 +192,33 @@ impl<const N: usize> Search<N> {
 }
 
 /// Plays the line from packed state to packed state.
-struct Player<'a> {
+struct PackedPlayer<'a> {
     system: &'a mut System,
-    layout: &'a Layout,
-    here: State,
-    followers: Followers,
+    layout: &'a StateLayout,
+    here: ComposedState,
+    followers: Successors,
     /// The most that may follow one state.
     keys_max: usize,
     /// The most that situations may take.
     bytes_max: usize,
 }
 
-impl Player<'_> {
+impl PackedPlayer<'_> {
     /// Appends what follows the state taken up, each once.
-    fn expand<const N: usize>(&mut self, key: &Key<N>, batch: &mut Batch<N>) -> Result<(), Stop> {
-        let Player { system, layout, here, followers, keys_max, bytes_max } = self;
+    fn expand<const N: usize>(&mut self, key: &StateKey<N>, batch: &mut Batch<N>) -> Result<(), SearchStop> {
+        let PackedPlayer { system, layout, here, followers, keys_max, bytes_max } = self;
         let (begin, keys) = (batch.keys.len(), &mut batch.keys);
         followers.each(system, here, &mut |follower| {
             let next = match follower.next {
                 // Most of what happens is nobody else's business.
-                Next::Beside { station, to } => layout.with_situation(key, station, to).ok_or(Unfit::Situation),
-                Next::State(next) => layout.pack(next),
+                Successor::Beside { station, to } => {
+                    layout.with_situation(key, station, to).ok_or(FieldOverflow::Situation)
+                }
+                Successor::State(next) => layout.pack(next),
             };
-            keys.push(next.map_err(Stop::Unfit)?);
+            keys.push(next.map_err(SearchStop::Unfit)?);
             let too_much = keys.len() - begin > *keys_max || follower.bytes > *bytes_max;
-            if too_much { Err(Stop::Limit) } else { Ok(()) }
+            if too_much { Err(SearchStop::Limit) } else { Ok(()) }
         })?;
         batch.close(begin);
         Ok(())
@@ -233,18 +236,18 @@ const PLAIN_STATES_MAX: usize = 1_000_000;
 /// Where each kept state stands for several, the way to the nearest wrong one of those kept need not be the shortest of
 /// the line's own. People read the shortest; it is looked for where that takes about a second. Nor need the nearest
 /// wrong one be among the first that are kept: where the search did not come to an end, it is looked for as well.
-pub(crate) fn explore(setting: &Setting, limits: Limits) -> Result<Explored, NotExplorable> {
+pub(crate) fn explore(setting: &LineExploration, limits: SearchLimits) -> Result<LineExplored, LineNotExplorable> {
     let explored = fit(setting, limits)?;
     if !setting.lumped || explored.exhausted {
         return Ok(explored);
     }
-    let plain = Setting { lumped: false, ..setting.clone() };
-    let again = fit(&plain, Limits { states: limits.states.min(PLAIN_STATES_MAX), ..limits })?;
+    let plain = LineExploration { lumped: false, ..setting.clone() };
+    let again = fit(&plain, SearchLimits { states: limits.states.min(PLAIN_STATES_MAX), ..limits })?;
     Ok(if again.exhausted || again.counterexample().is_some() { again } else { explored })
 }
 
 /// Explores with fields as narrow as they turn out to be possible.
-fn fit(setting: &Setting, limits: Limits) -> Result<Explored, NotExplorable> {
+fn fit(setting: &LineExploration, limits: SearchLimits) -> Result<LineExplored, LineNotExplorable> {
     let (mut system, mut start) = System::new(setting)?;
     let mut widths = Widths::FIRST;
     loop {
@@ -254,7 +257,7 @@ fn fit(setting: &Setting, limits: Limits) -> Result<Explored, NotExplorable> {
             4 => attempt::<4>(system, start, widths, limits),
             5..=8 => attempt::<8>(system, start, widths, limits),
             9..=WORDS_MAX => attempt::<WORDS_MAX>(system, start, widths, limits),
-            found => return Err(NotExplorable::State { found, max: WORDS_MAX }),
+            found => return Err(LineNotExplorable::State { found, max: WORDS_MAX }),
         };
         let why;
         (system, start, why) = match found {
@@ -267,9 +270,9 @@ fn fit(setting: &Setting, limits: Limits) -> Result<Explored, NotExplorable> {
 
 fn attempt<const N: usize>(
     system: System,
-    start: State,
+    start: ComposedState,
     widths: Widths,
-    limits: Limits,
-) -> Result<Explored, Box<(System, State, Unfit)>> {
+    limits: SearchLimits,
+) -> Result<LineExplored, Box<(System, ComposedState, FieldOverflow)>> {
     search::<N>(system, start, widths, limits).map(verdict::judge)
 }

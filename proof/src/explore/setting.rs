@@ -10,11 +10,11 @@ use linewright_line::net::ControlMode;
 use linewright_line::{Line, OpId, StationId};
 use linewright_station_logic::Rules;
 
-use super::station::Act;
+use super::station::StationAct;
 
-/// What is explored, and how freely. Made by [`Setting::new`]; the fields may be changed before exploring.
+/// What is explored, and how freely. Made by [`LineExploration::new`]; the fields may be changed before exploring.
 #[derive(Clone, Debug)]
-pub struct Setting {
+pub struct LineExploration {
     pub(crate) line: Line,
     /// The rules in force; all of them on a machine.
     pub rules: Rules,
@@ -40,7 +40,7 @@ pub struct Setting {
     pub lumped: bool,
     /// So many situations of a station are looked at together, at most, when it is asked which are one.
     pub(crate) together_max: usize,
-    pub(crate) links: Vec<Link>,
+    pub(crate) links: Vec<ReaderLink>,
 }
 
 /// How modes come to the stations.
@@ -56,7 +56,7 @@ pub enum Grants {
 
 /// Who reads whom, and which of the writer's counts matter to the reader.
 #[derive(Clone, Debug)]
-pub(crate) struct Link {
+pub(crate) struct ReaderLink {
     pub writer: usize,
     pub reader: usize,
     pub counts: Vec<OpId>,
@@ -71,7 +71,7 @@ const FOR_EVER: Duration = Duration::from_secs(1 << 20);
 /// states or memory would be heeded before all of them were there.
 const TOGETHER_MAX: usize = 4096;
 
-impl Setting {
+impl LineExploration {
     /// Everything on: every rule, auto, hand and manual mode, faults, and reports that lag.
     ///
     /// Home and emergency stop are left out because they add nothing: they start nothing, as stand-by starts nothing,
@@ -80,7 +80,7 @@ impl Setting {
         let mut line = line.clone();
         (line.timing.stale, line.timing.lease) = (FOR_EVER, FOR_EVER);
         let links = links_of(&line);
-        Setting {
+        LineExploration {
             line,
             rules: Rules::COUNTS,
             modes: vec![ControlMode::Auto, ControlMode::Hand, ControlMode::Manual],
@@ -129,12 +129,12 @@ impl Setting {
 
     /// Whether a station may hear of a mode, or anything else happen to it, while this mode is granted. Of the modes it
     /// may hear of, only the granted one and stand-by are there to be heard.
-    pub(crate) fn lets(&self, granted: usize, act: Act) -> bool {
+    pub(crate) fn lets(&self, granted: usize, act: StationAct) -> bool {
         match act {
-            Act::Mode(mode) => {
+            StationAct::Mode(mode) => {
                 self.grants == Grants::Anyhow || mode == ControlMode::StandBy || self.modes[granted] == mode
             }
-            Act::Forget => self.modes.get(granted) != Some(&ControlMode::Manual),
+            StationAct::Forget => self.modes.get(granted) != Some(&ControlMode::Manual),
             _ => true,
         }
     }
@@ -150,8 +150,8 @@ impl Setting {
     }
 }
 
-fn links_of(line: &Line) -> Vec<Link> {
-    let mut links: Vec<Link> = Vec::new();
+fn links_of(line: &Line) -> Vec<ReaderLink> {
+    let mut links: Vec<ReaderLink> = Vec::new();
     for writer in line.station_ids() {
         for reader in line.station_ids() {
             let between = |a: StationId, b: StationId| line.arrows.iter().any(|x| x.from.0 == a && x.to.0 == b);
@@ -160,7 +160,7 @@ fn links_of(line: &Line) -> Vec<Link> {
                 let mut counts: Vec<OpId> = read.map(|a| a.from.1).collect();
                 counts.sort_unstable();
                 counts.dedup();
-                links.push(Link { writer: writer.index(), reader: reader.index(), counts, reverse: 0 });
+                links.push(ReaderLink { writer: writer.index(), reader: reader.index(), counts, reverse: 0 });
             }
         }
     }
@@ -180,9 +180,9 @@ mod tests {
     #[test]
     fn a_row_of_stations_needs_one_report_for_each_link_and_a_ring_may_need_more() {
         let mut line = parse("line.toml", &TransferLine::default().text()).expect("the shipped line is sound").line;
-        assert!(Setting::new(&line).covers_every_delay());
+        assert!(LineExploration::new(&line).covers_every_delay());
         let end = |station| (StationId(station), OpId(0));
         line.arrows.push(Arrow { from: end(2), to: end(0), lag: 1, auto: true, manual: true });
-        assert!(!Setting::new(&line).covers_every_delay());
+        assert!(!LineExploration::new(&line).covers_every_delay());
     }
 }

@@ -4,23 +4,23 @@
 //! for ever while the line repeats itself; packed, all are relative to the first station's, so that a state met again
 //! a hundred cycles later is the same state. Packing is exact: equal bits, equal state.
 
-use super::word::Word;
+use super::view_key::ViewKey;
 
 /// The composed line at one moment.
 #[derive(Clone, Debug, PartialEq, Eq)]
-pub(crate) struct State {
+pub(crate) struct ComposedState {
     /// The mode that is granted in epochs, by its number among those of the setting.
     pub granted: u32,
     /// For each station, its situation.
     pub situations: Vec<u32>,
     /// For each station, its cycle.
     pub cycles: Vec<i32>,
-    /// For each link `lag` places, oldest word first, filled up with [`Word::NONE`].
-    pub mail: Vec<Word>,
+    /// For each link `lag` places, oldest word first, filled up with [`ViewKey::NONE`].
+    pub mail: Vec<ViewKey>,
 }
 
-impl State {
-    pub fn take(&mut self, other: &State) {
+impl ComposedState {
+    pub fn take(&mut self, other: &ComposedState) {
         self.granted = other.granted;
         self.situations.copy_from_slice(&other.situations);
         self.cycles.copy_from_slice(&other.cycles);
@@ -30,7 +30,7 @@ impl State {
 
 /// Something does not fit its field.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
-pub(crate) enum Unfit {
+pub(crate) enum FieldOverflow {
     Situation,
     Word,
     Offset,
@@ -50,11 +50,11 @@ impl Widths {
 
     /// Enough for what did not fit.
     #[must_use]
-    pub fn wider(mut self, unfit: Unfit) -> Self {
+    pub fn wider(mut self, unfit: FieldOverflow) -> Self {
         match unfit {
-            Unfit::Situation => self.situation += 4,
-            Unfit::Word => self.word += 4,
-            Unfit::Offset => self.offset += 4,
+            FieldOverflow::Situation => self.situation += 4,
+            FieldOverflow::Word => self.word += 4,
+            FieldOverflow::Offset => self.offset += 4,
         }
         self
     }
@@ -64,7 +64,7 @@ impl Widths {
 const MODE_BITS: u32 = 3;
 
 #[derive(Clone, Copy, Debug)]
-struct Field {
+struct StateField {
     at: usize,
     shift: u32,
     width: u32,
@@ -72,25 +72,25 @@ struct Field {
 
 /// Where the parts of a state lie in its bits.
 #[derive(Clone, Debug)]
-pub(crate) struct Layout {
-    granted: Field,
-    situations: Vec<Field>,
+pub(crate) struct StateLayout {
+    granted: StateField,
+    situations: Vec<StateField>,
     /// The first station's is always 0 and has none.
-    cycles: Vec<Field>,
+    cycles: Vec<StateField>,
     /// Word and base; words without a base have a field of no width.
-    mail: Vec<(Field, Field)>,
+    mail: Vec<(StateField, StateField)>,
     pub words64: usize,
 }
 
-impl Layout {
+impl StateLayout {
     /// `links` says for each link whether its words have a base; each has `lag` places.
     pub fn new(stations: usize, links: impl Iterator<Item = bool>, lag: usize, widths: Widths) -> Self {
-        let mut next = Field { at: 0, shift: 0, width: 0 };
+        let mut next = StateField { at: 0, shift: 0, width: 0 };
         let mut field = |width: u32| {
             if next.shift + width > 64 {
-                next = Field { at: next.at + 1, shift: 0, width: 0 };
+                next = StateField { at: next.at + 1, shift: 0, width: 0 };
             }
-            let field = Field { width, ..next };
+            let field = StateField { width, ..next };
             next.shift += width;
             field
         };
@@ -103,22 +103,22 @@ impl Layout {
                 mail.push((field(widths.word), field(if has_base { widths.offset } else { 0 })));
             }
         }
-        Layout { granted, situations, cycles, mail, words64: next.at + 1 }
+        StateLayout { granted, situations, cycles, mail, words64: next.at + 1 }
     }
 
-    pub fn pack<const N: usize>(&self, state: &State) -> Result<[u64; N], Unfit> {
+    pub fn pack<const N: usize>(&self, state: &ComposedState) -> Result<[u64; N], FieldOverflow> {
         let mut key = [0; N];
         let origin = state.cycles[0];
-        self.granted.put(&mut key, u64::from(state.granted), Unfit::Situation)?;
+        self.granted.put(&mut key, u64::from(state.granted), FieldOverflow::Situation)?;
         for (field, &situation) in self.situations.iter().zip(&state.situations) {
-            field.put(&mut key, u64::from(situation), Unfit::Situation)?;
+            field.put(&mut key, u64::from(situation), FieldOverflow::Situation)?;
         }
         for (field, &cycle) in self.cycles.iter().zip(&state.cycles[1..]) {
             field.put_signed(&mut key, cycle - origin)?;
         }
         for ((word, base), mail) in self.mail.iter().zip(&state.mail) {
             if mail.id != 0 {
-                word.put(&mut key, u64::from(mail.id), Unfit::Word)?;
+                word.put(&mut key, u64::from(mail.id), FieldOverflow::Word)?;
                 if base.width > 0 && mail.has_base() {
                     base.put_signed(&mut key, mail.base - origin)?;
                 }
@@ -141,7 +141,7 @@ impl Layout {
     }
 
     /// The state, with the first station in cycle 0.
-    pub fn unpack<const N: usize>(&self, key: &[u64; N], state: &mut State) {
+    pub fn unpack<const N: usize>(&self, key: &[u64; N], state: &mut ComposedState) {
         for (field, situation) in self.situations.iter().zip(&mut state.situations) {
             *situation = field.get(key) as u32;
         }
@@ -157,9 +157,9 @@ impl Layout {
     }
 }
 
-impl Field {
+impl StateField {
     #[inline]
-    fn put<const N: usize>(self, key: &mut [u64; N], value: u64, unfit: Unfit) -> Result<(), Unfit> {
+    fn put<const N: usize>(self, key: &mut [u64; N], value: u64, unfit: FieldOverflow) -> Result<(), FieldOverflow> {
         if value >> self.width != 0 {
             return Err(unfit);
         }
@@ -174,10 +174,10 @@ impl Field {
 
     /// Signed numbers are kept with half the range added.
     #[inline]
-    fn put_signed<const N: usize>(self, key: &mut [u64; N], value: i32) -> Result<(), Unfit> {
+    fn put_signed<const N: usize>(self, key: &mut [u64; N], value: i32) -> Result<(), FieldOverflow> {
         let half = 1i64 << (self.width - 1);
-        let value = u64::try_from(i64::from(value) + half).map_err(|_| Unfit::Offset)?;
-        self.put(key, value, Unfit::Offset)
+        let value = u64::try_from(i64::from(value) + half).map_err(|_| FieldOverflow::Offset)?;
+        self.put(key, value, FieldOverflow::Offset)
     }
 
     #[inline]

@@ -8,15 +8,15 @@
 use linewright_line::net::{Block, ControlMode, Place};
 use linewright_line::{OpId, StationId, TaskId, Tick};
 use linewright_station_logic::{
-    CompileError, Controller, Event, Founding, Input, ModeOrder, NO_DELAY, Outbox, PanelCommand, Report, Restore,
-    TaskCommand, Writer,
+    CompileError, Controller, Founding, ModeOrder, NO_DELAY, PanelCommand, Restore, StationHappening, StationInput,
+    StationOutbox, StationReport, TaskCommand, Writer,
 };
 use rustc_hash::FxHashMap;
 
-use super::facts::{Facts, actuator, bits_of};
+use super::facts::{SituationFacts, actuator, bits_of};
 use super::orders::{LIMIT, order, sensors_of};
-use super::setting::Setting;
-use super::word::{Numbers, Word, Words, report};
+use super::setting::LineExploration;
+use super::view_key::{ReportNumbers, ViewKey, ViewKeys, report};
 
 /// The moment at which everything happens; the time of an order runs out a moment later, and nothing else does.
 const NOW: Tick = Tick::from_millis(1);
@@ -26,18 +26,18 @@ pub(crate) const LINKS_MAX: usize = 64;
 
 /// The panel's buttons.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Hash)]
-pub(crate) enum Key {
+pub(crate) enum PanelKey {
     Advance,
     Return,
 }
 
 /// Something that may happen to a station by itself.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Hash)]
-pub(crate) enum Act {
+pub(crate) enum StationAct {
     /// It hears of a mode.
     Mode(ControlMode),
     /// Its panel.
-    Key(Option<Key>),
+    Key(Option<PanelKey>),
     /// A hand-mode button of the console, as the station hears of it.
     Button(Option<u16>),
     /// A motion arrives: its switch comes on, and is off again in the next image.
@@ -89,7 +89,7 @@ impl Effect {
 #[derive(Clone, Debug)]
 pub(crate) struct Situation {
     pub controller: Controller,
-    pub key: Option<Key>,
+    pub key: Option<PanelKey>,
     pub button: Option<u16>,
     pub mode: ControlMode,
     pub outputs: u128,
@@ -107,11 +107,11 @@ pub(crate) struct Situation {
 
 /// A report for this station, relative to its cycle.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Hash)]
-struct Hearing {
+struct RelativeReport {
     situation: u32,
     /// Position among the incoming links.
     link: u32,
-    word: Word,
+    word: ViewKey,
 }
 
 /// All situations of one station that have been met.
@@ -123,14 +123,14 @@ pub(crate) struct Situations {
     pub outgoing: Vec<usize>,
     numbers: FxHashMap<Box<[i64]>, u32>,
     pub all: Vec<Situation>,
-    pub facts: Vec<Facts>,
+    pub facts: Vec<SituationFacts>,
     /// For each act of each situation, one situation after the other.
     effects: Vec<Effect>,
     /// Where those of a situation begin.
     first_effect: Vec<u32>,
     /// By situation: the image in which every switch is off again.
     off: Vec<Effect>,
-    heard: FxHashMap<Hearing, Effect>,
+    heard: FxHashMap<RelativeReport, Effect>,
     closings: FxHashMap<(u32, u32), u32>,
     /// Transitions of its net that have fired, a flag each.
     pub fired: Vec<bool>,
@@ -138,7 +138,7 @@ pub(crate) struct Situations {
 }
 
 impl Situations {
-    pub fn new(setting: &Setting, station: usize, transitions: usize) -> Self {
+    pub fn new(setting: &LineExploration, station: usize, transitions: usize) -> Self {
         Situations {
             station,
             incoming: setting.into(station).collect(),
@@ -157,13 +157,13 @@ impl Situations {
     }
 
     /// The number of a situation, a new one if it has not been met.
-    pub fn enter(&mut self, setting: &Setting, words: &mut [Words], situation: Situation) -> u32 {
+    pub fn enter(&mut self, setting: &LineExploration, words: &mut [ViewKeys], situation: Situation) -> u32 {
         situation.write(setting, &self.incoming, &mut self.words_scratch);
         if let Some(&number) = self.numbers.get(self.words_scratch.as_slice()) {
             return number;
         }
         let number = self.all.len() as u32;
-        let facts = Facts::of(setting, words, self, &situation);
+        let facts = SituationFacts::of(setting, words, self, &situation);
         self.numbers.insert(self.words_scratch.as_slice().into(), number);
         self.first_effect.push(self.effects.len() as u32);
         self.effects.resize(self.effects.len() + facts.acts.len(), UNKNOWN);
@@ -175,18 +175,18 @@ impl Situations {
 
     /// What the `nth` act of a situation makes of it.
     #[inline]
-    pub fn effect(&mut self, setting: &Setting, words: &mut [Words], from: u32, nth: usize) -> Effect {
+    pub fn effect(&mut self, setting: &LineExploration, words: &mut [ViewKeys], from: u32, nth: usize) -> Effect {
         let effect = self.effects[self.first_effect[from as usize] as usize + nth];
         if effect.to == u32::MAX { self.work_out(setting, words, from, nth) } else { effect }
     }
 
     #[cold]
-    fn work_out(&mut self, setting: &Setting, words: &mut [Words], from: u32, nth: usize) -> Effect {
+    fn work_out(&mut self, setting: &LineExploration, words: &mut [ViewKeys], from: u32, nth: usize) -> Effect {
         let act = self.facts[from as usize].acts[nth];
         let mut next = self.all[from as usize].clone();
         next.act(setting, act, &mut Vec::new());
         let mut effect = self.conclude(setting, words, from, next);
-        if matches!(act, Act::Arrive(..) | Act::Fail(..)) {
+        if matches!(act, StationAct::Arrive(..) | StationAct::Fail(..)) {
             let off = self.off(setting, words, effect.to);
             effect = self.both(words, from, effect, off);
         }
@@ -196,7 +196,7 @@ impl Situations {
     }
 
     /// Two images as one effect, unless somebody could hear something between them.
-    fn both(&self, words: &[Words], from: u32, on: Effect, off: Effect) -> Effect {
+    fn both(&self, words: &[ViewKeys], from: u32, on: Effect, off: Effect) -> Effect {
         if !off.quiet || off.closed {
             return Effect { off_follows: true, quiet: false, ..on };
         }
@@ -205,13 +205,13 @@ impl Situations {
         Effect { to: off.to, cycles, closed: on.closed, quiet, ..NOTHING }
     }
 
-    fn says_the_same(&self, words: &[Words], from: u32, to: u32, cycles: i32) -> bool {
+    fn says_the_same(&self, words: &[ViewKeys], from: u32, to: u32, cycles: i32) -> bool {
         let pairs = self.facts[from as usize].says.iter().zip(&self.facts[to as usize].says);
         pairs.zip(&self.outgoing).all(|((&before, &after), &link)| before == after.shifted(cycles, &words[link]))
     }
 
     /// The image in which all switches are off, and the devices vouch for it.
-    pub fn off(&mut self, setting: &Setting, words: &mut [Words], from: u32) -> Effect {
+    pub fn off(&mut self, setting: &LineExploration, words: &mut [ViewKeys], from: u32) -> Effect {
         let known = self.off[from as usize];
         if known.to != u32::MAX {
             return known;
@@ -224,8 +224,15 @@ impl Situations {
     }
 
     /// A word arrives over the `nth` incoming link; its base is relative to the station's cycle.
-    pub fn hear(&mut self, setting: &Setting, words: &mut [Words], from: u32, nth: usize, word: Word) -> Effect {
-        let hearing = Hearing { situation: from, link: nth as u32, word };
+    pub fn hear(
+        &mut self,
+        setting: &LineExploration,
+        words: &mut [ViewKeys],
+        from: u32,
+        nth: usize,
+        word: ViewKey,
+    ) -> Effect {
+        let hearing = RelativeReport { situation: from, link: nth as u32, word };
         if let Some(&effect) = self.heard.get(&hearing) {
             return effect;
         }
@@ -237,12 +244,12 @@ impl Situations {
     }
 
     /// Whether the station holds a request over the `nth` incoming link that it takes for open.
-    pub fn minds_closing(&self, setting: &Setting, from: u32, nth: usize) -> bool {
+    pub fn minds_closing(&self, setting: &LineExploration, from: u32, nth: usize) -> bool {
         setting.rules.fresh_numbers && self.all[from as usize].open & (1 << nth) != 0
     }
 
     /// The writer of the `nth` incoming link has closed its request, which changes nothing but what answers are worth.
-    pub fn close(&mut self, setting: &Setting, words: &mut [Words], from: u32, nth: usize) -> u32 {
+    pub fn close(&mut self, setting: &LineExploration, words: &mut [ViewKeys], from: u32, nth: usize) -> u32 {
         if !self.minds_closing(setting, from, nth) {
             return from;
         }
@@ -256,7 +263,7 @@ impl Situations {
         to
     }
 
-    fn conclude(&mut self, setting: &Setting, words: &mut [Words], from: u32, next: Situation) -> Effect {
+    fn conclude(&mut self, setting: &LineExploration, words: &mut [ViewKeys], from: u32, next: Situation) -> Effect {
         let before = &self.all[from as usize].controller;
         let open = |controller: &Controller| controller.request().map(|request| request.number);
         let closed = setting.rules.fresh_numbers && open(before).is_some() && open(before) != open(&next.controller);
@@ -275,13 +282,13 @@ impl Situations {
     /// Bytes, about: situations dominate.
     pub fn bytes(&self) -> usize {
         let situation = size_of::<Situation>() + 1024;
-        self.all.len() * situation + self.heard.len() * 2 * size_of::<(Hearing, Effect)>()
+        self.all.len() * situation + self.heard.len() * 2 * size_of::<(RelativeReport, Effect)>()
     }
 }
 
 impl Situation {
     /// A station at home that has heard nobody yet.
-    pub fn at_home(setting: &Setting, station: StationId) -> Result<Self, CompileError> {
+    pub fn at_home(setting: &LineExploration, station: StationId) -> Result<Self, CompileError> {
         let line = &setting.line;
         let controller = Controller::new(line, station, 1, Restore::Fresh)?.with_rules(setting.rules);
         let mode = ControlMode::StandBy;
@@ -306,20 +313,20 @@ impl Situation {
         Ok(situation)
     }
 
-    pub(super) fn step(&mut self, events: &mut Vec<Event>) {
-        let mut out = Outbox::default();
+    pub(super) fn step(&mut self, events: &mut Vec<StationHappening>) {
+        let mut out = StationOutbox::default();
         self.controller.step(self.now, &mut out);
         self.outputs = out.outputs;
         events.append(&mut out.events);
     }
 
-    pub fn image(&mut self, bits: u128, valid: bool, events: &mut Vec<Event>) {
+    pub fn image(&mut self, bits: u128, valid: bool, events: &mut Vec<StationHappening>) {
         let bits = bits | self.sensors;
-        self.controller.handle(self.now, Input::Inputs { bits, valid, until: Tick::NEVER, under: NO_DELAY });
+        self.controller.handle(self.now, StationInput::Inputs { bits, valid, until: Tick::NEVER, under: NO_DELAY });
         self.step(events);
     }
 
-    pub(super) fn order(&mut self, setting: &Setting, events: &mut Vec<Event>) {
+    pub(super) fn order(&mut self, setting: &LineExploration, events: &mut Vec<StationHappening>) {
         self.epoch += 1;
         // Counts of the start are of one generation; it is founded for the first life of each station.
         let found = setting.forgets.then_some(Founding { generation: 1, boot_id: 1 });
@@ -329,55 +336,55 @@ impl Situation {
             buttons: self.button.map_or(0, |button| 1 << button),
             ..ModeOrder::of(1, self.epoch, self.mode, setting.line.timing.lease)
         };
-        self.controller.handle(self.now, Input::Order(order));
+        self.controller.handle(self.now, StationInput::Order(order));
         self.step(events);
     }
 
     /// Lets something happen. Of an arrival or a failure, the first image only.
-    pub fn act(&mut self, setting: &Setting, act: Act, events: &mut Vec<Event>) {
+    pub fn act(&mut self, setting: &LineExploration, act: StationAct, events: &mut Vec<StationHappening>) {
         let station = self.controller.station();
         match act {
-            Act::Mode(mode) => {
+            StationAct::Mode(mode) => {
                 self.mode = mode;
                 self.order(setting, events);
             }
-            Act::Button(button) => {
+            StationAct::Button(button) => {
                 self.button = button;
                 self.order(setting, events);
             }
-            Act::Key(key) => {
+            StationAct::Key(key) => {
                 self.key = key;
-                let advance = PanelCommand::Advance(key == Some(Key::Advance));
-                let retract = PanelCommand::Retract(key == Some(Key::Return));
+                let advance = PanelCommand::Advance(key == Some(PanelKey::Advance));
+                let retract = PanelCommand::Retract(key == Some(PanelKey::Return));
                 for command in [advance, retract] {
-                    self.controller.handle(self.now, Input::Panel(command));
+                    self.controller.handle(self.now, StationInput::Panel(command));
                 }
                 self.step(events);
             }
-            Act::Arrive(op, block) => self.image(bits_of(&setting.line, station, op, block).0, true, events),
-            Act::Fail(op, block) => match bits_of(&setting.line, station, op, block).1 {
+            StationAct::Arrive(op, block) => self.image(bits_of(&setting.line, station, op, block).0, true, events),
+            StationAct::Fail(op, block) => match bits_of(&setting.line, station, op, block).1 {
                 Some(fault) => self.image(fault, true, events),
                 None => self.image(0, false, events),
             },
-            Act::Step => self.step(events),
-            Act::Order(task) => {
+            StationAct::Step => self.step(events),
+            StationAct::Order(task) => {
                 self.order += 1;
                 let order = order(&setting.line, station, task, self.order);
-                self.controller.handle(self.now, Input::Task(TaskCommand::Run(&order)));
+                self.controller.handle(self.now, StationInput::Task(TaskCommand::Run(&order)));
                 self.step(events);
             }
-            Act::Secure => {
+            StationAct::Secure => {
                 let key = super::orders::key(self.order);
-                self.controller.handle(self.now, Input::Task(TaskCommand::Secure(key)));
+                self.controller.handle(self.now, StationInput::Task(TaskCommand::Secure(key)));
                 self.step(events);
             }
-            Act::Expire => {
+            StationAct::Expire => {
                 self.now = self.now + LIMIT;
                 self.step(events);
             }
-            Act::Restart => self.restart(setting, events),
-            Act::Forget => self.forget(setting, events),
-            Act::Sensors(on) => {
+            StationAct::Restart => self.restart(setting, events),
+            StationAct::Forget => self.forget(setting, events),
+            StationAct::Sensors(on) => {
                 self.sensors = if on { sensors_of(&setting.line, station) } else { 0 };
                 self.image(0, true, events);
             }
@@ -387,12 +394,12 @@ impl Situation {
     /// A word arrives. A request that is not the one held gets the next number, so that it is a new one.
     pub fn hear(
         &mut self,
-        setting: &Setting,
-        words: &[Words],
+        setting: &LineExploration,
+        words: &[ViewKeys],
         link: usize,
         nth: usize,
-        word: Word,
-        events: &mut Vec<Event>,
+        word: ViewKey,
+        events: &mut Vec<StationHappening>,
     ) {
         let content = words[link].content(word.id).clone();
         let described = &setting.links[link];
@@ -404,12 +411,12 @@ impl Situation {
             (Some((_, true)), Some(held)) if was_open => held.number,
             (_, held) => held.map_or(1, |held| held.number + 1),
         };
-        let numbers = Numbers { request: number, answered: self.awaited(setting) };
+        let numbers = ReportNumbers { request: number, answered: self.awaited(setting) };
         let base = self.controller.cycle() + word.base;
         let ops = setting.line.station(writer).operations.len();
         let me = (self.controller.station(), self.controller.writer().boot_id);
-        let report: Report = report(&content, base, &described.counts, ops, me, &numbers);
-        self.controller.handle(self.now, Input::View(writer, &report));
+        let report: StationReport = report(&content, base, &described.counts, ops, me, &numbers);
+        self.controller.handle(self.now, StationInput::View(writer, &report));
         self.open &= !(1 << nth);
         if content.request.is_some_and(|(_, open)| open) {
             self.open |= 1 << nth;
@@ -417,14 +424,14 @@ impl Situation {
         self.step(events);
     }
 
-    fn awaited(&self, setting: &Setting) -> Option<u64> {
+    fn awaited(&self, setting: &LineExploration) -> Option<u64> {
         if setting.rules.fresh_numbers { self.controller.request().map(|request| request.number) } else { Some(1) }
     }
 
     /// What it tells the reader of a link; bases are relative to its own cycle.
-    pub fn says(&self, setting: &Setting, link: usize, words: &mut Words) -> Word {
+    pub fn says(&self, setting: &LineExploration, link: usize, words: &mut ViewKeys) -> ViewKey {
         if self.is_lost() {
-            return Word::LOST;
+            return ViewKey::LOST;
         }
         let (described, cycle) = (&setting.links[link], self.controller.cycle());
         let reader = StationId::at(described.reader);
@@ -442,13 +449,13 @@ impl Situation {
     }
 
     /// What it holds over its `nth` incoming link; bases are relative to its own cycle.
-    pub fn holds(&self, setting: &Setting, link: usize, nth: usize, words: &mut Words) -> Word {
+    pub fn holds(&self, setting: &LineExploration, link: usize, nth: usize, words: &mut ViewKeys) -> ViewKey {
         let (described, cycle) = (&setting.links[link], self.controller.cycle());
         let Some(held) = self.controller.held(StationId::at(described.writer)).filter(|_| !self.is_lost()) else {
-            return Word::NONE;
+            return ViewKey::NONE;
         };
         if setting.forgets && held.generation == 0 {
-            return Word::LOST;
+            return ViewKey::LOST;
         }
         let open = !setting.rules.fresh_numbers || self.open & (1 << nth) != 0;
         let awaited = self.awaited(setting);
@@ -458,12 +465,12 @@ impl Situation {
     }
 
     /// Everything that decides what it will do, relative to its own cycle.
-    fn write(&self, setting: &Setting, incoming: &[usize], out: &mut Vec<i64>) {
+    fn write(&self, setting: &LineExploration, incoming: &[usize], out: &mut Vec<i64>) {
         out.clear();
         let key = match self.key {
             None => 0,
-            Some(Key::Advance) => 1,
-            Some(Key::Return) => 2,
+            Some(PanelKey::Advance) => 1,
+            Some(PanelKey::Return) => 2,
         };
         out.extend([key, self.button.map_or(-1, i64::from), self.mode as i64, self.open as i64]);
         out.push(i64::from(self.sensors != 0));
@@ -486,7 +493,7 @@ impl Situation {
     }
 
     /// Whether a motion of this place is driven; one that is not stays where it is.
-    pub fn drives(&self, setting: &Setting, op: OpId, block: Block) -> bool {
+    pub fn drives(&self, setting: &LineExploration, op: OpId, block: Block) -> bool {
         self.outputs & actuator(&setting.line, self.controller.station(), op, block) != 0
     }
 }

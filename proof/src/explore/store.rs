@@ -1,12 +1,12 @@
 //! The states that a search keeps, what follows each, and from where each was first reached.
 
-use super::search::Limits;
-use super::table::{Key, Table};
+use super::search::SearchLimits;
+use super::table::{StateKey, StateTable};
 
 /// States and what follows them, by number.
 #[derive(Debug)]
-pub(crate) struct Store<const N: usize> {
-    table: Table<N>,
+pub(crate) struct StateStore<const N: usize> {
+    table: StateTable<N>,
     /// For each state, the one it was first reached from.
     came_from: Vec<u32>,
     /// The numbers of the states that follow each, one state after the other.
@@ -19,7 +19,7 @@ pub(crate) struct Store<const N: usize> {
 /// Successors that are looked up together.
 #[derive(Debug)]
 pub(crate) struct Batch<const N: usize> {
-    pub keys: Vec<Key<N>>,
+    pub keys: Vec<StateKey<N>>,
     /// For each state, where its successors end.
     pub ends: Vec<usize>,
     /// Memory that the other thread takes.
@@ -28,9 +28,9 @@ pub(crate) struct Batch<const N: usize> {
 
 /// What became of a batch.
 #[derive(Debug)]
-pub(crate) struct Entered<const N: usize> {
+pub(crate) struct InsertResult<const N: usize> {
     /// The states that are new, in the order of their numbers.
-    pub new: Vec<Key<N>>,
+    pub new: Vec<StateKey<N>>,
     /// They take as much memory as they may, or numbers run out.
     pub full: bool,
 }
@@ -51,10 +51,10 @@ impl<const N: usize> Batch<N> {
     }
 }
 
-impl<const N: usize> Store<N> {
+impl<const N: usize> StateStore<N> {
     pub fn new() -> Self {
-        Store {
-            table: Table::new(),
+        StateStore {
+            table: StateTable::new(),
             came_from: Vec::new(),
             arcs: Vec::new(),
             arcs_until: Vec::new(),
@@ -63,7 +63,7 @@ impl<const N: usize> Store<N> {
     }
 
     /// Enters the successors of the states that come next in order. The start, alone, is nobody's successor.
-    pub fn enter(&mut self, batch: &Batch<N>, limits: Limits) -> Entered<N> {
+    pub fn enter(&mut self, batch: &Batch<N>, limits: SearchLimits) -> InsertResult<N> {
         let (first_new, first_arc) = (self.table.len() as u32, self.arcs.len());
         self.table.enter_all(&batch.keys, &mut self.scratch, &mut self.arcs);
         if batch.ends.is_empty() {
@@ -84,14 +84,14 @@ impl<const N: usize> Store<N> {
         }
         let new = (first_new..self.table.len() as u32).map(|number| *self.table.key(number)).collect();
         let full = self.table.is_full() || self.bytes() + batch.bytes > limits.bytes;
-        Entered { new, full }
+        InsertResult { new, full }
     }
 
     pub fn len(&self) -> usize {
         self.table.len()
     }
 
-    pub fn key(&self, number: u32) -> &Key<N> {
+    pub fn key(&self, number: u32) -> &StateKey<N> {
         self.table.key(number)
     }
 

@@ -6,13 +6,13 @@
 
 use linewright_line::StationId;
 use linewright_line::net::{ControlMode, StationNet};
-use linewright_station_logic::{CompileError, Event};
+use linewright_station_logic::{CompileError, StationHappening};
 
-use super::classes::{Class, Classes, MemberAct};
-use super::setting::{Grants, Setting};
-use super::state::{Layout, State, Widths};
-use super::station::{Act, Effect, Situation, Situations};
-use super::word::{Word, Words};
+use super::classes::{Classes, LocalClass, MemberAct};
+use super::setting::{Grants, LineExploration};
+use super::state::{ComposedState, StateLayout, Widths};
+use super::station::{Effect, Situation, Situations, StationAct};
+use super::view_key::{ViewKey, ViewKeys};
 
 /// A view that is this many cycles behind has long been too old to be relied on, and unknown blocks: the reader hears
 /// the report that would put it there. Without a bound, a view that no arrow of the present mode reads could fall
@@ -21,7 +21,7 @@ const CYCLES_BEHIND_MAX: i32 = 4;
 
 /// One thing that happens.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
-pub(crate) enum Move {
+pub(crate) enum SystemMove {
     /// To a station by itself: the number of the act among those of its situation.
     Act { station: usize, nth: usize },
     /// A reader hears a word on its way to it; the ones before it are lost.
@@ -40,9 +40,9 @@ pub(crate) struct Granted {
 /// The stations with their situations and words, and the line's own rules.
 #[derive(Debug)]
 pub(crate) struct System {
-    pub setting: Setting,
+    pub setting: LineExploration,
     pub stations: Vec<Situations>,
-    pub words: Vec<Words>,
+    pub words: Vec<ViewKeys>,
     /// For each station and each mode that may be granted, what it comes and goes between by itself.
     classes: Vec<Vec<Classes>>,
     /// Bytes, about, when a class was last added.
@@ -55,11 +55,11 @@ pub(crate) struct System {
 
 /// A station of which several situations are considered at once, and now it matters which.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
-pub(crate) struct Matters(pub usize);
+pub(crate) struct RelevantStation(pub usize);
 
 /// A station in one situation of its class.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
-pub(crate) struct Pin {
+pub(crate) struct FixedSituation {
     pub station: usize,
     pub member: u32,
 }
@@ -76,13 +76,13 @@ fn each_once(modes: &[ControlMode]) -> Vec<ControlMode> {
 }
 
 impl System {
-    pub fn new(setting: &Setting) -> Result<(Self, State), CompileError> {
-        let setting = &Setting { modes: each_once(&setting.modes), ..setting.clone() };
+    pub fn new(setting: &LineExploration) -> Result<(Self, ComposedState), CompileError> {
+        let setting = &LineExploration { modes: each_once(&setting.modes), ..setting.clone() };
         let line = &setting.line;
         let transitions = |id| StationNet::of(line, id).transitions().len();
         let stations = line.station_ids().map(|id| Situations::new(setting, id.index(), transitions(id))).collect();
         let with_cycle = !setting.rules.counted;
-        let words = setting.links.iter().map(|link| Words::new(with_cycle, link.counts.len())).collect();
+        let words = setting.links.iter().map(|link| ViewKeys::new(with_cycle, link.counts.len())).collect();
         let nth_incoming = (0..setting.links.len())
             .map(|link| setting.into(setting.links[link].reader).position(|l| l == link).unwrap_or(0))
             .collect();
@@ -99,7 +99,7 @@ impl System {
     }
 
     /// All stations at home in stand-by, having heard each other.
-    fn start(&mut self) -> Result<State, CompileError> {
+    fn start(&mut self) -> Result<ComposedState, CompileError> {
         let ids = self.setting.line.station_ids();
         let mut nodes =
             ids.map(|id| Situation::at_home(&self.setting, id)).collect::<Result<Vec<_>, CompileError>>()?;
@@ -115,31 +115,31 @@ impl System {
         for (station, node) in nodes.into_iter().enumerate() {
             situations.push(self.stations[station].enter(&self.setting, &mut self.words, node));
         }
-        let mail = vec![Word::NONE; self.setting.links.len() * self.setting.lag];
-        Ok(State { granted: 0, situations, cycles, mail })
+        let mail = vec![ViewKey::NONE; self.setting.links.len() * self.setting.lag];
+        Ok(ComposedState { granted: 0, situations, cycles, mail })
     }
 
-    pub fn layout(&self, widths: Widths) -> Layout {
-        let bases = self.words.iter().map(Words::has_base);
-        Layout::new(self.stations.len(), bases, self.setting.lag, widths)
+    pub fn layout(&self, widths: Widths) -> StateLayout {
+        let bases = self.words.iter().map(ViewKeys::has_base);
+        StateLayout::new(self.stations.len(), bases, self.setting.lag, widths)
     }
 
     /// How many words are on their way over a link.
     #[inline]
-    pub fn waiting(&self, state: &State, link: usize) -> usize {
+    pub fn waiting(&self, state: &ComposedState, link: usize) -> usize {
         let lag = self.setting.lag;
         state.mail[link * lag..][..lag].iter().take_while(|word| word.id != 0).count()
     }
 
     /// The class of a station's situation. A state that the search keeps has one situation of each.
     #[inline]
-    pub fn class(&self, state: &State, station: usize) -> &Class {
+    pub fn class(&self, state: &ComposedState, station: usize) -> &LocalClass {
         self.classes[station][state.granted as usize].at(state.situations[station])
     }
 
     /// Every station comes to the situation that stands for its class.
     #[inline]
-    pub fn settle(&mut self, state: &mut State) {
+    pub fn settle(&mut self, state: &mut ComposedState) {
         let granted = state.granted as usize;
         for station in 0..state.situations.len() {
             state.situations[station] = self.settled(station, granted, state.situations[station]);
@@ -160,7 +160,7 @@ impl System {
 
     /// Situations of a station's class in which it acts on no mode: one for each class that they are in once another
     /// mode is granted.
-    pub fn idle_by_class(&mut self, state: &State, station: usize, mode: usize) -> Vec<u32> {
+    pub fn idle_by_class(&mut self, state: &ComposedState, station: usize, mode: usize) -> Vec<u32> {
         let mut one_each: Vec<(u32, u32)> = Vec::new();
         for nth in 0..self.class(state, station).idle.len() {
             let member = self.class(state, station).idle[nth];
@@ -181,8 +181,8 @@ impl System {
     }
 
     /// How a station comes by itself to another situation of its class.
-    pub fn walk(&mut self, state: &State, pin: Pin) -> Vec<MemberAct> {
-        let Pin { station, member } = pin;
+    pub fn walk(&mut self, state: &ComposedState, pin: FixedSituation) -> Vec<MemberAct> {
+        let FixedSituation { station, member } = pin;
         let (granted, from) = (state.granted as usize, state.situations[station]);
         let of = &mut self.stations[station];
         self.classes[station][granted].walk(&self.setting, &mut self.words, of, granted, (from, member))
@@ -190,13 +190,13 @@ impl System {
 
     /// The stations of which this state stands for several situations, a bit each.
     #[inline]
-    pub fn loose(&self, state: &State) -> u32 {
+    pub fn loose(&self, state: &ComposedState) -> u32 {
         let several = |station: usize| u32::from(self.class(state, station).members.len() > 1);
         (0..self.stations.len()).fold(0, |bits, station| bits | several(station) << station)
     }
 
     /// The modes that may be granted next, by number.
-    pub fn grants(&self, state: &State) -> impl Iterator<Item = usize> + use<> {
+    pub fn grants(&self, state: &ComposedState) -> impl Iterator<Item = usize> + use<> {
         let may = self.setting.grants == Grants::InEpochs
             && (0..self.stations.len()).all(|station| !self.class(state, station).idle.is_empty());
         let (modes, granted) = (if may { self.setting.modes.len() } else { 0 }, state.granted as usize);
@@ -207,7 +207,7 @@ impl System {
     }
 
     /// The mode that is granted, and who acts on it and cannot leave it by itself.
-    pub fn granted(&self, state: &State) -> Granted {
+    pub fn granted(&self, state: &ComposedState) -> Granted {
         let acts = |station: usize| u32::from(self.class(state, station).idle.is_empty());
         let acting = (0..self.stations.len()).fold(0, |bits, station| bits | acts(station) << station);
         Granted { mode: state.granted as u8, acting }
@@ -215,13 +215,13 @@ impl System {
 
     /// Lets it happen. Of a loose station it may be asked what it says and holds, which is the same in all situations
     /// of its class; where anything else is needed the state is left half-done, to be tried again for each of them.
-    pub fn play(&mut self, state: &mut State, what: Move, loose: u32) -> Result<(), Matters> {
+    pub fn play(&mut self, state: &mut ComposedState, what: SystemMove, loose: u32) -> Result<(), RelevantStation> {
         match what {
-            Move::Act { station, nth } => {
+            SystemMove::Act { station, nth } => {
                 let from = state.situations[station];
                 let act = self.stations[station].facts[from as usize].acts[nth];
                 let effect = self.stations[station].effect(&self.setting, &mut self.words, from, nth);
-                if act == Act::Forget {
+                if act == StationAct::Forget {
                     self.lose_mail(state, station);
                 }
                 self.come_to(state, station, effect, loose)?;
@@ -232,28 +232,34 @@ impl System {
                 }
                 Ok(())
             }
-            Move::Grant(mode) => {
+            SystemMove::Grant(mode) => {
                 state.granted = mode as u32;
                 Ok(())
             }
-            Move::Hear { link, nth } => {
+            SystemMove::Hear { link, nth } => {
                 let lag = self.setting.lag;
                 let slots = &mut state.mail[link * lag..][..lag];
                 let word = slots[nth];
                 slots.rotate_left(nth + 1);
-                slots[lag - nth - 1..].fill(Word::NONE);
+                slots[lag - nth - 1..].fill(ViewKey::NONE);
                 self.deliver(state, link, word, loose)
             }
         }
     }
 
-    fn deliver(&mut self, state: &mut State, link: usize, word: Word, loose: u32) -> Result<(), Matters> {
+    fn deliver(
+        &mut self,
+        state: &mut ComposedState,
+        link: usize,
+        word: ViewKey,
+        loose: u32,
+    ) -> Result<(), RelevantStation> {
         let reader = self.setting.links[link].reader;
         if self.is_lost(state, reader) {
             return Ok(());
         }
         if loose & (1 << reader) != 0 {
-            return Err(Matters(reader));
+            return Err(RelevantStation(reader));
         }
         let word = word.shifted(-state.cycles[reader], &self.words[link]);
         let (from, nth) = (state.situations[reader], self.nth_incoming[link]);
@@ -261,7 +267,13 @@ impl System {
         self.come_to(state, reader, effect, loose)
     }
 
-    fn come_to(&mut self, state: &mut State, station: usize, effect: Effect, loose: u32) -> Result<(), Matters> {
+    fn come_to(
+        &mut self,
+        state: &mut ComposedState,
+        station: usize,
+        effect: Effect,
+        loose: u32,
+    ) -> Result<(), RelevantStation> {
         state.situations[station] = effect.to;
         state.cycles[station] += effect.cycles;
         if effect.closed {
@@ -271,7 +283,7 @@ impl System {
     }
 
     /// What it had asked for is not open any more: answers to it are worth nothing, wherever they are.
-    fn close(&mut self, state: &mut State, writer: usize, loose: u32) -> Result<(), Matters> {
+    fn close(&mut self, state: &mut ComposedState, writer: usize, loose: u32) -> Result<(), RelevantStation> {
         let lag = self.setting.lag;
         for at in 0..self.stations[writer].outgoing.len() {
             let link = self.stations[writer].outgoing[at];
@@ -279,7 +291,7 @@ impl System {
             let (from, nth) = (state.situations[reader], self.nth_incoming[link]);
             if self.stations[reader].minds_closing(&self.setting, from, nth) {
                 if loose & (1 << reader) != 0 {
-                    return Err(Matters(reader));
+                    return Err(RelevantStation(reader));
                 }
                 state.situations[reader] = self.stations[reader].close(&self.setting, &mut self.words, from, nth);
             }
@@ -295,7 +307,7 @@ impl System {
     }
 
     /// The station's report goes on its way to every reader for whom it says something new.
-    fn post(&mut self, state: &mut State, writer: usize, loose: u32) -> Result<(), Matters> {
+    fn post(&mut self, state: &mut ComposedState, writer: usize, loose: u32) -> Result<(), RelevantStation> {
         let lag = self.setting.lag;
         for at in 0..self.stations[writer].outgoing.len() {
             let link = self.stations[writer].outgoing[at];
@@ -309,7 +321,7 @@ impl System {
             let has_base = self.words[link].has_base();
             let is_apart = has_base && word.has_base() && word.base - self.held(state, link).base >= CYCLES_BEHIND_MAX;
             if lag == 0 || is_apart {
-                state.mail[link * lag..][..lag].fill(Word::NONE);
+                state.mail[link * lag..][..lag].fill(ViewKey::NONE);
                 self.deliver(state, link, word, loose)?;
                 continue;
             }
@@ -327,20 +339,20 @@ impl System {
 
     /// Whether a station has lost its memory; the same throughout a class. What it hears can be compared with nothing, so
     /// it is as if it heard nothing.
-    fn is_lost(&self, state: &State, station: usize) -> bool {
+    fn is_lost(&self, state: &ComposedState, station: usize) -> bool {
         self.setting.forgets && self.stations[station].facts[state.situations[station] as usize].is_lost
     }
 
-    fn lose_mail(&mut self, state: &mut State, reader: usize) {
+    fn lose_mail(&mut self, state: &mut ComposedState, reader: usize) {
         let lag = self.setting.lag;
         for at in 0..self.stations[reader].incoming.len() {
             let link = self.stations[reader].incoming[at];
-            state.mail[link * lag..][..lag].fill(Word::NONE);
+            state.mail[link * lag..][..lag].fill(ViewKey::NONE);
         }
     }
 
     /// A cycle that is compared with no other is as good as any: the greatest of the others.
-    fn settle_cycles(&self, state: &mut State) {
+    fn settle_cycles(&self, state: &mut ComposedState) {
         let compared = (0..state.cycles.len()).filter(|&station| !self.is_lost(state, station));
         let greatest = compared.map(|station| state.cycles[station]).max().unwrap_or(0);
         for station in 0..state.cycles.len() {
@@ -351,7 +363,7 @@ impl System {
     }
 
     /// What the writer of a link says now.
-    fn said(&self, state: &State, link: usize) -> Word {
+    fn said(&self, state: &ComposedState, link: usize) -> ViewKey {
         let writer = self.setting.links[link].writer;
         let facts = &self.stations[writer].facts[state.situations[writer] as usize];
         let word = facts.says[self.nth_outgoing[link]];
@@ -359,35 +371,35 @@ impl System {
     }
 
     /// The newest word the reader of a link has heard or may still hear.
-    fn newest(&self, state: &State, link: usize) -> Word {
+    fn newest(&self, state: &ComposedState, link: usize) -> ViewKey {
         let lag = self.setting.lag;
         let waiting = state.mail[link * lag..][..lag].iter().rev().find(|word| word.id != 0);
         waiting.copied().unwrap_or_else(|| self.held(state, link))
     }
 
     /// What the reader of a link holds.
-    fn held(&self, state: &State, link: usize) -> Word {
+    fn held(&self, state: &ComposedState, link: usize) -> ViewKey {
         let reader = self.setting.links[link].reader;
         let held = self.stations[reader].facts[state.situations[reader] as usize].holds[self.nth_incoming[link]];
         held.shifted(state.cycles[reader], &self.words[link])
     }
 
     /// What the station concerned says about a move, if it concerns one.
-    pub fn events(&self, state: &State, what: Move) -> Option<(StationId, Vec<Event>)> {
+    pub fn events(&self, state: &ComposedState, what: SystemMove) -> Option<(StationId, Vec<StationHappening>)> {
         let mut events = Vec::new();
         let station = match what {
-            Move::Grant(_) => return None,
-            Move::Act { station, nth } => {
+            SystemMove::Grant(_) => return None,
+            SystemMove::Act { station, nth } => {
                 let number = state.situations[station] as usize;
                 let act = self.stations[station].facts[number].acts[nth];
                 let mut next = self.stations[station].all[number].clone();
                 next.act(&self.setting, act, &mut events);
-                if matches!(act, Act::Arrive(..) | Act::Fail(..)) {
+                if matches!(act, StationAct::Arrive(..) | StationAct::Fail(..)) {
                     next.image(0, true, &mut events);
                 }
                 station
             }
-            Move::Hear { link, nth } => {
+            SystemMove::Hear { link, nth } => {
                 let reader = self.setting.links[link].reader;
                 let word = state.mail[link * self.setting.lag + nth];
                 let word = word.shifted(-state.cycles[reader], &self.words[link]);

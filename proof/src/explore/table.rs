@@ -5,12 +5,12 @@
 //! which is exact, is almost only done with the equal one.
 
 /// A packed state.
-pub(crate) type Key<const N: usize> = [u64; N];
+pub(crate) type StateKey<const N: usize> = [u64; N];
 
 /// States, numbered from 0.
 #[derive(Debug)]
-pub(crate) struct Table<const N: usize> {
-    keys: Vec<Key<N>>,
+pub(crate) struct StateTable<const N: usize> {
+    keys: Vec<StateKey<N>>,
     /// A piece of the hash above, the number plus one below; 0 is free. A power of two of them.
     slots: Vec<u64>,
 }
@@ -20,9 +20,9 @@ const NUMBER: u64 = u32::MAX as u64;
 /// With so many states a table is full. Numbers have 32 bits; what is still to be entered then has room.
 const STATES_MAX: usize = 1 << 31;
 
-impl<const N: usize> Table<N> {
+impl<const N: usize> StateTable<N> {
     pub fn new() -> Self {
-        Table { keys: Vec::new(), slots: vec![0; 1 << 16] }
+        StateTable { keys: Vec::new(), slots: vec![0; 1 << 16] }
     }
 
     pub fn len(&self) -> usize {
@@ -34,7 +34,7 @@ impl<const N: usize> Table<N> {
         self.len() > STATES_MAX
     }
 
-    pub fn key(&self, number: u32) -> &Key<N> {
+    pub fn key(&self, number: u32) -> &StateKey<N> {
         &self.keys[number as usize]
     }
 
@@ -42,7 +42,7 @@ impl<const N: usize> Table<N> {
     ///
     /// Looking a state up costs two accesses to memory that no cache holds. All are begun before the first is waited
     /// for; one after the other they would take several times as long.
-    pub fn enter_all(&mut self, keys: &[Key<N>], scratch: &mut Vec<(u64, u64)>, numbers: &mut Vec<u32>) {
+    pub fn enter_all(&mut self, keys: &[StateKey<N>], scratch: &mut Vec<(u64, u64)>, numbers: &mut Vec<u32>) {
         while (self.keys.len() + keys.len()) * 3 >= self.slots.len() * 2 {
             self.grow();
         }
@@ -57,7 +57,7 @@ impl<const N: usize> Table<N> {
         }
     }
 
-    fn enter_hashed(&mut self, key: &Key<N>, hash: u64) -> u32 {
+    fn enter_hashed(&mut self, key: &StateKey<N>, hash: u64) -> u32 {
         let mut at = self.home_of(hash);
         loop {
             let slot = self.slots[at];
@@ -74,7 +74,7 @@ impl<const N: usize> Table<N> {
         }
     }
 
-    fn holds(&self, slot: u64, hash: u64, key: &Key<N>) -> bool {
+    fn holds(&self, slot: u64, hash: u64, key: &StateKey<N>) -> bool {
         slot & !NUMBER == hash & !NUMBER && self.keys[number_in(slot) as usize] == *key
     }
 
@@ -98,7 +98,7 @@ impl<const N: usize> Table<N> {
     }
 
     pub fn bytes(&self) -> usize {
-        self.keys.capacity() * size_of::<Key<N>>() + self.slots.len() * size_of::<u64>()
+        self.keys.capacity() * size_of::<StateKey<N>>() + self.slots.len() * size_of::<u64>()
     }
 }
 
@@ -110,7 +110,7 @@ fn number_in(slot: u64) -> u32 {
     ((slot & NUMBER) - 1) as u32
 }
 
-fn hash<const N: usize>(key: &Key<N>) -> u64 {
+fn hash<const N: usize>(key: &StateKey<N>) -> u64 {
     let mut hash = 0x9E37_79B9_7F4A_7C15_u64;
     for &word in key {
         let product = u128::from(hash ^ word) * 0xD6E8_FEB8_6659_FD93_u128;

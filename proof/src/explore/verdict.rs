@@ -5,11 +5,11 @@ use std::thread;
 use linewright_line::net::{ControlMode, StationNet};
 use linewright_nets::TransitionId;
 
-use super::judge::Wrong;
-use super::search::{End, Search};
+use super::counterexample::LinePath;
+use super::properties::Violation;
+use super::search::{LineSearch, SearchEnd};
 use super::station::Situations;
-use super::story::Story;
-use super::system::Pin;
+use super::system::FixedSituation;
 
 /// Whether a property holds.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
@@ -26,7 +26,7 @@ pub enum Verdict {
 
 /// One property of the line.
 #[derive(Clone, Debug, PartialEq, Eq)]
-pub struct Property {
+pub struct LineProperty {
     /// What was asked.
     pub name: String,
     /// The answer.
@@ -34,12 +34,12 @@ pub struct Property {
     /// Why, in words.
     pub reason: String,
     /// How it comes to be, where it fails.
-    pub counterexample: Option<Story>,
+    pub counterexample: Option<LinePath>,
 }
 
 /// What an exploration came to.
 #[derive(Clone, Debug, PartialEq, Eq)]
-pub struct Explored {
+pub struct LineExplored {
     /// States seen.
     pub states: u64,
     /// States that were kept and looked at. Each stands for all that differ from it only in what stations come and go between by
@@ -54,64 +54,64 @@ pub struct Explored {
     /// For each station, how many situations its controller, operator and view of the others were met in.
     pub situations: Vec<usize>,
     /// One by one.
-    pub properties: Vec<Property>,
+    pub properties: Vec<LineProperty>,
 }
 
-impl Explored {
+impl LineExplored {
     /// Whether every property holds; a remark does not speak against the line.
     pub fn holds(&self) -> bool {
         self.properties.iter().all(|property| matches!(property.verdict, Verdict::Holds | Verdict::Remark))
     }
 
     /// The first counterexample, if there is one.
-    pub fn counterexample(&self) -> Option<&Story> {
+    pub fn counterexample(&self) -> Option<&LinePath> {
         self.properties.iter().find_map(|property| property.counterexample.as_ref())
     }
 }
 
 /// Draws the conclusions.
-pub(crate) fn judge<const N: usize>(mut search: Search<N>) -> Explored {
+pub(crate) fn judge<const N: usize>(mut search: LineSearch<N>) -> LineExplored {
     let mut properties = never_wrong(&mut search);
     properties.extend(of_all_states(&mut search));
-    Explored {
+    LineExplored {
         states: search.tally.states,
         kept: search.looked_at(),
         arcs: search.tally.arcs,
         bytes: search.bytes(),
-        exhausted: search.end == End::Exhausted,
+        exhausted: search.end == SearchEnd::Exhausted,
         situations: search.system.stations.iter().map(|station| station.all.len()).collect(),
         properties,
     }
 }
 
 /// What must not be in any state.
-fn never_wrong<const N: usize>(search: &mut Search<N>) -> Vec<Property> {
+fn never_wrong<const N: usize>(search: &mut LineSearch<N>) -> Vec<LineProperty> {
     let found = match search.end {
-        End::Wrong(number) => {
+        SearchEnd::Wrong(number) => {
             let state = search.state(number);
             search.system.wrong(&state).map(|(wrong, pins)| (wrong, story(search, number, wrong, &pins)))
         }
-        End::Exhausted | End::Limit => None,
+        SearchEnd::Exhausted | SearchEnd::Limit => None,
     };
     let conflicts = search.system.setting.line.conflicts.iter().enumerate();
-    let names = conflicts.map(|(nth, conflict)| (format!("never: {}", conflict.why), Wrong::Conflict(nth)));
+    let names = conflicts.map(|(nth, conflict)| (format!("never: {}", conflict.why), Violation::Conflict(nth)));
     let others = [
         (
             "stations sound: one token in each branch, counts of one cycle, no output without a motion",
-            Wrong::Station(0),
+            Violation::Station(0),
         ),
-        ("stations stay within the cycles their arrows allow", Wrong::Apart(0, 0)),
+        ("stations stay within the cycles their arrows allow", Violation::Apart(0, 0)),
     ];
     let others = others.map(|(name, wrong)| (name.to_owned(), wrong));
-    let properties: Vec<(String, Wrong)> = names.chain(others).collect();
+    let properties: Vec<(String, Violation)> = names.chain(others).collect();
     properties
         .into_iter()
         .map(|(name, kind)| {
             let story = found.as_ref().filter(|(wrong, _)| is_kind(*wrong, kind)).map(|(_, story)| story.clone());
             let verdict = match (&story, &search.end) {
                 (Some(_), _) => Verdict::Fails,
-                (None, End::Exhausted) => Verdict::Holds,
-                (None, End::Wrong(_) | End::Limit) => Verdict::Undecided,
+                (None, SearchEnd::Exhausted) => Verdict::Holds,
+                (None, SearchEnd::Wrong(_) | SearchEnd::Limit) => Verdict::Undecided,
             };
             let reason = match (&story, verdict) {
                 // What is wrong need not be said twice: a conflict's property is named by it.
@@ -120,54 +120,59 @@ fn never_wrong<const N: usize>(search: &mut Search<N>) -> Vec<Property> {
                 (None, Verdict::Holds) => format!("in all {} states", search.tally.states),
                 (None, _) => undecided(search),
             };
-            Property { name, verdict, reason, counterexample: story }
+            LineProperty { name, verdict, reason, counterexample: story }
         })
         .collect()
 }
 
-fn is_kind(wrong: Wrong, kind: Wrong) -> bool {
+fn is_kind(wrong: Violation, kind: Violation) -> bool {
     match (wrong, kind) {
-        (Wrong::Conflict(a), Wrong::Conflict(b)) => a == b,
-        (Wrong::Station(_), Wrong::Station(_)) | (Wrong::Apart(..), Wrong::Apart(..)) => true,
-        (Wrong::Conflict(_) | Wrong::Station(_) | Wrong::Apart(..), _) => false,
+        (Violation::Conflict(a), Violation::Conflict(b)) => a == b,
+        (Violation::Station(_), Violation::Station(_)) | (Violation::Apart(..), Violation::Apart(..)) => true,
+        (Violation::Conflict(_) | Violation::Station(_) | Violation::Apart(..), _) => false,
     }
 }
 
-fn undecided<const N: usize>(search: &Search<N>) -> String {
+fn undecided<const N: usize>(search: &LineSearch<N>) -> String {
     let states = search.tally.states;
     match search.end {
-        End::Wrong(_) => format!("not met in {states} states; the search ended with the first thing wrong"),
-        End::Limit | End::Exhausted => format!("undecided after {states} states: the limit was reached"),
+        SearchEnd::Wrong(_) => format!("not met in {states} states; the search ended with the first thing wrong"),
+        SearchEnd::Limit | SearchEnd::Exhausted => format!("undecided after {states} states: the limit was reached"),
     }
 }
 
-fn story<const N: usize>(search: &mut Search<N>, number: u32, wrong: Wrong, pins: &[Pin]) -> Story {
+fn story<const N: usize>(
+    search: &mut LineSearch<N>,
+    number: u32,
+    wrong: Violation,
+    pins: &[FixedSituation],
+) -> LinePath {
     let (way, last) = search.way_to(number, pins);
     let end = search.system.wrong_text(&last, wrong);
-    Story::tell(&search.system, &way, &last, end)
+    LinePath::tell(&search.system, &way, &last, end)
 }
 
-fn tell<const N: usize>(search: &mut Search<N>, number: u32, end: String) -> Story {
+fn tell<const N: usize>(search: &mut LineSearch<N>, number: u32, end: String) -> LinePath {
     let (way, last) = search.way_to(number, &[]);
-    Story::tell(&search.system, &way, &last, end)
+    LinePath::tell(&search.system, &way, &last, end)
 }
 
 /// What is decided by looking at all states together.
-fn of_all_states<const N: usize>(search: &mut Search<N>) -> Vec<Property> {
+fn of_all_states<const N: usize>(search: &mut LineSearch<N>) -> Vec<LineProperty> {
     let mut properties = Vec::new();
     if search.system.setting.forgets {
         return properties;
     }
-    let ask = |name: &str, found: Option<Result<String, (String, Option<Story>)>>, undecided: &str| {
+    let ask = |name: &str, found: Option<Result<String, (String, Option<LinePath>)>>, undecided: &str| {
         let (verdict, reason, counterexample) = match found {
             None => (Verdict::Undecided, undecided.to_owned(), None),
             Some(Ok(reason)) => (Verdict::Holds, reason, None),
             Some(Err((reason, story))) => (Verdict::Fails, reason, story),
         };
-        Property { name: name.to_owned(), verdict, reason, counterexample }
+        LineProperty { name: name.to_owned(), verdict, reason, counterexample }
     };
     let open = undecided(search);
-    let exhausted = search.end == End::Exhausted;
+    let exhausted = search.end == SearchEnd::Exhausted;
     let deadlocks = exhausted.then(|| match search.tally.deadlocks {
         0 => Ok("something can follow every state".to_owned()),
         found => Err((format!("nothing can follow {found} states"), None)),
@@ -197,10 +202,10 @@ fn of_all_states<const N: usize>(search: &mut Search<N>) -> Vec<Property> {
     properties
 }
 
-type Found = Result<String, (String, Option<Story>)>;
+type Occurrence = Result<String, (String, Option<LinePath>)>;
 
 /// A state from which home cannot be reached, and one from which the start cannot, looked for side by side.
-fn cut_off<const N: usize>(search: &Search<N>) -> (Option<u32>, Option<u32>) {
+fn cut_off<const N: usize>(search: &LineSearch<N>) -> (Option<u32>, Option<u32>) {
     thread::scope(|scope| {
         let stranded = scope.spawn(|| search.stranded());
         let no_return = search.no_return();
@@ -208,7 +213,7 @@ fn cut_off<const N: usize>(search: &Search<N>) -> (Option<u32>, Option<u32>) {
     })
 }
 
-fn home<const N: usize>(search: &mut Search<N>, stranded: Option<u32>) -> Found {
+fn home<const N: usize>(search: &mut LineSearch<N>, stranded: Option<u32>) -> Occurrence {
     let by = if search.home_by_manual().is_some() { ", by manual mode alone" } else { "" };
     match stranded {
         None => Ok(format!("from all {} states{by}", search.tally.states)),
@@ -219,7 +224,7 @@ fn home<const N: usize>(search: &mut Search<N>, stranded: Option<u32>) -> Found 
     }
 }
 
-fn reversible<const N: usize>(search: &mut Search<N>, no_return: Option<u32>) -> Found {
+fn reversible<const N: usize>(search: &mut LineSearch<N>, no_return: Option<u32>) -> Occurrence {
     match no_return {
         None => {
             Ok("every state leads back to the start, so whatever fires once can fire again from anywhere".to_owned())
@@ -231,7 +236,7 @@ fn reversible<const N: usize>(search: &mut Search<N>, no_return: Option<u32>) ->
     }
 }
 
-fn every_transition<const N: usize>(search: &Search<N>) -> Found {
+fn every_transition<const N: usize>(search: &LineSearch<N>) -> Occurrence {
     let line = &search.system.setting.line;
     let mut count = 0;
     let mut idle = Vec::new();

@@ -6,14 +6,14 @@
 
 use linewright_line::{Arrow, Conflict, Line, OpId, Span, Station, StationId};
 
-use super::{Random, Shape};
+use super::{LineShape, Random};
 
 /// How often to look for stretches of two stations that go together with everything drawn before.
 const TRIES: usize = 20;
 
-type End = (StationId, OpId);
+type ArrowEnd = (StationId, OpId);
 
-pub(super) fn draw(line: &mut Line, shape: &Shape, random: &mut Random) {
+pub(super) fn draw(line: &mut Line, shape: &LineShape, random: &mut Random) {
     let count = line.stations.len();
     for station in 1..count {
         try_to_keep_apart(line, (station - 1, station), shape, random);
@@ -40,12 +40,12 @@ fn two(count: usize, random: &mut Random) -> (usize, usize) {
     if random.chance(50) { (first, near) } else { (near, first) }
 }
 
-fn any_end(line: &Line, station: usize, random: &mut Random) -> End {
+fn any_end(line: &Line, station: usize, random: &mut Random) -> ArrowEnd {
     let count = line.stations[station].operations.len();
     (StationId::at(station), OpId::at(random.below(count)))
 }
 
-fn try_to_keep_apart(line: &mut Line, pair: (usize, usize), shape: &Shape, random: &mut Random) {
+fn try_to_keep_apart(line: &mut Line, pair: (usize, usize), shape: &LineShape, random: &mut Random) {
     for _ in 0..TRIES {
         let (a, b) = (stretch(line, pair.0, random), stretch(line, pair.1, random));
         let crossing = usize::from(a.until < a.from) + usize::from(b.until < b.from);
@@ -77,7 +77,7 @@ fn stretch(line: &Line, number: usize, random: &mut Random) -> Span {
 
 /// The arrow for `after` to wait for the end of `before`; or one for auto, and one for manual from there or from a
 /// later operation of the cycle.
-fn both_ways(line: &Line, before: &Span, after: &Span, lag: u32, shape: &Shape, random: &mut Random) -> Vec<Arrow> {
+fn both_ways(line: &Line, before: &Span, after: &Span, lag: u32, shape: &LineShape, random: &mut Random) -> Vec<Arrow> {
     let to = (after.station, after.from);
     let arrow = |from: OpId, auto, manual| Arrow { from: (before.station, from), to, lag, auto, manual };
     if !random.chance(shape.divided) {
@@ -115,7 +115,7 @@ fn is_new(line: &Line, new: &Arrow) -> bool {
 
 /// What counts as done at home did not need what does not.
 fn holds_at_home(line: &Line, arrow: &Arrow) -> bool {
-    let count = |(station, op): End| {
+    let count = |(station, op): ArrowEnd| {
         let station: &Station = line.station(station);
         station.home_count(op, station.initial_round())
     };
@@ -131,7 +131,7 @@ fn goes_on(line: &Line) -> bool {
         first.push(steps);
         steps += station.steps.len();
     }
-    let step_of = |(station, op): End| first[station.index()] + line.station(station).step_of(op);
+    let step_of = |(station, op): ArrowEnd| first[station.index()] + line.station(station).step_of(op);
     let mut followers: Vec<Vec<usize>> = vec![Vec::new(); steps];
     for arrow in line.arrows.iter().filter(|arrow| arrow.lag == 0) {
         followers[step_of(arrow.from)].push(step_of(arrow.to));

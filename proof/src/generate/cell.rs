@@ -75,7 +75,7 @@ impl CellShape {
 }
 
 /// A kind of resource that is left to chance.
-struct Resource {
+struct RandomResource {
     name: String,
     prototype: &'static str,
     capacity: Option<usize>,
@@ -112,15 +112,15 @@ fn half(
     (resources, types): (&mut usize, &mut usize),
     out: &mut String,
 ) -> std::fmt::Result {
-    let mut some = |count: usize, one: fn(usize, &CellShape, &mut Random) -> Resource, random: &mut Random| {
+    let mut some = |count: usize, one: fn(usize, &CellShape, &mut Random) -> RandomResource, random: &mut Random| {
         let first = *resources + 1;
         *resources += count;
-        (first..=*resources).map(|number| one(number, shape, random)).collect::<Vec<Resource>>()
+        (first..=*resources).map(|number| one(number, shape, random)).collect::<Vec<RandomResource>>()
     };
     let machines = some(random.within(&shape.machines).max(1), machine, random);
     let stores = some(random.within(&shape.stores).max(1), store, random);
     let carriers = some(random.within(&shape.carriers), carrier, random);
-    for Resource { name, prototype, capacity } in machines.iter().chain(&stores).chain(&carriers) {
+    for RandomResource { name, prototype, capacity } in machines.iter().chain(&stores).chain(&carriers) {
         writeln!(out, "[[resource]]\nname = \"{name}\"\nprototype = \"{prototype}\"")?;
         if let Some(capacity) = capacity {
             writeln!(out, "capacity = {capacity}")?;
@@ -136,37 +136,37 @@ fn half(
     Ok(())
 }
 
-fn machine(number: usize, shape: &CellShape, random: &mut Random) -> Resource {
+fn machine(number: usize, shape: &CellShape, random: &mut Random) -> RandomResource {
     let is_human = random.chance(shape.odd / 2);
     let capacity = random.chance(shape.odd / 2).then_some(2);
     let (letter, prototype) = if is_human { ("H", "human") } else { ("M", "machine") };
-    Resource { name: format!("{letter}{number}"), prototype, capacity }
+    RandomResource { name: format!("{letter}{number}"), prototype, capacity }
 }
 
-fn store(number: usize, shape: &CellShape, random: &mut Random) -> Resource {
+fn store(number: usize, shape: &CellShape, random: &mut Random) -> RandomResource {
     let prototype =
         if random.chance(shape.odd) { *random.pick(&["fifo-buffer", "lifo-buffer"]) } else { "random-access-store" };
-    Resource { name: format!("S{number}"), prototype, capacity: Some(random.within(&shape.room).max(1)) }
+    RandomResource { name: format!("S{number}"), prototype, capacity: Some(random.within(&shape.room).max(1)) }
 }
 
-fn carrier(number: usize, shape: &CellShape, random: &mut Random) -> Resource {
+fn carrier(number: usize, shape: &CellShape, random: &mut Random) -> RandomResource {
     if random.chance(shape.odd / 2) {
-        Resource { name: format!("R{number}"), prototype: "conveyor", capacity: Some(2) }
+        RandomResource { name: format!("R{number}"), prototype: "conveyor", capacity: Some(2) }
     } else {
-        Resource { name: format!("R{number}"), prototype: "robot", capacity: None }
+        RandomResource { name: format!("R{number}"), prototype: "robot", capacity: None }
     }
 }
 
 /// Writes what resources do together.
 struct Syncs<'a> {
-    machines: &'a [Resource],
-    carriers: &'a [Resource],
+    machines: &'a [RandomResource],
+    carriers: &'a [RandomResource],
     out: &'a mut String,
 }
 
 impl Syncs<'_> {
-    fn all(&mut self, stores: &[Resource], shape: &CellShape, random: &mut Random) -> std::fmt::Result {
-        for Resource { name, .. } in self.machines {
+    fn all(&mut self, stores: &[RandomResource], shape: &CellShape, random: &mut Random) -> std::fmt::Result {
+        for RandomResource { name, .. } in self.machines {
             let from = random.pick(stores);
             self.one(&format!("load {name}"), &format!("{}.retrieve", from.name), &format!("{name}.load"), random)?;
             let to = random.pick(stores);
@@ -205,7 +205,7 @@ impl Syncs<'_> {
         let ends = [holder(source), holder(target)];
         let humans =
             self.machines.iter().filter(|machine| machine.prototype == "human" && !ends.contains(&machine.name));
-        let mut can_carry: Vec<&Resource> = self.carriers.iter().collect();
+        let mut can_carry: Vec<&RandomResource> = self.carriers.iter().collect();
         // Somebody who works may help out; a robot is there for it.
         can_carry.extend(humans.filter(|_| random.chance(30)));
         write!(self.out, "[[sync]]\nname = \"{name}\"\nactions = [\"{source}\"")?;
@@ -230,14 +230,14 @@ impl Syncs<'_> {
 /// A type of parts and its plan: steps one after the other, some with an alternative on other machines.
 fn part(
     number: usize,
-    machines: &[Resource],
+    machines: &[RandomResource],
     shape: &CellShape,
     random: &mut Random,
     out: &mut String,
 ) -> std::fmt::Result {
     writeln!(out, "[[part]]\nname = \"P{number}\"")?;
     for step in 1..=random.within(&shape.steps).max(1) {
-        let mut left: Vec<&Resource> = machines.iter().collect();
+        let mut left: Vec<&RandomResource> = machines.iter().collect();
         writeln!(out, "[[part.step]]\nname = \"s{step}\"\non = [{}]", on(&mut left, random).join(", "))?;
         if !left.is_empty() && random.chance(shape.odd / 2) {
             let on = on(&mut left, random).join(", ");
@@ -248,7 +248,7 @@ fn part(
 }
 
 /// One or two machines, which are left no more.
-fn on(left: &mut Vec<&Resource>, random: &mut Random) -> Vec<String> {
+fn on(left: &mut Vec<&RandomResource>, random: &mut Random) -> Vec<String> {
     let count = (1 + random.below(2)).min(left.len());
     (0..count)
         .map(|_| {

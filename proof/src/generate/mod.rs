@@ -27,7 +27,7 @@ pub use text::text;
 
 /// The kind of lines to generate. Chances are in percent.
 #[derive(Clone, Debug, PartialEq, Eq)]
-pub struct Shape {
+pub struct LineShape {
     /// How many stations.
     pub stations: RangeInclusive<usize>,
     /// How many operations a station has, from 2 to 24.
@@ -49,10 +49,10 @@ pub struct Shape {
     pub more_conflicts: usize,
 }
 
-impl Default for Shape {
+impl Default for LineShape {
     /// Two or three stations of two to five operations, with something of everything.
     fn default() -> Self {
-        Shape {
+        LineShape {
             stations: 2..=3,
             operations: 2..=5,
             irreversible: 25,
@@ -66,21 +66,21 @@ impl Default for Shape {
     }
 }
 
-impl Shape {
+impl LineShape {
     /// Two stations of two or three operations: few enough states to look at each, with every freedom.
     pub fn small() -> Self {
-        Shape { stations: 2..=2, operations: 2..=3, more_arrows: 1, more_conflicts: 0, ..Shape::default() }
+        LineShape { stations: 2..=2, operations: 2..=3, more_arrows: 1, more_conflicts: 0, ..LineShape::default() }
     }
 
     /// A row of so many stations of about ten operations, as a transfer line has them: each shares its room with the
     /// next.
     pub fn row(stations: usize) -> Self {
-        Shape {
+        LineShape {
             stations: stations..=stations,
             operations: 8..=12,
             more_arrows: stations / 4,
             more_conflicts: stations / 8,
-            ..Shape::default()
+            ..LineShape::default()
         }
     }
 }
@@ -89,7 +89,7 @@ impl Shape {
 ///
 /// # Panics
 /// When the shape asks for no station, or for operations out of their bounds.
-pub fn line(shape: &Shape, seed: u64) -> Line {
+pub fn line(shape: &LineShape, seed: u64) -> Line {
     let mut random = Random::new(seed);
     let count = random.within(&shape.stations);
     assert!(count > 0, "a line has at least one station");

@@ -12,7 +12,7 @@ use linewright_line::{
 };
 
 use super::station::{button, operation};
-use super::{Random, Shape, bus, devices};
+use super::{LineShape, Random, bus, devices};
 
 /// Rests of one station.
 const RESTS: std::ops::RangeInclusive<usize> = 1..=3;
@@ -24,7 +24,7 @@ const OPERATIONS: std::ops::RangeInclusive<usize> = 1..=3;
 const APART: f64 = 100.0;
 
 /// A line of so many stations on order; the same for the same seed. Of the shape count the chances.
-pub fn on_order(shape: &Shape, stations: usize, seed: u64) -> Line {
+pub fn on_order(shape: &LineShape, stations: usize, seed: u64) -> Line {
     let mut random = Random::new(seed);
     let mut buttons = Vec::new();
     let stations: Vec<Station> =
@@ -44,7 +44,7 @@ pub fn on_order(shape: &Shape, stations: usize, seed: u64) -> Line {
     }
 }
 
-fn station(shape: &Shape, number: usize, buttons: &mut Vec<String>, random: &mut Random) -> Station {
+fn station(shape: &LineShape, number: usize, buttons: &mut Vec<String>, random: &mut Random) -> Station {
     let rests = random.within(&RESTS);
     let mut ways: Vec<(usize, usize)> = (0..rests).map(|rest| (rest, (rest + 1) % rests)).collect();
     for _ in 0..random.within(&MORE_TASKS) {
@@ -92,7 +92,7 @@ fn task(
     station: &mut Station,
     nth: usize,
     (from, to): (usize, usize),
-    shape: &Shape,
+    shape: &LineShape,
     buttons: &mut Vec<String>,
     random: &mut Random,
 ) {

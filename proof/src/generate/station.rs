@@ -12,7 +12,7 @@ use linewright_line::{
     Signals, Station,
 };
 
-use super::{Random, Shape, bus};
+use super::{LineShape, Random, bus};
 
 /// Operations of one station, at least and at most: two, so that something can come back; and few enough for the bits
 /// of one process image.
@@ -29,7 +29,7 @@ const RUNS: usize = BUTTONS_MAX / 2;
 
 /// An operation by its place in the round, home being 0.
 #[derive(Clone, Debug)]
-struct Planned {
+struct PlannedOperation {
     axis: usize,
     /// Takes its axis back to where it stands at home.
     back: bool,
@@ -38,24 +38,24 @@ struct Planned {
 }
 
 /// The round from home: steps of operations.
-struct Plan {
-    steps: Vec<Vec<Planned>>,
+struct RoundPlan {
+    steps: Vec<Vec<PlannedOperation>>,
     axes: usize,
 }
 
-pub(super) fn random(shape: &Shape, number: usize, buttons: &mut Vec<String>, random: &mut Random) -> Station {
+pub(super) fn random(shape: &LineShape, number: usize, buttons: &mut Vec<String>, random: &mut Random) -> Station {
     let count = random.within(&shape.operations);
     assert!(OPERATIONS.contains(&count), "{count} operations are not within {OPERATIONS:?}");
-    let plan = Plan::random(shape, count, random);
+    let plan = RoundPlan::random(shape, count, random);
     let listed = plan.listed_from(random);
     let hands = hands(&plan, shape, buttons, random);
     build(&plan, listed, &hands, number, shape, random)
 }
 
-impl Plan {
-    fn random(shape: &Shape, count: usize, random: &mut Random) -> Self {
-        let one = |axis, back| Planned { axis, back, path: None };
-        let mut plan = Plan { steps: vec![vec![one(MAIN, true)], vec![one(MAIN, false)]], axes: 1 };
+impl RoundPlan {
+    fn random(shape: &LineShape, count: usize, random: &mut Random) -> Self {
+        let one = |axis, back| PlannedOperation { axis, back, path: None };
+        let mut plan = RoundPlan { steps: vec![vec![one(MAIN, true)], vec![one(MAIN, false)]], axes: 1 };
         let mut out: Vec<usize> = Vec::new();
         let mut left = count - 2;
         while left > 0 {
@@ -69,7 +69,7 @@ impl Plan {
                 [MAIN].into_iter().chain(own).map(|axis| one(axis, false)).collect()
             } else {
                 let path = if plan.axes == 1 { plan.path(shape, random) } else { None };
-                vec![Planned { path, ..one(MAIN, false) }]
+                vec![PlannedOperation { path, ..one(MAIN, false) }]
             };
             left -= step.len();
             plan.steps.push(step);
@@ -78,8 +78,14 @@ impl Plan {
     }
 
     /// One or all of the axes that are out come back, all of them side by side.
-    fn come_back(&self, out: &mut Vec<usize>, left: usize, shape: &Shape, random: &mut Random) -> Vec<Planned> {
-        let one = |axis, back| Planned { axis, back, path: None };
+    fn come_back(
+        &self,
+        out: &mut Vec<usize>,
+        left: usize,
+        shape: &LineShape,
+        random: &mut Random,
+    ) -> Vec<PlannedOperation> {
+        let one = |axis, back| PlannedOperation { axis, back, path: None };
         if random.chance(shape.groups.max(30)) {
             let with_main = left > out.len() && random.chance(50);
             let main = with_main.then(|| one(MAIN, false));
@@ -89,7 +95,7 @@ impl Plan {
     }
 
     /// For an operation to come: some of the reversible ones so far, the last one first.
-    fn path(&self, shape: &Shape, random: &mut Random) -> Option<Vec<usize>> {
+    fn path(&self, shape: &LineShape, random: &mut Random) -> Option<Vec<usize>> {
         if !random.chance(shape.irreversible) {
             return None;
         }
@@ -123,7 +129,7 @@ pub(super) fn button(buttons: &mut Vec<String>, name: String) -> ButtonId {
 }
 
 /// A hand-mode entry for each step of the round from home.
-fn hands(plan: &Plan, shape: &Shape, buttons: &mut Vec<String>, random: &mut Random) -> Vec<Hand> {
+fn hands(plan: &RoundPlan, shape: &LineShape, buttons: &mut Vec<String>, random: &mut Random) -> Vec<Hand> {
     let runs = runs(plan, shape, random);
     // A run is taken back by a button of its own, or by the one that runs what follows: those of a clamp are each
     // other's reverse.
@@ -159,14 +165,14 @@ fn hands(plan: &Plan, shape: &Shape, buttons: &mut Vec<String>, random: &mut Ran
 }
 
 /// Whether no irreversible operation would be taken back if the runs began so many steps later.
-fn runs_fit(plan: &Plan, hands: &[Hand], later: usize) -> bool {
+fn runs_fit(plan: &RoundPlan, hands: &[Hand], later: usize) -> bool {
     let hand = |step: usize| &hands[(step + hands.len() - later) % hands.len()];
-    let irreversible = |step: &Vec<Planned>| step.iter().any(|op| op.path.is_some());
+    let irreversible = |step: &Vec<PlannedOperation>| step.iter().any(|op| op.path.is_some());
     (0..plan.steps.len()).all(|step| !irreversible(&plan.steps[step]) || hand(step).number() <= 2)
 }
 
 /// The round from home divided into sequences: the length of each, and whether a button takes it back.
-fn runs(plan: &Plan, shape: &Shape, random: &mut Random) -> Vec<(usize, bool)> {
+fn runs(plan: &RoundPlan, shape: &LineShape, random: &mut Random) -> Vec<(usize, bool)> {
     let mut runs: Vec<(usize, bool)> = Vec::new();
     let mut before = None;
     for step in &plan.steps {
@@ -184,7 +190,14 @@ fn runs(plan: &Plan, shape: &Shape, random: &mut Random) -> Vec<(usize, bool)> {
     runs
 }
 
-fn build(plan: &Plan, listed: usize, hands: &[Hand], number: usize, shape: &Shape, random: &mut Random) -> Station {
+fn build(
+    plan: &RoundPlan,
+    listed: usize,
+    hands: &[Hand],
+    number: usize,
+    shape: &LineShape,
+    random: &mut Random,
+) -> Station {
     let mut station = Station {
         name: format!("s{number}"),
         title: format!("Station {number}"),
@@ -223,8 +236,8 @@ fn build(plan: &Plan, listed: usize, hands: &[Hand], number: usize, shape: &Shap
 }
 
 /// Where the main axis goes from and to, step by step from home: on by one with each that moves it, back at the end.
-fn main_positions(plan: &Plan) -> Vec<(f64, f64)> {
-    let moves = |step: &Vec<Planned>| step.iter().any(|op| op.axis == MAIN);
+fn main_positions(plan: &RoundPlan) -> Vec<(f64, f64)> {
+    let moves = |step: &Vec<PlannedOperation>| step.iter().any(|op| op.axis == MAIN);
     let mut at = 0.0;
     let mut positions = vec![(0.0, 0.0)];
     for step in &plan.steps[1..] {
@@ -242,7 +255,7 @@ pub(super) fn operation(
     motion: Motion,
     path: Option<Vec<OpId>>,
     hand: Hand,
-    shape: &Shape,
+    shape: &LineShape,
     random: &mut Random,
 ) -> Operation {
     let mut signals = |way: &str| {

@@ -14,7 +14,7 @@ use serde::Serialize;
 
 /// What was found about one station.
 #[derive(Clone, Debug, Serialize)]
-pub struct StationReport {
+pub struct StructureReport {
     /// Its name.
     pub name: String,
     /// Reversible operations, j.
@@ -48,12 +48,12 @@ impl Check {
     }
 }
 
-impl StationReport {
+impl StructureReport {
     /// An empty report on a station.
     fn of(station: &Station, places: usize, transitions: usize) -> Self {
         let is_reversible = |module: &Module| matches!(module, Module::Reversible { .. });
         let reversible = station.operations.iter().filter(|op| is_reversible(&op.module)).count();
-        StationReport {
+        StructureReport {
             name: station.name.clone(),
             reversible,
             irreversible: station.operations.len() - reversible,
@@ -76,7 +76,7 @@ const SHARES_MAX: usize = 4;
 
 /// Checks the net of each station, and its tables. What one is found to be has nothing to do with the others, so
 /// those of a long line are shared out.
-pub fn judge_stations(line: &Line) -> Vec<StationReport> {
+pub fn judge_stations(line: &Line) -> Vec<StructureReport> {
     let ids: Vec<StationId> = line.station_ids().collect();
     let shares = (ids.len() / SHARE_MIN).clamp(1, SHARES_MAX);
     let judge = |ids: &[StationId]| ids.iter().map(|&id| station::judge(line, id)).collect::<Vec<_>>();

@@ -1,6 +1,6 @@
 //! The mode decision: the same net for every line, checked with each all the same.
 
-use linewright_coordinator_logic::decision::{ARCS, Facts, net};
+use linewright_coordinator_logic::decision::{ARCS, ModeFacts, net};
 use linewright_line::net::ControlMode;
 use linewright_nets::state_machine_verdict;
 
@@ -18,7 +18,7 @@ pub fn verdict() -> Result<String, String> {
 pub fn at_most_one_arc() -> Result<String, String> {
     let mut cases = 0;
     for mode in ControlMode::ALL {
-        for facts in Facts::all() {
+        for facts in ModeFacts::all() {
             let allowed: Vec<ControlMode> =
                 ARCS.iter().filter(|arc| arc.from == mode && (arc.when)(&facts)).map(|arc| arc.to).collect();
             if let [one, other, ..] = allowed[..] {
@@ -33,12 +33,13 @@ pub fn at_most_one_arc() -> Result<String, String> {
 /// From every mode an operator can come to manual, whatever is wrong: pressing and resetting the emergency stop, asking
 /// for manual, and waiting until what moves has stopped is enough. Recovery relies on it.
 pub fn manual_from_everywhere() -> Result<String, String> {
-    let at_hand = || Facts::all().filter(|facts| facts.trouble && facts.all_stopped && !facts.all_home);
+    let at_hand = || ModeFacts::all().filter(|facts| facts.trouble && facts.all_stopped && !facts.all_home);
     let mut leads = vec![ControlMode::Manual];
     loop {
         let before = leads.len();
         for mode in ControlMode::ALL {
-            let on = |arc: &&linewright_coordinator_logic::decision::Arc| arc.from == mode && leads.contains(&arc.to);
+            let on =
+                |arc: &&linewright_coordinator_logic::decision::ModeArc| arc.from == mode && leads.contains(&arc.to);
             let follows = ARCS.iter().filter(on).any(|arc| at_hand().any(|facts| (arc.when)(&facts)));
             if follows && !leads.contains(&mode) {
                 leads.push(mode);

@@ -11,11 +11,11 @@
 //! time, where playing the branches out would take the product of their sizes.
 
 use linewright_nets::structure::NotConnected;
-use linewright_nets::{Named, Net, NetBuilder, PlaceId, TransitionId};
+use linewright_nets::{NamedId, Net, NetBuilder, PlaceId, TransitionId};
 use thiserror::Error;
 
 /// The places of a group, branch by branch.
-pub type Group = Vec<Vec<PlaceId>>;
+pub type PlaceGroup = Vec<Vec<PlaceId>>;
 
 /// Why groups cannot be taken as places.
 #[derive(Debug, PartialEq, Eq, Error)]
@@ -24,13 +24,13 @@ pub enum NotReducible {
     #[error("{transition} touches places that neither stand alone nor make one row across a concurrent group")]
     Mixed {
         /// The transition.
-        transition: Named<TransitionId>,
+        transition: NamedId<TransitionId>,
     },
     /// Tokens start in some branches of a group only.
     #[error("the concurrent group of {first} starts with tokens in some of its branches only")]
     Uneven {
         /// The group's first place.
-        first: Named<PlaceId>,
+        first: NamedId<PlaceId>,
     },
     /// A branch cannot go everywhere on its own.
     #[error("within its concurrent branch, {0}")]
@@ -46,13 +46,13 @@ enum Unit {
 
 struct Groups<'a> {
     net: &'a Net,
-    groups: &'a [Group],
+    groups: &'a [PlaceGroup],
     /// For each place, its group and branch.
     membership: Vec<Option<(usize, usize)>>,
 }
 
 /// The net with one place for each group; the net itself where there are none.
-pub fn reduce(net: &Net, groups: &[Group]) -> Result<Net, NotReducible> {
+pub fn reduce(net: &Net, groups: &[PlaceGroup]) -> Result<Net, NotReducible> {
     if groups.is_empty() {
         return Ok(net.clone());
     }
@@ -160,7 +160,7 @@ mod tests {
     use super::*;
 
     /// Start, then two branches of two places each, then back to the start.
-    fn fork_and_join(back_in: [bool; 2], join: [bool; 2]) -> (Net, Vec<Group>) {
+    fn fork_and_join(back_in: [bool; 2], join: [bool; 2]) -> (Net, Vec<PlaceGroup>) {
         let mut b = NetBuilder::new("pair");
         let start = b.place("start", 1);
         let (fork, joined) = (b.transition("fork"), b.transition("join"));

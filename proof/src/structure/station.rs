@@ -2,17 +2,17 @@
 
 use linewright_line::net::{ControlMode, Place, StationNet, Term, overlaps};
 use linewright_line::{Line, OpId, Station, StationId};
-use linewright_nets::{Net, PlaceId, Verdict, state_machine_verdict};
+use linewright_nets::{Net, PlaceId, StateMachineVerdict, state_machine_verdict};
 use linewright_station_logic::Program;
 
-use super::reduce::{Group, reduce};
-use super::{Check, StationReport};
+use super::reduce::{PlaceGroup, reduce};
+use super::{Check, StructureReport};
 
 /// Checks the net of one station.
-pub fn judge(line: &Line, id: StationId) -> StationReport {
+pub fn judge(line: &Line, id: StationId) -> StructureReport {
     let station = line.station(id);
     let net = StationNet::of(line, id);
-    let mut report = StationReport::of(station, net.net().place_count(), net.net().transition_count());
+    let mut report = StructureReport::of(station, net.net().place_count(), net.net().transition_count());
     report.checks.push(Check::of("places", places(&report)));
     report.checks.push(Check::of("token", one_token(station, &net)));
     report.checks.extend(structure(&net, &groups(station, &net)));
@@ -24,7 +24,7 @@ pub fn judge(line: &Line, id: StationId) -> StationReport {
 }
 
 /// A station with j reversible and k irreversible operations has 6j + 3k places.
-fn places(report: &StationReport) -> Result<String, String> {
+fn places(report: &StructureReport) -> Result<String, String> {
     let (j, k) = (report.reversible, report.irreversible);
     let expected = 6 * j + 3 * k;
     if report.places == expected {
@@ -46,7 +46,7 @@ fn one_token(station: &Station, net: &StationNet) -> Result<String, String> {
 }
 
 /// The places of each concurrent group, branch by branch.
-fn groups(station: &Station, net: &StationNet) -> Vec<Group> {
+fn groups(station: &Station, net: &StationNet) -> Vec<PlaceGroup> {
     let of_operation = |&op: &OpId| {
         let places = net.places().iter().zip(net.net().places());
         places.filter(|(place, _)| place.op == op).map(|(_, id)| id).collect()
@@ -55,7 +55,7 @@ fn groups(station: &Station, net: &StationNet) -> Vec<Group> {
 }
 
 /// State machine, connection and verdict, of the net itself or of what it reduces to.
-fn structure(net: &StationNet, groups: &[Group]) -> Vec<Check> {
+fn structure(net: &StationNet, groups: &[PlaceGroup]) -> Vec<Check> {
     let reduced = match reduce(net.net(), groups) {
         Ok(reduced) => reduced,
         Err(why) => return vec![Check::of("state machine", Err(why.to_string()))],
@@ -70,7 +70,7 @@ fn structure(net: &StationNet, groups: &[Group]) -> Vec<Check> {
                 .map(|()| "every place from every other".to_owned()),
         ),
     ];
-    if let Ok(Verdict { live, safe, reversible }) = state_machine_verdict(&reduced) {
+    if let Ok(StateMachineVerdict { live, safe, reversible }) = state_machine_verdict(&reduced) {
         let say = |holds: &str| holds.to_owned();
         checks.push(Check::of("live", live.map(|()| say("connected, with a token")).map_err(|why| why.to_string())));
         checks.push(Check::of("safe", safe.map(|()| say("no two tokens can meet")).map_err(|why| why.to_string())));
@@ -80,7 +80,7 @@ fn structure(net: &StationNet, groups: &[Group]) -> Vec<Check> {
     checks
 }
 
-fn state_machine(reduced: &Net, groups: &[Group]) -> Result<String, String> {
+fn state_machine(reduced: &Net, groups: &[PlaceGroup]) -> Result<String, String> {
     reduced.is_state_machine().map_err(|why| why.to_string())?;
     Ok(match groups.len() {
         0 => "one input and one output place each".to_owned(),
@@ -128,7 +128,7 @@ mod tests {
         parse("line.toml", text).unwrap_or_else(|problems| panic!("{problems:#}")).line
     }
 
-    fn holds(report: &StationReport) {
+    fn holds(report: &StructureReport) {
         assert_eq!(report.checks.len(), 10);
         for check in &report.checks {
             assert!(check.ok, "{}: {}: {}", report.name, check.name, check.reason);

@@ -20,8 +20,8 @@ mod world;
 
 use linewright_line::Line;
 use linewright_line::net::ControlMode;
-use linewright_proof::explore::{Explored, Grants, Verdict};
-use linewright_proof::generate::{self, Breakage, Random, Shape, break_it, breakages};
+use linewright_proof::explore::{Grants, LineExplored, Verdict};
+use linewright_proof::generate::{self, Breakage, LineShape, Random, break_it, breakages};
 use linewright_station_logic::Rules;
 
 use crate::common::{self, HOME, auto_and_manual, explored, verdict};
@@ -58,7 +58,7 @@ fn older(line: &Line, freedom: Freedom, states: usize) -> Said {
     }
 }
 
-fn newer(line: &Line, freedom: Freedom, states: usize) -> (Said, Explored) {
+fn newer(line: &Line, freedom: Freedom, states: usize) -> (Said, LineExplored) {
     let mut setting = auto_and_manual(line);
     (setting.lag, setting.tidy_hands, setting.grants) = (freedom.lag, freedom.tidy, Grants::Anyhow);
     if freedom.hand {
@@ -121,8 +121,8 @@ fn of_the_small_line_both_see_equally_many_states() {
 }
 
 /// Two stations of two operations each: few enough states for the older one.
-fn tiny() -> Shape {
-    Shape { operations: 2..=2, more_arrows: 1, ..Shape::small() }
+fn tiny() -> LineShape {
+    LineShape { operations: 2..=2, more_arrows: 1, ..LineShape::small() }
 }
 
 /// Generated lines are compared until so many were seen to the end by both.

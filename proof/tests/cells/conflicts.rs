@@ -2,7 +2,7 @@
 
 use linewright_cell::Cell;
 use linewright_line::{Conflict, Line, Span, Station, StationId, TaskId};
-use linewright_proof::cell::{Property, Setting, Verdict, check_conflicts};
+use linewright_proof::cell::{CellExploration, CellProperty, Verdict, check_conflicts};
 use linewright_proof::positions::{PositionRules, explore_positions};
 
 use super::described;
@@ -15,9 +15,9 @@ fn with(a: (&str, &str), b: (&str, &str)) -> (Cell, Line) {
     described("workcell-c1", &format!("\n[[conflict]]\nwhy = \"{WHY}\"\na = {}\nb = {}\n", side(a), side(b)))
 }
 
-fn judged(a: (&str, &str), b: (&str, &str)) -> Property {
+fn judged(a: (&str, &str), b: (&str, &str)) -> CellProperty {
     let (cell, line) = with(a, b);
-    let mut found = check_conflicts(&Setting::new(&cell), &line).unwrap_or_else(|why| panic!("{why}"));
+    let mut found = check_conflicts(&CellExploration::new(&cell), &line).unwrap_or_else(|why| panic!("{why}"));
     assert_eq!(found.len(), 1);
     found.remove(0)
 }
@@ -54,7 +54,7 @@ fn what_one_activity_orders_is_under_way_at_once() {
 #[test]
 fn with_one_part_at_a_time_two_machines_never_run_at_once() {
     let (mut cell, line) = with(("m1", "machine"), ("m3", "machine"));
-    let verdict = |cell: &Cell| check_conflicts(&Setting::new(cell), &line).expect("it has a net")[0].verdict;
+    let verdict = |cell: &Cell| check_conflicts(&CellExploration::new(cell), &line).expect("it has a net")[0].verdict;
     assert_eq!(verdict(&cell), Verdict::Fails);
     cell.limits.wip_max = 1;
     assert_eq!(verdict(&cell), Verdict::Holds);

@@ -16,7 +16,7 @@ use std::path::Path;
 
 use linewright_cell::Cell;
 use linewright_line::Line;
-use linewright_proof::cell::{Checked, Property, Setting, Verdict, check};
+use linewright_proof::cell::{CellExploration, CellProperty, Checked, Verdict, check};
 
 pub use texts::{ASSEMBLY, C1, cell, edited};
 
@@ -33,7 +33,7 @@ pub fn described(name: &str, more: &str) -> (Cell, Line) {
 /// What is found of it, with any mix of parts.
 #[track_caller]
 pub fn checked(cell: &Cell) -> Checked {
-    check(&Setting::new(cell)).expect("it is small")
+    check(&CellExploration::new(cell)).expect("it is small")
 }
 
 /// The properties by their order: stuck, finished, happens.
@@ -43,6 +43,6 @@ pub fn verdicts(checked: &Checked) -> [Verdict; 3] {
 
 /// The first property that fails.
 #[track_caller]
-pub fn failing(checked: &Checked) -> &Property {
+pub fn failing(checked: &Checked) -> &CellProperty {
     checked.properties.iter().find(|property| property.verdict == Verdict::Fails).expect("something fails")
 }

@@ -5,7 +5,9 @@
 
 use std::collections::{BTreeMap, BTreeSet, HashMap, VecDeque};
 
-use linewright_cell::{Action, Activity, ActivityKind, Cell, Move, Prototype, ResourceId, Role, StageId, Use};
+use linewright_cell::{
+    Activity, ActivityKind, Cell, Prototype, ResourceAction, ResourceId, Role, StageId, StageMove, Use,
+};
 
 /// What a resource has.
 #[derive(Clone, Debug, PartialEq, Eq, PartialOrd, Ord, Hash)]
@@ -150,7 +152,7 @@ impl Player<'_> {
     }
 
     /// What an activity can make of a stage: all in one, or grasping (0) and putting (1).
-    fn done(&self, number: usize, activity: &Activity, of: &Move, moment: &Moment) -> Vec<(usize, Moment)> {
+    fn done(&self, number: usize, activity: &Activity, of: &StageMove, moment: &Moment) -> Vec<(usize, Moment)> {
         let used = |role: Role| activity.used(role);
         if let Some(worker) = used(Role::Worker).and_then(|part| part.of) {
             let Inside::Machine(parts) = &moment.inside[worker.index()] else { return Vec::new() };
@@ -203,20 +205,20 @@ impl Player<'_> {
             Some(parts)
         };
         let left = match (&moment.inside[id.index()], source.action) {
-            (Inside::Machine(parts), Action::Unload) => {
+            (Inside::Machine(parts), ResourceAction::Unload) => {
                 let at = parts.iter().position(|part| *part == (stage, true))?;
                 let mut parts = parts.clone();
                 parts.remove(at);
                 Inside::Machine(parts)
             }
-            (Inside::Store(parts), Action::Retrieve) => Inside::Store(without(parts)?),
-            (Inside::Row(at), Action::Retrieve) => {
+            (Inside::Store(parts), ResourceAction::Retrieve) => Inside::Store(without(parts)?),
+            (Inside::Row(at), ResourceAction::Retrieve) => {
                 let mut at = at.clone();
                 at.pop_if(|last| *last == Some(stage))?;
                 at.push(None);
                 Inside::Row(at)
             }
-            (Inside::Stack(parts), Action::Retrieve) => {
+            (Inside::Stack(parts), ResourceAction::Retrieve) => {
                 let mut parts = parts.clone();
                 parts.pop_if(|last| *last == stage)?;
                 Inside::Stack(parts)
@@ -230,16 +232,16 @@ impl Player<'_> {
         let Some(id) = target.of else { return Some(moment.clone()) };
         let room = self.cell.resource(id).capacity as usize;
         let full = match (&moment.inside[id.index()], target.action) {
-            (Inside::Machine(parts), Action::Load) if parts.len() < room => {
+            (Inside::Machine(parts), ResourceAction::Load) if parts.len() < room => {
                 Inside::Machine(sorted(parts, (stage, false)))
             }
-            (Inside::Store(parts), Action::Store) if parts.len() < room => Inside::Store(sorted(parts, stage)),
-            (Inside::Row(at), Action::Store) if at[0].is_none() => {
+            (Inside::Store(parts), ResourceAction::Store) if parts.len() < room => Inside::Store(sorted(parts, stage)),
+            (Inside::Row(at), ResourceAction::Store) if at[0].is_none() => {
                 let mut at = at.clone();
                 at[0] = Some(stage);
                 Inside::Row(at)
             }
-            (Inside::Stack(parts), Action::Store) if parts.len() < room => {
+            (Inside::Stack(parts), ResourceAction::Store) if parts.len() < room => {
                 let mut parts = parts.clone();
                 parts.push(stage);
                 Inside::Stack(parts)

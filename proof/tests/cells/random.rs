@@ -1,7 +1,7 @@
 //! Random cells: the check and the player of parts agree on each.
 
 use linewright_cell::net::Detail;
-use linewright_proof::cell::{Checked, Setting, Verdict, check};
+use linewright_proof::cell::{CellExploration, Checked, Verdict, check};
 use linewright_proof::generate::{self, CellShape};
 
 use super::oracle::{Played, groups, play};
@@ -78,7 +78,8 @@ fn both_details_say_the_same() {
     for seed in 0..150 {
         let cell = cell(&generate::cell(&CellShape { wip: 1..=3, ..CellShape::small() }, seed));
         let whole = checked(&cell);
-        let fully = check(&Setting { detail: Detail::Expanded, ..Setting::new(&cell) }).expect("it is small");
+        let fully =
+            check(&CellExploration { detail: Detail::Expanded, ..CellExploration::new(&cell) }).expect("it is small");
         assert_eq!((verdicts(&whole), whole.sound), (verdicts(&fully), fully.sound), "seed {seed}");
         let states = |checked: &Checked| checked.groups.iter().map(|group| group.states).sum::<u64>();
         assert!(states(&whole) <= states(&fully), "seed {seed}");

@@ -4,18 +4,18 @@ use std::time::Duration;
 
 use linewright_cell::Cell;
 use linewright_cell::net::Supply;
-use linewright_coordinator_cell::described::{Pace, RecoveryNet, described, recovery_net};
+use linewright_coordinator_cell::compile::{OrderTiming, RecoveryNet, compile_cell, recovery_net};
 use linewright_nets::NetBuilder;
-use linewright_nets::explicit::{Limits, decide, find};
+use linewright_nets::explicit::{ExplorationLimits, decide, find};
 use linewright_proof::cell::Verdict;
 use linewright_proof::cell::recovery::{BACK, BOUNDED, KEPT, check_recovery, judge};
 
 use super::described as shipped;
 
-const PACE: Pace = Pace { refresh: Duration::from_secs(1), grace: Duration::from_secs(1) };
+const PACE: OrderTiming = OrderTiming { refresh: Duration::from_secs(1), grace: Duration::from_secs(1) };
 
 fn net(cell: &Cell, supply: Supply<'_>) -> RecoveryNet {
-    let made = described(cell, None, supply, PACE).unwrap_or_else(|why| panic!("{why}"));
+    let made = compile_cell(cell, None, supply, PACE).unwrap_or_else(|why| panic!("{why}"));
     recovery_net("recovery", &made.table).expect("it has one")
 }
 
@@ -73,9 +73,12 @@ fn from_every_state_with_what_fails_the_cell_becomes_as_it_was() {
     let (mut cell, _) = shipped("workcell-c1", "");
     cell.limits.wip_max = 2;
     let net = net(&cell, Supply::Open).net;
-    let facts = decide(&net, &Limits::default()).expect("it is small");
+    let facts = decide(&net, &ExplorationLimits::default()).expect("it is small");
     println!("{} states", facts.states);
     assert_eq!(facts.no_return, None, "from every state the beginning is reached again");
     let error = net.place_named("load M1<A.new>.failed").expect("there");
-    assert!(find(&net, &Limits::default(), |view| view.tokens(error) > 0).expect("small").is_some(), "it does fail");
+    assert!(
+        find(&net, &ExplorationLimits::default(), |view| view.tokens(error) > 0).expect("small").is_some(),
+        "it does fail"
+    );
 }

@@ -2,8 +2,8 @@
 //! describes: broken behind the parser's back.
 
 use linewright_cell::ActivityKind;
-use linewright_nets::explicit::Limits;
-use linewright_proof::cell::{Setting, Verdict, check};
+use linewright_nets::explicit::ExplorationLimits;
+use linewright_proof::cell::{CellExploration, Verdict, check};
 
 use super::{ASSEMBLY, C1, cell, checked, edited, failing, verdicts};
 
@@ -92,7 +92,8 @@ fn more_parts_than_the_store_holds_get_stuck() {
 #[test]
 fn starts_and_ends_are_told_apart_only_where_something_is_between() {
     let cell = cell(&edited(C1, &[("reserve = true", "reserve = false")]));
-    let checked = check(&Setting { detail: linewright_cell::net::Detail::Expanded, ..Setting::new(&cell) });
+    let checked =
+        check(&CellExploration { detail: linewright_cell::net::Detail::Expanded, ..CellExploration::new(&cell) });
     let checked = checked.expect("it is small");
     let story = failing(&checked).counterexample.clone().expect("it is told");
     let steps = story.steps.iter().map(|step| step.replace(" begins:", ":").replace(" ends:", ":"));
@@ -137,8 +138,8 @@ fn what_can_never_be_done_is_said() {
 fn what_is_too_much_is_undecided_from_there_on() {
     let cell = cell(C1);
     let limited = |states| {
-        let limits = Limits { states, ..Limits::default() };
-        check(&Setting { limits, ..Setting::new(&cell) }).expect("it has a net")
+        let limits = ExplorationLimits { states, ..ExplorationLimits::default() };
+        check(&CellExploration { limits, ..CellExploration::new(&cell) }).expect("it has a net")
     };
     let found = limited(1_000);
     assert_eq!(verdicts(&found), [Verdict::Undecided, Verdict::Undecided, Verdict::Holds], "{found:#?}");
@@ -152,8 +153,8 @@ fn what_is_too_much_is_undecided_from_there_on() {
 
     // What is wrong within the limits is found all the same, whatever is beyond them.
     let stuck = super::cell(&edited(C1, &[("reserve = true", "reserve = false"), ("wip_max = 6", "wip_max = 10000")]));
-    let limits = Limits { states: 1_000, ..Limits::default() };
-    let found = check(&Setting { limits, ..Setting::new(&stuck) }).expect("it has a net");
+    let limits = ExplorationLimits { states: 1_000, ..ExplorationLimits::default() };
+    let found = check(&CellExploration { limits, ..CellExploration::new(&stuck) }).expect("it has a net");
     assert_eq!((verdicts(&found)[0], found.sound), (Verdict::Fails, 1), "{found:#?}");
 }
 

@@ -2,13 +2,14 @@
 //! `model/cell/tests/net/counts.rs`, here for what `check` says.
 
 use linewright_cell::net::Detail;
-use linewright_proof::cell::{Checked, Setting, Verdict, check};
+use linewright_proof::cell::{CellExploration, Checked, Verdict, check};
 
 use super::{ASSEMBLY, C1, cell, edited, verdicts};
 
 fn expanded(text: &str, parts: &[u32]) -> Checked {
     let cell = cell(text);
-    let setting = Setting { detail: Detail::Expanded, parts: Some(parts.to_vec()), ..Setting::new(&cell) };
+    let setting =
+        CellExploration { detail: Detail::Expanded, parts: Some(parts.to_vec()), ..CellExploration::new(&cell) };
     check(&setting).expect("it is small")
 }
 

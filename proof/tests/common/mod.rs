@@ -2,7 +2,7 @@
 
 use linewright_line::net::ControlMode;
 use linewright_line::{Arrow, Conflict, Line};
-use linewright_proof::explore::{Explored, Grants, Limits, Setting, Verdict, explore};
+use linewright_proof::explore::{Grants, LineExploration, LineExplored, SearchLimits, Verdict, explore};
 use linewright_proof::structure::chart::{every_circuit_has_a_token, home_is_consistent};
 
 /// How many lines to generate: what a build can wait for, or `GENERATED_LINES` times as many hundredths of it.
@@ -12,8 +12,8 @@ pub fn lines(default: u64) -> u64 {
 }
 
 /// As far as a test looks.
-pub fn limit(states: usize) -> Limits {
-    Limits { states, ..Limits::default() }
+pub fn limit(states: usize) -> SearchLimits {
+    SearchLimits { states, ..SearchLimits::default() }
 }
 
 /// The line as it is in auto mode alone.
@@ -28,25 +28,25 @@ pub fn with_conflict(line: &Line, conflict: &Conflict) -> Line {
 }
 
 /// Auto mode, and nothing fails.
-pub fn undisturbed(line: &Line) -> Setting {
-    let mut setting = Setting::new(line);
+pub fn undisturbed(line: &Line) -> LineExploration {
+    let mut setting = LineExploration::new(line);
     (setting.modes, setting.grants, setting.faults) = (vec![ControlMode::Auto], Grants::Anyhow, false);
     setting
 }
 
 /// Auto and manual, each station in whichever it hears of.
-pub fn auto_and_manual(line: &Line) -> Setting {
-    let mut setting = Setting::new(line);
+pub fn auto_and_manual(line: &Line) -> LineExploration {
+    let mut setting = LineExploration::new(line);
     (setting.modes, setting.grants) = (vec![ControlMode::Auto, ControlMode::Manual], Grants::Anyhow);
     setting
 }
 
-pub fn explored(setting: &Setting, states: usize) -> Explored {
+pub fn explored(setting: &LineExploration, states: usize) -> LineExplored {
     explore(setting, limit(states)).expect("a generated line can be explored")
 }
 
 /// The verdict on the property whose name begins like this.
-pub fn verdict(explored: &Explored, name: &str) -> Verdict {
+pub fn verdict(explored: &LineExplored, name: &str) -> Verdict {
     let found = explored.properties.iter().find(|property| property.name.starts_with(name));
     found.unwrap_or_else(|| panic!("nothing was asked that begins with `{name}`")).verdict
 }
@@ -59,7 +59,7 @@ pub const REVERSIBLE: &str = "reversible and live";
 pub const HOME: &str = "home can be reached";
 
 /// Whether some conflict was met.
-pub fn met(explored: &Explored) -> bool {
+pub fn met(explored: &LineExplored) -> bool {
     explored.properties.iter().any(|p| p.name.starts_with(CONFLICT) && p.verdict == Verdict::Fails)
 }
 

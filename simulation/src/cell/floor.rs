@@ -9,15 +9,16 @@ use std::collections::{BTreeMap, BTreeSet};
 use std::time::Duration;
 
 use linewright_coordinator_cell::{
-    CellTable, Fact, FiringId, Heard, ModeId, OrderKey, OrderMessage, PartId, Place, Record, Reply, State,
+    CellTable, FiringId, ModeId, OrderKey, OrderMessage, PartId, PartPlace, PlayerState, Record, RecordKind, Reply,
+    TaskReport,
 };
 use linewright_coordinator_shell::orders;
 use linewright_line::net::ControlMode;
 use linewright_line::{HolderId, Line, OpId, Owner, StationId, Tick};
 use linewright_plant::{PartNo, Plant, PlantOptions, Spot};
 use linewright_station_logic::{
-    self as station, CompileError, Controller, Input, ModeOrder, NO_DELAY, OrderReport, PanelCommand, Restore,
-    Snapshot, TaskCommand, TaskOrder,
+    self as station, CompileError, Controller, ModeOrder, NO_DELAY, PanelCommand, Restore, StationInput,
+    StationSnapshot, TaskCommand, TaskOrder, TaskOrderReport,
 };
 
 /// Stations answer each other's motions so often at one moment at most.
@@ -44,17 +45,17 @@ pub struct Work {
 /// A station's process.
 struct Running {
     controller: Controller,
-    out: station::Outbox,
+    out: station::StationOutbox,
     /// The image it was told last.
     image: Option<u128>,
     /// What it has said last.
-    said: OrderReport,
+    said: TaskOrderReport,
     /// What its disk holds while it is down, and when its outputs go off then.
-    down: Option<(Snapshot, Tick)>,
+    down: Option<(StationSnapshot, Tick)>,
 }
 
 /// The shop floor.
-pub struct Floor {
+pub struct ShopFloor {
     line: Line,
     plant: Plant,
     processes: Vec<Running>,
@@ -79,7 +80,7 @@ pub struct Floor {
     pub trouble: Vec<String>,
 }
 
-impl Floor {
+impl ShopFloor {
     /// All stations at home, in auto, and no part anywhere. Of each resource that is no store, where it has its part.
     ///
     /// # Errors
@@ -90,7 +91,7 @@ impl Floor {
         nests: &[(&str, HolderId)],
         options: PlantOptions,
     ) -> Result<Self, CompileError> {
-        let mut floor = Floor {
+        let mut floor = ShopFloor {
             plant: Plant::new(line, options),
             processes: Vec::new(),
             now: Tick::ZERO,
@@ -178,7 +179,7 @@ impl Floor {
 
     fn tell_mode(&mut self, index: usize) {
         let order = self.order_for(StationId::at(index));
-        self.processes[index].controller.handle(self.now, Input::Order(order));
+        self.processes[index].controller.handle(self.now, StationInput::Order(order));
     }
 
     fn order_for(&self, station: StationId) -> ModeOrder {
@@ -216,15 +217,15 @@ impl Floor {
     }
 
     fn press(&mut self, station: StationId, button: PanelCommand) {
-        self.processes[station.index()].controller.handle(self.now, Input::Panel(button));
+        self.processes[station.index()].controller.handle(self.now, StationInput::Panel(button));
         self.settle();
     }
 
     fn started(&mut self, id: StationId, restore: Restore) -> Result<Running, CompileError> {
         self.lives += 1;
         let mut controller = Controller::new(&self.line, id, self.lives, restore)?;
-        controller.handle(self.now, Input::Order(self.order_for(id)));
-        let (out, said) = (station::Outbox::default(), OrderReport::default());
+        controller.handle(self.now, StationInput::Order(self.order_for(id)));
+        let (out, said) = (station::StationOutbox::default(), TaskOrderReport::default());
         Ok(Running { controller, out, image: None, said, down: None })
     }
 
@@ -303,7 +304,7 @@ impl Floor {
     }
 
     /// What a station says of itself; nothing while it is down.
-    pub(super) fn heard(&self, index: usize) -> Option<Heard> {
+    pub(super) fn heard(&self, index: usize) -> Option<TaskReport> {
         let process = self.processes.get(index).filter(|process| process.down.is_none())?;
         process.controller.report().order.as_ref().map(orders::heard)
     }
@@ -323,7 +324,7 @@ impl Floor {
     fn command(&mut self, now: Tick, to: StationId, command: TaskCommand<'_>) -> Option<Reply> {
         self.now = self.now.max(now);
         let process = self.processes.get_mut(to.index()).filter(|process| process.down.is_none())?;
-        process.controller.handle(now, Input::Task(command));
+        process.controller.handle(now, StationInput::Task(command));
         let outputs = process.step(now, self.plant.inputs(Owner::Station(to)));
         let reply = process.out.replies.pop().map(|(_, reply)| reply);
         process.out.replies.clear();
@@ -333,28 +334,28 @@ impl Floor {
     }
 
     /// People do what a record says that is theirs to do: parts come in and go out.
-    pub(super) fn note(&mut self, record: &Record, state: &State) {
+    pub(super) fn note(&mut self, record: &Record, state: &PlayerState) {
         match &record.fact {
-            Fact::Started { firing, mode, part, orders: _ } => _ = self.firings.insert(*firing, (*mode, *part)),
-            Fact::Ended { firing } => {
+            RecordKind::Started { firing, mode, part, orders: _ } => _ = self.firings.insert(*firing, (*mode, *part)),
+            RecordKind::Ended { firing } => {
                 if let Some((mode, part)) = self.firings.remove(firing) {
                     self.carry(mode, part, state);
                 }
             }
-            Fact::Fired { mode, part } => self.carry(*mode, *part, state),
-            Fact::Epoch { .. }
-            | Fact::Memory { .. }
-            | Fact::Decided { .. }
-            | Fact::Acknowledged { .. }
-            | Fact::OrderEnded { .. }
-            | Fact::OrderFailed { .. }
-            | Fact::Raised { .. }
-            | Fact::Exception(_)
-            | Fact::Production { .. } => {}
+            RecordKind::Fired { mode, part } => self.carry(*mode, *part, state),
+            RecordKind::Epoch { .. }
+            | RecordKind::Memory { .. }
+            | RecordKind::Decided { .. }
+            | RecordKind::Acknowledged { .. }
+            | RecordKind::OrderEnded { .. }
+            | RecordKind::OrderFailed { .. }
+            | RecordKind::Raised { .. }
+            | RecordKind::Exception(_)
+            | RecordKind::Production { .. } => {}
         }
     }
 
-    fn carry(&mut self, mode: ModeId, part: Option<PartId>, state: &State) {
+    fn carry(&mut self, mode: ModeId, part: Option<PartId>, state: &PlayerState) {
         let (table, Some(part)) = (state.table(), part) else { return };
         let no = PartNo(part.0);
         match (table.part_in(mode), table.part_out(mode)) {
@@ -377,11 +378,11 @@ impl Floor {
     }
 
     /// In what the plant differs from what a state says: parts that rest must be where they are said to be.
-    pub fn differences(&self, state: &State) -> Vec<String> {
+    pub fn differences(&self, state: &PlayerState) -> Vec<String> {
         let table = state.table();
         let mut found = Vec::new();
         for part in state.parts() {
-            let Place::On { cell, .. } = part.place else { continue };
+            let PartPlace::On { cell, .. } = part.place else { continue };
             let name = table.cell_name(cell);
             let resource = name.split('.').next().unwrap_or_default();
             let spot = match table.store_of(cell).and_then(|store| self.stores.get(store)) {
@@ -405,7 +406,7 @@ impl Running {
     /// One step with this image; what it drives.
     fn step(&mut self, now: Tick, image: u128) -> u128 {
         if self.image.replace(image) != Some(image) {
-            let input = Input::Inputs { bits: image, valid: true, until: Tick::NEVER, under: NO_DELAY };
+            let input = StationInput::Inputs { bits: image, valid: true, until: Tick::NEVER, under: NO_DELAY };
             self.controller.handle(now, input);
         }
         self.controller.step(now, &mut self.out);

@@ -7,9 +7,9 @@
 //!                    Station … Station                      their ledgers know what has really been done
 //! ```
 //!
-//! [`CellSim`] plays it, from a seed; [`Station`] stands for a station that works on order, and knows nothing of its axes and
-//! sensors; or [`Floor`] has the real ones, with mechanisms and parts; [`Store`] is where records go. Of pretended stations
-//! [`Truth`] knows where the parts really are, and [`Operator`] looks there. The coordinator can be killed at each of its
+//! [`CellSim`] plays it, from a seed; [`SimulatedStation`] stands for a station that works on order, and knows nothing of its axes and
+//! sensors; or [`ShopFloor`] has the real ones, with mechanisms and parts; [`RecordStore`] is where records go. Of pretended stations
+//! [`PartTruth`] knows where the parts really are, and [`SimulatedOperator`] looks there. The coordinator can be killed at each of its
 //! steps, of which every record and every message is one. What stations do, and what happens to them, whoever plays says
 //! between two calls.
 
@@ -20,9 +20,9 @@ mod station;
 mod store;
 mod truth;
 
-pub use floor::{Floor, Work};
-pub use operator::Operator;
-pub use sim::{CellOptions, CellSim, Pace};
-pub use station::{Done, Station};
-pub use store::{InMemory, Store};
-pub use truth::{Found, Truth};
+pub use floor::{ShopFloor, Work};
+pub use operator::SimulatedOperator;
+pub use sim::{CellSim, CellSimOptions, StationSpeed};
+pub use station::{BegunTask, SimulatedStation};
+pub use store::{InMemory, RecordStore};
+pub use truth::{InspectionResult, PartTruth};

@@ -3,42 +3,42 @@
 //! He sees the parts as they are ([`super::Truth`]), never what the coordinator believes. He brings stations to a rest, mends
 //! them, and says what he has found; where that cannot be said he changes it first. Now and then he may be told to lie.
 
-use linewright_coordinator_cell::exception::{About, Ruling, Whereabouts};
-use linewright_coordinator_cell::{AlarmId, Dispatcher, FiringId, Input, ResourceId};
+use linewright_coordinator_cell::exception::{AlarmSubject, RecoveryDecision, Whereabouts};
+use linewright_coordinator_cell::{AlarmId, Dispatcher, FiringId, PlayerInput, ResourceId};
 
 use super::sim::CellSim;
 
 /// Somebody who answers alarms.
 #[derive(Clone, Debug, Default)]
-pub struct Operator {
+pub struct SimulatedOperator {
     /// He says something else than he has found to so many alarms, as soon as that can be said and a sensor would see it.
     pub lies: usize,
     /// How often he has answered.
     pub answers: usize,
 }
 
-impl Operator {
+impl SimulatedOperator {
     /// He looks at everything once.
     pub fn look(&mut self, sim: &mut CellSim, dispatcher: &mut dyn Dispatcher) {
-        let alarms: Vec<(AlarmId, About)> =
+        let alarms: Vec<(AlarmId, AlarmSubject)> =
             sim.state().exceptions().alarms().map(|alarm| (alarm.id, alarm.about)).collect();
         for (alarm, about) in alarms {
             let word = match about {
-                About::Firing(firing) => self.put_right(sim, alarm, firing),
-                About::Resource(resource) => {
+                AlarmSubject::Firing(firing) => self.put_right(sim, alarm, firing),
+                AlarmSubject::Resource(resource) => {
                     mend(sim, resource);
                     sim.state().exceptions().alarm(alarm).and_then(|alarm| alarm.words.first().cloned())
                 }
             };
             if let Some(word) = word {
                 self.answers += 1;
-                sim.say(dispatcher, &[Input::Answer { alarm, word: &word }]);
+                sim.say(dispatcher, &[PlayerInput::Answer { alarm, word: &word }]);
             }
         }
         let down: Vec<ResourceId> = sim.state().exceptions().down().map(|(resource, _)| resource).collect();
         for resource in down {
             mend(sim, resource);
-            sim.say(dispatcher, &[Input::Resource { resource, up: true }]);
+            sim.say(dispatcher, &[PlayerInput::Resource { resource, up: true }]);
         }
     }
 
@@ -55,7 +55,7 @@ impl Operator {
         }
         let found = sim.truth.found(&sim.table, firing)?.part;
         let can_say = sim.coordination.rulings(alarm);
-        let said = |part: Whereabouts| can_say.iter().find(|ruling: &&Ruling| ruling.part == part);
+        let said = |part: Whereabouts| can_say.iter().find(|ruling: &&RecoveryDecision| ruling.part == part);
         if self.lies > 0
             && let Some(lie) = opposite(found).filter(|_| is_seen(sim, firing)).and_then(said)
         {

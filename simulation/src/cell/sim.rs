@@ -4,17 +4,18 @@ use std::collections::{BTreeMap, BTreeSet};
 use std::sync::Arc;
 use std::time::Duration;
 
-use linewright_coordinator_cell::production::Request;
+use linewright_coordinator_cell::production::ProductionOrderRequest;
 use linewright_coordinator_cell::{
-    ActivityKind, CellTable, Coordination, Denied, Dispatcher, Event, Heard, Input, ModeId, OrderKey, OrderMessage,
-    Outbox, Phase, Presence, ProductionCommand, ProductionId, Record, Reply, ResourceId, Send, State, Ticket,
+    ActivityPhase, ActivityTiming, CellEvent, CellMessage, CellTable, Coordination, Dispatcher, ModeId, OrderKey,
+    OrderMessage, PlayerInput, PlayerOutbox, PlayerState, Presence, ProductionCommand, ProductionCommandError,
+    ProductionId, Record, Reply, RequestId, ResourceId, TaskReport,
 };
 use linewright_line::{StationId, Tick};
 
-use super::floor::Floor;
-use super::station::Station;
-use super::store::{InMemory, Store};
-use super::truth::Truth;
+use super::floor::ShopFloor;
+use super::station::SimulatedStation;
+use super::store::{InMemory, RecordStore};
+use super::truth::PartTruth;
 use crate::rng::Rng;
 
 /// So many steps at one moment, each with as much as a step takes, and there will be no other moment.
@@ -24,7 +25,7 @@ const QUIET: Duration = Duration::from_secs(3);
 
 /// How long stations take for an order.
 #[derive(Clone, Copy, Debug, PartialEq)]
-pub enum Pace {
+pub enum StationSpeed {
     /// As long as its activity should take, or up to this part of it longer or shorter.
     Nominal {
         /// Between 0 and 1.
@@ -36,11 +37,11 @@ pub enum Pace {
 
 /// What a simulation of a cell is played with.
 #[derive(Clone, Debug, PartialEq)]
-pub struct CellOptions {
+pub struct CellSimOptions {
     /// What everything random follows from.
     pub seed: u64,
     /// How long stations take.
-    pub pace: Pace,
+    pub pace: StationSpeed,
     /// What a message takes at least and at most.
     pub delay: (Duration, Duration),
     /// One message in so many is lost, as many are doubled, and some take far longer; none with 0.
@@ -53,12 +54,12 @@ pub struct CellOptions {
     pub replays: bool,
 }
 
-impl Default for CellOptions {
+impl Default for CellSimOptions {
     /// Times as they should be, messages that take no time and get there.
     fn default() -> Self {
-        CellOptions {
+        CellSimOptions {
             seed: 1,
-            pace: Pace::Nominal { spread: 0.0 },
+            pace: StationSpeed::Nominal { spread: 0.0 },
             delay: (Duration::ZERO, Duration::ZERO),
             bad_luck: 0,
             period: Duration::from_secs(60),
@@ -69,7 +70,7 @@ impl Default for CellOptions {
 }
 
 /// A message on its way.
-enum Flying {
+enum MessageInTransit {
     /// To a station, for which it will be so much work.
     Order(OrderMessage, Duration),
     Reply(usize, OrderKey, Reply),
@@ -77,14 +78,14 @@ enum Flying {
     Secure(usize, OrderKey, bool),
     Secured(usize, OrderKey, Reply),
     /// With a number that rises.
-    State(usize, u64, Heard),
+    State(usize, u64, TaskReport),
 }
 
 /// What the coordinator gets of that.
-enum Arrived {
+enum PlayerInbound {
     Reply(StationId, OrderKey, Reply),
     Secured(StationId, OrderKey, Reply),
-    State(StationId, Heard),
+    State(StationId, TaskReport),
 }
 
 /// A cell in virtual time.
@@ -92,17 +93,17 @@ pub struct CellSim {
     /// What is played.
     pub table: Arc<CellTable>,
     /// How. It may be changed while it goes on.
-    pub options: CellOptions,
+    pub options: CellSimOptions,
     /// The coordinator, in its present life.
     pub coordination: Coordination,
     /// All its stations, by number.
-    pub stations: Vec<Station>,
+    pub stations: Vec<SimulatedStation>,
     /// The real ones, which then take the place of those that are pretended.
-    pub floor: Option<Floor>,
+    pub floor: Option<ShopFloor>,
     /// What has been written, in all lives.
     pub log: Vec<Record>,
     /// What people were told, and when.
-    pub events: Vec<(Tick, Event)>,
+    pub events: Vec<(Tick, CellEvent)>,
     /// The time.
     pub now: Tick,
     /// Whether anything may start.
@@ -112,16 +113,16 @@ pub struct CellSim {
     /// How many lives it has had.
     pub lives: usize,
     /// What people want to be made, who ask until they get a reply.
-    pub asked: Vec<Vec<Request>>,
+    pub asked: Vec<Vec<ProductionOrderRequest>>,
     /// What they were told.
-    pub told: Vec<Result<Vec<ProductionId>, Denied>>,
+    pub told: Vec<Result<Vec<ProductionId>, ProductionCommandError>>,
     /// Where the parts really are.
-    pub truth: Truth,
+    pub truth: PartTruth,
     /// Whether stations say what their sensors see.
     pub senses: bool,
-    store: Box<dyn Store>,
+    store: Box<dyn RecordStore>,
     rng: Rng,
-    flying: BTreeMap<(Tick, u64), Flying>,
+    flying: BTreeMap<(Tick, u64), MessageInTransit>,
     sent: u64,
     /// The newest state of each station that this life has heard.
     newest: Vec<u64>,
@@ -130,17 +131,22 @@ pub struct CellSim {
 
 impl CellSim {
     /// A cell in which nothing has happened, with so many stations; records are kept in memory.
-    pub fn new(table: Arc<CellTable>, stations: usize, options: CellOptions) -> Self {
+    pub fn new(table: Arc<CellTable>, stations: usize, options: CellSimOptions) -> Self {
         Self::with_store(table, stations, options, Box::new(InMemory::default()))
     }
 
     /// The same with another store, in which there is nothing.
-    pub fn with_store(table: Arc<CellTable>, stations: usize, options: CellOptions, store: Box<dyn Store>) -> Self {
-        let (coordination, out) = life(State::new(table.clone()), Tick::ZERO);
+    pub fn with_store(
+        table: Arc<CellTable>,
+        stations: usize,
+        options: CellSimOptions,
+        store: Box<dyn RecordStore>,
+    ) -> Self {
+        let (coordination, out) = life(PlayerState::new(table.clone()), Tick::ZERO);
         let mut new = CellSim {
             table,
             coordination,
-            stations: vec![Station::default(); stations],
+            stations: vec![SimulatedStation::default(); stations],
             floor: None,
             log: Vec::new(),
             events: Vec::new(),
@@ -150,7 +156,7 @@ impl CellSim {
             lives: 1,
             asked: Vec::new(),
             told: Vec::new(),
-            truth: Truth::default(),
+            truth: PartTruth::default(),
             senses: false,
             store,
             rng: Rng::new(options.seed),
@@ -165,7 +171,7 @@ impl CellSim {
     }
 
     /// What the coordinator knows.
-    pub fn state(&self) -> &State {
+    pub fn state(&self) -> &PlayerState {
         self.coordination.state()
     }
 
@@ -183,7 +189,7 @@ impl CellSim {
     }
 
     /// The same with a dispatcher of its own for each life, made from what that knows of the cell.
-    pub fn run_by(&mut self, made: &dyn Fn(&State) -> Box<dyn Dispatcher>, until: Tick) {
+    pub fn run_by(&mut self, made: &dyn Fn(&PlayerState) -> Box<dyn Dispatcher>, until: Tick) {
         let mut dispatcher = made(self.state());
         let mut life = self.lives;
         while !self.is_over() && self.goes_on(&mut *dispatcher, until) {
@@ -194,10 +200,10 @@ impl CellSim {
     }
 
     fn goes_on(&mut self, dispatcher: &mut dyn Dispatcher, until: Tick) -> bool {
-        let ends = self.stations.iter().filter_map(Station::ends);
+        let ends = self.stations.iter().filter_map(SimulatedStation::ends);
         let arrives = self.flying.keys().next().map(|&(at, _)| at);
         let deadline = self.coordination.next_deadline();
-        let floor = self.floor.as_ref().and_then(Floor::next);
+        let floor = self.floor.as_ref().and_then(ShopFloor::next);
         let next = ends.chain(arrives).chain(deadline).chain(floor).fold(self.publish, Tick::min);
         if next > until {
             return false;
@@ -210,15 +216,18 @@ impl CellSim {
     }
 
     /// People say something now.
-    pub fn say(&mut self, dispatcher: &mut dyn Dispatcher, what: &[Input<'_>]) {
+    pub fn say(&mut self, dispatcher: &mut dyn Dispatcher, what: &[PlayerInput<'_>]) {
         self.coordinate(dispatcher, &[], what);
     }
 
     /// What goes round at one moment without end, if something does: time does not go on any more.
     pub fn spins(&self) -> Option<ModeId> {
-        let busy = |(at, event): &(Tick, Event)| match event {
-            Event::Busy { mode } if *at == self.now => Some(*mode),
-            Event::Busy { .. } | Event::BadAnswer { .. } | Event::Superseded { .. } | Event::Objected { .. } => None,
+        let busy = |(at, event): &(Tick, CellEvent)| match event {
+            CellEvent::Busy { mode } if *at == self.now => Some(*mode),
+            CellEvent::Busy { .. }
+            | CellEvent::BadAnswer { .. }
+            | CellEvent::Superseded { .. }
+            | CellEvent::Objected { .. } => None,
         };
         let newest = self.events.iter().rev().map_while(busy).take(SPINS_MAX);
         newest.clone().next().filter(|_| newest.count() == SPINS_MAX)
@@ -228,7 +237,7 @@ impl CellSim {
         if self.spins().is_some() {
             return true;
         }
-        let is_idle = self.state().firings().all(|firing| firing.phase != Phase::Running);
+        let is_idle = self.state().firings().all(|firing| firing.phase != ActivityPhase::Running);
         let is_quiet = self.now.since(self.state().now()) > QUIET;
         // Before a station was heard for the first time, everything waits for it.
         is_idle
@@ -239,18 +248,19 @@ impl CellSim {
     }
 
     /// One step of the coordinator.
-    fn coordinate(&mut self, dispatcher: &mut dyn Dispatcher, arrived: &[Arrived], said: &[Input<'_>]) {
-        let mut inputs = vec![Input::Starts(self.starts)];
+    fn coordinate(&mut self, dispatcher: &mut dyn Dispatcher, arrived: &[PlayerInbound], said: &[PlayerInput<'_>]) {
+        let mut inputs = vec![PlayerInput::Starts(self.starts)];
         inputs.extend(arrived.iter().map(|arrived| match arrived {
-            Arrived::Reply(station, key, reply) => Input::Reply(*station, *key, *reply),
-            Arrived::Secured(station, key, reply) => Input::Secured(*station, *key, *reply),
-            Arrived::State(station, heard) => Input::Station(*station, heard),
+            PlayerInbound::Reply(station, key, reply) => PlayerInput::Reply(*station, *key, *reply),
+            PlayerInbound::Secured(station, key, reply) => PlayerInput::Secured(*station, *key, *reply),
+            PlayerInbound::State(station, heard) => PlayerInput::Station(*station, heard),
         }));
         let asked = std::mem::take(&mut self.asked);
-        let asks = |(ticket, requests): (Ticket, _)| Input::Production(ticket, ProductionCommand::Submit(requests));
+        let asks =
+            |(ticket, requests): (RequestId, _)| PlayerInput::Production(ticket, ProductionCommand::Submit(requests));
         inputs.extend((0..).zip(asked.iter().map(Vec::as_slice)).map(asks));
         inputs.extend_from_slice(said);
-        let mut out = Outbox::default();
+        let mut out = PlayerOutbox::default();
         self.coordination.step(self.now, &inputs, dispatcher, &mut out);
         if !self.perform(out) {
             self.asked = asked;
@@ -261,7 +271,7 @@ impl CellSim {
             None => stopped.iter().for_each(|id| self.stations[id.index()].emergency_stop(self.now)),
         }
         if self.options.replays {
-            let replayed = State::replay(self.table.clone(), &self.log);
+            let replayed = PlayerState::replay(self.table.clone(), &self.log);
             assert_eq!(replayed.as_ref(), Ok(self.state()), "at {}", self.now);
         }
     }
@@ -270,7 +280,7 @@ impl CellSim {
         for index in 0..self.stations.len() {
             if let Some((key, reply)) = self.stations[index].tick(self.now, &mut self.rng) {
                 self.truth.ended(&self.table, key, reply);
-                self.tell(index, || Flying::Reply(index, key, reply));
+                self.tell(index, || MessageInTransit::Reply(index, key, reply));
             }
         }
         self.sense();
@@ -288,7 +298,7 @@ impl CellSim {
             };
             let number = self.sent + 1;
             if let Some(heard) = heard {
-                self.tell(index, || Flying::State(index, number, heard.clone()));
+                self.tell(index, || MessageInTransit::State(index, number, heard.clone()));
             }
         }
     }
@@ -304,14 +314,14 @@ impl CellSim {
         }
     }
 
-    fn tell(&mut self, index: usize, what: impl Fn() -> Flying) {
+    fn tell(&mut self, index: usize, what: impl Fn() -> MessageInTransit) {
         if !self.stations[index].is_away {
             self.fly(what);
         }
     }
 
     /// Sends something on its way, perhaps twice, perhaps not at all.
-    fn fly(&mut self, what: impl Fn() -> Flying) {
+    fn fly(&mut self, what: impl Fn() -> MessageInTransit) {
         let one_in = |rng: &mut Rng, cases: u64| cases > 0 && rng.below(cases) == 0;
         let luck = self.options.bad_luck;
         let times = match luck {
@@ -330,47 +340,49 @@ impl CellSim {
     }
 
     /// Delivers what is there by now; what of it the coordinator gets.
-    fn arrived(&mut self) -> Vec<Arrived> {
+    fn arrived(&mut self) -> Vec<PlayerInbound> {
         let mut arrived = Vec::new();
         while let Some(entry) = self.flying.first_entry().filter(|entry| entry.key().0 <= self.now) {
             match entry.remove() {
-                Flying::Order(order, takes) => {
+                MessageInTransit::Order(order, takes) => {
                     let index = order.station.index();
                     let reply = match &mut self.floor {
                         Some(floor) => floor.told(self.now, &order),
                         None => self.stations.get_mut(index).and_then(|station| station.told(self.now, &order, takes)),
                     };
                     if let Some(reply) = reply {
-                        self.fly(|| Flying::Reply(index, order.order.key, reply));
+                        self.fly(|| MessageInTransit::Reply(index, order.order.key, reply));
                     }
                 }
-                Flying::Secure(index, key, stop) => {
+                MessageInTransit::Secure(index, key, stop) => {
                     let now = self.now;
                     let reply = match &mut self.floor {
                         Some(floor) => floor.told_to_leave(now, StationId::at(index), key, stop),
                         None => self.stations.get_mut(index).and_then(|station| station.told_to_leave(now, key, stop)),
                     };
                     if let Some(reply) = reply {
-                        self.fly(|| Flying::Secured(index, key, reply));
+                        self.fly(|| MessageInTransit::Secured(index, key, reply));
                     }
                 }
-                Flying::Secured(index, key, reply) => {
-                    arrived.push(Arrived::Secured(StationId::at(index), key, reply));
+                MessageInTransit::Secured(index, key, reply) => {
+                    arrived.push(PlayerInbound::Secured(StationId::at(index), key, reply));
                 }
-                Flying::Reply(index, key, reply) => arrived.push(Arrived::Reply(StationId::at(index), key, reply)),
+                MessageInTransit::Reply(index, key, reply) => {
+                    arrived.push(PlayerInbound::Reply(StationId::at(index), key, reply))
+                }
                 // The newest state counts, whatever comes after it.
-                Flying::State(index, number, heard) if number > self.newest[index] => {
+                MessageInTransit::State(index, number, heard) if number > self.newest[index] => {
                     self.newest[index] = number;
-                    arrived.push(Arrived::State(StationId::at(index), heard));
+                    arrived.push(PlayerInbound::State(StationId::at(index), heard));
                 }
-                Flying::State(..) => (),
+                MessageInTransit::State(..) => (),
             }
         }
         arrived
     }
 
     /// Writes down, then sends, then tells, unless the coordinator is killed in between; false if it was.
-    fn perform(&mut self, out: Outbox) -> bool {
+    fn perform(&mut self, out: PlayerOutbox) -> bool {
         for record in out.records {
             if self.dies() {
                 return self.restart();
@@ -390,11 +402,13 @@ impl CellSim {
                 return self.restart();
             }
             match send {
-                Send::Order(order) => {
+                CellMessage::Order(order) => {
                     let takes = self.takes(&order);
-                    self.fly(|| Flying::Order(order.clone(), takes));
+                    self.fly(|| MessageInTransit::Order(order.clone(), takes));
                 }
-                Send::Secure { station, key, stop } => self.fly(|| Flying::Secure(station.index(), key, stop)),
+                CellMessage::Secure { station, key, stop } => {
+                    self.fly(|| MessageInTransit::Secure(station.index(), key, stop))
+                }
             }
         }
         if !out.replies.is_empty() {
@@ -412,12 +426,12 @@ impl CellSim {
     /// How long a station will take for an order.
     fn takes(&mut self, order: &OrderMessage) -> Duration {
         match self.options.pace {
-            Pace::Between(least, most) => between(&mut self.rng, least, most),
-            Pace::Nominal { spread } => {
+            StationSpeed::Between(least, most) => between(&mut self.rng, least, most),
+            StationSpeed::Nominal { spread } => {
                 let mode = self.state().order(order.order.key).map(|(firing, _)| firing.mode);
                 let nominal = match mode.map(|mode| self.table.activity(mode).kind) {
-                    Some(ActivityKind::Decided { time, limit: _ }) => time,
-                    Some(ActivityKind::Immediate) | None => Duration::ZERO,
+                    Some(ActivityTiming::Decided { time, limit: _ }) => time,
+                    Some(ActivityTiming::Immediate) | None => Duration::ZERO,
                 };
                 let spread = nominal.mul_f64(spread.clamp(0.0, 1.0));
                 if spread.is_zero() { nominal } else { between(&mut self.rng, nominal - spread, nominal + spread) }
@@ -447,8 +461,8 @@ impl CellSim {
 }
 
 /// A life of the coordinator after what is known.
-fn life(state: State, now: Tick) -> (Coordination, Outbox) {
-    let (mut out, epoch) = (Outbox::default(), state.epoch() + 1);
+fn life(state: PlayerState, now: Tick) -> (Coordination, PlayerOutbox) {
+    let (mut out, epoch) = (PlayerOutbox::default(), state.epoch() + 1);
     let coordination = Coordination::begin(state, now, epoch, &mut out).expect("it is the next epoch");
     (coordination, out)
 }

@@ -1,13 +1,13 @@
 //! A station that works on order, pretended: it does one order at a time, remembers what it has had over its own restarts,
 //! and does no key twice.
 //!
-//! It answers as the token player expects of every station. What it has really done stands in [`Station::done`], which the
+//! It answers as the token player expects of every station. What it has really done stands in [`SimulatedStation::done`], which the
 //! player cannot see: whoever made it do something twice would be found there.
 
 use std::sync::Arc;
 use std::time::Duration;
 
-use linewright_coordinator_cell::{Heard, OrderMessage, PartId, Presence, Unable};
+use linewright_coordinator_cell::{OrderMessage, PartId, Presence, StationUnavailable, TaskReport};
 use linewright_line::Tick;
 use linewright_orders::{Failure, OrderKey, Outcome, RESULTS_MAX, Refusal, Reply};
 
@@ -20,7 +20,7 @@ const WAY_BACK: Duration = Duration::from_millis(400);
 
 /// Something that a station has begun to do.
 #[derive(Clone, Debug, PartialEq, Eq)]
-pub struct Done {
+pub struct BegunTask {
     /// By which order.
     pub key: OrderKey,
     /// What.
@@ -35,8 +35,8 @@ pub struct Done {
 
 /// A pretended station.
 #[derive(Clone, Debug, Default)]
-pub struct Station {
-    heard: Heard,
+pub struct SimulatedStation {
+    heard: TaskReport,
     doing: Option<(OrderKey, Tick)>,
     /// It is on its way back from what it is doing, and this is why.
     is_securing: Option<Failure>,
@@ -44,7 +44,7 @@ pub struct Station {
     limit: Tick,
     last: u64,
     /// All it has really done, each time it did it.
-    pub done: Vec<Done>,
+    pub done: Vec<BegunTask>,
     /// How often it was told something that it had been told before.
     pub doubled: usize,
     /// What it would not do.
@@ -66,18 +66,18 @@ pub struct Station {
     /// It stands between rests.
     pub is_held: bool,
     /// Why it takes nothing on.
-    pub unable: Option<Unable>,
+    pub unable: Option<StationUnavailable>,
     /// What its sensor says.
     pub presence: Presence,
     /// How all it has really begun has ended, and when, each time.
     pub ended: Vec<(OrderKey, Outcome, Tick)>,
 }
 
-impl Station {
+impl SimulatedStation {
     /// What it says of itself.
-    pub fn heard(&self) -> Heard {
-        let Station { is_held, unable, presence, .. } = *self;
-        Heard { is_held, unable, presence, ..self.heard.clone() }
+    pub fn heard(&self) -> TaskReport {
+        let SimulatedStation { is_held, unable, presence, .. } = *self;
+        TaskReport { is_held, unable, presence, ..self.heard.clone() }
     }
 
     /// The order it is doing, or going back from.
@@ -110,7 +110,7 @@ impl Station {
 
     /// It remembers nothing of what it was told, and is doing nothing.
     pub fn forget(&mut self) {
-        self.heard = Heard { memory: self.heard.memory + 1, ..Heard::default() };
+        self.heard = TaskReport { memory: self.heard.memory + 1, ..TaskReport::default() };
         (self.doing, self.is_securing, self.last) = (None, None, 0);
     }
 
@@ -143,16 +143,16 @@ impl Station {
             Refusal::NotThere
         } else if let Some(unable) = self.unable {
             match unable {
-                Unable::Devices => Refusal::Devices,
-                Unable::Incomplete => Refusal::Incomplete,
-                Unable::ByHand => Refusal::Mode,
+                StationUnavailable::Devices => Refusal::Devices,
+                StationUnavailable::Incomplete => Refusal::Incomplete,
+                StationUnavailable::ByHand => Refusal::Mode,
             }
         } else {
             (self.heard.epoch, self.last, self.heard.slot) = (key.epoch, key.id, Some(key));
             self.doing = Some((key, now + takes));
             self.limit = now + order.limit.saturating_sub(self.fast);
             let (task, parameters) = (order.task.clone(), order.parameters.clone());
-            self.done.push(Done { key, task, parameters, part: *part, began: now });
+            self.done.push(BegunTask { key, task, parameters, part: *part, began: now });
             return Some(Reply::Running);
         };
         self.refused.push(refusal);

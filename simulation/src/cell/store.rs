@@ -2,12 +2,12 @@
 
 use std::sync::Arc;
 
-use linewright_coordinator_cell::{CellTable, Record, State};
+use linewright_coordinator_cell::{CellTable, PlayerState, Record};
 
 use crate::rng::Rng;
 
 /// Keeps records over the coordinator's lives.
-pub trait Store {
+pub trait RecordStore {
     /// Writes a record behind the others.
     fn append(&mut self, record: &Record);
 
@@ -15,11 +15,11 @@ pub trait Store {
     fn sync(&mut self);
 
     /// The coordinator was killed. What is there now is what the next life begins from: at least all that was there at the
-    /// last [`Store::sync`], and otherwise perhaps less than was written.
-    fn restart(&mut self, table: &Arc<CellTable>, rng: &mut Rng) -> State;
+    /// last [`RecordStore::sync`], and otherwise perhaps less than was written.
+    fn restart(&mut self, table: &Arc<CellTable>, rng: &mut Rng) -> PlayerState;
 
     /// A step is over, and this is what the records say. A store that keeps a snapshot may take one.
-    fn settled(&mut self, state: &State) {
+    fn settled(&mut self, state: &PlayerState) {
         let _ = state;
     }
 }
@@ -30,14 +30,14 @@ pub struct InMemory {
     records: Vec<Record>,
 }
 
-impl Store for InMemory {
+impl RecordStore for InMemory {
     fn append(&mut self, record: &Record) {
         self.records.push(record.clone());
     }
 
     fn sync(&mut self) {}
 
-    fn restart(&mut self, table: &Arc<CellTable>, _: &mut Rng) -> State {
-        State::replay(table.clone(), &self.records).expect("what a player has written fits")
+    fn restart(&mut self, table: &Arc<CellTable>, _: &mut Rng) -> PlayerState {
+        PlayerState::replay(table.clone(), &self.records).expect("what a player has written fits")
     }
 }

@@ -8,23 +8,23 @@ use std::collections::{BTreeMap, BTreeSet};
 
 use linewright_coordinator_cell::exception::Whereabouts;
 use linewright_coordinator_cell::{
-    CellTable, Fact, FiringId, ModeId, OrderKey, Outcome, PartId, Record, Reply, ResourceId,
+    CellTable, FiringId, ModeId, OrderKey, Outcome, PartId, Record, RecordKind, Reply, ResourceId,
 };
 
 /// Where the parts really are.
 #[derive(Clone, Debug, Default)]
-pub struct Truth {
+pub struct PartTruth {
     /// Of each part that is in the cell.
     at: BTreeMap<PartId, ResourceId>,
     /// What has really been done with each part, in order, also of those that have left.
     pub done: BTreeMap<PartId, Vec<ModeId>>,
-    moves: BTreeMap<FiringId, Move>,
+    moves: BTreeMap<FiringId, PartMove>,
     firing_of: BTreeMap<OrderKey, FiringId>,
 }
 
 /// What is to be done with a part.
 #[derive(Clone, Debug)]
-struct Move {
+struct PartMove {
     mode: ModeId,
     part: Option<PartId>,
     /// The orders that have not been done.
@@ -34,14 +34,14 @@ struct Move {
 
 /// What somebody finds who looks at what an activity has left.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
-pub struct Found {
+pub struct InspectionResult {
     /// Where the part is.
     pub part: Whereabouts,
     /// All stations have done what they were told.
     pub is_done: bool,
 }
 
-impl Truth {
+impl PartTruth {
     /// Where a part is; none if it is not in the cell.
     pub fn at(&self, part: PartId) -> Option<ResourceId> {
         self.at.get(&part).copied()
@@ -83,7 +83,7 @@ impl Truth {
     }
 
     /// What somebody finds who looks at an activity.
-    pub fn found(&self, table: &CellTable, firing: FiringId) -> Option<Found> {
+    pub fn found(&self, table: &CellTable, firing: FiringId) -> Option<InspectionResult> {
         let of = self.moves.get(&firing)?;
         let handled = table.handling().mode(of.mode);
         let at = of.part.and_then(|part| self.at(part));
@@ -99,29 +99,29 @@ impl Truth {
         } else {
             Whereabouts::Gone
         };
-        Some(Found { part, is_done: of.is_done })
+        Some(InspectionResult { part, is_done: of.is_done })
     }
 
     /// A record was written.
     pub(super) fn note(&mut self, table: &CellTable, record: &Record) {
         match &record.fact {
-            Fact::Started { firing, mode, part, orders } => {
+            RecordKind::Started { firing, mode, part, orders } => {
                 orders.iter().for_each(|&key| _ = self.firing_of.insert(key, *firing));
                 let open = orders.iter().copied().collect();
-                self.moves.insert(*firing, Move { mode: *mode, part: *part, open, is_done: false });
+                self.moves.insert(*firing, PartMove { mode: *mode, part: *part, open, is_done: false });
             }
             // By the clock alone.
-            Fact::Ended { firing } => self.go_on(table, *firing),
-            Fact::Fired { mode, part } => self.go(table, *mode, *part),
-            Fact::Epoch { .. }
-            | Fact::Memory { .. }
-            | Fact::Decided { .. }
-            | Fact::Acknowledged { .. }
-            | Fact::OrderEnded { .. }
-            | Fact::OrderFailed { .. }
-            | Fact::Raised { .. }
-            | Fact::Production { .. }
-            | Fact::Exception(_) => (),
+            RecordKind::Ended { firing } => self.go_on(table, *firing),
+            RecordKind::Fired { mode, part } => self.go(table, *mode, *part),
+            RecordKind::Epoch { .. }
+            | RecordKind::Memory { .. }
+            | RecordKind::Decided { .. }
+            | RecordKind::Acknowledged { .. }
+            | RecordKind::OrderEnded { .. }
+            | RecordKind::OrderFailed { .. }
+            | RecordKind::Raised { .. }
+            | RecordKind::Production { .. }
+            | RecordKind::Exception(_) => (),
         }
     }
 

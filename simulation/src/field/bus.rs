@@ -18,7 +18,7 @@ const BUS_OFF: &str = "20000040#0000000000000000";
 const RESTARTED: &str = "20000100#0000000000000000";
 
 /// One bus.
-pub(crate) struct Bus {
+pub(crate) struct SimulatedBus {
     /// The node that reads it.
     pub(super) reader: usize,
     pub(super) rack: Rack,
@@ -49,10 +49,10 @@ pub(crate) enum Played {
     Nothing,
 }
 
-impl Bus {
+impl SimulatedBus {
     pub(super) fn new(line: &Line, devices: Vec<Device>, rack: Rack, reader: usize) -> Result<Self, ManagerError> {
         let manager = Some(Manager::new(&devices, line.timing)?);
-        Ok(Bus {
+        Ok(SimulatedBus {
             reader,
             rack,
             devices,

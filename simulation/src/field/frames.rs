@@ -7,7 +7,7 @@ use linewright_fieldbus::ManagerError;
 use linewright_line::{Bus as BusName, InputId, Line, OpId, Owner, StationId, Tick};
 use linewright_plant::{DeviceFault, Fault, Plant, PlantOptions, Rack};
 
-use super::bus::{Bus, Played};
+use super::bus::{Played, SimulatedBus};
 
 /// An owner's inputs, as the manager of its bus has received them.
 #[derive(Clone, Copy, Debug)]
@@ -19,19 +19,19 @@ pub(crate) struct SeenInputs {
 }
 
 /// The buses.
-pub(crate) struct Frames {
-    buses: Vec<Bus>,
+pub(crate) struct SimulatedBuses {
+    buses: Vec<SimulatedBus>,
     /// By station, the console last: the bus its devices are on.
     of: Vec<usize>,
     unplugged: Vec<bool>,
 }
 
-impl Frames {
+impl SimulatedBuses {
     pub(crate) fn new(line: &Line, options: PlantOptions) -> Result<Self, ManagerError> {
         let coordinator = line.stations.len();
         let on_line = line.devices.iter().filter(|device| device.bus == BusName::Line).cloned().collect();
         let rack = Rack::new(Tick::ZERO, line, &BusName::Line, options);
-        let mut buses = vec![Bus::new(line, on_line, rack, coordinator)?];
+        let mut buses = vec![SimulatedBus::new(line, on_line, rack, coordinator)?];
         let mut of = vec![0; coordinator + 1];
         for id in line.station_ids() {
             let name = &line.station(id).bus;
@@ -41,14 +41,14 @@ impl Frames {
                 let mut alone = line.clone();
                 alone.devices.retain(|device| device.owner == Owner::Station(id));
                 let rack = Rack::new(Tick::ZERO, &alone, name, options);
-                buses.push(Bus::new(line, alone.devices, rack, id.index())?);
+                buses.push(SimulatedBus::new(line, alone.devices, rack, id.index())?);
             }
         }
-        Ok(Frames { buses, of, unplugged: vec![false; line.devices.len()] })
+        Ok(SimulatedBuses { buses, of, unplugged: vec![false; line.devices.len()] })
     }
 
     /// The bus of an owner: a station or, at the end, the console.
-    fn bus_of(&mut self, owner: Owner) -> &mut Bus {
+    fn bus_of(&mut self, owner: Owner) -> &mut SimulatedBus {
         let at = self.number(owner);
         &mut self.buses[self.of[at]]
     }
@@ -66,7 +66,7 @@ impl Frames {
     }
 
     /// The bus that a node reads.
-    fn read_by(&mut self, node: usize) -> Option<&mut Bus> {
+    fn read_by(&mut self, node: usize) -> Option<&mut SimulatedBus> {
         self.buses.iter_mut().find(|bus| bus.reader == node)
     }
 
@@ -88,7 +88,7 @@ impl Frames {
     }
 
     pub(crate) fn deadline(&self, node: usize) -> Tick {
-        self.buses.iter().find(|bus| bus.reader == node).map_or(Tick::NEVER, Bus::deadline)
+        self.buses.iter().find(|bus| bus.reader == node).map_or(Tick::NEVER, SimulatedBus::deadline)
     }
 
     /// Plays one thing that is due on the bus that a node reads; gives what it was.

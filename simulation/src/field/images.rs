@@ -8,7 +8,7 @@
 use linewright_line::{Bus, Device, InputId, Line, OpId, Owner, StationId, Tick};
 use linewright_plant::{Fault, Plant, PlantOptions};
 
-struct Slot {
+struct ImageSlot {
     device: usize,
     inputs: u128,
     outputs: u128,
@@ -21,7 +21,7 @@ struct Slot {
     is_noticed: bool,
 }
 
-impl Slot {
+impl ImageSlot {
     fn is_lost(&self) -> bool {
         self.unplugged || self.unread
     }
@@ -33,9 +33,9 @@ impl Slot {
 }
 
 /// The devices of one owner: of a station or, at the end, of the console.
-struct Owned {
+struct OwnedDevices {
     owner: Owner,
-    slots: Vec<Slot>,
+    slots: Vec<ImageSlot>,
     /// Of lost devices: inputs as last seen, outputs as last heard.
     frozen_inputs: u128,
     frozen_outputs: u128,
@@ -49,14 +49,14 @@ struct Owned {
 /// The plant behind its devices.
 pub(crate) struct Images {
     plant: Plant,
-    owned: Vec<Owned>,
+    owned: Vec<OwnedDevices>,
     timeout: std::time::Duration,
 }
 
 impl Images {
     pub(crate) fn new(line: &Line, options: PlantOptions) -> Self {
         let owners = line.station_ids().map(Owner::Station).chain([Owner::Console]);
-        let owned = |owner: Owner| Owned {
+        let owned = |owner: Owner| OwnedDevices {
             owner,
             slots: line.devices.iter().enumerate().filter(|(_, d)| d.owner == owner).map(slot).collect(),
             frozen_inputs: 0,
@@ -172,7 +172,7 @@ impl Images {
         }
     }
 
-    fn lose(&mut self, now: Tick, at: usize, change: impl Fn(&mut Slot)) {
+    fn lose(&mut self, now: Tick, at: usize, change: impl Fn(&mut ImageSlot)) {
         self.plant.advance(now);
         let seen = self.plant.inputs(self.owned[at].owner);
         let noticed = now + self.timeout;
@@ -215,9 +215,9 @@ impl Images {
     }
 }
 
-fn slot((number, device): (usize, &Device)) -> Slot {
+fn slot((number, device): (usize, &Device)) -> ImageSlot {
     let bits = |wired: &mut dyn Iterator<Item = u16>| wired.fold(0, |bits, bit| bits | 1 << bit);
-    Slot {
+    ImageSlot {
         device: number,
         inputs: bits(&mut device.carried_inputs().map(|input| input.0)),
         outputs: bits(&mut device.carried_outputs().map(|output| output.0)),

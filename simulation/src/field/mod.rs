@@ -11,30 +11,30 @@ use linewright_line::{AxisId, InputId, Line, Module, OpId, Owner, StationId, Tic
 use linewright_plant::{Fault, Plant, PlantOptions};
 
 pub(crate) use bus::Played;
-pub(crate) use frames::{Frames, SeenInputs};
+pub(crate) use frames::{SeenInputs, SimulatedBuses};
 pub(crate) use images::Images;
 pub(crate) use linewright_fieldbus::ManagerError;
 
 /// The machine.
-pub(crate) enum Field {
+pub(crate) enum SimulatedField {
     Images(Box<Images>),
-    Frames(Box<Frames>),
+    Frames(Box<SimulatedBuses>),
 }
 
-impl Field {
+impl SimulatedField {
     pub(crate) fn new(line: &Line, options: PlantOptions, by_frames: bool) -> Result<Self, ManagerError> {
         Ok(if by_frames {
-            Field::Frames(Box::new(Frames::new(line, options)?))
+            SimulatedField::Frames(Box::new(SimulatedBuses::new(line, options)?))
         } else {
-            Field::Images(Box::new(Images::new(line, options)))
+            SimulatedField::Images(Box::new(Images::new(line, options)))
         })
     }
 
     /// The mechanisms of a station. Each bus has its own plant, in which stations on other buses stand still.
     pub(crate) fn plant_of(&self, station: StationId) -> &Plant {
         match self {
-            Field::Images(images) => images.plant(),
-            Field::Frames(frames) => frames.plant_of(station),
+            SimulatedField::Images(images) => images.plant(),
+            SimulatedField::Frames(frames) => frames.plant_of(station),
         }
     }
 
@@ -45,16 +45,16 @@ impl Field {
     /// How often drives both ways of one axis came on at once.
     pub(crate) fn alarms(&self) -> u64 {
         match self {
-            Field::Images(images) => images.plant().alarms(),
-            Field::Frames(frames) => frames.alarms(),
+            SimulatedField::Images(images) => images.plant().alarms(),
+            SimulatedField::Frames(frames) => frames.alarms(),
         }
     }
 
     /// The actuators of a station that are energised at its devices, a bit per output.
     pub(crate) fn energised(&self, line: &Line, station: StationId) -> u128 {
         let driven = match self {
-            Field::Images(images) => images.plant().outputs(Owner::Station(station)),
-            Field::Frames(frames) => frames.driven(station),
+            SimulatedField::Images(images) => images.plant().outputs(Owner::Station(station)),
+            SimulatedField::Frames(frames) => frames.driven(station),
         };
         let actuators = line.station(station).operations.iter().fold(0, |bits, operation| {
             let recovery = match &operation.module {
@@ -69,47 +69,47 @@ impl Field {
     /// When what node `at` reads wants to be played next.
     pub(crate) fn deadline(&self, at: usize) -> Tick {
         match self {
-            Field::Images(images) => images.deadline(at),
-            Field::Frames(frames) => frames.deadline(at),
+            SimulatedField::Images(images) => images.deadline(at),
+            SimulatedField::Frames(frames) => frames.deadline(at),
         }
     }
 
     /// The node that looks at the devices of owner `at`.
     pub(crate) fn reader_of(&self, at: usize) -> usize {
         match self {
-            Field::Images(_) => at,
-            Field::Frames(frames) => frames.reader_of(at),
+            SimulatedField::Images(_) => at,
+            SimulatedField::Frames(frames) => frames.reader_of(at),
         }
     }
 
     /// Makes a motion fail, the normal one or the one that undoes it, or work again.
     pub(crate) fn fail(&mut self, line: &Line, now: Tick, op: (StationId, OpId), normal: bool, fault: Option<Fault>) {
         match self {
-            Field::Images(images) => images.fail(now, op, normal, fault),
-            Field::Frames(frames) => frames.fail(line, now, op, normal, fault),
+            SimulatedField::Images(images) => images.fail(now, op, normal, fault),
+            SimulatedField::Frames(frames) => frames.fail(line, now, op, normal, fault),
         }
     }
 
     /// Holds an input of owner `at`, or lets go of it.
     pub(crate) fn force(&mut self, now: Tick, at: usize, input: InputId, value: Option<bool>) {
         match self {
-            Field::Images(images) => images.force(now, at, input, value),
-            Field::Frames(frames) => frames.force(now, at, input, value),
+            SimulatedField::Images(images) => images.force(now, at, input, value),
+            SimulatedField::Frames(frames) => frames.force(now, at, input, value),
         }
     }
 
     /// Unplugs a device of the description, or plugs it in again. Gives the node that reads it.
     pub(crate) fn unplug(&mut self, line: &Line, now: Tick, device: usize, unplugged: bool) -> Option<usize> {
         match self {
-            Field::Images(images) => images.unplug(now, device, unplugged),
-            Field::Frames(frames) => Some(frames.unplug(line, now, device, unplugged)),
+            SimulatedField::Images(images) => images.unplug(now, device, unplugged),
+            SimulatedField::Frames(frames) => Some(frames.unplug(line, now, device, unplugged)),
         }
     }
 
     pub(crate) fn is_unplugged(&self, device: usize) -> bool {
         match self {
-            Field::Images(images) => images.is_unplugged(device),
-            Field::Frames(frames) => frames.is_unplugged(device),
+            SimulatedField::Images(images) => images.is_unplugged(device),
+            SimulatedField::Frames(frames) => frames.is_unplugged(device),
         }
     }
 }

@@ -4,7 +4,7 @@
 //! checked while reading. What comes out is a [`Script`], which knows no text.
 
 mod read;
-mod words;
+mod vocabulary;
 
 use linewright_line::{Line, Problem, Problems};
 use linewright_text::Report;

@@ -8,10 +8,10 @@ use linewright_plant::Fault;
 use linewright_text::{At, Fields, Problem, Report, Where};
 
 use super::Scenario;
-use super::words;
-use crate::operator::{Action, Way};
+use super::vocabulary;
+use crate::operator::{MotionSelection, OperatorAction};
 use crate::options::{Network, NetworkChange};
-use crate::script::{Deed, Script, Step};
+use crate::script::{Script, ScriptAction, ScriptStep};
 
 /// Steps in one scenario.
 const STEPS_MAX: usize = 10_000;
@@ -54,32 +54,32 @@ fn network(mut table: Fields<'_>, report: &mut Report) -> NetworkChange {
     NetworkChange { delay, jitter, loss_per_mille }
 }
 
-fn step(line: &Line, mut fields: Fields<'_>, report: &mut Report) -> Option<Step> {
+fn step(line: &Line, mut fields: Fields<'_>, report: &mut Report) -> Option<ScriptStep> {
     let span = fields.at.clone();
     if fields.is_empty() {
         report.add(Problem::error(span, "an empty step").hint("a step waits, does one thing, or expects"));
         return None;
     }
     let at = seconds(&mut fields, report, "at_s").map(|at| Tick::ZERO + at.value);
-    let when = fields.text(report, "when").and_then(|when| words::condition(line, &when, report));
+    let when = fields.text(report, "when").and_then(|when| vocabulary::condition(line, &when, report));
     let after = seconds(&mut fields, report, "after_s").map_or(Duration::ZERO, |after| after.value);
     let expects = fields.text(report, "expect");
     let expect_text = expects.as_ref().map_or(String::new(), |text| text.value.clone());
-    let expect = expects.and_then(|expect| words::condition(line, &expect, report));
+    let expect = expects.and_then(|expect| vocabulary::condition(line, &expect, report));
     let mut deeds = Deeds { found: Vec::new() };
     deeds.people(line, &mut fields, report);
     deeds.faults(line, &mut fields, report);
     if let Some(table) = fields.table(report, "network", "`network`") {
         let at = table.at.clone();
-        deeds.add(at, Some(Deed::Act(Action::Network(network(table, report)))));
+        deeds.add(at, Some(ScriptAction::Act(OperatorAction::Network(network(table, report)))));
     }
     fields.finish(report);
     if let [_, At { at: second, .. }, ..] = deeds.found.as_slice() {
         let hint = "give the second one a step of its own; steps follow each other without a pause";
         report.add(Problem::error(second.clone(), "a step does one thing").hint(hint));
     }
-    let deed = deeds.found.into_iter().next().map_or(Deed::Nothing, |deed| deed.value);
-    Some(Step { at, when, after, deed, expect, expect_text, span })
+    let deed = deeds.found.into_iter().next().map_or(ScriptAction::Nothing, |deed| deed.value);
+    Some(ScriptStep { at, when, after, deed, expect, expect_text, span })
 }
 
 /// A time in seconds, at most a day; unlike the time of a mechanism it may be none at all.
@@ -89,19 +89,19 @@ fn seconds(fields: &mut Fields<'_>, report: &mut Report, key: &'static str) -> O
 
 /// What a step does, as far as it is found.
 struct Deeds {
-    found: Vec<At<Deed>>,
+    found: Vec<At<ScriptAction>>,
 }
 
 impl Deeds {
-    fn add(&mut self, at: Where, deed: Option<Deed>) {
+    fn add(&mut self, at: Where, deed: Option<ScriptAction>) {
         self.found.extend(deed.map(|deed| At::new(deed, at)));
     }
 
     fn people(&mut self, line: &Line, fields: &mut Fields<'_>, report: &mut Report) {
         for key in ["command", "refused"] {
             if let Some(word) = fields.text(report, key) {
-                let deed = if key == "command" { Deed::Order } else { Deed::Refused };
-                self.add(word.at.clone(), words::command(&word, report).map(deed));
+                let deed = if key == "command" { ScriptAction::Order } else { ScriptAction::Refused };
+                self.add(word.at.clone(), vocabulary::command(&word, report).map(deed));
             }
         }
         let held = seconds(fields, report, "for_s");
@@ -111,10 +111,10 @@ impl Deeds {
             let Some(word) = fields.text(report, key) else { continue };
             presses |= key == "press";
             let at = word.at.clone();
-            let deed = words::panel(line, &word, report).map(|(station, advance)| match key {
-                "jog" => Deed::Jog(station, advance),
-                "press" => Deed::Press(station, advance, time),
-                _ => Deed::Act(Action::Panel { station, advance, down: key == "hold" }),
+            let deed = vocabulary::panel(line, &word, report).map(|(station, advance)| match key {
+                "jog" => ScriptAction::Jog(station, advance),
+                "press" => ScriptAction::Press(station, advance, time),
+                _ => ScriptAction::Act(OperatorAction::Panel { station, advance, down: key == "hold" }),
             });
             self.add(at, deed);
         }
@@ -123,20 +123,20 @@ impl Deeds {
         }
         if let Some(word) = fields.text(report, "selector") {
             let at = word.at.clone();
-            let turned = words::selector(line, &word, report);
-            self.add(at, turned.map(|(station, manual)| Deed::Act(Action::Selector(station, manual))));
+            let turned = vocabulary::selector(line, &word, report);
+            self.add(at, turned.map(|(station, manual)| ScriptAction::Act(OperatorAction::Selector(station, manual))));
         }
         if let Some(At { value: names, at }) = fields.texts(report, "buttons", BUTTONS_MAX) {
-            let held = names.iter().filter_map(|name| words::button(line, name, report));
+            let held = names.iter().filter_map(|name| vocabulary::button(line, name, report));
             let held = held.fold(0, |held, button| held | 1 << button);
-            self.add(at, Some(Deed::Act(Action::Buttons(held))));
+            self.add(at, Some(ScriptAction::Act(OperatorAction::Buttons(held))));
         }
     }
 
     fn faults(&mut self, line: &Line, fields: &mut Fields<'_>, report: &mut Report) {
         let motion = fields.text(report, "motion");
         let motion_at = motion.as_ref().map(|motion| motion.at.clone());
-        let way = motion.map_or(Some(Way::Both), |word| words::way(&word, report));
+        let way = motion.map_or(Some(MotionSelection::Both), |word| vocabulary::way(&word, report));
         let mut fails = false;
         let faults = [
             ("jam", Some(Fault::Stick)),
@@ -151,8 +151,8 @@ impl Deeds {
             let Some(word) = fields.text(report, key) else { continue };
             fails = true;
             let at = word.at.clone();
-            let op = words::operation(line, &word, report);
-            if let (Some(op), Some(Way::Recovery), Some(at)) = (op, way, &motion_at)
+            let op = vocabulary::operation(line, &word, report);
+            if let (Some(op), Some(MotionSelection::Recovery), Some(at)) = (op, way, &motion_at)
                 && let Module::Irreversible { .. } = line.operation(op).module
             {
                 let name = &line.operation(op).name;
@@ -160,7 +160,7 @@ impl Deeds {
                 let message = format!("`{name}` is irreversible: no motion undoes it");
                 report.add(Problem::error(at.clone(), message).hint(hint));
             }
-            self.add(at, op.zip(way).map(|(op, way)| Deed::Act(Action::Fail(op, way, fault))));
+            self.add(at, op.zip(way).map(|(op, way)| ScriptAction::Act(OperatorAction::Fail(op, way, fault))));
         }
         if let Some(at) = motion_at.filter(|_| !fails) {
             let hint =
@@ -170,21 +170,21 @@ impl Deeds {
         for (key, value) in [("input_on", Some(true)), ("input_off", Some(false)), ("input_free", None)] {
             let Some(word) = fields.text(report, key) else { continue };
             let at = word.at.clone();
-            let input = words::input(line, &word, report);
-            self.add(at, input.map(|(owner, input)| Deed::Act(Action::Force(owner, input, value))));
+            let input = vocabulary::input(line, &word, report);
+            self.add(at, input.map(|(owner, input)| ScriptAction::Act(OperatorAction::Force(owner, input, value))));
         }
         for (key, lost) in [("device_lost", true), ("device_back", false)] {
             let Some(word) = fields.text(report, key) else { continue };
             let at = word.at.clone();
-            let device = words::device(line, &word, report);
-            self.add(at, device.map(|device| Deed::Act(Action::Device(device, lost))));
+            let device = vocabulary::device(line, &word, report);
+            self.add(at, device.map(|device| ScriptAction::Act(OperatorAction::Device(device, lost))));
         }
         for (key, kill) in [("kill", true), ("restart", false)] {
             let Some(word) = fields.text(report, key) else { continue };
             let at = word.at.clone();
-            let process = words::process(line, &word, report);
-            let act = |process| if kill { Action::Kill(process) } else { Action::Restart(process) };
-            self.add(at, process.map(|process| Deed::Act(act(process))));
+            let process = vocabulary::process(line, &word, report);
+            let act = |process| if kill { OperatorAction::Kill(process) } else { OperatorAction::Restart(process) };
+            self.add(at, process.map(|process| ScriptAction::Act(act(process))));
         }
     }
 }

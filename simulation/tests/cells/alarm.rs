@@ -3,11 +3,11 @@
 
 use std::time::Duration;
 
-use linewright_coordinator_cell::{Input, Phase};
+use linewright_coordinator_cell::{ActivityPhase, PlayerInput};
 use linewright_line::net::ControlMode;
 use linewright_line::{Owner, RestId, StationId, Tick};
 use linewright_simulation::Rng;
-use linewright_simulation::cell::{CellOptions, CellSim};
+use linewright_simulation::cell::{CellSim, CellSimOptions};
 use linewright_station_logic::PanelCommand;
 
 use super::{LONG, Shipped, dispatcher, is_machined, options, shipped};
@@ -34,7 +34,7 @@ fn rest(sim: &CellSim, station: StationId) -> Option<RestId> {
 }
 
 /// The alarm is given so long after the loading has started.
-fn run(of: &Shipped, options: CellOptions, after: Duration, kill: bool) {
+fn run(of: &Shipped, options: CellSimOptions, after: Duration, kill: bool) {
     let is_calm = options.bad_luck == 0;
     let mut sim = of.sim(options, 0.0);
     let mut dispatcher = dispatcher(&of.cell, &of.table);
@@ -58,8 +58,8 @@ fn run(of: &Shipped, options: CellOptions, after: Duration, kill: bool) {
     let machine = of.table.handling().mode(mode).to.expect("a machine");
     let orders = sim.state().firing(firing).expect("it goes on").orders.clone();
     let stations: Vec<StationId> = orders.iter().map(|order| order.station).collect();
-    sim.say(&mut dispatcher, &[Input::Alarm { resource: machine, text: "smoke" }]);
-    assert!(sim.state().firing(firing).is_some_and(|of| of.phase != Phase::Running));
+    sim.say(&mut dispatcher, &[PlayerInput::Alarm { resource: machine, text: "smoke" }]);
+    assert!(sim.state().firing(firing).is_some_and(|of| of.phase != ActivityPhase::Running));
 
     if is_calm {
         // A message takes 20 ms at most.
@@ -112,12 +112,12 @@ fn run(of: &Shipped, options: CellOptions, after: Duration, kill: bool) {
     sim.run_on(&mut dispatcher, now);
     for _ in 0..2 {
         let alarm = sim.state().exceptions().alarms().next().map(|alarm| alarm.id);
-        alarm.into_iter().for_each(|alarm| sim.say(&mut dispatcher, &[Input::Answer { alarm, word }]));
+        alarm.into_iter().for_each(|alarm| sim.say(&mut dispatcher, &[PlayerInput::Answer { alarm, word }]));
         now = now + MILLIS(2 * SLOW);
         sim.run_on(&mut dispatcher, now);
     }
     assert!(sim.state().firing(firing).is_none(), "after {after:?} it is not closed");
-    sim.say(&mut dispatcher, &[Input::Resource { resource: machine, up: true }]);
+    sim.say(&mut dispatcher, &[PlayerInput::Resource { resource: machine, up: true }]);
     assert_eq!(sim.state().exceptions().is_down(machine), None, "{:?}", sim.events.last());
     sim.run(&mut dispatcher, LONG);
     of.is_done_after(&sim, dropped);
@@ -140,6 +140,6 @@ fn alarm_stops_them_also_where_messages_get_lost() {
     for seed in 0..20 {
         let delay = (MILLIS(1), MILLIS(rng.within(10, SLOW)));
         let after = MILLIS(rng.within(500, 11_000));
-        run(&of, CellOptions { delay, ..options(seed, 8, Vec::new()) }, after, rng.below(2) == 0);
+        run(&of, CellSimOptions { delay, ..options(seed, 8, Vec::new()) }, after, rng.below(2) == 0);
     }
 }

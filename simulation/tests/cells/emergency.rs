@@ -3,7 +3,7 @@
 
 use std::time::Duration;
 
-use linewright_coordinator_cell::{Input, Phase};
+use linewright_coordinator_cell::{ActivityPhase, PlayerInput};
 use linewright_line::net::ControlMode;
 use linewright_line::{Owner, StationId, Tick};
 use linewright_plant::Fault;
@@ -32,7 +32,7 @@ fn the_stations_of_a_failed_loading_go_into_emergency_stop_and_the_others_work_o
         let firing = loop {
             now = now + MILLIS(10);
             sim.run_on(&mut dispatcher, now);
-            if let Some(failed) = sim.state().firings().find(|of| of.phase != Phase::Running) {
+            if let Some(failed) = sim.state().firings().find(|of| of.phase != ActivityPhase::Running) {
                 break failed.clone();
             }
             assert!(now < Tick::from_millis(300_000), "nothing has failed");
@@ -71,7 +71,7 @@ fn the_stations_of_a_failed_loading_go_into_emergency_stop_and_the_others_work_o
         floor.mode(ControlMode::Manual);
         assert_eq!(floor.controller(robot).mode(), ControlMode::EStop);
         for &station in &stations {
-            sim.say(&mut dispatcher, &[Input::Reset(station)]);
+            sim.say(&mut dispatcher, &[PlayerInput::Reset(station)]);
             assert_eq!(mode(&sim, station), ControlMode::Manual, "{:?}", sim.events.last());
         }
         grasps(&of, &mut sim, None);
@@ -82,13 +82,13 @@ fn the_stations_of_a_failed_loading_go_into_emergency_stop_and_the_others_work_o
         floor.mode(ControlMode::Auto);
         now = now + MILLIS(500);
         sim.run_on(&mut dispatcher, now);
-        sim.say(&mut dispatcher, &[Input::Answer { alarm: alarm.id, word: "in-store" }]);
+        sim.say(&mut dispatcher, &[PlayerInput::Answer { alarm: alarm.id, word: "in-store" }]);
         now = now + Duration::from_secs(1);
         sim.run_on(&mut dispatcher, now);
         let down: Vec<_> = sim.state().exceptions().down().map(|(id, _)| id).collect();
         assert_eq!(down.len(), stations.len(), "the resources are left out until somebody says that they are up");
         for resource in down {
-            sim.say(&mut dispatcher, &[Input::Resource { resource, up: true }]);
+            sim.say(&mut dispatcher, &[PlayerInput::Resource { resource, up: true }]);
         }
         assert_eq!(sim.state().exceptions().down().len(), 0, "{:?}", sim.events.last());
         sim.run(&mut dispatcher, LONG);

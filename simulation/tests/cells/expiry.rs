@@ -3,12 +3,12 @@
 
 use std::time::Duration;
 
-use linewright_coordinator_cell::exception::Step;
-use linewright_coordinator_cell::{Cause, Fact, Failure, Input, Phase};
+use linewright_coordinator_cell::exception::ExceptionStep;
+use linewright_coordinator_cell::{ActivityFailure, ActivityPhase, Failure, PlayerInput, RecordKind};
 use linewright_line::{Owner, StationId, Tick};
 use linewright_plant::Fault;
 use linewright_simulation::Rng;
-use linewright_simulation::cell::{CellOptions, CellSim};
+use linewright_simulation::cell::{CellSim, CellSimOptions};
 
 use super::{LONG, Shipped, dispatcher, grasps, is_machined, options, shipped};
 
@@ -25,7 +25,7 @@ fn moves(of: &Shipped, sim: &CellSim, station: StationId) -> bool {
 
 /// The loading whose grasp fails (seed 001, L229), with somebody who answers as soon as there is an alarm, and again until
 /// it is taken. Whether the robot's time was over first.
-fn run(of: &Shipped, options: CellOptions, fast: Duration) -> bool {
+fn run(of: &Shipped, options: CellSimOptions, fast: Duration) -> bool {
     let seed = options.seed;
     let mut sim = of.sim(options, 0.0);
     sim.floor.as_mut().expect("real stations").fast = fast;
@@ -37,7 +37,7 @@ fn run(of: &Shipped, options: CellOptions, fast: Duration) -> bool {
         now = now + MILLIS(5);
         sim.run_on(&mut dispatcher, now);
         let report = sim.floor.as_ref().expect("real").controller(robot).report().order.expect("it works on order");
-        let raised = sim.state().firings().any(|firing| firing.phase != Phase::Running);
+        let raised = sim.state().firings().any(|firing| firing.phase != ActivityPhase::Running);
         let gives_up = report.slot.is_some_and(|slot| slot.is_securing);
         if station_first.is_none() && (raised || gives_up) {
             station_first = Some(gives_up && !raised);
@@ -45,8 +45,11 @@ fn run(of: &Shipped, options: CellOptions, fast: Duration) -> bool {
         assert!(now < Tick::from_millis(120_000), "{seed}: nobody is told");
         let Some(alarm) = sim.state().exceptions().alarms().next().cloned() else { continue };
         if told.is_none() {
-            let firing = sim.state().firings().find(|firing| firing.phase != Phase::Running).expect("it has failed");
-            let Phase::Failed(Cause::Order { key: _, failure }) = firing.phase else { panic!("{seed}: {firing:?}") };
+            let firing =
+                sim.state().firings().find(|firing| firing.phase != ActivityPhase::Running).expect("it has failed");
+            let ActivityPhase::Failed(ActivityFailure::Order { key: _, failure }) = firing.phase else {
+                panic!("{seed}: {firing:?}")
+            };
             assert_eq!(failure, Failure::Code(22), "{seed}: what the robot waited for");
             assert!(alarm.text.contains("Put the part back into slot 1 of ST"), "{seed}: {}", alarm.text);
             assert_eq!(alarm.words, ["in-store", "in-machine", "scrap"], "{seed}");
@@ -54,7 +57,7 @@ fn run(of: &Shipped, options: CellOptions, fast: Duration) -> bool {
         }
         let moving: Vec<StationId> = of.line.station_ids().filter(|&station| moves(of, &sim, station)).collect();
         grasps(of, &mut sim, None);
-        sim.say(&mut dispatcher, &[Input::Answer { alarm: alarm.id, word: "in-store" }]);
+        sim.say(&mut dispatcher, &[PlayerInput::Answer { alarm: alarm.id, word: "in-store" }]);
         if sim.state().exceptions().alarm(alarm.id).is_none() {
             assert_eq!(moving, [], "{seed}: it was taken at {} while these move", sim.now);
             break;
@@ -64,7 +67,8 @@ fn run(of: &Shipped, options: CellOptions, fast: Duration) -> bool {
     // Nobody is even asked before.
     of.is_done(&sim);
     is_machined(of, &sim, [1, 0]);
-    let answered = sim.log.iter().filter(|of| matches!(of.fact, Fact::Exception(Step::Answered { .. }))).count();
+    let answered =
+        sim.log.iter().filter(|of| matches!(of.fact, RecordKind::Exception(ExceptionStep::Answered { .. }))).count();
     assert_eq!(answered, 1, "{seed}");
     station_first == Some(true)
 }
@@ -80,7 +84,7 @@ fn whichever_time_is_over_first_nobody_is_answered_before_all_of_it_stands() {
         // Some messages are lost, some come twice, some very late.
         let bad_luck = [0, 0, 12][rng.below(3) as usize];
         let fast = MILLIS(rng.below(2 * most));
-        let station_first = run(&of, CellOptions { delay, bad_luck, ..options(seed, 0, Vec::new()) }, fast);
+        let station_first = run(&of, CellSimOptions { delay, bad_luck, ..options(seed, 0, Vec::new()) }, fast);
         firsts[usize::from(station_first)] += 1;
     }
     assert!(firsts.iter().all(|&times| times >= 5), "each was first: {firsts:?}");

@@ -2,7 +2,7 @@
 #![allow(dead_code)]
 
 use linewright_line::{Line, OpId, StationId, TransferLine, parse};
-use linewright_simulation::{End, Goal, Options, Scenario, Script, Sim, run};
+use linewright_simulation::{LineSim, RunEnd, RunGoal, Scenario, Script, SimOptions, run};
 
 /// The shipped transfer line with so many machines.
 pub fn transfer_line(machines: usize) -> Line {
@@ -17,12 +17,12 @@ pub fn op(line: &Line, station: &str, operation: &str) -> (StationId, OpId) {
 }
 
 /// Options that keep the log.
-pub fn logged() -> Options {
-    Options { keeps_log: true, ..Options::default() }
+pub fn logged() -> SimOptions {
+    SimOptions { keeps_log: true, ..SimOptions::default() }
 }
 
 /// Plays a scenario of the transfer line.
-pub fn play(text: &str) -> (Sim, End) {
+pub fn play(text: &str) -> (LineSim, RunEnd) {
     play_with(text, logged())
 }
 
@@ -32,18 +32,18 @@ pub fn script(line: &Line, text: &str) -> Script {
 }
 
 /// Plays a scenario of the transfer line; its network and variation are the scenario's.
-pub fn play_with(text: &str, options: Options) -> (Sim, End) {
+pub fn play_with(text: &str, options: SimOptions) -> (LineSim, RunEnd) {
     let line = transfer_line(1);
     let scenario = Scenario::parse(&line, "test.toml", text).unwrap_or_else(|problems| panic!("{problems:#}"));
-    let options = Options { network: scenario.network, variation: scenario.variation, ..options };
-    let goal = Goal { cycles: scenario.cycles.unwrap_or(1), starts: scenario.starts, script: scenario.script };
+    let options = SimOptions { network: scenario.network, variation: scenario.variation, ..options };
+    let goal = RunGoal { cycles: scenario.cycles.unwrap_or(1), starts: scenario.starts, script: scenario.script };
     run(&line, options, &goal).expect("the line compiles")
 }
 
 /// Plays a scenario that goes as it expects.
-pub fn played(text: &str) -> Sim {
+pub fn played(text: &str) -> LineSim {
     let (sim, end) = play(text);
-    assert_eq!(end, End::Done, "{}", sim.log().tail(sim.line(), 60));
+    assert_eq!(end, RunEnd::Done, "{}", sim.log().tail(sim.line(), 60));
     assert_eq!(sim.conflicts(), []);
     sim
 }

@@ -8,7 +8,7 @@ use std::hint::black_box;
 
 use divan::Bencher;
 use divan::counter::ItemsCount;
-use linewright_station_logic::{Controller, Input, Outbox};
+use linewright_station_logic::{Controller, StationInput, StationOutbox};
 
 #[path = "../tests/transfer_bar/mod.rs"]
 mod transfer_bar;
@@ -74,14 +74,14 @@ fn firing(bencher: Bencher) {
             let mut controller: Controller = bar.controller.clone();
             controller.handle(
                 NOW,
-                Input::Inputs {
+                StationInput::Inputs {
                     bits: arrived,
                     valid: true,
                     until: linewright_line::Tick::NEVER,
                     under: linewright_station_logic::NO_DELAY,
                 },
             );
-            (controller, Outbox { events: Vec::with_capacity(16), ..Outbox::default() })
+            (controller, StationOutbox { events: Vec::with_capacity(16), ..StationOutbox::default() })
         })
         .bench_local_refs(|(controller, out)| controller.step(NOW, out));
 }

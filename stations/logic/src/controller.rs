@@ -11,20 +11,20 @@ use linewright_line::{BRANCHES_MAX, InputId, Line, OpId, Panel, StationId, Tick}
 use std::sync::Arc;
 use std::time::Duration;
 
-use crate::event::{Cause, Event, Happening};
+use crate::event::{HappeningKind, StationHappening, StopCause};
+use crate::ignored::{Handled, Ignored};
 use crate::order::{OrderKey, Reply, TaskCommand};
-use crate::panel::{Commands, Contest, ModeOrder, PanelCommand};
+use crate::panel::{Commands, ModeOrder, PanelCommand, RivalCoordinators};
+use crate::parts::{Agreement, Counts, Due, Fired, Image, Levels, Marking, Output, Token};
 use crate::program::{CompileError, Program, bit};
-use crate::report::{Report, Restore};
+use crate::report::{Restore, StationReport};
 use crate::rules::Rules;
-use crate::slot::Orders;
-use crate::step::PASSES_MAX;
-use crate::views::Views;
-use crate::withdraw::Pending;
+use crate::slot::OrderSlot;
+use crate::views::PeerViews;
 
 /// What a controller is told.
 #[derive(Clone, Copy, Debug)]
-pub enum Input<'a> {
+pub enum StationInput<'a> {
     /// The station's input image, and whether its devices vouch for it.
     Inputs {
         /// Bit `i` is input `i` of the description.
@@ -34,7 +34,7 @@ pub enum Input<'a> {
         /// The image is unknown from then on, unless a newer one arrives; [`Tick::NEVER`] where the source itself
         /// tells when it is lost.
         until: Tick,
-        /// [`Outbox::number`] of the newest output image that was in force when it was taken; [`NO_DELAY`] where the
+        /// [`StationOutbox::number`] of the newest output image that was in force when it was taken; [`NO_DELAY`] where the
         /// image follows the outputs at once.
         under: u64,
     },
@@ -45,11 +45,11 @@ pub enum Input<'a> {
     /// ordered the emergency stop too and ended it.
     EmergencyStop(u64),
     /// Another coordinator gives orders beside the one that is followed, or no longer does.
-    Contest(Option<Contest>),
+    Contest(Option<RivalCoordinators>),
     /// The caller stood still for longer than a message lasts: the order's lease has ended.
     Gap,
     /// A newer report of another station.
-    View(StationId, &'a Report),
+    View(StationId, &'a StationReport),
     /// The station's panel, by message.
     Panel(PanelCommand),
     /// An operator's confirmation that the station stands where its switches say (see [`Controller::read_off`]), or was
@@ -64,7 +64,7 @@ pub const NO_DELAY: u64 = u64::MAX;
 
 /// What a step gives.
 #[derive(Clone, Debug, Default)]
-pub struct Outbox {
+pub struct StationOutbox {
     /// The output image: bit `i` is output `i` of the description.
     pub outputs: u128,
     /// Grows with every change of the output image, and with every motion that begins.
@@ -72,43 +72,10 @@ pub struct Outbox {
     /// The report differs from that of the step before: send it.
     pub changed: bool,
     /// What happened, in order. The caller drains it.
-    pub events: Vec<Event>,
+    pub events: Vec<StationHappening>,
     /// What is answered to orders, in order. The caller drains it; whatever of it gets lost, the report says as well.
     pub replies: Vec<(OrderKey, Reply)>,
 }
-
-/// Who keeps a motion going.
-#[derive(Clone, Copy, Debug, PartialEq, Eq)]
-pub(crate) enum Run {
-    /// The controller.
-    Auto,
-    /// A held hand-mode button: the actuator is driven while it is down.
-    Hand,
-    /// A held panel button: the motion is stopped when it is released.
-    Manual,
-}
-
-/// One token: where a branch of the station stands.
-#[derive(Clone, Copy, Debug)]
-pub(crate) struct Token {
-    pub place: u16,
-    pub run: Run,
-    /// The completion signal counts: it has been seen off since the motion left its other end.
-    pub left_start: bool,
-    /// It will count as it stands, in the first image taken while this motion is driven: the motion was stopped
-    /// between its ends, and an image from before it may still show the switch that the mechanism has left since.
-    pub awaits_image: bool,
-    /// The output image that began to drive it.
-    pub driven_since: u64,
-    pub driven: bool,
-    /// While driven: when the watchdog runs out.
-    pub deadline: Tick,
-    /// While not driven: what is left of the watchdog.
-    pub remaining: Duration,
-}
-
-/// As many transitions as one step can fire: every branch once in each pass.
-const FIRED_MAX: usize = PASSES_MAX * BRANCHES_MAX;
 
 /// The controller of one station.
 #[derive(Clone, Debug)]
@@ -117,56 +84,23 @@ pub struct Controller {
     pub(crate) program: Arc<Program>,
     pub(crate) rules: Rules,
     pub(crate) boot_id: u64,
-    pub(crate) now: Tick,
-    pub(crate) tokens: [Token; BRANCHES_MAX],
-    pub(crate) token_count: usize,
-    pub(crate) cycle: i32,
-    pub(crate) done: Vec<i32>,
-    pub(crate) started: Vec<i32>,
-    pub(crate) home_counts: Vec<i32>,
-    pub(crate) initial_round: i32,
-    pub(crate) path: Option<OpId>,
-    pub(crate) causes_of_stop: Vec<Cause>,
-    pub(crate) views: Views,
-    pub(crate) commands: Commands,
-    panel: Panel,
-    /// The inputs the panel is wired to.
-    pub(crate) panel_inputs: u128,
-    /// Those, and the ones that the marked places look at: a change of any other means nothing now.
-    pub(crate) watched: u128,
+    /// How old a message or an image may become.
     stale: Duration,
-    pub(crate) inputs: u128,
-    pub(crate) inputs_until: Tick,
-    pub(crate) inputs_under: u64,
-    pub(crate) devices_valid: bool,
-    /// Command levels of this image and of the one before.
-    pub(crate) levels: u128,
-    pub(crate) levels_before: u128,
-    pub(crate) mode_before: ControlMode,
-    pub(crate) pending: Option<Pending>,
-    /// Of a station that works on order.
-    pub(crate) orders: Option<Box<Orders>>,
-    pub(crate) next_request: u64,
-    /// The last refusal, for the operator: who, its operation in the way, our operations that stay.
-    pub(crate) refusal: Option<(StationId, OpId, u64)>,
-    /// As it was noted last (see `interlock`).
-    pub(crate) lost_before: Option<(OpId, InputId)>,
-    /// Fresh from the start: the home position is still to be confirmed by the devices.
-    pub(crate) unconfirmed: bool,
-    /// The marking was read off the switches, or follows from a marking that was. False after a start away from home, and with
-    /// a record that may be older than the mechanism's place.
-    pub(crate) placed: bool,
-    pub(crate) outputs: u128,
-    pub(crate) output_number: u64,
-    pub(crate) dirty: bool,
-    /// The last step changed nothing, and nothing was heard since: until the deadline a step has nothing to do.
-    pub(crate) settled: bool,
-    /// The transitions the last look fired, the first `fired_count` of them.
-    fired: [u16; FIRED_MAX],
-    fired_count: usize,
-    pub(crate) deadline: Tick,
-    pub(crate) changed: bool,
-    pub(crate) events: Vec<Event>,
+    panel: Panel,
+    pub(crate) now: Tick,
+    pub(crate) marking: Marking,
+    pub(crate) counts: Counts,
+    pub(crate) image: Image,
+    pub(crate) views: PeerViews,
+    pub(crate) commands: Commands,
+    pub(crate) levels: Levels,
+    pub(crate) agreement: Agreement,
+    /// Of a task-driven station.
+    pub(crate) orders: Option<Box<OrderSlot>>,
+    pub(crate) output: Output,
+    pub(crate) due: Due,
+    pub(crate) fired: Fired,
+    pub(crate) events: Vec<StationHappening>,
 }
 
 impl Controller {
@@ -181,51 +115,40 @@ impl Controller {
         let program = Program::compile(line, station)?;
         let described = line.station(station);
         let operations_of: Vec<usize> = program.peers.iter().map(|&peer| line.station(peer).operations.len()).collect();
-        let views = Views::new(&program, &operations_of, line.timing.stale);
+        let views = PeerViews::new(&program, &operations_of, line.timing.stale);
         let round = described.initial_round();
         let counts: Vec<i32> = described.op_ids().map(|op| described.home_count(op, round)).collect();
-        let idle = Token::at(program.home_place);
         let mut controller = Controller {
             rules: Rules::default(),
             boot_id,
+            stale: line.timing.stale,
             now: Tick::ZERO,
-            tokens: [idle; BRANCHES_MAX],
-            token_count: 1,
-            cycle: round,
-            done: counts.clone(),
-            started: counts,
-            home_counts: described.op_ids().map(|op| described.home_count(op, 0)).collect(),
-            initial_round: round,
-            path: None,
-            causes_of_stop: vec![Cause::Released; described.operations.len()],
+            marking: Marking {
+                tokens: [Token::at(program.home_place); BRANCHES_MAX],
+                count: 1,
+                path: None,
+                causes_of_stop: vec![StopCause::Released; described.operations.len()],
+                unconfirmed: restore == Restore::Fresh,
+                placed: restore == Restore::Fresh,
+                lost_position: None,
+            },
+            counts: Counts {
+                cycle: round,
+                done: counts.clone(),
+                started: counts,
+                at_home: described.op_ids().map(|op| described.home_count(op, 0)).collect(),
+                initial_round: round,
+            },
+            image: Image::new(&described.panel),
+            panel: described.panel.clone(),
             views,
             commands: Commands::new(),
-            watched: u128::MAX,
-            panel_inputs: inputs_of(&described.panel),
-            panel: described.panel.clone(),
-            stale: line.timing.stale,
-            inputs: 0,
-            inputs_until: Tick::ZERO,
-            inputs_under: 0,
-            devices_valid: false,
-            levels: 0,
-            levels_before: 0,
-            mode_before: ControlMode::StandBy,
-            pending: None,
-            orders: program.on_order.as_ref().map(|_| Box::new(Orders::new(boot_id))),
-            next_request: 1,
-            refusal: None,
-            lost_before: None,
-            unconfirmed: restore == Restore::Fresh,
-            placed: restore == Restore::Fresh,
-            outputs: 0,
-            output_number: 0,
-            dirty: true,
-            settled: false,
-            fired: [0; FIRED_MAX],
-            fired_count: 0,
-            deadline: Tick::ZERO,
-            changed: true,
+            levels: Levels { now: 0, before: 0, mode: ControlMode::StandBy },
+            agreement: Agreement { pending: None, next_request: 1, refusal: None },
+            orders: program.on_order.as_ref().map(|_| Box::new(OrderSlot::new(boot_id))),
+            output: Output::default(),
+            due: Due { outputs: true, report: true, settled: false, deadline: Tick::ZERO },
+            fired: Fired::NONE,
             events: Vec::with_capacity(64),
             program: Arc::new(program),
         };
@@ -242,7 +165,7 @@ impl Controller {
     }
 
     pub(crate) fn tokens(&self) -> &[Token] {
-        &self.tokens[..self.token_count]
+        &self.marking.tokens[..self.marking.count]
     }
 
     pub(crate) fn place(&self, token: &Token) -> Place {
@@ -276,112 +199,94 @@ impl Controller {
 
     /// The cycle it is in.
     pub fn cycle(&self) -> i32 {
-        self.cycle
+        self.counts.cycle
     }
 
     /// The transitions that the last step that did anything has fired, in order, as indices into the station's net.
     pub fn fired(&self) -> &[u16] {
-        &self.fired[..self.fired_count]
+        self.fired.as_slice()
     }
 
-    pub(crate) fn note_fired(&mut self, transition: u16) {
-        if let Some(slot) = self.fired.get_mut(self.fired_count) {
-            *slot = transition;
-            self.fired_count += 1;
-        }
-    }
-
-    pub(crate) fn forget_fired(&mut self) {
-        self.fired_count = 0;
-    }
-
-    /// Takes what has arrived. Follow with [`Controller::step`]. Gives false if the input was ignored: an order of an
-    /// older epoch, a report of no peer or of the wrong shape.
+    /// Takes what has arrived. Follow with [`Controller::step`].
     #[inline]
-    pub fn handle(&mut self, now: Tick, input: Input<'_>) -> bool {
+    pub fn handle(&mut self, now: Tick, input: StationInput<'_>) -> Handled {
         self.now = self.now.max(now);
-        if let Input::Inputs { bits, valid, until, under } = input {
-            self.inputs_until = until;
-            self.settled &= under == self.inputs_under;
-            self.inputs_under = under;
+        if let StationInput::Inputs { bits, valid, until, under } = input {
+            self.image.until = until;
+            self.due.settled &= under == self.image.under;
+            self.image.under = under;
             self.take_image(if valid { bits } else { 0 }, valid);
             // A longer term needs no new deadline: the old one comes too early, and is put right.
-            self.deadline = self.deadline.min(until);
-            return true;
+            self.due.deadline = self.due.deadline.min(until);
+            return Handled::Taken;
         }
         // Commands and views: levels and deadlines are worked out again in the next step.
-        self.deadline = Tick::ZERO;
-        self.take(input)
+        self.due.deadline = Tick::ZERO;
+        self.take(input).into()
     }
 
-    fn take(&mut self, input: Input<'_>) -> bool {
+    fn take(&mut self, input: StationInput<'_>) -> Result<(), Ignored> {
         let now = self.now;
         match input {
-            Input::Inputs { .. } => true,
-            Input::Order(order) => {
+            StationInput::Inputs { .. } => {}
+            StationInput::Order(order) => {
                 let epoch = self.commands.epoch();
                 let taken = self.commands.order(now, order, self.stale);
-                if taken && let Some(founding) = order.found {
+                if taken.is_ok()
+                    && let Some(founding) = order.found
+                {
                     self.found(founding);
                 }
-                self.changed |= self.commands.epoch() != epoch;
-                taken
+                self.due.report |= self.commands.epoch() != epoch;
+                return taken;
             }
-            Input::EmergencyStop(life) => {
-                self.commands.stop(now, life, self.stale);
-                true
-            }
-            Input::Contest(contest) => {
+            StationInput::EmergencyStop(life) => self.commands.stop(now, life, self.stale),
+            StationInput::Contest(contest) => {
                 self.commands.contest(contest);
-                self.changed = true;
-                true
+                self.due.report = true;
             }
-            Input::Gap => {
-                self.commands.end_lease(now);
-                true
-            }
-            Input::View(station, report) => {
+            StationInput::Gap => self.commands.end_lease(now),
+            StationInput::View(station, report) => {
                 let me = (self.program.station, self.boot_id);
-                let answer = |views: &Views| views.peers.iter().find(|v| v.station == station).map(|v| v.answer);
+                let answer = |views: &PeerViews| views.peers.iter().find(|v| v.station == station).map(|v| v.answer);
                 let before = answer(&self.views);
-                let taken = self.views.hear(now, me, &self.program, &self.started, station, report);
-                self.changed |= before != answer(&self.views);
-                taken
+                self.views.hear(now, me, &self.program, &self.counts.started, station, report)?;
+                self.due.report |= before != answer(&self.views);
             }
-            Input::Task(command) => self.command(command),
-            Input::Rejoin(within) => self.rejoin(within),
-            Input::Panel(command) => {
+            StationInput::Task(command) => return self.command(command),
+            StationInput::Rejoin(within) => return self.rejoin(within),
+            StationInput::Panel(command) => {
                 let before = self.commands.selector_manual();
                 self.commands.panel(now, command, self.stale);
-                self.changed |= before != self.commands.selector_manual();
-                true
+                self.due.report |= before != self.commands.selector_manual();
             }
         }
+        Ok(())
     }
 
     #[inline]
     pub(crate) fn take_image(&mut self, bits: u128, valid: bool) {
-        let differing = bits ^ self.inputs;
-        self.inputs = bits;
-        if differing & self.watched != 0 || valid != self.devices_valid {
+        let differing = bits ^ self.image.bits;
+        self.image.bits = bits;
+        if differing & self.image.watched != 0 || valid != self.image.valid {
             self.take_watched(differing, valid);
         }
     }
 
     /// Something changed that matters where the tokens stand, or at the panel.
     fn take_watched(&mut self, differing: u128, valid: bool) {
-        let bits = self.inputs;
-        self.settled = false;
+        let bits = self.image.bits;
+        self.due.settled = false;
         // Others hold their motions by these.
-        self.changed |= differing & self.program.interlocks.read_by_others != 0;
-        if differing & self.panel_inputs == 0 && valid == self.devices_valid {
+        self.due.report |= differing & self.program.interlocks.read_by_others != 0;
+        if differing & self.image.panel == 0 && valid == self.image.valid {
             return;
         }
-        self.deadline = Tick::ZERO;
-        if valid != self.devices_valid {
-            self.devices_valid = valid;
-            self.changed = true;
-            self.note(Happening::Devices(valid));
+        self.due.deadline = Tick::ZERO;
+        if valid != self.image.valid {
+            self.image.valid = valid;
+            self.due.report = true;
+            self.note(HappeningKind::Devices(valid));
             // A button that is down when the devices come back was not pressed now.
             self.commands.disarm(u128::MAX);
         }
@@ -390,8 +295,8 @@ impl Controller {
             (wired(self.panel.manual), wired(self.panel.advance), wired(self.panel.retract));
         let before = self.commands.selector_manual();
         self.commands.wired(manual, advance, retract);
-        self.changed |= before != self.commands.selector_manual();
-        if valid && self.unconfirmed {
+        self.due.report |= before != self.commands.selector_manual();
+        if valid && self.marking.unconfirmed {
             self.confirm_home();
         }
     }
@@ -399,48 +304,52 @@ impl Controller {
     /// Switched on for the first time, the station claims to be at home. If the switch of the home operation does not
     /// say so, the home operation is incomplete instead, and counts one less: a person brings it home.
     fn confirm_home(&mut self) {
-        self.unconfirmed = false;
+        self.marking.unconfirmed = false;
         let home = self.program.home;
         let at_rest =
             if self.rules.positions { self.program.places[usize::from(self.program.home_place)].rest } else { 0 };
         let needed = self.home_switch() | at_rest;
-        if self.inputs & needed != needed {
-            self.tokens[0].place = self.program.index_of(Place::incomplete(home));
-            self.placed = false;
-            self.done[home.index()] -= 1;
-            self.causes_of_stop[home.index()] = Cause::NotAtHome;
-            self.note(Happening::Stopped(home, Block::Normal, Cause::NotAtHome));
-            self.dirty = true;
-            self.changed = true;
+        if self.image.bits & needed != needed {
+            self.marking.tokens[0].place = self.program.index_of(Place::incomplete(home));
+            self.marking.placed = false;
+            self.counts.done[home.index()] -= 1;
+            self.marking.causes_of_stop[home.index()] = StopCause::NotAtHome;
+            self.note(HappeningKind::Stopped(home, Block::Normal, StopCause::NotAtHome));
+            self.due.outputs = true;
+            self.due.report = true;
         }
     }
 
     /// How long ago the input image was taken, as far as this station can tell.
     pub(crate) fn image_age(&self) -> Duration {
-        if self.inputs_until == Tick::NEVER {
+        if self.image.until == Tick::NEVER {
             return Duration::ZERO;
         }
-        self.stale.saturating_sub(self.inputs_until.since(self.now))
+        self.stale.saturating_sub(self.image.until.since(self.now))
     }
 
-    pub(crate) fn note(&mut self, what: Happening) {
-        self.events.push(Event { cycle: self.cycle, what });
+    pub(crate) fn note(&mut self, what: HappeningKind) {
+        self.events.push(StationHappening { cycle: self.counts.cycle, what });
     }
 
     /// When to step again if nothing arrives before.
     pub fn next_deadline(&self) -> Option<Tick> {
-        (self.deadline != Tick::NEVER).then_some(self.deadline)
+        (self.due.deadline != Tick::NEVER).then_some(self.due.deadline)
     }
 
     pub(crate) fn refresh_path(&mut self) {
-        let bits = self.path.map_or(0, |op| bit::ANY_PATH | crate::program::path_bit(&self.program.paths, op));
-        self.levels = self.levels & !(bit::ANY_PATH | bit::PATHS) | bits;
-        self.levels_before = self.levels;
+        let bits = self.marking.path.map_or(0, |op| bit::ANY_PATH | crate::program::path_bit(&self.program.paths, op));
+        self.levels.now = self.levels.now & !(bit::ANY_PATH | bit::PATHS) | bits;
+        self.levels.before = self.levels.now;
     }
 
     /// How often the station has come home since the line first stood at home together; on order nobody counts that.
     pub(crate) fn home_round(&self) -> i32 {
-        if self.program.on_order.is_some() { 0 } else { self.done[self.program.home.index()] - self.initial_round }
+        if self.program.on_order.is_some() {
+            0
+        } else {
+            self.counts.done[self.program.home.index()] - self.counts.initial_round
+        }
     }
 
     pub(crate) fn stop_bit(&self) -> u128 {
@@ -449,12 +358,12 @@ impl Controller {
 
     /// Coming home or being taken back from there decides anew whether master stop holds the station.
     pub(crate) fn refresh_stop(&mut self) {
-        self.levels = self.levels & !bit::MASTER_STOP | self.stop_bit();
-        self.levels_before = self.levels_before & !bit::MASTER_STOP | self.stop_bit();
+        self.levels.now = self.levels.now & !bit::MASTER_STOP | self.stop_bit();
+        self.levels.before = self.levels.before & !bit::MASTER_STOP | self.stop_bit();
     }
 
     pub(crate) fn master_stop(&self) -> bool {
-        self.levels & bit::MASTER_STOP != 0
+        self.levels.now & bit::MASTER_STOP != 0
     }
 
     pub(crate) fn master_stop_is_given(&self) -> bool {
@@ -472,7 +381,7 @@ impl Controller {
             return self.rest().is_some();
         }
         let after = (usize::from(self.program.step_of[self.program.home.index()]) + 1) % self.program.causes.len();
-        self.path.is_none()
+        self.marking.path.is_none()
             && self.marking().all(|place| {
                 place == Place::completed(self.program.home)
                     || (place.block == Block::Recovery
@@ -480,8 +389,4 @@ impl Controller {
                         && usize::from(self.program.step_of[place.op.index()]) == after)
             })
     }
-}
-
-fn inputs_of(panel: &Panel) -> u128 {
-    [panel.manual, panel.advance, panel.retract].into_iter().flatten().fold(0, |bits, input| bits | 1 << input.0)
 }

@@ -2,8 +2,9 @@
 
 use linewright_line::net::ControlMode;
 
-use crate::controller::{Controller, Run};
-use crate::report::Report;
+use crate::controller::Controller;
+use crate::parts::RunCommand;
+use crate::report::StationReport;
 
 impl Controller {
     /// Works out the outputs and the deadline.
@@ -13,26 +14,26 @@ impl Controller {
     /// Everything else is off. Parameters of a task are on while it runs.
     pub(crate) fn drive(&mut self) {
         let mut outputs = 0;
-        self.watched = self.panel_inputs | self.program.interlocks.read_by_others;
+        self.image.watched = self.image.panel | self.program.interlocks.read_by_others;
         let mut deadline = self.commands.deadline(self.now).min(self.views.deadline(self.now));
-        if self.devices_valid {
-            deadline = deadline.min(self.inputs_until);
+        if self.image.valid {
+            deadline = deadline.min(self.image.until);
             outputs |= self.parameter_outputs();
         }
         deadline = deadline.min(self.order_limit());
-        self.watched |= self.program.on_order.as_ref().map_or(0, |tasks| tasks.watched);
+        self.image.watched |= self.program.on_order.as_ref().map_or(0, |tasks| tasks.watched);
         let mode = self.commands.mode();
-        let number = self.output_number + 1;
+        let number = self.output.number + 1;
         let mut begun = false;
-        for index in 0..self.token_count {
+        for index in 0..self.marking.count {
             // A motion that a person lets go of and takes up again starts once more: what is not measured blocks it.
-            let paused = self.tokens[index];
+            let paused = self.marking.tokens[index];
             let place = self.place(&paused);
-            let blocked = place.is_operating() && !paused.driven && self.violated(place, self.path).is_some();
-            let token = &mut self.tokens[index];
+            let blocked = place.is_operating() && !paused.driven && self.violated(place, self.marking.path).is_some();
+            let token = &mut self.marking.tokens[index];
             let table = &self.program.places[token.place as usize];
-            let held = token.run != Run::Hand || (table.hold != 0 && self.levels & table.hold == table.hold);
-            let driven = table.actuator != 0 && self.devices_valid && held && !blocked && mode != ControlMode::EStop;
+            let held = token.run != RunCommand::Hand || (table.hold != 0 && self.levels.now & table.hold == table.hold);
+            let driven = table.actuator != 0 && self.image.valid && held && !blocked && mode != ControlMode::EStop;
             match (token.driven, driven) {
                 (false, true) => {
                     token.deadline = self.now + token.remaining;
@@ -48,52 +49,52 @@ impl Controller {
                 deadline = deadline.min(token.deadline);
             }
             outputs |= table.lamp;
-            self.watched |= table.complete | table.fault | table.rest;
+            self.image.watched |= table.complete | table.fault | table.rest;
         }
         // A motion that begins is a new image even if it drives what was driven before: inputs are asked for under it.
-        if begun || outputs != self.outputs {
-            self.outputs = outputs;
-            self.output_number = number;
+        if begun || outputs != self.output.bits {
+            self.output.bits = outputs;
+            self.output.number = number;
         }
-        self.deadline = deadline;
-        self.dirty = false;
+        self.due.deadline = deadline;
+        self.due.outputs = false;
     }
 
     /// The report of the present state.
-    pub fn report(&self) -> Report {
-        let mut report = Report::default();
+    pub fn report(&self) -> StationReport {
+        let mut report = StationReport::default();
         self.report_into(&mut report);
         report
     }
 
     /// Writes the report of the present state, reusing what `report` has allocated.
-    pub fn report_into(&self, report: &mut Report) {
+    pub fn report_into(&self, report: &mut StationReport) {
         report.boot_id = self.boot_id;
         report.mode_epoch = self.commands.epoch();
         report.mode = Some(self.commands.mode());
         report.generation = self.views.generation;
-        report.measured = self.inputs;
+        report.measured = self.image.bits;
         report.measured_age = self.image_age();
         report.position_lost = self.position_lost();
-        report.cycle = self.cycle;
-        report.done.clone_from(&self.done);
-        report.started.clone_from(&self.started);
+        report.cycle = self.counts.cycle;
+        report.done.clone_from(&self.counts.done);
+        report.started.clone_from(&self.counts.started);
         report.places.clear();
-        report.places.resize(self.done.len(), 0);
+        report.places.resize(self.counts.done.len(), 0);
         report.incomplete.clear();
         for place in self.marking() {
             report.places[place.op.index()] = place.number();
             if place.is_incomplete() {
-                report.incomplete.push((place.op, self.causes_of_stop[place.op.index()]));
+                report.incomplete.push((place.op, self.marking.causes_of_stop[place.op.index()]));
             }
         }
-        report.recovering_home = self.path.is_some();
+        report.recovering_home = self.marking.path.is_some();
         report.at_home = self.is_at_home();
         report.round = self.home_round() + i32::from(!report.at_home);
         report.stopped = !self.tokens().iter().any(|t| t.driven);
         report.selector_manual = self.commands.selector_manual();
-        report.devices_valid = self.devices_valid;
-        report.request = self.pending.map(|p| p.request);
+        report.devices_valid = self.image.valid;
+        report.request = self.agreement.pending.map(|p| p.request);
         self.report_orders(&mut report.order);
         report.answers.clear();
         report.answers.extend(self.views.peers.iter().filter_map(|v| v.answer));

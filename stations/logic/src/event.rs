@@ -7,7 +7,7 @@ use crate::order::{Failure, Refusal};
 
 /// Why a motion stopped before its end.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Hash)]
-pub enum Cause {
+pub enum StopCause {
     /// Its fault input came on.
     Signal,
     /// It took longer than its watchdog allows.
@@ -44,40 +44,40 @@ pub enum Cause {
     Ambiguous,
 }
 
-impl Cause {
+impl StopCause {
     /// Whether it is a fault to the mode decision, or merely a stop the operator asked for.
     pub const fn is_fault(self) -> bool {
-        !matches!(self, Cause::Released)
+        !matches!(self, StopCause::Released)
     }
 
     /// A few words for the operator.
     pub const fn text(self) -> &'static str {
         match self {
-            Cause::Signal => "fault signal",
-            Cause::Watchdog => "took too long",
-            Cause::SwitchStuck => "took too long; its switch was already on when it started",
-            Cause::Devices => "devices lost",
-            Cause::Released => "button released",
-            Cause::EStop => "emergency stop",
-            Cause::Ordered => "told to stop",
-            Cause::Restart => "controller restarted",
-            Cause::NotAtHome => "not at home when switched on",
-            Cause::Interlock { .. } => "interlock: another station is in the way",
-            Cause::PositionLost { .. } => "position lost",
-            Cause::Ambiguous => "controller stopped itself: two exclusive transitions were both allowed",
+            StopCause::Signal => "fault signal",
+            StopCause::Watchdog => "took too long",
+            StopCause::SwitchStuck => "took too long; its switch was already on when it started",
+            StopCause::Devices => "devices lost",
+            StopCause::Released => "button released",
+            StopCause::EStop => "emergency stop",
+            StopCause::Ordered => "told to stop",
+            StopCause::Restart => "controller restarted",
+            StopCause::NotAtHome => "not at home when switched on",
+            StopCause::Interlock { .. } => "interlock: another station is in the way",
+            StopCause::PositionLost { .. } => "position lost",
+            StopCause::Ambiguous => "controller stopped itself: two exclusive transitions were both allowed",
         }
     }
 }
 
 /// What happened.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
-pub enum Happening {
+pub enum HappeningKind {
     /// A motion started or went on.
     Started(OpId, Block),
     /// A motion is complete.
     Completed(OpId, Block),
     /// A motion stopped before its end.
-    Stopped(OpId, Block, Cause),
+    Stopped(OpId, Block, StopCause),
     /// The counts of these operations (a bit each) were taken back.
     Withdrawn(u64),
     /// The station is home after a recovery path: at the end of the previous cycle; on order, where the task began.
@@ -119,9 +119,9 @@ pub enum Happening {
 
 /// A happening and the cycle it belongs to.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
-pub struct Event {
+pub struct StationHappening {
     /// The station's cycle after it.
     pub cycle: i32,
     /// What happened.
-    pub what: Happening,
+    pub what: HappeningKind,
 }

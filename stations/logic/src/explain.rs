@@ -7,10 +7,10 @@ use linewright_line::net::{Block, ControlMode, Place, Stage};
 use linewright_line::{Line, OpId, StationId, Tick};
 
 use crate::controller::Controller;
-use crate::event::{Cause, Event, Happening};
+use crate::event::{HappeningKind, StationHappening, StopCause};
 use crate::order_words::task_name;
 use crate::program::IncomingArrow as Arrow;
-use crate::views::Standing;
+use crate::views::Comparability;
 
 /// What a station waits for whose devices cannot be trusted. Which device and why, their manager knows.
 pub const DEVICES_INVALID: &str = "its devices: not heard, or not operational";
@@ -38,14 +38,14 @@ impl Controller {
     pub fn fault_text(&self, line: &Line) -> String {
         let mut parts = Vec::new();
         for place in self.marking().filter(|place| place.is_incomplete()) {
-            let cause = self.causes_of_stop[place.op.index()];
+            let cause = self.marking.causes_of_stop[place.op.index()];
             if cause.is_fault() {
                 let text = cause.text_of(line, self.program.station, place.op, place.block);
                 parts.push(format!("{}: {text}", self.op_name(line, place.op)));
             }
         }
         if let Some((op, input)) = self.position_lost() {
-            parts.push(Cause::PositionLost { op, input }.detail(line, self.program.station));
+            parts.push(StopCause::PositionLost { op, input }.detail(line, self.program.station));
         }
         parts.join("; ")
     }
@@ -56,20 +56,20 @@ impl Controller {
         if let Some((followed, other)) = self.commands.contested(now) {
             reasons.push(format!("two coordinators give orders (boot ids {followed} and {other}): end one of them"));
         }
-        if !self.devices_valid {
+        if !self.image.valid {
             reasons.push(DEVICES_INVALID.to_owned());
         }
         if let Some((op, input)) = self.position_lost() {
-            reasons.push(Cause::PositionLost { op, input }.detail(line, self.program.station));
+            reasons.push(StopCause::PositionLost { op, input }.detail(line, self.program.station));
         }
         self.explain_generation(line, &mut reasons);
         for place in self.marking() {
             self.explain_place(line, place, now, &mut reasons);
         }
-        if let Some(pending) = &self.pending {
+        if let Some(pending) = &self.agreement.pending {
             self.explain_request(line, pending.request.ops, pending.needs, now, &mut reasons);
         }
-        if let Some((by, in_the_way, ops)) = self.refusal {
+        if let Some((by, in_the_way, ops)) = self.agreement.refusal {
             reasons.push(format!(
                 "{} cannot be taken back: {}: {} has started on it",
                 self.op_names(line, ops),
@@ -89,7 +89,7 @@ impl Controller {
         if !compares || !(is_lost || (forgot && !self.is_at_home())) {
             return;
         }
-        let not_home = |place: Place| self.causes_of_stop[place.op.index()] == Cause::NotAtHome;
+        let not_home = |place: Place| self.marking.causes_of_stop[place.op.index()] == StopCause::NotAtHome;
         let why =
             if forgot { "it has no memory of where it stands" } else { "its axes are not where its chart has them" };
         reasons.push(match self.read_off() {
@@ -98,7 +98,7 @@ impl Controller {
                 self.op_names(line, self.ops_of_step(step).fold(0, |bits, op| bits | 1 << op.0))
             ),
             None if forgot && self.marking().any(not_home) => {
-                let may_be = self.done.iter().enumerate().map(|(op, _)| OpId::at(op)).filter(|&op| self.stands_within(op));
+                let may_be = self.counts.done.iter().enumerate().map(|(op, _)| OpId::at(op)).filter(|&op| self.stands_within(op));
                 let may_be: Vec<&str> = may_be.map(|op| self.op_name(line, op)).collect();
                 let advice = match may_be.as_slice() {
                     [] => "its switches fit no operation of the chart: bring its axes to a switch by hand".to_owned(),
@@ -126,9 +126,9 @@ impl Controller {
             Stage::Incomplete => {
                 // What it stands in is not known before rejoin.
                 let unknown = self.rules.generations && self.views.generation == 0 && self.program.on_order.is_none();
-                reasons.extend(match self.causes_of_stop[place.op.index()] {
-                    Cause::NotAtHome if unknown && !self.program.peers.is_empty() => None,
-                    Cause::Released => Some(format!("{name} to be finished or taken back in manual")),
+                reasons.extend(match self.marking.causes_of_stop[place.op.index()] {
+                    StopCause::NotAtHome if unknown && !self.program.peers.is_empty() => None,
+                    StopCause::Released => Some(format!("{name} to be finished or taken back in manual")),
                     cause => Some(format!("recovery of {name} in manual ({})", cause.text())),
                 });
                 if self.mode() == ControlMode::Manual {
@@ -142,7 +142,7 @@ impl Controller {
 
     fn explain_motion(&self, line: &Line, place: Place, reasons: &mut Vec<String>) {
         let held_by_hand = self.tokens().iter().any(|t| self.place(t) == place && !t.driven);
-        if held_by_hand && self.devices_valid && self.mode() != ControlMode::EStop {
+        if held_by_hand && self.image.valid && self.mode() != ControlMode::EStop {
             let hand = line.operation((self.program.station, place.op)).hand;
             let button = match place.block {
                 Block::Normal => Some(hand.forward()),
@@ -219,11 +219,11 @@ impl Controller {
 
     fn explain_way_home(&self, line: &Line, place: Place, now: Tick, reasons: &mut Vec<String>) {
         let Some(path) = self.program.paths.iter().position(|&op| op == place.op) else { return };
-        if self.path.is_some() || self.mode() != ControlMode::Manual {
+        if self.marking.path.is_some() || self.mode() != ControlMode::Manual {
             return;
         }
         for &(step, ahead) in &self.program.ways_home[path] {
-            let cycle = self.cycle + ahead;
+            let cycle = self.counts.cycle + ahead;
             let causes =
                 self.program.causes[usize::from(step)].iter().filter(|c| c.modes[ControlMode::Manual as usize]);
             for cause in causes.filter(|cause| !self.views.holds(cause, ControlMode::Manual, cycle, now)) {
@@ -252,7 +252,7 @@ impl Controller {
     }
 
     fn explain_guard(&self, line: &Line, place: Place, reasons: &mut Vec<String>) {
-        if let Some(guard) = self.violated(place, self.path) {
+        if let Some(guard) = self.violated(place, self.marking.path) {
             let text = self.interlock(&guard).detail(line, self.program.station);
             reasons.push(format!("{text}, for {}", self.op_name(line, place.op)));
         }
@@ -264,18 +264,18 @@ impl Controller {
         let own = self.op_name(line, cause.to);
         let view = &self.views.peers[cause.peer as usize];
         match self.views.standing(cause.peer as usize, cycle, now) {
-            Standing::Comparable => {}
-            Standing::NotHeard => return format!("{station} to be heard, for {own}"),
-            Standing::OtherGeneration if self.views.generation == 0 => {
+            Comparability::Comparable => {}
+            Comparability::NotHeard => return format!("{station} to be heard, for {own}"),
+            Comparability::OtherGeneration if self.views.generation == 0 => {
                 return format!("a common start, for {own}: this station has no memory of the others' counts");
             }
-            Standing::OtherGeneration => {
+            Comparability::OtherGeneration => {
                 return format!("a common start with {station}, for {own}: it has no memory of these counts");
             }
-            Standing::PositionLost => {
+            Comparability::PositionLost => {
                 return format!("{station} to be where its chart has it (position lost), for {own}");
             }
-            Standing::TooFarAhead => {
+            Comparability::TooFarAhead => {
                 return format!("{station} to report a cycle that can be (it reports {}), for {own}", view.cycle);
             }
         }
@@ -288,7 +288,7 @@ impl Controller {
     fn explain_request(&self, line: &Line, ops: u64, needs: u64, now: Tick, reasons: &mut Vec<String>) {
         for (index, view) in self.views.peers.iter().enumerate().filter(|&(i, _)| needs & (1 << i) != 0) {
             let heard = if now < view.known_until { "" } else { " (not heard)" };
-            let agreed = matches!(view.verdict, Some((_, number, None)) if Some(number) == self.pending.map(|p| p.request.number));
+            let agreed = matches!(view.verdict, Some((_, number, None)) if Some(number) == self.agreement.pending.map(|p| p.request.number));
             if !agreed {
                 let station = &line.station(self.program.peers[index]).name;
                 reasons.push(format!("{station}{heard} to agree that {} is taken back", self.op_names(line, ops)));
@@ -305,7 +305,7 @@ impl Controller {
     }
 
     /// An event of this station in words, as the operator would say it.
-    pub fn event_text(&self, line: &Line, event: &Event) -> String {
+    pub fn event_text(&self, line: &Line, event: &StationHappening) -> String {
         event.text(line, self.program.station)
     }
 }
@@ -317,7 +317,7 @@ fn op_names(line: &Line, station: StationId, ops: u64) -> String {
     names.join(", ")
 }
 
-impl Event {
+impl StationHappening {
     /// The event in words, for the station it belongs to.
     pub fn text(&self, line: &Line, station: StationId) -> String {
         let name = |op: OpId| line.operation((station, op)).name.as_str();
@@ -326,39 +326,41 @@ impl Event {
             Block::Recovery => "undoing ",
         };
         match self.what {
-            Happening::Started(op, block) => format!("starts {}{}", undoing(block), name(op)),
-            Happening::Completed(op, Block::Normal) => format!("has done {}", name(op)),
-            Happening::Completed(op, Block::Recovery) => format!("has undone {}", name(op)),
-            Happening::Stopped(op, block, cause) => {
+            HappeningKind::Started(op, block) => format!("starts {}{}", undoing(block), name(op)),
+            HappeningKind::Completed(op, Block::Normal) => format!("has done {}", name(op)),
+            HappeningKind::Completed(op, Block::Recovery) => format!("has undone {}", name(op)),
+            HappeningKind::Stopped(op, block, cause) => {
                 format!("stops {}{}: {}", undoing(block), name(op), cause.text_of(line, station, op, block))
             }
-            Happening::Withdrawn(0) => "takes nothing back".to_owned(),
-            Happening::Withdrawn(ops) => format!("takes back {}", op_names(line, station, ops)),
-            Happening::HomeAgain if line.station(station).works_on_order() => "is back where the task began".to_owned(),
-            Happening::HomeAgain => "is home; the cycle will be done again".to_owned(),
-            Happening::Founded => "is at home with the others: counts begin anew".to_owned(),
-            Happening::Rejoined => "stands where its switches say, by an operator's confirmation".to_owned(),
-            Happening::PositionLost(op, input) => Cause::PositionLost { op, input }.detail(line, station),
-            Happening::PositionFound => "is measured where its chart has it again".to_owned(),
-            Happening::Asked(number) => format!("asks to go back (request {number})"),
-            Happening::NotAgreed { by, in_the_way } => {
+            HappeningKind::Withdrawn(0) => "takes nothing back".to_owned(),
+            HappeningKind::Withdrawn(ops) => format!("takes back {}", op_names(line, station, ops)),
+            HappeningKind::HomeAgain if line.station(station).works_on_order() => {
+                "is back where the task began".to_owned()
+            }
+            HappeningKind::HomeAgain => "is home; the cycle will be done again".to_owned(),
+            HappeningKind::Founded => "is at home with the others: counts begin anew".to_owned(),
+            HappeningKind::Rejoined => "stands where its switches say, by an operator's confirmation".to_owned(),
+            HappeningKind::PositionLost(op, input) => StopCause::PositionLost { op, input }.detail(line, station),
+            HappeningKind::PositionFound => "is measured where its chart has it again".to_owned(),
+            HappeningKind::Asked(number) => format!("asks to go back (request {number})"),
+            HappeningKind::NotAgreed { by, in_the_way } => {
                 format!(
                     "may not go back: {}: {} has started",
                     line.station(by).name,
                     line.operation((by, in_the_way)).name
                 )
             }
-            Happening::Refused => "refuses the command".to_owned(),
-            Happening::Mode(mode) => format!("obeys {mode}"),
-            Happening::Devices(true) => "has its devices".to_owned(),
-            Happening::Devices(false) => "has lost its devices".to_owned(),
-            Happening::Ordered(task) => format!("is to do {}", task_name(line, station, task)),
-            Happening::OrderRefused(refusal) => format!("refuses an order: {}", refusal.text()),
-            Happening::OrderDone(task) => format!("has done the task {}", task_name(line, station, task)),
-            Happening::OrderFailed(task, failure) => {
+            HappeningKind::Refused => "refuses the command".to_owned(),
+            HappeningKind::Mode(mode) => format!("obeys {mode}"),
+            HappeningKind::Devices(true) => "has its devices".to_owned(),
+            HappeningKind::Devices(false) => "has lost its devices".to_owned(),
+            HappeningKind::Ordered(task) => format!("is to do {}", task_name(line, station, task)),
+            HappeningKind::OrderRefused(refusal) => format!("refuses an order: {}", refusal.text()),
+            HappeningKind::OrderDone(task) => format!("has done the task {}", task_name(line, station, task)),
+            HappeningKind::OrderFailed(task, failure) => {
                 format!("has not done the task {}: {}", task_name(line, station, task), failure.text())
             }
-            Happening::Securing(task) => format!("goes back from the task {}", task_name(line, station, task)),
+            HappeningKind::Securing(task) => format!("goes back from the task {}", task_name(line, station, task)),
         }
     }
 }

@@ -24,20 +24,21 @@ use std::time::Duration;
 use linewright_line::net::{Block, ControlMode, Kind, Place, Stage};
 use linewright_line::{OpId, Tick};
 
-use crate::controller::{Controller, NO_DELAY, Run, Token};
-use crate::event::{Cause, Happening};
+use crate::controller::{Controller, NO_DELAY};
+use crate::event::{HappeningKind, StopCause};
+use crate::parts::{RunCommand, Token};
 use crate::program::path_index;
 
 impl Controller {
     /// Fires a transition whose places are marked and whose condition holds.
     pub(crate) fn fire(&mut self, transition: u16) {
-        self.note_fired(transition);
+        self.fired.push(transition);
         let kind = self.program.actions[transition as usize].kind;
         match kind {
             Kind::Stop(op, block) => {
                 let index = self.token_of(op);
                 let cause = self.cause_of_stop(index);
-                debug_assert_eq!(self.place(&self.tokens[index]).block, block);
+                debug_assert_eq!(self.place(&self.marking.tokens[index]).block, block);
                 self.stop(index, cause);
             }
             Kind::Resume(op, block) => self.go(op, Place { op, block, stage: Stage::Operating }, true),
@@ -51,19 +52,19 @@ impl Controller {
             }
             Kind::Restart(op) => {
                 self.begin_cycle_with(op);
-                self.started[op.index()] = self.count_of_start(op);
+                self.counts.started[op.index()] = self.count_of_start(op);
                 self.go(op, Place::operating(op), false);
             }
             Kind::Next { to, .. } => {
-                self.cycle = self.cycle_of_start(to as u8);
+                self.counts.cycle = self.cycle_of_start(to as u8);
                 self.order_begins(to as u8);
                 self.spread(transition, |controller, op| {
-                    controller.started[op.index()] = controller.count_of_start(op);
+                    controller.counts.started[op.index()] = controller.count_of_start(op);
                 });
             }
             Kind::GiveUp(_) => {
                 // The same position by another name, and nothing is counted by it.
-                self.tokens[0].place = self.program.actions[transition as usize].to[0];
+                self.marking.tokens[0].place = self.program.actions[transition as usize].to[0];
             }
             Kind::Back { .. } => {
                 self.withdraw_first(self.taken_back(kind));
@@ -71,7 +72,7 @@ impl Controller {
             }
             Kind::EnterPath(failed) => {
                 self.withdraw_first(self.taken_back(kind));
-                self.path = Some(failed);
+                self.marking.path = Some(failed);
                 self.claim_way_home(failed);
                 self.spread(transition, |_, _| {});
                 self.refresh_path();
@@ -95,27 +96,27 @@ impl Controller {
     fn put(&mut self, index: usize, place: Place, from_between: bool) {
         let table = self.program.index_of(place);
         let run = match self.commands.mode() {
-            ControlMode::Hand => Run::Hand,
-            ControlMode::Manual => Run::Manual,
-            ControlMode::Home | ControlMode::StandBy | ControlMode::Auto | ControlMode::EStop => Run::Auto,
+            ControlMode::Hand => RunCommand::Hand,
+            ControlMode::Manual => RunCommand::Manual,
+            ControlMode::Home | ControlMode::StandBy | ControlMode::Auto | ControlMode::EStop => RunCommand::Auto,
         };
         // This axis has not been driven towards this switch since an image that was taken under the outputs still in force
         // (a neighbour's has another axis, and the operation before has just arrived elsewhere by this image): if it shows
         // the switch off, the motion starts with it off, and need not be seen under way. Of a short motion on a slow
         // network no image may arrive but the one from its end.
-        let just_seen = self.inputs_under != NO_DELAY && self.inputs_under >= self.output_number;
-        let off = just_seen && self.inputs & self.program.places[table as usize].complete == 0;
-        self.tokens[index] = Token {
+        let just_seen = self.image.under != NO_DELAY && self.image.under >= self.output.number;
+        let off = just_seen && self.image.bits & self.program.places[table as usize].complete == 0;
+        self.marking.tokens[index] = Token {
             place: table,
             run,
-            left_start: if self.inputs_under == NO_DELAY { from_between } else { off && !from_between },
-            awaits_image: from_between && self.inputs_under != NO_DELAY,
+            left_start: if self.image.under == NO_DELAY { from_between } else { off && !from_between },
+            awaits_image: from_between && self.image.under != NO_DELAY,
             driven_since: 0,
             driven: false,
             deadline: Tick::NEVER,
             remaining: self.program.places[table as usize].watchdog,
         };
-        self.note(Happening::Started(place.op, place.block));
+        self.note(HappeningKind::Started(place.op, place.block));
     }
 
     /// A fork, a join or a plain hop: tokens leave all places of one step and enter all of another.
@@ -125,20 +126,20 @@ impl Controller {
             let place = self.program.places[self.program.actions[transition as usize].to[index] as usize].place;
             started(self, place.op);
             // Motions on a recovery path start wherever the fault left the mechanism.
-            self.put(index, place, self.path.is_some());
+            self.put(index, place, self.marking.path.is_some());
         }
-        self.token_count = count;
+        self.marking.count = count;
     }
 
     fn begin_cycle_with(&mut self, op: OpId) {
         if self.program.on_order.is_none() && op == self.program.first {
-            self.cycle += 1;
+            self.counts.cycle += 1;
         }
     }
 
     /// What an operation that starts now counts when it is done.
     fn count_of_start(&self, op: OpId) -> i32 {
-        if self.program.on_order.is_some() { self.done[op.index()] + 1 } else { self.cycle }
+        if self.program.on_order.is_some() { self.counts.done[op.index()] + 1 } else { self.counts.cycle }
     }
 
     /// On order: what has been done of a task when one of its operations is stopped.
@@ -150,7 +151,7 @@ impl Controller {
     }
 
     fn arrive(&mut self, index: usize, place: Place) {
-        let token = &mut self.tokens[index];
+        let token = &mut self.marking.tokens[index];
         token.place = self.program.index_of(place);
         token.driven = false;
         token.deadline = Tick::NEVER;
@@ -161,13 +162,13 @@ impl Controller {
         let index = self.token_of(op);
         self.arrive(index, Place::completed(op));
         // Its switch has come on. Other axes are measured by the places' own switches.
-        self.placed |= op == self.program.home;
-        match self.path.take() {
+        self.marking.placed |= op == self.program.home;
+        match self.marking.path.take() {
             Some(failed) => self.home_again(failed),
             None => {
-                self.done[op.index()] = self.started[op.index()];
+                self.counts.done[op.index()] = self.counts.started[op.index()];
                 self.refresh_stop();
-                self.note(Happening::Completed(op, Block::Normal));
+                self.note(HappeningKind::Completed(op, Block::Normal));
                 self.order_completes(op);
             }
         }
@@ -177,8 +178,8 @@ impl Controller {
     fn home_again(&mut self, failed: OpId) {
         self.refresh_path();
         if self.program.on_order.is_some() {
-            self.started.copy_from_slice(&self.done);
-            self.note(Happening::HomeAgain);
+            self.counts.started.copy_from_slice(&self.counts.done);
+            self.note(HappeningKind::HomeAgain);
             return;
         }
         let home = self.program.home.index();
@@ -186,32 +187,32 @@ impl Controller {
             if !self.rules.withdraw_first {
                 self.withdraw(self.taken_back(Kind::EnterPath(failed)));
             }
-            let round = self.done[home];
-            for (op, home) in self.home_counts.iter().enumerate() {
-                self.started[op] = home + round;
+            let round = self.counts.done[home];
+            for (op, home) in self.counts.at_home.iter().enumerate() {
+                self.counts.started[op] = home + round;
             }
-            self.cycle = round;
+            self.counts.cycle = round;
         } else {
-            self.started[home] = self.cycle;
-            self.done[home] = self.cycle;
+            self.counts.started[home] = self.counts.cycle;
+            self.counts.done[home] = self.counts.cycle;
         }
-        self.note(Happening::HomeAgain);
+        self.note(HappeningKind::HomeAgain);
     }
 
     fn undone(&mut self, op: OpId) {
         let index = self.token_of(op);
         self.arrive(index, Place::undone(op));
-        let late = if self.path.is_none() { !self.rules.withdraw_first } else { !self.rules.redo_round };
-        if late && self.done[op.index()] == self.started[op.index()] {
+        let late = if self.marking.path.is_none() { !self.rules.withdraw_first } else { !self.rules.redo_round };
+        if late && self.counts.done[op.index()] == self.counts.started[op.index()] {
             self.withdraw(1 << op.0);
         }
-        if self.path.is_none() {
-            self.started[op.index()] = self.done[op.index()];
+        if self.marking.path.is_none() {
+            self.counts.started[op.index()] = self.counts.done[op.index()];
             if self.program.on_order.is_none() && op == self.program.first {
-                self.cycle -= 1;
+                self.counts.cycle -= 1;
             }
         }
-        self.note(Happening::Completed(op, Block::Recovery));
+        self.note(HappeningKind::Completed(op, Block::Recovery));
     }
 
     /// What the path skips counts as started until the station is home, so that nobody takes back what it waits for.
@@ -223,7 +224,7 @@ impl Controller {
         let program = Arc::clone(&self.program);
         for &(step, ahead) in &program.ways_home[path_index(&program.paths, failed)] {
             for (op, _) in program.step_of.iter().enumerate().filter(|&(_, &s)| s == step) {
-                self.started[op] = self.cycle + ahead;
+                self.counts.started[op] = self.counts.cycle + ahead;
             }
         }
     }
@@ -236,38 +237,38 @@ impl Controller {
     }
 
     fn withdraw(&mut self, ops: u64) {
-        for (op, done) in self.done.iter_mut().enumerate() {
+        for (op, done) in self.counts.done.iter_mut().enumerate() {
             if ops & (1 << op) != 0 {
                 *done -= 1;
             }
         }
         self.refresh_stop();
-        self.note(Happening::Withdrawn(ops));
+        self.note(HappeningKind::Withdrawn(ops));
     }
 
-    pub(crate) fn stop(&mut self, index: usize, cause: Cause) {
-        let place = self.place(&self.tokens[index]).stopped();
+    pub(crate) fn stop(&mut self, index: usize, cause: StopCause) {
+        let place = self.place(&self.marking.tokens[index]).stopped();
         self.arrive(index, place);
-        self.causes_of_stop[place.op.index()] = cause;
-        self.note(Happening::Stopped(place.op, place.block, cause));
+        self.marking.causes_of_stop[place.op.index()] = cause;
+        self.note(HappeningKind::Stopped(place.op, place.block, cause));
         self.order_stops(cause);
     }
 
-    fn cause_of_stop(&self, index: usize) -> Cause {
-        let token = &self.tokens[index];
+    fn cause_of_stop(&self, index: usize) -> StopCause {
+        let token = &self.marking.tokens[index];
         let table = &self.program.places[token.place as usize];
         if self.commands.mode() == ControlMode::EStop {
-            Cause::EStop
-        } else if !self.devices_valid {
-            Cause::Devices
-        } else if self.inputs & table.fault != 0 {
-            Cause::Signal
+            StopCause::EStop
+        } else if !self.image.valid {
+            StopCause::Devices
+        } else if self.image.bits & table.fault != 0 {
+            StopCause::Signal
         } else if let Some(cause) = self.unsafe_motion(index) {
             cause
         } else if token.driven && self.now >= token.deadline {
-            if token.left_start { Cause::Watchdog } else { Cause::SwitchStuck }
+            if token.left_start { StopCause::Watchdog } else { StopCause::SwitchStuck }
         } else {
-            Cause::Released
+            StopCause::Released
         }
     }
 }

@@ -14,8 +14,10 @@
 use linewright_line::net::{ControlMode, Place};
 use linewright_line::{OpId, Tick};
 
-use crate::controller::{Controller, Run, Token};
-use crate::event::{Cause, Happening};
+use crate::controller::Controller;
+use crate::event::{HappeningKind, StopCause};
+use crate::ignored::Ignored;
+use crate::parts::{RunCommand, Token};
 
 /// An order to found a generation.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
@@ -31,7 +33,7 @@ impl Token {
     pub fn at(place: u16) -> Self {
         Token {
             place,
-            run: Run::Auto,
+            run: RunCommand::Auto,
             left_start: true,
             awaits_image: false,
             driven_since: 0,
@@ -53,9 +55,9 @@ impl Controller {
         let rests =
             !matches!(self.commands.granted(self.now), ControlMode::Auto | ControlMode::Hand | ControlMode::Manual);
         let stands = rests
-            && self.devices_valid
-            && !self.unconfirmed
-            && self.pending.is_none()
+            && self.image.valid
+            && !self.marking.unconfirmed
+            && self.agreement.pending.is_none()
             && self.is_at_home()
             && self.position_lost().is_none()
             && self.is_home_measured();
@@ -65,16 +67,16 @@ impl Controller {
         }
         self.count_from_home();
         self.views.generation = founding.generation;
-        self.placed = true;
-        self.changed = true;
-        self.dirty = true;
-        self.note(Happening::Founded);
+        self.marking.placed = true;
+        self.due.report = true;
+        self.due.outputs = true;
+        self.note(HappeningKind::Founded);
     }
 
     /// Whether the switch of the home operation is on.
     fn is_home_measured(&self) -> bool {
         let needed = self.home_switch();
-        !self.rules.positions || self.inputs & needed == needed
+        !self.rules.positions || self.image.bits & needed == needed
     }
 
     /// The completion input of the home operation.
@@ -84,19 +86,19 @@ impl Controller {
 
     fn count_from_home(&mut self) {
         self.stand_at(&[Place::completed(self.program.home)]);
-        self.cycle = self.initial_round;
-        for (op, home) in self.home_counts.iter().enumerate() {
-            self.done[op] = home + self.initial_round;
+        self.counts.cycle = self.counts.initial_round;
+        for (op, home) in self.counts.at_home.iter().enumerate() {
+            self.counts.done[op] = home + self.counts.initial_round;
         }
-        self.started.clone_from(&self.done);
+        self.counts.started.clone_from(&self.counts.done);
         self.refresh_stop();
     }
 
     fn stand_at(&mut self, places: &[Place]) {
         for (index, place) in places.iter().enumerate() {
-            self.tokens[index] = Token::at(self.program.index_of(*place));
+            self.marking.tokens[index] = Token::at(self.program.index_of(*place));
         }
-        self.token_count = places.len();
+        self.marking.count = places.len();
     }
 
     /// Where the switches say the station stands: the step whose operations are complete there. None where they fit no
@@ -110,15 +112,15 @@ impl Controller {
     /// Whether every axis is measured where the chart has it after a step, and nowhere else.
     fn stands_after(&self, step: usize) -> bool {
         let expected = self.program.measured_after[step];
-        self.devices_valid && expected.is_some_and(|expected| self.inputs & self.program.switches == expected)
+        self.image.valid && expected.is_some_and(|expected| self.image.bits & self.program.switches == expected)
     }
 
     /// Whether the station can have been stopped in this operation: all other axes are measured where the chart has them,
     /// and its own one at no switch.
     pub(crate) fn stands_within(&self, op: OpId) -> bool {
         let alone = self.ops_of_step(usize::from(self.program.step_of[op.index()])).count() == 1;
-        let expected = self.program.measured_within[op.index()].filter(|_| alone && self.devices_valid);
-        expected.is_some_and(|expected| self.inputs & self.program.switches == expected)
+        let expected = self.program.measured_within[op.index()].filter(|_| alone && self.image.valid);
+        expected.is_some_and(|expected| self.image.bits & self.program.switches == expected)
     }
 
     pub(crate) fn ops_of_step(&self, step: usize) -> impl Iterator<Item = OpId> + '_ {
@@ -129,15 +131,23 @@ impl Controller {
     /// Puts the marking where the switches say the station stands, on an operator's confirmation; between two switches, into
     /// the operation that the operator names. For a station that goes round a cycle and has no generation, or whose axes are
     /// not where its chart has them. It has no generation from then on: its counts are compared again once it has been at
-    /// home with the others. Gives false, and changes nothing, where the switches contradict or leave a doubt, or anything
-    /// moves.
-    pub(crate) fn rejoin(&mut self, within: Option<OpId>) -> bool {
+    /// home with the others.
+    ///
+    /// # Errors
+    /// Where the switches contradict or leave a doubt, or anything moves; nothing has changed.
+    pub(crate) fn rejoin(&mut self, within: Option<OpId>) -> Result<(), Ignored> {
         let moves = self.tokens().iter().any(|token| self.place(token).is_operating());
         let is_lost = self.views.generation == 0 || self.position_lost().is_some();
-        if moves || !is_lost || self.program.on_order.is_some() {
-            return false;
+        if self.program.on_order.is_some() {
+            return Err(Ignored::NoRejoin);
         }
-        let known = within.filter(|op| op.index() < self.done.len());
+        if moves {
+            return Err(Ignored::Moving);
+        }
+        if !is_lost {
+            return Err(Ignored::NotLost);
+        }
+        let known = within.filter(|op| op.index() < self.counts.done.len());
         let after = match known {
             None => self.read_off(),
             Some(op) => Some(usize::from(self.program.step_of[op.index()])).filter(|&step| self.stands_after(step)),
@@ -150,32 +160,32 @@ impl Controller {
                 let places: Vec<Place> = self.ops_of_step(step).map(Place::completed).collect();
                 self.stand_at(&places);
                 self.count_as_done(step);
-                self.started.clone_from(&self.done);
+                self.counts.started.clone_from(&self.counts.done);
             }
             (None, Some(op)) if self.stands_within(op) => {
                 self.stand_at(&[Place::incomplete(op)]);
-                self.causes_of_stop[op.index()] = Cause::Restart;
+                self.marking.causes_of_stop[op.index()] = StopCause::Restart;
                 self.count_as_done(usize::from(self.program.step_of[op.index()]));
-                self.started.clone_from(&self.done);
-                self.done[op.index()] -= 1;
+                self.counts.started.clone_from(&self.counts.done);
+                self.counts.done[op.index()] -= 1;
             }
-            (None, _) => return false,
+            (None, _) => return Err(Ignored::PositionUnclear),
         }
         self.views.generation = 0;
-        self.path = None;
+        self.marking.path = None;
         self.refresh_path();
-        self.pending = None;
-        (self.unconfirmed, self.placed) = (false, true);
-        self.changed = true;
-        self.dirty = true;
-        self.note(Happening::Rejoined);
-        true
+        self.agreement.pending = None;
+        (self.marking.unconfirmed, self.marking.placed) = (false, true);
+        self.due.report = true;
+        self.due.outputs = true;
+        self.note(HappeningKind::Rejoined);
+        Ok(())
     }
 
     /// The first cycle, as far as this step.
     fn count_as_done(&mut self, step: usize) {
-        self.cycle = 1;
-        for (done, &at) in self.done.iter_mut().zip(&self.program.step_of) {
+        self.counts.cycle = 1;
+        for (done, &at) in self.counts.done.iter_mut().zip(&self.program.step_of) {
             *done = i32::from(usize::from(at) <= step);
         }
     }

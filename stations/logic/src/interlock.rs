@@ -20,9 +20,9 @@ use linewright_line::net::{Block, ControlMode, Kind, Place, Stage};
 use linewright_line::{InputId, Line, OpId, Span, Station, StationId};
 
 use crate::controller::Controller;
-use crate::event::Cause;
-use crate::program::{Action, Program, path_index};
-use crate::views::Standing;
+use crate::event::StopCause;
+use crate::program::{CompiledTransition, Program, path_index};
+use crate::views::Comparability;
 
 /// What must be measured for a motion to start and to go on, for one conflict.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
@@ -120,7 +120,13 @@ impl Interlocks {
                 continue;
             }
             interlocks.covers &= clear.is_some() && own_clear.is_some();
-            sides.push(Side { conflict: nth as u16, peer: peer as u16, clear: clear.unwrap_or(0), own, own_clear });
+            sides.push(ConflictSide {
+                conflict: nth as u16,
+                peer: peer as u16,
+                clear: clear.unwrap_or(0),
+                own,
+                own_clear,
+            });
         }
         for op in described.op_ids() {
             let range = interlocks.add(sides.iter().map(|side| side.guard(described, op)));
@@ -160,7 +166,7 @@ impl Interlocks {
 }
 
 /// One conflict as this station sees it.
-struct Side<'a> {
+struct ConflictSide<'a> {
     conflict: u16,
     peer: u16,
     clear: u128,
@@ -168,7 +174,7 @@ struct Side<'a> {
     own_clear: Option<u128>,
 }
 
-impl Side<'_> {
+impl ConflictSide<'_> {
     fn guard(&self, station: &Station, op: OpId) -> PositionGuard {
         let inside = station.steps_of_span(self.own);
         let step = station.step_of(op);
@@ -236,16 +242,16 @@ impl Controller {
     fn positions_known(&self, guard: &PositionGuard) -> PositionsKnown {
         let peer = usize::from(guard.peer);
         PositionsKnown {
-            own: self.devices_valid.then_some(self.inputs),
+            own: self.image.valid.then_some(self.image.bits),
             is_placed: self.is_placed(),
             other: self.views.measured(peer, self.now),
-            counts: self.views.standing(peer, self.cycle, self.now) == Standing::Comparable,
+            counts: self.views.standing(peer, self.counts.cycle, self.now) == Comparability::Comparable,
         }
     }
 
     /// Whether the chart says where its axes stand.
     fn is_placed(&self) -> bool {
-        !self.unconfirmed && self.placed && self.position_lost().is_none()
+        !self.marking.unconfirmed && self.marking.placed && self.position_lost().is_none()
     }
 
     /// Whether this station may leave its state although the other is in the way: in manual mode, while the other stands and
@@ -257,40 +263,42 @@ impl Controller {
     }
 
     /// Why a guard does not hold.
-    pub(crate) fn interlock(&self, guard: &PositionGuard) -> Cause {
+    pub(crate) fn interlock(&self, guard: &PositionGuard) -> StopCause {
         let view = &self.views.peers[usize::from(guard.peer)];
         let station = view.station;
         let measured = self.now < view.measured_until;
         let off = guard.clear & !view.measured;
         let input = (measured && off != 0).then(|| InputId(off.trailing_zeros() as u16));
-        Cause::Interlock { station, input }
+        StopCause::Interlock { station, input }
     }
 
     /// An axis that stands still by the chart and is not measured there: the operation at whose place, and the switch.
     pub fn position_lost(&self) -> Option<(OpId, InputId)> {
-        if !self.rules.positions || !self.devices_valid || self.path.is_some() || self.unconfirmed {
+        if !self.rules.positions || !self.image.valid || self.marking.path.is_some() || self.marking.unconfirmed {
             return None;
         }
         // A station that is not at home claims nothing of its axes until it is led there.
-        let claims = |place: Place| !place.is_incomplete() || self.causes_of_stop[place.op.index()] != Cause::NotAtHome;
+        let claims = |place: Place| {
+            !place.is_incomplete() || self.marking.causes_of_stop[place.op.index()] != StopCause::NotAtHome
+        };
         let tokens = self.tokens().iter().filter(|token| claims(self.place(token)));
         tokens.map(|token| token.place).find_map(|place| self.rest_missing(place))
     }
 
     fn rest_missing(&self, place: u16) -> Option<(OpId, InputId)> {
         let table = &self.program.places[usize::from(place)];
-        let off = table.rest & !self.inputs;
+        let off = table.rest & !self.image.bits;
         (off != 0).then(|| (table.place.op, InputId(off.trailing_zeros() as u16)))
     }
 
     /// Why the motions that a transition starts may not start; none where they may, or where it starts none.
-    pub(crate) fn unsafe_start(&self, action: &Action, mode: ControlMode) -> Option<Cause> {
+    pub(crate) fn unsafe_start(&self, action: &CompiledTransition, mode: ControlMode) -> Option<StopCause> {
         if !self.rules.positions {
             return None;
         }
         let path = match action.kind {
             Kind::EnterPath(failed) => Some(failed),
-            _ => self.path,
+            _ => self.marking.path,
         };
         for &to in &action.to {
             let place = self.program.places[usize::from(to)].place;
@@ -303,30 +311,30 @@ impl Controller {
             if path.is_none()
                 && let Some((op, input)) = self.rest_missing(to)
             {
-                return Some(Cause::PositionLost { op, input });
+                return Some(StopCause::PositionLost { op, input });
             }
         }
         let alone = matches!(mode, ControlMode::Auto | ControlMode::Hand);
         let lost = self.position_lost().filter(|_| alone);
-        lost.map(|(op, input)| Cause::PositionLost { op, input })
+        lost.map(|(op, input)| StopCause::PositionLost { op, input })
     }
 
     /// Why a motion under way may not go on.
-    pub(crate) fn unsafe_motion(&self, index: usize) -> Option<Cause> {
-        let token = &self.tokens[index];
+    pub(crate) fn unsafe_motion(&self, index: usize) -> Option<StopCause> {
+        let token = &self.marking.tokens[index];
         // What is measured not to be clear stops the motion. What is not measured any more keeps the next one from starting: the
         // mode decision has the line finish what runs, and a cut that is broken off for a lost message would spoil the part.
         // A motion that leads out, in manual mode, may have started only because the other station stood: it stops as soon as
         // that is not known.
-        if let Some((guard, leaves)) = self.violated_leaving(self.place(token), self.path) {
+        if let Some((guard, leaves)) = self.violated_leaving(self.place(token), self.marking.path) {
             let cause = self.interlock(&guard);
-            let is_measured = matches!(cause, Cause::Interlock { input: Some(_), .. });
+            let is_measured = matches!(cause, StopCause::Interlock { input: Some(_), .. });
             if is_measured || (leaves && self.commands.mode() == ControlMode::Manual) {
                 return Some(cause);
             }
         }
-        let checked = self.rules.positions && self.devices_valid && self.path.is_none();
+        let checked = self.rules.positions && self.image.valid && self.marking.path.is_none();
         let lost = if checked { self.rest_missing(token.place) } else { None };
-        lost.map(|(op, input)| Cause::PositionLost { op, input })
+        lost.map(|(op, input)| StopCause::PositionLost { op, input })
     }
 }

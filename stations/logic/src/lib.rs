@@ -1,13 +1,56 @@
 //! One station's controller: process image, views of other stations and commands in; outputs and events out.
 //!
-//! [`Controller::handle`] takes what has arrived, [`Controller::step`] plays the station's net one image further and
-//! gives the output image, [`Controller::next_deadline`] says when to step again if nothing arrives. There is no
-//! clock, no thread and no message format here: the same code runs in a node, in a simulation and under a checker.
+//! # Contract
+//! The caller owns the clock, the devices and the messages. In a loop it
 //!
-//! The net comes from [`linewright_line::net`]; here it is compiled to tables (`program`) and played.
-//! What the paper does not have — counted internal variables, and taking a count back only when every station that
-//! could build on it has agreed — is in `views` and `withdraw`; which counts may be compared, in `generation`; the check of
-//! measured positions, which needs no memory, in `interlock`. A station that works on order has `slot` besides.
+//! 1. hands over everything that has arrived: [`Controller::handle`],
+//! 2. plays one step: [`Controller::step`],
+//! 3. puts out [`StationOutbox::outputs`], sends [`Controller::report`] to the other stations if [`StationOutbox::changed`], and drains
+//!    [`StationOutbox::events`] and [`StationOutbox::replies`],
+//! 4. sleeps until something arrives, at most until [`Controller::next_deadline`].
+//!
+//! The same code runs in a node, in a simulation and under a checker. An input that does not apply changes nothing, and
+//! [`Handled`] gives the reason. After a restart the caller restores [`Controller::snapshot`]; it has to be stored before the
+//! outputs of the step are put out ([`Restore`]).
+//!
+//! ```
+//! use std::time::Duration;
+//! use linewright_line::{StationId, Tick, net::ControlMode, parse};
+//! use linewright_station_logic::{Controller, Input, ModeOrder, NO_DELAY, Outbox, Restore};
+//!
+//! # let text = include_str!(concat!(env!("CARGO_MANIFEST_DIR"), "/../../examples/feeder.toml"));
+//! // A cylinder that pushes and pulls: inputs 0 and 1 are its limit switches, outputs 0 and 1 pull and push.
+//! let line = parse("feeder.toml", text).expect("a line without mistakes").line;
+//! let mut controller = Controller::new(&line, StationId(0), 1, Restore::Fresh)?;
+//! let mut out = Outbox::default();
+//! let image = |bits| Input::Inputs { bits, valid: true, until: Tick::NEVER, under: NO_DELAY };
+//!
+//! // At home, and in auto for a second: the cylinder pushes.
+//! controller.handle(Tick::ZERO, image(0b01));
+//! controller.handle(Tick::ZERO, Input::Order(ModeOrder::of(1, 1, ControlMode::Auto, Duration::from_secs(1))));
+//! controller.step(Tick::ZERO, &mut out);
+//! assert_eq!(out.outputs, 0b10);
+//!
+//! // It has left one switch and reached the other: the chart goes on with the pull.
+//! for bits in [0b00, 0b10] {
+//!     controller.handle(Tick::from_micros(500_000), image(bits));
+//!     controller.step(Tick::from_micros(500_000), &mut out);
+//! }
+//! assert_eq!(out.outputs, 0b01);
+//!
+//! // The mode command was not renewed: the outputs go off by themselves.
+//! while let Some(deadline) = controller.next_deadline().filter(|_| out.outputs != 0) {
+//!     controller.step(deadline, &mut out);
+//! }
+//! assert_eq!(controller.mode(), ControlMode::StandBy);
+//! # Ok::<(), linewright_station_logic::CompileError>(())
+//! ```
+//!
+//! # Inside
+//! The net comes from [`linewright_line::net`]; here it is compiled to tables (`program`) and played (`step`, `fire`).
+//! Counted internal variables are in `views`, taking a count back by agreement in `withdraw`, which counts may be compared
+//! in `generation`; the check of measured positions, which needs no memory, in `interlock`. A task-driven station has
+//! `slot` besides. There is no clock, no thread and no message format here.
 
 mod controller;
 mod drive;
@@ -15,10 +58,12 @@ mod event;
 mod explain;
 mod fire;
 mod generation;
+mod ignored;
 mod interlock;
 mod order;
 mod order_words;
 mod panel;
+mod parts;
 mod program;
 mod report;
 mod restore;
@@ -31,17 +76,18 @@ mod views;
 mod withdraw;
 mod words;
 
-pub use controller::{Controller, Input, NO_DELAY, Outbox};
-pub use event::{Cause, Event, Happening};
+pub use controller::{Controller, NO_DELAY, StationInput, StationOutbox};
+pub use event::{HappeningKind, StationHappening, StopCause};
 pub use explain::DEVICES_INVALID;
 pub use generation::Founding;
+pub use ignored::{Handled, Ignored};
 pub use interlock::{OwnSide, PositionGuard, PositionsKnown};
 pub use order::{
-    Failure, OrderKey, OrderMemory, OrderReport, Outcome, RESULTS_MAX, Refusal, Reply, SlotReport, TaskCommand,
-    TaskOrder,
+    Failure, OrderKey, OrderMemory, Outcome, RESULTS_MAX, Refusal, Reply, SlotReport, TaskCommand, TaskOrder,
+    TaskOrderReport,
 };
-pub use panel::{Contest, ModeOrder, PanelCommand};
+pub use panel::{ModeOrder, PanelCommand, RivalCoordinators};
 pub use program::{CompileError, Program};
-pub use report::{Answer, Report, Request, Restore, Snapshot};
+pub use report::{Restore, StationReport, StationSnapshot, WithdrawalAnswer, WithdrawalRequest};
 pub use rules::{OrderRules, Rules};
-pub use situation::{Held, Writer};
+pub use situation::{PeerSituation, Writer};

@@ -10,7 +10,7 @@ pub use linewright_orders::{
 
 /// What a station says of its orders: everything, each time.
 #[derive(Clone, Debug, Default, PartialEq, Eq)]
-pub struct OrderReport {
+pub struct TaskOrderReport {
     /// A number it drew when its memory began: as long as it is the same, it knows every order it has had.
     pub memory: u64,
     /// The newest epoch in which it was told anything; 0 if it never was.
@@ -39,7 +39,7 @@ pub struct SlotReport {
 /// What a station keeps of its orders.
 #[derive(Clone, Debug, Default, PartialEq, Eq)]
 pub struct OrderMemory {
-    /// See [`OrderReport::memory`].
+    /// See [`TaskOrderReport::memory`].
     pub memory: u64,
     /// The newest epoch it was told anything in.
     pub epoch: u64,

@@ -10,6 +10,7 @@ use linewright_line::Tick;
 use linewright_line::net::ControlMode;
 
 use crate::generation::Founding;
+use crate::ignored::Ignored;
 use crate::program::bit;
 
 /// The coordinator's order of the mode.
@@ -58,7 +59,7 @@ impl ModeOrder {
 
 /// Two coordinators give orders: none is in force, except an emergency stop.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
-pub struct Contest {
+pub struct RivalCoordinators {
     /// Boot ids of the one that is followed and of the other one.
     pub lives: (u64, u64),
     /// Until then, if the other one is not heard again.
@@ -81,13 +82,13 @@ pub enum PanelCommand {
 /// A refresh that comes late finds the motion stopped. It must not start it again, however long the silence was: the finger
 /// may never have left the button. Only a release that was heard makes the next message a new press.
 #[derive(Clone, Copy, Debug, Default)]
-struct Hold {
+struct HeldButton {
     until: Tick,
     /// Ran out while it was held, and not heard released since.
     unreleased: bool,
 }
 
-impl Hold {
+impl HeldButton {
     fn hear(&mut self, now: Tick, held: bool, term: Duration) {
         let ran_out = self.until != Tick::ZERO && now >= self.until;
         self.unreleased = held && (self.unreleased || ran_out);
@@ -101,7 +102,7 @@ impl Hold {
 
 /// An emergency stop in force.
 #[derive(Clone, Copy, Debug, Default)]
-struct Stop {
+struct EmergencyStopInForce {
     /// Life and epoch in which the coordinator that is followed has ordered it. Only a later epoch of that life ends it:
     /// no other coordinator is known to have heard of it.
     ordered: Option<(u64, u64)>,
@@ -113,7 +114,7 @@ struct Stop {
 /// So many coordinators beside the one that is followed are kept apart; of more the latest are.
 const OTHERS_MAX: usize = 3;
 
-impl Stop {
+impl EmergencyStopInForce {
     fn is_given_by_another(&self, followed: u64, now: Tick) -> bool {
         self.others.iter().any(|&(life, until)| now < until && life != followed)
     }
@@ -130,10 +131,10 @@ impl Stop {
 pub(crate) struct Commands {
     order: Option<ModeOrder>,
     order_until: Tick,
-    contest: Option<Contest>,
-    stop: Option<Stop>,
-    advance: Hold,
-    retract: Hold,
+    contest: Option<RivalCoordinators>,
+    stop: Option<EmergencyStopInForce>,
+    advance: HeldButton,
+    retract: HeldButton,
     selector: bool,
     /// From the station's own inputs: manual, advance, return.
     wired: (bool, bool, bool),
@@ -150,8 +151,8 @@ impl Commands {
             order_until: Tick::ZERO,
             contest: None,
             stop: None,
-            advance: Hold::default(),
-            retract: Hold::default(),
+            advance: HeldButton::default(),
+            retract: HeldButton::default(),
             selector: false,
             wired: (false, false, false),
             armed: 0,
@@ -162,13 +163,14 @@ impl Commands {
 
     /// Takes an order unless it is older than the one in force. A new coordinator's epochs start above all it heard,
     /// so the epoch alone decides. An emergency stop is obeyed in any epoch; one that is not followed lasts for `term`.
-    pub(crate) fn order(&mut self, now: Tick, order: ModeOrder, term: Duration) -> bool {
+    pub(crate) fn order(&mut self, now: Tick, order: ModeOrder, term: Duration) -> Result<(), Ignored> {
         let is_stop = order.mode == ControlMode::EStop;
         if self.order.is_some_and(|current| order.epoch < current.epoch) {
-            if is_stop {
-                self.stop(now, order.boot_id, term);
+            if !is_stop {
+                return Err(Ignored::OlderEpoch);
             }
-            return is_stop;
+            self.stop(now, order.boot_id, term);
+            return Ok(());
         }
         // What another coordinator holds down was not pressed now.
         if self.order.is_some_and(|current| order.boot_id != current.boot_id) {
@@ -185,7 +187,7 @@ impl Commands {
         }
         self.order = Some(order);
         self.order_until = now + order.lease;
-        true
+        Ok(())
     }
 
     /// An emergency stop that is no newer order, of this life of a coordinator.
@@ -201,7 +203,7 @@ impl Commands {
         self.order_until = self.order_until.min(now);
     }
 
-    pub(crate) fn contest(&mut self, contest: Option<Contest>) {
+    pub(crate) fn contest(&mut self, contest: Option<RivalCoordinators>) {
         self.contest = contest;
     }
 
@@ -320,7 +322,7 @@ impl Commands {
         let order = self.order.map(|o| (o.mode as i64, o.enabled, o.manual_all, o.buttons, o.master_stop));
         let (mode, enabled, manual_all, buttons, stop) = order.unwrap_or((-1, false, false, 0, None));
         out.extend([mode, i64::from(buttons), stop.map_or(i64::MIN, i64::from)]);
-        let by_another = |stop: &Stop| stop.is_given_by_another(self.followed(), now);
+        let by_another = |stop: &EmergencyStopInForce| stop.is_given_by_another(self.followed(), now);
         let stop = self.stop.map(|stop| (stop.ordered.is_some(), by_another(&stop)));
         out.push(stop.map_or(-1, |(ordered, other)| i64::from(ordered) * 2 + i64::from(other)));
         out.extend([live, enabled, manual_all, self.panel_is_live, self.selector_manual()].map(i64::from));

@@ -12,7 +12,7 @@ use linewright_line::net::{Block, ControlMode, Kind, Literal, Place, StationNet,
 use linewright_line::{ButtonId, Line, Module, OpId, Signals, StationId, TaskId};
 
 use crate::interlock::{Interlocks, partners};
-use crate::tasks::OnOrder;
+use crate::tasks::StationTasks;
 
 /// The bits of the word of condition variables.
 pub(crate) mod bit {
@@ -67,7 +67,7 @@ pub(crate) enum Causal {
 
 /// One term of one transition, in one mode.
 #[derive(Clone, Copy, Debug)]
-pub(crate) struct Row {
+pub(crate) struct ConditionRow {
     pub need: u128,
     pub forbid: u128,
     /// Concurrent neighbours that must be settled, a bit per operation.
@@ -117,7 +117,7 @@ pub(crate) struct IncomingArrow {
 
 /// A transition, compiled.
 #[derive(Clone, Debug)]
-pub(crate) struct Action {
+pub(crate) struct CompiledTransition {
     pub kind: Kind,
     /// Place indices the tokens come from.
     pub from: Vec<u16>,
@@ -183,8 +183,8 @@ const PEERS_MAX: usize = 64;
 pub struct Program {
     pub(crate) station: StationId,
     pub(crate) places: Vec<PlaceTable>,
-    pub(crate) rows: Vec<Row>,
-    pub(crate) actions: Vec<Action>,
+    pub(crate) rows: Vec<ConditionRow>,
+    pub(crate) actions: Vec<CompiledTransition>,
     /// Arrows into the operations of each step.
     pub(crate) causes: Vec<Vec<IncomingArrow>>,
     /// For each operation, the peers with an arrow from it, a bit per entry of `peers`.
@@ -215,7 +215,7 @@ pub struct Program {
     /// How many cycles ahead a peer can be on a checked line; counts further ahead are treated as unknown.
     pub(crate) ahead_max: i32,
     /// What only a station on order has.
-    pub(crate) on_order: Option<OnOrder>,
+    pub(crate) on_order: Option<StationTasks>,
 }
 
 impl Program {
@@ -248,7 +248,7 @@ impl Program {
         let actions = net
             .transitions()
             .iter()
-            .map(|t| Action {
+            .map(|t| CompiledTransition {
                 kind: t.kind,
                 from: t.from.iter().map(|&p| index_of(p)).collect(),
                 to: t.to.iter().map(|&p| index_of(p)).collect(),
@@ -286,7 +286,7 @@ impl Program {
             ahead_max: CYCLES_APART_MAX.saturating_mul(line.stations.len() as i32),
             peers,
             paths,
-            on_order: OnOrder::of(described),
+            on_order: StationTasks::of(described),
         })
     }
 
@@ -363,7 +363,7 @@ fn compile_place(
     net: &StationNet,
     paths: &[OpId],
     place: Place,
-    rows: &mut Vec<Row>,
+    rows: &mut Vec<ConditionRow>,
 ) -> PlaceTable {
     let operation = line.operation((station, place.op));
     let (signals, watchdog, hold) = match (&operation.module, place.block) {
@@ -409,8 +409,14 @@ pub(crate) fn held(button: ButtonId) -> u128 {
     1 << (bit::HELD_0 + u32::from(button.0))
 }
 
-fn compile_term(term: &Term, transition: usize, kind: Kind, (join, starts): (bool, bool), paths: &[OpId]) -> Row {
-    let mut row = Row {
+fn compile_term(
+    term: &Term,
+    transition: usize,
+    kind: Kind,
+    (join, starts): (bool, bool),
+    paths: &[OpId],
+) -> ConditionRow {
+    let mut row = ConditionRow {
         need: 0,
         forbid: 0,
         settled: 0,

@@ -6,12 +6,12 @@ use linewright_line::net::{ControlMode, Place};
 use linewright_line::{InputId, OpId, StationId};
 use std::time::Duration;
 
-use crate::event::Cause;
-use crate::order::{OrderMemory, OrderReport};
+use crate::event::StopCause;
+use crate::order::{OrderMemory, TaskOrderReport};
 
 /// A station's state for others to read.
 #[derive(Clone, Debug, Default, PartialEq, Eq)]
-pub struct Report {
+pub struct StationReport {
     /// Which life of the station this is: different after every start.
     pub boot_id: u64,
     /// The newest mode epoch it has heard; hearing it is acknowledging it.
@@ -48,18 +48,18 @@ pub struct Report {
     /// An axis that stands still by the chart and is not measured there: the operation at whose place, and the switch.
     pub position_lost: Option<(OpId, InputId)>,
     /// Operations stopped before their end, with the cause.
-    pub incomplete: Vec<(OpId, Cause)>,
+    pub incomplete: Vec<(OpId, StopCause)>,
     /// The request to take counts back that is open.
-    pub request: Option<Request>,
+    pub request: Option<WithdrawalRequest>,
     /// Its answers to the requests of others.
-    pub answers: Vec<Answer>,
+    pub answers: Vec<WithdrawalAnswer>,
     /// Its orders, if it works on order.
-    pub order: Option<OrderReport>,
+    pub order: Option<TaskOrderReport>,
 }
 
 /// A request to take back the counts of some operations.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
-pub struct Request {
+pub struct WithdrawalRequest {
     /// Never used again by this station; an agreement counts for this number alone.
     pub number: u64,
     /// The operations, a bit each.
@@ -68,7 +68,7 @@ pub struct Request {
 
 /// An answer to a request of another station.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
-pub struct Answer {
+pub struct WithdrawalAnswer {
     /// Who asked.
     pub to: StationId,
     /// In which life.
@@ -81,7 +81,7 @@ pub struct Answer {
 
 /// What a station keeps so that it can be restarted where it was.
 #[derive(Clone, Debug, PartialEq, Eq)]
-pub struct Snapshot {
+pub struct StationSnapshot {
     /// The marked places.
     pub marking: Vec<Place>,
     /// The generation of the counts; 0 for none. The node restores 0 when the record was written before the last start of the
@@ -109,5 +109,5 @@ pub enum Restore {
     /// For the first time: at home, if the devices confirm it.
     Fresh,
     /// From what it kept.
-    From(Snapshot),
+    From(StationSnapshot),
 }

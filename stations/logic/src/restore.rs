@@ -6,41 +6,41 @@
 use linewright_line::net::Block;
 
 use crate::controller::Controller;
-use crate::event::Cause;
+use crate::event::StopCause;
 use crate::program::CompileError;
-use crate::report::{Restore, Snapshot};
-use crate::slot::Orders;
+use crate::report::{Restore, StationSnapshot};
+use crate::slot::OrderSlot;
 
 /// Counts a machine never reaches in its life; above it arithmetic could overflow.
 const COUNT_MAX: i32 = i32::MAX / 2;
 
 impl Controller {
-    pub(crate) fn restore(&mut self, snapshot: Snapshot) -> Result<(), CompileError> {
+    pub(crate) fn restore(&mut self, snapshot: StationSnapshot) -> Result<(), CompileError> {
         self.check(&snapshot).map_err(|why| CompileError::SnapshotDoesNotFit { why })?;
-        self.token_count = snapshot.marking.len();
-        for (token, place) in self.tokens.iter_mut().zip(&snapshot.marking) {
+        self.marking.count = snapshot.marking.len();
+        for (token, place) in self.marking.tokens.iter_mut().zip(&snapshot.marking) {
             let place = if place.is_operating() { place.stopped() } else { *place };
             if place.is_incomplete() {
-                self.causes_of_stop[place.op.index()] = Cause::Restart;
+                self.marking.causes_of_stop[place.op.index()] = StopCause::Restart;
             }
             token.place = self.program.index_of(place);
         }
         self.views.generation = snapshot.generation;
-        self.placed = snapshot.placed;
-        self.cycle = snapshot.cycle;
-        self.done = snapshot.done;
-        self.started = snapshot.started;
-        self.path = snapshot.path;
-        self.next_request = snapshot.next_request;
+        self.marking.placed = snapshot.placed;
+        self.counts.cycle = snapshot.cycle;
+        self.counts.done = snapshot.done;
+        self.counts.started = snapshot.started;
+        self.marking.path = snapshot.path;
+        self.agreement.next_request = snapshot.next_request;
         if let (Some(orders), Some(kept)) = (&mut self.orders, snapshot.order) {
-            **orders = Orders::restored(kept);
+            **orders = OrderSlot::restored(kept);
         }
         Ok(())
     }
 
     /// What keeps a snapshot from being one of this station's.
-    fn check(&self, snapshot: &Snapshot) -> Result<(), &'static str> {
-        let operations = self.done.len();
+    fn check(&self, snapshot: &StationSnapshot) -> Result<(), &'static str> {
+        let operations = self.counts.done.len();
         if snapshot.done.len() != operations || snapshot.started.len() != operations {
             return Err("it counts another number of operations");
         }
@@ -77,16 +77,16 @@ impl Controller {
 
     /// What to keep so that [`Restore::From`] brings the station up where it is now. Keep it before the outputs and
     /// the report of the same step leave, so that nobody knows more of this station than it will remember.
-    pub fn snapshot(&self) -> Snapshot {
-        Snapshot {
+    pub fn snapshot(&self) -> StationSnapshot {
+        StationSnapshot {
             marking: self.marking().collect(),
             generation: self.views.generation,
-            placed: self.placed,
-            cycle: self.cycle,
-            done: self.done.clone(),
-            started: self.started.clone(),
-            path: self.path,
-            next_request: self.next_request,
+            placed: self.marking.placed,
+            cycle: self.counts.cycle,
+            done: self.counts.done.clone(),
+            started: self.counts.started.clone(),
+            path: self.marking.path,
+            next_request: self.agreement.next_request,
             order: self.orders.as_ref().map(|orders| orders.memory()),
         }
     }

@@ -8,7 +8,7 @@
 use linewright_line::{OpId, StationId};
 
 use crate::controller::Controller;
-use crate::report::{Answer, Request};
+use crate::report::{WithdrawalAnswer, WithdrawalRequest};
 
 /// What a situation is relative to, for one writer of requests.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
@@ -21,7 +21,7 @@ pub struct Writer {
 
 /// What a controller holds of one other station.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
-pub struct Held<'a> {
+pub struct PeerSituation<'a> {
     /// The cycle in which each operation was last completed.
     pub done: &'a [i32],
     /// The generation of its counts; 0 for none.
@@ -29,18 +29,18 @@ pub struct Held<'a> {
     /// The cycle it is in.
     pub cycle: i32,
     /// The request it has made.
-    pub request: Option<Request>,
+    pub request: Option<WithdrawalRequest>,
     /// Our answer to that request.
-    pub answer: Option<Answer>,
+    pub answer: Option<WithdrawalAnswer>,
     /// Its answer to a request of ours: its number, and the operation in the way.
     pub verdict: Option<(u64, Option<OpId>)>,
 }
 
 impl Controller {
     /// What it holds of another station; `None` if it does not listen to it.
-    pub fn held(&self, station: StationId) -> Option<Held<'_>> {
+    pub fn held(&self, station: StationId) -> Option<PeerSituation<'_>> {
         let view = self.views.peers.iter().find(|view| view.station == station)?;
-        Some(Held {
+        Some(PeerSituation {
             done: &view.done,
             generation: view.generation,
             cycle: view.cycle,
@@ -52,22 +52,22 @@ impl Controller {
 
     /// Its count of completions of one operation.
     pub fn done(&self, op: OpId) -> i32 {
-        self.done[op.index()]
+        self.counts.done[op.index()]
     }
 
     /// The request it has open.
-    pub fn request(&self) -> Option<Request> {
-        self.pending.map(|pending| pending.request)
+    pub fn request(&self) -> Option<WithdrawalRequest> {
+        self.agreement.pending.map(|pending| pending.request)
     }
 
     /// This controller as a writer of requests.
     pub fn writer(&self) -> Writer {
-        Writer { boot_id: self.boot_id, open: self.pending.map(|p| p.request.number) }
+        Writer { boot_id: self.boot_id, open: self.agreement.pending.map(|p| p.request.number) }
     }
 
     /// Whether an answer to this number can still mean anything to this station.
     pub fn awaits(&self, number: u64) -> bool {
-        !self.rules.fresh_numbers || self.pending.is_some_and(|p| p.request.number == number)
+        !self.rules.fresh_numbers || self.agreement.pending.is_some_and(|p| p.request.number == number)
     }
 
     /// Appends the situation to `out`. Two controllers of one station whose situations are equal do the same from then
@@ -81,25 +81,31 @@ impl Controller {
             out.extend([i64::from(token.place), run, i64::from(flags[0]), i64::from(flags[1]), i64::from(flags[2])]);
         }
         let relative = |count: i32| i64::from(count) - i64::from(origin);
-        let cycle = self.orders.as_ref().map_or_else(|| relative(self.cycle), |_| 0);
-        out.extend([-1, cycle, self.path.map_or(-1, |op| i64::from(op.0))]);
+        let cycle = self.orders.as_ref().map_or_else(|| relative(self.counts.cycle), |_| 0);
+        out.extend([-1, cycle, self.marking.path.map_or(-1, |op| i64::from(op.0))]);
         match &self.orders {
-            None => out.extend(self.done.iter().chain(&self.started).map(|&count| relative(count))),
+            None => out.extend(self.counts.done.iter().chain(&self.counts.started).map(|&count| relative(count))),
             // Nobody builds on its counts, and each goes its own way for ever.
             Some(orders) => {
-                out.extend(self.done.iter().zip(&self.started).map(|(&done, &started)| i64::from(started - done)));
+                out.extend(
+                    self.counts
+                        .done
+                        .iter()
+                        .zip(&self.counts.started)
+                        .map(|(&done, &started)| i64::from(started - done)),
+                );
                 orders.situation(out);
             }
         }
         let word = |bits: u128| [(bits >> 64) as i64, bits as i64];
-        for bits in [self.levels, self.levels_before, self.inputs] {
+        for bits in [self.levels.now, self.levels.before, self.image.bits] {
             out.extend(word(bits));
         }
-        out.extend([i64::from(self.devices_valid), self.mode_before as i64, i64::from(self.unconfirmed)]);
-        out.push(i64::from(self.placed));
+        out.extend([i64::from(self.image.valid), self.levels.mode as i64, i64::from(self.marking.unconfirmed)]);
+        out.push(i64::from(self.marking.placed));
         out.push(i64::from(self.views.generation != 0));
         self.commands.situation(self.now, out);
-        match &self.pending {
+        match &self.agreement.pending {
             None => out.push(-1),
             Some(pending) => {
                 out.extend([pending.request.ops as i64, pending.mode as i64, pending.needs as i64]);

@@ -33,7 +33,8 @@ use linewright_line::net::{ControlMode, Kind, Place};
 use linewright_line::{OpId, RestId, TaskId, Tick};
 
 use crate::controller::Controller;
-use crate::event::Happening;
+use crate::event::HappeningKind;
+use crate::ignored::Ignored;
 use crate::order::{
     EPOCH_AHEAD_MAX, Failure, OrderKey, OrderMemory, Outcome, RESULTS_MAX, Refusal, Reply, TaskCommand, TaskOrder,
 };
@@ -42,11 +43,11 @@ use crate::rules::OrderRules;
 
 /// The orders of a station on order.
 #[derive(Clone, Debug, Default)]
-pub(crate) struct Orders {
+pub(crate) struct OrderSlot {
     memory: u64,
     epoch: u64,
     last: u64,
-    slot: Option<Slot>,
+    slot: Option<ActiveOrder>,
     results: Vec<(OrderKey, Reply)>,
     /// The ended order that it has been told to secure.
     secured: Option<OrderKey>,
@@ -56,7 +57,7 @@ pub(crate) struct Orders {
 }
 
 #[derive(Clone, Copy, Debug)]
-struct Slot {
+struct ActiveOrder {
     key: OrderKey,
     task: TaskId,
     /// The outputs that carry its parameters.
@@ -64,11 +65,11 @@ struct Slot {
     limit: Tick,
     /// Its first operation has started.
     begun: bool,
-    phase: Phase,
+    phase: SlotPhase,
 }
 
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
-enum Phase {
+enum SlotPhase {
     Running,
     /// On its way back; the order ends where that ends.
     Securing {
@@ -84,10 +85,10 @@ const fn ahead_of(epoch: u64) -> u64 {
     if epoch == 0 { u64::MAX } else { epoch.saturating_add(EPOCH_AHEAD_MAX) }
 }
 
-impl Orders {
+impl OrderSlot {
     /// Of a station that has never been told anything.
     pub fn new(memory: u64) -> Self {
-        Orders { memory, ..Orders::default() }
+        OrderSlot { memory, ..OrderSlot::default() }
     }
 
     fn remember(&mut self, key: OrderKey, reply: Reply) {
@@ -127,9 +128,9 @@ impl Orders {
             None => out.push(-1),
             Some(slot) => {
                 let phase = match slot.phase {
-                    Phase::Running => 0,
-                    Phase::Securing { failure: _ } => 1,
-                    Phase::Returning => 2,
+                    SlotPhase::Running => 0,
+                    SlotPhase::Securing { failure: _ } => 1,
+                    SlotPhase::Returning => 2,
                 };
                 out.extend([i64::from(slot.task.0), i64::from(slot.begun), phase]);
                 out.extend([(slot.image >> 64) as i64, slot.image as i64]);
@@ -139,8 +140,8 @@ impl Orders {
 
     /// What to keep.
     pub fn memory(&self) -> OrderMemory {
-        let open = self.slot.filter(|slot| slot.phase != Phase::Returning);
-        let left = open.filter(|slot| slot.phase != Phase::Running).map(|slot| slot.key);
+        let open = self.slot.filter(|slot| slot.phase != SlotPhase::Returning);
+        let left = open.filter(|slot| slot.phase != SlotPhase::Running).map(|slot| slot.key);
         OrderMemory {
             memory: self.memory,
             epoch: self.epoch,
@@ -153,13 +154,13 @@ impl Orders {
 
     /// What a station that comes up makes of what it kept.
     pub fn restored(kept: OrderMemory) -> Self {
-        let mut orders = Orders {
+        let mut orders = OrderSlot {
             memory: kept.memory,
             epoch: kept.epoch,
             last: kept.last,
             results: kept.results,
             secured: kept.secured,
-            ..Orders::default()
+            ..OrderSlot::default()
         };
         let surplus = orders.results.len().saturating_sub(RESULTS_MAX);
         orders.results.drain(..surplus);
@@ -172,8 +173,8 @@ impl Orders {
 
 impl Controller {
     /// Takes a command. Gives false at a station that does not work on order.
-    pub(crate) fn command(&mut self, command: TaskCommand<'_>) -> bool {
-        let Some(orders) = &self.orders else { return false };
+    pub(crate) fn command(&mut self, command: TaskCommand<'_>) -> Result<(), Ignored> {
+        let orders = self.orders.as_ref().ok_or(Ignored::NoTasks)?;
         let epoch = orders.epoch;
         let (key, known) = match command {
             TaskCommand::Run(order) => (order.key, orders.known(order.key).filter(|_| orders.rules.does_once)),
@@ -188,8 +189,8 @@ impl Controller {
         if let Some(orders) = &mut self.orders {
             orders.replies.push((key, reply));
         }
-        self.settled = false;
-        key.epoch <= ahead_of(epoch)
+        self.due.settled = false;
+        if key.epoch <= ahead_of(epoch) { Ok(()) } else { Err(Ignored::EpochTooHigh) }
     }
 
     fn run(&mut self, order: &TaskOrder) -> Reply {
@@ -206,7 +207,7 @@ impl Controller {
         if orders.epoch != order.key.epoch {
             // Numbers rise within a life; a coordinator that has lost its records begins anew with both.
             (orders.epoch, orders.last) = (order.key.epoch, 0);
-            self.changed = true;
+            self.due.report = true;
         }
         if orders.slot.is_some() {
             return Reply::Refused(Refusal::Busy);
@@ -217,24 +218,24 @@ impl Controller {
         let begun = self.begin(order);
         let Some(orders) = &mut self.orders else { return Reply::Refused(Refusal::Unknown) };
         orders.last = order.key.id;
-        self.changed = true;
+        self.due.report = true;
         match begun {
             Ok(slot) => {
                 orders.slot = Some(slot);
-                self.dirty = true;
-                self.note(Happening::Ordered(slot.task));
+                self.due.outputs = true;
+                self.note(HappeningKind::Ordered(slot.task));
                 Reply::Running
             }
             Err(refusal) => {
                 orders.remember(order.key, Reply::Refused(refusal));
-                self.note(Happening::OrderRefused(refusal));
+                self.note(HappeningKind::OrderRefused(refusal));
                 Reply::Refused(refusal)
             }
         }
     }
 
     /// The order as it would be done; why it will not be.
-    fn begin(&self, order: &TaskOrder) -> Result<Slot, Refusal> {
+    fn begin(&self, order: &TaskOrder) -> Result<ActiveOrder, Refusal> {
         let tasks = self.program.on_order.as_ref().ok_or(Refusal::Unknown)?;
         if order.limit.is_zero() {
             return Err(Refusal::Late);
@@ -250,7 +251,7 @@ impl Controller {
             let given = order.parameters.iter().find(|(name, _)| **name == *parameter.name);
             image |= given.and_then(|(_, value)| parameter.image(*value)).ok_or(Refusal::Unknown)?;
         }
-        if !self.devices_valid {
+        if !self.image.valid {
             return Err(Refusal::Devices);
         }
         if self.marking().any(Place::is_incomplete) {
@@ -260,7 +261,14 @@ impl Controller {
             return Err(Refusal::NotThere);
         }
         let limit = self.now + order.limit.min(task.limit);
-        Ok(Slot { key: order.key, task: TaskId::at(index), image, limit, begun: false, phase: Phase::Running })
+        Ok(ActiveOrder {
+            key: order.key,
+            task: TaskId::at(index),
+            image,
+            limit,
+            begun: false,
+            phase: SlotPhase::Running,
+        })
     }
 
     fn secure(&mut self, key: OrderKey) -> Reply {
@@ -275,7 +283,7 @@ impl Controller {
         let failure = self.waited_for().map(Failure::Waiting);
         let Some(orders) = &mut self.orders else { return Reply::Refused(Refusal::Unknown) };
         if let Some(slot) = orders.slot.as_mut().filter(|slot| slot.key == key) {
-            if slot.phase == Phase::Running {
+            if slot.phase == SlotPhase::Running {
                 self.give_up(failure);
             }
         } else if orders.last_has_failed() == Some(key) && orders.slot.is_none() {
@@ -283,10 +291,10 @@ impl Controller {
             let is_first = orders.secured.replace(key) != Some(key) || !orders.rules.secures_once;
             // It may stand where a person has left it since.
             if let Some(task) = task.filter(|_| is_first) {
-                let phase = Phase::Returning;
-                orders.slot = Some(Slot { key, task, image: 0, limit: Tick::NEVER, begun: true, phase });
-                self.changed = true;
-                self.note(Happening::Securing(task));
+                let phase = SlotPhase::Returning;
+                orders.slot = Some(ActiveOrder { key, task, image: 0, limit: Tick::NEVER, begun: true, phase });
+                self.due.report = true;
+                self.note(HappeningKind::Securing(task));
             }
         } else if orders.known(key).is_none() {
             if let Some(refusal) = orders.too_old(key) {
@@ -298,7 +306,7 @@ impl Controller {
             }
             orders.remember(key, Reply::Ended(Outcome::Failed(Failure::Cancelled)));
             orders.secured = Some(key);
-            self.changed = true;
+            self.due.report = true;
         }
         self.orders.as_ref().and_then(|orders| orders.known(key)).unwrap_or(Reply::Running)
     }
@@ -309,7 +317,7 @@ impl Controller {
 
     /// The rest a station on order stands at.
     pub(crate) fn rest(&self) -> Option<RestId> {
-        let tasks = self.program.on_order.as_ref().filter(|_| self.path.is_none())?;
+        let tasks = self.program.on_order.as_ref().filter(|_| self.marking.path.is_none())?;
         let place = self.marking().next()?;
         let task = tasks.task(tasks.task_of[place.op.index()]);
         if place == Place::completed(task.last) {
@@ -322,19 +330,21 @@ impl Controller {
     /// What the orders make true of the word of condition variables. Nothing goes back without devices.
     pub(crate) fn order_bits(&self) -> u128 {
         match self.slot() {
-            Some(Slot { phase: Phase::Running, task, .. }) => task_bit(task),
-            Some(Slot { phase: Phase::Securing { .. } | Phase::Returning, .. }) if self.devices_valid => bit::SECURE,
-            Some(Slot { phase: Phase::Securing { .. } | Phase::Returning, .. }) | None => 0,
+            Some(ActiveOrder { phase: SlotPhase::Running, task, .. }) => task_bit(task),
+            Some(ActiveOrder { phase: SlotPhase::Securing { .. } | SlotPhase::Returning, .. }) if self.image.valid => {
+                bit::SECURE
+            }
+            Some(ActiveOrder { phase: SlotPhase::Securing { .. } | SlotPhase::Returning, .. }) | None => 0,
         }
     }
 
     fn refresh_orders(&mut self) {
         let bits = self.order_bits();
-        self.levels = self.levels & !bit::ORDERS | bits;
-        self.levels_before = self.levels_before & !bit::ORDERS | bits;
+        self.levels.now = self.levels.now & !bit::ORDERS | bits;
+        self.levels.before = self.levels.before & !bit::ORDERS | bits;
     }
 
-    fn slot(&self) -> Option<Slot> {
+    fn slot(&self) -> Option<ActiveOrder> {
         self.orders.as_ref().and_then(|orders| orders.slot)
     }
 
@@ -345,7 +355,7 @@ impl Controller {
 
     /// When the time of the order is over.
     pub(crate) fn order_limit(&self) -> Tick {
-        self.slot().filter(|slot| slot.phase == Phase::Running).map_or(Tick::NEVER, |slot| slot.limit)
+        self.slot().filter(|slot| slot.phase == SlotPhase::Running).map_or(Tick::NEVER, |slot| slot.limit)
     }
 
     /// A task's first operation starts.
@@ -369,8 +379,10 @@ impl Controller {
             ControlMode::Home | ControlMode::StandBy | ControlMode::Auto => {}
             ControlMode::Hand | ControlMode::Manual | ControlMode::EStop => {
                 let failure = match self.slot().map(|slot| slot.phase) {
-                    Some(Phase::Securing { failure: Some(failure) }) => failure,
-                    Some(Phase::Running | Phase::Securing { failure: None } | Phase::Returning) => Failure::Interrupted,
+                    Some(SlotPhase::Securing { failure: Some(failure) }) => failure,
+                    Some(SlotPhase::Running | SlotPhase::Securing { failure: None } | SlotPhase::Returning) => {
+                        Failure::Interrupted
+                    }
                     None => return,
                 };
                 self.conclude(Outcome::Failed(failure));
@@ -393,14 +405,14 @@ impl Controller {
         if !slot.begun {
             return self.conclude(Outcome::Failed(failure.unwrap_or(Failure::Cancelled)));
         }
-        slot.phase = Phase::Securing { failure };
+        slot.phase = SlotPhase::Securing { failure };
         let (key, task) = (slot.key, slot.task);
         if let Some(failure) = failure.filter(|_| !orders.rules.ends_standing) {
-            slot.phase = Phase::Returning;
+            slot.phase = SlotPhase::Returning;
             orders.remember(key, Reply::Ended(Outcome::Failed(failure)));
         }
-        self.changed = true;
-        self.note(Happening::Securing(task));
+        self.due.report = true;
+        self.note(HappeningKind::Securing(task));
     }
 
     /// The step that the order would go on with, where the station stands between two.
@@ -423,9 +435,9 @@ impl Controller {
     /// Looks whether a station that goes back has come as far as it can.
     pub(crate) fn follow_securing(&mut self) {
         let given_up = match self.slot().map(|slot| slot.phase) {
-            Some(Phase::Securing { failure }) => failure,
-            Some(Phase::Returning) => None,
-            Some(Phase::Running) => return,
+            Some(SlotPhase::Securing { failure }) => failure,
+            Some(SlotPhase::Returning) => None,
+            Some(SlotPhase::Running) => return,
             None => return self.rests(),
         };
         let Some(place) = self.marking().next() else { return };
@@ -441,14 +453,14 @@ impl Controller {
     fn rests(&mut self) {
         let failed = self.orders.as_ref().and_then(|orders| orders.last_has_failed().filter(|_| self.rest().is_some()));
         if let (Some(key), Some(orders)) = (failed, &mut self.orders) {
-            self.changed |= orders.secured != Some(key);
+            self.due.report |= orders.secured != Some(key);
             orders.secured = Some(key);
         }
     }
 
     /// Whether something leads back from a place in auto. On a recovery path nothing does by itself.
     fn goes_back_from(&self, place: Place) -> bool {
-        if self.path.is_some() {
+        if self.marking.path.is_some() {
             return false;
         }
         let (start, end) =
@@ -463,18 +475,18 @@ impl Controller {
     fn conclude(&mut self, outcome: Outcome) {
         let Some(orders) = &mut self.orders else { return };
         let Some(slot) = orders.slot.take() else { return };
-        if slot.phase != Phase::Running {
+        if slot.phase != SlotPhase::Running {
             orders.secured = Some(slot.key);
         }
-        if slot.phase != Phase::Returning {
+        if slot.phase != SlotPhase::Returning {
             orders.remember(slot.key, Reply::Ended(outcome));
             self.note(match outcome {
-                Outcome::Done => Happening::OrderDone(slot.task),
-                Outcome::Failed(failure) => Happening::OrderFailed(slot.task, failure),
+                Outcome::Done => HappeningKind::OrderDone(slot.task),
+                Outcome::Failed(failure) => HappeningKind::OrderFailed(slot.task, failure),
             });
         }
-        self.changed = true;
-        self.dirty = true;
+        self.due.report = true;
+        self.due.outputs = true;
         self.refresh_orders();
     }
 }

@@ -6,10 +6,11 @@
 use linewright_line::net::{ControlMode, Kind, Stage};
 use linewright_line::{BRANCHES_MAX, Tick};
 
-use crate::controller::{Controller, NO_DELAY, Outbox, Run};
-use crate::event::{Cause, Happening};
-use crate::program::{Causal, Row, bit};
-use crate::withdraw::{Pending, Standing};
+use crate::controller::{Controller, NO_DELAY, StationOutbox};
+use crate::event::{HappeningKind, StopCause};
+use crate::parts::RunCommand;
+use crate::program::{Causal, ConditionRow, bit};
+use crate::withdraw::{PendingWithdrawal, WithdrawalState};
 
 /// Transitions looked at in one step before the next image is asked for. An operation that completes leads on to the
 /// next at once; a longer chain means a description with operations that take no time.
@@ -21,13 +22,13 @@ impl Controller {
     /// Each rising edge since the last step fires at most one transition of a token; what follows without a command
     /// (a completed operation leading on in auto) follows in the same step. Allocates nothing.
     #[inline]
-    pub fn step(&mut self, now: Tick, out: &mut Outbox) {
+    pub fn step(&mut self, now: Tick, out: &mut StationOutbox) {
         self.now = self.now.max(now);
-        if self.now >= self.deadline {
+        if self.now >= self.due.deadline {
             self.refresh();
-        } else if self.settled {
-            debug_assert!(!self.changed && self.events.is_empty(), "whatever says something new unsettles");
-            out.outputs = self.outputs;
+        } else if self.due.settled {
+            debug_assert!(!self.due.report && self.events.is_empty(), "whatever says something new unsettles");
+            out.outputs = self.output.bits;
             out.changed = false;
             return;
         }
@@ -44,11 +45,11 @@ impl Controller {
         self.commands.followed()
     }
 
-    fn play(&mut self, out: &mut Outbox) {
+    fn play(&mut self, out: &mut StationOutbox) {
         self.look();
-        out.outputs = self.outputs;
-        out.number = self.output_number;
-        out.changed = std::mem::take(&mut self.changed);
+        out.outputs = self.output.bits;
+        out.number = self.output.number;
+        out.changed = std::mem::take(&mut self.due.report);
         if !self.events.is_empty() {
             out.events.append(&mut self.events);
         }
@@ -62,72 +63,72 @@ impl Controller {
         let lost = self.position_lost();
         // An axis that is on its way is missed nowhere; whether it is where it should be shows when it has come to rest.
         let moves = self.tokens().iter().any(|token| self.place(token).is_operating());
-        if lost != self.lost_before && (lost.is_some() || !moves) {
-            self.lost_before = lost;
-            self.changed = true;
-            self.note(lost.map_or(Happening::PositionFound, |(op, input)| Happening::PositionLost(op, input)));
+        if lost != self.marking.lost_position && (lost.is_some() || !moves) {
+            self.marking.lost_position = lost;
+            self.due.report = true;
+            self.note(lost.map_or(HappeningKind::PositionFound, |(op, input)| HappeningKind::PositionLost(op, input)));
         }
     }
 
     fn look(&mut self) {
-        self.settled = true;
-        self.forget_fired();
-        let edges = bit::edges(self.levels & !self.levels_before);
-        self.levels_before = self.levels;
-        let mut fired = self.pending.is_some() && self.settle();
-        fired |= self.pass(self.levels | edges);
-        if edges != 0 && !fired && self.pending.is_none() {
+        self.due.settled = true;
+        self.fired.clear();
+        let edges = bit::edges(self.levels.now & !self.levels.before);
+        self.levels.before = self.levels.now;
+        let mut fired = self.agreement.pending.is_some() && self.settle();
+        fired |= self.pass(self.levels.now | edges);
+        if edges != 0 && !fired && self.agreement.pending.is_none() {
             self.refuse(edges);
         }
         let mut ended = true;
         if fired {
-            ended = (1..PASSES_MAX).any(|_| !self.pass(self.levels));
-            self.changed = true;
-            self.refusal = None;
+            ended = (1..PASSES_MAX).any(|_| !self.pass(self.levels.now));
+            self.due.report = true;
+            self.agreement.refusal = None;
         }
         self.follow_securing();
         self.follow_position();
-        if fired || self.dirty {
+        if fired || self.due.outputs {
             self.drive();
         }
         // What an edge has held back, or a request, or a chain cut short, is looked at again.
-        self.settled &= edges == 0 && self.pending.is_none() && ended;
+        self.due.settled &= edges == 0 && self.agreement.pending.is_none() && ended;
         if !ended {
-            self.deadline = Tick::ZERO;
+            self.due.deadline = Tick::ZERO;
         }
     }
 
     /// Works out what depends on time or on what was handled: mode, levels, the outputs' holders, deadlines.
     fn refresh(&mut self) {
-        if self.devices_valid && self.now >= self.inputs_until {
+        if self.image.valid && self.now >= self.image.until {
             self.take_image(0, false);
         }
         let levels = self.commands.refresh(self.now);
-        let path = self.path.map_or(0, |op| bit::ANY_PATH | crate::program::path_bit(&self.program.paths, op));
+        let path = self.marking.path.map_or(0, |op| bit::ANY_PATH | crate::program::path_bit(&self.program.paths, op));
         self.watch_order();
         let levels = levels | path | self.stop_bit() | self.order_bits();
-        self.dirty |= levels != self.levels;
-        self.levels = levels;
+        self.due.outputs |= levels != self.levels.now;
+        self.levels.now = levels;
         let mode = self.commands.mode();
-        if mode != self.mode_before {
-            self.mode_before = mode;
+        if mode != self.levels.mode {
+            self.levels.mode = mode;
             // No edge reaches over a change of mode.
-            self.levels_before = levels;
+            self.levels.before = levels;
             self.enter_mode(mode);
         }
-        self.dirty = true;
+        self.due.outputs = true;
     }
 
     fn enter_mode(&mut self, mode: ControlMode) {
-        self.note(Happening::Mode(mode));
+        self.note(HappeningKind::Mode(mode));
         self.order_in_mode(mode);
-        self.changed = true;
-        for token in &mut self.tokens[..self.token_count] {
+        self.due.report = true;
+        for token in &mut self.marking.tokens[..self.marking.count] {
             // Auto takes over what a hand-mode button has started, for the operator has asked for it; hand mode takes
             // over what auto has left running, and drives it when its button is held.
             match (mode, token.run) {
-                (ControlMode::Auto, Run::Hand) => token.run = Run::Auto,
-                (ControlMode::Hand, Run::Auto) => token.run = Run::Hand,
+                (ControlMode::Auto, RunCommand::Hand) => token.run = RunCommand::Auto,
+                (ControlMode::Hand, RunCommand::Auto) => token.run = RunCommand::Hand,
                 _ => {}
             }
         }
@@ -135,34 +136,34 @@ impl Controller {
 
     /// Follows up an open request.
     fn settle(&mut self) -> bool {
-        let Some(pending) = self.pending.take() else { return false };
+        let Some(pending) = self.agreement.pending.take() else { return false };
         // The token may have moved on a command given meanwhile. The request then has no meaning any more, and must
         // not come back to one: an agreement is to a count that was, not to the next one in the same place.
         if !self.are_enabled(&pending) {
-            self.changed = true;
+            self.due.report = true;
             return false;
         }
-        match self.standing(&pending, self.levels, self.commands.mode()) {
-            Standing::Waiting => {
-                self.pending = Some(pending);
+        match self.standing(&pending, self.levels.now, self.commands.mode()) {
+            WithdrawalState::Waiting => {
+                self.agreement.pending = Some(pending);
                 false
             }
-            Standing::Agreed => {
+            WithdrawalState::Agreed => {
                 for row in pending.rows() {
                     self.fire(self.program.rows[usize::from(*row)].transition);
                 }
                 true
             }
-            Standing::GivenUp => {
-                self.changed = true;
+            WithdrawalState::GivenUp => {
+                self.due.report = true;
                 false
             }
-            Standing::NotAgreed => {
-                self.changed = true;
+            WithdrawalState::NotAgreed => {
+                self.due.report = true;
                 // A refused command is to be given again: held on, it would ask again with every message.
                 self.commands.disarm(pending.hold);
-                self.levels &= !pending.hold;
-                self.levels_before &= !pending.hold;
+                self.levels.now &= !pending.hold;
+                self.levels.before &= !pending.hold;
                 false
             }
         }
@@ -170,7 +171,7 @@ impl Controller {
 
     /// Whether the tokens still stand where the command found them, and the arrows it reads still hold: while others
     /// were agreeing to our request, we may have agreed to theirs.
-    fn are_enabled(&self, pending: &Pending) -> bool {
+    fn are_enabled(&self, pending: &PendingWithdrawal) -> bool {
         let marked = |place: &u16| self.tokens().iter().any(|t| t.place == *place);
         pending.rows().iter().map(|&row| &self.program.rows[usize::from(row)]).all(|row| {
             self.program.actions[row.transition as usize].from.iter().all(marked) && self.allows(row, pending.mode)
@@ -180,7 +181,7 @@ impl Controller {
     /// Looks at every token once, on the state before the pass, then fires what may fire.
     fn pass(&mut self, word: u128) -> bool {
         let mode = self.commands.mode();
-        if self.token_count == 1 {
+        if self.marking.count == 1 {
             return match self.choose(0, word, mode) {
                 Some(row) => self.act(&[row], mode),
                 None => false,
@@ -188,7 +189,7 @@ impl Controller {
         }
         let mut chosen = [0; BRANCHES_MAX];
         let mut count = 0;
-        for index in 0..self.token_count {
+        for index in 0..self.marking.count {
             if let Some(row) = self.choose(index, word, mode) {
                 chosen[count] = row;
                 count += 1;
@@ -200,7 +201,7 @@ impl Controller {
     /// The row that lets a token move, if there is one.
     #[inline]
     fn choose(&mut self, index: usize, word: u128, mode: ControlMode) -> Option<u16> {
-        let token = self.tokens[index];
+        let token = self.marking.tokens[index];
         let table = &self.program.places[token.place as usize];
         let mut word = word;
         if table.complete != 0 {
@@ -228,34 +229,34 @@ impl Controller {
     #[inline]
     fn motion_bits(&mut self, index: usize) -> u128 {
         let is_unsafe = self.unsafe_motion(index).is_some();
-        let token = &mut self.tokens[index];
+        let token = &mut self.marking.tokens[index];
         let table = &self.program.places[token.place as usize];
-        let on = self.inputs & table.complete != 0;
+        let on = self.image.bits & table.complete != 0;
         // An image from before this motion says nothing about it, neither that its switch was off nor that it is on.
-        let own = self.inputs_under == NO_DELAY || (token.driven_since != 0 && self.inputs_under >= token.driven_since);
+        let own = self.image.under == NO_DELAY || (token.driven_since != 0 && self.image.under >= token.driven_since);
         if own {
             token.left_start |= !on || (token.awaits_image && token.driven);
             token.awaits_image &= !token.driven;
         }
         let mut bits = if on && own && token.left_start { bit::ARRIVED } else { 0 };
         let late = token.driven && self.now >= token.deadline;
-        if is_unsafe || !self.devices_valid || late || self.inputs & table.fault != 0 {
+        if is_unsafe || !self.image.valid || late || self.image.bits & table.fault != 0 {
             bits |= bit::FAULT;
         }
-        if token.run == Run::Manual && self.commands.mode() != ControlMode::Manual {
+        if token.run == RunCommand::Manual && self.commands.mode() != ControlMode::Manual {
             bits |= bit::HOLD_LOST;
         }
         bits
     }
 
     #[inline]
-    fn allows(&self, row: &Row, mode: ControlMode) -> bool {
+    fn allows(&self, row: &ConditionRow, mode: ControlMode) -> bool {
         if row.causal == Causal::Free && row.settled == 0 && !row.join && !row.starts {
             return true;
         }
         let causal = match row.causal {
             Causal::Free => true,
-            Causal::Holds(step) => self.devices_valid && self.causes_hold(step, mode),
+            Causal::Holds(step) => self.image.valid && self.causes_hold(step, mode),
             Causal::WayHome(path) => !self.rules.home_waits || self.way_home_is_free(path, mode),
             Causal::Fails(step) => self.causes_known(step, mode) && !self.causes_hold(step, mode),
         };
@@ -274,7 +275,7 @@ impl Controller {
     fn way_home_is_free(&self, path: u8, mode: ControlMode) -> bool {
         self.program.ways_home[path as usize].iter().all(|&(step, ahead)| {
             let causes = &self.program.causes[step as usize];
-            self.views.all_hold(causes, mode, self.cycle + ahead, self.now)
+            self.views.all_hold(causes, mode, self.counts.cycle + ahead, self.now)
         })
     }
 
@@ -284,13 +285,13 @@ impl Controller {
 
     /// The inputs that a step waits for and that are off.
     pub(crate) fn missing(&self, step: u8) -> u128 {
-        self.program.on_order.as_ref().map_or(0, |tasks| tasks.waits[usize::from(step)].0 & !self.inputs)
+        self.program.on_order.as_ref().map_or(0, |tasks| tasks.waits[usize::from(step)].0 & !self.image.bits)
     }
 
     /// The cycle in which a step would start: the first one listed starts a new one, on order the first one of a task.
     pub(crate) fn cycle_of_start(&self, step: u8) -> i32 {
         let begins = self.program.on_order.as_ref().map_or(step == 0, |tasks| tasks.begins_with(step));
-        self.cycle + i32::from(begins)
+        self.counts.cycle + i32::from(begins)
     }
 
     fn neighbours_settled(&self, mask: u64) -> bool {
@@ -303,7 +304,7 @@ impl Controller {
     }
 
     fn joined(&self) -> bool {
-        let first = self.place(&self.tokens[0]);
+        let first = self.place(&self.marking.tokens[0]);
         self.tokens().iter().all(|t| {
             let place = self.place(t);
             (place.block, place.stage) == (first.block, first.stage)
@@ -314,12 +315,12 @@ impl Controller {
     /// does not guess: an operating token is stopped, any other stays where it is.
     #[cold]
     fn ambiguous(&mut self, index: usize) -> Option<u16> {
-        self.settled = false;
-        let place = self.place(&self.tokens[index]);
+        self.due.settled = false;
+        let place = self.place(&self.marking.tokens[index]);
         if place.is_operating() {
-            self.stop(index, Cause::Ambiguous);
-            self.dirty = true;
-            self.changed = true;
+            self.stop(index, StopCause::Ambiguous);
+            self.due.outputs = true;
+            self.due.report = true;
         }
         None
     }
@@ -338,7 +339,7 @@ impl Controller {
             }
         }
         // One request at a time: a command given while another waits is given too early.
-        if needs != 0 && self.pending.is_none() && self.can_agree(needs) {
+        if needs != 0 && self.agreement.pending.is_none() && self.can_agree(needs) {
             self.ask(rows, mode);
         }
         fired
@@ -358,7 +359,9 @@ impl Controller {
             return false;
         }
         let mut peers = (0..self.views.peers.len()).filter(|&peer| needs & (1 << peer) != 0);
-        peers.all(|peer| self.views.standing(peer, self.cycle, self.now) != crate::views::Standing::OtherGeneration)
+        peers.all(|peer| {
+            self.views.standing(peer, self.counts.cycle, self.now) != crate::views::Comparability::OtherGeneration
+        })
     }
 
     /// The operations whose counts a transition takes back.
@@ -372,9 +375,9 @@ impl Controller {
             Kind::EnterPath(_) if !self.rules.redo_round => 0,
             Kind::EnterPath(failed) if self.program.on_order.is_some() => self.done_in_task_before(failed),
             Kind::EnterPath(_) => {
-                let round = self.done[self.program.home.index()];
-                let counted = |&(op, &done): &(usize, &i32)| done > self.home_counts[op] + round;
-                self.done.iter().enumerate().filter(counted).fold(0, |bits, (op, _)| bits | 1 << op)
+                let round = self.counts.done[self.program.home.index()];
+                let counted = |&(op, &done): &(usize, &i32)| done > self.counts.at_home[op] + round;
+                self.counts.done.iter().enumerate().filter(counted).fold(0, |bits, (op, _)| bits | 1 << op)
             }
             Kind::Stop(..)
             | Kind::Resume(..)
@@ -394,8 +397,8 @@ impl Controller {
         let pressed = bit::levels(edges);
         let mine = pressed & (bit::PANEL | self.program.buttons) != 0;
         if mine && self.commands.mode().enables_motion() {
-            self.note(Happening::Refused);
-            self.changed = true;
+            self.note(HappeningKind::Refused);
+            self.due.report = true;
         }
     }
 }

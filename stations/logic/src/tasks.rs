@@ -6,7 +6,7 @@ use linewright_line::{OpId, Parameter, RestId, Station, TaskId};
 
 /// The tasks of a station on order.
 #[derive(Clone, Debug)]
-pub(crate) struct OnOrder {
+pub(crate) struct StationTasks {
     pub tasks: Vec<TaskTable>,
     /// For each operation, its task.
     pub task_of: Vec<TaskId>,
@@ -29,7 +29,7 @@ pub(crate) struct TaskTable {
     pub parameters: Vec<Parameter>,
 }
 
-impl OnOrder {
+impl StationTasks {
     /// Of a station on order; none for one that goes round a cycle.
     pub fn of(station: &Station) -> Option<Self> {
         if !station.works_on_order() {
@@ -53,7 +53,7 @@ impl OnOrder {
             (operation.waits.iter().fold(0, |bits, input| bits | input.bit()), operation.waits_code)
         };
         let waits: Vec<(u128, u16)> = station.steps.iter().map(waits).collect();
-        Some(OnOrder {
+        Some(StationTasks {
             tasks: station.task_ids().map(task).collect(),
             // A checked description has a task for every operation.
             task_of: station.op_ids().map(|op| station.task_of(op).unwrap_or(TaskId(0))).collect(),

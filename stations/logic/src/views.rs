@@ -15,13 +15,14 @@ use std::time::Duration;
 use linewright_line::net::ControlMode;
 use linewright_line::{OpId, StationId, Tick};
 
+use crate::ignored::Ignored;
 use crate::program::{IncomingArrow as Cause, Program};
-use crate::report::{Answer, Report, Request};
+use crate::report::{StationReport, WithdrawalAnswer, WithdrawalRequest};
 use crate::rules::Rules;
 
 /// The newest that was heard of one other station.
 #[derive(Clone, Debug)]
-pub(crate) struct View {
+pub(crate) struct PeerView {
     pub station: StationId,
     pub boot_id: u64,
     /// Unknown from then on.
@@ -38,17 +39,17 @@ pub(crate) struct View {
     pub measured_until: Tick,
     pub done: Vec<i32>,
     pub cycle: i32,
-    pub request: Option<Request>,
+    pub request: Option<WithdrawalRequest>,
     /// Our answer to that request.
-    pub answer: Option<Answer>,
+    pub answer: Option<WithdrawalAnswer>,
     /// The other's answer to a request of ours: (our boot id, number, operation in the way).
     pub verdict: Option<(u64, u64, Option<OpId>)>,
 }
 
 /// All views, in the order of [`Program::peers`].
 #[derive(Clone, Debug)]
-pub(crate) struct Views {
-    pub peers: Vec<View>,
+pub(crate) struct PeerViews {
+    pub peers: Vec<PeerView>,
     stale: Duration,
     /// The generation of this station's own counts; 0 for none.
     pub generation: u64,
@@ -60,7 +61,7 @@ pub(crate) struct Views {
 
 /// Why a peer's counts may be compared, or not.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
-pub(crate) enum Standing {
+pub(crate) enum Comparability {
     Comparable,
     /// Not heard, or not for too long.
     NotHeard,
@@ -72,10 +73,10 @@ pub(crate) enum Standing {
     TooFarAhead,
 }
 
-impl Views {
+impl PeerViews {
     /// `operations_of[i]` is how many operations peer `i` has.
     pub(crate) fn new(program: &Program, operations_of: &[usize], stale: Duration) -> Self {
-        let view = |(&station, &operations): (&StationId, &usize)| View {
+        let view = |(&station, &operations): (&StationId, &usize)| PeerView {
             station,
             boot_id: 0,
             known_until: Tick::ZERO,
@@ -90,7 +91,7 @@ impl Views {
             answer: None,
             verdict: None,
         };
-        Views {
+        PeerViews {
             peers: program.peers.iter().zip(operations_of).map(view).collect(),
             stale,
             generation: 0,
@@ -100,8 +101,10 @@ impl Views {
         }
     }
 
-    /// Takes a report that is newer than the last one of that station. Gives false, and changes nothing, if it is not
-    /// a peer's or does not fit its description.
+    /// Takes a report that is newer than the last one of that station.
+    ///
+    /// # Errors
+    /// When it is not a peer's or does not fit its description; nothing has changed.
     pub(crate) fn hear(
         &mut self,
         now: Tick,
@@ -109,15 +112,15 @@ impl Views {
         program: &Program,
         started: &[i32],
         from: StationId,
-        report: &Report,
-    ) -> bool {
-        let Some(index) = self.peers.iter().position(|v| v.station == from) else { return false };
+        report: &StationReport,
+    ) -> Result<(), Ignored> {
+        let index = self.peers.iter().position(|v| v.station == from).ok_or(Ignored::NotAPeer)?;
         let view = &mut self.peers[index];
         let bits = view.done.len();
-        let fits = |request: &Request| bits >= 64 || request.ops < 1 << bits;
-        let named = |answer: &Answer| answer.in_the_way.is_none_or(|op| op.index() < bits);
+        let fits = |request: &WithdrawalRequest| bits >= 64 || request.ops < 1 << bits;
+        let named = |answer: &WithdrawalAnswer| answer.in_the_way.is_none_or(|op| op.index() < bits);
         if report.done.len() != bits || !report.request.as_ref().is_none_or(fits) || !report.answers.iter().all(named) {
-            return false;
+            return Err(Ignored::Misfit);
         }
         view.known_until = now + self.stale;
         view.generation = report.generation;
@@ -136,7 +139,7 @@ impl Views {
         view.request = report.request;
         if !same {
             // To agree is to have compared counts.
-            let answer = report.request.filter(|_| comparable).map(|request| Answer {
+            let answer = report.request.filter(|_| comparable).map(|request| WithdrawalAnswer {
                 to: from,
                 boot_id: report.boot_id,
                 number: request.number,
@@ -144,7 +147,7 @@ impl Views {
             });
             self.peers[index].answer = answer;
         }
-        true
+        Ok(())
     }
 
     /// Whether a report of the peer is there that is not too old.
@@ -166,22 +169,22 @@ impl Views {
     }
 
     /// Whether a peer's counts may be compared with those of this station, which is in `cycle`.
-    pub(crate) fn standing(&self, peer: usize, cycle: i32, now: Tick) -> Standing {
+    pub(crate) fn standing(&self, peer: usize, cycle: i32, now: Tick) -> Comparability {
         let view = &self.peers[peer];
         if now >= view.known_until {
-            return Standing::NotHeard;
+            return Comparability::NotHeard;
         }
         if !self.rules.generations {
-            return Standing::Comparable;
+            return Comparability::Comparable;
         }
         if view.generation != self.generation || self.generation == 0 {
-            Standing::OtherGeneration
+            Comparability::OtherGeneration
         } else if view.position_lost {
-            Standing::PositionLost
+            Comparability::PositionLost
         } else if view.cycle > cycle.saturating_add(self.ahead_max) {
-            Standing::TooFarAhead
+            Comparability::TooFarAhead
         } else {
-            Standing::Comparable
+            Comparability::Comparable
         }
     }
 
@@ -215,7 +218,7 @@ impl Views {
             return true;
         }
         let enough = if self.rules.counted { cycle.saturating_sub(cause.lag) } else { self.peers[peer].cycle };
-        self.standing(peer, cycle, now) == Standing::Comparable && self.count(cause) >= enough
+        self.standing(peer, cycle, now) == Comparability::Comparable && self.count(cause) >= enough
     }
 
     /// Whether all arrows observed in `mode` hold for a step that would start in `cycle`.
@@ -226,7 +229,7 @@ impl Views {
 
     /// Whether every view is known that the arrows observed in `mode` read.
     pub(crate) fn all_known(&self, causes: &[Cause], mode: ControlMode, cycle: i32, now: Tick) -> bool {
-        let known = |cause: &Cause| self.standing(cause.peer as usize, cycle, now) == Standing::Comparable;
+        let known = |cause: &Cause| self.standing(cause.peer as usize, cycle, now) == Comparability::Comparable;
         !self.rules.arrows || causes.iter().all(|cause| !cause.modes[mode as usize] || known(cause))
     }
 
@@ -241,7 +244,13 @@ impl Views {
 ///
 /// An arrow from A with lag k let B start in cycle c because done(A) ≥ c − k. Taking done(A) back from n to n − 1
 /// contradicts exactly those starts with c ≥ n + k.
-fn in_the_way(program: &Program, peer: usize, view: &View, request: Request, started: &[i32]) -> Option<OpId> {
+fn in_the_way(
+    program: &Program,
+    peer: usize,
+    view: &PeerView,
+    request: WithdrawalRequest,
+    started: &[i32],
+) -> Option<OpId> {
     let asked = |cause: &&Cause| cause.peer as usize == peer && request.ops & (1 << cause.from.0) != 0;
     let in_the_way = |cause: &&Cause| {
         let n = view.done[cause.from.index()];

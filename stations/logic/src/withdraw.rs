@@ -12,13 +12,13 @@ use linewright_line::BRANCHES_MAX;
 use linewright_line::net::ControlMode;
 
 use crate::controller::Controller;
-use crate::event::Happening;
-use crate::report::Request;
+use crate::event::HappeningKind;
+use crate::report::WithdrawalRequest;
 
 /// A request that is open, and the command behind it.
 #[derive(Clone, Copy, Debug)]
-pub(crate) struct Pending {
-    pub request: Request,
+pub(crate) struct PendingWithdrawal {
+    pub request: WithdrawalRequest,
     /// The rows whose transitions fire once agreed, the first `count` of them.
     rows: [u16; BRANCHES_MAX],
     count: usize,
@@ -29,7 +29,7 @@ pub(crate) struct Pending {
     pub needs: u64,
 }
 
-impl Pending {
+impl PendingWithdrawal {
     pub fn rows(&self) -> &[u16] {
         &self.rows[..self.count]
     }
@@ -37,7 +37,7 @@ impl Pending {
 
 /// What has become of a request.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
-pub(crate) enum Standing {
+pub(crate) enum WithdrawalState {
     Waiting,
     Agreed,
     /// A station has started on a count: refused.
@@ -63,12 +63,18 @@ impl Controller {
 
     /// Opens a request for the rows that take counts back. Those of one step (concurrent neighbours) are one request.
     pub(crate) fn ask(&mut self, rows: &[u16], mode: ControlMode) {
-        let number = self.next_request;
+        let number = self.agreement.next_request;
         if self.rules.fresh_numbers {
-            self.next_request += 1;
+            self.agreement.next_request += 1;
         }
-        let mut pending =
-            Pending { request: Request { number, ops: 0 }, rows: [0; BRANCHES_MAX], count: 0, hold: 0, mode, needs: 0 };
+        let mut pending = PendingWithdrawal {
+            request: WithdrawalRequest { number, ops: 0 },
+            rows: [0; BRANCHES_MAX],
+            count: 0,
+            hold: 0,
+            mode,
+            needs: 0,
+        };
         for &number in rows {
             let row = self.program.rows[usize::from(number)];
             if row.withdraws {
@@ -79,15 +85,15 @@ impl Controller {
             }
         }
         pending.needs = self.dependents(pending.request.ops, mode);
-        self.pending = Some(pending);
-        self.changed = true;
-        self.note(Happening::Asked(number));
+        self.agreement.pending = Some(pending);
+        self.due.report = true;
+        self.note(HappeningKind::Asked(number));
     }
 
     /// Where the open request stands. A refusal closes it and says who is in the way.
-    pub(crate) fn standing(&mut self, pending: &Pending, levels: u128, mode: ControlMode) -> Standing {
-        if mode != pending.mode || levels & pending.hold != pending.hold || !self.devices_valid {
-            return Standing::GivenUp;
+    pub(crate) fn standing(&mut self, pending: &PendingWithdrawal, levels: u128, mode: ControlMode) -> WithdrawalState {
+        if mode != pending.mode || levels & pending.hold != pending.hold || !self.image.valid {
+            return WithdrawalState::GivenUp;
         }
         let mut missing = false;
         for (index, view) in self.views.peers.iter().enumerate() {
@@ -101,14 +107,14 @@ impl Controller {
                 }
                 Some((boot, number, Some(in_the_way))) if boot == self.boot_id && number == pending.request.number => {
                     let by = view.station;
-                    self.note(Happening::NotAgreed { by, in_the_way });
-                    self.note(Happening::Refused);
-                    self.refusal = Some((by, in_the_way, pending.request.ops));
-                    return Standing::NotAgreed;
+                    self.note(HappeningKind::NotAgreed { by, in_the_way });
+                    self.note(HappeningKind::Refused);
+                    self.agreement.refusal = Some((by, in_the_way, pending.request.ops));
+                    return WithdrawalState::NotAgreed;
                 }
                 Some(_) | None => missing = true,
             }
         }
-        if missing { Standing::Waiting } else { Standing::Agreed }
+        if missing { WithdrawalState::Waiting } else { WithdrawalState::Agreed }
     }
 }

@@ -3,24 +3,24 @@
 use linewright_line::net::Block;
 use linewright_line::{Line, Module, OpId, Owner, StationId, duration_text};
 
-use crate::event::Cause;
+use crate::event::StopCause;
 
-impl Cause {
+impl StopCause {
     /// What the second barrier found, with the station, the switch and where it is wired.
     pub fn detail(self, line: &Line, own: StationId) -> String {
         match self {
-            Cause::Interlock { station, input: Some(input) } => format!(
+            StopCause::Interlock { station, input: Some(input) } => format!(
                 "interlock: {} is not clear: {} is off",
                 line.station(station).name,
                 line.input_text(Owner::Station(station), input)
             ),
-            Cause::Interlock { station, input: None } => {
+            StopCause::Interlock { station, input: None } => {
                 format!(
                     "interlock: the position of {} is not known: no valid image of its switches",
                     line.station(station).name
                 )
             }
-            Cause::PositionLost { op, input } => format!(
+            StopCause::PositionLost { op, input } => format!(
                 "position lost: {} is off where `{}` needs it on: look at the mechanism and the switch",
                 line.input_text(Owner::Station(own), input),
                 line.operation((own, op)).name
@@ -39,13 +39,13 @@ impl Cause {
         };
         let input = |input| line.input_text(Owner::Station(station), input);
         match (self, signals.fault) {
-            (Cause::Watchdog, _) => {
+            (StopCause::Watchdog, _) => {
                 let within = duration_text(operation.watchdog);
                 format!("{}: {} did not come within {within}", self.text(), input(signals.complete))
             }
-            (Cause::Interlock { .. } | Cause::PositionLost { .. }, _) => self.detail(line, station),
-            (Cause::SwitchStuck, _) => format!("{}: {}", self.text(), input(signals.complete)),
-            (Cause::Signal, Some(fault)) => format!("{}: {} is on", self.text(), input(fault)),
+            (StopCause::Interlock { .. } | StopCause::PositionLost { .. }, _) => self.detail(line, station),
+            (StopCause::SwitchStuck, _) => format!("{}: {}", self.text(), input(signals.complete)),
+            (StopCause::Signal, Some(fault)) => format!("{}: {} is on", self.text(), input(fault)),
             _ => self.text().to_owned(),
         }
     }

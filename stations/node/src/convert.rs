@@ -8,7 +8,10 @@ use std::time::Duration;
 use linewright_line::net::{Block, ControlMode};
 use linewright_line::{InputId, Line, OpId, StationId};
 use linewright_msgs::{Answer as AnswerMessage, ModeOrder, StationEvent, StationState};
-use linewright_station_logic::{Answer, Controller, Event, Founding, Happening, ModeOrder as Order, Report, Request};
+use linewright_station_logic::{
+    Controller, Founding, HappeningKind, ModeOrder as Order, StationHappening, StationReport, WithdrawalAnswer,
+    WithdrawalRequest,
+};
 use thiserror::Error;
 
 use crate::foreign::quoted;
@@ -106,7 +109,7 @@ fn operations_of(ops: u64) -> Vec<u16> {
     (0..64).filter(|op| ops & (1 << op) != 0).collect()
 }
 
-fn answer_to_message(line: &Line, own: StationId, answer: &Answer) -> AnswerMessage {
+fn answer_to_message(line: &Line, own: StationId, answer: &WithdrawalAnswer) -> AnswerMessage {
     AnswerMessage {
         station: line.station(answer.to).name.clone(),
         boot_id: answer.boot_id,
@@ -120,7 +123,7 @@ fn answer_to_message(line: &Line, own: StationId, answer: &Answer) -> AnswerMess
 ///
 /// # Errors
 /// When the message does not fit the description.
-pub fn report_from_message(line: &Line, message: &StationState) -> Result<(StationId, Report), ConvertError> {
+pub fn report_from_message(line: &Line, message: &StationState) -> Result<(StationId, StationReport), ConvertError> {
     let station = line.station_named(&message.station).ok_or_else(|| ConvertError::Station(message.station.clone()))?;
     let described = line.station(station);
     let needs = described.operations.len();
@@ -141,10 +144,10 @@ pub fn report_from_message(line: &Line, message: &StationState) -> Result<(Stati
     }
     let mut incomplete = Vec::with_capacity(message.incomplete.len());
     for &index in &message.incomplete {
-        incomplete.push((operation("incomplete", index)?, linewright_station_logic::Cause::Signal));
+        incomplete.push((operation("incomplete", index)?, linewright_station_logic::StopCause::Signal));
     }
     let answers = message.answers.iter().filter_map(|a| answer_from_message(line, station, a)).collect();
-    let report = Report {
+    let report = StationReport {
         boot_id: message.boot_id,
         mode_epoch: message.mode_epoch,
         mode: Some(mode_from_code(message.mode)?),
@@ -164,7 +167,7 @@ pub fn report_from_message(line: &Line, message: &StationState) -> Result<(Stati
         selector_manual: message.selector_manual,
         devices_valid: message.devices_valid,
         incomplete,
-        request: (message.request_number != 0).then_some(Request { number: message.request_number, ops }),
+        request: (message.request_number != 0).then_some(WithdrawalRequest { number: message.request_number, ops }),
         answers,
         // What a station says of its orders is not in this message.
         order: None,
@@ -173,9 +176,9 @@ pub fn report_from_message(line: &Line, message: &StationState) -> Result<(Stati
 }
 
 /// An answer about a station or an operation that is not described counts as none: it can only delay.
-fn answer_from_message(line: &Line, from: StationId, message: &AnswerMessage) -> Option<Answer> {
+fn answer_from_message(line: &Line, from: StationId, message: &AnswerMessage) -> Option<WithdrawalAnswer> {
     let in_the_way = if message.agreed { None } else { Some(line.station(from).operation_named(&message.in_the_way)?) };
-    Some(Answer {
+    Some(WithdrawalAnswer {
         to: line.station_named(&message.station)?,
         boot_id: message.boot_id,
         number: message.request_number,
@@ -184,24 +187,28 @@ fn answer_from_message(line: &Line, from: StationId, message: &AnswerMessage) ->
 }
 
 /// What kind of event it is in a message, and of which operation.
-pub(crate) fn kind_of(event: &Event) -> (u8, Option<OpId>) {
+pub(crate) fn kind_of(event: &StationHappening) -> (u8, Option<OpId>) {
     match event.what {
-        Happening::Started(op, Block::Normal) => (StationEvent::KIND_STARTED, Some(op)),
-        Happening::Started(op, Block::Recovery) => (StationEvent::KIND_UNDO_STARTED, Some(op)),
-        Happening::Completed(op, Block::Normal) => (StationEvent::KIND_COMPLETED, Some(op)),
-        Happening::Completed(op, Block::Recovery) => (StationEvent::KIND_UNDONE, Some(op)),
-        Happening::Stopped(op, _, cause) if cause.is_fault() => (StationEvent::KIND_FAULT, Some(op)),
-        Happening::Stopped(op, _, _) => (StationEvent::KIND_STOPPED, Some(op)),
-        Happening::Withdrawn(_) | Happening::HomeAgain | Happening::Asked(_) => (StationEvent::KIND_WITHDRAWN, None),
-        Happening::NotAgreed { .. } | Happening::Refused => (StationEvent::KIND_REFUSED, None),
-        Happening::Founded | Happening::Rejoined | Happening::PositionFound => (StationEvent::KIND_COMPLETED, None),
-        Happening::PositionLost(op, _) => (StationEvent::KIND_FAULT, Some(op)),
-        Happening::Mode(_) => (StationEvent::KIND_MODE, None),
-        Happening::Devices(_) => (StationEvent::KIND_DEVICES, None),
-        Happening::Ordered(_) | Happening::Securing(_) => (StationEvent::KIND_STARTED, None),
-        Happening::OrderDone(_) => (StationEvent::KIND_COMPLETED, None),
-        Happening::OrderFailed(..) => (StationEvent::KIND_STOPPED, None),
-        Happening::OrderRefused(_) => (StationEvent::KIND_REFUSED, None),
+        HappeningKind::Started(op, Block::Normal) => (StationEvent::KIND_STARTED, Some(op)),
+        HappeningKind::Started(op, Block::Recovery) => (StationEvent::KIND_UNDO_STARTED, Some(op)),
+        HappeningKind::Completed(op, Block::Normal) => (StationEvent::KIND_COMPLETED, Some(op)),
+        HappeningKind::Completed(op, Block::Recovery) => (StationEvent::KIND_UNDONE, Some(op)),
+        HappeningKind::Stopped(op, _, cause) if cause.is_fault() => (StationEvent::KIND_FAULT, Some(op)),
+        HappeningKind::Stopped(op, _, _) => (StationEvent::KIND_STOPPED, Some(op)),
+        HappeningKind::Withdrawn(_) | HappeningKind::HomeAgain | HappeningKind::Asked(_) => {
+            (StationEvent::KIND_WITHDRAWN, None)
+        }
+        HappeningKind::NotAgreed { .. } | HappeningKind::Refused => (StationEvent::KIND_REFUSED, None),
+        HappeningKind::Founded | HappeningKind::Rejoined | HappeningKind::PositionFound => {
+            (StationEvent::KIND_COMPLETED, None)
+        }
+        HappeningKind::PositionLost(op, _) => (StationEvent::KIND_FAULT, Some(op)),
+        HappeningKind::Mode(_) => (StationEvent::KIND_MODE, None),
+        HappeningKind::Devices(_) => (StationEvent::KIND_DEVICES, None),
+        HappeningKind::Ordered(_) | HappeningKind::Securing(_) => (StationEvent::KIND_STARTED, None),
+        HappeningKind::OrderDone(_) => (StationEvent::KIND_COMPLETED, None),
+        HappeningKind::OrderFailed(..) => (StationEvent::KIND_STOPPED, None),
+        HappeningKind::OrderRefused(_) => (StationEvent::KIND_REFUSED, None),
     }
 }
 
@@ -229,7 +236,7 @@ pub fn order_from_message(message: &ModeOrder, (own, name): (StationId, &str)) -
 #[cfg(test)]
 mod tests {
     use linewright_line::{Tick, parse};
-    use linewright_station_logic::{Input, Outbox, Restore};
+    use linewright_station_logic::{Restore, StationInput, StationOutbox};
 
     use super::*;
 
@@ -251,8 +258,8 @@ mod tests {
         let mut controller = Controller::new(&line, StationId(0), 7, Restore::Fresh).expect("it compiles");
         let (now, mut message) = (Tick::from_millis(1000), StationState::default());
         let (until, under) = (now + line.timing.stale, 0);
-        controller.handle(now, Input::Inputs { bits: 0, valid: true, until, under });
-        controller.step(now, &mut Outbox::default());
+        controller.handle(now, StationInput::Inputs { bits: 0, valid: true, until, under });
+        controller.step(now, &mut StationOutbox::default());
         for waited in [0, 400] {
             report_to_message(&line, &controller, now + Duration::from_millis(waited), &mut message);
             assert_eq!(u64::from(message.measured_age_ms), waited);

@@ -7,7 +7,7 @@
 use linewright_line::net::Place;
 use linewright_line::{Line, OpId, StationId};
 use linewright_station_logic::{
-    CompileError, Controller, Failure, OrderKey, OrderMemory, Outcome, Refusal, Reply, Restore, Snapshot,
+    CompileError, Controller, Failure, OrderKey, OrderMemory, Outcome, Refusal, Reply, Restore, StationSnapshot,
 };
 use serde::{Deserialize, Serialize};
 use thiserror::Error;
@@ -140,7 +140,7 @@ fn reply(word: &str) -> Option<Reply> {
 }
 
 /// The record of a snapshot, written in this start of the host.
-pub fn to_record(line: &Line, station: StationId, snapshot: &Snapshot, host: &str) -> Vec<u8> {
+pub fn to_record(line: &Line, station: StationId, snapshot: &StationSnapshot, host: &str) -> Vec<u8> {
     let described = line.station(station);
     let record = Record {
         station: described.name.clone(),
@@ -163,7 +163,7 @@ pub fn to_record(line: &Line, station: StationId, snapshot: &Snapshot, host: &st
 ///
 /// # Errors
 /// When the record cannot be read or belongs to another description.
-pub fn from_record(line: &Line, station: StationId, record: &[u8], host: &str) -> Result<Snapshot, RecordError> {
+pub fn from_record(line: &Line, station: StationId, record: &[u8], host: &str) -> Result<StationSnapshot, RecordError> {
     let described = line.station(station);
     let name = || described.name.clone();
     let record: Record =
@@ -199,7 +199,7 @@ pub fn from_record(line: &Line, station: StationId, record: &[u8], host: &str) -
     if order.is_some() != described.works_on_order() {
         return Err(other("orders"));
     }
-    let snapshot = Snapshot {
+    let snapshot = StationSnapshot {
         marking,
         cycle: record.cycle,
         done: record.done,
@@ -237,7 +237,7 @@ mod tests {
         parse("line.toml", text).unwrap_or_else(|problems| panic!("{problems:#}")).line
     }
 
-    fn snapshot(line: &Line) -> Snapshot {
+    fn snapshot(line: &Line) -> StationSnapshot {
         let mut controller = Controller::new(line, StationId(0), 7, Restore::Fresh).expect("it compiles");
         // Not in auto: refused for now, which is not kept; the one that is told to be left is.
         let order = TaskOrder {
@@ -248,7 +248,7 @@ mod tests {
             limit: std::time::Duration::from_secs(1),
         };
         for command in [TaskCommand::Run(&order), TaskCommand::Secure(order.key)] {
-            controller.handle(linewright_line::Tick::ZERO, linewright_station_logic::Input::Task(command));
+            controller.handle(linewright_line::Tick::ZERO, linewright_station_logic::StationInput::Task(command));
         }
         controller.snapshot()
     }

@@ -8,9 +8,9 @@ use linewright_fieldbus::{
 use linewright_line::{Bus, Line, OpId, Owner, StationId, Tick};
 use linewright_msgs::{ProcessImage, StationEvent, StationState, fitting};
 use linewright_node_shell::{
-    Forward, JournalError, OpenError, Participant, Recorder, TopicError, Watchdog, fresh_boot_id, stamp,
+    Forward, JournalError, JournalWriter, OpenError, Participant, TopicError, Watchdog, fresh_boot_id, stamp,
 };
-use linewright_station_logic::{CompileError, Event, Happening, PanelCommand, Restore};
+use linewright_station_logic::{CompileError, HappeningKind, PanelCommand, Restore, StationHappening};
 use linewright_station_shell::{Driven, InputsMessage, StationArrival, StationEffect, StationShell};
 use thiserror::Error;
 use tokio::sync::{mpsc, watch};
@@ -122,7 +122,7 @@ pub(crate) struct Shell {
     devices: Option<Devices>,
     trouble: Option<Trouble>,
     words: Words,
-    pub(crate) journal: Option<Recorder>,
+    pub(crate) journal: Option<JournalWriter>,
     pub(crate) waiting: Waiting<Arrived>,
     /// Which start of the host this is.
     pub(crate) host: String,
@@ -133,7 +133,7 @@ pub(crate) struct Shell {
     message: StationState,
     has_ended: bool,
     // The node must outlive its publishers and subscriptions.
-    _node: linewright_node_shell::Node,
+    _node: linewright_node_shell::RosNode,
 }
 
 /// An end that nobody has planned lets go of the outputs as well.
@@ -152,7 +152,7 @@ impl Shell {
         let host = host_start();
         if let Some(dir) = state_dir {
             let path = dir.join(format!("{name}.journal"));
-            let (opened, record) = Recorder::open(&path)?;
+            let (opened, record) = JournalWriter::open(&path)?;
             if let Some(record) = record {
                 match from_record(&line, station, &record, &host) {
                     Ok(snapshot) => {
@@ -435,7 +435,7 @@ impl Shell {
         self.send_event(StationEvent::KIND_IGNORED, None, cycle, format!("ignored {count} so far: {why}"));
     }
 
-    fn tell_event(&mut self, event: &Event) {
+    fn tell_event(&mut self, event: &StationHappening) {
         let text = self.text_of(event);
         tracing::info!(station = self.name, cycle = event.cycle, "{text}");
         let (kind, op) = kind_of(event);
@@ -455,9 +455,9 @@ impl Shell {
         });
     }
 
-    fn text_of(&self, event: &Event) -> String {
+    fn text_of(&self, event: &StationHappening) -> String {
         let text = self.words.event(event, self.shell.controller().event_text(&self.line, event));
-        if event.what == Happening::Refused {
+        if event.what == HappeningKind::Refused {
             // The reasons are those of the state it was refused in, which is still the present one.
             let reasons = self.shell.controller().blocked_by(&self.line, self.clock.now());
             format!("{text}: waits for {}", reasons.join("; "))

@@ -12,10 +12,12 @@ use linewright_msgs::{
     Bounded, OrderEnd, OrderState, RunTask, RunTaskFeedback, RunTaskGoal, RunTaskResult, SecureOrder, fitting,
 };
 use linewright_node_shell::{
-    Asked, Ended, Forward, Goal, Node, Owner, Publisher, TopicError, forward, qos, serve_action, stamp,
+    ActionOwner, Forward, GoalEnd, GoalHandle, GoalRequest, Publisher, RosNode, TopicError, forward, qos, serve_action,
+    stamp,
 };
 use linewright_station_logic::{
-    Controller, Failure, OrderKey, OrderReport, Outcome, Refusal, Reply, Report, SlotReport, TaskCommand, TaskOrder,
+    Controller, Failure, OrderKey, Outcome, Refusal, Reply, SlotReport, StationReport, TaskCommand, TaskOrder,
+    TaskOrderReport,
 };
 use tokio::sync::mpsc;
 
@@ -44,26 +46,26 @@ impl Told {
 }
 
 struct Live {
-    goal: Goal,
+    goal: GoalHandle,
     key: OrderKey,
     is_cancelled: bool,
 }
 
 /// A station's orders, as ROS 2 sees them.
 pub struct Orders {
-    owner: Owner<RunTask>,
+    owner: ActionOwner<RunTask>,
     state: Publisher<OrderState>,
     goals: Vec<Live>,
     /// How far the order was that was last told of.
     told: Option<(OrderKey, RunTaskFeedback)>,
-    report: Report,
+    report: StationReport,
     message: OrderState,
 }
 
 impl Orders {
     /// Opens the action and the topics of a station on order.
     pub fn open(
-        node: &mut Node,
+        node: &mut RosNode,
         station: &str,
         boot_id: u64,
         to: &mpsc::Sender<Arrived>,
@@ -76,18 +78,18 @@ impl Orders {
             Some(Arrived::Secure(OrderKey { epoch: message.epoch, id: message.id }, message.stop))
         }));
         let message = OrderState { boot_id, station: station.to_owned(), ..OrderState::default() };
-        Ok(Orders { owner, state, goals: Vec::new(), told: None, report: Report::default(), message })
+        Ok(Orders { owner, state, goals: Vec::new(), told: None, report: StationReport::default(), message })
     }
 
     /// What the controller is told when somebody asks.
-    pub fn asked(&mut self, asked: Asked<RunTaskGoal>) -> Option<Told> {
+    pub fn asked(&mut self, asked: GoalRequest<RunTaskGoal>) -> Option<Told> {
         match asked {
-            Asked::Goal(goal, wanted) => {
+            GoalRequest::Goal(goal, wanted) => {
                 let order = order(wanted);
                 self.goals.push(Live { goal, key: order.key, is_cancelled: false });
                 Some(Told::Run(order))
             }
-            Asked::Cancel(goal) => {
+            GoalRequest::Cancel(goal) => {
                 let live = self.goals.iter_mut().find(|live| live.goal == goal)?;
                 live.is_cancelled = true;
                 let key = live.key;
@@ -132,7 +134,7 @@ impl Orders {
     }
 
     /// Goals end as the report says, and hear how far their order is.
-    fn follow(&mut self, line: &Line, controller: &Controller, orders: &OrderReport) {
+    fn follow(&mut self, line: &Line, controller: &Controller, orders: &TaskOrderReport) {
         if !self.goals.is_empty() {
             orders.results.iter().for_each(|&(key, outcome)| self.end(key, outcome));
             orders.refused.iter().for_each(|&(key, refusal)| self.refuse(key, refusal));
@@ -142,7 +144,7 @@ impl Orders {
         }
     }
 
-    fn tell_state(&mut self, station: &Station, orders: &OrderReport, inputs: Option<u128>) {
+    fn tell_state(&mut self, station: &Station, orders: &TaskOrderReport, inputs: Option<u128>) {
         let message = &mut self.message;
         message.header = stamp();
         message.sequence += 1;
@@ -190,10 +192,10 @@ impl Orders {
                 return true;
             }
             let ended = match result.end {
-                RunTaskResult::END_DONE => Ended::Succeeded,
+                RunTaskResult::END_DONE => GoalEnd::Succeeded,
                 // With whatever code: it was left because somebody asked for that.
-                _ if live.is_cancelled => Ended::Canceled,
-                _ => Ended::Aborted,
+                _ if live.is_cancelled => GoalEnd::Canceled,
+                _ => GoalEnd::Aborted,
             };
             owner.end(live.goal, ended, result.clone());
             false

@@ -2,7 +2,7 @@
 
 use linewright_line::{Bus, Line, StationId};
 use linewright_msgs::{Flag, ModeOrder, ProcessImage, RunTaskGoal, StationEvent, StationState, Text};
-use linewright_node_shell::{Asked, Forward, Node, Publisher, TopicError, forward, qos, watch_middleware};
+use linewright_node_shell::{Forward, GoalRequest, Publisher, RosNode, TopicError, forward, qos, watch_middleware};
 use linewright_station_logic::OrderKey;
 use tokio::sync::mpsc;
 
@@ -29,7 +29,7 @@ pub enum Arrived {
     /// The panel's return.
     Retract(bool),
     /// Somebody orders a task, or no longer wants it.
-    Goal(Asked<RunTaskGoal>),
+    Goal(GoalRequest<RunTaskGoal>),
     /// An order is to be left; with true, the station is to stop at once.
     Secure(OrderKey, bool),
 }
@@ -49,7 +49,7 @@ const QUEUE: usize = 256;
 
 /// Opens every topic of a station.
 pub fn open(
-    node: &mut Node,
+    node: &mut RosNode,
     line: &Line,
     station: StationId,
     boot_id: u64,

@@ -3,7 +3,7 @@
 //! The controller knows that its devices cannot be trusted; which one and why is known to whoever manages them.
 
 use linewright_msgs::{cut, fitting};
-use linewright_station_logic::{Cause, DEVICES_INVALID, Event, Happening};
+use linewright_station_logic::{DEVICES_INVALID, HappeningKind, StationHappening, StopCause};
 
 /// Most bytes of what is said of the devices, whoever says it.
 pub const TROUBLE_BYTES_MAX: usize = 1024;
@@ -29,7 +29,7 @@ impl Words {
     /// Completes a state's fault and reasons. `valid`: the devices are. The fault fits a message afterwards: it says the
     /// cause once per stopped operation, and a state that does not fit reaches nobody.
     pub fn complete(&mut self, valid: bool, fault: &mut String, blocked_by: &mut [String]) {
-        let lost = Cause::Devices.text();
+        let lost = StopCause::Devices.text();
         if fault.contains(lost) {
             if !self.first.is_empty() {
                 *fault = fault.replace(lost, &format!("{lost} ({})", self.first));
@@ -48,10 +48,12 @@ impl Words {
     }
 
     /// Completes an event's text.
-    pub fn event(&self, event: &Event, text: String) -> String {
+    pub fn event(&self, event: &StationHappening, text: String) -> String {
         match event.what {
-            Happening::Devices(false) if !self.now.is_empty() => format!("{text}: {}", self.now),
-            Happening::Stopped(_, _, Cause::Devices) if !self.first.is_empty() => format!("{text} ({})", self.first),
+            HappeningKind::Devices(false) if !self.now.is_empty() => format!("{text}: {}", self.now),
+            HappeningKind::Stopped(_, _, StopCause::Devices) if !self.first.is_empty() => {
+                format!("{text} ({})", self.first)
+            }
             _ => text,
         }
     }
@@ -73,7 +75,7 @@ mod tests {
         words.complete(false, &mut state.fault, &mut state.blocked_by);
         assert_eq!(state.validate(), Ok(()));
         assert!(state.fault.starts_with("close: devices lost (xxx"), "{}", state.fault);
-        let event = Event { cycle: 0, what: Happening::Devices(false) };
+        let event = StationHappening { cycle: 0, what: HappeningKind::Devices(false) };
         assert!(words.event(&event, "devices lost".to_owned()).len() < 4096);
     }
 

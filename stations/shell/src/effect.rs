@@ -1,7 +1,9 @@
 //! What arrives at a station, and what follows from it.
 
 use linewright_line::{OpId, StationId};
-use linewright_station_logic::{Event, ModeOrder, OrderKey, PanelCommand, Reply, Report, TaskCommand};
+use linewright_station_logic::{
+    ModeOrder, OrderKey, PanelCommand, Reply, StationHappening, StationReport, TaskCommand,
+};
 
 /// A station's input image as the gateway sends it.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
@@ -37,7 +39,7 @@ pub enum StationArrival<'a> {
         /// Its number in that station's life.
         sequence: u64,
         /// The state.
-        report: &'a Report,
+        report: &'a StationReport,
     },
     /// The input image, through the gateway.
     Inputs(InputsMessage),
@@ -89,7 +91,7 @@ pub enum StationEffect {
     /// Answer an order for a task.
     Reply(OrderKey, Reply),
     /// Tell what has happened.
-    Happened(Event),
+    Happened(StationHappening),
     /// Log what was ignored and why: the 1st, 2nd, 4th, 8th … time.
     Ignored {
         /// How much has been ignored so far.

@@ -23,7 +23,7 @@ pub struct RivalLife {
 }
 
 #[derive(Clone, Copy, Debug)]
-struct Other {
+struct RivalRecord {
     rival: RivalLife,
     since: Tick,
     is_there: bool,
@@ -34,7 +34,7 @@ struct Other {
 pub struct Rivals {
     period: Duration,
     term: Duration,
-    others: Vec<Other>,
+    others: Vec<RivalRecord>,
 }
 
 impl Rivals {
@@ -64,7 +64,7 @@ impl Rivals {
                     }
                 }
                 let rival = RivalLife { life, sequence, until };
-                self.others.push(Other { rival, since: now, is_there: false });
+                self.others.push(RivalRecord { rival, since: now, is_there: false });
             }
             None => {}
         }

@@ -11,7 +11,8 @@ use std::time::Duration;
 use linewright_line::net::ControlMode;
 use linewright_line::{Line, StationId, Tick};
 use linewright_station_logic::{
-    CompileError, Contest, Controller, Input, ModeOrder, NO_DELAY, Outbox, PanelCommand, Restore, Rules, Snapshot,
+    CompileError, Controller, Handled, Ignored, ModeOrder, NO_DELAY, PanelCommand, Restore, RivalCoordinators, Rules,
+    StationInput, StationOutbox, StationSnapshot,
 };
 
 use crate::effect::{Driven, InputsMessage, StationArrival, StationEffect};
@@ -27,13 +28,13 @@ pub const EPOCH_JUMP_MAX: u64 = 1 << 20;
 pub struct StationShell {
     controller: Controller,
     boot_id: u64,
-    outbox: Outbox,
+    outbox: StationOutbox,
     /// A step that was not the last one before [`StationShell::act`] has changed the state.
     is_changed: bool,
     orders: NewestBySequence,
     /// Coordinators that give orders beside the one that is followed.
     rivals: Rivals,
-    contest: Option<Contest>,
+    contest: Option<RivalCoordinators>,
     images: NewestBySequence,
     states: Vec<NewestBySequence>,
     /// [`InputsMessage::lives`] of the image the controller saw last.
@@ -74,7 +75,7 @@ impl StationShell {
         Ok(StationShell {
             controller: Controller::new(line, station, boot_id, restore)?,
             boot_id,
-            outbox: Outbox::default(),
+            outbox: StationOutbox::default(),
             is_changed: false,
             orders: NewestBySequence::new(stale),
             rivals: Rivals::new(line.timing.refresh, stale),
@@ -125,7 +126,7 @@ impl StationShell {
     }
 
     /// What to write down when [`StationEffect::Remember`] asks for it.
-    pub fn snapshot(&self) -> Snapshot {
+    pub fn snapshot(&self) -> StationSnapshot {
         self.controller.snapshot()
     }
 
@@ -138,35 +139,43 @@ impl StationShell {
     pub fn handle(&mut self, now: Tick, arrival: StationArrival<'_>, effects: &mut Vec<StationEffect>) {
         self.notice_gap(now);
         let is_doubtful = now < self.doubts_until;
-        let taken = match arrival {
+        let handled = match arrival {
             StationArrival::Order { sequence, order } => self.order(now, sequence, order, is_doubtful),
             StationArrival::State { station, sequence, report } => {
                 let Some(states) = self.states.get_mut(station.index()) else {
-                    self.ignore("it is of a station that is not described", effects);
+                    self.ignore("a report of a station that is not described", effects);
                     return;
                 };
-                !states.offer(now, report.boot_id, sequence)
-                    || is_doubtful
-                    || self.controller.handle(now, Input::View(station, report))
+                if states.offer(now, report.boot_id, sequence) && !is_doubtful {
+                    self.controller.handle(now, StationInput::View(station, report))
+                } else {
+                    Handled::Taken
+                }
             }
             StationArrival::Inputs(message) => {
                 if self.images.offer(now, message.boot_id, message.sequence) && !is_doubtful {
                     self.inputs_by_message(now, message);
                 }
-                true
+                Handled::Taken
             }
             StationArrival::Devices { bits, valid, losses } => {
                 self.image(now, (bits, valid), losses, Tick::NEVER, NO_DELAY);
-                true
+                Handled::Taken
             }
             // A button that was held before the gap may have been released in it.
-            StationArrival::Panel(PanelCommand::Advance(true) | PanelCommand::Retract(true)) if is_doubtful => true,
-            StationArrival::Panel(command) => self.controller.handle(now, Input::Panel(command)),
-            StationArrival::Rejoin(within) => !is_doubtful && self.controller.handle(now, Input::Rejoin(within)),
-            StationArrival::Task(command) => self.controller.handle(now, Input::Task(command)),
+            StationArrival::Panel(PanelCommand::Advance(true) | PanelCommand::Retract(true)) if is_doubtful => {
+                Handled::Taken
+            }
+            StationArrival::Panel(command) => self.controller.handle(now, StationInput::Panel(command)),
+            StationArrival::Rejoin(_) if is_doubtful => {
+                self.ignore("rejoin: the node stood still just before it; confirm again", effects);
+                return;
+            }
+            StationArrival::Rejoin(within) => self.controller.handle(now, StationInput::Rejoin(within)),
+            StationArrival::Task(command) => self.controller.handle(now, StationInput::Task(command)),
         };
-        if !taken {
-            self.ignore("it does not apply here", effects);
+        if let Handled::Ignored(why) = handled {
+            self.ignore(why.text(), effects);
         }
     }
 
@@ -180,10 +189,10 @@ impl StationShell {
 
     /// Takes an order. The emergency stop is obeyed whichever coordinator gives it, in whichever of its lives, sequences
     /// and epochs: a stop too many costs a reset.
-    fn order(&mut self, now: Tick, sequence: u64, order: ModeOrder, is_doubtful: bool) -> bool {
-        let is_taken = self.take_order(now, sequence, order, is_doubtful);
+    fn order(&mut self, now: Tick, sequence: u64, order: ModeOrder, is_doubtful: bool) -> Handled {
+        let handled = self.take_order(now, sequence, order, is_doubtful);
         self.look_for_rivals(now, sequence, &order, is_doubtful);
-        is_taken
+        handled
     }
 
     /// Orders of two coordinators in turn are no order: nothing starts while both are heard. An emergency stop counts as
@@ -196,14 +205,14 @@ impl StationShell {
             self.rivals.hear(now, (order.boot_id, sequence), self.orders.heard());
         }
         let rival = self.rivals.there(now);
-        let contest = rival.map(|rival| Contest { lives: (followed, rival.life), until: rival.until });
+        let contest = rival.map(|rival| RivalCoordinators { lives: (followed, rival.life), until: rival.until });
         if contest != self.contest {
             self.contest = contest;
-            self.controller.handle(now, Input::Contest(contest));
+            self.controller.handle(now, StationInput::Contest(contest));
         }
     }
 
-    fn take_order(&mut self, now: Tick, sequence: u64, order: ModeOrder, is_doubtful: bool) -> bool {
+    fn take_order(&mut self, now: Tick, sequence: u64, order: ModeOrder, is_doubtful: bool) -> Handled {
         // A station that has followed nobody yet has nothing to compare with. It follows whatever epoch the line has come to,
         // so that a line comes back from an epoch that was forged when its stations are restarted.
         let followed = self.controller.mode_epoch();
@@ -211,16 +220,16 @@ impl StationShell {
         if jumps || order.lease > self.lease {
             // Followed, it would shut out every coordinator that counts as it should, or outlive its sender.
             if order.mode == ControlMode::EStop {
-                self.controller.handle(now, Input::EmergencyStop(order.boot_id));
+                self.controller.handle(now, StationInput::EmergencyStop(order.boot_id));
             }
-            return false;
+            return Handled::Ignored(if jumps { Ignored::EpochTooHigh } else { Ignored::LeaseTooLong });
         }
         let is_newest = self.orders.offer(now, order.boot_id, sequence);
         let is_stop = order.mode == ControlMode::EStop;
         match (is_newest && !is_doubtful, is_stop) {
-            (true, _) => self.controller.handle(now, Input::Order(order)),
-            (false, true) => self.controller.handle(now, Input::EmergencyStop(order.boot_id)),
-            (false, false) => true,
+            (true, _) => self.controller.handle(now, StationInput::Order(order)),
+            (false, true) => self.controller.handle(now, StationInput::EmergencyStop(order.boot_id)),
+            (false, false) => Handled::Taken,
         }
     }
 
@@ -235,11 +244,11 @@ impl StationShell {
         if self.lives != lives {
             // A loss shorter than the scan: the devices have started over, so the controller must see it.
             self.lives = lives;
-            self.controller.handle(now, Input::Inputs { bits: 0, valid: false, until: Tick::NEVER, under });
+            self.controller.handle(now, StationInput::Inputs { bits: 0, valid: false, until: Tick::NEVER, under });
             self.step_between(now);
         }
         self.inputs = bits;
-        self.controller.handle(now, Input::Inputs { bits, valid, until, under });
+        self.controller.handle(now, StationInput::Inputs { bits, valid, until, under });
     }
 
     /// A step whose results are given with those of the next [`StationShell::act`].
@@ -256,7 +265,7 @@ impl StationShell {
         }
         self.expected = Tick::NEVER;
         self.doubts_until = now + self.refresh;
-        self.controller.handle(now, Input::Gap);
+        self.controller.handle(now, StationInput::Gap);
         self.step_between(now);
     }
 

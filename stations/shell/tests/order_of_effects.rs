@@ -1,7 +1,7 @@
 //! What is written down before what is put out, and that before what is told.
 
 use linewright_line::net::ControlMode;
-use linewright_station_logic::{Happening, PanelCommand};
+use linewright_station_logic::{HappeningKind, PanelCommand};
 use linewright_station_shell::{StationArrival, StationEffect};
 
 use crate::rig::{FOLLOWED, Rig};
@@ -34,7 +34,10 @@ fn a_loss_of_devices_between_two_images_is_seen() {
     rig.lives += 1;
     rig.inputs(false);
     rig.act();
-    let lost = StationEffect::Happened(linewright_station_logic::Event { cycle: 1, what: Happening::Devices(false) });
+    let lost = StationEffect::Happened(linewright_station_logic::StationHappening {
+        cycle: 1,
+        what: HappeningKind::Devices(false),
+    });
     assert!(rig.effects.contains(&lost), "{:?}", rig.effects);
     assert!(rig.shell.controller().marking().any(|place| place.is_incomplete()));
     assert_eq!(rig.driven().map(|image| (rig.motion(image.bits), image.lives)), Some((0, rig.lives)));

@@ -4,7 +4,7 @@ use std::time::Duration;
 
 use linewright_line::net::ControlMode;
 use linewright_line::{Line, Module, OpId, StationId, Tick, TransferLine, parse};
-use linewright_station_logic::{Controller, ModeOrder, PanelCommand, Report, Restore, Rules};
+use linewright_station_logic::{Controller, ModeOrder, PanelCommand, Restore, Rules, StationReport};
 use linewright_station_shell::{Driven, InputsMessage, StationArrival, StationEffect, StationShell};
 
 /// The life of the coordinator that is followed, and of another one.
@@ -21,7 +21,7 @@ pub struct Rig {
     pub sequence: u64,
     pub lives: u64,
     station: StationId,
-    peers: Vec<(StationId, Report)>,
+    peers: Vec<(StationId, StationReport)>,
 }
 
 impl Rig {

@@ -43,7 +43,7 @@ const FORBIDDEN: [&str; 9] = [
 ];
 
 /// For each crate, those of the workspace it may build on. Dependencies point one way; a new crate gets a row here.
-const MAY_USE: [(&str, &[&str]); 26] = [
+const MAY_USE: [(&str, &[&str]); 27] = [
     ("linewright-nets", &[]),
     ("linewright-problems", &[]),
     ("linewright-text", &[]),
@@ -135,6 +135,7 @@ const MAY_USE: [(&str, &[&str]); 26] = [
     ),
     ("linewright", EVERYTHING),
     ("linewright-tests", EVERYTHING),
+    ("linewright-examples", EVERYTHING),
     ("xtask", &[]),
 ];
 

@@ -1,33 +1,33 @@
 //! The one object that `--json` prints of a cell.
 
 use linewright_cell::Cell;
-use linewright_coordinator_cell::Fact;
-use linewright_coordinator_cell::described::Described;
+use linewright_coordinator_cell::RecordKind;
+use linewright_coordinator_cell::compile::CompiledCell;
 use linewright_coordinator_cell::dispatch::words;
 use linewright_line::Tick;
 use linewright_simulation::cell::CellSim;
 use serde::Serialize;
 
-use super::made::Made;
+use super::made::ProductionResult;
 
 /// Everything that came out. Times are seconds.
 #[derive(Serialize)]
-pub struct Object {
+pub struct CellSimulationJson {
     cell: String,
     ok: bool,
     #[serde(skip_serializing_if = "Option::is_none")]
     error: Option<String>,
     makespan_s: f64,
-    parts: Vec<Part>,
-    resources: Vec<Resource>,
+    parts: Vec<JsonPart>,
+    resources: Vec<JsonResource>,
     /// Those that take time, in the order in which they started.
-    activities: Vec<Activity>,
+    activities: Vec<JsonActivity>,
     #[serde(skip_serializing_if = "Option::is_none")]
     decisions: Option<Vec<Decision>>,
 }
 
 #[derive(Serialize)]
-struct Part {
+struct JsonPart {
     part: u64,
     #[serde(rename = "type")]
     of: String,
@@ -36,7 +36,7 @@ struct Part {
 }
 
 #[derive(Serialize)]
-struct Resource {
+struct JsonResource {
     name: String,
     prototype: String,
     capacity: u32,
@@ -46,7 +46,7 @@ struct Resource {
 }
 
 #[derive(Serialize)]
-struct Activity {
+struct JsonActivity {
     activity: String,
     part: Option<u64>,
     start_s: f64,
@@ -59,17 +59,24 @@ struct Decision {
     why: Vec<String>,
 }
 
-impl Object {
+impl CellSimulationJson {
     /// Of a run that has ended; with all decisions if `why`.
-    pub fn new(cell: &Cell, played: &Described, sim: &CellSim, made: &Made, error: Option<&str>, why: bool) -> Self {
+    pub fn new(
+        cell: &Cell,
+        played: &CompiledCell,
+        sim: &CellSim,
+        made: &ProductionResult,
+        error: Option<&str>,
+        why: bool,
+    ) -> Self {
         let seconds = |tick: Tick| tick.as_micros() as f64 / 1e6;
-        let parts = made.parts.iter().map(|part| Part {
+        let parts = made.parts.iter().map(|part| JsonPart {
             part: part.part.0,
             of: part.product.and_then(|of| cell.part_types.get(of)).map(|of| of.name.clone()).unwrap_or_default(),
             entered_s: seconds(part.entered),
             done_s: part.left.map(seconds),
         });
-        let resources = made.report.resources.iter().map(|of| Resource {
+        let resources = made.report.resources.iter().map(|of| JsonResource {
             name: of.name.clone(),
             prototype: of.prototype.clone(),
             capacity: of.capacity,
@@ -77,17 +84,17 @@ impl Object {
             taken_mean: of.taken,
             taken_most: of.most,
         });
-        let activities = made.activities.iter().map(|done| Activity {
+        let activities = made.activities.iter().map(|done| JsonActivity {
             activity: played.table.mode_name(done.mode).to_owned(),
             part: done.part.map(|part| part.0),
             start_s: seconds(done.began),
             end_s: done.ended.map(seconds),
         });
         let decisions = sim.log.iter().filter_map(|record| {
-            let Fact::Decided { started, held, .. } = &record.fact else { return None };
+            let RecordKind::Decided { started, held, .. } = &record.fact else { return None };
             Some(Decision { at_s: seconds(record.at), why: words::decision(&sim.table, started, held) })
         });
-        Object {
+        CellSimulationJson {
             cell: cell.name.clone(),
             ok: error.is_none(),
             error: error.map(str::to_owned),

@@ -2,34 +2,34 @@
 
 use linewright_cell::Cell;
 use linewright_coordinator_cell::Record;
-use linewright_coordinator_cell::described::{Described, sheet};
-use linewright_coordinator_cell::tracking::{Activities, Done, Passage, Report, Tracking};
+use linewright_coordinator_cell::compile::{CompiledCell, sheet};
+use linewright_coordinator_cell::tracking::{Activities, CellSummary, FinishedActivity, PartHistory, Tracking};
 use linewright_line::Tick;
 
 /// All of it.
-pub struct Made {
+pub struct ProductionResult {
     /// In the order in which they came.
-    pub parts: Vec<Passage>,
+    pub parts: Vec<PartHistory>,
     /// In the order in which they started, without those that take no time: they are no bar in a chart.
-    pub activities: Vec<Done>,
+    pub activities: Vec<FinishedActivity>,
     /// What the same is in sum.
-    pub report: Report,
+    pub report: CellSummary,
     /// When the last part left, or the last thing happened.
     pub end: Tick,
 }
 
-impl Made {
+impl ProductionResult {
     /// What records say.
-    pub fn new(cell: &Cell, played: &Described, records: &[Record]) -> Self {
+    pub fn new(cell: &Cell, played: &CompiledCell, records: &[Record]) -> Self {
         let end = records.last().map_or(Tick::ZERO, |record| record.at);
         let (mut tracking, mut activities) = (Tracking::new(sheet(cell, played)), Activities::default());
         for record in records {
             tracking.take(record);
             activities.take(record);
         }
-        let mut parts: Vec<Passage> = tracking.passages().copied().collect();
+        let mut parts: Vec<PartHistory> = tracking.passages().copied().collect();
         parts.sort_unstable_by_key(|part| part.part);
         let timed = activities.all().iter().filter(|done| done.ended != Some(done.began));
-        Made { parts, activities: timed.cloned().collect(), report: tracking.report(end), end }
+        ProductionResult { parts, activities: timed.cloned().collect(), report: tracking.report(end), end }
     }
 }

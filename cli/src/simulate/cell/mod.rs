@@ -16,25 +16,25 @@ use std::time::Duration;
 
 use linewright_cell::Cell;
 use linewright_cell::net::Supply;
-use linewright_coordinator_cell::described::{Described, Pace, described, dispatcher, planner};
+use linewright_coordinator_cell::compile::{CompiledCell, OrderTiming, compile_cell, dispatcher, planner};
 use linewright_coordinator_cell::dispatch::why_not;
 use linewright_coordinator_cell::dispatch::words::Reasons;
-use linewright_coordinator_cell::{Phase, State};
+use linewright_coordinator_cell::{ActivityPhase, PlayerState};
 use linewright_line::{Line, Tick};
-use linewright_simulation::cell::{CellOptions, CellSim};
+use linewright_simulation::cell::{CellSim, CellSimOptions};
 use miette::miette;
 
 use super::Args;
 use crate::load;
 use crate::out::{self, say};
-use made::Made;
+use made::ProductionResult;
 
 /// More parts are no more informative.
 const PARTS_MAX: u32 = 100_000;
 /// Of so many parts at most it is said why they have not been finished.
 const STUCK_MAX: usize = 10;
 /// Nothing is lost here, so nothing is repeated, and nobody is killed.
-const PACE: Pace = Pace { refresh: Duration::from_secs(10), grace: Duration::from_secs(10) };
+const PACE: OrderTiming = OrderTiming { refresh: Duration::from_secs(10), grace: Duration::from_secs(10) };
 /// Stations are heard once and do not change.
 const PERIOD: Duration = Duration::from_secs(3600);
 
@@ -74,14 +74,14 @@ pub fn run(args: &Args, file: &Path) -> miette::Result<ExitCode> {
     }
     let cell = parsed.cell;
     let batch = batch(&cell, &args.parts)?;
-    let played = described(&cell, line.as_ref(), Supply::Batch(&batch), PACE).map_err(|error| miette!("{error}"))?;
+    let played = compile_cell(&cell, line.as_ref(), Supply::Batch(&batch), PACE).map_err(|error| miette!("{error}"))?;
     let delay = args.delay.unwrap_or_default();
-    let options = CellOptions {
+    let options = CellSimOptions {
         seed: args.seed,
-        pace: linewright_simulation::cell::Pace::Nominal { spread: args.variation.unwrap_or(0.0) },
+        pace: linewright_simulation::cell::StationSpeed::Nominal { spread: args.variation.unwrap_or(0.0) },
         delay: (delay, delay + args.jitter.unwrap_or_default()),
         period: PERIOD,
-        ..CellOptions::default()
+        ..CellSimOptions::default()
     };
     let stations = line.as_ref().map_or(cell.controllers.len(), |line| line.stations.len());
     // Whatever is wrong with the file is said before anything is played.
@@ -95,7 +95,7 @@ pub fn run(args: &Args, file: &Path) -> miette::Result<ExitCode> {
         Some(plan) => sim.run(plan, Tick::NEVER),
         None => sim.run(&mut by_rules, Tick::NEVER),
     }
-    let made = Made::new(&cell, &played, &sim.log);
+    let made = ProductionResult::new(&cell, &played, &sim.log);
     if let Some(history) = &mut history {
         record::write(history, &sim.log)?;
         plan.as_ref().map_or(Ok(()), |plan| record::write_plan(history, plan, &made.activities))?;
@@ -103,7 +103,7 @@ pub fn run(args: &Args, file: &Path) -> miette::Result<ExitCode> {
     let asked: u32 = batch.iter().sum();
     let error = error(&sim, &played, asked, made.end);
     if args.json {
-        out::json(&json::Object::new(&cell, &played, &sim, &made, error.as_deref(), args.why))?;
+        out::json(&json::CellSimulationJson::new(&cell, &played, &sim, &made, error.as_deref(), args.why))?;
     } else {
         if args.why {
             say!("{}", show::decisions(&sim));
@@ -143,8 +143,8 @@ fn batch(cell: &Cell, asked: &[(String, u32)]) -> miette::Result<Vec<u32>> {
 }
 
 /// Why not all parts were finished until the last thing happened; none if they were.
-fn error(sim: &CellSim, played: &Described, asked: u32, end: Tick) -> Option<String> {
-    let state: &State = sim.state();
+fn error(sim: &CellSim, played: &CompiledCell, asked: u32, end: Tick) -> Option<String> {
+    let state: &PlayerState = sim.state();
     let left = u32::try_from(state.left()).unwrap_or(u32::MAX);
     if left >= asked {
         return None;
@@ -161,8 +161,8 @@ fn error(sim: &CellSim, played: &Described, asked: u32, end: Tick) -> Option<Str
         ),
     }];
     let failed = state.firings().filter_map(|firing| match firing.phase {
-        Phase::Failed(cause) => Some((firing, cause)),
-        Phase::Running => None,
+        ActivityPhase::Failed(cause) => Some((firing, cause)),
+        ActivityPhase::Running => None,
     });
     for (firing, cause) in failed.take(STUCK_MAX) {
         let what = linewright_coordinator_cell::dispatch::words::named(state.table(), firing.mode, firing.part);
@@ -170,7 +170,7 @@ fn error(sim: &CellSim, played: &Described, asked: u32, end: Tick) -> Option<Str
     }
     let mut reasons = Reasons::default();
     sim.log.iter().for_each(|record| reasons.note(record));
-    let ways = linewright_coordinator_cell::dispatch::Ways::new(&played.table);
+    let ways = linewright_coordinator_cell::dispatch::ShortestRoutes::new(&played.table);
     for part in state.parts().take(STUCK_MAX) {
         let why = why_not(&ways, &reasons, state, end, part.id);
         lines.extend(why.into_iter().map(|line| format!("  {line}")));

@@ -4,11 +4,11 @@ use std::collections::BTreeMap;
 use std::path::Path;
 
 use linewright_cell::Cell;
-use linewright_coordinator_cell::described::{Described, sheet};
-use linewright_coordinator_cell::schedule::Foreman;
-use linewright_coordinator_cell::tracking::Done;
+use linewright_coordinator_cell::compile::{CompiledCell, sheet};
+use linewright_coordinator_cell::schedule::ScheduleFollower;
+use linewright_coordinator_cell::tracking::FinishedActivity;
 use linewright_coordinator_cell::{FiringId, Record};
-use linewright_history::{About, Clock, History, Note};
+use linewright_history::{CellAbout, History, Note, TimeBase};
 use linewright_line::Line;
 use miette::miette;
 
@@ -16,16 +16,16 @@ use miette::miette;
 const BATCH: usize = 10_000;
 
 /// A new database about a cell.
-pub fn begin(path: &Path, cell: &Cell, line: Option<&Line>, played: &Described) -> miette::Result<History> {
+pub fn begin(path: &Path, cell: &Cell, line: Option<&Line>, played: &CompiledCell) -> miette::Result<History> {
     let stations = match line {
         Some(line) => line.stations.iter().map(|station| station.name.clone()).collect(),
         None => cell.controllers.clone(),
     };
-    let about = About {
+    let about = CellAbout {
         cell: cell.name.clone(),
         title: cell.title.clone(),
         table: played.table.digest(),
-        clock: Clock::Simulated,
+        clock: TimeBase::Simulated,
         stations,
         sheet: sheet(cell, played),
     };
@@ -41,8 +41,12 @@ pub fn write(history: &mut History, records: &[Record]) -> miette::Result<()> {
 }
 
 /// Writes down when each activity was planned at first, if it was.
-pub fn write_plan(history: &mut History, plan: &Foreman, activities: &[Done]) -> miette::Result<()> {
-    let key = |done: &Done| ((done.mode, done.part, done.began), done.firing);
+pub fn write_plan(
+    history: &mut History,
+    plan: &ScheduleFollower,
+    activities: &[FinishedActivity],
+) -> miette::Result<()> {
+    let key = |done: &FinishedActivity| ((done.mode, done.part, done.began), done.firing);
     let firings: BTreeMap<_, FiringId> = activities.iter().map(key).collect();
     for bar in plan.bars() {
         let (Some((from, to)), Some((began, _))) = (bar.promised, bar.actual) else { continue };

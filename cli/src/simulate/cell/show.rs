@@ -4,10 +4,10 @@ use std::fmt::Write;
 
 use linewright_cell::Cell;
 use linewright_coordinator_cell::dispatch::words;
-use linewright_coordinator_cell::{Cause, Fact};
+use linewright_coordinator_cell::{ActivityFailure, RecordKind};
 use linewright_simulation::cell::CellSim;
 
-use super::made::Made;
+use super::made::ProductionResult;
 
 /// So many parts are listed; of more the JSON has all.
 const LISTED_MAX: usize = 40;
@@ -16,7 +16,7 @@ const LISTED_MAX: usize = 40;
 pub fn decisions(sim: &CellSim) -> String {
     let mut text = String::new();
     for record in &sim.log {
-        let Fact::Decided { started, held, .. } = &record.fact else { continue };
+        let RecordKind::Decided { started, held, .. } = &record.fact else { continue };
         for line in words::decision(&sim.table, started, held) {
             // Writing to a string does not fail.
             let _ = writeln!(text, "{:>10.3} s  {line}", record.at.as_micros() as f64 / 1e6);
@@ -26,16 +26,16 @@ pub fn decisions(sim: &CellSim) -> String {
 }
 
 /// Why an activity has failed.
-pub fn cause(cause: &Cause) -> String {
+pub fn cause(cause: &ActivityFailure) -> String {
     match cause {
-        Cause::Order { key, failure } => format!("{key} was {failure}"),
-        Cause::ByHand { resource } => format!("alarm was given of {resource}"),
-        Cause::TimedOut => "it was not done in time".to_owned(),
+        ActivityFailure::Order { key, failure } => format!("{key} was {failure}"),
+        ActivityFailure::ByHand { resource } => format!("alarm was given of {resource}"),
+        ActivityFailure::TimedOut => "it was not done in time".to_owned(),
     }
 }
 
 /// Parts and resources.
-pub fn text(cell: &Cell, made: &Made, asked: u32) -> String {
+pub fn text(cell: &Cell, made: &ProductionResult, asked: u32) -> String {
     let seconds = |tick: linewright_line::Tick| tick.as_micros() as f64 / 1e6;
     let done = made.parts.iter().filter(|part| part.left.is_some()).count();
     let mut text = format!("{}\n{done} of {asked} parts done in {:.3} s\n", cell.title, seconds(made.end));

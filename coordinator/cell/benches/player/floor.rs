@@ -8,8 +8,8 @@ use std::sync::Arc;
 use std::time::Duration;
 
 use linewright_coordinator_cell::{
-    ActivityKind, CellTable, Coordination, Dispatcher, Fact, Heard, Input, ModeId, OrderKey, Outbox, Outcome, Reply,
-    Send, State,
+    ActivityTiming, CellMessage, CellTable, Coordination, Dispatcher, ModeId, OrderKey, Outcome, PlayerInput,
+    PlayerOutbox, PlayerState, RecordKind, Reply, TaskReport,
 };
 use linewright_line::{StationId, Tick};
 
@@ -20,7 +20,7 @@ pub struct Floor {
     pub now: Tick,
     working: BinaryHeap<Reverse<(Tick, StationId, OrderKey)>>,
     replies: Vec<(StationId, OrderKey, Reply)>,
-    out: Outbox,
+    out: PlayerOutbox,
     /// How many activities have started or happened.
     pub firings: u64,
     /// How many questions with something to start were answered.
@@ -39,21 +39,22 @@ pub fn traced(trace: u64, at: Tick, mode: ModeId) -> u64 {
 /// How long a mode takes.
 pub fn time(table: &CellTable, mode: ModeId) -> Duration {
     match table.activity(mode).kind {
-        ActivityKind::Immediate => Duration::ZERO,
-        ActivityKind::Decided { time, limit: _ } => time,
+        ActivityTiming::Immediate => Duration::ZERO,
+        ActivityTiming::Decided { time, limit: _ } => time,
     }
 }
 
 impl Floor {
     pub fn new(table: &Arc<CellTable>, dispatcher: &mut dyn Dispatcher) -> Self {
-        let mut out = Outbox::default();
-        let player = Coordination::begin(State::new(table.clone()), Tick::ZERO, 1, &mut out).expect("a first life");
+        let mut out = PlayerOutbox::default();
+        let player =
+            Coordination::begin(PlayerState::new(table.clone()), Tick::ZERO, 1, &mut out).expect("a first life");
         let (working, replies) = (BinaryHeap::new(), Vec::new());
         let mut new =
             Floor { player, now: Tick::ZERO, working, replies, out, firings: 0, decisions: 0, records: 0, trace: 0 };
-        let (heard, stations) = (Heard { memory: 1, ..Heard::default() }, table.handling().stations.len());
-        let hears = (0..stations).map(|at| Input::Station(StationId::at(at), &heard));
-        let inputs: Vec<_> = hears.chain([Input::Starts(true)]).collect();
+        let (heard, stations) = (TaskReport { memory: 1, ..TaskReport::default() }, table.handling().stations.len());
+        let hears = (0..stations).map(|at| PlayerInput::Station(StationId::at(at), &heard));
+        let inputs: Vec<_> = hears.chain([PlayerInput::Starts(true)]).collect();
         new.player.step(Tick::ZERO, &inputs, dispatcher, &mut new.out);
         new.take();
         new
@@ -81,7 +82,7 @@ impl Floor {
                 self.replies.push((station, key, Reply::Ended(Outcome::Done)));
             }
         }
-        let inputs: Vec<_> = self.replies.drain(..).map(|(s, key, reply)| Input::Reply(s, key, reply)).collect();
+        let inputs: Vec<_> = self.replies.drain(..).map(|(s, key, reply)| PlayerInput::Reply(s, key, reply)).collect();
         self.player.step(self.now, &inputs, dispatcher, &mut self.out);
         self.take();
     }
@@ -92,24 +93,24 @@ impl Floor {
         for record in self.out.records.drain(..) {
             self.records += 1;
             match record.fact {
-                Fact::Started { mode, .. } | Fact::Fired { mode, .. } => {
+                RecordKind::Started { mode, .. } | RecordKind::Fired { mode, .. } => {
                     self.firings += 1;
                     self.trace = traced(self.trace, record.at, mode);
                 }
-                Fact::Decided { .. } => self.decisions += 1,
-                Fact::Epoch { .. }
-                | Fact::Memory { .. }
-                | Fact::Acknowledged { .. }
-                | Fact::OrderEnded { .. }
-                | Fact::Ended { .. }
-                | Fact::Production { .. } => (),
-                Fact::OrderFailed { .. } | Fact::Raised { .. } | Fact::Exception(_) => {
+                RecordKind::Decided { .. } => self.decisions += 1,
+                RecordKind::Epoch { .. }
+                | RecordKind::Memory { .. }
+                | RecordKind::Acknowledged { .. }
+                | RecordKind::OrderEnded { .. }
+                | RecordKind::Ended { .. }
+                | RecordKind::Production { .. } => (),
+                RecordKind::OrderFailed { .. } | RecordKind::Raised { .. } | RecordKind::Exception(_) => {
                     panic!("nothing fails here: {:?}", record.fact)
                 }
             }
         }
         for send in self.out.sends.drain(..) {
-            let Send::Order(order) = send else { panic!("nobody has to be secured here") };
+            let CellMessage::Order(order) = send else { panic!("nobody has to be secured here") };
             let (firing, _) = player.state().order(order.order.key).expect("what is sent is in progress");
             self.working.push(Reverse((self.now + time(table, firing.mode), order.station, order.order.key)));
             self.replies.push((order.station, order.order.key, Reply::Running));
@@ -120,12 +121,12 @@ impl Floor {
     /// Whole states of all stations, which say nothing new; how many.
     pub fn hear_all(&mut self, dispatcher: &mut dyn Dispatcher) -> usize {
         let stations = self.player.state().table().handling().stations.len();
-        let mut heard = Heard { memory: 1, epoch: 1, ..Heard::default() };
+        let mut heard = TaskReport { memory: 1, epoch: 1, ..TaskReport::default() };
         let mut slots = vec![None; stations];
         self.working.iter().for_each(|Reverse((_, station, key))| slots[station.index()] = Some(*key));
         for (at, slot) in slots.into_iter().enumerate() {
             heard.slot = slot;
-            self.player.step(self.now, &[Input::Station(StationId::at(at), &heard)], dispatcher, &mut self.out);
+            self.player.step(self.now, &[PlayerInput::Station(StationId::at(at), &heard)], dispatcher, &mut self.out);
         }
         self.take();
         stations

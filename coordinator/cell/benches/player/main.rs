@@ -16,13 +16,13 @@ use std::sync::Arc;
 use std::time::{Duration, Instant};
 
 use allocation_counter::{AllocationInfo, measure};
-use linewright_cell::Rule;
+use linewright_cell::DispatchRule;
 use linewright_cell::net::Supply;
 use linewright_coordinator_cell::ahead::LookAhead;
-use linewright_coordinator_cell::described::{Pace, described};
-use linewright_coordinator_cell::dispatch::ByRules;
-use linewright_coordinator_cell::production::Desk;
-use linewright_coordinator_cell::{Answer, CellTable, Dispatcher, Question, Start, State};
+use linewright_coordinator_cell::compile::{OrderTiming, compile_cell};
+use linewright_coordinator_cell::dispatch::RuleDispatcher;
+use linewright_coordinator_cell::production::DispatchConfiguration;
+use linewright_coordinator_cell::{CellTable, DispatchDecision, Dispatcher, PlayerState, Question, Start};
 
 use bays::bays;
 use floor::Floor;
@@ -32,16 +32,16 @@ use naive::Naive;
 const SAMPLES: usize = 9;
 /// Longer than anything is compared for.
 const NEVER: Duration = Duration::from_secs(1_000_000_000);
-const RULES: [Rule; 2] = [Rule::ShortestProcessingTime, Rule::Fifo];
+const RULES: [DispatchRule; 2] = [DispatchRule::ShortestProcessingTime, DispatchRule::Fifo];
 
 /// Starts the first of what could start, one at a time.
 #[derive(Clone, Copy)]
 struct First;
 
 impl Dispatcher for First {
-    fn decide(&mut self, question: &Question<'_>) -> Answer {
+    fn decide(&mut self, question: &Question<'_>) -> DispatchDecision {
         let part = question.parts(&question.candidates[0]).next();
-        Answer { start: vec![Start { candidate: 0, part }], held: Vec::new() }
+        DispatchDecision { start: vec![Start { candidate: 0, part }], held: Vec::new() }
     }
 }
 
@@ -50,19 +50,19 @@ fn table(resources: usize) -> Arc<CellTable> {
     let made = bays(resources);
     let parsed = linewright_cell::parse("cell.toml", &made.text, None).unwrap_or_else(|why| panic!("{why:#}"));
     assert_eq!(parsed.cell.resources.len(), resources);
-    let pace = Pace { refresh: Duration::from_secs(1), grace: Duration::from_secs(1) };
-    let table = described(&parsed.cell, None, Supply::Closed(&made.parts), pace).expect("it can be played").table;
+    let pace = OrderTiming { refresh: Duration::from_secs(1), grace: Duration::from_secs(1) };
+    let table = compile_cell(&parsed.cell, None, Supply::Closed(&made.parts), pace).expect("it can be played").table;
     let mut handling = table.handling().clone();
     handling.stale = Some(NEVER);
     Arc::new(table.with_handling(handling))
 }
 
 fn rules(table: &CellTable, patience: Duration) -> Box<dyn Dispatcher> {
-    Box::new(ByRules::new(table, &RULES, patience))
+    Box::new(RuleDispatcher::new(table, &RULES, patience))
 }
 
 fn ahead(table: &CellTable, horizon: u64) -> Box<dyn Dispatcher> {
-    let desk = Desk::without_orders(ByRules::new(table, &RULES, NEVER));
+    let desk = DispatchConfiguration::without_orders(RuleDispatcher::new(table, &RULES, NEVER));
     Box::new(LookAhead::new(table, desk, Duration::from_secs(horizon)))
 }
 
@@ -252,6 +252,6 @@ fn main() {
     }
     growth(firings, if sizes.is_empty() { &[10, 32, 100, 316, 1000] } else { &sizes });
     let began = Instant::now();
-    let state = State::new(table(1000));
+    let state = PlayerState::new(table(1000));
     println!("1,000 resources from text to state: {:.2?}, {} parts", began.elapsed(), state.parts().len());
 }

@@ -12,13 +12,13 @@ use std::time::Duration;
 use linewright_line::Tick;
 
 use super::super::dispatch::{shortest, time};
-use super::super::firing::Phase;
+use super::super::firing::ActivityPhase;
 use super::super::ids::{CellId, ModeId};
 use super::super::plan::CellKind;
-use super::super::production::Desk;
-use super::super::state::Place;
-use super::super::table::{CellTable, Tokens};
-use super::imagined::Imagined;
+use super::super::production::DispatchConfiguration;
+use super::super::state::PartPlace;
+use super::super::table::{CellTable, TokenDemand};
+use super::forward_simulation::ForwardSimulation;
 use super::score::{entering, is_last, weight};
 
 /// At most so many numbers of token cells and cells are kept.
@@ -26,7 +26,7 @@ const ENTRIES_MAX: usize = 1_000_000;
 
 /// A kind of token that parts hold and give back.
 #[derive(Clone, Debug)]
-struct Shared {
+struct SharedResource {
     cell: CellId,
     /// For each cell of parts how many each part on it holds.
     held: Vec<u64>,
@@ -36,22 +36,22 @@ struct Shared {
 
 /// Bounds for a table.
 #[derive(Clone, Debug)]
-pub(in super::super) struct Bounds {
-    shared: Vec<Shared>,
+pub(in super::super) struct CostBounds {
+    shared: Vec<SharedResource>,
 }
 
 /// What is needed to imagine a cell: its table without orders, and its bounds. It is worked out once.
 #[derive(Clone, Debug)]
-pub struct Thought {
+pub struct SimulationBasis {
     table: Arc<CellTable>,
-    bounds: Arc<Bounds>,
+    bounds: Arc<CostBounds>,
 }
 
-impl Thought {
+impl SimulationBasis {
     /// For a cell.
     pub fn new(table: &CellTable) -> Self {
         let table = table.without_orders();
-        Thought { bounds: Arc::new(Bounds::new(&table)), table: Arc::new(table) }
+        SimulationBasis { bounds: Arc::new(CostBounds::new(&table)), table: Arc::new(table) }
     }
 
     /// What is played.
@@ -60,23 +60,23 @@ impl Thought {
     }
 
     /// What no future can beat, and what one that ends early is measured with.
-    pub(in super::super) fn bounds(&self) -> &Bounds {
+    pub(in super::super) fn bounds(&self) -> &CostBounds {
         &self.bounds
     }
 }
 
 /// What no way on from here can beat.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, PartialOrd, Ord)]
-pub(in super::super) struct Bound {
+pub(in super::super) struct CostBound {
     pub tardiness: u64,
     pub makespan: u64,
 }
 
-fn weight_of(tokens: &[Tokens], cell: CellId) -> u64 {
+fn weight_of(tokens: &[TokenDemand], cell: CellId) -> u64 {
     tokens.iter().find(|(of, _)| *of == cell).map_or(0, |&(_, weight)| u64::from(weight))
 }
 
-impl Shared {
+impl SharedResource {
     /// None if the sum does not exist.
     fn new(table: &CellTable, cell: CellId) -> Option<Self> {
         let moved = |mode: ModeId| (weight_of(table.takes(mode), cell), weight_of(table.gives(mode), cell));
@@ -124,7 +124,7 @@ impl Shared {
             time(table, mode).saturating_mul(u32::try_from(count).unwrap_or(u32::MAX))
         };
         let ahead = shortest(table, |mode| Some(during(mode)));
-        Some(Shared { cell, ahead, held })
+        Some(SharedResource { cell, ahead, held })
     }
 
     fn during(&self, table: &CellTable, mode: ModeId) -> u64 {
@@ -133,12 +133,12 @@ impl Shared {
     }
 
     /// For how long these tokens are needed at least from now on.
-    fn need(&self, imagined: &Imagined, desk: &Desk) -> Duration {
+    fn need(&self, imagined: &ForwardSimulation, desk: &DispatchConfiguration) -> Duration {
         let (state, table) = (imagined.state(), imagined.state().table());
         let mut has = state.marking().count(self.cell);
         let mut need = Duration::ZERO;
         for part in state.parts() {
-            if let Place::On { cell, arrival: _ } = part.place {
+            if let PartPlace::On { cell, arrival: _ } = part.place {
                 has += self.held[cell.index()];
                 need += self.ahead[cell.index()];
             }
@@ -146,8 +146,8 @@ impl Shared {
         for firing in state.firings() {
             match firing.phase {
                 // It keeps what it has.
-                Phase::Failed(_) => continue,
-                Phase::Running => (),
+                ActivityPhase::Failed(_) => continue,
+                ActivityPhase::Running => (),
             }
             let during = self.during(table, firing.mode);
             has += during;
@@ -169,27 +169,27 @@ impl Shared {
     }
 }
 
-impl Bounds {
+impl CostBounds {
     /// Of a table. A cell too large for it has the bounds of its parts alone.
     pub fn new(table: &CellTable) -> Self {
         let tokens: Vec<CellId> = table.cells().filter(|&cell| table.kind(cell) == CellKind::Tokens).collect();
         let fits = tokens.len().saturating_mul(table.cell_count()) <= ENTRIES_MAX;
         let tokens = tokens.into_iter().filter(|_| fits);
-        Bounds { shared: tokens.filter_map(|cell| Shared::new(table, cell)).collect() }
+        CostBounds { shared: tokens.filter_map(|cell| SharedResource::new(table, cell)).collect() }
     }
 
     /// How much time has to pass at least until nothing is left to be done.
-    pub fn need(&self, imagined: &Imagined, desk: &Desk) -> Duration {
+    pub fn need(&self, imagined: &ForwardSimulation, desk: &DispatchConfiguration) -> Duration {
         self.shared.iter().map(|shared| shared.need(imagined, desk)).max().unwrap_or_default()
     }
 
     /// What no way on from here can beat, in the measures of [`super::Score`].
-    pub fn bound(&self, imagined: &Imagined, desk: &Desk) -> Bound {
+    pub fn bound(&self, imagined: &ForwardSimulation, desk: &DispatchConfiguration) -> CostBound {
         let (state, table, ways) = (imagined.state(), imagined.state().table(), desk.rules.ways());
         let micros = |span: Duration| u64::try_from(span.as_micros()).unwrap_or(u64::MAX);
-        let mut bound = Bound { tardiness: 0, makespan: 0 };
+        let mut bound = CostBound { tardiness: 0, makespan: 0 };
         let (began, now) = (imagined.began(), imagined.now());
-        let mut finish = |job: super::super::dispatch::Job, at: Tick, count: u32| {
+        let mut finish = |job: super::super::dispatch::PartPriority, at: Tick, count: u32| {
             let late = job.due.map_or(Duration::ZERO, |due| at.since(due));
             let late = micros(late).saturating_mul(weight(&job)).saturating_mul(u64::from(count));
             bound.tardiness = bound.tardiness.saturating_add(late);
@@ -198,9 +198,9 @@ impl Bounds {
         imagined.left().iter().for_each(|&(job, at)| finish(job, at, 1));
         for part in state.parts() {
             let at = match part.place {
-                Place::On { cell, arrival: _ } if is_last(table, cell) => part.since,
-                Place::On { cell, arrival: _ } => now + ways.remaining(cell),
-                Place::In(firing) => {
+                PartPlace::On { cell, arrival: _ } if is_last(table, cell) => part.since,
+                PartPlace::On { cell, arrival: _ } => now + ways.remaining(cell),
+                PartPlace::In(firing) => {
                     let Some(firing) = state.firing(firing) else { continue };
                     // What has failed is as late as it is, whatever else is done.
                     let Some(end) = firing.due(table.activity(firing.mode)) else { continue };

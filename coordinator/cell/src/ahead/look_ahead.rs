@@ -20,17 +20,17 @@ use std::time::Duration;
 
 use linewright_line::Tick;
 
-use super::super::dispatch::Rule;
+use super::super::dispatch::DispatchRule;
 use super::super::ids::{ModeId, PartId};
-use super::super::production::Desk;
-use super::super::question::{Answer, Dispatcher, Held, Question, Start};
-use super::super::reason::{Outlook, Reason};
-use super::super::record::{Fact, Record};
-use super::super::state::State;
+use super::super::production::DispatchConfiguration;
+use super::super::question::{DispatchDecision, Dispatcher, HeldCandidate, Question, Start};
+use super::super::reason::{HoldReason, ProgressComparison};
+use super::super::record::{Record, RecordKind};
+use super::super::state::PlayerState;
 use super::super::table::CellTable;
-use super::bounds::Thought;
-use super::imagined::{Ending, Imagined};
-use super::lead::{Choice, Follow, Lead, Otherwise, PlannedStart};
+use super::bounds::SimulationBasis;
+use super::forward_simulation::{Ending, ForwardSimulation};
+use super::rollout_policy::{DeviatingPolicy, PlanPolicy, PlannedStart, PolicyChoice, RolloutPolicy};
 use super::score::Score;
 
 /// How many firings are imagined for a question, if nothing else is said.
@@ -43,19 +43,19 @@ const TRIED: usize = 8;
 #[derive(Clone, Debug)]
 pub struct LookAhead {
     /// The rules, and what is on order.
-    pub desk: Desk,
+    pub desk: DispatchConfiguration,
     /// How far ahead; zero for not at all.
     pub horizon: Duration,
     /// How many firings are imagined for a question at most.
     pub effort: usize,
-    thought: Thought,
+    thought: SimulationBasis,
     /// The rest of the best future found so far.
     best: VecDeque<PlannedStart>,
     worn: u64,
 }
 
 /// A future that was tried.
-struct Tried {
+struct EvaluatedDecision {
     score: Score,
     /// What starts in it at this question.
     first: Vec<PlannedStart>,
@@ -65,17 +65,17 @@ struct Tried {
 
 impl LookAhead {
     /// Over the rules of a desk, so far ahead.
-    pub fn new(table: &CellTable, desk: Desk, horizon: Duration) -> Self {
-        LookAhead::with(Thought::new(table), desk, horizon)
+    pub fn new(table: &CellTable, desk: DispatchConfiguration, horizon: Duration) -> Self {
+        LookAhead::with(SimulationBasis::new(table), desk, horizon)
     }
 
     /// The same, with what things are imagined with.
-    pub fn with(thought: Thought, desk: Desk, horizon: Duration) -> Self {
+    pub fn with(thought: SimulationBasis, desk: DispatchConfiguration, horizon: Duration) -> Self {
         LookAhead { desk, horizon, effort: EFFORT, thought, best: VecDeque::new(), worn: 0 }
     }
 
     /// What things are imagined with.
-    pub fn thought(&self) -> &Thought {
+    pub fn thought(&self) -> &SimulationBasis {
         &self.thought
     }
 
@@ -89,12 +89,17 @@ impl LookAhead {
         let rules = &self.desk.rules;
         let timetable = &rules.timetable;
         let is_planned = !timetable.windows.is_empty() || !timetable.next.is_empty();
-        let by_plan = rules.rules.contains(&Rule::Schedule) && is_planned;
+        let by_plan = rules.rules.contains(&DispatchRule::Schedule) && is_planned;
         self.horizon.is_zero() || by_plan || rules.is_pressed(question.now, question.state)
     }
 
-    fn tries(&self, question: &Question<'_>, mut lead: impl Lead, left: &mut usize) -> Option<Tried> {
-        let mut imagined = Imagined::new(question.state, &self.thought, question.now);
+    fn tries(
+        &self,
+        question: &Question<'_>,
+        mut lead: impl RolloutPolicy,
+        left: &mut usize,
+    ) -> Option<EvaluatedDecision> {
+        let mut imagined = ForwardSimulation::new(question.state, &self.thought, question.now);
         let ending = imagined.play(&mut lead, question.now + self.horizon, *left);
         *left = left.saturating_sub(imagined.firings());
         match ending {
@@ -112,11 +117,11 @@ impl LookAhead {
             .collect();
         let first = imagined.first().unwrap_or(before) - before;
         let score = Score::of(&imagined, lead.desk(), &self.thought, ending);
-        Some(Tried { score, first: all[..first].to_vec(), all: all.into() })
+        Some(EvaluatedDecision { score, first: all[..first].to_vec(), all: all.into() })
     }
 
     /// What else could be decided than what the rules say.
-    fn choices(&self, question: &Question<'_>, usual: &Answer) -> Vec<Choice> {
+    fn choices(&self, question: &Question<'_>, usual: &DispatchDecision) -> Vec<PolicyChoice> {
         let preference = self.desk.rules.preference(question);
         let mut choices = Vec::new();
         for group in question.groups {
@@ -129,21 +134,27 @@ impl LookAhead {
             });
             let others = distinct.filter(|start| !usual.start.contains(start)).take(TRIED);
             let mode = |candidate: usize| question.candidates[candidate].mode;
-            choices.extend(others.map(|start| Choice::Start(mode(start.candidate), start.part)));
+            choices.extend(others.map(|start| PolicyChoice::Start(mode(start.candidate), start.part)));
             if usual.start.iter().any(|start| group.candidates.contains(&start.candidate)) {
                 let modes = group.candidates.iter().map(|&candidate| mode(candidate)).collect();
-                choices.push(Choice::Wait(modes, question.now));
+                choices.push(PolicyChoice::Wait(modes, question.now));
             }
             // Whoever has several ways could wait for a better one.
             let table = question.state.table();
             let ways = |mode: ModeId| table.part_in(mode).map_or(0, |cell| table.consumers(cell).len());
             let several = group.candidates.iter().map(|&candidate| mode(candidate)).filter(|&mode| ways(mode) > 1);
-            choices.extend(several.take(TRIED).map(Choice::Without));
+            choices.extend(several.take(TRIED).map(PolicyChoice::Without));
         }
         choices
     }
 
-    fn answer(&self, question: &Question<'_>, usual: &Answer, base: &Score, best: &Tried) -> Answer {
+    fn answer(
+        &self,
+        question: &Question<'_>,
+        usual: &DispatchDecision,
+        base: &Score,
+        best: &EvaluatedDecision,
+    ) -> DispatchDecision {
         let index = |mode: ModeId| question.candidates.iter().position(|candidate| candidate.mode == mode);
         let starts = best.first.iter().filter_map(|of| Some(Start { candidate: index(of.mode)?, part: of.part }));
         let start: Vec<Start> = starts.collect();
@@ -152,23 +163,25 @@ impl LookAhead {
             return usual.clone();
         }
         let instead = best.first.first().map(|of| (of.mode, of.part));
-        let worse = Reason::LooksWorse(Outlook { instead, gain: best.score.gain(base) });
+        let worse = HoldReason::LooksWorse(ProgressComparison { instead, gain: best.score.gain(base) });
         let pressed = self.pressed_at(question.now, question.state);
-        let usual_hold: BTreeMap<usize, &Held> = usual.held.iter().map(|held| (held.candidate, held)).collect();
+        let usual_hold: BTreeMap<usize, &HeldCandidate> =
+            usual.held.iter().map(|held| (held.candidate, held)).collect();
         let idle = (0..question.candidates.len()).filter(|at| start.iter().all(|start| start.candidate != *at));
         let held = idle.map(|candidate| match usual_hold.get(&candidate).map(|held| (held.reason, held.until)) {
-            Some((reason @ (Reason::NotYet(_) | Reason::NotOrdered | Reason::PlannedOtherwise(_)), until)) => {
-                Held { candidate, reason, until }
-            }
-            Some((Reason::LostTo(_) | Reason::ReservedFor { .. } | Reason::LooksWorse(_), _)) | None => {
-                Held { candidate, reason: worse, until: pressed }
+            Some((
+                reason @ (HoldReason::NotYet(_) | HoldReason::NotOrdered | HoldReason::PlannedOtherwise(_)),
+                until,
+            )) => HeldCandidate { candidate, reason, until },
+            Some((HoldReason::LostTo(_) | HoldReason::ReservedFor { .. } | HoldReason::LooksWorse(_), _)) | None => {
+                HeldCandidate { candidate, reason: worse, until: pressed }
             }
         });
-        Answer { held: held.collect(), start }
+        DispatchDecision { held: held.collect(), start }
     }
 
     /// When somebody will have waited too long, if nothing moves.
-    fn pressed_at(&self, now: Tick, state: &State) -> Option<Tick> {
+    fn pressed_at(&self, now: Tick, state: &PlayerState) -> Option<Tick> {
         let patience = self.desk.rules.fairness.patience?;
         let inside = state.waiting().map(|part| part.since);
         let outside = self.desk.rules.jobs.outside.values().map(|waiting| waiting.since);
@@ -184,7 +197,7 @@ impl LookAhead {
 }
 
 impl Dispatcher for LookAhead {
-    fn decide(&mut self, question: &Question<'_>) -> Answer {
+    fn decide(&mut self, question: &Question<'_>) -> DispatchDecision {
         let usual = self.desk.decide(question);
         if self.is_bound(question) {
             self.best.clear();
@@ -199,13 +212,13 @@ impl Dispatcher for LookAhead {
         let base_score = base.score;
         let mut best = base;
         if !self.best.is_empty() {
-            let kept = self.tries(question, Follow::new(self.desk.clone(), self.best.clone()), &mut left);
+            let kept = self.tries(question, PlanPolicy::new(self.desk.clone(), self.best.clone()), &mut left);
             // What was begun goes on unless something is better.
             best = kept.filter(|kept| kept.score <= best.score).unwrap_or(best);
         }
         let mut is_worn = false;
         for choice in self.choices(question, &usual) {
-            let tried = self.tries(question, Otherwise::new(self.desk.clone(), choice), &mut left);
+            let tried = self.tries(question, DeviatingPolicy::new(self.desk.clone(), choice), &mut left);
             is_worn |= tried.is_none();
             best = tried.filter(|tried| tried.score < best.score).unwrap_or(best);
         }
@@ -217,7 +230,7 @@ impl Dispatcher for LookAhead {
 
     fn note(&mut self, record: &Record) {
         self.desk.note(record);
-        if let Fact::Started { firing: _, mode, part, orders: _ } = &record.fact {
+        if let RecordKind::Started { firing: _, mode, part, orders: _ } = &record.fact {
             self.started(*mode, *part);
         }
     }

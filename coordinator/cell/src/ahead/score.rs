@@ -11,14 +11,14 @@ use std::time::Duration;
 
 use linewright_line::Tick;
 
-use super::super::dispatch::{Job, Ways, time};
+use super::super::dispatch::{PartPriority, ShortestRoutes, time};
 use super::super::ids::CellId;
-use super::super::production::Desk;
+use super::super::production::DispatchConfiguration;
 use super::super::reason::Gain;
-use super::super::state::Place;
+use super::super::state::PartPlace;
 use super::super::table::CellTable;
-use super::bounds::Thought;
-use super::imagined::{Ending, Imagined};
+use super::bounds::SimulationBasis;
+use super::forward_simulation::{Ending, ForwardSimulation};
 
 /// What has come of a future; the smaller one is better. Only scores of futures that began at the same moment are compared.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq, PartialOrd, Ord)]
@@ -37,17 +37,22 @@ pub struct Score {
 
 impl Score {
     /// Of what was played until it ended so.
-    pub fn of(imagined: &Imagined, desk: &Desk, thought: &Thought, ending: Ending) -> Self {
+    pub fn of(
+        imagined: &ForwardSimulation,
+        desk: &DispatchConfiguration,
+        thought: &SimulationBasis,
+        ending: Ending,
+    ) -> Self {
         let (mut score, state) = (Score::default(), imagined.state());
         let (table, ways) = (state.table(), desk.rules.ways());
-        let tally = Tally { began: imagined.began(), end: imagined.now() };
+        let tally = ScoreTally { began: imagined.began(), end: imagined.now() };
         imagined.left().iter().for_each(|(job, at)| tally.finish(&mut score, job, *at, 1));
         for part in state.parts() {
             let job = desk.job(part.id);
             let (from, work) = match part.place {
-                Place::On { cell, arrival: _ } if is_last(table, cell) => (part.since, Duration::ZERO),
-                Place::On { cell, arrival: _ } => (tally.end, ways.remaining(cell)),
-                Place::In(firing) => {
+                PartPlace::On { cell, arrival: _ } if is_last(table, cell) => (part.since, Duration::ZERO),
+                PartPlace::On { cell, arrival: _ } => (tally.end, ways.remaining(cell)),
+                PartPlace::In(firing) => {
                     let Some(firing) = state.firing(firing) else { continue };
                     // What has failed stays as it is in every future.
                     let Some(due) = firing.due(table.activity(firing.mode)) else { continue };
@@ -94,7 +99,12 @@ pub(in super::super) fn is_last(table: &CellTable, cell: CellId) -> bool {
 }
 
 /// The work on a part of a product that has still to enter.
-pub(in super::super) fn entering(desk: &Desk, table: &CellTable, ways: &Ways, product: usize) -> Duration {
+pub(in super::super) fn entering(
+    desk: &DispatchConfiguration,
+    table: &CellTable,
+    ways: &ShortestRoutes,
+    product: usize,
+) -> Duration {
     let modes = desk.production().into_iter().flat_map(|production| production.entrances(product));
     let work =
         modes.map(|mode| time(table, mode) + table.part_out(mode).map_or(Duration::ZERO, |to| ways.remaining(to)));
@@ -102,7 +112,7 @@ pub(in super::super) fn entering(desk: &Desk, table: &CellTable, ways: &Ways, pr
 }
 
 /// How often a part's tardiness counts.
-pub(in super::super) fn weight(job: &Job) -> u64 {
+pub(in super::super) fn weight(job: &PartPriority) -> u64 {
     1 + u64::try_from(job.priority).unwrap_or(0)
 }
 
@@ -113,13 +123,13 @@ fn micros(span: Duration) -> u64 {
     u64::try_from(span.as_micros()).unwrap_or(u64::MAX)
 }
 
-struct Tally {
+struct ScoreTally {
     began: Tick,
     end: Tick,
 }
 
-impl Tally {
-    fn finish(&self, score: &mut Score, job: &Job, at: Tick, count: u32) {
+impl ScoreTally {
+    fn finish(&self, score: &mut Score, job: &PartPriority, at: Tick, count: u32) {
         let times = |value: u64| value.saturating_mul(u64::from(count));
         let late = job.due.map_or(Duration::ZERO, |due| at.since(due));
         score.tardiness = score.tardiness.saturating_add(times(micros(late).saturating_mul(weight(job))));
@@ -128,7 +138,7 @@ impl Tally {
         score.flow = score.flow.saturating_add(times(after));
     }
 
-    fn left(&self, score: &mut Score, job: &Job, from: Tick, work: Duration, count: u32, ending: Ending) {
+    fn left(&self, score: &mut Score, job: &PartPriority, from: Tick, work: Duration, count: u32, ending: Ending) {
         let left = micros(work).saturating_mul(u64::from(count));
         match ending {
             // The cell has come to stand still with work undone; it has no end that could be early or late.

@@ -6,7 +6,7 @@
 //! different groups never take anything from each other, so one line for all of them is as good as one for each.
 //! Structural conflicts and those of the moment (seed 000, L2777-2782, L2849) are both conflicts for tokens here.
 //!
-//! A rule says who is first, never that nobody is: only [`Rule::Schedule`] holds something back, until its window opens,
+//! A rule says who is first, never that nobody is: only [`DispatchRule::Schedule`] holds something back, until its window opens,
 //! and an urgent part's reservation does.
 
 use std::cmp::Ordering;
@@ -17,43 +17,43 @@ use std::time::Duration;
 use linewright_line::Tick;
 
 use super::super::ids::{CellId, ModeId, PartId};
-use super::super::plan::{CellKind, Pick};
-use super::super::question::{Answer, Dispatcher, Held, Question, Start};
-use super::super::reason::{Ground, Lost, Reason};
-use super::super::state::State;
+use super::super::plan::{CellKind, PartPick};
+use super::super::question::{DispatchDecision, Dispatcher, HeldCandidate, Question, Start};
+use super::super::reason::{DecidingRule, HoldReason, LostDecision};
+use super::super::state::PlayerState;
 use super::super::table::CellTable;
-use super::rule::{Admission, Facts, Jobs, Measure, Rule, Timetable};
+use super::rule::{Admission, DispatchRule, Measure, PartPriorities, RuleInputs, Timetable};
 use super::urgency::{Fairness, Urgent, pursue, urgent};
-use super::ways::Ways;
+use super::ways::ShortestRoutes;
 
 /// Decides by rules. It remembers nothing from one question to the next: the same question has the same answer.
 #[derive(Clone, Debug)]
-pub struct ByRules {
+pub struct RuleDispatcher {
     /// The first decides, what it leaves equal the next does. Where there are none, who has waited longest is first.
-    pub rules: Vec<Rule>,
+    pub rules: Vec<DispatchRule>,
     /// What is done against waiting for ever.
     pub fairness: Fairness,
     /// What is known of parts.
-    pub jobs: Jobs,
-    /// What has been planned. It counts only with [`Rule::Schedule`].
+    pub jobs: PartPriorities,
+    /// What has been planned. It counts only with [`DispatchRule::Schedule`].
     pub timetable: Timetable,
-    ways: Arc<Ways>,
+    ways: Arc<ShortestRoutes>,
 }
 
-impl ByRules {
+impl RuleDispatcher {
     /// For a cell, with these rules, and this patience with a part that could do something and does not.
-    pub fn new(table: &CellTable, rules: &[Rule], patience: Duration) -> Self {
-        ByRules {
+    pub fn new(table: &CellTable, rules: &[DispatchRule], patience: Duration) -> Self {
+        RuleDispatcher {
             rules: rules.to_vec(),
             fairness: Fairness::after(patience),
-            jobs: Jobs::default(),
+            jobs: PartPriorities::default(),
             timetable: Timetable::default(),
-            ways: Arc::new(Ways::new(table)),
+            ways: Arc::new(ShortestRoutes::new(table)),
         }
     }
 
     /// What lies before parts, by the table.
-    pub fn ways(&self) -> &Ways {
+    pub fn ways(&self) -> &ShortestRoutes {
         &self.ways
     }
 
@@ -65,13 +65,13 @@ impl ByRules {
         line.into_iter().map(|entry| Start { candidate: entry.candidate, part: entry.part }).collect()
     }
 
-    fn facts<'a>(&'a self, now: Tick, state: &'a State) -> Facts<'a> {
-        let timetable = if self.rules.contains(&Rule::Schedule) { &self.timetable } else { &NO_TIMETABLE };
-        Facts { now, state, ways: &self.ways, jobs: &self.jobs, timetable }
+    fn facts<'a>(&'a self, now: Tick, state: &'a PlayerState) -> RuleInputs<'a> {
+        let timetable = if self.rules.contains(&DispatchRule::Schedule) { &self.timetable } else { &NO_TIMETABLE };
+        RuleInputs { now, state, ways: &self.ways, jobs: &self.jobs, timetable }
     }
 
     /// Whether anybody has waited too long: then it is decided for them, and nothing else counts.
-    pub fn is_pressed(&self, now: Tick, state: &State) -> bool {
+    pub fn is_pressed(&self, now: Tick, state: &PlayerState) -> bool {
         self.fairness.patience.is_some_and(|patience| !urgent(&self.facts(now, state), patience).is_empty())
     }
 
@@ -79,10 +79,10 @@ impl ByRules {
     fn line(
         &self,
         question: &Question<'_>,
-        facts: &Facts<'_>,
+        facts: &RuleInputs<'_>,
         late: &[Urgent],
         helper: Option<(ModeId, Option<PartId>)>,
-    ) -> (Vec<Entry>, Asleep) {
+    ) -> (Vec<QueueEntry>, HeldCandidates) {
         let late: BTreeMap<_, Rank> = late.iter().map(Urgent::rank).collect();
         let (mut line, mut asleep) = (Vec::new(), BTreeMap::new());
         for (candidate, of) in question.candidates.iter().enumerate() {
@@ -93,7 +93,7 @@ impl ByRules {
             for part in question.parts(of).map(Some).chain(outside) {
                 let helps = helps.take();
                 // Whoever makes way for another does not wait for a window. Nobody enters to make way.
-                let counts = |(reason, _): &(Reason, _)| helps.is_none() || *reason == Reason::NotOrdered;
+                let counts = |(reason, _): &(HoldReason, _)| helps.is_none() || *reason == HoldReason::NotOrdered;
                 if let Some(holds) = facts.holds(part, mode).filter(counts) {
                     let first = asleep.entry(candidate).or_insert(holds);
                     let sooner = holds.1.is_some_and(|until| first.1.is_none_or(|first| until < first));
@@ -105,19 +105,19 @@ impl ByRules {
                 let rank = helps.or(late).unwrap_or(usual);
                 let since = facts.since(part, mode).unwrap_or(Tick::NEVER);
                 let measures = self.rules.iter().map(|&rule| facts.measure(rule, part, mode)).collect();
-                line.push(Entry { candidate, mode, part, rank, since, measures });
+                line.push(QueueEntry { candidate, mode, part, rank, since, measures });
             }
         }
-        line.sort_unstable_by(Entry::compare);
+        line.sort_unstable_by(QueueEntry::compare);
         (line, asleep)
     }
 }
 
 /// Of candidates that are held whatever the others do, why, and until when, if that is known.
-type Asleep = BTreeMap<usize, (Reason, Option<Tick>)>;
+type HeldCandidates = BTreeMap<usize, (HoldReason, Option<Tick>)>;
 
 /// Who stands in the line.
-struct Entry {
+struct QueueEntry {
     candidate: usize,
     mode: ModeId,
     part: Option<PartId>,
@@ -139,41 +139,41 @@ enum Rank {
     Outside,
 }
 
-impl Entry {
-    fn compare(&self, other: &Entry) -> Ordering {
-        let key = |of: &Entry| (of.since, of.part, of.mode);
+impl QueueEntry {
+    fn compare(&self, other: &QueueEntry) -> Ordering {
+        let key = |of: &QueueEntry| (of.since, of.part, of.mode);
         let by_rules = || self.by_rules(other).map_or(Ordering::Equal, |(_, order)| order);
         self.rank.cmp(&other.rank).then_with(by_rules).then_with(|| key(self).cmp(&key(other)))
     }
 
     /// The first rule that tells two apart.
-    fn by_rules(&self, other: &Entry) -> Option<(usize, Ordering)> {
+    fn by_rules(&self, other: &QueueEntry) -> Option<(usize, Ordering)> {
         let pairs = self.measures.iter().zip(&other.measures).map(|(ours, theirs)| ours.compare(theirs));
         pairs.enumerate().find(|&(_, order)| order != Ordering::Equal)
     }
 
     /// Why it comes before another.
-    fn ground(&self, other: &Entry) -> Ground {
+    fn deciding_rule(&self, other: &QueueEntry) -> DecidingRule {
         if self.rank != other.rank {
             return match self.rank {
-                Rank::Helper(part) => Ground::Helps { part },
-                Rank::Urgent(..) => Ground::Waited,
+                Rank::Helper(part) => DecidingRule::Helps { part },
+                Rank::Urgent(..) => DecidingRule::Waited,
                 // Outside is before nobody.
-                Rank::Inside | Rank::Outside => Ground::Inside,
+                Rank::Inside | Rank::Outside => DecidingRule::Inside,
             };
         }
         match self.by_rules(other) {
             Some((at, _)) => {
                 let (theirs, ours) = (self.measures[at], other.measures[at]);
-                Ground::Rule { rule: theirs.rule, theirs, ours }
+                DecidingRule::Rule { rule: theirs.rule, theirs, ours }
             }
-            None => Ground::Order,
+            None => DecidingRule::Order,
         }
     }
 }
 
-impl Dispatcher for ByRules {
-    fn decide(&mut self, question: &Question<'_>) -> Answer {
+impl Dispatcher for RuleDispatcher {
+    fn decide(&mut self, question: &Question<'_>) -> DispatchDecision {
         let facts = self.facts(question.now, question.state);
         let late = self.fairness.patience.map(|patience| urgent(&facts, patience)).unwrap_or_default();
         let pursuit = pursue(question, &self.ways, self.fairness, &late);
@@ -183,7 +183,8 @@ impl Dispatcher for ByRules {
         let claims = reserves.as_ref().map(|pursuit| pursuit.claims(question, &self.ways)).unwrap_or_default();
         let claimed_by = reserves.and_then(|pursuit| pursuit.part);
         let admission = facts.jobs.admission.as_ref();
-        let mut taking = Taking { question, line: &line, taken: Taken::default(), claims, claimed_by, admission };
+        let mut taking =
+            QueueScan { question, line: &line, taken: RuleTaken::default(), claims, claimed_by, admission };
         taking.answer(&asleep)
     }
 }
@@ -200,7 +201,7 @@ impl Urgent {
 
 /// What has been given away so far, and to whom, as positions in the line.
 #[derive(Default)]
-struct Taken {
+struct RuleTaken {
     tokens: BTreeMap<CellId, (u64, usize)>,
     parts: BTreeMap<PartId, usize>,
     /// Cells that give one part after the other.
@@ -210,18 +211,18 @@ struct Taken {
 }
 
 /// Going along the line.
-struct Taking<'a> {
+struct QueueScan<'a> {
     question: &'a Question<'a>,
-    line: &'a [Entry],
-    taken: Taken,
+    line: &'a [QueueEntry],
+    taken: RuleTaken,
     claims: BTreeMap<CellId, (u64, ModeId)>,
     claimed_by: Option<PartId>,
     admission: Option<&'a Admission>,
 }
 
-impl Taking<'_> {
-    fn answer(&mut self, asleep: &Asleep) -> Answer {
-        let mut answer = Answer::default();
+impl QueueScan<'_> {
+    fn answer(&mut self, asleep: &HeldCandidates) -> DispatchDecision {
+        let mut answer = DispatchDecision::default();
         let mut started = vec![0; self.question.candidates.len()];
         let (mut reasons, mut elsewhere) = (vec![None; started.len()], vec![None; started.len()]);
         for (at, entry) in self.line.iter().enumerate() {
@@ -247,13 +248,13 @@ impl Taking<'_> {
             let held = asleep.get(&candidate);
             let reason = reason.or(held.map(|&(reason, _)| reason)).or(elsewhere[candidate]);
             let until = held.and_then(|&(_, until)| until);
-            answer.held.extend(reason.map(|reason| Held { candidate, reason, until }));
+            answer.held.extend(reason.map(|reason| HeldCandidate { candidate, reason, until }));
         }
         answer
     }
 
     /// Why a mode cannot start with any part any more.
-    fn in_the_way(&self, entry: &Entry) -> Option<Reason> {
+    fn in_the_way(&self, entry: &QueueEntry) -> Option<HoldReason> {
         let (state, table) = (self.question.state, self.question.state.table());
         let lane = table.part_in(entry.mode).and_then(|cell| self.taken.ordered.get(&cell));
         if let Some(&winner) = lane {
@@ -270,7 +271,7 @@ impl Taking<'_> {
         if entry.part.is_none() && table.part_out(entry.mode).is_some() {
             let is_full = |admission: &&Admission| admission.room(entry.mode, &self.taken.entered) == 0;
             if self.admission.is_some_and(|admission| is_full(&admission)) {
-                return Some(Reason::NotOrdered);
+                return Some(HoldReason::NotOrdered);
             }
         }
         match entry.rank {
@@ -281,16 +282,21 @@ impl Taking<'_> {
             let &(claim, mode) = self.claims.get(&cell)?;
             let gone = self.taken.tokens.get(&cell).map_or(0, |(gone, _)| *gone);
             let is_short = gone + u64::from(weight) + claim > state.marking().count(cell);
-            is_short.then_some(Reason::ReservedFor { part: self.claimed_by, mode })
+            is_short.then_some(HoldReason::ReservedFor { part: self.claimed_by, mode })
         })
     }
 
-    fn lost(&self, entry: &Entry, winner: usize) -> Reason {
+    fn lost(&self, entry: &QueueEntry, winner: usize) -> HoldReason {
         let winner = &self.line[winner];
-        Reason::LostTo(Lost { to: winner.mode, with: winner.part, own: entry.part, by: winner.ground(entry) })
+        HoldReason::LostTo(LostDecision {
+            to: winner.mode,
+            with: winner.part,
+            own: entry.part,
+            by: winner.deciding_rule(entry),
+        })
     }
 
-    fn take(&mut self, at: usize, entry: &Entry) {
+    fn take(&mut self, at: usize, entry: &QueueEntry) {
         let table = self.question.state.table();
         for &(cell, weight) in table.takes(entry.mode) {
             let (gone, by) = self.taken.tokens.entry(cell).or_insert((0, at));
@@ -302,8 +308,8 @@ impl Taking<'_> {
         product.into_iter().for_each(|&product| *self.taken.entered.entry(product).or_default() += 1);
         if let Some(cell) = table.part_in(entry.mode) {
             match table.kind(cell) {
-                CellKind::Parts(Pick::Oldest | Pick::Newest) => _ = self.taken.ordered.insert(cell, at),
-                CellKind::Tokens | CellKind::Parts(Pick::Any) => (),
+                CellKind::Parts(PartPick::Oldest | PartPick::Newest) => _ = self.taken.ordered.insert(cell, at),
+                CellKind::Tokens | CellKind::Parts(PartPick::Any) => (),
             }
         }
     }

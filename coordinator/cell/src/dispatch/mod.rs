@@ -1,10 +1,10 @@
 //! The dispatcher: answers what the player asks, by rules, so that nobody waits for ever, and says why.
 //!
 //! # Map
-//! - [`Rule`], [`Measure`]: the rules and what they measure; [`Jobs`], [`Timetable`]: what they have to know of parts.
-//! - [`ByRules`]: the dispatcher.
+//! - [`DispatchRule`], [`Measure`]: the rules and what they measure; [`PartPriorities`], [`Timetable`]: what they have to know of parts.
+//! - [`RuleDispatcher`]: the dispatcher.
 //! - [`Fairness`]: urgency, reservation and inheritance, with the argument in the head of `urgency.rs`.
-//! - [`Ways`]: remaining work and processing times, from the table.
+//! - [`ShortestRoutes`]: remaining work and processing times, from the table.
 //! - [`words`], [`why_not`], [`why_out`]: what was decided and why, what a part waits for, and why a resource is left out, in
 //!   sentences.
 //!
@@ -19,9 +19,9 @@ mod ways;
 mod why;
 pub mod words;
 
-pub use by_rules::ByRules;
-pub use rule::{Admission, Job, Jobs, Measure, Rule, Timetable, Waiting, Window};
+pub use by_rules::RuleDispatcher;
+pub use rule::{Admission, DispatchRule, EntryCandidate, Measure, PartPriorities, PartPriority, Timetable, Window};
 pub use urgency::Fairness;
-pub use ways::Ways;
+pub use ways::ShortestRoutes;
 pub(super) use ways::{shortest, time};
 pub use why::{why_not, why_out};

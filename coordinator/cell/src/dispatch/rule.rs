@@ -5,26 +5,26 @@
 //! number, then by the mode's: so every decision has one answer. Measures are whole numbers, compared exactly.
 //!
 //! Of a part the net knows where it is and since when. When it is due, how much it matters, and what has been planned
-//! for it stands beside it in [`Jobs`] and [`Timetable`], which whoever keeps the production orders fills.
+//! for it stands beside it in [`PartPriorities`] and [`Timetable`], which whoever keeps the production orders fills.
 
 use std::cmp::Ordering;
 use std::collections::BTreeMap;
 use std::fmt;
 use std::time::Duration;
 
-pub use linewright_cell::Rule;
+pub use linewright_cell::DispatchRule;
 use linewright_line::Tick;
 use serde::{Deserialize, Serialize};
 
 use super::super::ids::{ModeId, PartId};
-use super::super::reason::Reason;
+use super::super::reason::HoldReason;
 use super::super::serial;
-use super::super::state::State;
-use super::ways::{Ways, time};
+use super::super::state::PlayerState;
+use super::ways::{ShortestRoutes, time};
 
 /// What is known of a part beside where it is.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
-pub struct Job {
+pub struct PartPriority {
     /// When it is to be finished; none if it does not matter.
     pub due: Option<Tick>,
     /// How much it matters; more comes first.
@@ -33,20 +33,20 @@ pub struct Job {
 
 /// What could enter.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
-pub struct Waiting {
+pub struct EntryCandidate {
     /// The next part that would.
-    pub job: Job,
+    pub job: PartPriority,
     /// Since when it could have.
     pub since: Tick,
 }
 
 /// What is known of parts beside where they are. Parts that are not in it have no due date and priority 0.
 #[derive(Clone, Debug, Default, PartialEq, Eq)]
-pub struct Jobs {
+pub struct PartPriorities {
     /// Of the parts in the cell.
-    pub parts: BTreeMap<PartId, Job>,
+    pub parts: BTreeMap<PartId, PartPriority>,
     /// Of those outside, by the mode that lets them enter. One that is not here never becomes urgent.
-    pub outside: BTreeMap<ModeId, Waiting>,
+    pub outside: BTreeMap<ModeId, EntryCandidate>,
     /// Who may enter. None lets in what the net has room for.
     pub admission: Option<Admission>,
 }
@@ -85,7 +85,7 @@ pub struct Window {
     pub until: Tick,
 }
 
-/// What has been planned. What is not in it is neither held nor preferred by [`Rule::Schedule`].
+/// What has been planned. What is not in it is neither held nor preferred by [`DispatchRule::Schedule`].
 #[derive(Clone, Debug, Default, PartialEq, Eq)]
 pub struct Timetable {
     /// For a part, or the next that enters, and a mode.
@@ -109,10 +109,10 @@ impl Timetable {
     }
 
     /// Why something is held, if it is, and until when, if that is known.
-    pub(super) fn holds(&self, now: Tick, part: Option<PartId>, mode: ModeId) -> Option<(Reason, Option<Tick>)> {
+    pub(super) fn holds(&self, now: Tick, part: Option<PartId>, mode: ModeId) -> Option<(HoldReason, Option<Tick>)> {
         match part.and_then(|part| self.next.get(&part)) {
-            Some(&next) if next != mode => Some((Reason::PlannedOtherwise(next), None)),
-            Some(_) | None => self.held_until(now, part, mode).map(|until| (Reason::NotYet(until), Some(until))),
+            Some(&next) if next != mode => Some((HoldReason::PlannedOtherwise(next), None)),
+            Some(_) | None => self.held_until(now, part, mode).map(|until| (HoldReason::NotYet(until), Some(until))),
         }
     }
 }
@@ -123,7 +123,7 @@ impl Timetable {
 pub struct Measure {
     /// By which rule.
     #[serde(with = "serial::rule")]
-    pub rule: Rule,
+    pub rule: DispatchRule,
     /// First by this: 0 before 1 before 2.
     class: u8,
     /// Then by this, times `1 / over`.
@@ -142,21 +142,21 @@ impl Measure {
 
 /// What rules look at.
 #[derive(Clone, Copy)]
-pub(super) struct Facts<'a> {
+pub(super) struct RuleInputs<'a> {
     pub(super) now: Tick,
-    pub(super) state: &'a State,
-    pub(super) ways: &'a Ways,
-    pub(super) jobs: &'a Jobs,
+    pub(super) state: &'a PlayerState,
+    pub(super) ways: &'a ShortestRoutes,
+    pub(super) jobs: &'a PartPriorities,
     pub(super) timetable: &'a Timetable,
 }
 
-impl Facts<'_> {
+impl RuleInputs<'_> {
     /// Why something is held whatever the others do, and until when, if that is known.
-    pub(super) fn holds(&self, part: Option<PartId>, mode: ModeId) -> Option<(Reason, Option<Tick>)> {
+    pub(super) fn holds(&self, part: Option<PartId>, mode: ModeId) -> Option<(HoldReason, Option<Tick>)> {
         if part.is_none() && self.state.table().part_out(mode).is_some() {
             let admission = self.jobs.admission.as_ref();
             if let Some(admission) = admission.filter(|admission| admission.room(mode, &BTreeMap::new()) == 0) {
-                return Some((Reason::NotOrdered, admission.again(mode)));
+                return Some((HoldReason::NotOrdered, admission.again(mode)));
             }
         }
         self.timetable.holds(self.now, part, mode)
@@ -170,7 +170,7 @@ impl Facts<'_> {
         }
     }
 
-    fn job(&self, part: Option<PartId>, mode: ModeId) -> Job {
+    fn job(&self, part: Option<PartId>, mode: ModeId) -> PartPriority {
         match part {
             Some(part) => self.jobs.parts.get(&part).copied().unwrap_or_default(),
             None => self.jobs.outside.get(&mode).map(|waiting| waiting.job).unwrap_or_default(),
@@ -187,24 +187,26 @@ impl Facts<'_> {
         }
     }
 
-    pub(super) fn measure(&self, rule: Rule, part: Option<PartId>, mode: ModeId) -> Measure {
+    pub(super) fn measure(&self, rule: DispatchRule, part: Option<PartId>, mode: ModeId) -> Measure {
         let micros = |tick: Tick| i64::try_from(tick.as_micros()).unwrap_or(i64::MAX);
         let span = |span: Duration| i64::try_from(span.as_micros()).unwrap_or(i64::MAX);
         let from_now = |tick: Tick| micros(tick).saturating_sub(micros(self.now));
         let due = self.job(part, mode).due;
         let never = (1, 0, 1);
         let (class, value, over) = match rule {
-            Rule::Fifo => self.since(part, mode).map_or(never, |since| (0, from_now(since), 1)),
-            Rule::ShortestProcessingTime => (0, span(self.ways.run(mode)), 1),
-            Rule::EarliestDueDate => due.map_or(never, |due| (0, from_now(due), 1)),
-            Rule::LeastSlack => due.map_or(never, |due| (0, from_now(due).saturating_sub(span(self.work(mode))), 1)),
-            Rule::CriticalRatio => {
+            DispatchRule::Fifo => self.since(part, mode).map_or(never, |since| (0, from_now(since), 1)),
+            DispatchRule::ShortestProcessingTime => (0, span(self.ways.run(mode)), 1),
+            DispatchRule::EarliestDueDate => due.map_or(never, |due| (0, from_now(due), 1)),
+            DispatchRule::LeastSlack => {
+                due.map_or(never, |due| (0, from_now(due).saturating_sub(span(self.work(mode))), 1))
+            }
+            DispatchRule::CriticalRatio => {
                 // Where nothing remains to be done, a microsecond does: the ratio is very great, or very small.
                 let work = u64::try_from(self.work(mode).as_micros()).unwrap_or(u64::MAX).max(1);
                 due.map_or(never, |due| (0, from_now(due), work))
             }
-            Rule::Priority => (0, -i64::from(self.job(part, mode).priority), 1),
-            Rule::Schedule => match self.timetable.windows.get(&(part, mode)) {
+            DispatchRule::Priority => (0, -i64::from(self.job(part, mode).priority), 1),
+            DispatchRule::Schedule => match self.timetable.windows.get(&(part, mode)) {
                 Some(window) if self.now > window.until + self.timetable.tolerance => (0, from_now(window.from), 1),
                 Some(window) => (1, from_now(window.from), 1),
                 None => (2, 0, 1),
@@ -222,17 +224,19 @@ impl fmt::Display for Measure {
             _ => write!(f, "{what} {} s ago", -seconds),
         };
         match (self.rule, self.class) {
-            (Rule::Fifo, 0) => write!(f, "has waited {} s", 0.0 - seconds),
-            (Rule::Fifo, _) => f.write_str("has not come yet"),
-            (Rule::ShortestProcessingTime, _) => write!(f, "takes {seconds} s"),
-            (Rule::EarliestDueDate, 0) => when(f, "due"),
-            (Rule::LeastSlack, 0) => write!(f, "slack {seconds} s"),
-            (Rule::CriticalRatio, 0) => write!(f, "ratio {:.2}", self.value as f64 / self.over as f64),
-            (Rule::EarliestDueDate | Rule::LeastSlack | Rule::CriticalRatio, _) => f.write_str("never due"),
-            (Rule::Priority, _) => write!(f, "priority {}", self.value.saturating_neg()),
-            (Rule::Schedule, 0) => when(f, "late: planned"),
-            (Rule::Schedule, 1) => when(f, "planned"),
-            (Rule::Schedule, _) => f.write_str("not planned"),
+            (DispatchRule::Fifo, 0) => write!(f, "has waited {} s", 0.0 - seconds),
+            (DispatchRule::Fifo, _) => f.write_str("has not come yet"),
+            (DispatchRule::ShortestProcessingTime, _) => write!(f, "takes {seconds} s"),
+            (DispatchRule::EarliestDueDate, 0) => when(f, "due"),
+            (DispatchRule::LeastSlack, 0) => write!(f, "slack {seconds} s"),
+            (DispatchRule::CriticalRatio, 0) => write!(f, "ratio {:.2}", self.value as f64 / self.over as f64),
+            (DispatchRule::EarliestDueDate | DispatchRule::LeastSlack | DispatchRule::CriticalRatio, _) => {
+                f.write_str("never due")
+            }
+            (DispatchRule::Priority, _) => write!(f, "priority {}", self.value.saturating_neg()),
+            (DispatchRule::Schedule, 0) => when(f, "late: planned"),
+            (DispatchRule::Schedule, 1) => when(f, "planned"),
+            (DispatchRule::Schedule, _) => f.write_str("not planned"),
         }
     }
 }

@@ -44,12 +44,12 @@ use std::time::Duration;
 
 use linewright_line::Tick;
 
-use super::super::firing::Phase;
+use super::super::firing::ActivityPhase;
 use super::super::ids::{CellId, ModeId, PartId};
 use super::super::question::Question;
-use super::super::state::Place;
-use super::rule::Facts;
-use super::ways::Ways;
+use super::super::state::PartPlace;
+use super::rule::RuleInputs;
+use super::ways::ShortestRoutes;
 
 /// What is done against waiting for ever.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
@@ -83,7 +83,7 @@ pub(super) struct Urgent {
 
 /// How an urgent part gets on.
 #[derive(Clone, Debug, PartialEq, Eq)]
-pub(super) struct Pursuit {
+pub(super) struct UrgencyProgress {
     /// Whose.
     pub(super) part: Option<PartId>,
     /// From what it will do down to the helper.
@@ -93,7 +93,7 @@ pub(super) struct Pursuit {
 }
 
 /// What stands between a mode and its start.
-enum Status {
+enum UrgencyStatus {
     /// It can start now.
     Ready,
     /// All it lacks comes back by itself.
@@ -105,17 +105,17 @@ enum Status {
 }
 
 /// Who is urgent, the first first. A part that the timetable makes wait is not.
-pub(super) fn urgent(facts: &Facts<'_>, patience: Duration) -> Vec<Urgent> {
+pub(super) fn urgent(facts: &RuleInputs<'_>, patience: Duration) -> Vec<Urgent> {
     let table = facts.state.table();
     let is_over = |since: Tick| since + patience <= facts.now;
     let inside = facts.state.waiting().take_while(|part| is_over(part.since)).filter_map(|part| match part.place {
-        Place::On { cell, arrival: _ } => {
+        PartPlace::On { cell, arrival: _ } => {
             let moves = table.consumers(cell).iter().copied();
             let mut options: Vec<_> = moves.filter(|&mode| table.part_in(mode) == Some(cell)).collect();
             options.retain(|&mode| !table.is_immediate(mode));
             Some(Urgent { since: part.since, part: Some(part.id), options })
         }
-        Place::In(_) => None,
+        PartPlace::In(_) => None,
     });
     let waiting = facts.jobs.outside.iter().filter(|(mode, of)| mode.index() < table.mode_count() && is_over(of.since));
     let outside = waiting.map(|(&mode, of)| Urgent { since: of.since, part: None, options: vec![mode] });
@@ -131,12 +131,17 @@ pub(super) fn urgent(facts: &Facts<'_>, patience: Duration) -> Vec<Urgent> {
 }
 
 /// What is done for the first of them that anything can be done for; nothing if it can start itself.
-pub(super) fn pursue(question: &Question<'_>, ways: &Ways, fairness: Fairness, all: &[Urgent]) -> Option<Pursuit> {
+pub(super) fn pursue(
+    question: &Question<'_>,
+    ways: &ShortestRoutes,
+    fairness: Fairness,
+    all: &[Urgent],
+) -> Option<UrgencyProgress> {
     if all.is_empty() {
         // What is in progress need not be looked at.
         return None;
     }
-    let search = Search::new(question, ways, fairness);
+    let search = UrgencySearch::new(question, ways, fairness);
     for urgent in all {
         let is_first = |&part: &PartId| urgent.part == Some(part);
         let starts = |&mode: &ModeId| {
@@ -148,20 +153,20 @@ pub(super) fn pursue(question: &Question<'_>, ways: &Ways, fairness: Fairness, a
         }
         if let Some(chain) = search.chain(&urgent.options) {
             let is_ready = chain.last().is_some_and(|&mode| search.is_candidate(mode));
-            return Some(Pursuit { part: urgent.part, chain, is_ready });
+            return Some(UrgencyProgress { part: urgent.part, chain, is_ready });
         }
     }
     None
 }
 
-impl Pursuit {
+impl UrgencyProgress {
     /// What is to start before all others, if it can; and what else is kept for in any case.
     pub(super) fn helper(&self) -> Option<ModeId> {
         self.chain.last().copied().filter(|_| self.is_ready)
     }
 
     /// What is to be kept, and for which mode.
-    pub(super) fn claims(&self, question: &Question<'_>, ways: &Ways) -> BTreeMap<CellId, (u64, ModeId)> {
+    pub(super) fn claims(&self, question: &Question<'_>, ways: &ShortestRoutes) -> BTreeMap<CellId, (u64, ModeId)> {
         let mut claims = BTreeMap::new();
         let (last, table) = (self.chain.len() - 1, question.state.table());
         // Where it waits for nothing but robots, what has come of these is kept as well.
@@ -181,9 +186,9 @@ impl Pursuit {
 }
 
 /// A search from what is wanted down to what can be done.
-struct Search<'a> {
+struct UrgencySearch<'a> {
     question: &'a Question<'a>,
-    ways: &'a Ways,
+    ways: &'a ShortestRoutes,
     fairness: Fairness,
     /// What activities in progress will give.
     returning: BTreeMap<CellId, u64>,
@@ -191,52 +196,52 @@ struct Search<'a> {
     running: BTreeSet<ModeId>,
 }
 
-impl<'a> Search<'a> {
-    fn new(question: &'a Question<'a>, ways: &'a Ways, fairness: Fairness) -> Self {
+impl<'a> UrgencySearch<'a> {
+    fn new(question: &'a Question<'a>, ways: &'a ShortestRoutes, fairness: Fairness) -> Self {
         let (mut returning, mut running) = (BTreeMap::new(), BTreeSet::new());
         for firing in question.state.firings() {
             match firing.phase {
-                Phase::Running => {
+                ActivityPhase::Running => {
                     running.insert(firing.mode);
                     for &(cell, weight) in question.state.table().gives(firing.mode) {
                         *returning.entry(cell).or_insert(0) += u64::from(weight);
                     }
                 }
                 // What it holds comes back when somebody has looked.
-                Phase::Failed(_) => (),
+                ActivityPhase::Failed(_) => (),
             }
         }
-        Search { question, ways, fairness, returning, running }
+        UrgencySearch { question, ways, fairness, returning, running }
     }
 
     fn is_candidate(&self, mode: ModeId) -> bool {
         self.question.candidates.binary_search_by_key(&mode, |candidate| candidate.mode).is_ok()
     }
 
-    fn status(&self, mode: ModeId) -> Status {
+    fn status(&self, mode: ModeId) -> UrgencyStatus {
         let state = self.question.state;
         if state.enabling().is_enabled(mode) {
             return if self.is_candidate(mode) {
-                Status::Ready
+                UrgencyStatus::Ready
             } else if state.table().is_immediate(mode) || self.running.contains(&mode) {
-                Status::Pending
+                UrgencyStatus::Pending
             } else {
-                Status::Stuck
+                UrgencyStatus::Stuck
             };
         }
         if state.needs_down(mode).is_some() {
-            return Status::Stuck;
+            return UrgencyStatus::Stuck;
         }
         let comes = |cell: CellId| state.marking().count(cell) + self.returning.get(&cell).copied().unwrap_or(0);
         let lacked = state.table().takes(mode).iter().filter(|&&(cell, weight)| comes(cell) < u64::from(weight));
         let lacked: Vec<CellId> = lacked.map(|&(cell, _)| cell).collect();
-        if lacked.is_empty() { Status::Pending } else { Status::Lacks(lacked) }
+        if lacked.is_empty() { UrgencyStatus::Pending } else { UrgencyStatus::Lacks(lacked) }
     }
 
     /// The shortest chain from one of these modes to one that can start, or will; of equally short ones that of the
     /// smallest numbers.
     fn chain(&self, options: &[ModeId]) -> Option<Vec<ModeId>> {
-        let Relevant { mut first, lacks } = self.relevant(options);
+        let SearchScope { mut first, lacks } = self.relevant(options);
         let mut missing: BTreeMap<ModeId, usize> = lacks.iter().map(|(&mode, cells)| (mode, cells.len())).collect();
         let mut lackers: BTreeMap<CellId, Vec<ModeId>> = BTreeMap::new();
         for (&mode, cells) in &lacks {
@@ -289,27 +294,27 @@ impl<'a> Search<'a> {
     }
 
     /// All that could matter: the modes wanted, those that bring back what they lack, and so on.
-    fn relevant(&self, options: &[ModeId]) -> Relevant {
+    fn relevant(&self, options: &[ModeId]) -> SearchScope {
         let (mut first, mut lacks) = (Vec::new(), BTreeMap::new());
         let mut seen: BTreeSet<ModeId> = options.iter().copied().collect();
         let mut open: Vec<ModeId> = options.to_vec();
         while let Some(mode) = open.pop() {
             match self.status(mode) {
-                Status::Ready | Status::Pending => first.push(mode),
-                Status::Lacks(cells) if self.fairness.inherits => {
+                UrgencyStatus::Ready | UrgencyStatus::Pending => first.push(mode),
+                UrgencyStatus::Lacks(cells) if self.fairness.inherits => {
                     let producers = cells.iter().flat_map(|&cell| self.ways.producers(cell));
                     open.extend(producers.copied().filter(|&mode| seen.insert(mode)));
                     lacks.insert(mode, cells);
                 }
-                Status::Lacks(_) | Status::Stuck => (),
+                UrgencyStatus::Lacks(_) | UrgencyStatus::Stuck => (),
             }
         }
-        Relevant { first, lacks }
+        SearchScope { first, lacks }
     }
 }
 
 /// What a search has to look at.
-struct Relevant {
+struct SearchScope {
     /// What can start, or will.
     first: Vec<ModeId>,
     /// What cannot, and what it lacks that does not come back.

@@ -8,19 +8,19 @@ use std::collections::{BTreeSet, BinaryHeap};
 use std::time::Duration;
 
 use super::super::ids::{CellId, ModeId};
-use super::super::plan::ActivityKind;
-use super::super::table::{CellTable, Tokens};
+use super::super::plan::ActivityTiming;
+use super::super::table::{CellTable, TokenDemand};
 
 /// Ways through a table.
 #[derive(Clone, Debug, PartialEq, Eq)]
-pub struct Ways {
+pub struct ShortestRoutes {
     remaining: Vec<Duration>,
     run: Vec<Duration>,
     producers: Vec<Vec<ModeId>>,
     comes_back: Vec<bool>,
 }
 
-impl Ways {
+impl ShortestRoutes {
     /// Of a table.
     pub fn new(table: &CellTable) -> Self {
         let mut producers = vec![Vec::new(); table.cell_count()];
@@ -44,7 +44,7 @@ impl Ways {
             let further = if keeps { &while_kept } else { &after };
             time(table, mode) + table.part_out(mode).map_or(Duration::ZERO, |to| further[to.index()])
         });
-        Ways {
+        ShortestRoutes {
             remaining: shortest(table, |mode| Some(timed(mode))),
             run: run.collect(),
             producers,
@@ -78,15 +78,15 @@ impl Ways {
 }
 
 /// Tokens beside the part.
-fn others(tokens: &[Tokens], part: Option<CellId>) -> BTreeSet<Tokens> {
+fn others(tokens: &[TokenDemand], part: Option<CellId>) -> BTreeSet<TokenDemand> {
     tokens.iter().copied().filter(|&(cell, _)| Some(cell) != part).collect()
 }
 
 /// How long a mode takes by itself.
 pub(in super::super) fn time(table: &CellTable, mode: ModeId) -> Duration {
     match table.activity(mode).kind {
-        ActivityKind::Immediate => Duration::ZERO,
-        ActivityKind::Decided { time, limit: _ } => time,
+        ActivityTiming::Immediate => Duration::ZERO,
+        ActivityTiming::Decided { time, limit: _ } => time,
     }
 }
 

@@ -8,28 +8,28 @@ use std::time::Duration;
 
 use linewright_line::Tick;
 
-use super::super::exception::{About, DownCause, Stage};
-use super::super::firing::{Firing, Phase};
+use super::super::exception::{AlarmSubject, ExceptionStage, OutOfServiceReason};
+use super::super::firing::{ActivityPhase, OngoingActivity};
 use super::super::ids::{CellId, FiringId, ModeId, PartId, ResourceId};
-use super::super::plan::{ActivityKind, CellKind};
-use super::super::state::{Place, State};
+use super::super::plan::{ActivityTiming, CellKind};
+use super::super::state::{PartPlace, PlayerState};
 use super::super::table::CellTable;
-use super::ways::Ways;
+use super::ways::ShortestRoutes;
 use super::words::{Reasons, called, reason};
 
 /// At most so many are named where many would do.
 const NAMED_MAX: usize = 3;
 
 /// Why a part is where it is, in sentences; the first says where that is.
-pub fn why_not(ways: &Ways, reasons: &Reasons, state: &State, now: Tick, part: PartId) -> Vec<String> {
+pub fn why_not(ways: &ShortestRoutes, reasons: &Reasons, state: &PlayerState, now: Tick, part: PartId) -> Vec<String> {
     let table = state.table();
     let Some(found) = state.part(part) else { return vec![format!("{part} is not in the cell.")] };
     let cell = match found.place {
-        Place::In(firing) => {
+        PartPlace::In(firing) => {
             let of = state.firing(firing).map(|firing| progress(state, firing, now));
             return vec![format!("{part} is under way: {}.", of.unwrap_or_default())];
         }
-        Place::On { cell, arrival: _ } => cell,
+        PartPlace::On { cell, arrival: _ } => cell,
     };
     let mut lines = vec![format!("{part} has been {} for {} s.", place(table, cell), seconds(now.since(found.since)))];
     let options: Vec<_> = table.consumers(cell).iter().copied().filter(|&m| table.part_in(m) == Some(cell)).collect();
@@ -56,7 +56,14 @@ fn place(table: &CellTable, cell: CellId) -> String {
     }
 }
 
-fn option(ways: &Ways, reasons: &Reasons, state: &State, now: Tick, part: PartId, mode: ModeId) -> String {
+fn option(
+    ways: &ShortestRoutes,
+    reasons: &Reasons,
+    state: &PlayerState,
+    now: Tick,
+    part: PartId,
+    mode: ModeId,
+) -> String {
     let table = state.table();
     if let Some(first) = state.takeable(mode).next().filter(|_| !state.takeable(mode).any(|able| able == part)) {
         return format!("{first} has to be taken first");
@@ -83,18 +90,18 @@ fn option(ways: &Ways, reasons: &Reasons, state: &State, now: Tick, part: PartId
 }
 
 /// Why a resource is not counted on, if it is not, and the alarm that asks about it, in sentences.
-pub fn why_out(state: &State, now: Tick, resource: ResourceId) -> Vec<String> {
+pub fn why_out(state: &PlayerState, now: Tick, resource: ResourceId) -> Vec<String> {
     let mut lines = vec![format!("{}.", left_out(state, now, resource))];
-    let asks = state.exceptions().alarms().find(|alarm| alarm.about == About::Resource(resource));
+    let asks = state.exceptions().alarms().find(|alarm| alarm.about == AlarmSubject::Resource(resource));
     lines.extend(asks.map(|alarm| format!("{}: {}", alarm.id, alarm.text)));
     lines
 }
 
 /// Where what a cell lacks is.
-fn owner(ways: &Ways, state: &State, now: Tick, cell: CellId) -> String {
+fn owner(ways: &ShortestRoutes, state: &PlayerState, now: Tick, cell: CellId) -> String {
     let table = state.table();
     let name = table.cell_name(cell);
-    let gives = |firing: &&Firing| table.gives(firing.mode).iter().any(|(to, _)| *to == cell);
+    let gives = |firing: &&OngoingActivity| table.gives(firing.mode).iter().any(|(to, _)| *to == cell);
     let held: Vec<_> =
         state.firings().filter(gives).take(NAMED_MAX).map(|firing| progress(state, firing, now)).collect();
     if !held.is_empty() {
@@ -111,34 +118,36 @@ fn owner(ways: &Ways, state: &State, now: Tick, cell: CellId) -> String {
 }
 
 /// Why a resource is not counted on.
-fn left_out(state: &State, now: Tick, resource: ResourceId) -> String {
+fn left_out(state: &PlayerState, now: Tick, resource: ResourceId) -> String {
     let name = state.table().handling().resource_name(resource);
     let Some(down) = state.exceptions().is_down(resource) else { return format!("{name} is counted on") };
     let since = seconds(now.since(down.since));
     let why = match &down.why {
-        DownCause::ByHand { text } if text.is_empty() => "somebody has left it out".to_owned(),
-        DownCause::Alarm { text } if text.is_empty() => "somebody has given alarm".to_owned(),
-        DownCause::ByHand { text } | DownCause::Alarm { text } => format!("somebody has given alarm: {text}"),
-        DownCause::Rule(firing) => format!("the rule for {firing} leaves it out"),
-        DownCause::Station(firing) => format!("its station could not work after {firing}"),
-        DownCause::EmergencyStop(firing) => format!("its station went into emergency stop after {firing}"),
-        DownCause::Mismatch => "its sensor says otherwise than the model".to_owned(),
+        OutOfServiceReason::ByHand { text } if text.is_empty() => "somebody has left it out".to_owned(),
+        OutOfServiceReason::Alarm { text } if text.is_empty() => "somebody has given alarm".to_owned(),
+        OutOfServiceReason::ByHand { text } | OutOfServiceReason::Alarm { text } => {
+            format!("somebody has given alarm: {text}")
+        }
+        OutOfServiceReason::Rule(firing) => format!("the rule for {firing} leaves it out"),
+        OutOfServiceReason::Station(firing) => format!("its station could not work after {firing}"),
+        OutOfServiceReason::EmergencyStop(firing) => format!("its station went into emergency stop after {firing}"),
+        OutOfServiceReason::Mismatch => "its sensor says otherwise than the model".to_owned(),
     };
     format!("{name} has been left out for {since} s: {why}")
 }
 
 /// What a failed activity waits for.
-fn waits(state: &State, firing: FiringId) -> String {
+fn waits(state: &PlayerState, firing: FiringId) -> String {
     match state.exceptions().trouble(firing).map(|trouble| &trouble.stage) {
-        Some(Stage::Securing) => "waits for its stations to come to rest".to_owned(),
-        Some(Stage::Waiting(alarm)) => format!("waits for an answer to {alarm}"),
-        Some(Stage::Restoring { .. }) => "waits for sensors to agree with what was answered".to_owned(),
+        Some(ExceptionStage::Securing) => "waits for its stations to come to rest".to_owned(),
+        Some(ExceptionStage::Waiting(alarm)) => format!("waits for an answer to {alarm}"),
+        Some(ExceptionStage::Restoring { .. }) => "waits for sensors to agree with what was answered".to_owned(),
         None => "waits for somebody to look".to_owned(),
     }
 }
 
 /// The part that waits for a mode, if it is where that takes it from.
-fn resting(state: &State, mode: ModeId) -> Option<PartId> {
+fn resting(state: &PlayerState, mode: ModeId) -> Option<PartId> {
     let cell: CellId = state.table().part_in(mode)?;
     match state.table().kind(cell) {
         CellKind::Tokens => None,
@@ -146,13 +155,13 @@ fn resting(state: &State, mode: ModeId) -> Option<PartId> {
     }
 }
 
-fn progress(state: &State, firing: &Firing, now: Tick) -> String {
+fn progress(state: &PlayerState, firing: &OngoingActivity, now: Tick) -> String {
     let mode: ModeId = firing.mode;
     let what = called(state.table(), mode, firing.part);
     match (firing.phase, state.table().activity(mode).kind) {
-        (Phase::Failed(_), _) => format!("{what}, which has failed and {}", waits(state, firing.id)),
-        (Phase::Running, ActivityKind::Immediate) => what,
-        (Phase::Running, ActivityKind::Decided { time, limit: _ }) => {
+        (ActivityPhase::Failed(_), _) => format!("{what}, which has failed and {}", waits(state, firing.id)),
+        (ActivityPhase::Running, ActivityTiming::Immediate) => what,
+        (ActivityPhase::Running, ActivityTiming::Decided { time, limit: _ }) => {
             let left = seconds((firing.began + time).since(now));
             if left > 0.0 { format!("{what}, {left} s left") } else { format!("{what}, longer than it should be") }
         }

@@ -10,8 +10,8 @@ use std::time::Duration;
 use linewright_line::Tick;
 
 use super::super::ids::{ModeId, PartId};
-use super::super::reason::{Gain, Ground, Lost, Outlook, Reason};
-use super::super::record::{Fact, Record};
+use super::super::reason::{DecidingRule, Gain, HoldReason, LostDecision, ProgressComparison};
+use super::super::record::{Record, RecordKind};
 use super::super::table::CellTable;
 
 /// A mode by its own name, and with which part.
@@ -33,13 +33,13 @@ fn whom(part: Option<PartId>) -> String {
 }
 
 /// Why the other comes first.
-fn ground(by: &Ground) -> String {
+fn ground(by: &DecidingRule) -> String {
     match by {
-        Ground::Waited => "it has waited too long".to_owned(),
-        Ground::Helps { part } => format!("it makes way for {}, which has waited too long", whom(*part)),
-        Ground::Inside => "it is in the cell already".to_owned(),
-        Ground::Rule { rule, theirs, ours } => format!("by {rule} ({theirs}; the other {ours})"),
-        Ground::Order => "it has waited longer, or has the smaller number".to_owned(),
+        DecidingRule::Waited => "it has waited too long".to_owned(),
+        DecidingRule::Helps { part } => format!("it makes way for {}, which has waited too long", whom(*part)),
+        DecidingRule::Inside => "it is in the cell already".to_owned(),
+        DecidingRule::Rule { rule, theirs, ours } => format!("by {rule} ({theirs}; the other {ours})"),
+        DecidingRule::Order => "it has waited longer, or has the smaller number".to_owned(),
     }
 }
 
@@ -56,18 +56,18 @@ fn leads(gain: &Gain) -> String {
 }
 
 /// Why something was held.
-pub fn reason(table: &CellTable, reason: &Reason) -> String {
+pub fn reason(table: &CellTable, reason: &HoldReason) -> String {
     match reason {
-        Reason::LostTo(Lost { to, with, own: _, by }) => {
+        HoldReason::LostTo(LostDecision { to, with, own: _, by }) => {
             format!("{} goes first: {}", named(table, *to, *with), ground(by))
         }
-        Reason::NotYet(until) => format!("it is too early, not before {until}"),
-        Reason::ReservedFor { part, mode } => {
+        HoldReason::NotYet(until) => format!("it is too early, not before {until}"),
+        HoldReason::ReservedFor { part, mode } => {
             format!("what it needs is kept for {}: {} has waited too long", named(table, *mode, None), whom(*part))
         }
-        Reason::NotOrdered => "no production order wants another such part now".to_owned(),
-        Reason::PlannedOtherwise(next) => format!("the schedule has {} next", named(table, *next, None)),
-        Reason::LooksWorse(Outlook { instead, gain }) => {
+        HoldReason::NotOrdered => "no production order wants another such part now".to_owned(),
+        HoldReason::PlannedOtherwise(next) => format!("the schedule has {} next", named(table, *next, None)),
+        HoldReason::LooksWorse(ProgressComparison { instead, gain }) => {
             let what = instead.map_or_else(|| "waiting".to_owned(), |(mode, part)| named(table, mode, part));
             format!("looking ahead, {what} {}", leads(gain))
         }
@@ -75,18 +75,18 @@ pub fn reason(table: &CellTable, reason: &Reason) -> String {
 }
 
 /// A decision: a sentence for everything that was started, and for everything that was held.
-pub fn decision(table: &CellTable, started: &[(ModeId, Option<PartId>)], held: &[(ModeId, Reason)]) -> Vec<String> {
+pub fn decision(table: &CellTable, started: &[(ModeId, Option<PartId>)], held: &[(ModeId, HoldReason)]) -> Vec<String> {
     let mut lines = Vec::new();
     for &(mode, part) in started {
         let mut line = format!("{} starts", named(table, mode, part));
         let lost = held.iter().filter_map(|(loser, reason)| match reason {
-            Reason::LostTo(lost) if (lost.to, lost.with) == (mode, part) => Some((*loser, lost)),
-            Reason::LostTo(_)
-            | Reason::NotYet(_)
-            | Reason::ReservedFor { .. }
-            | Reason::NotOrdered
-            | Reason::PlannedOtherwise(_)
-            | Reason::LooksWorse(_) => None,
+            HoldReason::LostTo(lost) if (lost.to, lost.with) == (mode, part) => Some((*loser, lost)),
+            HoldReason::LostTo(_)
+            | HoldReason::NotYet(_)
+            | HoldReason::ReservedFor { .. }
+            | HoldReason::NotOrdered
+            | HoldReason::PlannedOtherwise(_)
+            | HoldReason::LooksWorse(_) => None,
         });
         let mut joint = ",";
         for (loser, lost) in lost {
@@ -101,12 +101,12 @@ pub fn decision(table: &CellTable, started: &[(ModeId, Option<PartId>)], held: &
     }
     for (mode, why) in held {
         let own = match why {
-            Reason::LostTo(lost) => lost.own,
-            Reason::NotYet(_)
-            | Reason::ReservedFor { .. }
-            | Reason::NotOrdered
-            | Reason::PlannedOtherwise(_)
-            | Reason::LooksWorse(_) => None,
+            HoldReason::LostTo(lost) => lost.own,
+            HoldReason::NotYet(_)
+            | HoldReason::ReservedFor { .. }
+            | HoldReason::NotOrdered
+            | HoldReason::PlannedOtherwise(_)
+            | HoldReason::LooksWorse(_) => None,
         };
         lines.push(format!("{} is held: {}.", named(table, *mode, own), reason(table, why)));
     }
@@ -116,33 +116,33 @@ pub fn decision(table: &CellTable, started: &[(ModeId, Option<PartId>)], held: &
 /// For each mode why it was last held, if it has not started since. It follows from the records.
 #[derive(Clone, Debug, Default, PartialEq, Eq)]
 pub struct Reasons {
-    last: BTreeMap<ModeId, (Tick, Reason)>,
+    last: BTreeMap<ModeId, (Tick, HoldReason)>,
 }
 
 impl Reasons {
     /// Takes a record; the older ones first.
     pub fn note(&mut self, record: &Record) {
         match &record.fact {
-            Fact::Decided { question: _, started, held } => {
+            RecordKind::Decided { question: _, started, held } => {
                 started.iter().for_each(|(mode, _)| _ = self.last.remove(mode));
                 self.last.extend(held.iter().map(|&(mode, reason)| (mode, (record.at, reason))));
             }
-            Fact::Epoch { .. }
-            | Fact::Memory { .. }
-            | Fact::Started { .. }
-            | Fact::Acknowledged { .. }
-            | Fact::OrderEnded { .. }
-            | Fact::OrderFailed { .. }
-            | Fact::Raised { .. }
-            | Fact::Production { .. }
-            | Fact::Ended { .. }
-            | Fact::Fired { .. }
-            | Fact::Exception(_) => (),
+            RecordKind::Epoch { .. }
+            | RecordKind::Memory { .. }
+            | RecordKind::Started { .. }
+            | RecordKind::Acknowledged { .. }
+            | RecordKind::OrderEnded { .. }
+            | RecordKind::OrderFailed { .. }
+            | RecordKind::Raised { .. }
+            | RecordKind::Production { .. }
+            | RecordKind::Ended { .. }
+            | RecordKind::Fired { .. }
+            | RecordKind::Exception(_) => (),
         }
     }
 
     /// When a mode was last held, and why.
-    pub fn of(&self, mode: ModeId) -> Option<(Tick, &Reason)> {
+    pub fn of(&self, mode: ModeId) -> Option<(Tick, &HoldReason)> {
         self.last.get(&mode).map(|(at, reason)| (*at, reason))
     }
 }

@@ -2,78 +2,79 @@
 
 use linewright_line::Tick;
 
-use super::super::firing::{Firing, Order, OrderState, Phase};
+use super::super::firing::{ActivityPhase, OngoingActivity, OngoingOrder, OrderProgress};
 use super::super::ids::{AlarmId, CellId, FiringId, ModeId, OrderKey, PartId, ResourceId};
 use super::super::record::Failure;
-use super::super::state::{Place, State};
-use super::super::table::Tokens;
-use super::book::{Alarm, Down, Exceptions, Retry, Stage, Trouble};
-use super::fact::{About, Ruling, Step, Strategy, Whereabouts};
+use super::super::state::{PartPlace, PlayerState};
+use super::super::table::TokenDemand;
+use super::book::{Alarm, ExceptionStage, Exceptions, FailedActivity, OutOfService, Retry};
+use super::fact::{AlarmSubject, ExceptionStep, RecoveryDecision, Strategy, Whereabouts};
 
-type Fits = Result<(), String>;
+type ExceptionFitResult = Result<(), String>;
 
-impl State {
+impl PlayerState {
     /// What is remembered of exceptions.
     pub fn exceptions(&self) -> &Exceptions {
         &self.exceptions
     }
 
     /// Does what a step of an exception says.
-    pub(in super::super) fn exception(&mut self, step: &Step, at: Tick) -> Fits {
+    pub(in super::super) fn exception(&mut self, step: &ExceptionStep, at: Tick) -> ExceptionFitResult {
         match step {
-            Step::Secured { firing, key, standing } => {
+            ExceptionStep::Secured { firing, key, standing } => {
                 self.owes(*firing, *key)?;
                 self.trouble(*firing)?.standing.push((*key, *standing));
                 Ok(())
             }
-            Step::Alarmed { alarm, about, text, words } => {
+            ExceptionStep::Alarmed { alarm, about, text, words } => {
                 self.alarmed(Alarm { id: *alarm, since: at, about: *about, text: text.clone(), words: words.clone() })
             }
-            Step::Answered { firing, ruling, by: _ } => {
+            ExceptionStep::Answered { firing, ruling, by: _ } => {
                 let trouble = self.trouble(*firing)?;
                 let alarm = match &trouble.stage {
-                    Stage::Securing => None,
-                    Stage::Waiting(alarm) => Some(*alarm),
-                    Stage::Restoring { .. } => return Err(format!("{firing} was answered already")),
+                    ExceptionStage::Securing => None,
+                    ExceptionStage::Waiting(alarm) => Some(*alarm),
+                    ExceptionStage::Restoring { .. } => return Err(format!("{firing} was answered already")),
                 };
-                trouble.stage = Stage::Restoring { ruling: ruling.clone(), since: at };
+                trouble.stage = ExceptionStage::Restoring { ruling: ruling.clone(), since: at };
                 alarm.map(|alarm| self.exceptions.alarms.remove(&alarm));
                 Ok(())
             }
-            Step::Carried { firing } => match self.restoring(*firing)?.part {
+            ExceptionStep::Carried { firing } => match self.restoring(*firing)?.part {
                 Whereabouts::Carrier => Ok(()),
                 part @ (Whereabouts::From | Whereabouts::To | Whereabouts::Gone) => {
                     Err(format!("the part of {firing} is not with its carrier, but {part:?}"))
                 }
             },
-            Step::Closed { firing, mode, part, ruling, unchecked: _ } => {
+            ExceptionStep::Closed { firing, mode, part, ruling, unchecked: _ } => {
                 self.closed(*firing, (*mode, *part), ruling, at)
             }
-            Step::Mismatch { about, found: _ } => match about {
-                About::Firing(firing) => self.restoring(*firing).map(|_| ()),
-                About::Resource(resource) => self.known(*resource),
+            ExceptionStep::Mismatch { about, found: _ } => match about {
+                AlarmSubject::Firing(firing) => self.restoring(*firing).map(|_| ()),
+                AlarmSubject::Resource(resource) => self.known(*resource),
             },
-            Step::Missing { resource, mode, part } => self.missing(*resource, *mode, *part),
-            Step::Stopped { station, .. } if !self.table().handling().knows_station(*station) => {
+            ExceptionStep::Missing { resource, mode, part } => self.missing(*resource, *mode, *part),
+            ExceptionStep::Stopped { station, .. } if !self.table().handling().knows_station(*station) => {
                 Err(format!("station {} is none of this cell", station.0))
             }
-            Step::Stopped { firing, station } => {
+            ExceptionStep::Stopped { firing, station } => {
                 self.trouble(*firing)?.stopped.push(station.0);
                 self.exceptions.stopped.entry(*station).or_insert(*firing);
                 Ok(())
             }
-            Step::Reset { station } => {
+            ExceptionStep::Reset { station } => {
                 let was = self.exceptions.stopped.remove(station).map(|_| ());
                 was.ok_or_else(|| format!("station {} is not in emergency stop", station.0))
             }
-            Step::Down { resource, why } => self.down(*resource, Down { since: at, why: why.clone() }),
-            Step::Up { resource, unchecked: _ } => self.up(*resource),
+            ExceptionStep::Down { resource, why } => self.down(*resource, OutOfService { since: at, why: why.clone() }),
+            ExceptionStep::Up { resource, unchecked: _ } => self.up(*resource),
         }
     }
 
     /// An activity has failed: its exception begins.
     pub(in super::super) fn exception_begins(&mut self, firing: FiringId, at: Tick) {
-        let trouble = Trouble { since: at, standing: Vec::new(), stopped: Vec::new(), stage: Stage::Securing };
+        let trouble =
+            FailedActivity { since: at, standing: Vec::new(), stopped: Vec::new(), stage: ExceptionStage::Securing };
         self.exceptions.open.insert(firing, trouble);
     }
 
@@ -113,69 +114,75 @@ impl State {
     }
 
     /// The orders of a failed activity whose stations have to come to rest, and are not known to have.
-    pub(super) fn owed<'a>(&'a self, firing: &'a Firing) -> impl Iterator<Item = &'a Order> {
-        let owes = |order: &&Order| match order.state {
-            OrderState::Ended => false,
+    pub(super) fn owed<'a>(&'a self, firing: &'a OngoingActivity) -> impl Iterator<Item = &'a OngoingOrder> {
+        let owes = |order: &&OngoingOrder| match order.state {
+            OrderProgress::Ended => false,
             // It does not do it, or has come up anew since.
-            OrderState::Failed(Failure::Refused(_) | Failure::Forgotten) => false,
-            OrderState::Written
-            | OrderState::Running
-            | OrderState::Failed(Failure::Code(_) | Failure::TimedOut | Failure::Lost | Failure::DevicesLost) => true,
+            OrderProgress::Failed(Failure::Refused(_) | Failure::Forgotten) => false,
+            OrderProgress::Written
+            | OrderProgress::Running
+            | OrderProgress::Failed(Failure::Code(_) | Failure::TimedOut | Failure::Lost | Failure::DevicesLost) => {
+                true
+            }
         };
         let open = firing.orders.iter().filter(owes);
         open.filter(|order| self.exceptions.stands(firing.id, order.key).is_none())
     }
 
-    fn owes(&self, id: FiringId, key: OrderKey) -> Fits {
+    fn owes(&self, id: FiringId, key: OrderKey) -> ExceptionFitResult {
         let firing = self.failed(id)?;
         match self.exceptions.open.get(&id).map(|trouble| &trouble.stage) {
-            Some(Stage::Securing) => (),
-            Some(Stage::Waiting(_) | Stage::Restoring { .. }) | None => return Err(format!("{id} is not secured")),
+            Some(ExceptionStage::Securing) => (),
+            Some(ExceptionStage::Waiting(_) | ExceptionStage::Restoring { .. }) | None => {
+                return Err(format!("{id} is not secured"));
+            }
         }
         let owes = self.owed(firing).any(|order| order.key == key);
         if owes { Ok(()) } else { Err(format!("nobody waits for the station of {key} to come to rest")) }
     }
 
-    fn failed(&self, id: FiringId) -> Result<&Firing, String> {
+    fn failed(&self, id: FiringId) -> Result<&OngoingActivity, String> {
         let firing = self.firings.get(&id).ok_or_else(|| format!("{id} is not in progress"))?;
         match firing.phase {
-            Phase::Failed(_) => Ok(firing),
-            Phase::Running => Err(format!("{id} has not failed")),
+            ActivityPhase::Failed(_) => Ok(firing),
+            ActivityPhase::Running => Err(format!("{id} has not failed")),
         }
     }
 
-    fn trouble(&mut self, id: FiringId) -> Result<&mut Trouble, String> {
+    fn trouble(&mut self, id: FiringId) -> Result<&mut FailedActivity, String> {
         self.failed(id)?;
         self.exceptions.open.get_mut(&id).ok_or_else(|| format!("{id} has no exception"))
     }
 
-    fn restoring(&self, id: FiringId) -> Result<&Ruling, String> {
+    fn restoring(&self, id: FiringId) -> Result<&RecoveryDecision, String> {
         self.failed(id)?;
         match self.exceptions.open.get(&id).map(|trouble| &trouble.stage) {
-            Some(Stage::Restoring { ruling, since: _ }) => Ok(ruling),
-            Some(Stage::Securing | Stage::Waiting(_)) | None => Err(format!("nobody has said how {id} goes on")),
+            Some(ExceptionStage::Restoring { ruling, since: _ }) => Ok(ruling),
+            Some(ExceptionStage::Securing | ExceptionStage::Waiting(_)) | None => {
+                Err(format!("nobody has said how {id} goes on"))
+            }
         }
     }
 
-    fn known(&self, resource: ResourceId) -> Fits {
+    fn known(&self, resource: ResourceId) -> ExceptionFitResult {
         let known = self.table.handling().resource(resource).map(|_| ());
         known.ok_or_else(|| format!("there is no {resource}"))
     }
 
-    fn alarmed(&mut self, alarm: Alarm) -> Fits {
+    fn alarmed(&mut self, alarm: Alarm) -> ExceptionFitResult {
         let AlarmId(number) = alarm.id;
         if number != self.exceptions.last_alarm + 1 {
             return Err(format!("alarm {number} after alarm {}", self.exceptions.last_alarm));
         }
         match alarm.about {
-            About::Firing(firing) => {
+            AlarmSubject::Firing(firing) => {
                 let trouble = self.trouble(firing)?;
-                if let Stage::Waiting(earlier) = trouble.stage {
+                if let ExceptionStage::Waiting(earlier) = trouble.stage {
                     return Err(format!("{firing} waits for an answer to {earlier}"));
                 }
-                trouble.stage = Stage::Waiting(alarm.id);
+                trouble.stage = ExceptionStage::Waiting(alarm.id);
             }
-            About::Resource(resource) => {
+            AlarmSubject::Resource(resource) => {
                 self.known(resource)?;
                 // What was said of it before is not true any more.
                 self.exceptions.alarms.retain(|_, earlier| earlier.about != alarm.about);
@@ -187,28 +194,34 @@ impl State {
     }
 
     /// Alarm can be given of what is left out already.
-    fn down(&mut self, resource: ResourceId, new: Down) -> Fits {
+    fn down(&mut self, resource: ResourceId, new: OutOfService) -> ExceptionFitResult {
         self.known(resource)?;
         let before = self.exceptions.down.get(&resource);
         if before.is_some_and(|before| before.why.is_alarm() || !new.why.is_alarm()) {
             return Err(format!("{resource} is down already"));
         }
         let since = before.map_or(new.since, |before| before.since);
-        self.exceptions.down.insert(resource, Down { since, ..new });
+        self.exceptions.down.insert(resource, OutOfService { since, ..new });
         self.block_down();
         Ok(())
     }
 
-    fn up(&mut self, resource: ResourceId) -> Fits {
+    fn up(&mut self, resource: ResourceId) -> ExceptionFitResult {
         if self.exceptions.down.remove(&resource).is_none() {
             return Err(format!("{resource} is not down"));
         }
-        self.exceptions.alarms.retain(|_, alarm| alarm.about != About::Resource(resource));
+        self.exceptions.alarms.retain(|_, alarm| alarm.about != AlarmSubject::Resource(resource));
         self.block_down();
         Ok(())
     }
 
-    fn closed(&mut self, id: FiringId, (mode, part): (ModeId, Option<PartId>), ruling: &Ruling, at: Tick) -> Fits {
+    fn closed(
+        &mut self,
+        id: FiringId,
+        (mode, part): (ModeId, Option<PartId>),
+        ruling: &RecoveryDecision,
+        at: Tick,
+    ) -> ExceptionFitResult {
         if self.restoring(id)? != ruling {
             return Err(format!("{id} is closed by another answer than it was given"));
         }
@@ -241,7 +254,7 @@ impl State {
                 match (part, table.part_in(mode)) {
                     (Some(part), Some(cell)) => {
                         let arrival = self.marking.put_back(cell, table.kind(cell), part);
-                        self.place(part, Place::On { cell, arrival }, at);
+                        self.place(part, PartPlace::On { cell, arrival }, at);
                     }
                     // It has not come in.
                     (Some(part), None) => self.remove(part),
@@ -270,7 +283,7 @@ impl State {
 
     /// What there is more of when the part is no more that a mode would take from a cell, and the mode has not begun: what it
     /// gives back then, but for what it would have taken.
-    fn left_without(&self, mode: ModeId, cell: CellId) -> Option<Vec<Tokens>> {
+    fn left_without(&self, mode: ModeId, cell: CellId) -> Option<Vec<TokenDemand>> {
         let mut left =
             self.table.handling().mode(mode).gone.clone().filter(|_| self.table.part_in(mode) == Some(cell))?;
         for &(taken, weight) in self.table.takes(mode).iter().filter(|(taken, _)| *taken != cell) {
@@ -281,12 +294,12 @@ impl State {
         Some(left)
     }
 
-    fn missing(&mut self, resource: ResourceId, mode: ModeId, part: PartId) -> Fits {
+    fn missing(&mut self, resource: ResourceId, mode: ModeId, part: PartId) -> ExceptionFitResult {
         self.known(resource)?;
         let place = self.parts.get(&part).map(|part| part.place);
         let (cell, arrival) = match place {
-            Some(Place::On { cell, arrival }) => (cell, arrival),
-            Some(Place::In(_)) | None => return Err(format!("{part} does not rest anywhere")),
+            Some(PartPlace::On { cell, arrival }) => (cell, arrival),
+            Some(PartPlace::In(_)) | None => return Err(format!("{part} does not rest anywhere")),
         };
         if !self.table.handling().resource(resource).is_some_and(|of| of.has.contains(&cell)) {
             return Err(format!("{part} does not rest at {resource}"));
@@ -310,7 +323,7 @@ impl State {
         self.exceptions.scrapped += 1;
     }
 
-    fn give_tokens(&mut self, tokens: &[Tokens]) {
+    fn give_tokens(&mut self, tokens: &[TokenDemand]) {
         let table = self.table.clone();
         for &(cell, weight) in tokens {
             self.marking.give(cell, weight);

@@ -9,14 +9,14 @@ use serde::{Deserialize, Serialize};
 
 use super::super::ids::{AlarmId, FiringId, ModeId, OrderKey, PartId, ResourceId};
 use super::super::serial;
-use super::fact::{About, DownCause, Ruling, Standing};
+use super::fact::{AlarmSubject, OutOfServiceReason, RecoveryDecision, SecuredState};
 
 /// The exceptions of a cell.
 #[derive(Clone, Debug, Default, PartialEq, Eq)]
 pub struct Exceptions {
-    pub(super) open: BTreeMap<FiringId, Trouble>,
+    pub(super) open: BTreeMap<FiringId, FailedActivity>,
     pub(super) alarms: BTreeMap<AlarmId, Alarm>,
-    pub(super) down: BTreeMap<ResourceId, Down>,
+    pub(super) down: BTreeMap<ResourceId, OutOfService>,
     pub(super) retries: BTreeMap<(ModeId, Option<PartId>), Retry>,
     /// The stations in emergency stop, and because of which activity each went into it first.
     pub(super) stopped: BTreeMap<StationId, FiringId>,
@@ -29,23 +29,23 @@ pub struct Exceptions {
 /// A failed activity.
 #[derive(Clone, Debug, PartialEq, Eq, Serialize, Deserialize)]
 #[serde(deny_unknown_fields)]
-pub struct Trouble {
+pub struct FailedActivity {
     /// Since when.
     #[serde(with = "serial::micros")]
     pub since: Tick,
     /// How the stations stand that had to be told to come to rest, those that are known.
-    pub standing: Vec<(OrderKey, Standing)>,
+    pub standing: Vec<(OrderKey, SecuredState)>,
     /// The stations that went into emergency stop because of it. Those that were reset since do not do so again.
     #[serde(default)]
     pub stopped: Vec<u16>,
     /// Where it is.
-    pub stage: Stage,
+    pub stage: ExceptionStage,
 }
 
 /// Where a failed activity is.
 #[derive(Clone, Debug, PartialEq, Eq, Serialize, Deserialize)]
 #[serde(rename_all = "kebab-case", deny_unknown_fields)]
-pub enum Stage {
+pub enum ExceptionStage {
     /// Its stations are to come to rest.
     Securing,
     /// Somebody is asked.
@@ -53,7 +53,7 @@ pub enum Stage {
     /// What was answered is being compared with what sensors say.
     Restoring {
         /// What was said.
-        ruling: Ruling,
+        ruling: RecoveryDecision,
         /// When.
         #[serde(with = "serial::micros")]
         since: Tick,
@@ -70,7 +70,7 @@ pub struct Alarm {
     #[serde(with = "serial::micros")]
     pub since: Tick,
     /// What about.
-    pub about: About,
+    pub about: AlarmSubject,
     /// In words.
     pub text: String,
     /// What can be answered.
@@ -80,12 +80,12 @@ pub struct Alarm {
 /// A resource that is left out.
 #[derive(Clone, Debug, PartialEq, Eq, Serialize, Deserialize)]
 #[serde(deny_unknown_fields)]
-pub struct Down {
+pub struct OutOfService {
     /// Since when.
     #[serde(with = "serial::micros")]
     pub since: Tick,
     /// Why.
-    pub why: DownCause,
+    pub why: OutOfServiceReason,
 }
 
 /// Something that was done once more, or is to be.
@@ -100,18 +100,18 @@ pub(super) struct Retry {
 
 impl Exceptions {
     /// The failed activities.
-    pub fn open(&self) -> impl ExactSizeIterator<Item = (FiringId, &Trouble)> {
+    pub fn open(&self) -> impl ExactSizeIterator<Item = (FiringId, &FailedActivity)> {
         self.open.iter().map(|(&id, trouble)| (id, trouble))
     }
 
     /// A failed activity.
-    pub fn trouble(&self, firing: FiringId) -> Option<&Trouble> {
+    pub fn trouble(&self, firing: FiringId) -> Option<&FailedActivity> {
         self.open.get(&firing)
     }
 
     /// Whether the stations of a failed activity are still to come to rest.
     pub(in super::super) fn is_securing(&self, firing: FiringId) -> bool {
-        self.open.get(&firing).is_some_and(|trouble| trouble.stage == Stage::Securing)
+        self.open.get(&firing).is_some_and(|trouble| trouble.stage == ExceptionStage::Securing)
     }
 
     /// The alarms that stand, by number.
@@ -125,12 +125,12 @@ impl Exceptions {
     }
 
     /// The resources that are left out.
-    pub fn down(&self) -> impl ExactSizeIterator<Item = (ResourceId, &Down)> {
+    pub fn down(&self) -> impl ExactSizeIterator<Item = (ResourceId, &OutOfService)> {
         self.down.iter().map(|(&id, down)| (id, down))
     }
 
     /// Why a resource is left out, if it is.
-    pub fn is_down(&self, resource: ResourceId) -> Option<&Down> {
+    pub fn is_down(&self, resource: ResourceId) -> Option<&OutOfService> {
         self.down.get(&resource)
     }
 
@@ -160,7 +160,7 @@ impl Exceptions {
     }
 
     /// Whether stations of this order are not waited for to come to rest.
-    pub(super) fn stands(&self, firing: FiringId, key: OrderKey) -> Option<Standing> {
+    pub(super) fn stands(&self, firing: FiringId, key: OrderKey) -> Option<SecuredState> {
         let standing = &self.open.get(&firing)?.standing;
         standing.iter().find(|(of, _)| *of == key).map(|&(_, standing)| standing)
     }

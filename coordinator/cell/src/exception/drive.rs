@@ -2,34 +2,43 @@
 
 use linewright_line::{StationId, Tick};
 
-use super::super::firing::{Firing, Phase};
+use super::super::firing::{ActivityPhase, OngoingActivity};
 use super::super::ids::{AlarmId, FiringId, ModeId, OrderKey, PartId, ResourceId};
-use super::super::orders::{Heard, Outbox};
+use super::super::orders::{PlayerOutbox, TaskReport};
 use super::super::player::Coordination;
-use super::super::record::{Cause, Fact, Failure};
-use super::book::Stage;
-use super::fact::{About, By, Difference, DownCause, Ruling, Standing, Step, Strategy, Whereabouts};
-use super::handling::{Answer, usual};
-use super::watch::{Presence, Unable};
+use super::super::record::{ActivityFailure, Failure, RecordKind};
+use super::book::ExceptionStage;
+use super::fact::{
+    AlarmSubject, AnsweredBy, ExceptionStep, OutOfServiceReason, RecoveryDecision, SecuredState, SensorMismatch,
+    Strategy, Whereabouts,
+};
+use super::policy::{PermittedAnswer, usual};
+use super::watch::{Presence, StationUnavailable};
 use super::words;
 
 /// What sensors say to an answer.
-enum Verdict {
+enum SensorVerdict {
     /// What was heard is older than the answer.
     Wait,
     /// Something else.
-    Differs(Vec<Difference>),
+    Differs(Vec<SensorMismatch>),
     /// The same, as far as they say anything: of these they do not.
     Agrees(Vec<ResourceId>),
 }
 
 impl Coordination {
-    pub(super) fn except(&mut self, now: Tick, step: Step, out: &mut Outbox) {
-        self.write(now, Fact::Exception(step), out);
+    pub(super) fn except(&mut self, now: Tick, step: ExceptionStep, out: &mut PlayerOutbox) {
+        self.write(now, RecordKind::Exception(step), out);
     }
 
     /// What follows of a station's state beside what it says of its orders.
-    pub(in super::super) fn watch_station(&mut self, now: Tick, station: StationId, heard: &Heard, out: &mut Outbox) {
+    pub(in super::super) fn watch_station(
+        &mut self,
+        now: Tick,
+        station: StationId,
+        heard: &TaskReport,
+        out: &mut PlayerOutbox,
+    ) {
         let before = self.watch.seen(station);
         let could = self.can_work(now, station);
         let is_first = before.is_none_or(|seen| seen.heard.presence != heard.presence);
@@ -43,17 +52,17 @@ impl Coordination {
             Some(key) if !self.is_waited_for(key) => _ = self.watch.strays.insert(station),
             Some(_) | None => _ = self.watch.strays.remove(&station),
         }
-        if heard.unable == Some(Unable::Devices) {
+        if heard.unable == Some(StationUnavailable::Devices) {
             let known = self.state.orders.keys().copied().filter(|&key| self.may_be_known(station, key));
             let lost: Vec<_> = known.filter(|&key| self.is_waited_for(key)).collect();
             for key in lost {
-                self.write(now, Fact::OrderFailed { key, failure: Failure::DevicesLost }, out);
+                self.write(now, RecordKind::OrderFailed { key, failure: Failure::DevicesLost }, out);
             }
         }
     }
 
     fn is_waited_for(&self, key: OrderKey) -> bool {
-        self.state.order(key).is_some_and(|(firing, _)| firing.phase == Phase::Running)
+        self.state.order(key).is_some_and(|(firing, _)| firing.phase == ActivityPhase::Running)
     }
 
     /// Whether a station was heard to be at an order of something that has failed, or of nothing. It has to stand before
@@ -65,13 +74,13 @@ impl Coordination {
     }
 
     /// Whether what is in a station's slot is what it does, also where a result says that this has ended.
-    pub(super) fn counts(&self, heard: &Heard) -> bool {
+    pub(super) fn counts(&self, heard: &TaskReport) -> bool {
         let has_ended = |key| heard.results.iter().any(|(of, _)| Some(*of) == key);
         self.rules.stands_first && (self.rules.slot_counts || !has_ended(heard.slot))
     }
 
     /// The first station of an activity, of its orders or of who takes part, that has to stand and moves.
-    pub(super) fn moving(&self, now: Tick, firing: &Firing) -> Option<StationId> {
+    pub(super) fn moving(&self, now: Tick, firing: &OngoingActivity) -> Option<StationId> {
         let handling = self.state.table().handling();
         let ordered = firing.orders.iter().map(|order| order.station);
         let part = handling.mode(firing.mode).resources().filter_map(|id| handling.resource(id)?.station);
@@ -79,11 +88,11 @@ impl Coordination {
     }
 
     /// Fails the orders of stations that were not heard for too long.
-    pub(in super::super) fn miss(&mut self, now: Tick, out: &mut Outbox) {
+    pub(in super::super) fn miss(&mut self, now: Tick, out: &mut PlayerOutbox) {
         while self.watch.missed_from.is_none_or(|at| at <= now) {
             match self.first_to_miss() {
                 Some((at, key)) if at <= now => {
-                    self.write(now, Fact::OrderFailed { key, failure: Failure::Lost }, out);
+                    self.write(now, RecordKind::OrderFailed { key, failure: Failure::Lost }, out);
                 }
                 later => {
                     self.watch.missed_from = Some(later.map_or(Tick::NEVER, |(at, _)| at));
@@ -104,17 +113,17 @@ impl Coordination {
     /// The order whose station will be missed first, and when.
     fn first_to_miss(&self) -> Option<(Tick, OrderKey)> {
         let stale = self.state.table().handling().stale?;
-        let running = self.state.firings().filter(|firing| firing.phase == Phase::Running);
+        let running = self.state.firings().filter(|firing| firing.phase == ActivityPhase::Running);
         let open = running.flat_map(|firing| firing.orders.iter().map(move |order| (firing, order)));
         let open = open.filter(|(_, order)| order.is_open());
-        let missed = |(firing, order): (&Firing, &super::super::firing::Order)| {
+        let missed = |(firing, order): (&OngoingActivity, &super::super::firing::OngoingOrder)| {
             ((self.watch.last(order.station) + stale).max(firing.spared_until), order.key)
         };
         open.map(missed).min()
     }
 
     /// Takes every exception as far as it goes now.
-    pub(in super::super) fn attend(&mut self, now: Tick, out: &mut Outbox) {
+    pub(in super::super) fn attend(&mut self, now: Tick, out: &mut PlayerOutbox) {
         let open: Vec<FiringId> = self.state.exceptions().open.keys().copied().collect();
         for &id in &open {
             self.stop_stations(now, id, out);
@@ -131,9 +140,9 @@ impl Coordination {
     pub(in super::super) fn next_of_exceptions(&self) -> Option<Tick> {
         let (secure, refresh) = (self.state.table().handling().secure, self.state.table().refresh());
         let limit = self.state.exceptions().open().filter_map(|(_, trouble)| match &trouble.stage {
-            Stage::Securing => Some(trouble.since + secure),
-            Stage::Restoring { ruling: _, since } => Some(*since + secure.max(refresh)),
-            Stage::Waiting(_) => None,
+            ExceptionStage::Securing => Some(trouble.since + secure),
+            ExceptionStage::Restoring { ruling: _, since } => Some(*since + secure.max(refresh)),
+            ExceptionStage::Waiting(_) => None,
         });
         let again = self.to_secure().into_iter().map(|leave| match self.told(leave) {
             Some(told) => told.at + refresh,
@@ -147,11 +156,11 @@ impl Coordination {
     }
 
     /// What can be answered for a failed activity.
-    pub(super) fn answers(&self, firing: &Firing, cause: Cause) -> Vec<Answer> {
+    pub(super) fn answers(&self, firing: &OngoingActivity, cause: ActivityFailure) -> Vec<PermittedAnswer> {
         let handling = self.state.table().handling();
         let (rule, handled) = (handling.rule(firing.mode, cause), handling.mode(firing.mode));
         let times = self.state.exceptions().times(firing.mode, firing.part);
-        let can_be = |answer: &Answer| match (answer.ruling.part, answer.ruling.then) {
+        let can_be = |answer: &PermittedAnswer| match (answer.ruling.part, answer.ruling.then) {
             (_, Strategy::Redo) => rule.is_some_and(|rule| times < rule.retries),
             (Whereabouts::Gone, _) => handled.gone.is_some(),
             (Whereabouts::Carrier, _) => handled.carrier.is_some(),
@@ -164,13 +173,13 @@ impl Coordination {
     }
 
     /// Nobody has to be asked where a rule is automatic and all stations are at rest; otherwise people are told.
-    pub(super) fn ask_people(&mut self, now: Tick, id: FiringId, out: &mut Outbox) {
+    pub(super) fn ask_people(&mut self, now: Tick, id: FiringId, out: &mut PlayerOutbox) {
         let Some((firing, cause)) = self.failed(id) else { return };
         let rule = self.state.table().handling().rule(firing.mode, cause);
         let answers = self.answers(firing, cause);
         let at_rest = |key| match self.state.exceptions().stands(id, key) {
-            Some(Standing::Held | Standing::Unknown) => false,
-            Some(Standing::AtRest) | None => true,
+            Some(SecuredState::Held | SecuredState::Unknown) => false,
+            Some(SecuredState::AtRest) | None => true,
         };
         // What was heard of all is what matters: one that has come up anew may stand anywhere.
         let all_at_rest = firing
@@ -181,62 +190,69 @@ impl Coordination {
         match first.filter(|first| answers.contains(first)) {
             Some(first) => {
                 let ruling = first.ruling.clone();
-                self.except(now, Step::Answered { firing: id, ruling, by: By::Rule }, out);
+                self.except(now, ExceptionStep::Answered { firing: id, ruling, by: AnsweredBy::Rule }, out);
             }
             None => {
                 let text = words::alarm(&self.state, firing, cause, now);
-                self.alarm(now, About::Firing(id), text, &answers, out);
+                self.alarm(now, AlarmSubject::Firing(id), text, &answers, out);
             }
         }
     }
 
-    pub(super) fn failed(&self, id: FiringId) -> Option<(&Firing, Cause)> {
+    pub(super) fn failed(&self, id: FiringId) -> Option<(&OngoingActivity, ActivityFailure)> {
         let firing = self.state.firing(id)?;
         match firing.phase {
-            Phase::Failed(cause) => Some((firing, cause)),
-            Phase::Running => None,
+            ActivityPhase::Failed(cause) => Some((firing, cause)),
+            ActivityPhase::Running => None,
         }
     }
 
-    fn alarm(&mut self, now: Tick, about: About, text: String, answers: &[Answer], out: &mut Outbox) {
+    fn alarm(
+        &mut self,
+        now: Tick,
+        about: AlarmSubject,
+        text: String,
+        answers: &[PermittedAnswer],
+        out: &mut PlayerOutbox,
+    ) {
         let alarm = AlarmId(self.state.exceptions().last_alarm + 1);
         let words = answers.iter().map(|answer| answer.ruling.word.clone()).collect();
-        self.except(now, Step::Alarmed { alarm, about, text, words }, out);
+        self.except(now, ExceptionStep::Alarmed { alarm, about, text, words }, out);
     }
 
     /// Compares what was answered with what sensors say, and closes the activity if they agree.
-    fn restored(&mut self, now: Tick, id: FiringId, out: &mut Outbox) {
+    fn restored(&mut self, now: Tick, id: FiringId, out: &mut PlayerOutbox) {
         let Some(trouble) = self.state.exceptions().trouble(id) else { return };
-        let Stage::Restoring { ruling, since } = &trouble.stage else { return };
+        let ExceptionStage::Restoring { ruling, since } = &trouble.stage else { return };
         let (ruling, since) = (ruling.clone(), *since);
         let Some((firing, cause)) = self.failed(id) else { return };
         let (mode, part) = (firing.mode, firing.part);
         if let Some(station) = self.moving(now, firing) {
             let text = words::moved(&self.state, firing, cause, &ruling, station, now);
             let answers = self.answers(firing, cause);
-            return self.alarm(now, About::Firing(id), text, &answers, out);
+            return self.alarm(now, AlarmSubject::Firing(id), text, &answers, out);
         }
         match self.verdict(now, firing, &ruling, since) {
-            Verdict::Wait => (),
-            Verdict::Differs(found) => {
+            SensorVerdict::Wait => (),
+            SensorVerdict::Differs(found) => {
                 let text = words::differs(&self.state, firing, cause, &ruling, &found, now);
                 let answers = self.answers(firing, cause);
-                self.except(now, Step::Mismatch { about: About::Firing(id), found }, out);
-                self.alarm(now, About::Firing(id), text, &answers, out);
+                self.except(now, ExceptionStep::Mismatch { about: AlarmSubject::Firing(id), found }, out);
+                self.alarm(now, AlarmSubject::Firing(id), text, &answers, out);
             }
-            Verdict::Agrees(unchecked) => match ruling.part {
+            SensorVerdict::Agrees(unchecked) => match ruling.part {
                 Whereabouts::Carrier => {
                     let text = words::carried(&self.state, mode, part);
                     let answers: Vec<_> = self.answers_of(usual().into(), mode);
-                    self.except(now, Step::Carried { firing: id }, out);
-                    self.alarm(now, About::Firing(id), text, &answers, out);
+                    self.except(now, ExceptionStep::Carried { firing: id }, out);
+                    self.alarm(now, AlarmSubject::Firing(id), text, &answers, out);
                 }
                 Whereabouts::From | Whereabouts::To | Whereabouts::Gone => {
                     let down = self.left_out(now, firing, cause, &ruling);
-                    self.except(now, Step::Closed { firing: id, mode, part, ruling, unchecked }, out);
+                    self.except(now, ExceptionStep::Closed { firing: id, mode, part, ruling, unchecked }, out);
                     for (resource, why) in down {
                         if self.state.exceptions().is_down(resource).is_none() {
-                            self.except(now, Step::Down { resource, why }, out);
+                            self.except(now, ExceptionStep::Down { resource, why }, out);
                         }
                     }
                 }
@@ -244,27 +260,33 @@ impl Coordination {
         }
     }
 
-    fn answers_of(&self, answers: Vec<Answer>, mode: ModeId) -> Vec<Answer> {
+    fn answers_of(&self, answers: Vec<PermittedAnswer>, mode: ModeId) -> Vec<PermittedAnswer> {
         let gone = self.state.table().handling().mode(mode).gone.is_some();
         answers.into_iter().filter(|answer| gone || answer.ruling.part != Whereabouts::Gone).collect()
     }
 
     /// What goes down when an activity is closed: what the answer says, and whoever cannot work.
-    fn left_out(&self, now: Tick, firing: &Firing, cause: Cause, ruling: &Ruling) -> Vec<(ResourceId, DownCause)> {
+    fn left_out(
+        &self,
+        now: Tick,
+        firing: &OngoingActivity,
+        cause: ActivityFailure,
+        ruling: &RecoveryDecision,
+    ) -> Vec<(ResourceId, OutOfServiceReason)> {
         let handling = self.state.table().handling();
         let handled = handling.mode(firing.mode);
         let answers = handling.rule(firing.mode, cause).map(|rule| &rule.answers[..]).unwrap_or_default();
         let answer = answers.iter().find(|answer| answer.ruling == *ruling);
         let named = answer.iter().flat_map(|answer| answer.down.iter().copied());
         let as_whom = answer.iter().flat_map(|answer| answer.down_as.iter().filter_map(|&part| handled.holder(part)));
-        let mut down: Vec<_> = named.chain(as_whom).map(|id| (id, DownCause::Rule(firing.id))).collect();
+        let mut down: Vec<_> = named.chain(as_whom).map(|id| (id, OutOfServiceReason::Rule(firing.id))).collect();
         for order in &firing.orders {
             let stands = self.state.exceptions().stands(firing.id, order.key);
-            let is_lost = stands == Some(Standing::Unknown) || !self.can_work(now, order.station);
+            let is_lost = stands == Some(SecuredState::Unknown) || !self.can_work(now, order.station);
             if is_lost {
                 let of =
                     handling.resource_ids().filter(|id| handling.resources[id.index()].station == Some(order.station));
-                down.extend(of.map(|id| (id, DownCause::Station(firing.id))));
+                down.extend(of.map(|id| (id, OutOfServiceReason::Station(firing.id))));
             }
         }
         down
@@ -283,7 +305,7 @@ impl Coordination {
         has.iter().any(|&cell| self.state.marking().count(cell) > 0)
     }
 
-    fn verdict(&self, now: Tick, firing: &Firing, ruling: &Ruling, since: Tick) -> Verdict {
+    fn verdict(&self, now: Tick, firing: &OngoingActivity, ruling: &RecoveryDecision, since: Tick) -> SensorVerdict {
         let (handling, refresh) = (self.state.table().handling(), self.state.table().refresh());
         let handled = handling.mode(firing.mode);
         let (mut found, mut unchecked, mut waits) = (Vec::new(), Vec::new(), false);
@@ -308,15 +330,15 @@ impl Coordination {
             let model = handled.holder(ruling.part) == Some(id) || self.has_parts(id);
             match seen.heard.presence {
                 Presence::Unknown => unchecked.push(id),
-                Presence::On if !model => found.push(Difference { resource: id, model, plant: true }),
-                Presence::Off if model => found.push(Difference { resource: id, model, plant: false }),
+                Presence::On if !model => found.push(SensorMismatch { resource: id, model, plant: true }),
+                Presence::Off if model => found.push(SensorMismatch { resource: id, model, plant: false }),
                 Presence::On | Presence::Off => (),
             }
         }
         match (waits, found.is_empty()) {
-            (true, _) => Verdict::Wait,
-            (false, false) => Verdict::Differs(found),
-            (false, true) => Verdict::Agrees(unchecked),
+            (true, _) => SensorVerdict::Wait,
+            (false, false) => SensorVerdict::Differs(found),
+            (false, true) => SensorVerdict::Agrees(unchecked),
         }
     }
 
@@ -328,17 +350,17 @@ impl Coordination {
     }
 
     /// What the sensor of a resource says of a model in which nothing is under way; none if it agrees or does not say.
-    pub(super) fn difference(&self, id: ResourceId) -> Option<Difference> {
+    pub(super) fn difference(&self, id: ResourceId) -> Option<SensorMismatch> {
         let model = self.has_parts(id);
         match self.presence(id) {
-            Presence::On if !model => Some(Difference { resource: id, model, plant: true }),
-            Presence::Off if model => Some(Difference { resource: id, model, plant: false }),
+            Presence::On if !model => Some(SensorMismatch { resource: id, model, plant: true }),
+            Presence::Off if model => Some(SensorMismatch { resource: id, model, plant: false }),
             Presence::Unknown | Presence::On | Presence::Off => None,
         }
     }
 
     /// Compares model and plant of what has not been in this life, as soon as it is known and nothing is under way there.
-    fn compare_anew(&mut self, now: Tick, out: &mut Outbox) {
+    fn compare_anew(&mut self, now: Tick, out: &mut PlayerOutbox) {
         let all: Vec<(ResourceId, Tick)> = self.watch.uncompared.iter().map(|(&id, &from)| (id, from)).collect();
         for (id, from) in all {
             if self.is_in_use(id, None) {
@@ -359,21 +381,21 @@ impl Coordination {
     }
 
     /// A sensor says otherwise than the model: the resource is left out until somebody has put that right.
-    pub(super) fn mismatch(&mut self, now: Tick, found: Difference, out: &mut Outbox) {
+    pub(super) fn mismatch(&mut self, now: Tick, found: SensorMismatch, out: &mut PlayerOutbox) {
         let resource = found.resource;
-        self.except(now, Step::Mismatch { about: About::Resource(resource), found: vec![found] }, out);
+        self.except(now, ExceptionStep::Mismatch { about: AlarmSubject::Resource(resource), found: vec![found] }, out);
         if self.state.exceptions().is_down(resource).is_none() {
-            self.except(now, Step::Down { resource, why: DownCause::Mismatch }, out);
+            self.except(now, ExceptionStep::Down { resource, why: OutOfServiceReason::Mismatch }, out);
         }
         let missing = self.state.resting(resource).map(|(_, part)| part).filter(|_| found.model);
         let text = words::mismatch(self.state.table().handling(), &found, missing);
         let alarm = AlarmId(self.state.exceptions().last_alarm + 1);
         let words = [words::UP].into_iter().chain(missing.map(|_| words::GONE)).map(str::to_owned).collect();
-        self.except(now, Step::Alarmed { alarm, about: About::Resource(resource), text, words }, out);
+        self.except(now, ExceptionStep::Alarmed { alarm, about: AlarmSubject::Resource(resource), text, words }, out);
     }
 
     /// Starts what is to be done once more, before anybody is asked what else is to start.
-    pub(in super::super) fn again(&mut self, now: Tick, room: &mut usize, out: &mut Outbox) -> bool {
+    pub(in super::super) fn again(&mut self, now: Tick, room: &mut usize, out: &mut PlayerOutbox) -> bool {
         let due: Vec<(ModeId, Option<PartId>)> = self.state.exceptions().due_again().collect();
         let mut any = false;
         for (mode, part) in due {
@@ -385,7 +407,7 @@ impl Coordination {
             *room -= 1;
             any = true;
             let (question, held) = (self.state.questions + 1, self.state.held().to_vec());
-            self.write(now, Fact::Decided { question, started: vec![(mode, part)], held }, out);
+            self.write(now, RecordKind::Decided { question, started: vec![(mode, part)], held }, out);
             self.start_one(now, mode, part, out);
         }
         any

@@ -14,18 +14,19 @@ use std::collections::BTreeSet;
 
 use linewright_line::{StationId, Tick};
 
-use super::super::firing::Phase;
+use super::super::firing::ActivityPhase;
 use super::super::ids::{FiringId, ResourceId};
-use super::super::orders::{Event, Outbox};
+use super::super::orders::{CellEvent, PlayerOutbox};
 use super::super::player::Coordination;
-use super::book::Stage;
-use super::fact::{DownCause, Step};
-use super::watch::{Asked, Objection};
+use super::book::ExceptionStage;
+use super::fact::{ExceptionStep, OutOfServiceReason};
+use super::watch::{AlarmAnswerRefusal, ResourceRequest};
 
 impl Coordination {
     /// Has the stations stopped that the rule of a failed activity names, once.
-    pub(super) fn stop_stations(&mut self, now: Tick, id: FiringId, out: &mut Outbox) {
-        let Some(trouble) = self.state.exceptions().trouble(id).filter(|of| of.stage == Stage::Securing) else {
+    pub(super) fn stop_stations(&mut self, now: Tick, id: FiringId, out: &mut PlayerOutbox) {
+        let Some(trouble) = self.state.exceptions().trouble(id).filter(|of| of.stage == ExceptionStage::Securing)
+        else {
             return;
         };
         let Some((firing, cause)) = self.failed(id) else { return };
@@ -34,51 +35,53 @@ impl Coordination {
         let named: BTreeSet<StationId> = rule.stops.iter().copied().chain(own).collect();
         let new: Vec<StationId> = named.into_iter().filter(|station| !trouble.stopped.contains(&station.0)).collect();
         for station in new {
-            self.except(now, Step::Stopped { firing: id, station }, out);
+            self.except(now, ExceptionStep::Stopped { firing: id, station }, out);
         }
     }
 
     /// Leaves out the resources of stopped stations. Nothing of them counts as up before its station is reset.
-    pub(super) fn leave_out_stopped(&mut self, now: Tick, out: &mut Outbox) {
+    pub(super) fn leave_out_stopped(&mut self, now: Tick, out: &mut PlayerOutbox) {
         let exceptions = self.state.exceptions();
         let handling = self.state.table().handling();
         let because = |id: ResourceId| exceptions.stopped.get(&handling.resource(id)?.station?).copied();
         let up = handling.resource_ids().filter(|&id| exceptions.is_down(id).is_none());
         let new: Vec<_> = up.filter_map(|id| Some((id, because(id)?))).collect();
         for (resource, firing) in new {
-            self.except(now, Step::Down { resource, why: DownCause::EmergencyStop(firing) }, out);
+            self.except(now, ExceptionStep::Down { resource, why: OutOfServiceReason::EmergencyStop(firing) }, out);
         }
     }
 
     /// Somebody resets a station that is in emergency stop by itself.
-    pub(in super::super) fn reset(&mut self, now: Tick, station: StationId, out: &mut Outbox) {
+    pub(in super::super) fn reset(&mut self, now: Tick, station: StationId, out: &mut PlayerOutbox) {
         match self.against_reset(now, station) {
-            None => self.except(now, Step::Reset { station }, out),
-            Some(why) => out.events.push(Event::Objected { to: Asked::Reset(station), why }),
+            None => self.except(now, ExceptionStep::Reset { station }, out),
+            Some(why) => out.events.push(CellEvent::Objected { to: ResourceRequest::Reset(station), why }),
         }
     }
 
-    fn against_reset(&self, now: Tick, station: StationId) -> Option<Objection> {
+    fn against_reset(&self, now: Tick, station: StationId) -> Option<AlarmAnswerRefusal> {
         if !self.state.exceptions().is_stopped(station) {
-            return Some(Objection::AlreadySo);
+            return Some(AlarmAnswerRefusal::AlreadySo);
         }
         match self.watch.fresh(station, now, self.state.table().handling().stale) {
-            None => Some(Objection::NotHeard(station)),
+            None => Some(AlarmAnswerRefusal::NotHeard(station)),
             // It has not heard of the stop, or an activity that it works for has not failed yet: the station would be told to go
             // back, and would do so once it is reset.
-            Some(heard) => (heard.slot.is_some() || self.is_working(station)).then_some(Objection::Moves(station)),
+            Some(heard) => {
+                (heard.slot.is_some() || self.is_working(station)).then_some(AlarmAnswerRefusal::Moves(station))
+            }
         }
     }
 
     fn is_working(&self, station: StationId) -> bool {
-        let mut running = self.state.firings().filter(|firing| firing.phase == Phase::Running);
+        let mut running = self.state.firings().filter(|firing| firing.phase == ActivityPhase::Running);
         running.any(|firing| firing.orders.iter().any(|order| order.station == station))
     }
 
     /// Why a station could not be told anything.
-    pub(super) fn objection(&self, now: Tick, station: StationId) -> Option<Objection> {
+    pub(super) fn objection(&self, now: Tick, station: StationId) -> Option<AlarmAnswerRefusal> {
         if self.state.exceptions().is_stopped(station) {
-            return Some(Objection::EmergencyStop(station));
+            return Some(AlarmAnswerRefusal::EmergencyStop(station));
         }
         self.watch.objection(station, now, self.state.table().handling().stale)
     }

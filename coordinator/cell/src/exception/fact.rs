@@ -9,7 +9,7 @@ use super::super::serial;
 /// A step of an exception.
 #[derive(Clone, Debug, PartialEq, Eq, Serialize, Deserialize)]
 #[serde(rename_all = "kebab-case", deny_unknown_fields)]
-pub enum Step {
+pub enum ExceptionStep {
     /// A station does nothing for an order of a failed activity any more, or is not waited for.
     Secured {
         /// Whose.
@@ -17,14 +17,14 @@ pub enum Step {
         /// Which order.
         key: OrderKey,
         /// How its station stands.
-        standing: Standing,
+        standing: SecuredState,
     },
     /// Somebody is told, and asked.
     Alarmed {
         /// The next number.
         alarm: AlarmId,
         /// What about.
-        about: About,
+        about: AlarmSubject,
         /// In words.
         text: String,
         /// What can be answered.
@@ -35,9 +35,9 @@ pub enum Step {
         /// Of which activity.
         firing: FiringId,
         /// What.
-        ruling: Ruling,
+        ruling: RecoveryDecision,
         /// Who says so.
-        by: By,
+        by: AnsweredBy,
     },
     /// The carrier has the part and somebody has to bring it on: what it was to give is not given yet.
     Carried {
@@ -53,16 +53,16 @@ pub enum Step {
         /// The part it had.
         part: Option<PartId>,
         /// What was said.
-        ruling: Ruling,
+        ruling: RecoveryDecision,
         /// Resources of which no sensor says whether it is so.
         unchecked: Vec<ResourceId>,
     },
     /// Sensors say otherwise.
     Mismatch {
         /// Where this was found.
-        about: About,
+        about: AlarmSubject,
         /// What they say.
-        found: Vec<Difference>,
+        found: Vec<SensorMismatch>,
     },
     /// A part that rested at a resource is no more. Of a mode that would take it from there: what that gives back if its part
     /// is no more is given back.
@@ -93,7 +93,7 @@ pub enum Step {
         /// Which.
         resource: ResourceId,
         /// Why.
-        why: DownCause,
+        why: OutOfServiceReason,
     },
     /// A resource is there again.
     Up {
@@ -107,7 +107,7 @@ pub enum Step {
 /// What an alarm or a difference is about.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Serialize, Deserialize)]
 #[serde(rename_all = "kebab-case", deny_unknown_fields)]
-pub enum About {
+pub enum AlarmSubject {
     /// An activity that has failed.
     Firing(FiringId),
     /// A resource by itself.
@@ -117,7 +117,7 @@ pub enum About {
 /// How a station stands when it was told to leave an order.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Serialize, Deserialize)]
 #[serde(rename_all = "kebab-case", deny_unknown_fields)]
-pub enum Standing {
+pub enum SecuredState {
     /// At a rest.
     AtRest,
     /// Between rests, from where it does not go on by itself.
@@ -129,7 +129,7 @@ pub enum Standing {
 /// Where a part is, and how to go on.
 #[derive(Clone, Debug, PartialEq, Eq, Serialize, Deserialize)]
 #[serde(deny_unknown_fields)]
-pub struct Ruling {
+pub struct RecoveryDecision {
     /// The word that was answered.
     pub word: String,
     /// Where the part is.
@@ -167,7 +167,7 @@ pub enum Strategy {
 /// Who has said what is true.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Serialize, Deserialize)]
 #[serde(rename_all = "kebab-case")]
-pub enum By {
+pub enum AnsweredBy {
     /// The description, in which the rule is automatic.
     Rule,
     /// A person.
@@ -177,7 +177,7 @@ pub enum By {
 /// A sensor that says otherwise.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Serialize, Deserialize)]
 #[serde(deny_unknown_fields)]
-pub struct Difference {
+pub struct SensorMismatch {
     /// Whose.
     pub resource: ResourceId,
     /// Whether there should be a part.
@@ -189,7 +189,7 @@ pub struct Difference {
 /// Why a resource is left out.
 #[derive(Clone, Debug, PartialEq, Eq, Serialize, Deserialize)]
 #[serde(rename_all = "kebab-case", deny_unknown_fields)]
-pub enum DownCause {
+pub enum OutOfServiceReason {
     /// Somebody has said so.
     ByHand {
         /// Always empty; logs from before alarms had a cause of their own have a text.
@@ -210,16 +210,16 @@ pub enum DownCause {
     EmergencyStop(FiringId),
 }
 
-impl DownCause {
+impl OutOfServiceReason {
     /// Alarm was given.
     pub fn is_alarm(&self) -> bool {
         match self {
-            DownCause::Alarm { .. } => true,
-            DownCause::ByHand { .. }
-            | DownCause::Rule(_)
-            | DownCause::Station(_)
-            | DownCause::Mismatch
-            | DownCause::EmergencyStop(_) => false,
+            OutOfServiceReason::Alarm { .. } => true,
+            OutOfServiceReason::ByHand { .. }
+            | OutOfServiceReason::Rule(_)
+            | OutOfServiceReason::Station(_)
+            | OutOfServiceReason::Mismatch
+            | OutOfServiceReason::EmergencyStop(_) => false,
         }
     }
 }

@@ -8,10 +8,10 @@ use std::collections::BTreeSet;
 
 use linewright_line::StationId;
 
-use super::super::state::State;
+use super::super::state::PlayerState;
 
 /// The stations whose trouble is not the line's.
-pub fn isolated(state: &State) -> BTreeSet<StationId> {
+pub fn isolated(state: &PlayerState) -> BTreeSet<StationId> {
     let handling = state.table().handling();
     let failed = state.exceptions().open().filter_map(|(id, _)| state.firing(id));
     let stations = failed.flat_map(|firing| firing.orders.iter().map(|order| order.station));

@@ -3,20 +3,20 @@
 use linewright_line::StationId;
 use serde::{Deserialize, Serialize};
 
-use super::super::firing::Phase;
+use super::super::firing::ActivityPhase;
 use super::super::ids::{AlarmId, FiringId, ModeId, OrderKey, PartId, ResourceId};
 use super::super::snapshot::NUMBER_MAX;
-use super::super::state::State;
-use super::book::{Alarm, Down, Exceptions, Retry, Stage, Trouble};
-use super::fact::About;
+use super::super::state::PlayerState;
+use super::book::{Alarm, ExceptionStage, Exceptions, FailedActivity, OutOfService, Retry};
+use super::fact::AlarmSubject;
 
 /// Exceptions to be written down.
 #[derive(Clone, Debug, Default, PartialEq, Eq, Serialize, Deserialize)]
 #[serde(deny_unknown_fields)]
-pub struct KeptExceptions {
-    open: Vec<(FiringId, Trouble)>,
+pub struct SavedExceptions {
+    open: Vec<(FiringId, FailedActivity)>,
     alarms: Vec<Alarm>,
-    down: Vec<(ResourceId, Down)>,
+    down: Vec<(ResourceId, OutOfService)>,
     retries: Vec<(ModeId, Option<PartId>, Retry)>,
     #[serde(default)]
     stopped: Vec<(u16, FiringId)>,
@@ -28,8 +28,8 @@ pub struct KeptExceptions {
 
 impl Exceptions {
     /// What they consist of.
-    pub(in super::super) fn kept(&self) -> KeptExceptions {
-        KeptExceptions {
+    pub(in super::super) fn kept(&self) -> SavedExceptions {
+        SavedExceptions {
             open: self.open.iter().map(|(&firing, trouble)| (firing, trouble.clone())).collect(),
             alarms: self.alarms.values().cloned().collect(),
             down: self.down.iter().map(|(&resource, down)| (resource, down.clone())).collect(),
@@ -42,12 +42,12 @@ impl Exceptions {
     }
 }
 
-impl State {
+impl PlayerState {
     /// Takes exceptions over into a state that has everything else, and has none yet.
     ///
     /// # Errors
     /// Why they are none of this state.
-    pub(in super::super) fn with_exceptions(mut self, of: KeptExceptions) -> Result<Self, String> {
+    pub(in super::super) fn with_exceptions(mut self, of: SavedExceptions) -> Result<Self, String> {
         if of.last_alarm >= NUMBER_MAX || of.scrapped >= NUMBER_MAX {
             return Err("it counts further than anybody can".to_owned());
         }
@@ -74,7 +74,8 @@ impl State {
     }
 
     fn fits(&self, of: &Exceptions) -> Result<(), String> {
-        let failed = self.firings.values().filter(|firing| firing.phase != Phase::Running).map(|firing| firing.id);
+        let failed =
+            self.firings.values().filter(|firing| firing.phase != ActivityPhase::Running).map(|firing| firing.id);
         if !failed.eq(of.open.keys().copied()) {
             return Err("the exceptions in it are not those of what has failed".to_owned());
         }
@@ -90,8 +91,8 @@ impl State {
             if trouble.standing.iter().any(|(key, _)| orders.iter().all(|order| order.key != *key)) {
                 return Err(format!("a station stands for an order that is not of {id}"));
             }
-            if let Stage::Waiting(alarm) = trouble.stage
-                && of.alarms.get(&alarm).is_none_or(|alarm| alarm.about != About::Firing(*id))
+            if let ExceptionStage::Waiting(alarm) = trouble.stage
+                && of.alarms.get(&alarm).is_none_or(|alarm| alarm.about != AlarmSubject::Firing(*id))
             {
                 return Err(format!("{id} waits for an answer to an alarm that is not there"));
             }
@@ -101,10 +102,10 @@ impl State {
             let fits = number >= 1
                 && number <= of.last_alarm
                 && match alarm.about {
-                    About::Firing(id) => {
-                        of.open.get(&id).is_some_and(|trouble| trouble.stage == Stage::Waiting(alarm.id))
+                    AlarmSubject::Firing(id) => {
+                        of.open.get(&id).is_some_and(|trouble| trouble.stage == ExceptionStage::Waiting(alarm.id))
                     }
-                    About::Resource(id) => resources.resource(id).is_some(),
+                    AlarmSubject::Resource(id) => resources.resource(id).is_some(),
                 };
             if fits { Ok(()) } else { Err(format!("{} is about nothing", alarm.id)) }
         })

@@ -21,7 +21,7 @@
 //! tokens stay where they are, so nothing can get lost by it, and no mode is enabled that needs it; whatever else a plan
 //! allows is. Somebody has to say that it is up again, and it is only if its station can work and its sensor agrees.
 //!
-//! [`Handling`] is what a description says of all this, and [`Exceptions`] what is remembered of it.
+//! [`RecoveryPolicy`] is what a description says of all this, and [`Exceptions`] what is remembered of it.
 
 mod answer;
 mod apply;
@@ -29,17 +29,20 @@ mod book;
 mod drive;
 mod emergency;
 mod fact;
-mod handling;
 mod isolation;
 mod kept;
+mod policy;
 mod secure;
 mod watch;
 mod words;
 
-pub use book::{Alarm, Down, Exceptions, Stage, Trouble};
-pub use fact::{About, By, Difference, DownCause, Ruling, Standing, Step, Strategy, Whereabouts};
-pub use handling::{Answer, Fits, Handled, Handling, Resource, Rule};
+pub use book::{Alarm, ExceptionStage, Exceptions, FailedActivity, OutOfService};
+pub use fact::{
+    AlarmSubject, AnsweredBy, ExceptionStep, OutOfServiceReason, RecoveryDecision, SecuredState, SensorMismatch,
+    Strategy, Whereabouts,
+};
 pub use isolation::isolated;
-pub use kept::KeptExceptions;
-pub(super) use watch::Watch;
-pub use watch::{Asked, Objection, Presence, Unable};
+pub use kept::SavedExceptions;
+pub use policy::{FailureMatch, ModeHandling, PermittedAnswer, RecoveryPolicy, RecoveryRule, ResourcePolicy};
+pub(super) use watch::StationMonitor;
+pub use watch::{AlarmAnswerRefusal, Presence, ResourceRequest, StationUnavailable};

@@ -7,27 +7,27 @@
 
 use linewright_line::{StationId, Tick};
 
-use super::super::firing::{Firing, Order};
+use super::super::firing::{OngoingActivity, OngoingOrder};
 use super::super::ids::{FiringId, OrderKey, ResourceId};
-use super::super::orders::{Heard, Outbox, Send};
+use super::super::orders::{CellMessage, PlayerOutbox, TaskReport};
 use super::super::player::Coordination;
-use super::super::state::State;
-use super::book::Stage;
-use super::fact::{Standing, Step};
-use super::watch::Told;
+use super::super::state::PlayerState;
+use super::book::ExceptionStage;
+use super::fact::{ExceptionStep, SecuredState};
+use super::watch::SecureRequest;
 
 /// That a station is to leave an order.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
-pub(super) struct Leave {
+pub(super) struct SecureOrderRequest {
     pub station: StationId,
     pub key: OrderKey,
     /// And to stop at once instead of going back.
     pub stop: bool,
 }
 
-impl State {
+impl PlayerState {
     /// Whether an activity has to do with a resource: it takes part, or its station has an order.
-    pub(super) fn concerns(&self, firing: &Firing, resource: ResourceId) -> bool {
+    pub(super) fn concerns(&self, firing: &OngoingActivity, resource: ResourceId) -> bool {
         let handling = self.table().handling();
         let station = handling.resource(resource).and_then(|of| of.station);
         let has_order = station.is_some_and(|station| firing.orders.iter().any(|order| order.station == station));
@@ -52,7 +52,8 @@ impl State {
     /// The orders of an activity that are to stop, where it is not known whether they have.
     pub(super) fn unstopped(&self, id: FiringId) -> impl Iterator<Item = (StationId, OrderKey)> {
         let orders = self.firing(id).into_iter().flat_map(|firing| &firing.orders);
-        let unknown = move |order: &&Order| self.exceptions().stands(id, order.key) == Some(Standing::Unknown);
+        let unknown =
+            move |order: &&OngoingOrder| self.exceptions().stands(id, order.key) == Some(SecuredState::Unknown);
         orders
             .filter(unknown)
             .map(|order| (order.station, order.key))
@@ -62,7 +63,7 @@ impl State {
 
 impl Coordination {
     /// The stations that have to be told to leave an order, or to stop.
-    pub(super) fn to_secure(&self) -> Vec<Leave> {
+    pub(super) fn to_secure(&self) -> Vec<SecureOrderRequest> {
         if self.is_superseded() {
             return Vec::new();
         }
@@ -70,7 +71,7 @@ impl Coordination {
             self.watch.strays.iter().filter_map(|&station| Some((station, self.watch.seen(station)?.heard.slot?)));
         let mut all: Vec<_> = strays.collect();
         let open = self.state.exceptions().open();
-        for (id, _) in open.filter(|(_, trouble)| trouble.stage == Stage::Securing) {
+        for (id, _) in open.filter(|(_, trouble)| trouble.stage == ExceptionStage::Securing) {
             let Some(firing) = self.state.firing(id) else { continue };
             for order in self.state.owed(firing) {
                 // Keys reach a station rising: an older order that it has not heard would be too old for it.
@@ -83,17 +84,17 @@ impl Coordination {
         all.sort_unstable();
         all.dedup();
         let stops = |station, key| self.rules.stops && self.state.stops(station, key);
-        all.into_iter().map(|(station, key)| Leave { station, key, stop: stops(station, key) }).collect()
+        all.into_iter().map(|(station, key)| SecureOrderRequest { station, key, stop: stops(station, key) }).collect()
     }
 
     /// When a station was told this, if it was.
-    pub(super) fn told(&self, leave: Leave) -> Option<Told> {
+    pub(super) fn told(&self, leave: SecureOrderRequest) -> Option<SecureRequest> {
         // Told to go back it has not been told to stop.
         self.watch.told.get(&leave.key).copied().filter(|told| told.stop || !leave.stop)
     }
 
     /// Tells them, again and again until they have.
-    pub(in super::super) fn send_secure(&mut self, now: Tick, out: &mut Outbox) {
+    pub(in super::super) fn send_secure(&mut self, now: Tick, out: &mut PlayerOutbox) {
         let all = self.to_secure();
         if all.is_empty() && self.watch.told.is_empty() {
             return;
@@ -101,47 +102,48 @@ impl Coordination {
         self.watch.told.retain(|key, _| all.iter().any(|of| of.key == *key));
         let refresh = self.state.table().refresh();
         for leave in all {
-            let Leave { station, key, stop } = leave;
+            let SecureOrderRequest { station, key, stop } = leave;
             if self.told(leave).is_none_or(|told| told.at + refresh <= now) {
                 let answered = self.watch.told.get(&key).and_then(|told| told.answered);
-                self.watch.told.insert(key, Told { at: now, stop, answered });
-                out.sends.push(Send::Secure { station, key, stop });
+                self.watch.told.insert(key, SecureRequest { at: now, stop, answered });
+                out.sends.push(CellMessage::Secure { station, key, stop });
             }
         }
     }
 
     /// How a station stands that was told to leave an order; none as long as that is not known.
-    fn standing(&self, station: StationId, key: OrderKey) -> Option<Standing> {
+    fn standing(&self, station: StationId, key: OrderKey) -> Option<SecuredState> {
         if !self.rules.stands_first {
-            return Some(Standing::AtRest);
+            return Some(SecuredState::AtRest);
         }
-        let is_at_it = |heard: &Heard| heard.slot == Some(key) && self.counts(heard);
+        let is_at_it = |heard: &TaskReport| heard.slot == Some(key) && self.counts(heard);
         let seen = self.watch.seen(station).filter(|seen| !is_at_it(&seen.heard))?;
         let answered = self.watch.told.get(&key).and_then(|told| told.answered);
         // Before it was told it may not have begun to go back.
         let has_left = answered.is_some_and(|(at, is_at_it)| !is_at_it && at <= seen.at);
         let has_ended = seen.heard.results.iter().any(|(of, _)| *of == key);
         match (has_left, has_ended, seen.heard.is_held) {
-            (true, _, true) => Some(Standing::Held),
-            (true, _, false) | (_, true, false) => Some(Standing::AtRest),
+            (true, _, true) => Some(SecuredState::Held),
+            (true, _, false) | (_, true, false) => Some(SecuredState::AtRest),
             (false, false, _) | (false, true, true) => None,
         }
     }
 
     /// Writes down who has come to rest; asks when all have.
-    pub(super) fn secured(&mut self, now: Tick, id: FiringId, out: &mut Outbox) {
-        let Some(trouble) = self.state.exceptions().trouble(id).filter(|of| of.stage == Stage::Securing) else {
+    pub(super) fn secured(&mut self, now: Tick, id: FiringId, out: &mut PlayerOutbox) {
+        let Some(trouble) = self.state.exceptions().trouble(id).filter(|of| of.stage == ExceptionStage::Securing)
+        else {
             return;
         };
         let Some(firing) = self.state.firing(id) else { return };
         let is_late = trouble.since + self.state.table().handling().secure <= now;
-        let stands = |order: &Order| {
-            let late = is_late.then_some(Standing::Unknown);
+        let stands = |order: &OngoingOrder| {
+            let late = is_late.then_some(SecuredState::Unknown);
             Some((order.key, self.standing(order.station, order.key).or(late)?))
         };
         let known: Vec<_> = self.state.owed(firing).filter_map(stands).collect();
         for (key, standing) in known {
-            self.except(now, Step::Secured { firing: id, key, standing }, out);
+            self.except(now, ExceptionStep::Secured { firing: id, key, standing }, out);
         }
         let is_over = self.state.firing(id).is_none_or(|firing| self.state.owed(firing).next().is_none());
         if is_over {

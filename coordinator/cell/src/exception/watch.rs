@@ -6,8 +6,8 @@ use std::time::Duration;
 use linewright_line::{StationId, Tick};
 
 use super::super::ids::{AlarmId, OrderKey, ResourceId};
-use super::super::orders::{Heard, Reply};
-use super::super::state::State;
+use super::super::orders::{Reply, TaskReport};
+use super::super::state::PlayerState;
 
 /// Whether a part is there, as a sensor says.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
@@ -23,7 +23,7 @@ pub enum Presence {
 
 /// Why a station could not do anything now. The mode of the line is none of these.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
-pub enum Unable {
+pub enum StationUnavailable {
     /// Its devices are not there.
     Devices,
     /// An operation was stopped before its end.
@@ -34,7 +34,7 @@ pub enum Unable {
 
 /// What a person has asked for.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
-pub enum Asked {
+pub enum ResourceRequest {
     /// To take an answer.
     Answer(AlarmId),
     /// To take an alarm of a resource.
@@ -49,7 +49,7 @@ pub enum Asked {
 
 /// Why it was not done.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
-pub enum Objection {
+pub enum AlarmAnswerRefusal {
     /// There is no such alarm, or not any more.
     NoSuchAlarm,
     /// It cannot be answered with this word.
@@ -69,7 +69,7 @@ pub enum Objection {
     /// The station stands between two rests.
     NotAtRest(StationId),
     /// The station could not do anything.
-    CannotWork(StationId, Unable),
+    CannotWork(StationId, StationUnavailable),
     /// The resource's activity is open: its alarm has to be answered first.
     Open(ResourceId),
     /// The station is in emergency stop, and has to be reset first.
@@ -78,16 +78,16 @@ pub enum Objection {
 
 /// What was last heard of a station.
 #[derive(Clone, Debug)]
-pub(super) struct Seen {
+pub(super) struct LastReport {
     /// When.
     pub at: Tick,
     /// What.
-    pub heard: Heard,
+    pub heard: TaskReport,
 }
 
 /// What was told to leave an order.
 #[derive(Clone, Copy, Debug)]
-pub(super) struct Told {
+pub(super) struct SecureRequest {
     /// When last.
     pub at: Tick,
     /// And to stop at once.
@@ -98,32 +98,32 @@ pub(super) struct Told {
 
 /// What was heard of stations in this life.
 #[derive(Clone, Debug, Default)]
-pub(in super::super) struct Watch {
+pub(in super::super) struct StationMonitor {
     began: Tick,
-    seen: BTreeMap<StationId, Seen>,
+    seen: BTreeMap<StationId, LastReport>,
     /// Until then no station is missed that an order is waited for from; none if that has to be found out. Whoever is heard
     /// is missed later, and what ends is not waited for: only what starts can make it sooner.
     pub(super) missed_from: Option<Tick>,
-    pub(super) told: BTreeMap<OrderKey, Told>,
+    pub(super) told: BTreeMap<OrderKey, SecureRequest>,
     /// Stations that are at something that nobody waits for.
     pub(super) strays: BTreeSet<StationId>,
     /// Resources of which model and plant have not been compared in this life, and from when on what is heard counts.
     pub(super) uncompared: BTreeMap<ResourceId, Tick>,
 }
 
-impl Watch {
+impl StationMonitor {
     /// Of a life that begins. What a life before has left is compared with the plant.
-    pub fn new(state: &State, now: Tick) -> Self {
+    pub fn new(state: &PlayerState, now: Tick) -> Self {
         let handling = state.table().handling();
         let from = now + state.table().grace();
         let sensed = handling.resource_ids().filter(|id| handling.resources[id.index()].is_sensed);
         let uncompared = if state.epoch() == 0 { BTreeMap::new() } else { sensed.map(|id| (id, from)).collect() };
-        Watch { began: now, uncompared, ..Watch::default() }
+        StationMonitor { began: now, uncompared, ..StationMonitor::default() }
     }
 
     /// Takes what a station says of itself.
-    pub fn hear(&mut self, now: Tick, station: StationId, heard: &Heard) {
-        let seen = self.seen.entry(station).or_insert_with(|| Seen { at: now, heard: Heard::default() });
+    pub fn hear(&mut self, now: Tick, station: StationId, heard: &TaskReport) {
+        let seen = self.seen.entry(station).or_insert_with(|| LastReport { at: now, heard: TaskReport::default() });
         seen.at = now;
         seen.heard.clone_from(heard);
     }
@@ -146,7 +146,7 @@ impl Watch {
     }
 
     /// What was last heard of a station.
-    pub(super) fn seen(&self, station: StationId) -> Option<&Seen> {
+    pub(super) fn seen(&self, station: StationId) -> Option<&LastReport> {
         self.seen.get(&station)
     }
 
@@ -156,22 +156,27 @@ impl Watch {
     }
 
     /// What was heard of a station, unless that is too long ago.
-    pub(super) fn fresh(&self, station: StationId, now: Tick, stale: Option<Duration>) -> Option<&Heard> {
+    pub(super) fn fresh(&self, station: StationId, now: Tick, stale: Option<Duration>) -> Option<&TaskReport> {
         let seen = self.seen.get(&station).filter(|seen| stale.is_none_or(|stale| seen.at + stale > now));
         seen.map(|seen| &seen.heard)
     }
 
     /// Why a station could not be told anything.
-    pub(super) fn objection(&self, station: StationId, now: Tick, stale: Option<Duration>) -> Option<Objection> {
-        let Some(heard) = self.fresh(station, now, stale) else { return Some(Objection::NotHeard(station)) };
+    pub(super) fn objection(
+        &self,
+        station: StationId,
+        now: Tick,
+        stale: Option<Duration>,
+    ) -> Option<AlarmAnswerRefusal> {
+        let Some(heard) = self.fresh(station, now, stale) else { return Some(AlarmAnswerRefusal::NotHeard(station)) };
         if heard.is_held {
-            return Some(Objection::NotAtRest(station));
+            return Some(AlarmAnswerRefusal::NotAtRest(station));
         }
-        heard.unable.map(|unable| Objection::CannotWork(station, unable))
+        heard.unable.map(|unable| AlarmAnswerRefusal::CannotWork(station, unable))
     }
 
     /// Whether a resource has still to be compared, and can be.
-    pub fn is_to_be_compared(&self, state: &State, resource: ResourceId) -> bool {
+    pub fn is_to_be_compared(&self, state: &PlayerState, resource: ResourceId) -> bool {
         let station = |id: ResourceId| state.table().handling().resource(id)?.station;
         !self.uncompared.is_empty()
             && self.uncompared.contains_key(&resource)

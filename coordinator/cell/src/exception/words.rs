@@ -4,12 +4,12 @@ use std::fmt::Write;
 
 use linewright_line::{StationId, Tick};
 
-use super::super::firing::{Firing, OrderState};
+use super::super::firing::{OngoingActivity, OrderProgress};
 use super::super::ids::{ModeId, PartId};
-use super::super::record::{Cause, Failure};
-use super::super::state::State;
-use super::fact::{Difference, Ruling, Standing};
-use super::handling::Handling;
+use super::super::record::{ActivityFailure, Failure};
+use super::super::state::PlayerState;
+use super::fact::{RecoveryDecision, SecuredState, SensorMismatch};
+use super::policy::RecoveryPolicy;
 
 /// What is answered when a resource is as the model has it.
 pub(super) const UP: &str = "up";
@@ -17,7 +17,7 @@ pub(super) const UP: &str = "up";
 pub(super) const GONE: &str = "gone";
 
 /// An alarm of an activity that has failed: what its rule has to tell, and what is known.
-pub(super) fn alarm(state: &State, firing: &Firing, cause: Cause, now: Tick) -> String {
+pub(super) fn alarm(state: &PlayerState, firing: &OngoingActivity, cause: ActivityFailure, now: Tick) -> String {
     let handling = state.table().handling();
     let tell = handling.rule(firing.mode, cause).map(|rule| filled(&rule.tell, state, firing.mode, firing.part));
     let tell = tell.unwrap_or_else(|| {
@@ -28,7 +28,7 @@ pub(super) fn alarm(state: &State, firing: &Firing, cause: Cause, now: Tick) -> 
 }
 
 /// What is known: `load M1: m1 has not ended in time, after 26 s; robot is at rest, m1 is at rest`.
-fn facts(state: &State, firing: &Firing, cause: Cause, now: Tick) -> String {
+fn facts(state: &PlayerState, firing: &OngoingActivity, cause: ActivityFailure, now: Tick) -> String {
     let handling = state.table().handling();
     let failed_after = state.exceptions().trouble(firing.id).map_or(now, |trouble| trouble.since).since(firing.began);
     let mut text = format!(
@@ -42,12 +42,12 @@ fn facts(state: &State, firing: &Firing, cause: Cause, now: Tick) -> String {
         let is_stopped = state.exceptions().is_stopped(order.station);
         let how = match (state.exceptions().stands(firing.id, order.key), order.state) {
             _ if is_stopped => "is in emergency stop",
-            (_, OrderState::Ended) => "has done its part",
-            (Some(Standing::AtRest), _) => "is at rest",
-            (Some(Standing::Held), _) => "stands between rests",
-            (Some(Standing::Unknown), _) => "was not heard to have come to rest",
-            (None, OrderState::Failed(Failure::Forgotten)) => "has come up without its memory",
-            (None, OrderState::Failed(_) | OrderState::Written | OrderState::Running) => "has not begun",
+            (_, OrderProgress::Ended) => "has done its part",
+            (Some(SecuredState::AtRest), _) => "is at rest",
+            (Some(SecuredState::Held), _) => "stands between rests",
+            (Some(SecuredState::Unknown), _) => "was not heard to have come to rest",
+            (None, OrderProgress::Failed(Failure::Forgotten)) => "has come up without its memory",
+            (None, OrderProgress::Failed(_) | OrderProgress::Written | OrderProgress::Running) => "has not begun",
         };
         // Writing to a string does not fail.
         let _ = write!(text, "{joint} {} {how}", handling.station_name(order.station));
@@ -62,12 +62,12 @@ fn facts(state: &State, firing: &Firing, cause: Cause, now: Tick) -> String {
 }
 
 /// Why an activity has failed, in words.
-fn cause_of(state: &State, firing: &Firing, cause: Cause) -> String {
+fn cause_of(state: &PlayerState, firing: &OngoingActivity, cause: ActivityFailure) -> String {
     let handling = state.table().handling();
     match cause {
-        Cause::TimedOut => "it takes longer than it may".to_owned(),
-        Cause::ByHand { resource } => format!("alarm was given of {}", handling.resource_name(resource)),
-        Cause::Order { key, failure } => {
+        ActivityFailure::TimedOut => "it takes longer than it may".to_owned(),
+        ActivityFailure::ByHand { resource } => format!("alarm was given of {}", handling.resource_name(resource)),
+        ActivityFailure::Order { key, failure } => {
             let station = firing.orders.iter().find(|order| order.key == key).map(|order| order.station);
             let station = station.map_or_else(|| "a station".to_owned(), |station| handling.station_name(station));
             match failure {
@@ -87,11 +87,11 @@ fn cause_of(state: &State, firing: &Firing, cause: Cause) -> String {
 
 /// An answer that sensors contradict.
 pub(super) fn differs(
-    state: &State,
-    firing: &Firing,
-    cause: Cause,
-    ruling: &Ruling,
-    found: &[Difference],
+    state: &PlayerState,
+    firing: &OngoingActivity,
+    cause: ActivityFailure,
+    ruling: &RecoveryDecision,
+    found: &[SensorMismatch],
     now: Tick,
 ) -> String {
     let handling = state.table().handling();
@@ -102,10 +102,10 @@ pub(super) fn differs(
 
 /// A station has moved since it was answered.
 pub(super) fn moved(
-    state: &State,
-    firing: &Firing,
-    cause: Cause,
-    ruling: &Ruling,
+    state: &PlayerState,
+    firing: &OngoingActivity,
+    cause: ActivityFailure,
+    ruling: &RecoveryDecision,
     station: StationId,
     now: Tick,
 ) -> String {
@@ -114,18 +114,18 @@ pub(super) fn moved(
 }
 
 /// The carrier has the part.
-pub(super) fn carried(state: &State, mode: ModeId, of: Option<PartId>) -> String {
+pub(super) fn carried(state: &PlayerState, mode: ModeId, of: Option<PartId>) -> String {
     let text = "{carrier} has part {part}. Bring it to {to}, or back to {from}, and say which.";
     filled(text, state, mode, of)
 }
 
 /// A sensor that says otherwise than the model.
-pub(super) fn mismatch(handling: &Handling, found: &Difference, missing: Option<PartId>) -> String {
+pub(super) fn mismatch(handling: &RecoveryPolicy, found: &SensorMismatch, missing: Option<PartId>) -> String {
     let or = missing.map(|part| format!("; if {part} is no more, say \"{GONE}\"")).unwrap_or_default();
     format!("{}. Put that right, and say \"{UP}\"{or}.", difference(handling, found))
 }
 
-fn difference(handling: &Handling, found: &Difference) -> String {
+fn difference(handling: &RecoveryPolicy, found: &SensorMismatch) -> String {
     let name = handling.resource_name(found.resource);
     match (found.model, found.plant) {
         (true, _) => format!("{name} should have a part, and its sensor says that there is none"),
@@ -138,7 +138,7 @@ fn part(of: Option<PartId>) -> Option<String> {
 }
 
 /// A text with the names in braces replaced by what is meant.
-fn filled(text: &str, state: &State, mode: ModeId, of: Option<PartId>) -> String {
+fn filled(text: &str, state: &PlayerState, mode: ModeId, of: Option<PartId>) -> String {
     let handling = state.table().handling();
     let handled = handling.mode(mode);
     let name = |id: Option<super::super::ids::ResourceId>| {

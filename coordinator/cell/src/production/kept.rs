@@ -9,14 +9,14 @@ use serde::{Deserialize, Serialize};
 
 use super::super::ids::{FiringId, PartId, ProductionId};
 use super::super::table::CellTable;
-use super::book::Production;
-use super::order::Order;
+use super::ledger::Production;
+use super::order::ProductionOrder;
 
 /// Production orders, to be written down.
 #[derive(Clone, Debug, Default, PartialEq, Eq, Serialize, Deserialize)]
 #[serde(deny_unknown_fields)]
-pub(in super::super) struct Kept {
-    orders: Vec<Order>,
+pub(in super::super) struct SavedProduction {
+    orders: Vec<ProductionOrder>,
     of_part: Vec<(PartId, ProductionId)>,
     leaving: Vec<(FiringId, PartId)>,
     last: u64,
@@ -24,8 +24,8 @@ pub(in super::super) struct Kept {
 
 impl Production {
     /// What is to be written down of it.
-    pub(in super::super) fn kept(&self) -> Kept {
-        Kept {
+    pub(in super::super) fn kept(&self) -> SavedProduction {
+        SavedProduction {
             orders: self.orders.values().cloned().collect(),
             of_part: self.of_part.iter().map(|(&part, &id)| (part, id)).collect(),
             leaving: self.leaving.iter().map(|(&firing, &part)| (firing, part)).collect(),
@@ -34,7 +34,7 @@ impl Production {
     }
 
     /// The production orders that were written down.
-    pub(in super::super) fn restored(table: &CellTable, kept: Kept) -> Result<Self, String> {
+    pub(in super::super) fn restored(table: &CellTable, kept: SavedProduction) -> Result<Self, String> {
         let mut new = Production::new(table);
         new.last = kept.last;
         for order in kept.orders {
@@ -57,7 +57,7 @@ impl Production {
             }
             *inside.entry(id).or_default() += 1;
         }
-        let counts = |order: &Order| order.inside() == inside.remove(&order.id).unwrap_or(0);
+        let counts = |order: &ProductionOrder| order.inside() == inside.remove(&order.id).unwrap_or(0);
         if !new.orders.values().all(counts) || !inside.is_empty() {
             return Err("parts count to other orders than those that have parts inside".to_owned());
         }

@@ -1,12 +1,12 @@
 //! Production orders: what is to be made, how many, from when, until when, and after what.
 //!
 //! # Map
-//! - [`Request`]: what somebody asks for; [`Wrong`]: what is wrong with it, all of it at once.
-//! - [`Order`], [`Status`]: an order that was accepted, and where it is.
+//! - [`ProductionOrderRequest`]: what somebody asks for; [`RequestProblem`]: what is wrong with it, all of it at once.
+//! - [`ProductionOrder`], [`ProductionStatus`]: an order that was accepted, and where it is.
 //! - [`Production`]: all of them, a fold over the records of the cell: those that say what people have changed
-//!   ([`Change`]), and those that say what has entered and what has left. It is part of the cell's state. A dispatcher has
+//!   ([`ProductionChange`]), and those that say what has entered and what has left. It is part of the cell's state. A dispatcher has
 //!   one of its own, since it also has to try out in thought what comes next.
-//! - [`Desk`]: the dispatcher with rules, who lets in what is on order and knows when each part is due.
+//! - [`DispatchConfiguration`]: the dispatcher with rules, who lets in what is on order and knows when each part is due.
 //!
 //! ```text
 //!  waiting ──released, and all before it are over──▶ released ──its first part enters──▶ in work ──its last leaves──▶ done
@@ -18,14 +18,14 @@
 //! *Withdrawn* orders are as if they had never been. Of a *cancelled* one nothing more enters; parts that are inside are
 //! finished as surplus, and it is over when the last of them has left. Nothing here knows how products are made.
 
-mod book;
-mod desk;
+mod configuration;
 mod kept;
+mod ledger;
 mod order;
 mod request;
 
-pub use book::{Change, Production, Refused, Unfit};
-pub use desk::Desk;
-pub(super) use kept::Kept;
-pub use order::{Order, Status};
-pub use request::{NAME_MAX, ORDERS_MAX, QUANTITY_MAX, Request, Wrong};
+pub use configuration::DispatchConfiguration;
+pub(super) use kept::SavedProduction;
+pub use ledger::{Production, ProductionChange, ProductionMisfit, ProductionRefusal};
+pub use order::{ProductionOrder, ProductionStatus};
+pub use request::{NAME_MAX, ORDERS_MAX, ProductionOrderRequest, QUANTITY_MAX, RequestProblem};

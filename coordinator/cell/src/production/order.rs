@@ -6,19 +6,19 @@
 use linewright_line::Tick;
 use serde::{Deserialize, Serialize};
 
-use super::super::dispatch::Job;
+use super::super::dispatch::PartPriority;
 use super::super::ids::ProductionId;
 use super::super::serial;
-use super::request::Request;
+use super::request::ProductionOrderRequest;
 
 /// An order that was accepted.
 #[derive(Clone, Debug, PartialEq, Eq, Serialize, Deserialize)]
 #[serde(deny_unknown_fields)]
-pub struct Order {
+pub struct ProductionOrder {
     /// Its number.
     pub id: ProductionId,
     /// What was asked for.
-    pub request: Request,
+    pub request: ProductionOrderRequest,
     /// Its product, as an index.
     pub product: usize,
     /// The orders it is after.
@@ -52,7 +52,7 @@ pub struct Order {
 
 /// Where an order is.
 #[derive(Clone, Debug, PartialEq, Eq)]
-pub enum Status {
+pub enum ProductionStatus {
     /// Nothing of it may enter yet.
     Waiting {
         /// What it is after and is not over.
@@ -83,9 +83,15 @@ pub enum Status {
     Withdrawn,
 }
 
-impl Order {
-    pub(super) fn new(id: ProductionId, request: Request, product: usize, after: Vec<ProductionId>, at: Tick) -> Self {
-        Order {
+impl ProductionOrder {
+    pub(super) fn new(
+        id: ProductionId,
+        request: ProductionOrderRequest,
+        product: usize,
+        after: Vec<ProductionId>,
+        at: Tick,
+    ) -> Self {
+        ProductionOrder {
             id,
             request,
             product,
@@ -123,10 +129,10 @@ impl Order {
     }
 
     /// What rules have to know of its parts. Those of a cancelled one do not matter any more.
-    pub fn job(&self) -> Job {
+    pub fn job(&self) -> PartPriority {
         match self.cancelled {
-            Some(_) => Job::default(),
-            None => Job { due: self.request.due, priority: self.request.priority },
+            Some(_) => PartPriority::default(),
+            None => PartPriority { due: self.request.due, priority: self.request.priority },
         }
     }
 

@@ -21,7 +21,7 @@ pub const ORDERS_MAX: usize = 10_000;
 /// What somebody asks for.
 #[derive(Clone, Debug, Default, PartialEq, Eq, Serialize, Deserialize)]
 #[serde(deny_unknown_fields)]
-pub struct Request {
+pub struct ProductionOrderRequest {
     /// Drawn by whoever asks. The same request twice is one order.
     #[serde(with = "serial::key")]
     pub key: u128,
@@ -45,7 +45,7 @@ pub struct Request {
 
 /// What is wrong with a request.
 #[derive(Clone, Debug, PartialEq, Eq, Error)]
-pub enum Wrong {
+pub enum RequestProblem {
     /// Nobody could call it by that.
     #[error("`{0}` is no name for an order: 1 to {NAME_MAX} letters, on one line")]
     Name(String),
@@ -129,27 +129,27 @@ fn circle(names: &[String]) -> String {
     names.iter().cloned().chain(first).map(|name| format!("`{name}`")).collect::<Vec<_>>().join(" after ")
 }
 
-impl Request {
+impl ProductionOrderRequest {
     /// What is wrong with it whatever else there is.
-    pub(super) fn wrongs<'a>(&self, products: impl Iterator<Item = &'a str> + Clone) -> Vec<Wrong> {
+    pub(super) fn validate<'a>(&self, products: impl Iterator<Item = &'a str> + Clone) -> Vec<RequestProblem> {
         let (mut wrongs, name) = (Vec::new(), || self.name.clone());
         let letters = self.name.chars().count();
         if letters == 0 || letters > NAME_MAX || self.name.trim().is_empty() || self.name.chars().any(char::is_control)
         {
             // What is too long to be a name is not repeated whole.
-            wrongs.push(Wrong::Name(self.name.chars().take(NAME_MAX).collect()));
+            wrongs.push(RequestProblem::Name(self.name.chars().take(NAME_MAX).collect()));
         }
         if !products.clone().any(|product| product == self.product) {
             let hint = suggestion(&self.product, products);
-            wrongs.push(Wrong::Product { name: name(), product: self.product.clone(), hint });
+            wrongs.push(RequestProblem::Product { name: name(), product: self.product.clone(), hint });
         }
         if self.quantity == 0 || self.quantity > QUANTITY_MAX {
-            wrongs.push(Wrong::Quantity { name: name(), quantity: self.quantity });
+            wrongs.push(RequestProblem::Quantity { name: name(), quantity: self.quantity });
         }
         if let (Some(due), Some(release)) = (self.due, self.release)
             && due < release
         {
-            wrongs.push(Wrong::DueBeforeRelease { name: name(), due, release });
+            wrongs.push(RequestProblem::DueBeforeRelease { name: name(), due, release });
         }
         wrongs
     }
@@ -157,7 +157,7 @@ impl Request {
 
 /// A circle among requests that are after one another, if there is one, from its smallest name; by depth-first search
 /// without recursion, since a batch may be a long chain.
-pub(super) fn find_circle(requests: &[&Request]) -> Option<Vec<String>> {
+pub(super) fn find_circle(requests: &[&ProductionOrderRequest]) -> Option<Vec<String>> {
     let after: BTreeMap<&str, &[String]> =
         requests.iter().map(|request| (request.name.as_str(), request.after.as_slice())).collect();
     let mut over: BTreeSet<&str> = BTreeSet::new();
@@ -189,9 +189,10 @@ pub(super) fn find_circle(requests: &[&Request]) -> Option<Vec<String>> {
 }
 
 /// Requests of which each comes after those it is after, otherwise as they are (Kahn 1962). There is no circle.
-pub(super) fn in_order(requests: &[&Request]) -> Vec<Request> {
+pub(super) fn in_order(requests: &[&ProductionOrderRequest]) -> Vec<ProductionOrderRequest> {
     let place: BTreeMap<&str, usize> = requests.iter().enumerate().map(|(at, of)| (of.name.as_str(), at)).collect();
-    let before = |of: &Request| of.after.iter().filter_map(|name| place.get(name.as_str()).copied()).collect();
+    let before =
+        |of: &ProductionOrderRequest| of.after.iter().filter_map(|name| place.get(name.as_str()).copied()).collect();
     let mut waits: Vec<BTreeSet<usize>> = requests.iter().map(|request| before(request)).collect();
     let mut followers: Vec<Vec<usize>> = vec![Vec::new(); requests.len()];
     for (at, before) in waits.iter().enumerate() {

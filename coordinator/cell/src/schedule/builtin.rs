@@ -2,7 +2,7 @@
 //!
 //! It tries, in this order, what was planned before, the rules of the cell, each single rule, and looking ahead over all of
 //! it; where the cell is small enough, all that can be decided ([`super::search`]); and as long as that has not proved
-//! anything, futures by chance near the best one ([`super::sample`]). The best counts, of equals the one
+//! anything, futures by chance near the best one ([`super::randomised_rollouts`]). The best counts, of equals the one
 //! that was found first; so what was planned stays planned unless something is better. It can be stopped after any of these,
 //! and is, when so many firings have been imagined: a large order is then planned as far as that goes.
 
@@ -11,13 +11,15 @@ use std::time::Duration;
 
 use linewright_line::Tick;
 
-use super::super::ahead::{Act, Ending, Follow, Imagined, Lead, LookAhead, PlannedStart, Score};
-use super::super::dispatch::{Rule, Timetable};
-use super::super::production::Desk;
-use super::sample::{Chance, Sample};
-use super::search::{Best, Search};
+use super::super::ahead::{
+    Ending, ForwardSimulation, LookAhead, PlanPolicy, PlannedStart, RolloutPolicy, Score, SimulatedActivity,
+};
+use super::super::dispatch::{DispatchRule, Timetable};
+use super::super::production::DispatchConfiguration;
+use super::randomised_rollouts::{RandomPolicy, Xorshift};
+use super::search::{Best, ScheduleSearch};
 use super::slots::Schedule;
-use super::{Scheduler, Situation};
+use super::{PlanningSituation, Scheduler};
 
 /// How many firings are imagined for a schedule, if nothing else is said. The cell waits meanwhile.
 pub const EFFORT: usize = 20_000;
@@ -28,7 +30,7 @@ const SMALL: usize = 100_000;
 
 /// The scheduler that is always there.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
-pub struct Builtin {
+pub struct RolloutScheduler {
     /// How many firings are imagined for a schedule at most.
     pub effort: usize,
     /// Whether everything is looked through where the cell is small.
@@ -39,15 +41,15 @@ pub struct Builtin {
     pub samples: bool,
 }
 
-impl Default for Builtin {
+impl Default for RolloutScheduler {
     fn default() -> Self {
-        Builtin { effort: EFFORT, exact: true, looks_ahead: true, samples: true }
+        RolloutScheduler { effort: EFFORT, exact: true, looks_ahead: true, samples: true }
     }
 }
 
 /// One plan that is being made.
-struct Making<'a> {
-    situation: &'a Situation<'a>,
+struct ScheduleSearchState<'a> {
+    situation: &'a PlanningSituation<'a>,
     best: Option<Best>,
     /// How many firings may still be imagined.
     left: usize,
@@ -55,10 +57,10 @@ struct Making<'a> {
     took: usize,
 }
 
-impl Making<'_> {
-    fn tries(&mut self, mut lead: impl Lead, most: usize) {
-        let Situation { now, state, thought, .. } = *self.situation;
-        let mut imagined = Imagined::new(state, thought, now);
+impl ScheduleSearchState<'_> {
+    fn tries(&mut self, mut lead: impl RolloutPolicy, most: usize) {
+        let PlanningSituation { now, state, thought, .. } = *self.situation;
+        let mut imagined = ForwardSimulation::new(state, thought, now);
         let ending = imagined.play(&mut lead, Tick::NEVER, most);
         self.took = imagined.firings();
         self.left = self.left.saturating_sub(self.took);
@@ -66,7 +68,7 @@ impl Making<'_> {
         self.offer(score, imagined.acts(), ending);
     }
 
-    fn offer(&mut self, score: Score, acts: &[Act], ending: Ending) {
+    fn offer(&mut self, score: Score, acts: &[SimulatedActivity], ending: Ending) {
         match ending {
             Ending::Worn if self.best.is_some() => return,
             Ending::Worn | Ending::Still | Ending::Horizon => (),
@@ -78,18 +80,18 @@ impl Making<'_> {
 }
 
 /// A desk that no timetable tells anything.
-fn free(desk: &Desk) -> Desk {
+fn free(desk: &DispatchConfiguration) -> DispatchConfiguration {
     let mut desk = desk.clone();
     desk.rules.timetable = Timetable::EMPTY;
-    desk.rules.rules.retain(|rule| *rule != Rule::Schedule);
+    desk.rules.rules.retain(|rule| *rule != DispatchRule::Schedule);
     desk
 }
 
-impl Scheduler for Builtin {
-    fn plan(&mut self, situation: &Situation<'_>) -> Schedule {
-        let Situation { now, state, desk, thought, previous } = *situation;
+impl Scheduler for RolloutScheduler {
+    fn plan(&mut self, situation: &PlanningSituation<'_>) -> Schedule {
+        let PlanningSituation { now, state, desk, thought, previous } = *situation;
         let desk = free(desk);
-        let mut making = Making { situation, best: None, left: self.effort, took: 0 };
+        let mut making = ScheduleSearchState { situation, best: None, left: self.effort, took: 0 };
         if let Some(previous) = previous {
             // As soon as it can be, in its order: its times do not hold any more.
             let rest: VecDeque<_> = previous
@@ -100,11 +102,11 @@ impl Scheduler for Builtin {
                     start
                 })
                 .collect();
-            making.tries(Follow::new(desk.clone(), rest), self.effort / 2);
+            making.tries(PlanPolicy::new(desk.clone(), rest), self.effort / 2);
         }
         let left = making.left;
         making.tries(desk.clone(), left);
-        for (_, rule) in Rule::ALL.into_iter().filter(|(_, rule)| *rule != Rule::Schedule) {
+        for (_, rule) in DispatchRule::ALL.into_iter().filter(|(_, rule)| *rule != DispatchRule::Schedule) {
             if making.left < 2 * making.took {
                 break;
             }
@@ -119,9 +121,9 @@ impl Scheduler for Builtin {
         let size = (thought.table().cell_count() + thought.table().mode_count()).saturating_mul(making.took);
         let mut proved = false;
         if self.exact && size <= SMALL {
-            let search = Search::new(thought.clone(), making.best.take(), making.left / 2);
+            let search = ScheduleSearch::new(thought.clone(), making.best.take(), making.left / 2);
             making.left /= 2;
-            (making.best, proved) = search.run(Imagined::new(state, thought, now), desk.clone());
+            (making.best, proved) = search.run(ForwardSimulation::new(state, thought, now), desk.clone());
         }
         if !proved {
             self.sample(&mut making, &desk);
@@ -131,10 +133,10 @@ impl Scheduler for Builtin {
     }
 }
 
-impl Builtin {
+impl RolloutScheduler {
     /// Tries futures near the best one, as many as what is left allows.
-    fn sample(&self, making: &mut Making<'_>, desk: &Desk) {
-        let (table, mut chance) = (making.situation.thought.table(), Chance::new());
+    fn sample(&self, making: &mut ScheduleSearchState<'_>, desk: &DispatchConfiguration) {
+        let (table, mut chance) = (making.situation.thought.table(), Xorshift::new());
         let took = making.took.max(1);
         while self.samples && making.left >= 2 * took {
             let acts = making.best.iter().flat_map(|best| &best.acts).filter(|act| !act.was_running);
@@ -144,14 +146,14 @@ impl Builtin {
                     PlannedStart { at: act.from, mode: act.mode, part }
                 })
                 .collect();
-            making.tries(Sample::new(desk, &plan, &mut chance), 2 * took);
+            making.tries(RandomPolicy::new(desk, &plan, &mut chance), 2 * took);
             // What is imagined for nothing counts as well.
             making.left = making.left.saturating_sub(1);
         }
     }
 
     /// Plays on looking ahead, as far as half of what is left allows.
-    fn look(&self, making: &mut Making<'_>, desk: &Desk) {
+    fn look(&self, making: &mut ScheduleSearchState<'_>, desk: &DispatchConfiguration) {
         let (budget, took) = (making.left / 2, making.took.max(1));
         // As many questions as firings at most; for each a few futures that become shorter and shorter.
         let each = budget / took;

@@ -12,12 +12,12 @@ use std::time::Duration;
 
 use linewright_line::Tick;
 
-use super::super::ahead::{Act, Bound, Ending, Imagined, Score, Thought, weight};
-use super::super::dispatch::Job;
-use super::super::firing::Phase;
+use super::super::ahead::{CostBound, Ending, ForwardSimulation, Score, SimulatedActivity, SimulationBasis, weight};
+use super::super::dispatch::PartPriority;
+use super::super::firing::ActivityPhase;
 use super::super::ids::ModeId;
-use super::super::plan::{ActivityKind, CellKind, Pick};
-use super::super::production::Desk;
+use super::super::plan::{ActivityTiming, CellKind, PartPick};
+use super::super::production::DispatchConfiguration;
 use super::super::question::{Dispatcher, Question, Start};
 use super::super::table::CellTable;
 
@@ -28,39 +28,39 @@ const SEEN_MAX: usize = 200_000;
 #[derive(Clone, Debug)]
 pub(super) struct Best {
     pub score: Score,
-    pub acts: Vec<Act>,
+    pub acts: Vec<SimulatedActivity>,
 }
 
 /// What makes two cells in thought the same, apart from the time and from what has left.
-type Key = Vec<u64>;
+type SearchKey = Vec<u64>;
 
 /// A search.
-pub(super) struct Search {
-    thought: Thought,
-    seen: BTreeMap<Key, (Tick, u64)>,
+pub(super) struct ScheduleSearch {
+    thought: SimulationBasis,
+    seen: BTreeMap<SearchKey, (Tick, u64)>,
     best: Option<Best>,
-    stack: Vec<Node>,
+    stack: Vec<SearchNode>,
     /// How many firings may still be imagined.
     left: usize,
 }
 
-struct Node {
-    imagined: Imagined,
-    desk: Desk,
+struct SearchNode {
+    imagined: ForwardSimulation,
+    desk: DispatchConfiguration,
     /// What is still to be tried, the last first; none is to wait.
     options: Vec<Option<(ModeId, Start)>>,
     /// When something happens next.
     next: Option<Tick>,
 }
 
-impl Search {
+impl ScheduleSearch {
     /// With the best that is known so far, and so many firings to imagine.
-    pub fn new(thought: Thought, best: Option<Best>, effort: usize) -> Self {
-        Search { thought, seen: BTreeMap::new(), best, stack: Vec::new(), left: effort }
+    pub fn new(thought: SimulationBasis, best: Option<Best>, effort: usize) -> Self {
+        ScheduleSearch { thought, seen: BTreeMap::new(), best, stack: Vec::new(), left: effort }
     }
 
     /// Looks through everything; the best there is, and whether nothing better can be.
-    pub fn run(mut self, root: Imagined, desk: Desk) -> (Option<Best>, bool) {
+    pub fn run(mut self, root: ForwardSimulation, desk: DispatchConfiguration) -> (Option<Best>, bool) {
         self.open(root, desk);
         while let Some(node) = self.stack.last_mut() {
             let Some(option) = node.options.pop() else {
@@ -84,7 +84,7 @@ impl Search {
     }
 
     /// Goes on to the next decision from here, and puts it on the stack, unless it leads nowhere.
-    fn open(&mut self, mut imagined: Imagined, mut desk: Desk) {
+    fn open(&mut self, mut imagined: ForwardSimulation, mut desk: DispatchConfiguration) {
         let before = imagined.firings();
         let options = loop {
             if !imagined.settle(&mut desk, before + self.left) {
@@ -109,25 +109,25 @@ impl Search {
         }
         let mut tries: Vec<Option<(ModeId, Start)>> = next.map(|_| None).into_iter().collect();
         tries.extend(options.into_iter().rev().map(Some));
-        self.stack.push(Node { imagined, desk, options: tries, next });
+        self.stack.push(SearchNode { imagined, desk, options: tries, next });
     }
 
-    fn close(&mut self, imagined: &Imagined, desk: &Desk) {
+    fn close(&mut self, imagined: &ForwardSimulation, desk: &DispatchConfiguration) {
         let score = Score::of(imagined, desk, &self.thought, Ending::Still);
         if self.best.as_ref().is_none_or(|best| score < best.score) {
             self.best = Some(Best { score, acts: imagined.acts().to_vec() });
         }
     }
 
-    fn is_beaten(&self, bound: Bound) -> bool {
+    fn is_beaten(&self, bound: CostBound) -> bool {
         // What leaves something stuck is beaten by what does not, even if that takes longer.
         self.best.as_ref().is_some_and(|best| {
             best.score.stuck == 0 && (best.score.tardiness, best.score.makespan) <= (bound.tardiness, bound.makespan)
         })
     }
 
-    fn was_seen(&mut self, imagined: &Imagined, desk: &Desk) -> bool {
-        let late = |(job, at): &(Job, Tick)| {
+    fn was_seen(&mut self, imagined: &ForwardSimulation, desk: &DispatchConfiguration) -> bool {
+        let late = |(job, at): &(PartPriority, Tick)| {
             let by = job.due.map_or(Duration::ZERO, |due| at.since(due)).as_micros();
             u64::try_from(by).unwrap_or(u64::MAX).saturating_mul(weight(job))
         };
@@ -151,7 +151,7 @@ impl Search {
 }
 
 /// What could start, in the order of preference; of parts that nobody could tell apart one.
-fn options(imagined: &Imagined, desk: &mut Desk) -> Vec<(ModeId, Start)> {
+fn options(imagined: &ForwardSimulation, desk: &mut DispatchConfiguration) -> Vec<(ModeId, Start)> {
     let (candidates, groups) = imagined.candidates();
     if candidates.is_empty() {
         return Vec::new();
@@ -177,22 +177,22 @@ fn is_free(table: &CellTable, mode: ModeId) -> bool {
 }
 
 /// What makes two cells in thought the same.
-fn key(imagined: &Imagined, desk: &Desk) -> Key {
+fn key(imagined: &ForwardSimulation, desk: &DispatchConfiguration) -> SearchKey {
     let (state, now) = (imagined.state(), imagined.now());
     let table = state.table();
     let job_of = |part| {
-        let job: Job = desk.job(part);
+        let job: PartPriority = desk.job(part);
         [job.due.map_or(u64::MAX, Tick::as_micros), u64::from_ne_bytes(i64::from(job.priority).to_ne_bytes())]
     };
-    let mut key: Key = Vec::with_capacity(table.cell_count() + 16);
+    let mut key: SearchKey = Vec::with_capacity(table.cell_count() + 16);
     for cell in table.cells() {
         match table.kind(cell) {
             CellKind::Tokens => key.push(state.marking().count(cell)),
             CellKind::Parts(pick) => {
                 let mut jobs: Vec<[u64; 2]> = state.marking().parts(cell).map(job_of).collect();
                 match pick {
-                    Pick::Any => jobs.sort_unstable(),
-                    Pick::Oldest | Pick::Newest => (),
+                    PartPick::Any => jobs.sort_unstable(),
+                    PartPick::Oldest | PartPick::Newest => (),
                 }
                 key.push(jobs.len() as u64);
                 key.extend(jobs.into_iter().flatten());
@@ -201,9 +201,9 @@ fn key(imagined: &Imagined, desk: &Desk) -> Key {
     }
     let mut running: Vec<[u64; 4]> = state
         .firings()
-        .filter(|firing| firing.phase == Phase::Running)
+        .filter(|firing| firing.phase == ActivityPhase::Running)
         .map(|firing| {
-            let ActivityKind::Decided { time, limit: _ } = table.activity(firing.mode).kind else { return [0; 4] };
+            let ActivityTiming::Decided { time, limit: _ } = table.activity(firing.mode).kind else { return [0; 4] };
             let left = (firing.began + time).since(now).as_micros();
             let [due, priority] = firing.part.map_or([0; 2], job_of);
             [u64::from(firing.mode.0), u64::try_from(left).unwrap_or(u64::MAX), due, priority]

@@ -10,17 +10,17 @@ use std::time::Duration;
 
 use linewright_line::Tick;
 
-use super::super::ahead::{Act, PlannedStart, Score};
+use super::super::ahead::{PlannedStart, Score, SimulatedActivity};
 use super::super::dispatch::Window;
-use super::super::exception::{Step, Whereabouts};
+use super::super::exception::{ExceptionStep, Whereabouts};
 use super::super::ids::{CellId, FiringId, ModeId, PartId};
-use super::super::record::{Fact, Record};
-use super::super::state::State;
+use super::super::record::{Record, RecordKind};
+use super::super::state::PlayerState;
 use super::super::table::CellTable;
 
 /// Something that is to be done, is being done, or has been.
 #[derive(Clone, Debug, PartialEq, Eq)]
-pub struct Slot {
+pub struct ScheduleSlot {
     /// What.
     pub mode: ModeId,
     /// With which part, as the schedule numbers them; none for what takes none.
@@ -44,7 +44,7 @@ pub struct Slot {
 
 /// Plan against actual, of one activity.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
-pub struct Bar {
+pub struct PlanActualBar {
     /// What.
     pub mode: ModeId,
     /// With which part; none if it takes none, or has not entered.
@@ -69,7 +69,7 @@ pub struct Schedule {
     /// Nothing is less late, and of what is as late nothing is finished earlier.
     pub proved: bool,
     /// In the order in which they start; those that were in progress come first.
-    slots: Vec<Slot>,
+    slots: Vec<ScheduleSlot>,
     /// Which parts they are; none for those that have not entered.
     parts: Vec<Option<PartId>>,
     /// Of each part its slots that have not started.
@@ -83,7 +83,7 @@ pub struct Schedule {
 
 impl Schedule {
     /// From what was imagined to start in a cell.
-    pub fn new(state: &State, now: Tick, acts: &[Act], score: Score, proved: bool) -> Self {
+    pub fn new(state: &PlayerState, now: Tick, acts: &[SimulatedActivity], score: Score, proved: bool) -> Self {
         let table = state.table();
         let mut new = Schedule { made: now, score, proved, ..Schedule::default() };
         let mut known: BTreeMap<PartId, usize> = BTreeMap::new();
@@ -98,7 +98,7 @@ impl Schedule {
             });
             let firing = if act.was_running { firings.next() } else { None };
             let to = act.to.unwrap_or(Tick::NEVER);
-            let slot = Slot {
+            let slot = ScheduleSlot {
                 mode: act.mode,
                 part,
                 from: act.from,
@@ -140,12 +140,12 @@ impl Schedule {
     }
 
     /// All of it.
-    pub fn slots(&self) -> &[Slot] {
+    pub fn slots(&self) -> &[ScheduleSlot] {
         &self.slots
     }
 
     /// Which part a slot is about, once it has entered.
-    pub fn part_of(&self, slot: &Slot) -> Option<PartId> {
+    pub fn part_of(&self, slot: &ScheduleSlot) -> Option<PartId> {
         self.parts[slot.part?]
     }
 
@@ -155,59 +155,61 @@ impl Schedule {
     }
 
     /// What has started that was not planned.
-    pub fn strays(&self) -> impl Iterator<Item = &Slot> {
+    pub fn strays(&self) -> impl Iterator<Item = &ScheduleSlot> {
         self.strays.iter().map(|&at| &self.slots[at])
     }
 
     /// What a part is to do next.
-    pub fn next_of(&self, part: PartId) -> Option<&Slot> {
+    pub fn next_of(&self, part: PartId) -> Option<&ScheduleSlot> {
         let at = self.parts.iter().position(|known| *known == Some(part))?;
         self.open[at].front().map(|&slot| &self.slots[slot])
     }
 
     /// What each part inside is to do next.
-    pub(super) fn next_of_parts(&self) -> impl Iterator<Item = (PartId, &Slot)> {
+    pub(super) fn next_of_parts(&self) -> impl Iterator<Item = (PartId, &ScheduleSlot)> {
         let pairs = self.parts.iter().zip(&self.open);
         pairs.filter_map(|(part, open)| Some(((*part)?, &self.slots[*open.front()?])))
     }
 
     /// What is to enter next by each mode, or to happen without a part.
-    pub(super) fn next_entering(&self) -> impl Iterator<Item = (ModeId, &Slot)> {
+    pub(super) fn next_entering(&self) -> impl Iterator<Item = (ModeId, &ScheduleSlot)> {
         self.entering.iter().filter_map(|(&mode, slots)| Some((mode, &self.slots[*slots.front()?])))
     }
 
     /// What is in progress.
-    pub(super) fn in_progress(&self) -> impl Iterator<Item = &Slot> {
+    pub(super) fn in_progress(&self) -> impl Iterator<Item = &ScheduleSlot> {
         self.running.values().map(|&at| &self.slots[at])
     }
 
     /// Takes a record: what was planned has started, or ended.
     pub fn note(&mut self, table: &CellTable, record: &Record) {
         match &record.fact {
-            Fact::Started { firing, mode, part, orders: _ } => self.started(table, record.at, *firing, *mode, *part),
-            Fact::Ended { firing } => {
+            RecordKind::Started { firing, mode, part, orders: _ } => {
+                self.started(table, record.at, *firing, *mode, *part)
+            }
+            RecordKind::Ended { firing } => {
                 if let Some(at) = self.running.remove(firing) {
                     self.slots[at].ended = Some(record.at);
                 }
             }
-            Fact::Raised { firing, cause: _ } => {
+            RecordKind::Raised { firing, cause: _ } => {
                 if let Some(at) = self.running.remove(firing) {
                     self.slots[at].failed = true;
                 }
             }
-            Fact::Exception(Step::Closed { firing, ruling, .. }) if ruling.part == Whereabouts::To => {
+            RecordKind::Exception(ExceptionStep::Closed { firing, ruling, .. }) if ruling.part == Whereabouts::To => {
                 let slot = self.slots.iter_mut().find(|slot| slot.firing == Some(*firing));
                 slot.into_iter().for_each(|slot| slot.ended = Some(record.at));
             }
-            Fact::Exception(_)
-            | Fact::Fired { .. }
-            | Fact::Epoch { .. }
-            | Fact::Memory { .. }
-            | Fact::Decided { .. }
-            | Fact::Acknowledged { .. }
-            | Fact::OrderEnded { .. }
-            | Fact::OrderFailed { .. }
-            | Fact::Production { .. } => (),
+            RecordKind::Exception(_)
+            | RecordKind::Fired { .. }
+            | RecordKind::Epoch { .. }
+            | RecordKind::Memory { .. }
+            | RecordKind::Decided { .. }
+            | RecordKind::Acknowledged { .. }
+            | RecordKind::OrderEnded { .. }
+            | RecordKind::OrderFailed { .. }
+            | RecordKind::Production { .. } => (),
         }
     }
 
@@ -239,7 +241,7 @@ impl Schedule {
             })
         });
         self.strays.push(at);
-        self.slots.push(Slot {
+        self.slots.push(ScheduleSlot {
             mode,
             part,
             from: now,
@@ -256,7 +258,7 @@ impl Schedule {
 
     /// What is left to be started, in its order, for a cell as it is: parts that have not entered get the numbers that they
     /// will have.
-    pub(super) fn rest(&self, state: &State) -> VecDeque<PlannedStart> {
+    pub(super) fn rest(&self, state: &PlayerState) -> VecDeque<PlannedStart> {
         let table = state.table();
         let mut coming = state.last_part;
         let mut numbers = self.parts.clone();
@@ -275,7 +277,7 @@ impl Schedule {
 
     /// Takes over what was promised, and keeps the times of what would move by no more than a tolerance.
     pub(super) fn keep(&mut self, previous: &Schedule, tolerance: Duration) {
-        let mut before: BTreeMap<(Option<PartId>, ModeId), VecDeque<&Slot>> = BTreeMap::new();
+        let mut before: BTreeMap<(Option<PartId>, ModeId), VecDeque<&ScheduleSlot>> = BTreeMap::new();
         for slot in &previous.slots {
             before.entry((previous.part_of(slot), slot.mode)).or_default().push_back(slot);
         }
@@ -301,8 +303,8 @@ impl Schedule {
     }
 
     /// Plan against actual, in the order of the plan.
-    pub fn bars(&self) -> impl Iterator<Item = Bar> + '_ {
-        self.slots.iter().map(|slot| Bar {
+    pub fn bars(&self) -> impl Iterator<Item = PlanActualBar> + '_ {
+        self.slots.iter().map(|slot| PlanActualBar {
             mode: slot.mode,
             part: self.part_of(slot),
             promised: slot.promised,
@@ -313,7 +315,7 @@ impl Schedule {
     }
 }
 
-impl Slot {
+impl ScheduleSlot {
     /// When it is to start: from its planned start to the latest that moves nothing else.
     pub fn window(&self) -> Window {
         Window { from: self.from, until: self.from + self.float }

@@ -9,15 +9,15 @@ use std::time::Duration;
 use linewright_line::Tick;
 
 use super::super::dispatch::words::named;
-use super::super::dispatch::{Jobs, Timetable, Window};
+use super::super::dispatch::{PartPriorities, Timetable, Window};
 use super::super::ids::{FiringId, ModeId, PartId, ResourceId};
-use super::super::state::{Place, State};
+use super::super::state::{PartPlace, PlayerState};
 use super::super::table::CellTable;
-use super::slots::{Schedule, Slot};
+use super::slots::{Schedule, ScheduleSlot};
 
 /// Why a schedule is made anew.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
-pub enum Deviation {
+pub enum RevisionReason {
     /// There was none.
     First,
     /// Production orders have changed.
@@ -43,20 +43,22 @@ pub enum Deviation {
     Stray(ModeId, Option<PartId>),
 }
 
-impl Deviation {
+impl RevisionReason {
     /// In words, with the names of the table.
     pub fn words(&self, table: &CellTable) -> String {
         match self {
-            Deviation::First => "nothing was planned yet".to_owned(),
-            Deviation::Orders => "production orders have changed".to_owned(),
-            Deviation::Failed(firing) => format!("{firing} has failed"),
-            Deviation::Down(resource) => format!("{} is down", table.handling().resource_name(*resource)),
-            Deviation::Restored => "something has been put right".to_owned(),
-            Deviation::Late { mode, part, by } => {
+            RevisionReason::First => "nothing was planned yet".to_owned(),
+            RevisionReason::Orders => "production orders have changed".to_owned(),
+            RevisionReason::Failed(firing) => format!("{firing} has failed"),
+            RevisionReason::Down(resource) => format!("{} is down", table.handling().resource_name(*resource)),
+            RevisionReason::Restored => "something has been put right".to_owned(),
+            RevisionReason::Late { mode, part, by } => {
                 format!("{} is later than it may be, by {} s", named(table, *mode, *part), by.as_secs_f64())
             }
-            Deviation::Over => "all that was planned has started".to_owned(),
-            Deviation::Stray(mode, part) => format!("{} has started, and was not planned", named(table, *mode, *part)),
+            RevisionReason::Over => "all that was planned has started".to_owned(),
+            RevisionReason::Stray(mode, part) => {
+                format!("{} has started, and was not planned", named(table, *mode, *part))
+            }
         }
     }
 }
@@ -65,15 +67,15 @@ impl Schedule {
     /// What the rule `schedule` follows.
     pub fn timetable(
         &self,
-        state: &State,
-        jobs: &Jobs,
+        state: &PlayerState,
+        jobs: &PartPriorities,
         now: Tick,
         patience: Option<Duration>,
         tolerance: Duration,
     ) -> Timetable {
         let mut timetable = Timetable { tolerance, ..Timetable::EMPTY };
         // The window is open, tolerance and all, when patience has run out.
-        let capped = |slot: &Slot, since: Tick| {
+        let capped = |slot: &ScheduleSlot, since: Tick| {
             let Window { from, until } = slot.window();
             let last = patience.map_or(Tick::NEVER, |patience| since + patience + tolerance);
             Window { from: from.min(last), until: until.min(last) }
@@ -82,12 +84,12 @@ impl Schedule {
         for (id, slot) in self.next_of_parts() {
             let Some(part) = state.part(id).filter(|part| !is_over(part.since)) else { continue };
             match part.place {
-                Place::On { cell, arrival: _ } if state.table().part_in(slot.mode) == Some(cell) => {
+                PartPlace::On { cell, arrival: _ } if state.table().part_in(slot.mode) == Some(cell) => {
                     timetable.next.insert(id, slot.mode);
                     timetable.windows.insert((Some(id), slot.mode), capped(slot, part.since));
                 }
                 // It is on its way, or where nobody had thought of.
-                Place::On { .. } | Place::In(_) => (),
+                PartPlace::On { .. } | PartPlace::In(_) => (),
             }
         }
         for (mode, slot) in self.next_entering() {
@@ -100,13 +102,13 @@ impl Schedule {
     }
 
     /// Why the schedule does not hold any more, if it does not.
-    pub fn deviation(&self, now: Tick, tolerance: Duration) -> Option<Deviation> {
+    pub fn deviation(&self, now: Tick, tolerance: Duration) -> Option<RevisionReason> {
         if let Some(stray) = self.strays().next() {
-            return Some(Deviation::Stray(stray.mode, self.part_of(stray)));
+            return Some(RevisionReason::Stray(stray.mode, self.part_of(stray)));
         }
         let late = self.limits(tolerance).filter(|(limit, _)| *limit < now);
         let (limit, slot) = late.min_by_key(|&(limit, slot)| (limit, slot.mode, slot.part))?;
-        Some(Deviation::Late { mode: slot.mode, part: self.part_of(slot), by: now.since(limit) })
+        Some(RevisionReason::Late { mode: slot.mode, part: self.part_of(slot), by: now.since(limit) })
     }
 
     /// When the schedule does not hold any more, if nothing happens before.
@@ -115,7 +117,7 @@ impl Schedule {
     }
 
     /// Until when what is to start next has to start, and what is in progress has to end.
-    fn limits(&self, tolerance: Duration) -> impl Iterator<Item = (Tick, &Slot)> {
+    fn limits(&self, tolerance: Duration) -> impl Iterator<Item = (Tick, &ScheduleSlot)> {
         let starts = self.next_of_parts().map(|(_, slot)| slot).chain(self.next_entering().map(|(_, slot)| slot));
         let starts = starts.map(move |slot| (slot.from + slot.float + tolerance, slot));
         let ends = self.in_progress().map(move |slot| (slot.to + slot.float + tolerance, slot));

@@ -4,14 +4,14 @@ use std::collections::BTreeMap;
 
 use linewright_line::Tick;
 
-use super::super::exception::Step;
+use super::super::exception::ExceptionStep;
 use super::super::ids::{FiringId, ModeId, PartId};
-use super::super::record::{Fact, Record};
+use super::super::record::{Record, RecordKind};
 use super::cause_in_words;
 
 /// An activity.
 #[derive(Clone, Debug, PartialEq, Eq)]
-pub struct Done {
+pub struct FinishedActivity {
     /// Its number.
     pub firing: FiringId,
     /// What.
@@ -21,14 +21,14 @@ pub struct Done {
     /// When it started.
     pub began: Tick,
     /// When it failed, if it did, and why.
-    pub failed: Option<Failed>,
+    pub failed: Option<ActivityFailed>,
     /// When it ended; none while it is in progress, or waits for whoever knows what is true.
     pub ended: Option<Tick>,
 }
 
 /// That an activity has failed.
 #[derive(Clone, Debug, PartialEq, Eq)]
-pub struct Failed {
+pub struct ActivityFailed {
     /// When.
     pub at: Tick,
     /// Why, in words.
@@ -38,7 +38,7 @@ pub struct Failed {
 /// All activities that take time, in the order in which they started. Memory: some words for each.
 #[derive(Clone, Debug, Default)]
 pub struct Activities {
-    done: Vec<Done>,
+    done: Vec<FinishedActivity>,
     open: BTreeMap<FiringId, usize>,
 }
 
@@ -46,34 +46,34 @@ impl Activities {
     /// The next record, in the order in which they were written. One of an activity whose start is unknown changes nothing.
     pub fn take(&mut self, record: &Record) {
         match &record.fact {
-            &Fact::Started { firing, mode, part, orders: _ } => {
+            &RecordKind::Started { firing, mode, part, orders: _ } => {
                 self.open.insert(firing, self.done.len());
-                self.done.push(Done { firing, mode, part, began: record.at, failed: None, ended: None });
+                self.done.push(FinishedActivity { firing, mode, part, began: record.at, failed: None, ended: None });
             }
-            Fact::Raised { firing, cause } => {
+            RecordKind::Raised { firing, cause } => {
                 if let Some(done) = self.open.get(firing).map(|&at| &mut self.done[at]) {
-                    done.failed = Some(Failed { at: record.at, cause: cause_in_words(cause) });
+                    done.failed = Some(ActivityFailed { at: record.at, cause: cause_in_words(cause) });
                 }
             }
-            Fact::Ended { firing } | Fact::Exception(Step::Closed { firing, .. }) => {
+            RecordKind::Ended { firing } | RecordKind::Exception(ExceptionStep::Closed { firing, .. }) => {
                 if let Some(done) = self.open.remove(firing).map(|at| &mut self.done[at]) {
                     done.ended = Some(record.at);
                 }
             }
-            Fact::Exception(_)
-            | Fact::Fired { .. }
-            | Fact::Epoch { .. }
-            | Fact::Memory { .. }
-            | Fact::Decided { .. }
-            | Fact::Acknowledged { .. }
-            | Fact::OrderEnded { .. }
-            | Fact::OrderFailed { .. }
-            | Fact::Production { .. } => (),
+            RecordKind::Exception(_)
+            | RecordKind::Fired { .. }
+            | RecordKind::Epoch { .. }
+            | RecordKind::Memory { .. }
+            | RecordKind::Decided { .. }
+            | RecordKind::Acknowledged { .. }
+            | RecordKind::OrderEnded { .. }
+            | RecordKind::OrderFailed { .. }
+            | RecordKind::Production { .. } => (),
         }
     }
 
     /// All of them.
-    pub fn all(&self) -> &[Done] {
+    pub fn all(&self) -> &[FinishedActivity] {
         &self.done
     }
 }

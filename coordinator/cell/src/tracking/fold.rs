@@ -11,27 +11,27 @@ use std::time::Duration;
 
 use linewright_line::Tick;
 
-use super::super::exception::{DownCause, Step, Whereabouts};
+use super::super::exception::{ExceptionStep, OutOfServiceReason, Whereabouts};
 use super::super::ids::{FiringId, ModeId, PartId};
-use super::super::production::{Change, Production};
-use super::super::record::{Cause, Fact, Record};
+use super::super::production::{Production, ProductionChange};
+use super::super::record::{ActivityFailure, Record, RecordKind};
 use super::orders::OrdersReport;
-use super::report::{Causes, Report, ResourceReport};
+use super::report::{Causes, CellSummary, ResourceReport};
 use super::spread::Spread;
-use super::{Entry, Passing, Resource, Sheet, cause_in_words};
+use super::{ModeEntry, PartFlow, ReportMetadata, ResourceEntry, cause_in_words};
 
 /// What has happened so far.
 #[derive(Clone, Debug)]
 pub struct Tracking {
-    sheet: Sheet,
+    sheet: ReportMetadata,
     /// Nothing before this counts.
     from: Tick,
     began: Option<Tick>,
     now: Tick,
-    open: BTreeMap<FiringId, Open>,
-    resources: Vec<Tally>,
-    parts: BTreeMap<PartId, Passage>,
-    left: Vec<Passage>,
+    open: BTreeMap<FiringId, OpenActivity>,
+    resources: Vec<ResourceTally>,
+    parts: BTreeMap<PartId, PartHistory>,
+    left: Vec<PartHistory>,
     failures: u64,
     lost: u64,
     production: Production,
@@ -39,7 +39,7 @@ pub struct Tracking {
 
 /// An activity in progress.
 #[derive(Clone, Debug)]
-struct Open {
+struct OpenActivity {
     mode: ModeId,
     part: Option<PartId>,
     began: Tick,
@@ -48,7 +48,7 @@ struct Open {
 
 /// What a resource has done.
 #[derive(Clone, Debug, Default)]
-struct Tally {
+struct ResourceTally {
     /// Activities in progress that have not failed, and those that have.
     running: u32,
     failed: u32,
@@ -72,10 +72,10 @@ struct Tally {
 
 /// A part's way through the cell.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
-pub struct Passage {
+pub struct PartHistory {
     /// Which part.
     pub part: PartId,
-    /// What it is to become, as a position in [`Sheet::products`]; none if nobody knows.
+    /// What it is to become, as a position in [`ReportMetadata::products`]; none if nobody knows.
     pub product: Option<usize>,
     /// When it entered.
     pub entered: Tick,
@@ -87,7 +87,7 @@ pub struct Passage {
     pub moved: Duration,
 }
 
-impl Passage {
+impl PartHistory {
     /// How long it was inside, and of that neither worked on nor moved; none while it is inside.
     pub fn lead_and_wait(&self) -> Option<(Duration, Duration)> {
         let lead = self.left?.since(self.entered);
@@ -97,13 +97,13 @@ impl Passage {
 
 impl Tracking {
     /// Nothing has happened yet.
-    pub fn new(sheet: Sheet) -> Self {
+    pub fn new(sheet: ReportMetadata) -> Self {
         Self::since(sheet, Tick::ZERO)
     }
 
     /// The same, and nothing before a moment will count. It has to be told of that as well.
-    pub fn since(sheet: Sheet, from: Tick) -> Self {
-        let resources = vec![Tally::default(); sheet.resources.len()];
+    pub fn since(sheet: ReportMetadata, from: Tick) -> Self {
+        let resources = vec![ResourceTally::default(); sheet.resources.len()];
         let production = Production::of_sheet(&sheet);
         Tracking {
             sheet,
@@ -126,39 +126,42 @@ impl Tracking {
         // What does not fit is of an order that was accepted before the first record there is.
         _ = self.production.note(record);
         match &record.fact {
-            Fact::Started { firing, mode, part, .. } => {
-                self.open.insert(*firing, Open { mode: *mode, part: *part, began: record.at, failed: None });
+            RecordKind::Started { firing, mode, part, .. } => {
+                self.open.insert(*firing, OpenActivity { mode: *mode, part: *part, began: record.at, failed: None });
                 self.each(*mode, |tally| tally.running += 1);
                 self.works(*mode, |working| working + 1);
                 self.holds(*mode);
                 self.enters(*mode, *part, record.at);
             }
-            Fact::Raised { firing, cause } => self.fails(*firing, cause, record.at),
-            Fact::Ended { firing } => self.ends(*firing, record.at),
-            Fact::Fired { mode, part } => {
+            RecordKind::Raised { firing, cause } => self.fails(*firing, cause, record.at),
+            RecordKind::Ended { firing } => self.ends(*firing, record.at),
+            RecordKind::Fired { mode, part } => {
                 self.holds(*mode);
                 self.lets_go(*mode);
                 self.enters(*mode, *part, record.at);
                 self.leaves(*mode, *part, record.at);
             }
-            Fact::Production { change: Change::Lost(part) } => {
+            RecordKind::Production { change: ProductionChange::Lost(part) } => {
                 if self.parts.remove(part).is_some() {
                     self.lost += u64::from(record.at >= self.from);
                 }
             }
-            Fact::Production { change: Change::Accepted { .. } | Change::Cancelled(_) | Change::Withdrawn(_) }
-            | Fact::Epoch { .. }
-            | Fact::Memory { .. }
-            | Fact::Decided { .. }
-            | Fact::Acknowledged { .. }
-            | Fact::OrderEnded { .. }
-            | Fact::OrderFailed { .. } => {}
-            Fact::Exception(step) => self.excepts(step, record.at),
+            RecordKind::Production {
+                change:
+                    ProductionChange::Accepted { .. } | ProductionChange::Cancelled(_) | ProductionChange::Withdrawn(_),
+            }
+            | RecordKind::Epoch { .. }
+            | RecordKind::Memory { .. }
+            | RecordKind::Decided { .. }
+            | RecordKind::Acknowledged { .. }
+            | RecordKind::OrderEnded { .. }
+            | RecordKind::OrderFailed { .. } => {}
+            RecordKind::Exception(step) => self.excepts(step, record.at),
         }
     }
 
     /// What there is to report until `now`, which no record is later than.
-    pub fn report(&self, now: Tick) -> Report {
+    pub fn report(&self, now: Tick) -> CellSummary {
         let mut until = self.clone();
         until.pass(now);
         for open in until.open.values() {
@@ -170,7 +173,7 @@ impl Tracking {
         }
         let observed = until.began.map_or(Duration::ZERO, |began| now.since(began.max(self.from)));
         let mean = |room: Duration| if observed.is_zero() { 0.0 } else { room.as_secs_f64() / observed.as_secs_f64() };
-        let resource = |(of, tally): (Resource, &Tally)| ResourceReport {
+        let resource = |(of, tally): (ResourceEntry, &ResourceTally)| ResourceReport {
             name: of.name,
             prototype: of.prototype,
             capacity: of.capacity,
@@ -184,9 +187,9 @@ impl Tracking {
             nominal: tally.nominal,
             actual: tally.actual,
         };
-        let times = until.left.iter().filter_map(Passage::lead_and_wait);
+        let times = until.left.iter().filter_map(PartHistory::lead_and_wait);
         let (lead, waited) = times.unzip();
-        Report {
+        CellSummary {
             observed,
             resources: until.sheet.resources.iter().cloned().zip(&until.resources).map(resource).collect(),
             inside: until.parts.len(),
@@ -202,7 +205,7 @@ impl Tracking {
     }
 
     /// The parts that have left, and those that are inside, each in its order.
-    pub fn passages(&self) -> impl Iterator<Item = &Passage> {
+    pub fn passages(&self) -> impl Iterator<Item = &PartHistory> {
         self.left.iter().chain(self.parts.values())
     }
 
@@ -212,7 +215,7 @@ impl Tracking {
     }
 
     /// What is known of the cell.
-    pub fn sheet(&self) -> &Sheet {
+    pub fn sheet(&self) -> &ReportMetadata {
         &self.sheet
     }
 
@@ -238,7 +241,7 @@ impl Tracking {
         self.now = self.now.max(now);
     }
 
-    fn each(&mut self, mode: ModeId, change: impl Fn(&mut Tally)) {
+    fn each(&mut self, mode: ModeId, change: impl Fn(&mut ResourceTally)) {
         for &resource in self.sheet.entry(mode).map(|entry| &entry.resources[..]).unwrap_or_default() {
             change(&mut self.resources[resource]);
         }
@@ -267,7 +270,7 @@ impl Tracking {
         }
     }
 
-    fn fails(&mut self, firing: FiringId, cause: &Cause, at: Tick) {
+    fn fails(&mut self, firing: FiringId, cause: &ActivityFailure, at: Tick) {
         let Some(open) = self.open.get_mut(&firing) else { return };
         let cause = cause_in_words(cause);
         open.failed = Some((at, cause));
@@ -281,27 +284,27 @@ impl Tracking {
     }
 
     /// An activity that has failed is over, or somebody is left out.
-    fn excepts(&mut self, step: &Step, at: Tick) {
+    fn excepts(&mut self, step: &ExceptionStep, at: Tick) {
         match step {
-            Step::Closed { firing, mode, part, ruling, unchecked: _ } => match ruling.part {
+            ExceptionStep::Closed { firing, mode, part, ruling, unchecked: _ } => match ruling.part {
                 Whereabouts::To => self.ends(*firing, at),
                 Whereabouts::From | Whereabouts::Carrier | Whereabouts::Gone => {
                     self.stops(*firing, at);
                     self.is_undone(*mode, ruling.part == Whereabouts::Gone);
-                    let enters = self.sheet.entry(*mode).is_some_and(|entry| entry.passing == Passing::Enters);
+                    let enters = self.sheet.entry(*mode).is_some_and(|entry| entry.passing == PartFlow::Enters);
                     let is_outside = enters || ruling.part == Whereabouts::Gone;
                     if part.filter(|_| is_outside).is_some_and(|part| self.parts.remove(&part).is_some()) && !enters {
                         self.lost += u64::from(at >= self.from);
                     }
                 }
             },
-            Step::Missing { resource: _, mode, part } => {
+            ExceptionStep::Missing { resource: _, mode, part } => {
                 self.lets_go(*mode);
                 if self.parts.remove(part).is_some() {
                     self.lost += u64::from(at >= self.from);
                 }
             }
-            Step::Down { resource, why } => {
+            ExceptionStep::Down { resource, why } => {
                 if let Some(tally) = self.resources.get_mut(resource.index()) {
                     let cause = out(why);
                     if at >= self.from {
@@ -310,16 +313,16 @@ impl Tracking {
                     tally.out = Some(cause);
                 }
             }
-            Step::Up { resource, unchecked: _ } => {
+            ExceptionStep::Up { resource, unchecked: _ } => {
                 self.resources.get_mut(resource.index()).into_iter().for_each(|tally| tally.out = None);
             }
-            Step::Secured { .. }
-            | Step::Alarmed { .. }
-            | Step::Answered { .. }
-            | Step::Carried { .. }
-            | Step::Mismatch { .. }
-            | Step::Stopped { .. }
-            | Step::Reset { .. } => (),
+            ExceptionStep::Secured { .. }
+            | ExceptionStep::Alarmed { .. }
+            | ExceptionStep::Answered { .. }
+            | ExceptionStep::Carried { .. }
+            | ExceptionStep::Mismatch { .. }
+            | ExceptionStep::Stopped { .. }
+            | ExceptionStep::Reset { .. } => (),
         }
     }
 
@@ -335,7 +338,7 @@ impl Tracking {
     }
 
     /// Nobody is busy with an activity any more, nor down by it.
-    fn stops(&mut self, firing: FiringId, at: Tick) -> Option<Open> {
+    fn stops(&mut self, firing: FiringId, at: Tick) -> Option<OpenActivity> {
         let open = self.open.remove(&firing)?;
         let (from, counts) = (self.from, at >= self.from);
         match &open.failed {
@@ -357,7 +360,7 @@ impl Tracking {
         let Some(open) = self.stops(firing, at) else { return };
         let (took, counts) = (at.since(open.began), at >= self.from);
         self.lets_go(open.mode);
-        let Some(Entry { worker, nominal, .. }) = self.sheet.modes.get(open.mode.index()) else { return };
+        let Some(ModeEntry { worker, nominal, .. }) = self.sheet.modes.get(open.mode.index()) else { return };
         if let Some(worker) = worker.filter(|_| counts) {
             let tally = &mut self.resources[worker];
             tally.worked += 1;
@@ -375,30 +378,30 @@ impl Tracking {
 
     fn enters(&mut self, mode: ModeId, part: Option<PartId>, at: Tick) {
         if let Some(part) = part
-            && self.sheet.entry(mode).is_some_and(|entry| entry.passing == Passing::Enters)
+            && self.sheet.entry(mode).is_some_and(|entry| entry.passing == PartFlow::Enters)
         {
             let product = self.sheet.entry(mode).and_then(|entry| entry.product);
             let (worked, moved) = (Duration::ZERO, Duration::ZERO);
-            self.parts.insert(part, Passage { part, product, entered: at, left: None, worked, moved });
+            self.parts.insert(part, PartHistory { part, product, entered: at, left: None, worked, moved });
         }
     }
 
     fn leaves(&mut self, mode: ModeId, part: Option<PartId>, at: Tick) {
-        let leaves = self.sheet.entry(mode).is_some_and(|entry| entry.passing == Passing::Leaves);
+        let leaves = self.sheet.entry(mode).is_some_and(|entry| entry.passing == PartFlow::Leaves);
         let passage = part.filter(|_| leaves).and_then(|part| self.parts.remove(&part));
-        self.left.extend(passage.filter(|_| at >= self.from).map(|passage| Passage { left: Some(at), ..passage }));
+        self.left.extend(passage.filter(|_| at >= self.from).map(|passage| PartHistory { left: Some(at), ..passage }));
     }
 }
 
 /// Why somebody is left out, in words.
-fn out(why: &DownCause) -> String {
+fn out(why: &OutOfServiceReason) -> String {
     match why {
-        DownCause::ByHand { text } if text.is_empty() => "left out by hand".to_owned(),
-        DownCause::Alarm { text } if text.is_empty() => "alarm given by hand".to_owned(),
-        DownCause::ByHand { text } | DownCause::Alarm { text } => text.clone(),
-        DownCause::Rule(_) => "left out by a rule".to_owned(),
-        DownCause::Station(_) => "its station could not work".to_owned(),
-        DownCause::EmergencyStop(_) => "its station went into emergency stop".to_owned(),
-        DownCause::Mismatch => "model and plant differ".to_owned(),
+        OutOfServiceReason::ByHand { text } if text.is_empty() => "left out by hand".to_owned(),
+        OutOfServiceReason::Alarm { text } if text.is_empty() => "alarm given by hand".to_owned(),
+        OutOfServiceReason::ByHand { text } | OutOfServiceReason::Alarm { text } => text.clone(),
+        OutOfServiceReason::Rule(_) => "left out by a rule".to_owned(),
+        OutOfServiceReason::Station(_) => "its station could not work".to_owned(),
+        OutOfServiceReason::EmergencyStop(_) => "its station went into emergency stop".to_owned(),
+        OutOfServiceReason::Mismatch => "model and plant differ".to_owned(),
     }
 }

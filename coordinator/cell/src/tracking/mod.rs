@@ -2,7 +2,7 @@
 //!
 //! Records say what has happened, so everything a report wants follows from them: who was busy for how long and who was
 //! down for what cause, how long parts were worked on and how long they waited. Nothing is written down for the sake of a
-//! report, and a report made after a restart says the same. What records do not say is in the [`Sheet`]: which resources
+//! report, and a report made after a restart says the same. What records do not say is in the [`ReportMetadata`]: which resources
 //! an activity takes, and how long it should take. A report may be about a span of time: what lay before is folded as well,
 //! since what was going on at its beginning follows from that, but not counted.
 //!
@@ -17,34 +17,34 @@ mod spread;
 
 use std::time::Duration;
 
-pub use activities::{Activities, Done, Failed};
-pub use fold::{Passage, Tracking};
+pub use activities::{Activities, ActivityFailed, FinishedActivity};
+pub use fold::{PartHistory, Tracking};
 pub use orders::OrdersReport;
-pub use report::{Causes, Effectiveness, Report, ResourceReport};
+pub use report::{Causes, CellSummary, Effectiveness, ResourceReport};
 pub use spread::Spread;
 
 use serde::{Deserialize, Serialize};
 
 use super::ids::ModeId;
-use super::record::Cause;
+use super::record::ActivityFailure;
 
 /// What a report has to know of a cell beside its records. It is written down beside them, so that a report needs no
 /// description.
 #[derive(Clone, Debug, Default, PartialEq, Eq, Serialize, Deserialize)]
 #[serde(deny_unknown_fields)]
-pub struct Sheet {
+pub struct ReportMetadata {
     /// Who takes part in activities.
-    pub resources: Vec<Resource>,
+    pub resources: Vec<ResourceEntry>,
     /// What is made, by what people call it.
     pub products: Vec<String>,
     /// The modes, in the order of the table.
-    pub modes: Vec<Entry>,
+    pub modes: Vec<ModeEntry>,
 }
 
 /// A resource.
 #[derive(Clone, Debug, PartialEq, Eq, Serialize, Deserialize)]
 #[serde(deny_unknown_fields)]
-pub struct Resource {
+pub struct ResourceEntry {
     /// What people call it.
     pub name: String,
     /// What it is: a machine, a robot, a store.
@@ -56,14 +56,14 @@ pub struct Resource {
 /// What one mode is.
 #[derive(Clone, Debug, PartialEq, Eq, Serialize, Deserialize)]
 #[serde(deny_unknown_fields)]
-pub struct Entry {
+pub struct ModeEntry {
     /// The mode, by what the net calls it.
     pub name: String,
     /// The activity, by what people call it.
     pub activity: String,
-    /// What its part is to become, as a position in [`Sheet::products`]; none if there is no part.
+    /// What its part is to become, as a position in [`ReportMetadata::products`]; none if there is no part.
     pub product: Option<usize>,
-    /// Who takes part in it, as positions in [`Sheet::resources`].
+    /// Who takes part in it, as positions in [`ReportMetadata::resources`].
     pub resources: Vec<usize>,
     /// Who of them works on the part; none if it is only moved.
     pub worker: Option<usize>,
@@ -76,13 +76,13 @@ pub struct Entry {
     /// How long it should take.
     pub nominal: Duration,
     /// Whether its part enters the cell or leaves it.
-    pub passing: Passing,
+    pub passing: PartFlow,
 }
 
 /// Where a part goes.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Serialize, Deserialize)]
 #[serde(rename_all = "kebab-case")]
-pub enum Passing {
+pub enum PartFlow {
     /// It was inside and stays inside.
     Inside,
     /// It comes from outside.
@@ -91,18 +91,18 @@ pub enum Passing {
     Leaves,
 }
 
-impl Sheet {
+impl ReportMetadata {
     /// What a mode is; none for one that there is not.
-    pub fn entry(&self, mode: ModeId) -> Option<&Entry> {
+    pub fn entry(&self, mode: ModeId) -> Option<&ModeEntry> {
         self.modes.get(mode.index())
     }
 }
 
 /// Why an activity has failed, without the numbers that differ each time.
-fn cause_in_words(cause: &Cause) -> String {
+fn cause_in_words(cause: &ActivityFailure) -> String {
     match cause {
-        Cause::TimedOut => "takes longer than it may".to_owned(),
-        Cause::Order { failure, .. } => failure.to_string(),
-        Cause::ByHand { .. } => "alarm given by hand".to_owned(),
+        ActivityFailure::TimedOut => "takes longer than it may".to_owned(),
+        ActivityFailure::Order { failure, .. } => failure.to_string(),
+        ActivityFailure::ByHand { .. } => "alarm given by hand".to_owned(),
     }
 }

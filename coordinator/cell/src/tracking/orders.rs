@@ -5,7 +5,7 @@ use std::time::Duration;
 
 use linewright_line::Tick;
 
-use super::super::production::Order;
+use super::super::production::ProductionOrder;
 use super::spread::Spread;
 
 /// The production orders of a cell, from some moment on. Those that were over before are not counted.
@@ -29,7 +29,7 @@ pub struct OrdersReport {
 
 impl OrdersReport {
     /// Of these orders, from a moment on.
-    pub fn of<'a>(orders: impl Iterator<Item = &'a Order>, from: Tick) -> Self {
+    pub fn of<'a>(orders: impl Iterator<Item = &'a ProductionOrder>, from: Tick) -> Self {
         let (mut of, mut late) = (OrdersReport::default(), Vec::new());
         for order in orders.filter(|order| order.ended.is_none_or(|ended| ended >= from)) {
             match (order.ended, order.withdrawn, order.cancelled) {

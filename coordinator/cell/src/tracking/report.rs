@@ -70,7 +70,7 @@ pub struct ResourceReport {
 
 /// A cell, from its first record on, or from the moment from which it was asked for.
 #[derive(Clone, Debug, PartialEq)]
-pub struct Report {
+pub struct CellSummary {
     /// How long it was observed.
     pub observed: Duration,
     /// Each resource.
@@ -122,7 +122,7 @@ impl ResourceReport {
     }
 }
 
-impl Report {
+impl CellSummary {
     /// The parts that have left and were good, of all that have left or were lost on the way.
     pub fn quality(&self) -> Option<f64> {
         let all = self.left as u64 + self.lost;
@@ -148,7 +148,7 @@ impl Effectiveness {
     }
 }
 
-impl Report {
+impl CellSummary {
     /// Of all together who have worked on parts; none if nobody has, or nothing has left.
     pub fn effectiveness(&self) -> Option<Effectiveness> {
         let workers = || self.resources.iter().filter(|resource| resource.worked > 0);
@@ -175,10 +175,10 @@ impl fmt::Display for Percent {
     }
 }
 
-impl fmt::Display for Report {
+impl fmt::Display for CellSummary {
     fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
         let seconds = |time: Duration| format!("{:.1}", time.as_secs_f64());
-        let Report { observed, inside, left, lost, failures, .. } = self;
+        let CellSummary { observed, inside, left, lost, failures, .. } = self;
         writeln!(
             f,
             "{} s observed; {left} parts have left, {inside} are inside, {lost} were lost; {failures} activities have \

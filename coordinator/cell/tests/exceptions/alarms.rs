@@ -1,7 +1,7 @@
 //! Alarm given by hand: what the resource has to do with stops, and is put right like anything else that stands half-way.
 
-use linewright_coordinator_cell::exception::{Asked, DownCause, Objection};
-use linewright_coordinator_cell::{Cause, Firing, Input, Outcome, Phase};
+use linewright_coordinator_cell::exception::{AlarmAnswerRefusal, OutOfServiceReason, ResourceRequest};
+use linewright_coordinator_cell::{ActivityFailure, ActivityPhase, OngoingActivity, Outcome, PlayerInput};
 use linewright_orders::Failure as Ended;
 
 use super::bench::Bench;
@@ -11,26 +11,26 @@ fn a_person_can_give_alarm_of_a_machine() {
     let mut bench = Bench::c1(&[1, 1]);
     bench.until_that(|bench| bench.firing("M1.process<A.new>").is_some());
     let m1 = bench.resource("M1");
-    bench.say(Input::Alarm { resource: m1, text: "smoke" });
+    bench.say(PlayerInput::Alarm { resource: m1, text: "smoke" });
     bench.until_that(|bench| bench.state().exceptions().alarms().len() > 0);
     let firing = bench.firing("M1.process<A.new>").expect("it has failed").clone();
-    assert_eq!(firing.phase, Phase::Failed(Cause::ByHand { resource: m1 }));
-    assert_eq!(bench.down(), [("M1".to_owned(), DownCause::Alarm { text: "smoke".to_owned() })]);
-    bench.say(Input::Resource { resource: m1, up: true });
-    assert_eq!(bench.objections(), [(Asked::Up(m1), Objection::Open(m1))]);
+    assert_eq!(firing.phase, ActivityPhase::Failed(ActivityFailure::ByHand { resource: m1 }));
+    assert_eq!(bench.down(), [("M1".to_owned(), OutOfServiceReason::Alarm { text: "smoke".to_owned() })]);
+    bench.say(PlayerInput::Resource { resource: m1, up: true });
+    assert_eq!(bench.objections(), [(ResourceRequest::Up(m1), AlarmAnswerRefusal::Open(m1))]);
     assert!(bench.alarm().text.ends_with("m1 stands between rests)"), "{}", bench.alarm().text);
     // The other part is made meanwhile: B needs M3 and M2 only.
     bench.until_that(|bench| bench.state().left() == 1);
     bench.answer("as-before");
     bench.closed(firing.id);
-    bench.say(Input::Resource { resource: m1, up: true });
+    bench.say(PlayerInput::Resource { resource: m1, up: true });
     let station = bench.station("m1");
-    assert_eq!(bench.objections().last(), Some(&(Asked::Up(m1), Objection::NotAtRest(station))));
+    assert_eq!(bench.objections().last(), Some(&(ResourceRequest::Up(m1), AlarmAnswerRefusal::NotAtRest(station))));
     // It was stopped where it was: a person leads it to a rest.
     let now = bench.sim.now;
     bench.at("m1").bring_to_rest(now);
     bench.until(now.as_micros() as f64 / 1e6 + 2.0);
-    bench.say(Input::Resource { resource: m1, up: true });
+    bench.say(PlayerInput::Resource { resource: m1, up: true });
     bench.all_leave(2);
 }
 
@@ -48,17 +48,17 @@ fn an_alarm_stops_what_goes_back_from_another_failure() {
             // The record of the alarm is written, and nothing was told yet.
             bench.sim.options.crash_at = vec![bench.sim.steps + 1];
         }
-        bench.say(Input::Alarm { resource: m1, text: "" });
+        bench.say(PlayerInput::Alarm { resource: m1, text: "" });
         assert_eq!(bench.sim.lives, 1 + usize::from(crash));
         bench.until_that(|bench| bench.state().exceptions().alarms().len() > 0);
         let (_, outcome, _) = bench.at("m1").ended.last().copied().expect("it has ended");
         assert_eq!((outcome, bench.at("m1").is_held), (Outcome::Failed(Ended::Stopped), true), "crash: {crash}");
-        assert_eq!(bench.down(), [("M1".to_owned(), DownCause::Alarm { text: String::new() })]);
+        assert_eq!(bench.down(), [("M1".to_owned(), OutOfServiceReason::Alarm { text: String::new() })]);
     }
 }
 
-fn has_failed(firing: &Firing) -> bool {
-    firing.phase != Phase::Running
+fn has_failed(firing: &OngoingActivity) -> bool {
+    firing.phase != ActivityPhase::Running
 }
 
 /// What is left out already can have alarm given of it. It is once, and the time counts from the beginning.
@@ -66,12 +66,12 @@ fn has_failed(firing: &Firing) -> bool {
 fn alarm_can_be_given_of_what_is_left_out() {
     let mut bench = Bench::c1(&[1, 0]);
     let m1 = bench.resource("M1");
-    bench.say(Input::Resource { resource: m1, up: false });
+    bench.say(PlayerInput::Resource { resource: m1, up: false });
     let since = bench.state().exceptions().is_down(m1).expect("it is").since;
     bench.until(1.0);
     for text in ["smoke", "fire"] {
-        bench.say(Input::Alarm { resource: m1, text });
-        assert_eq!(bench.down(), [("M1".to_owned(), DownCause::Alarm { text: "smoke".to_owned() })]);
+        bench.say(PlayerInput::Alarm { resource: m1, text });
+        assert_eq!(bench.down(), [("M1".to_owned(), OutOfServiceReason::Alarm { text: "smoke".to_owned() })]);
     }
     assert_eq!(bench.state().exceptions().is_down(m1).expect("it is").since, since);
 }

@@ -6,15 +6,16 @@ use std::time::Duration;
 
 use linewright_cell::Cell;
 use linewright_cell::net::Supply;
-use linewright_coordinator_cell::described::{Pace, described};
-use linewright_coordinator_cell::exception::{Alarm, Step, Unable};
+use linewright_coordinator_cell::compile::{OrderTiming, compile_cell};
+use linewright_coordinator_cell::exception::{Alarm, ExceptionStep, StationUnavailable};
 use linewright_coordinator_cell::{
-    CellId, CellTable, Fact, Fifo, Firing, Input, ModeId, PartId, Presence, ResourceId, State,
+    CellId, CellTable, Fifo, ModeId, OngoingActivity, PartId, PlayerInput, PlayerState, Presence, RecordKind,
+    ResourceId,
 };
 use linewright_line::{StationId, Tick};
-use linewright_simulation::cell::{CellOptions, CellSim, Pace as Takes};
+use linewright_simulation::cell::{CellSim, CellSimOptions, StationSpeed as Takes};
 
-const PACE: Pace = Pace { refresh: Duration::from_millis(200), grace: Duration::from_secs(1) };
+const PACE: OrderTiming = OrderTiming { refresh: Duration::from_millis(200), grace: Duration::from_secs(1) };
 /// A station that has an order and was not heard for so long is lost.
 pub const STALE: Duration = Duration::from_secs(3);
 /// So long stations have to come to rest.
@@ -28,21 +29,21 @@ pub fn workcell() -> String {
 /// A cell that is to make so many parts of each type.
 pub fn table(text: &str, parts: &[u32]) -> (Cell, Arc<CellTable>) {
     let cell = linewright_cell::parse("cell.toml", text, None).expect("it is sound").cell;
-    let table = described(&cell, None, Supply::Batch(parts), PACE).expect("it can be played").table;
+    let table = compile_cell(&cell, None, Supply::Batch(parts), PACE).expect("it can be played").table;
     let mut handling = table.handling().clone();
     (handling.stale, handling.secure) = (Some(STALE), SECURE);
     (cell, Arc::new(table.with_handling(handling)))
 }
 
-pub fn options(seed: u64) -> CellOptions {
+pub fn options(seed: u64) -> CellSimOptions {
     let millis = Duration::from_millis;
-    CellOptions {
+    CellSimOptions {
         seed,
         pace: Takes::Nominal { spread: 0.0 },
         delay: (millis(1), millis(20)),
         period: millis(100),
         replays: true,
-        ..CellOptions::default()
+        ..CellSimOptions::default()
     }
 }
 
@@ -74,14 +75,14 @@ impl Bench {
     /// difference is found when M1 is to be counted on again. Gives the part, and the marking before.
     pub fn taken_away(&mut self, activity: &str, idle: &str, at: &str) -> (PartId, Vec<u64>) {
         self.until_that(|bench| bench.firing(activity).is_some());
-        self.at(idle).unable = Some(Unable::ByHand);
+        self.at(idle).unable = Some(StationUnavailable::ByHand);
         self.until_that(|bench| bench.count(at) > 0);
         let part = self.state().parts().next().expect("it is inside").id;
         let (m1, before) = (self.resource("M1"), self.state().marking().counts().to_vec());
-        self.say(Input::Resource { resource: m1, up: false });
+        self.say(PlayerInput::Resource { resource: m1, up: false });
         self.sim.truth.put(part, None);
         self.works(idle);
-        self.say(Input::Resource { resource: m1, up: true });
+        self.say(PlayerInput::Resource { resource: m1, up: true });
         (part, before)
     }
 
@@ -103,17 +104,17 @@ impl Bench {
         panic!("it does not come to that: {:#?}", self.steps());
     }
 
-    pub fn say(&mut self, what: Input<'_>) {
+    pub fn say(&mut self, what: PlayerInput<'_>) {
         self.sim.say(&mut Fifo, &[what]);
     }
 
     /// What is answered to the alarm that stands.
     pub fn answer(&mut self, word: &str) {
         let alarm = self.alarm().id;
-        self.say(Input::Answer { alarm, word });
+        self.say(PlayerInput::Answer { alarm, word });
     }
 
-    pub fn state(&self) -> &State {
+    pub fn state(&self) -> &PlayerState {
         self.sim.state()
     }
 
@@ -122,7 +123,7 @@ impl Bench {
         known.iter().find(|(_, of)| **of == *name).map(|(id, _)| *id).expect("there is such a station")
     }
 
-    pub fn at(&mut self, name: &str) -> &mut linewright_simulation::cell::Station {
+    pub fn at(&mut self, name: &str) -> &mut linewright_simulation::cell::SimulatedStation {
         let index = self.station(name).index();
         &mut self.sim.stations[index]
     }
@@ -144,7 +145,7 @@ impl Bench {
     }
 
     /// The activity of that mode that is in progress.
-    pub fn firing(&self, mode: &str) -> Option<&Firing> {
+    pub fn firing(&self, mode: &str) -> Option<&OngoingActivity> {
         let mode = self.mode(mode);
         self.state().firings().find(|firing| firing.mode == mode)
     }
@@ -157,13 +158,13 @@ impl Bench {
     }
 
     /// The steps of exceptions so far.
-    pub fn steps(&self) -> Vec<&Step> {
+    pub fn steps(&self) -> Vec<&ExceptionStep> {
         let facts = self.sim.log.iter().map(|record| &record.fact);
-        facts.filter_map(|fact| if let Fact::Exception(step) = fact { Some(step) } else { None }).collect()
+        facts.filter_map(|fact| if let RecordKind::Exception(step) = fact { Some(step) } else { None }).collect()
     }
 
     /// What was written since this was asked last.
-    pub fn news(&mut self) -> Vec<Fact> {
+    pub fn news(&mut self) -> Vec<RecordKind> {
         let facts = self.sim.log[self.seen..].iter().map(|record| record.fact.clone()).collect();
         self.seen = self.sim.log.len();
         facts

@@ -5,14 +5,14 @@ use std::collections::BTreeSet;
 use std::sync::Arc;
 use std::time::Duration;
 
-use linewright_coordinator_cell::exception::Stage;
-use linewright_coordinator_cell::{CellTable, Fact, Fifo, Input, OrderKey, State};
-use linewright_simulation::cell::{CellOptions, CellSim, Operator};
+use linewright_coordinator_cell::exception::ExceptionStage;
+use linewright_coordinator_cell::{CellTable, Fifo, OrderKey, PlayerInput, PlayerState, RecordKind};
+use linewright_simulation::cell::{CellSim, CellSimOptions, SimulatedOperator};
 
 use super::bench::{options, table, workcell};
 
 /// A course: two parts; the robot comes to M1 without the first, and M3 has an alarm while it works.
-fn play(table: &Arc<CellTable>, stations: usize, options: CellOptions) -> CellSim {
+fn play(table: &Arc<CellTable>, stations: usize, options: CellSimOptions) -> CellSim {
     let mut sim = CellSim::new(table.clone(), stations, options);
     sim.senses = true;
     let id = |name: &str| {
@@ -23,7 +23,7 @@ fn play(table: &Arc<CellTable>, stations: usize, options: CellOptions) -> CellSi
         sim.stations[id(name)].is_stuck = true;
     }
     let m3 = table.handling().resource_named("M3").expect("there is such a resource");
-    let (mut operator, mut has_alarmed) = (Operator::default(), false);
+    let (mut operator, mut has_alarmed) = (SimulatedOperator::default(), false);
     for _ in 0..2_000 {
         if sim.state().left() == 2 {
             return sim;
@@ -32,7 +32,7 @@ fn play(table: &Arc<CellTable>, stations: usize, options: CellOptions) -> CellSi
         sim.run(&mut Fifo, next);
         let works = |sim: &CellSim| sim.state().firings().any(|of| table.mode_name(of.mode).starts_with("M3.process"));
         if !has_alarmed && works(&sim) {
-            sim.say(&mut Fifo, &[Input::Alarm { resource: m3, text: "smoke" }]);
+            sim.say(&mut Fifo, &[PlayerInput::Alarm { resource: m3, text: "smoke" }]);
             // Killed before it was written down, nobody has heard it; he looks whether anybody has.
             has_alarmed = sim.state().exceptions().is_down(m3).is_some();
         }
@@ -59,25 +59,25 @@ fn assert_sound(sim: &CellSim, at: usize) {
         sim.stations.iter().flat_map(|station| station.done.iter().map(|done| done.key)).collect();
     assert_eq!(keys.iter().collect::<BTreeSet<_>>().len(), keys.len(), "at {at}: an order was done twice");
     // Every alarm was told once: after a restart the same number.
-    let alarms = sim.log.iter().filter(|record| matches!(&record.fact, Fact::Exception(step) if is_alarm(step)));
+    let alarms = sim.log.iter().filter(|record| matches!(&record.fact, RecordKind::Exception(step) if is_alarm(step)));
     let last = exceptions.alarms().len();
     assert_eq!(last, 0, "at {at}: {:?}", alarms.collect::<Vec<_>>());
 }
 
-fn is_alarm(step: &linewright_coordinator_cell::exception::Step) -> bool {
-    matches!(step, linewright_coordinator_cell::exception::Step::Alarmed { .. })
+fn is_alarm(step: &linewright_coordinator_cell::exception::ExceptionStep) -> bool {
+    matches!(step, linewright_coordinator_cell::exception::ExceptionStep::Alarmed { .. })
 }
 
 /// In which stages of exceptions the second life began.
 fn stages(table: &Arc<CellTable>, sim: &CellSim, of: &mut BTreeSet<&'static str>) {
-    let begins = |fact: &Fact| matches!(fact, Fact::Epoch { epoch } if *epoch > 1);
+    let begins = |fact: &RecordKind| matches!(fact, RecordKind::Epoch { epoch } if *epoch > 1);
     let Some(at) = sim.log.iter().position(|record| begins(&record.fact)) else { return };
-    let state = State::replay(table.clone(), &sim.log[..at]).expect("it fits");
+    let state = PlayerState::replay(table.clone(), &sim.log[..at]).expect("it fits");
     of.extend(state.exceptions().open().map(|(_, trouble)| match trouble.stage {
-        Stage::Securing if trouble.standing.is_empty() => "nobody is at rest",
-        Stage::Securing => "somebody is at rest",
-        Stage::Waiting(_) => "somebody is asked",
-        Stage::Restoring { .. } => "model and plant are compared",
+        ExceptionStage::Securing if trouble.standing.is_empty() => "nobody is at rest",
+        ExceptionStage::Securing => "somebody is at rest",
+        ExceptionStage::Waiting(_) => "somebody is asked",
+        ExceptionStage::Restoring { .. } => "model and plant are compared",
     }));
     of.extend((state.exceptions().down().len() > 0).then_some("something is down"));
     let closed = state.firings().len() == 0 && state.exceptions().open().len() == 0;
@@ -98,13 +98,13 @@ const STAGES: [&str; 6] = [
 fn killed_at_every_step(bad_luck: u64) {
     let (cell, table) = table(&workcell(), &[1, 1]);
     let stations = cell.controllers.len();
-    let calm = CellOptions { bad_luck, replays: false, ..options(4) };
+    let calm = CellSimOptions { bad_luck, replays: false, ..options(4) };
     let whole = play(&table, stations, calm.clone());
     let expected = done(&whole);
     assert_sound(&whole, usize::MAX);
     let mut seen = BTreeSet::new();
     for at in 0..whole.steps {
-        let sim = play(&table, stations, CellOptions { crash_at: vec![at], ..calm.clone() });
+        let sim = play(&table, stations, CellSimOptions { crash_at: vec![at], ..calm.clone() });
         assert_eq!(sim.lives, 2);
         assert_sound(&sim, at);
         if bad_luck == 0 {

@@ -1,7 +1,9 @@
 //! A rule that puts stations into emergency stop: at once, over restarts, until somebody resets them.
 
-use linewright_coordinator_cell::exception::{Asked, DownCause, Objection, Step, isolated};
-use linewright_coordinator_cell::{Fact, Input, Phase, State};
+use linewright_coordinator_cell::exception::{
+    AlarmAnswerRefusal, ExceptionStep, OutOfServiceReason, ResourceRequest, isolated,
+};
+use linewright_coordinator_cell::{ActivityPhase, PlayerInput, PlayerState, RecordKind};
 use linewright_line::StationId;
 
 use super::bench::{Bench, workcell};
@@ -22,7 +24,7 @@ impl Bench {
     fn load_runs_out(&mut self) {
         self.at("robot").is_stuck = true;
         self.at("m1").is_stuck = true;
-        self.until_that(|bench| bench.firing(LOAD).is_some_and(|of| of.phase != Phase::Running));
+        self.until_that(|bench| bench.firing(LOAD).is_some_and(|of| of.phase != ActivityPhase::Running));
     }
 
     fn seconds_later(&mut self, seconds: f64) {
@@ -38,11 +40,15 @@ fn its_stations_stop_and_the_resources_are_left_out() {
     let [robot, m1] = ["robot", "m1"].map(|name| bench.station(name));
     let firing = bench.firing(LOAD).expect("it has failed").id;
     assert_eq!(bench.stopped().len(), 2);
-    let raised = bench.sim.log.iter().position(|record| matches!(record.fact, Fact::Raised { .. })).expect("it was");
+    let raised =
+        bench.sim.log.iter().position(|record| matches!(record.fact, RecordKind::Raised { .. })).expect("it was");
     let next: Vec<_> = bench.sim.log[raised + 1..raised + 3].iter().map(|record| &record.fact).collect();
-    assert!(next.iter().all(|fact| matches!(fact, Fact::Exception(Step::Stopped { .. }))), "at once: {next:?}");
+    assert!(
+        next.iter().all(|fact| matches!(fact, RecordKind::Exception(ExceptionStep::Stopped { .. }))),
+        "at once: {next:?}"
+    );
     assert!(isolated(bench.state()).is_superset(&[robot, m1].into()));
-    let because = DownCause::EmergencyStop(firing);
+    let because = OutOfServiceReason::EmergencyStop(firing);
     assert_eq!(bench.down(), [("M1".to_owned(), because.clone()), ("R".to_owned(), because)]);
 
     bench.until_that(|bench| bench.state().exceptions().alarms().len() > 0);
@@ -68,15 +74,15 @@ fn only_a_reset_leads_out() {
     let firing = bench.firing(LOAD).expect("it is open").id;
     bench.answer("in-store");
     bench.closed(firing);
-    bench.say(Input::Resource { resource: m1, up: true });
-    assert_eq!(bench.objections().last(), Some(&(Asked::Up(m1), Objection::EmergencyStop(station))));
+    bench.say(PlayerInput::Resource { resource: m1, up: true });
+    assert_eq!(bench.objections().last(), Some(&(ResourceRequest::Up(m1), AlarmAnswerRefusal::EmergencyStop(station))));
     assert_eq!(bench.stopped(), [station]);
 
-    bench.say(Input::Reset(station));
+    bench.say(PlayerInput::Reset(station));
     assert_eq!((bench.stopped(), bench.state().exceptions().is_down(m1).is_some()), (vec![], true));
-    bench.say(Input::Reset(station));
-    assert_eq!(bench.objections().last(), Some(&(Asked::Reset(station), Objection::AlreadySo)));
-    bench.say(Input::Resource { resource: m1, up: true });
+    bench.say(PlayerInput::Reset(station));
+    assert_eq!(bench.objections().last(), Some(&(ResourceRequest::Reset(station), AlarmAnswerRefusal::AlreadySo)));
+    bench.say(PlayerInput::Resource { resource: m1, up: true });
     bench.all_leave(1);
 }
 
@@ -89,11 +95,11 @@ fn one_failure_stops_a_station_once() {
     // The robot is still on its way back.
     bench.seconds_later(0.3);
     assert_eq!(bench.state().exceptions().alarms().len(), 0);
-    bench.say(Input::Reset(station));
+    bench.say(PlayerInput::Reset(station));
     assert_eq!(bench.stopped(), [], "{:?}", bench.objections());
     bench.until_that(|bench| bench.state().exceptions().alarms().len() > 0);
     assert_eq!(bench.stopped(), []);
-    let times = bench.steps().into_iter().filter(|step| matches!(step, Step::Stopped { .. })).count();
+    let times = bench.steps().into_iter().filter(|step| matches!(step, ExceptionStep::Stopped { .. })).count();
     assert_eq!(times, 1);
 }
 
@@ -116,12 +122,15 @@ fn a_station_is_reset_when_it_is_known_to_stand() {
     bench.at("m1").is_stuck = true;
     bench.load_runs_out();
     let station = bench.station("m1");
-    bench.say(Input::Reset(station));
-    assert_eq!(bench.objections().last(), Some(&(Asked::Reset(station), Objection::Moves(station))));
+    bench.say(PlayerInput::Reset(station));
+    assert_eq!(bench.objections().last(), Some(&(ResourceRequest::Reset(station), AlarmAnswerRefusal::Moves(station))));
     bench.at("m1").is_away = true;
     bench.seconds_later(5.0);
-    bench.say(Input::Reset(station));
-    assert_eq!(bench.objections().last(), Some(&(Asked::Reset(station), Objection::NotHeard(station))));
+    bench.say(PlayerInput::Reset(station));
+    assert_eq!(
+        bench.objections().last(),
+        Some(&(ResourceRequest::Reset(station), AlarmAnswerRefusal::NotHeard(station)))
+    );
     assert_eq!(bench.stopped(), [station]);
 }
 
@@ -139,7 +148,7 @@ fn the_stop_outlives_the_coordinator() {
         assert_eq!((bench.sim.lives, bench.stopped().len()), (2, 2), "at {at}");
         assert_eq!(bench.down().len(), 2, "at {at}");
         // And over a snapshot.
-        let again = State::restore(bench.table.clone(), bench.state().snapshot()).expect("it is its own");
+        let again = PlayerState::restore(bench.table.clone(), bench.state().snapshot()).expect("it is its own");
         assert_eq!(again.exceptions().stopped().count(), 2);
         assert!(again.exceptions() == bench.state().exceptions(), "at {at}");
     }

@@ -5,8 +5,8 @@ use std::collections::BTreeMap;
 use std::time::Duration;
 
 use linewright_coordinator_cell::{
-    Coordination, Fact, Failure, Fifo, Heard, Input, Order, OrderKey, OrderState, Outbox, Outcome, Phase, Reply, Send,
-    State,
+    ActivityPhase, CellMessage, Coordination, Failure, Fifo, OngoingOrder, OrderKey, OrderProgress, Outcome,
+    PlayerInput, PlayerOutbox, PlayerState, RecordKind, Reply, TaskReport,
 };
 use linewright_line::{StationId, Tick};
 
@@ -21,16 +21,16 @@ impl Dice {
     }
 }
 
-fn is_open(order: &Order) -> bool {
+fn is_open(order: &OngoingOrder) -> bool {
     match order.state {
-        OrderState::Written | OrderState::Running => true,
-        OrderState::Ended | OrderState::Failed(_) => false,
+        OrderProgress::Written | OrderProgress::Running => true,
+        OrderProgress::Ended | OrderProgress::Failed(_) => false,
     }
 }
 
 /// The orders that are waited for, by when their stations are missed.
-fn waited_for<'a>(state: &'a State, last: &'a [Tick]) -> impl Iterator<Item = Tick> + 'a {
-    let running = state.firings().filter(|firing| firing.phase == Phase::Running);
+fn waited_for<'a>(state: &'a PlayerState, last: &'a [Tick]) -> impl Iterator<Item = Tick> + 'a {
+    let running = state.firings().filter(|firing| firing.phase == ActivityPhase::Running);
     let open = running.flat_map(|firing| firing.orders.iter().filter(|order| is_open(order)));
     open.map(|order| last[order.station.index()] + STALE)
 }
@@ -42,17 +42,17 @@ fn play(seed: u64) -> usize {
     let mut last = vec![Tick::ZERO; cell.controllers.len()];
     // How often each is heard: some hardly ever.
     let seldom: Vec<u64> = last.iter().map(|_| 2 + dice.below(40)).collect();
-    let mut out = Outbox::default();
-    let mut player = Coordination::begin(State::new(table), Tick::ZERO, 1, &mut out).expect("a first life");
-    let heard = Heard { memory: 1, ..Heard::default() };
+    let mut out = PlayerOutbox::default();
+    let mut player = Coordination::begin(PlayerState::new(table), Tick::ZERO, 1, &mut out).expect("a first life");
+    let heard = TaskReport { memory: 1, ..TaskReport::default() };
     let mut told: BTreeMap<OrderKey, (StationId, bool)> = BTreeMap::new();
     let (mut now, mut lost) = (Tick::ZERO, 0);
     for step in 0..300 {
-        let mut inputs = vec![Input::Starts(true)];
+        let mut inputs = vec![PlayerInput::Starts(true)];
         for (at, last) in last.iter_mut().enumerate() {
             if step == 0 || dice.below(seldom[at]) == 0 {
                 *last = now;
-                inputs.push(Input::Station(StationId::at(at), &heard));
+                inputs.push(PlayerInput::Station(StationId::at(at), &heard));
             }
         }
         let mut left = BTreeMap::new();
@@ -60,7 +60,7 @@ fn play(seed: u64) -> usize {
             let (runs, ends) = (!has_begun && dice.below(2) == 0, has_begun && dice.below(30) == 0);
             let reply = if ends { Reply::Ended(Outcome::Done) } else { Reply::Running };
             if runs || ends {
-                inputs.push(Input::Reply(station, key, reply));
+                inputs.push(PlayerInput::Reply(station, key, reply));
             }
             if !ends {
                 left.insert(key, (station, has_begun || runs));
@@ -69,14 +69,14 @@ fn play(seed: u64) -> usize {
         told = left;
         player.step(now, &inputs, &mut Fifo, &mut out);
         for record in out.records.drain(..) {
-            if let Fact::OrderFailed { key, failure: Failure::Lost } = record.fact {
+            if let RecordKind::OrderFailed { key, failure: Failure::Lost } = record.fact {
                 let (_, order) = player.state().order(key).expect("it is kept while it is not known what is true");
                 assert!(last[order.station.index()] + STALE <= now, "{seed}: {key} is lost too early");
                 lost += 1;
             }
         }
         for send in out.sends.drain(..) {
-            if let Send::Order(order) = send {
+            if let CellMessage::Order(order) = send {
                 told.entry(order.order.key).or_insert((order.station, false));
             }
         }

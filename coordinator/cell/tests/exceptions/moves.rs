@@ -2,8 +2,10 @@
 
 use std::time::Duration;
 
-use linewright_coordinator_cell::exception::{Asked, Objection};
-use linewright_coordinator_cell::{Cause, Failure, Heard, Input, OrderState, Outcome, Phase};
+use linewright_coordinator_cell::exception::{AlarmAnswerRefusal, ResourceRequest};
+use linewright_coordinator_cell::{
+    ActivityFailure, ActivityPhase, Failure, OrderProgress, Outcome, PlayerInput, TaskReport,
+};
 use linewright_orders::Failure as Ended;
 
 use super::bench::{Bench, workcell};
@@ -15,30 +17,31 @@ const LOAD: &str = "load M1<A.new>";
 fn while_a_station_goes_back_nobody_is_asked_and_no_answer_is_taken() {
     let mut bench = Bench::c1(&[1, 0]);
     bench.until_that(|bench| {
-        bench.firing(LOAD).is_some_and(|of| of.orders.iter().all(|of| of.state != OrderState::Written))
+        bench.firing(LOAD).is_some_and(|of| of.orders.iter().all(|of| of.state != OrderProgress::Written))
     });
     let (robot, key) = (bench.station("robot"), bench.firing(LOAD).unwrap().orders[0].key);
     bench.at("robot").is_away = true;
-    let stands = Heard { slot: None, results: vec![(key, Outcome::Failed(Ended::Fault))], ..bench.at("robot").heard() };
-    let moves = Heard { slot: Some(key), ..stands.clone() };
+    let stands =
+        TaskReport { slot: None, results: vec![(key, Outcome::Failed(Ended::Fault))], ..bench.at("robot").heard() };
+    let moves = TaskReport { slot: Some(key), ..stands.clone() };
     for _ in 0..20 {
-        bench.say(Input::Station(robot, &moves));
+        bench.say(PlayerInput::Station(robot, &moves));
         bench.until(bench.sim.now.as_micros() as f64 / 1e6 + 0.1);
     }
     let failure = Failure::Code(1001);
-    assert_eq!(bench.firing(LOAD).unwrap().phase, Phase::Failed(Cause::Order { key, failure }));
+    assert_eq!(bench.firing(LOAD).unwrap().phase, ActivityPhase::Failed(ActivityFailure::Order { key, failure }));
     assert_eq!(bench.state().exceptions().alarms().len(), 0, "the robot moves");
-    bench.say(Input::Station(robot, &stands));
+    bench.say(PlayerInput::Station(robot, &stands));
     let alarm = bench.alarm().clone();
     assert!(alarm.text.contains("robot is at rest"), "{}", alarm.text);
     // It begins to move again.
-    bench.say(Input::Station(robot, &moves));
+    bench.say(PlayerInput::Station(robot, &moves));
     bench.answer("as-before");
-    assert_eq!(bench.objections(), [(Asked::Answer(alarm.id), Objection::Moves(robot))]);
-    bench.say(Input::Station(robot, &stands));
+    assert_eq!(bench.objections(), [(ResourceRequest::Answer(alarm.id), AlarmAnswerRefusal::Moves(robot))]);
+    bench.say(PlayerInput::Station(robot, &stands));
     bench.answer("as-before");
     // And once more, before what was answered has been compared.
-    bench.say(Input::Station(robot, &moves));
+    bench.say(PlayerInput::Station(robot, &moves));
     assert!(
         bench.alarm().text.starts_with("robot has moved since \"as-before\" was answered."),
         "{}",
@@ -58,8 +61,8 @@ fn what_a_station_waited_for_is_why_it_failed_whoever_was_first() {
         bench.at("robot").fast = if first { Duration::from_secs(1) } else { Duration::ZERO };
         bench.until_that(|bench| bench.state().exceptions().alarms().len() > 0);
         let of = bench.firing(LOAD).unwrap();
-        let cause = Cause::Order { key: of.orders[0].key, failure: Failure::Code(22) };
-        assert_eq!(of.phase, Phase::Failed(cause), "the station first: {first}");
+        let cause = ActivityFailure::Order { key: of.orders[0].key, failure: Failure::Code(22) };
+        assert_eq!(of.phase, ActivityPhase::Failed(cause), "the station first: {first}");
         assert_eq!(bench.alarm().words, ["in-store", "in-machine", "scrap"]);
     }
 }

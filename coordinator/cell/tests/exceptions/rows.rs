@@ -3,9 +3,13 @@
 use std::time::Duration;
 
 use linewright_coordinator_cell::dispatch::why_out;
-use linewright_coordinator_cell::exception::{About, Asked, By, DownCause, Objection, Standing, Step, Strategy};
+use linewright_coordinator_cell::exception::{
+    AlarmAnswerRefusal, AlarmSubject, AnsweredBy, ExceptionStep, OutOfServiceReason, ResourceRequest, SecuredState,
+    Strategy,
+};
 use linewright_coordinator_cell::{
-    Cause, Event, Fact, Failure, Firing, FiringId, Input, PartId, Phase, Presence, State, Unable,
+    ActivityFailure, ActivityPhase, CellEvent, Failure, FiringId, OngoingActivity, PartId, PlayerInput, PlayerState,
+    Presence, RecordKind, StationUnavailable,
 };
 
 use super::bench::{Bench, workcell};
@@ -21,7 +25,7 @@ fn answering(others: &str) -> String {
 
 impl Bench {
     /// Robot and machine wait for each other until both have come to rest and somebody is told.
-    pub fn load_fails(&mut self) -> Firing {
+    pub fn load_fails(&mut self) -> OngoingActivity {
         self.at("robot").is_stuck = true;
         self.at("m1").is_stuck = true;
         self.until_that(|bench| bench.state().exceptions().alarms().len() > 0);
@@ -30,24 +34,24 @@ impl Bench {
         self.firing(LOAD).expect("it has failed").clone()
     }
 
-    pub fn closed(&mut self, firing: FiringId) -> Step {
-        let is_it = |step: &Step| matches!(step, Step::Closed { firing: of, .. } if *of == firing);
+    pub fn closed(&mut self, firing: FiringId) -> ExceptionStep {
+        let is_it = |step: &ExceptionStep| matches!(step, ExceptionStep::Closed { firing: of, .. } if *of == firing);
         self.until_that(|bench| bench.steps().into_iter().any(is_it));
         self.steps().into_iter().find(|step| is_it(step)).expect("it is closed").clone()
     }
 
     /// The state before a record, and after it.
-    pub fn around(&self, is: impl Fn(&Fact) -> bool) -> [State; 2] {
+    pub fn around(&self, is: impl Fn(&RecordKind) -> bool) -> [PlayerState; 2] {
         let at = self.sim.log.iter().position(|record| is(&record.fact)).expect("it was written");
-        [at, at + 1].map(|end| State::replay(self.table.clone(), &self.sim.log[..end]).expect("it fits"))
+        [at, at + 1].map(|end| PlayerState::replay(self.table.clone(), &self.sim.log[..end]).expect("it fits"))
     }
 
     /// What an activity has changed from before its start until after its end: of each cell that changed its name.
     pub fn changed(&self, firing: FiringId) -> Vec<(String, i64)> {
-        let [before, _] = self.around(|fact| matches!(fact, Fact::Started { firing: of, .. } if *of == firing));
-        let ends = |fact: &Fact| matches!(fact, Fact::Exception(Step::Closed { firing: of, .. }) if *of == firing);
+        let [before, _] = self.around(|fact| matches!(fact, RecordKind::Started { firing: of, .. } if *of == firing));
+        let ends = |fact: &RecordKind| matches!(fact, RecordKind::Exception(ExceptionStep::Closed { firing: of, .. }) if *of == firing);
         let [_, after] = self.around(ends);
-        let of = |state: &State, cell| state.marking().count(cell) as i64;
+        let of = |state: &PlayerState, cell| state.marking().count(cell) as i64;
         let all = self
             .table
             .cells()
@@ -60,15 +64,15 @@ impl Bench {
         assert_eq!(self.state().parts().len(), 0);
     }
 
-    pub fn objections(&self) -> Vec<(Asked, Objection)> {
-        let objected = |(_, event): &(_, Event)| match event {
-            Event::Objected { to, why } => Some((*to, *why)),
-            Event::BadAnswer { .. } | Event::Superseded { .. } | Event::Busy { .. } => None,
+    pub fn objections(&self) -> Vec<(ResourceRequest, AlarmAnswerRefusal)> {
+        let objected = |(_, event): &(_, CellEvent)| match event {
+            CellEvent::Objected { to, why } => Some((*to, *why)),
+            CellEvent::BadAnswer { .. } | CellEvent::Superseded { .. } | CellEvent::Busy { .. } => None,
         };
         self.sim.events.iter().filter_map(objected).collect()
     }
 
-    pub fn down(&self) -> Vec<(String, DownCause)> {
+    pub fn down(&self) -> Vec<(String, OutOfServiceReason)> {
         let name = |id| self.table.handling().resource_name(id).to_owned();
         self.state().exceptions().down().map(|(id, down)| (name(id), down.why.clone())).collect()
     }
@@ -85,7 +89,7 @@ fn where_it_was_all_is_as_before_and_it_is_decided_anew() {
     let firing = bench.load_fails();
     bench.answer("back");
     let closed = bench.closed(firing.id);
-    assert!(matches!(closed, Step::Closed { ref ruling, .. } if ruling.then == Strategy::Backward));
+    assert!(matches!(closed, ExceptionStep::Closed { ref ruling, .. } if ruling.then == Strategy::Backward));
     assert_eq!(bench.changed(firing.id), []);
     assert_eq!(bench.state().exceptions().times(firing.mode, firing.part), 0);
     bench.all_leave(1);
@@ -109,8 +113,11 @@ fn where_it_was_to_go_all_is_as_if_it_were_done() {
     let mut changed = bench.changed(firing.id);
     changed.sort();
     assert_eq!(changed, named(&expected));
-    let loads =
-        bench.sim.log.iter().filter(|record| matches!(record.fact, Fact::Started { mode, .. } if mode == firing.mode));
+    let loads = bench
+        .sim
+        .log
+        .iter()
+        .filter(|record| matches!(record.fact, RecordKind::Started { mode, .. } if mode == firing.mode));
     assert_eq!(loads.count(), 1);
     bench.all_leave(1);
 }
@@ -134,7 +141,9 @@ fn where_there_is_no_part_any_more_another_one_comes() {
     assert_eq!(changed, named(&expected));
     assert_eq!((bench.state().part(PART), bench.state().exceptions().scrapped()), (None, 1));
     bench.all_leave(1);
-    assert!(bench.sim.log.iter().any(|record| matches!(record.fact, Fact::Started { part: Some(PartId(2)), .. })));
+    assert!(
+        bench.sim.log.iter().any(|record| matches!(record.fact, RecordKind::Started { part: Some(PartId(2)), .. }))
+    );
 }
 
 /// The same of something that is worked on.
@@ -167,15 +176,19 @@ fn a_part_in_the_hand_is_asked_about_until_it_has_been_brought() {
     let firing = bench.load_fails();
     bench.answer("in-hand");
     let (robot, alarm) = (bench.resource("R"), bench.alarm().id);
-    assert_eq!(bench.objections(), [(Asked::Answer(alarm), Objection::HasNoPart(robot))]);
+    assert_eq!(bench.objections(), [(ResourceRequest::Answer(alarm), AlarmAnswerRefusal::HasNoPart(robot))]);
     bench.sim.truth.put(PART, Some(robot));
     bench.until(bench.sim.now.as_micros() as f64 / 1e6 + 1.0);
     for word in ["in-store", "in-machine"] {
         bench.answer(word);
-        assert_eq!(bench.objections().last(), Some(&(Asked::Answer(alarm), Objection::HasPart(robot))), "{word}");
+        assert_eq!(
+            bench.objections().last(),
+            Some(&(ResourceRequest::Answer(alarm), AlarmAnswerRefusal::HasPart(robot))),
+            "{word}"
+        );
     }
     bench.answer("in-hand");
-    bench.until_that(|bench| bench.steps().contains(&&Step::Carried { firing: firing.id }));
+    bench.until_that(|bench| bench.steps().contains(&&ExceptionStep::Carried { firing: firing.id }));
     assert_eq!(bench.alarm().words, ["as-before", "as-done", "gone"]);
     assert_eq!(bench.alarm().text, "R has part 1. Bring it to M1, or back to ST, and say which.");
     assert_eq!(bench.firing(LOAD).map(|firing| firing.id), Some(firing.id));
@@ -184,17 +197,19 @@ fn a_part_in_the_hand_is_asked_about_until_it_has_been_brought() {
     bench.until(bench.sim.now.as_micros() as f64 / 1e6 + 1.0);
     bench.answer("as-done");
     bench.closed(firing.id);
-    assert!(bench.steps().iter().any(|step| matches!(step, Step::Secured { standing: Standing::Held, .. })));
-    assert_eq!(bench.down(), [("R".to_owned(), DownCause::Station(firing.id))]);
+    assert!(
+        bench.steps().iter().any(|step| matches!(step, ExceptionStep::Secured { standing: SecuredState::Held, .. }))
+    );
+    assert_eq!(bench.down(), [("R".to_owned(), OutOfServiceReason::Station(firing.id))]);
     // It is up when it could work again, and not before.
-    bench.say(Input::Resource { resource: robot, up: true });
-    let stands = Objection::NotAtRest(bench.station("robot"));
-    assert_eq!(bench.objections().last(), Some(&(Asked::Up(robot), stands)));
+    bench.say(PlayerInput::Resource { resource: robot, up: true });
+    let stands = AlarmAnswerRefusal::NotAtRest(bench.station("robot"));
+    assert_eq!(bench.objections().last(), Some(&(ResourceRequest::Up(robot), stands)));
     let now = bench.sim.now;
     bench.at("robot").bring_to_rest(now);
     bench.at("robot").holds = false;
     bench.until(bench.sim.now.as_micros() as f64 / 1e6 + 1.0);
-    bench.say(Input::Resource { resource: robot, up: true });
+    bench.say(PlayerInput::Resource { resource: robot, up: true });
     assert_eq!(bench.down(), []);
     bench.all_leave(1);
 }
@@ -209,12 +224,12 @@ fn while_m1_is_down_parts_go_over_m2() {
     let firing = bench.load_fails();
     bench.answer("broken");
     bench.closed(firing.id);
-    assert_eq!(bench.down(), [("M1".to_owned(), DownCause::Rule(firing.id))]);
+    assert_eq!(bench.down(), [("M1".to_owned(), OutOfServiceReason::Rule(firing.id))]);
     assert!(!bench.state().enabling().is_enabled(firing.mode) && bench.count("M1.available-capacity") == 1);
     let from = bench.sim.log.len();
     bench.all_leave(3);
     let started = |record: &linewright_coordinator_cell::Record| match record.fact {
-        Fact::Started { mode, .. } => Some(bench.table.mode_name(mode)),
+        RecordKind::Started { mode, .. } => Some(bench.table.mode_name(mode)),
         _ => None,
     };
     let later: Vec<_> = bench.sim.log[from..].iter().filter_map(started).collect();
@@ -225,8 +240,8 @@ fn while_m1_is_down_parts_go_over_m2() {
     let since = bench.state().exceptions().is_down(m1).expect("it is down").since;
     let why = why_out(bench.state(), since + Duration::from_secs(9), m1);
     assert_eq!(why, [format!("M1 has been left out for 9 s: the rule for {} leaves it out.", firing.id)]);
-    bench.say(Input::Resource { resource: m1, up: true });
-    assert_eq!(bench.steps().last(), Some(&&Step::Up { resource: m1, unchecked: false }));
+    bench.say(PlayerInput::Resource { resource: m1, up: true });
+    assert_eq!(bench.steps().last(), Some(&&ExceptionStep::Up { resource: m1, unchecked: false }));
     assert_eq!(why_out(bench.state(), bench.sim.now, m1), ["M1 is counted on."]);
 }
 
@@ -235,14 +250,14 @@ fn while_m1_is_down_parts_go_over_m2() {
 fn an_automatic_rule_asks_when_its_retries_are_used_up() {
     let mut bench = Bench::new(&workcell().replace("retries = 2", "retries = 2\nautomatic = true"), &[1, 0]);
     let firing = bench.load_fails();
-    let by: Vec<By> = bench
+    let by: Vec<AnsweredBy> = bench
         .steps()
         .into_iter()
-        .filter_map(|step| if let Step::Answered { by, .. } = step { Some(*by) } else { None })
+        .filter_map(|step| if let ExceptionStep::Answered { by, .. } = step { Some(*by) } else { None })
         .collect();
     assert_eq!(
         (by, bench.alarm().words.as_slice()),
-        (vec![By::Rule; 2], &["in-machine".to_owned(), "scrap".to_owned()][..])
+        (vec![AnsweredBy::Rule; 2], &["in-machine".to_owned(), "scrap".to_owned()][..])
     );
     assert_eq!(bench.state().exceptions().times(firing.mode, firing.part), 2);
     // A person is asked as well where a station is not at rest.
@@ -260,14 +275,14 @@ fn an_answer_that_sensors_contradict_is_asked_about_again() {
     let before = bench.state().marking().clone();
     let first = bench.alarm().id;
     bench.answer("in-machine");
-    bench.until_that(|bench| bench.steps().iter().any(|step| matches!(step, Step::Mismatch { .. })));
+    bench.until_that(|bench| bench.steps().iter().any(|step| matches!(step, ExceptionStep::Mismatch { .. })));
     let m1 = bench.resource("M1");
-    let Some(Step::Mismatch { about, found }) =
-        bench.steps().into_iter().find(|step| matches!(step, Step::Mismatch { .. }))
+    let Some(ExceptionStep::Mismatch { about, found }) =
+        bench.steps().into_iter().find(|step| matches!(step, ExceptionStep::Mismatch { .. }))
     else {
         unreachable!()
     };
-    assert_eq!((*about, found.len()), (About::Firing(firing.id), 1));
+    assert_eq!((*about, found.len()), (AlarmSubject::Firing(firing.id), 1));
     assert_eq!((found[0].resource, found[0].model, found[0].plant), (m1, true, false));
     assert!(bench.alarm().id > first && bench.state().marking() == &before);
     assert!(bench.alarm().text.starts_with(
@@ -286,7 +301,7 @@ fn where_no_sensor_says_anything_it_is_noted_that_nobody_has_looked() {
     }
     let firing = bench.load_fails();
     bench.answer("in-store");
-    let Step::Closed { unchecked, .. } = bench.closed(firing.id) else { unreachable!() };
+    let ExceptionStep::Closed { unchecked, .. } = bench.closed(firing.id) else { unreachable!() };
     assert_eq!(unchecked, [bench.resource("M1"), bench.resource("R")]);
 }
 
@@ -299,8 +314,8 @@ fn a_station_that_is_lost_is_told_of_and_left_out() {
     bench.at("m1").is_stuck = true;
     bench.until_that(|bench| bench.state().exceptions().alarms().len() > 0);
     let firing = bench.firing(LOAD).expect("it has failed").clone();
-    let lost = Cause::Order { key: firing.orders[0].key, failure: Failure::Lost };
-    assert_eq!(firing.phase, Phase::Failed(lost));
+    let lost = ActivityFailure::Order { key: firing.orders[0].key, failure: Failure::Lost };
+    assert_eq!(firing.phase, ActivityPhase::Failed(lost));
     assert!(
         bench.alarm().text.ends_with("robot was not heard to have come to rest, m1 is at rest)"),
         "{}",
@@ -311,12 +326,15 @@ fn a_station_that_is_lost_is_told_of_and_left_out() {
     bench.answer("as-before");
     bench.closed(firing.id);
     let robot = bench.resource("R");
-    assert_eq!(bench.down(), [("R".to_owned(), DownCause::Station(firing.id))]);
-    bench.say(Input::Resource { resource: robot, up: true });
-    assert_eq!(bench.objections(), [(Asked::Up(robot), Objection::NotHeard(bench.station("robot")))]);
+    assert_eq!(bench.down(), [("R".to_owned(), OutOfServiceReason::Station(firing.id))]);
+    bench.say(PlayerInput::Resource { resource: robot, up: true });
+    assert_eq!(
+        bench.objections(),
+        [(ResourceRequest::Up(robot), AlarmAnswerRefusal::NotHeard(bench.station("robot")))]
+    );
     bench.at("robot").is_away = false;
     bench.until(bench.sim.now.as_micros() as f64 / 1e6 + 2.0);
-    bench.say(Input::Resource { resource: robot, up: true });
+    bench.say(PlayerInput::Resource { resource: robot, up: true });
     bench.all_leave(1);
 }
 
@@ -337,20 +355,20 @@ fn a_station_without_its_memory_and_one_without_its_devices_are_told_of() {
 
     let mut bench = Bench::c1(&[1, 0]);
     bench.until_that(|bench| bench.sim.stations[bench.station("robot").index()].doing().is_some());
-    bench.at("robot").unable = Some(Unable::Devices);
+    bench.at("robot").unable = Some(StationUnavailable::Devices);
     bench.until_that(|bench| bench.state().exceptions().alarms().len() > 0);
     assert!(bench.alarm().text.contains("load M1: robot has lost its devices,"), "{}", bench.alarm().text);
     let firing = bench.firing(LOAD).expect("it has failed").id;
     bench.answer("as-before");
     bench.closed(firing);
-    assert_eq!(bench.down(), [("R".to_owned(), DownCause::Station(firing))]);
+    assert_eq!(bench.down(), [("R".to_owned(), OutOfServiceReason::Station(firing))]);
     let robot = bench.resource("R");
-    bench.say(Input::Resource { resource: robot, up: true });
-    let why = Objection::CannotWork(bench.station("robot"), Unable::Devices);
-    assert_eq!(bench.objections(), [(Asked::Up(robot), why)]);
+    bench.say(PlayerInput::Resource { resource: robot, up: true });
+    let why = AlarmAnswerRefusal::CannotWork(bench.station("robot"), StationUnavailable::Devices);
+    assert_eq!(bench.objections(), [(ResourceRequest::Up(robot), why)]);
     bench.at("robot").unable = None;
     bench.until(bench.sim.now.as_micros() as f64 / 1e6 + 2.0);
-    bench.say(Input::Resource { resource: robot, up: true });
+    bench.say(PlayerInput::Resource { resource: robot, up: true });
     bench.all_leave(1);
 }
 
@@ -364,8 +382,8 @@ fn after_a_restart_a_part_too_many_is_found() {
     bench.sim.truth.put(foreign, Some(m2));
     bench.sim.options.crash_at = vec![bench.sim.steps];
     bench.until_that(|bench| bench.state().exceptions().alarms().len() > 0);
-    assert_eq!((bench.sim.lives, bench.down()), (2, vec![("M2".to_owned(), DownCause::Mismatch)]));
-    assert_eq!(bench.alarm().about, About::Resource(m2));
+    assert_eq!((bench.sim.lives, bench.down()), (2, vec![("M2".to_owned(), OutOfServiceReason::Mismatch)]));
+    assert_eq!(bench.alarm().about, AlarmSubject::Resource(m2));
     assert_eq!(
         (bench.alarm().text.as_str(), bench.alarm().words.as_slice()),
         (
@@ -413,9 +431,9 @@ fn a_part_that_is_missing_where_it_rested_can_be_given_up() {
         );
         bench.answer("gone");
         let steps = bench.steps();
-        assert_eq!(steps.last(), Some(&&Step::Up { resource: m1, unchecked: false }));
+        assert_eq!(steps.last(), Some(&&ExceptionStep::Up { resource: m1, unchecked: false }));
         assert!(
-            matches!(steps[steps.len() - 2], Step::Missing { resource, part: of, .. } if (*resource, *of) == (m1, part))
+            matches!(steps[steps.len() - 2], ExceptionStep::Missing { resource, part: of, .. } if (*resource, *of) == (m1, part))
         );
         assert_eq!((bench.down(), bench.count(stage), bench.state().exceptions().scrapped()), (vec![], 0, 1));
         bench.all_leave(1);
@@ -432,7 +450,7 @@ fn a_part_that_a_sensor_sees_is_not_given_up() {
     bench.works("m1");
     let alarm = bench.alarm().id;
     bench.answer("gone");
-    assert_eq!(bench.objections(), [(Asked::Answer(alarm), Objection::HasPart(m1))]);
+    assert_eq!(bench.objections(), [(ResourceRequest::Answer(alarm), AlarmAnswerRefusal::HasPart(m1))]);
     bench.answer("up");
     bench.all_leave(1);
 }
@@ -444,17 +462,17 @@ fn what_there_is_not_cannot_be_answered() {
     bench.load_fails();
     let (alarm, m1) = (bench.alarm().id, bench.resource("M1"));
     let none = linewright_coordinator_cell::ResourceId(77);
-    bench.say(Input::Answer { alarm, word: "in-the-pocket" });
-    bench.say(Input::Answer { alarm: linewright_coordinator_cell::AlarmId(9), word: "in-store" });
-    bench.say(Input::Resource { resource: m1, up: true });
-    bench.say(Input::Alarm { resource: none, text: "" });
-    bench.say(Input::Resource { resource: none, up: false });
+    bench.say(PlayerInput::Answer { alarm, word: "in-the-pocket" });
+    bench.say(PlayerInput::Answer { alarm: linewright_coordinator_cell::AlarmId(9), word: "in-store" });
+    bench.say(PlayerInput::Resource { resource: m1, up: true });
+    bench.say(PlayerInput::Alarm { resource: none, text: "" });
+    bench.say(PlayerInput::Resource { resource: none, up: false });
     let expected = [
-        (Asked::Answer(alarm), Objection::NoSuchWord),
-        (Asked::Answer(linewright_coordinator_cell::AlarmId(9)), Objection::NoSuchAlarm),
-        (Asked::Up(m1), Objection::AlreadySo),
-        (Asked::Alarm(none), Objection::NoSuchResource),
-        (Asked::Down(none), Objection::NoSuchResource),
+        (ResourceRequest::Answer(alarm), AlarmAnswerRefusal::NoSuchWord),
+        (ResourceRequest::Answer(linewright_coordinator_cell::AlarmId(9)), AlarmAnswerRefusal::NoSuchAlarm),
+        (ResourceRequest::Up(m1), AlarmAnswerRefusal::AlreadySo),
+        (ResourceRequest::Alarm(none), AlarmAnswerRefusal::NoSuchResource),
+        (ResourceRequest::Down(none), AlarmAnswerRefusal::NoSuchResource),
     ];
     assert_eq!(bench.objections(), expected);
     assert_eq!(bench.alarm().id, alarm);

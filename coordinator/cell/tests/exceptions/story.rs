@@ -1,7 +1,9 @@
 //! The exception of seed 001 §6 (L214-229), line by line, on the cell it is told of.
 
-use linewright_coordinator_cell::exception::{About, By, Ruling, Standing, Step, Strategy, Whereabouts};
-use linewright_coordinator_cell::{Cause, Fact, Failure, PartId, Phase, Place, Presence};
+use linewright_coordinator_cell::exception::{
+    AlarmSubject, AnsweredBy, ExceptionStep, RecoveryDecision, SecuredState, Strategy, Whereabouts,
+};
+use linewright_coordinator_cell::{ActivityFailure, ActivityPhase, Failure, PartId, PartPlace, Presence, RecordKind};
 use linewright_line::Tick;
 
 use super::bench::Bench;
@@ -30,16 +32,16 @@ fn the_robot_comes_without_the_part_and_the_load_is_tried_again_and_succeeds() {
     // (detection)" (L229): 24 s for the robot, which is less than the 26 s for M1.
     let limit = firing.began.as_micros() as f64 / 1e6 + 24.0;
     bench.until(limit - 0.01);
-    assert_eq!(bench.firing(LOAD).map(|firing| firing.phase), Some(Phase::Running));
+    assert_eq!(bench.firing(LOAD).map(|firing| firing.phase), Some(ActivityPhase::Running));
     bench.news();
     bench.until(limit + 0.001);
     // "the associated task communicates the error to the exception handling module and finishes its execution" (L229).
-    let cause = Cause::Order { key: firing.orders[0].key, failure: Failure::TimedOut };
+    let cause = ActivityFailure::Order { key: firing.orders[0].key, failure: Failure::TimedOut };
     assert_eq!(
         bench.news(),
         [
-            Fact::OrderFailed { key: firing.orders[0].key, failure: Failure::TimedOut },
-            Fact::Raised { firing: firing.id, cause },
+            RecordKind::OrderFailed { key: firing.orders[0].key, failure: Failure::TimedOut },
+            RecordKind::Raised { firing: firing.id, cause },
         ]
     );
     // "First, orders will be sent to the local controllers to conduct the resources to a secure state" (L229).
@@ -47,13 +49,13 @@ fn the_robot_comes_without_the_part_and_the_load_is_tried_again_and_succeeds() {
     bench.until_that(|bench| bench.state().exceptions().alarms().len() > 0);
     let secured: Vec<_> = bench.steps().into_iter().take(2).cloned().collect();
     for order in &firing.orders {
-        let of = Step::Secured { firing: firing.id, key: order.key, standing: Standing::AtRest };
+        let of = ExceptionStep::Secured { firing: firing.id, key: order.key, standing: SecuredState::AtRest };
         assert!(secured.contains(&of), "{secured:?}");
     }
     // "After that, an alarm signal will be sent to the production plant to notify the operator about the arisen error. This
     // notification is a request for the operator to provide the adequate correcting actions" (L229).
     let alarm = bench.alarm().clone();
-    assert_eq!(alarm.about, About::Firing(firing.id));
+    assert_eq!(alarm.about, AlarmSubject::Firing(firing.id));
     assert_eq!(
         alarm.text,
         "R came to M1 without part 1. Put the part back into slot 1 of ST. (load M1: robot has not ended in time, after \
@@ -71,23 +73,26 @@ fn the_robot_comes_without_the_part_and_the_load_is_tried_again_and_succeeds() {
     bench.at("robot").is_stuck = false;
     bench.at("m1").is_stuck = false;
     bench.answer("in-store");
-    let ruling = Ruling { word: "in-store".to_owned(), part: Whereabouts::From, then: Strategy::Redo };
-    let answered = Step::Answered { firing: firing.id, ruling: ruling.clone(), by: By::Operator };
-    assert_eq!(bench.news(), [Fact::Exception(answered)]);
+    let ruling = RecoveryDecision { word: "in-store".to_owned(), part: Whereabouts::From, then: Strategy::Redo };
+    let answered = ExceptionStep::Answered { firing: firing.id, ruling: ruling.clone(), by: AnsweredBy::Operator };
+    assert_eq!(bench.news(), [RecordKind::Exception(answered)]);
     // "recovering the previous marking to the exception which represents the cell actual state (robot free, machine M1 free
     // and part P1-01 in the store). At this point, the interpreter will try to fire the transition again" (L229).
     bench.until_that(|bench| bench.firing(LOAD).is_some_and(|again| again.id != firing.id));
     let news = bench.news();
-    let closed = Step::Closed { firing: firing.id, mode: firing.mode, part: Some(P1_01), ruling, unchecked: vec![] };
-    assert_eq!(news[0], Fact::Exception(closed));
+    let closed =
+        ExceptionStep::Closed { firing: firing.id, mode: firing.mode, part: Some(P1_01), ruling, unchecked: vec![] };
+    assert_eq!(news[0], RecordKind::Exception(closed));
     let between = bench.state_after(&news[0]);
     for (name, count) in [("R.free", 1), ("M1.available-capacity", 1), ("ST.stored-parts<A.new>", 1)] {
         assert_eq!(between.marking().count(bench.cell(name)), count, "{name}");
     }
     assert!(
-        matches!(between.part(P1_01).unwrap().place, Place::On { cell, .. } if cell == bench.cell("ST.stored-parts<A.new>"))
+        matches!(between.part(P1_01).unwrap().place, PartPlace::On { cell, .. } if cell == bench.cell("ST.stored-parts<A.new>"))
     );
-    let [Fact::Decided { started, .. }, Fact::Started { mode, part, .. }] = &news[1..3] else { panic!("{news:?}") };
+    let [RecordKind::Decided { started, .. }, RecordKind::Started { mode, part, .. }] = &news[1..3] else {
+        panic!("{news:?}")
+    };
     assert_eq!((&started[..], *mode, *part), (&[(firing.mode, Some(P1_01))][..], firing.mode, Some(P1_01)));
     assert_eq!(bench.state().exceptions().times(firing.mode, Some(P1_01)), 1);
     // "On finishing transition load-M1 firing (...) part P1-01 will be loaded on machine M1 and the robot will become free"
@@ -109,9 +114,9 @@ impl Bench {
     }
 
     /// What the records up to one make of the cell.
-    fn state_after(&self, fact: &Fact) -> linewright_coordinator_cell::State {
+    fn state_after(&self, fact: &RecordKind) -> linewright_coordinator_cell::PlayerState {
         let at = self.sim.log.iter().rposition(|record| record.fact == *fact).expect("it was written");
-        linewright_coordinator_cell::State::replay(self.table.clone(), &self.sim.log[..=at]).expect("it fits")
+        linewright_coordinator_cell::PlayerState::replay(self.table.clone(), &self.sim.log[..=at]).expect("it fits")
     }
 }
 

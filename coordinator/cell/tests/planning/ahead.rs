@@ -3,10 +3,10 @@
 
 use std::time::Duration;
 
-use linewright_coordinator_cell::ahead::{Ending, Imagined, LookAhead, Score, Thought};
-use linewright_coordinator_cell::dispatch::{ByRules, Rule};
-use linewright_coordinator_cell::production::Desk;
-use linewright_coordinator_cell::{Answer, Dispatcher, Fact, Fifo, Question, Reason, Record};
+use linewright_coordinator_cell::ahead::{Ending, ForwardSimulation, LookAhead, Score, SimulationBasis};
+use linewright_coordinator_cell::dispatch::{DispatchRule, RuleDispatcher};
+use linewright_coordinator_cell::production::DispatchConfiguration;
+use linewright_coordinator_cell::{DispatchDecision, Dispatcher, Fifo, HoldReason, Question, Record, RecordKind};
 use linewright_line::Tick;
 
 use super::shop::{ASSEMBLY, C1, Made, Shop};
@@ -14,8 +14,8 @@ use super::shop::{ASSEMBLY, C1, Made, Shop};
 const DAY: Duration = Duration::from_secs(86_400);
 const LONG: Tick = Tick::from_millis(86_400_000);
 
-fn desk(made: &Made, rules: &[Rule], orders: &[(&str, u32, Option<u64>)]) -> Desk {
-    Desk::new(ByRules::new(&made.table, rules, DAY), made.ordered(orders))
+fn desk(made: &Made, rules: &[DispatchRule], orders: &[(&str, u32, Option<u64>)]) -> DispatchConfiguration {
+    DispatchConfiguration::new(RuleDispatcher::new(&made.table, rules, DAY), made.ordered(orders))
 }
 
 /// What has come of a real run, by the same measures, from its log alone.
@@ -25,7 +25,7 @@ fn measured(made: &Made, shop: &Shop, due: impl Fn(&str) -> Option<u64>) -> (u64
     let mut leaving = std::collections::BTreeMap::new();
     for record in &shop.log {
         match &record.fact {
-            Fact::Started { firing, mode, part: Some(part), .. } => {
+            RecordKind::Started { firing, mode, part: Some(part), .. } => {
                 let name = made.table.mode_name(*mode);
                 if name.starts_with("enter") || name.starts_with("arrive") {
                     let of = name.split(['<', '.']).nth(1).unwrap().to_owned();
@@ -34,7 +34,7 @@ fn measured(made: &Made, shop: &Shop, due: impl Fn(&str) -> Option<u64>) -> (u64
                     leaving.insert(*firing, *part);
                 }
             }
-            Fact::Ended { firing } => {
+            RecordKind::Ended { firing } => {
                 if let Some(due) = leaving.get(firing).and_then(|part| due(&product[part])) {
                     tardiness += record.at.since(Tick::from_millis(due * 1000)).as_micros() as u64;
                 }
@@ -66,7 +66,7 @@ fn looking_ahead_over_all_of_it_is_never_worse_than_its_rules() {
     let mut better = 0;
     for orders in ORDERS {
         for (made, orders) in [(&assembly, orders.to_vec()), (&c1, renamed(orders))] {
-            for (_, rule) in Rule::ALL.into_iter().filter(|(_, rule)| *rule != Rule::Schedule) {
+            for (_, rule) in DispatchRule::ALL.into_iter().filter(|(_, rule)| *rule != DispatchRule::Schedule) {
                 let due = |name: &str| orders.iter().find(|(product, ..)| *product == name).and_then(|of| of.2);
                 let mut base = desk(made, &[rule], &orders);
                 let mut look = LookAhead::new(&made.table, base.clone(), DAY);
@@ -94,7 +94,7 @@ fn a_cell_goes_as_imagined() {
     for (text, orders) in [(ASSEMBLY, vec![("1", 3, None), ("3", 3, None)]), (C1, vec![("A", 5, None), ("B", 4, None)])]
     {
         let made = Made::new(text);
-        let desk = desk(&made, &[Rule::ShortestProcessingTime], &orders);
+        let desk = desk(&made, &[DispatchRule::ShortestProcessingTime], &orders);
         let mut shop = Shop::new(&made.table);
         shop.run(&mut desk.clone(), Tick::from_millis(20_000));
         // In the middle of it, with activities in progress.
@@ -102,8 +102,8 @@ fn a_cell_goes_as_imagined() {
         let mut thought = desk.clone();
         shop.log.iter().for_each(|record| thought.note(record));
         let mut real = thought.clone();
-        let thought_of = Thought::new(&made.table);
-        let mut imagined = Imagined::new(shop.state(), &thought_of, shop.now);
+        let thought_of = SimulationBasis::new(&made.table);
+        let mut imagined = ForwardSimulation::new(shop.state(), &thought_of, shop.now);
         assert_eq!(imagined.play(&mut thought, Tick::NEVER, 100_000), Ending::Still);
         let before = shop.starts().len();
         shop.run(&mut real, LONG);
@@ -123,13 +123,17 @@ fn a_cell_goes_as_imagined() {
 fn with_too_little_effort_the_rules_decide() {
     let made = Made::new(C1);
     let orders = [("A", 3, None), ("B", 3, None)];
-    let mut base = desk(&made, &[Rule::Fifo], &orders);
+    let mut base = desk(&made, &[DispatchRule::Fifo], &orders);
     let mut look = LookAhead::new(&made.table, base.clone(), DAY);
     look.effort = 5;
     let run = |dispatcher: &mut dyn Dispatcher| {
         let mut shop = Shop::new(&made.table);
         shop.run(dispatcher, LONG);
-        shop.log.iter().filter(|record| !matches!(record.fact, Fact::Decided { .. })).cloned().collect::<Vec<Record>>()
+        shop.log
+            .iter()
+            .filter(|record| !matches!(record.fact, RecordKind::Decided { .. }))
+            .cloned()
+            .collect::<Vec<Record>>()
     };
     assert_eq!(run(&mut look), run(&mut base));
     assert!(look.worn() > 10);
@@ -139,7 +143,8 @@ fn with_too_little_effort_the_rules_decide() {
 fn the_same_questions_have_the_same_answers() {
     let made = Made::new(C1);
     let run = || {
-        let mut look = LookAhead::new(&made.table, desk(&made, &[Rule::Fifo], &[("A", 4, None), ("B", 4, None)]), DAY);
+        let mut look =
+            LookAhead::new(&made.table, desk(&made, &[DispatchRule::Fifo], &[("A", 4, None), ("B", 4, None)]), DAY);
         let mut shop = Shop::new(&made.table);
         shop.run(&mut look, LONG);
         shop.log
@@ -161,10 +166,10 @@ impl Counting {
 }
 
 impl Dispatcher for Counting {
-    fn decide(&mut self, question: &Question<'_>) -> Answer {
+    fn decide(&mut self, question: &Question<'_>) -> DispatchDecision {
         let answer = self.look.decide(question);
         for held in &answer.held {
-            if let Reason::LooksWorse(outlook) = held.reason {
+            if let HoldReason::LooksWorse(outlook) = held.reason {
                 self.held += 1;
                 self.waits += usize::from(outlook.instead.is_none());
             }
@@ -181,7 +186,7 @@ impl Dispatcher for Counting {
 #[test]
 fn what_is_better_later_is_waited_for() {
     let made = Made::new(&C1.replace("time_s = 55", "time_s = 200"));
-    let base = desk(&made, &[Rule::Fifo], &[("A", 2, None)]);
+    let base = desk(&made, &[DispatchRule::Fifo], &[("A", 2, None)]);
     let run = |dispatcher: &mut dyn Dispatcher| {
         let mut shop = Shop::new(&made.table);
         shop.run(dispatcher, LONG);
@@ -199,7 +204,7 @@ fn patience_goes_before_looking_ahead() {
     let made = Made::new(C1);
     let orders = [("A", 6, None), ("B", 6, None)];
     let held = |patience: Duration| {
-        let mut look = LookAhead::new(&made.table, desk(&made, &[Rule::Fifo], &orders), DAY);
+        let mut look = LookAhead::new(&made.table, desk(&made, &[DispatchRule::Fifo], &orders), DAY);
         look.effort = 20_000;
         look.desk.rules.fairness.patience = Some(patience);
         let mut counting = Counting::new(look);
@@ -215,9 +220,9 @@ fn patience_goes_before_looking_ahead() {
 /// A dispatcher that others follow after is told every record, once, in order.
 #[test]
 fn a_dispatcher_is_told_every_record() {
-    struct Told(Desk, Vec<Record>);
+    struct Told(DispatchConfiguration, Vec<Record>);
     impl Dispatcher for Told {
-        fn decide(&mut self, question: &Question<'_>) -> Answer {
+        fn decide(&mut self, question: &Question<'_>) -> DispatchDecision {
             self.0.decide(question);
             Fifo.decide(question)
         }

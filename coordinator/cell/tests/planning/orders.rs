@@ -3,10 +3,15 @@
 use std::time::Duration;
 
 use linewright_coordinator_cell::ProductionCommand::{Cancel, Submit, Withdraw};
-use linewright_coordinator_cell::described::dispatcher;
-use linewright_coordinator_cell::dispatch::{ByRules, Rule};
-use linewright_coordinator_cell::production::{Change, Desk, Production, Refused, Request, Status, Wrong};
-use linewright_coordinator_cell::{Denied, Dispatcher, Fact, PartId, ProductionId, Reason, Record, State};
+use linewright_coordinator_cell::compile::dispatcher;
+use linewright_coordinator_cell::dispatch::{DispatchRule, RuleDispatcher};
+use linewright_coordinator_cell::production::{
+    DispatchConfiguration, Production, ProductionChange, ProductionOrderRequest, ProductionRefusal, ProductionStatus,
+    RequestProblem,
+};
+use linewright_coordinator_cell::{
+    Dispatcher, HoldReason, PartId, PlayerState, ProductionCommandError, ProductionId, Record, RecordKind,
+};
 use linewright_line::Tick;
 
 use super::shop::{C1, Made, Shop, changed, request};
@@ -21,20 +26,20 @@ fn book() -> (Made, Production) {
     (made, production)
 }
 
-fn named(key: u128, name: &str, after: &[&str]) -> Request {
+fn named(key: u128, name: &str, after: &[&str]) -> ProductionOrderRequest {
     let after = after.iter().map(|&name| name.to_owned()).collect();
-    Request { name: name.to_owned(), after, ..request(key, &("A", 1, None)) }
+    ProductionOrderRequest { name: name.to_owned(), after, ..request(key, &("A", 1, None)) }
 }
 
 /// Submits and applies.
-fn accept(production: &mut Production, now: Tick, requests: &[Request]) -> usize {
+fn accept(production: &mut Production, now: Tick, requests: &[ProductionOrderRequest]) -> usize {
     let changes = production.submit(requests).unwrap_or_else(|wrongs| panic!("{wrongs:?}"));
     let count = changes.len();
     changes.into_iter().for_each(|change| assert!(production.note(&changed(now, change)).unwrap()));
     count
 }
 
-fn apply(production: &mut Production, now: Tick, change: Result<Change, Refused>) {
+fn apply(production: &mut Production, now: Tick, change: Result<ProductionChange, ProductionRefusal>) {
     assert!(production.note(&changed(now, change.unwrap())).unwrap());
 }
 
@@ -44,7 +49,7 @@ fn all_that_is_wrong_with_a_batch_is_said_at_once() {
     accept(&mut production, at(0), &[named(1, "first", &[]), named(2, "second", &["first"])]);
     let withdrawn = production.withdraw("second");
     apply(&mut production, at(1), withdrawn);
-    let bad = Request {
+    let bad = ProductionOrderRequest {
         product: "C".to_owned(),
         quantity: 0,
         release: Some(at(9)),
@@ -53,7 +58,7 @@ fn all_that_is_wrong_with_a_batch_is_said_at_once() {
         ..named(3, "a\nb", &[])
     };
     let batch = [bad, named(4, "first", &[]), named(1, "other", &[]), named(5, "twice", &[]), named(6, "twice", &[])];
-    let said: Vec<String> = production.submit(&batch).unwrap_err().iter().map(Wrong::to_string).collect();
+    let said: Vec<String> = production.submit(&batch).unwrap_err().iter().map(RequestProblem::to_string).collect();
     let expected = [
         "`other` has the key of `first`, which asks for something else; draw a new key for each request",
         "`a\nb` is no name for an order: 1 to 64 letters, on one line",
@@ -72,8 +77,8 @@ fn all_that_is_wrong_with_a_batch_is_said_at_once() {
 #[test]
 fn what_waits_for_itself_is_refused_and_the_circle_is_named() {
     let (_, production) = book();
-    let circle = |requests: &[Request]| match &production.submit(requests).unwrap_err()[..] {
-        [wrong @ Wrong::Circle(_)] => wrong.to_string(),
+    let circle = |requests: &[ProductionOrderRequest]| match &production.submit(requests).unwrap_err()[..] {
+        [wrong @ RequestProblem::Circle(_)] => wrong.to_string(),
         other => panic!("{other:?}"),
     };
     let alone = [named(1, "a", &["a"])];
@@ -89,7 +94,7 @@ fn what_waits_for_itself_is_refused_and_the_circle_is_named() {
 #[test]
 fn a_batch_is_put_in_order() {
     let (_, mut production) = book();
-    let chain: Vec<Request> = (0..5000_u32)
+    let chain: Vec<ProductionOrderRequest> = (0..5000_u32)
         .rev()
         .map(|k| match k {
             0 => named(0, "0", &[]),
@@ -114,25 +119,28 @@ fn the_same_request_twice_is_one_order() {
 #[test]
 fn parts_enter_as_they_are_ordered_and_count_to_their_orders() {
     let (made, mut production) = book();
-    let b = Request { priority: 5, release: Some(at(500)), ..request(2, &("B", 1, Some(900))) };
+    let b = ProductionOrderRequest { priority: 5, release: Some(at(500)), ..request(2, &("B", 1, Some(900))) };
     let requests = [
         request(1, &("A", 2, Some(100))),
         b,
-        Request { after: vec!["order 1".to_owned()], ..request(3, &("A", 1, None)) },
+        ProductionOrderRequest { after: vec!["order 1".to_owned()], ..request(3, &("A", 1, None)) },
     ];
     accept(&mut production, at(0), &requests);
     let status = |production: &Production, name: &str, now| production.status(production.named(name).unwrap(), now);
-    assert_eq!(status(&production, "order 1", at(0)), Status::Released);
-    assert_eq!(status(&production, "order 2", at(0)), Status::Waiting { on: vec![], until: Some(at(500)) });
-    assert_eq!(status(&production, "order 3", at(0)), Status::Waiting { on: vec![ProductionId(1)], until: None });
-    let mut desk = Desk::new(dispatcher(&made.cell, &made.table), production);
+    assert_eq!(status(&production, "order 1", at(0)), ProductionStatus::Released);
+    assert_eq!(status(&production, "order 2", at(0)), ProductionStatus::Waiting { on: vec![], until: Some(at(500)) });
+    assert_eq!(
+        status(&production, "order 3", at(0)),
+        ProductionStatus::Waiting { on: vec![ProductionId(1)], until: None }
+    );
+    let mut desk = DispatchConfiguration::new(dispatcher(&made.cell, &made.table), production);
     let mut shop = Shop::new(&made.table);
     shop.run(&mut desk, at(10));
     assert_eq!(shop.state().parts().len(), 2, "two are wanted now");
-    let held: Vec<&Reason> = shop.state().held().iter().map(|(_, reason)| reason).collect();
-    assert_eq!(held.iter().filter(|reason| ***reason == Reason::NotOrdered).count(), 2);
-    let order = |desk: &Desk, name: &str| desk.production().unwrap().named(name).unwrap().clone();
-    assert_eq!(status(desk.production().unwrap(), "order 1", at(10)), Status::InWork { begun: at(0) });
+    let held: Vec<&HoldReason> = shop.state().held().iter().map(|(_, reason)| reason).collect();
+    assert_eq!(held.iter().filter(|reason| ***reason == HoldReason::NotOrdered).count(), 2);
+    let order = |desk: &DispatchConfiguration, name: &str| desk.production().unwrap().named(name).unwrap().clone();
+    assert_eq!(status(desk.production().unwrap(), "order 1", at(10)), ProductionStatus::InWork { begun: at(0) });
     shop.run(&mut desk, at(400));
     assert_eq!((shop.state().left(), order(&desk, "order 1").done, order(&desk, "order 3").done), (3, 2, 1));
     // Nothing else happens before the release, and it is not forgotten.
@@ -159,18 +167,21 @@ fn parts_enter_as_they_are_ordered_and_count_to_their_orders() {
 fn cancelled_and_withdrawn_orders() {
     let made = Made::new(C1);
     let mut shop = Shop::new(&made.table);
-    let rules = ByRules::new(&made.table, &[Rule::Fifo], Duration::from_secs(600));
-    let mut desk = Desk::new(rules, shop.state().production().clone());
+    let rules = RuleDispatcher::new(&made.table, &[DispatchRule::Fifo], Duration::from_secs(600));
+    let mut desk = DispatchConfiguration::new(rules, shop.state().production().clone());
     let requests = [request(1, &("A", 6, None)), request(2, &("B", 1, None)), named(3, "c", &["order 2"])];
     let ids = [1, 2, 3].map(ProductionId).to_vec();
     for _ in 0..2 {
         assert_eq!(shop.command(Submit(&requests), &mut desk), Ok(ids.clone()), "asked twice, it is the same order");
     }
-    let needed = Refused::Needed { name: "order 2".to_owned(), by: "c".to_owned() };
-    assert_eq!(shop.command(Withdraw("order 2"), &mut desk), Err(Denied::Order(needed)));
+    let needed = ProductionRefusal::Needed { name: "order 2".to_owned(), by: "c".to_owned() };
+    assert_eq!(shop.command(Withdraw("order 2"), &mut desk), Err(ProductionCommandError::Order(needed)));
     assert_eq!(shop.command(Withdraw("c"), &mut desk), Ok(vec![ProductionId(3)]));
     assert_eq!(shop.command(Withdraw("order 2"), &mut desk), Ok(vec![ProductionId(2)]));
-    assert!(matches!(shop.command(Withdraw("c"), &mut desk), Err(Denied::Order(Refused::Unknown { .. }))));
+    assert!(matches!(
+        shop.command(Withdraw("c"), &mut desk),
+        Err(ProductionCommandError::Order(ProductionRefusal::Unknown { .. }))
+    ));
     assert_eq!(shop.log.len(), 1 + 3 + 2, "what is refused changes nothing");
     shop.run(&mut desk, at(100));
     let inside = u32::try_from(shop.state().parts().len()).unwrap();
@@ -181,18 +192,18 @@ fn cancelled_and_withdrawn_orders() {
         let production = shop.state().production();
         production.status(production.order(ProductionId(1)).unwrap(), shop.now)
     };
-    assert_eq!(status(&shop), Status::Cancelled { at: at(100), inside });
+    assert_eq!(status(&shop), ProductionStatus::Cancelled { at: at(100), inside });
     shop.run(&mut desk, at(3000));
     let order = shop.state().production().order(ProductionId(1)).unwrap();
     assert_eq!((order.done, order.surplus, order.inside(), order.lateness()), (6, inside, 0, None));
     assert!(order.ended.is_some() && shop.state().parts().len() == 0);
-    let over = Refused::Over("order 1".to_owned());
-    assert_eq!(shop.command(Cancel("order 1"), &mut desk), Err(Denied::Order(over)));
+    let over = ProductionRefusal::Over("order 1".to_owned());
+    assert_eq!(shop.command(Cancel("order 1"), &mut desk), Err(ProductionCommandError::Order(over)));
     assert_eq!(desk.production(), Some(shop.state().production()), "both were told the same");
     // What was on order is in the log, and in a snapshot, with all that has become of it.
-    assert!(State::replay(made.table.clone(), &shop.log).as_ref() == Ok(shop.state()));
+    assert!(PlayerState::replay(made.table.clone(), &shop.log).as_ref() == Ok(shop.state()));
     let text = serde_json::to_string(&shop.state().snapshot()).unwrap();
-    let again = State::restore(made.table.clone(), serde_json::from_str(&text).unwrap()).unwrap();
+    let again = PlayerState::restore(made.table.clone(), serde_json::from_str(&text).unwrap()).unwrap();
     assert_eq!(again.snapshot(), shop.state().snapshot());
 }
 
@@ -200,8 +211,11 @@ fn cancelled_and_withdrawn_orders() {
 #[test]
 fn what_is_on_order_outlives_its_coordinator() {
     let made = Made::new(C1);
-    let dispatcher = |state: &State| {
-        Desk::new(ByRules::new(&made.table, &[Rule::Fifo], Duration::from_secs(600)), state.production().clone())
+    let dispatcher = |state: &PlayerState| {
+        DispatchConfiguration::new(
+            RuleDispatcher::new(&made.table, &[DispatchRule::Fifo], Duration::from_secs(600)),
+            state.production().clone(),
+        )
     };
     for (until, from_snapshot) in [(0, false), (0, true), (70, false), (70, true), (300, false), (300, true)] {
         let mut shop = Shop::new(&made.table);
@@ -209,8 +223,8 @@ fn what_is_on_order_outlives_its_coordinator() {
         shop.command(Submit(&[request(1, &("A", 3, None)), request(2, &("B", 2, None))]), &mut desk).unwrap();
         shop.run(&mut desk, at(until));
         let state = match from_snapshot {
-            true => State::restore(made.table.clone(), shop.state().snapshot()).unwrap(),
-            false => State::replay(made.table.clone(), &shop.log).unwrap(),
+            true => PlayerState::restore(made.table.clone(), shop.state().snapshot()).unwrap(),
+            false => PlayerState::replay(made.table.clone(), &shop.log).unwrap(),
         };
         let mut desk = dispatcher(&state);
         shop.restart(state);
@@ -228,7 +242,7 @@ fn a_lost_part_is_replaced() {
     let enter = made.mode("enter<A.new>");
     let entering = |firing: u64, part: u64| Record {
         at: at(1),
-        fact: Fact::Started {
+        fact: RecordKind::Started {
             firing: linewright_coordinator_cell::FiringId(firing),
             mode: enter,
             part: Some(PartId(part)),
@@ -238,7 +252,7 @@ fn a_lost_part_is_replaced() {
     assert!(production.note(&entering(1, 1)).unwrap());
     let missing = |production: &Production| production.missing().count();
     assert_eq!(missing(&production), 0);
-    let lost = changed(at(2), Change::Lost(PartId(1)));
+    let lost = changed(at(2), ProductionChange::Lost(PartId(1)));
     production.note(&lost).unwrap();
     assert_eq!((missing(&production), production.named("order 1").unwrap().lost), (1, 1));
     production.note(&lost).unwrap_err();
@@ -253,14 +267,14 @@ fn a_lost_part_is_replaced() {
 fn changes_of_other_orders_do_not_fit() {
     let (_, mut production) = book();
     let before = production.clone();
-    let accepted = |id, request| Change::Accepted { id: ProductionId(id), request };
+    let accepted = |id, request| ProductionChange::Accepted { id: ProductionId(id), request };
     for change in [
         accepted(2, named(1, "a", &[])),
         accepted(1, named(1, "a", &["b"])),
-        accepted(1, Request { product: "C".to_owned(), ..named(1, "a", &[]) }),
-        Change::Cancelled(ProductionId(1)),
-        Change::Withdrawn(ProductionId(1)),
-        Change::Lost(PartId(1)),
+        accepted(1, ProductionOrderRequest { product: "C".to_owned(), ..named(1, "a", &[]) }),
+        ProductionChange::Cancelled(ProductionId(1)),
+        ProductionChange::Withdrawn(ProductionId(1)),
+        ProductionChange::Lost(PartId(1)),
     ] {
         let record = changed(at(0), change);
         production.note(&record).unwrap_err();
@@ -274,11 +288,11 @@ fn rules_know_due_dates_and_priorities_of_orders() {
     let made = Made::new(C1);
     let first = |due: [u64; 2]| {
         let production = made.ordered(&[("A", 1, Some(due[0])), ("B", 1, Some(due[1]))]);
-        let mut desk = Desk::new(dispatcher(&made.cell, &made.table), production);
+        let mut desk = DispatchConfiguration::new(dispatcher(&made.cell, &made.table), production);
         let mut shop = Shop::new(&made.table);
         shop.run(&mut desk, at(1));
         let load = shop.starts().into_iter().find(|(_, name, _)| name.starts_with("load")).unwrap().1.to_owned();
-        desk.note(&Record { at: at(1), fact: Fact::Epoch { epoch: 2 } });
+        desk.note(&Record { at: at(1), fact: RecordKind::Epoch { epoch: 2 } });
         load
     };
     assert!(first([100, 200]).ends_with("<A.new>"));

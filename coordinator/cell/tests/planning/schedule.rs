@@ -6,25 +6,27 @@ use std::time::Duration;
 
 use linewright_cell::ActivityKind;
 use linewright_cell::net::Supply;
-use linewright_coordinator_cell::ahead::{LookAhead, Thought};
-use linewright_coordinator_cell::described::{Described, Pace, described};
-use linewright_coordinator_cell::dispatch::ByRules;
-use linewright_coordinator_cell::production::{Desk, Production};
-use linewright_coordinator_cell::schedule::{Builtin, Deviation, Foreman, Schedule, Scheduler, Situation};
-use linewright_coordinator_cell::{Fact, ModeId, PartId, Reason, State};
+use linewright_coordinator_cell::ahead::{LookAhead, SimulationBasis};
+use linewright_coordinator_cell::compile::{CompiledCell, OrderTiming, compile_cell};
+use linewright_coordinator_cell::dispatch::RuleDispatcher;
+use linewright_coordinator_cell::production::{DispatchConfiguration, Production};
+use linewright_coordinator_cell::schedule::{
+    PlanningSituation, RevisionReason, RolloutScheduler, Schedule, ScheduleFollower, Scheduler,
+};
+use linewright_coordinator_cell::{HoldReason, ModeId, PartId, PlayerState, RecordKind};
 use linewright_line::Tick;
 
 use super::oracle::{least_tardiness, shortest};
 use super::shop::{ASSEMBLY, C1, Made, Shop};
 
 /// It takes what it needs to be sure.
-const THOROUGH: Builtin = Builtin { effort: 200_000, exact: true, looks_ahead: true, samples: true };
+const THOROUGH: RolloutScheduler = RolloutScheduler { effort: 200_000, exact: true, looks_ahead: true, samples: true };
 const LONG: Tick = Tick::from_millis(86_400_000);
 
 /// A net in which so many parts of each type are in the first store, and nothing comes or goes: it, its marking, the times of
 /// its transitions in milliseconds, and the places of finished parts, type by type.
 struct Closed {
-    made: Described,
+    made: CompiledCell,
     marking: Vec<u32>,
     times: Vec<Option<u64>>,
     finished: Vec<Vec<usize>>,
@@ -35,8 +37,8 @@ impl Closed {
     fn new(text: &str, counts: &[u32]) -> Self {
         let cell =
             linewright_cell::parse("cell.toml", text, None).unwrap_or_else(|problems| panic!("{problems:#}")).cell;
-        let pace = Pace { refresh: Duration::from_secs(1), grace: Duration::from_secs(1) };
-        let made = described(&cell, None, Supply::Closed(counts), pace).unwrap_or_else(|why| panic!("{why}"));
+        let pace = OrderTiming { refresh: Duration::from_secs(1), grace: Duration::from_secs(1) };
+        let made = compile_cell(&cell, None, Supply::Closed(counts), pace).unwrap_or_else(|why| panic!("{why}"));
         let net = made.long.net();
         let mut marking = net.initial_marking().as_slice().to_vec();
         let of = |t| made.net.move_of(&cell, made.long.mode(t));
@@ -99,22 +101,25 @@ fn orders(counts: &[u32]) -> Vec<(&'static str, u32, Option<u64>)> {
         .collect()
 }
 
-fn planned(made: &Made, desk: &Desk, scheduler: &mut dyn Scheduler) -> Schedule {
-    let thought = Thought::new(&made.table);
-    let state = State::new(made.table.clone());
-    scheduler.plan(&Situation { now: Tick::ZERO, state: &state, desk, thought: &thought, previous: None })
+fn planned(made: &Made, desk: &DispatchConfiguration, scheduler: &mut dyn Scheduler) -> Schedule {
+    let thought = SimulationBasis::new(&made.table);
+    let state = PlayerState::new(made.table.clone());
+    scheduler.plan(&PlanningSituation { now: Tick::ZERO, state: &state, desk, thought: &thought, previous: None })
 }
 
-fn desk(made: &Made, production: Production) -> Desk {
-    Desk::new(ByRules::new(&made.table, &made.cell.dispatch.rules, made.cell.dispatch.patience), production)
+fn desk(made: &Made, production: Production) -> DispatchConfiguration {
+    DispatchConfiguration::new(
+        RuleDispatcher::new(&made.table, &made.cell.dispatch.rules, made.cell.dispatch.patience),
+        production,
+    )
 }
 
-fn follower(made: &Made, production: Production, patience: u64, tolerance: u64) -> Foreman {
+fn follower(made: &Made, production: Production, patience: u64, tolerance: u64) -> ScheduleFollower {
     let look = LookAhead::new(&made.table, desk(made, production), made.cell.dispatch.look_ahead);
-    let mut foreman = Foreman::new(look, Box::new(THOROUGH));
-    foreman.look.desk.rules.fairness.patience = Some(Duration::from_secs(patience));
-    foreman.tolerance = Duration::from_secs(tolerance);
-    foreman
+    let mut follower = ScheduleFollower::new(look, Box::new(THOROUGH));
+    follower.look.desk.rules.fairness.patience = Some(Duration::from_secs(patience));
+    follower.tolerance = Duration::from_secs(tolerance);
+    follower
 }
 
 /// The figures were worked out beforehand by another program, with all parts waiting at the beginning.
@@ -129,11 +134,11 @@ fn schedules_of_the_assembly_cell_are_as_short_as_can_be() {
         assert_eq!((schedule.score.makespan, schedule.proved), (expected * 1000, true), "{counts:?}");
         // And the cell really does it in that time.
         let mut shop = Shop::new(&made.table);
-        let mut foreman = follower(&made, production, 10_000, 0);
-        shop.run(&mut foreman, LONG);
+        let mut follower = follower(&made, production, 10_000, 0);
+        shop.run(&mut follower, LONG);
         assert_eq!(shop.state().left(), u64::from(counts.iter().sum::<u32>()));
         assert_eq!(shop.makespan(), Tick::from_millis(expected));
-        assert_eq!(foreman.revisions().len(), 1, "{:?}", foreman.revisions().collect::<Vec<_>>());
+        assert_eq!(follower.revisions().len(), 1, "{:?}", follower.revisions().collect::<Vec<_>>());
     }
 }
 
@@ -194,8 +199,11 @@ fn what_is_proved_is_the_optimum_of_random_cells() {
             assert_eq!(schedule.score.makespan, least, "{round}");
             proved += 1;
         }
-        let rough =
-            planned(&made, &desk, &mut Builtin { effort: 100_000, exact: false, looks_ahead: false, samples: false });
+        let rough = planned(
+            &made,
+            &desk,
+            &mut RolloutScheduler { effort: 100_000, exact: false, looks_ahead: false, samples: false },
+        );
         assert!(rough.score >= schedule.score && !rough.proved);
         by_rules += usize::from(rough.score.makespan > least);
     }
@@ -203,16 +211,16 @@ fn what_is_proved_is_the_optimum_of_random_cells() {
     assert!(by_rules > 0, "rules alone find the optimum everywhere: this tests nothing");
 }
 
-/// As [`Foreman`] followed it: what was planned for each start, in force at that time.
-fn strays(shop: &Shop, foreman: &Foreman) -> Vec<(ModeId, Option<PartId>, Tick)> {
+/// As [`ScheduleFollower`] followed it: what was planned for each start, in force at that time.
+fn strays(shop: &Shop, follower: &ScheduleFollower) -> Vec<(ModeId, Option<PartId>, Tick)> {
     let mut all = Vec::new();
     for record in &shop.log {
-        if let Fact::Started { mode, part, .. } = record.fact {
-            let known = |part| foreman.bars().find(|bar| bar.mode == mode && bar.part == part && bar.actual.is_some());
+        if let RecordKind::Started { mode, part, .. } = record.fact {
+            let known = |part| follower.bars().find(|bar| bar.mode == mode && bar.part == part && bar.actual.is_some());
             let bar = known(part).unwrap_or_else(|| panic!("{mode} with {part:?} has no bar"));
             assert_eq!(bar.actual.unwrap().0, record.at, "the chart has what happened");
             match bar.planned {
-                Some((from, _)) if from <= record.at + foreman.tolerance => (),
+                Some((from, _)) if from <= record.at + follower.tolerance => (),
                 Some(_) | None => all.push((mode, part, record.at)),
             }
         }
@@ -225,32 +233,32 @@ fn strays(shop: &Shop, foreman: &Foreman) -> Vec<(ModeId, Option<PartId>, Tick)>
 fn nothing_starts_before_its_window() {
     for (tolerance, early) in [(0, 0), (5, 1)] {
         let made = Made::new(C1);
-        let mut foreman = follower(&made, made.ordered(&[("A", 3, None), ("B", 3, None)]), 10_000, tolerance);
+        let mut follower = follower(&made, made.ordered(&[("A", 3, None), ("B", 3, None)]), 10_000, tolerance);
         let mut shop = Shop::new(&made.table);
         for mode in made.table.modes().filter(|&mode| made.table.mode_name(mode).starts_with("load")) {
             shop.really.insert(mode, Duration::from_secs(8));
         }
-        shop.run(&mut foreman, LONG);
+        shop.run(&mut follower, LONG);
         assert_eq!(shop.state().left(), 6);
-        assert_eq!(strays(&shop, &foreman), []);
-        assert_eq!(foreman.revisions().len(), 1, "it was one schedule all the time");
-        let before = foreman.bars().filter(|bar| bar.planned.is_some_and(|(from, _)| bar.actual.unwrap().0 < from));
+        assert_eq!(strays(&shop, &follower), []);
+        assert_eq!(follower.revisions().len(), 1, "it was one schedule all the time");
+        let before = follower.bars().filter(|bar| bar.planned.is_some_and(|(from, _)| bar.actual.unwrap().0 < from));
         assert!(before.count() >= early, "the tolerance is made use of");
         let held = shop.log.iter().filter_map(|record| match &record.fact {
-            Fact::Decided { held, .. } => Some(held),
+            RecordKind::Decided { held, .. } => Some(held),
             _ => None,
         });
-        assert!(held.flatten().any(|(_, reason)| matches!(reason, Reason::NotYet(_))), "something was held");
+        assert!(held.flatten().any(|(_, reason)| matches!(reason, HoldReason::NotYet(_))), "something was held");
     }
 }
 
 /// One that plans badly on purpose: whatever is asked, everything is planned for a day later.
-struct Procrastinator(Builtin);
+struct Procrastinator(RolloutScheduler);
 
 impl Scheduler for Procrastinator {
-    fn plan(&mut self, situation: &Situation<'_>) -> Schedule {
+    fn plan(&mut self, situation: &PlanningSituation<'_>) -> Schedule {
         let now = situation.now + Duration::from_secs(86_400);
-        self.0.plan(&Situation { now, ..*situation })
+        self.0.plan(&PlanningSituation { now, ..*situation })
     }
 }
 
@@ -265,14 +273,14 @@ fn no_schedule_makes_anybody_wait_longer_than_patience() {
         desk.rules.fairness.patience = Some(patience);
         LookAhead::new(&made.table, desk, Duration::ZERO)
     };
-    let mut foreman = Foreman::new(look(), Box::new(Procrastinator(Builtin::default())));
+    let mut follower = ScheduleFollower::new(look(), Box::new(Procrastinator(RolloutScheduler::default())));
     let mut shop = Shop::new(&made.table);
-    shop.run(&mut foreman, Tick::from_millis(86_000_000));
+    shop.run(&mut follower, Tick::from_millis(86_000_000));
     assert_eq!(shop.state().left(), 4, "all is done before any window opens");
     let mut waited: BTreeMap<PartId, Tick> = BTreeMap::new();
     let mut longest = Duration::ZERO;
     for record in &shop.log {
-        if let Fact::Started { part: Some(part), .. } = record.fact {
+        if let RecordKind::Started { part: Some(part), .. } = record.fact {
             let since = waited.insert(part, record.at);
             longest = longest.max(since.map_or(Duration::ZERO, |since| record.at.since(since)));
         }
@@ -285,17 +293,17 @@ fn no_schedule_makes_anybody_wait_longer_than_patience() {
 #[test]
 fn patience_goes_before_windows() {
     let made = Made::new(C1);
-    let mut foreman = follower(&made, made.ordered(&[("A", 4, None), ("B", 4, None)]), 60, 0);
+    let mut follower = follower(&made, made.ordered(&[("A", 4, None), ("B", 4, None)]), 60, 0);
     let mut shop = Shop::new(&made.table);
-    shop.run(&mut foreman, LONG);
+    shop.run(&mut follower, LONG);
     assert_eq!(shop.state().left(), 8);
     // Nobody who had waited a minute was held by the schedule at any question.
-    let (mut state, mut urgent) = (State::new(made.table.clone()), 0);
+    let (mut state, mut urgent) = (PlayerState::new(made.table.clone()), 0);
     for record in &shop.log {
         state.apply(record).unwrap();
-        let Fact::Decided { held, .. } = &record.fact else { continue };
+        let RecordKind::Decided { held, .. } = &record.fact else { continue };
         for (mode, reason) in held {
-            let by_plan = matches!(reason, Reason::NotYet(_) | Reason::PlannedOtherwise(_));
+            let by_plan = matches!(reason, HoldReason::NotYet(_) | HoldReason::PlannedOtherwise(_));
             let waits = |part: PartId| record.at.since(state.part(part).unwrap().since) >= Duration::from_secs(60);
             let all_late = state.takeable(*mode).count() > 0 && state.takeable(*mode).all(waits);
             assert!(!by_plan || !all_late, "{} at {}", made.table.mode_name(*mode), record.at);
@@ -309,7 +317,7 @@ fn patience_goes_before_windows() {
 fn the_same_cell_has_the_same_schedule() {
     let made = Made::new(C1);
     let desk = desk(&made, made.ordered(&[("A", 4, Some(300)), ("B", 4, Some(200))]));
-    let plan = || planned(&made, &desk, &mut Builtin { effort: 20_000, ..Builtin::default() });
+    let plan = || planned(&made, &desk, &mut RolloutScheduler { effort: 20_000, ..RolloutScheduler::default() });
     assert_eq!(plan(), plan());
 }
 
@@ -318,7 +326,8 @@ fn the_same_cell_has_the_same_schedule() {
 fn what_is_too_large_is_planned_in_part() {
     let made = Made::new(C1);
     let production = made.ordered(&[("A", 1_000_000, None)]);
-    let schedule = planned(&made, &desk(&made, production), &mut Builtin { effort: 2000, ..Builtin::default() });
+    let schedule =
+        planned(&made, &desk(&made, production), &mut RolloutScheduler { effort: 2000, ..RolloutScheduler::default() });
     let starts = schedule.slots().len();
     assert!((1000..=2000).contains(&starts) && !schedule.proved, "{starts}");
 }
@@ -329,13 +338,13 @@ fn when_all_that_was_planned_has_started_more_is_planned() {
     let made = Made::new(C1);
     let mut desk = desk(&made, made.ordered(&[("A", 20, None), ("B", 20, None)]));
     desk.rules.fairness.patience = Some(Duration::from_secs(100_000));
-    let scheduler = Builtin { effort: 60, exact: false, looks_ahead: false, samples: false };
-    let mut foreman = Foreman::new(LookAhead::new(&made.table, desk, Duration::ZERO), Box::new(scheduler));
+    let scheduler = RolloutScheduler { effort: 60, exact: false, looks_ahead: false, samples: false };
+    let mut follower = ScheduleFollower::new(LookAhead::new(&made.table, desk, Duration::ZERO), Box::new(scheduler));
     let mut shop = Shop::new(&made.table);
-    shop.run(&mut foreman, LONG);
+    shop.run(&mut follower, LONG);
     assert_eq!(shop.state().left(), 40);
-    let whys: Vec<Deviation> = foreman.revisions().map(|revision| revision.why).collect();
-    assert!(whys.len() > 3 && whys[1..].iter().all(|why| *why == Deviation::Over), "{whys:?}");
+    let whys: Vec<RevisionReason> = follower.revisions().map(|revision| revision.why).collect();
+    assert!(whys.len() > 3 && whys[1..].iter().all(|why| *why == RevisionReason::Over), "{whys:?}");
 }
 
 /// A large order enters part by part; that its last parts wait outside for hours makes nobody urgent.

@@ -8,11 +8,11 @@ use std::time::Duration;
 
 use linewright_cell::Cell;
 use linewright_cell::net::Supply;
-use linewright_coordinator_cell::described::{Described, Pace, described};
-use linewright_coordinator_cell::production::{Change, Production, Request};
+use linewright_coordinator_cell::compile::{CompiledCell, OrderTiming, compile_cell};
+use linewright_coordinator_cell::production::{Production, ProductionChange, ProductionOrderRequest};
 use linewright_coordinator_cell::{
-    CellTable, Coordination, Denied, Dispatcher, Fact, Heard, Input, ModeId, OrderKey, Outbox, Outcome, PartId,
-    ProductionCommand, ProductionId, Record, Reply, Send, State,
+    CellMessage, CellTable, Coordination, Dispatcher, ModeId, OrderKey, Outcome, PartId, PlayerInput, PlayerOutbox,
+    PlayerState, ProductionCommand, ProductionCommandError, ProductionId, Record, RecordKind, Reply, TaskReport,
 };
 use linewright_line::{StationId, Tick};
 use linewright_orders::Failure as Ended;
@@ -23,7 +23,7 @@ pub const ASSEMBLY: &str = include_str!("../../../../launch-config/lines/assembl
 /// A cell and what is played of it.
 pub struct Made {
     pub cell: Cell,
-    pub made: Described,
+    pub made: CompiledCell,
     pub table: Arc<CellTable>,
 }
 
@@ -31,8 +31,8 @@ impl Made {
     pub fn new(text: &str) -> Self {
         let cell =
             linewright_cell::parse("cell.toml", text, None).unwrap_or_else(|problems| panic!("{problems:#}")).cell;
-        let pace = Pace { refresh: Duration::from_millis(200), grace: Duration::from_secs(1) };
-        let made = described(&cell, None, Supply::Open, pace).unwrap_or_else(|why| panic!("{why}"));
+        let pace = OrderTiming { refresh: Duration::from_millis(200), grace: Duration::from_secs(1) };
+        let made = compile_cell(&cell, None, Supply::Open, pace).unwrap_or_else(|why| panic!("{why}"));
         let table = Arc::new(made.table.clone());
         Made { cell, made, table }
     }
@@ -43,9 +43,9 @@ impl Made {
     }
 
     /// The cell with orders of so many parts of each product, in this order, due after so many seconds.
-    pub fn with(&self, orders: &[(&str, u32, Option<u64>)]) -> State {
-        let mut state = State::new(self.table.clone());
-        let requests: Vec<Request> = (1..).zip(orders).map(|(key, of)| request(key, of)).collect();
+    pub fn with(&self, orders: &[(&str, u32, Option<u64>)]) -> PlayerState {
+        let mut state = PlayerState::new(self.table.clone());
+        let requests: Vec<ProductionOrderRequest> = (1..).zip(orders).map(|(key, of)| request(key, of)).collect();
         for change in state.production().submit(&requests).unwrap() {
             state.apply(&changed(Tick::ZERO, change)).unwrap();
         }
@@ -59,18 +59,18 @@ impl Made {
 }
 
 /// What is written down of a change.
-pub fn changed(at: Tick, change: Change) -> Record {
-    Record { at, fact: Fact::Production { change } }
+pub fn changed(at: Tick, change: ProductionChange) -> Record {
+    Record { at, fact: RecordKind::Production { change } }
 }
 
-pub fn request(key: u128, &(product, quantity, due): &(&str, u32, Option<u64>)) -> Request {
-    Request {
+pub fn request(key: u128, &(product, quantity, due): &(&str, u32, Option<u64>)) -> ProductionOrderRequest {
+    ProductionOrderRequest {
         key,
         name: format!("order {key}"),
         product: product.to_owned(),
         quantity,
         due: due.map(|seconds| Tick::from_millis(seconds * 1000)),
-        ..Request::default()
+        ..ProductionOrderRequest::default()
     }
 }
 
@@ -89,12 +89,12 @@ pub struct Shop {
 
 impl Shop {
     pub fn new(table: &Arc<CellTable>) -> Self {
-        Shop::begin(State::new(table.clone()))
+        Shop::begin(PlayerState::new(table.clone()))
     }
 
     /// One in which something has happened already.
-    pub fn begin(state: State) -> Self {
-        let (mut out, table) = (Outbox::default(), state.table().clone());
+    pub fn begin(state: PlayerState) -> Self {
+        let (mut out, table) = (PlayerOutbox::default(), state.table().clone());
         let player = Coordination::begin(state, Tick::ZERO, 1, &mut out).unwrap();
         Shop {
             table,
@@ -107,13 +107,13 @@ impl Shop {
         }
     }
 
-    pub fn state(&self) -> &State {
+    pub fn state(&self) -> &PlayerState {
         self.player.state()
     }
 
     /// Another life of the coordinator, from what it knows. Stations go on.
-    pub fn restart(&mut self, state: State) {
-        let (mut out, epoch) = (Outbox::default(), state.epoch() + 1);
+    pub fn restart(&mut self, state: PlayerState) {
+        let (mut out, epoch) = (PlayerOutbox::default(), state.epoch() + 1);
         self.player = Coordination::begin(state, self.now, epoch, &mut out).unwrap();
         self.log.extend(out.records);
     }
@@ -123,9 +123,14 @@ impl Shop {
         &mut self,
         command: ProductionCommand<'_>,
         dispatcher: &mut dyn Dispatcher,
-    ) -> Result<Vec<ProductionId>, Denied> {
-        let mut out = Outbox::default();
-        self.player.step(self.now, &[Input::Starts(false), Input::Production(3, command)], dispatcher, &mut out);
+    ) -> Result<Vec<ProductionId>, ProductionCommandError> {
+        let mut out = PlayerOutbox::default();
+        self.player.step(
+            self.now,
+            &[PlayerInput::Starts(false), PlayerInput::Production(3, command)],
+            dispatcher,
+            &mut out,
+        );
         self.log.extend(out.records);
         assert_eq!((out.replies.len(), out.replies[0].0, out.sends.len()), (1, 3, 0));
         out.replies.remove(0).1
@@ -139,26 +144,30 @@ impl Shop {
 
     /// Plays until a time, or until nothing will happen any more.
     pub fn run(&mut self, dispatcher: &mut dyn Dispatcher, until: Tick) {
-        let heard = Heard { memory: 1, ..Heard::default() };
-        let mut inputs: Vec<Input<'_>> = vec![Input::Starts(true)];
-        inputs.extend(self.stations().map(|station| Input::Station(station, &heard)));
+        let heard = TaskReport { memory: 1, ..TaskReport::default() };
+        let mut inputs: Vec<PlayerInput<'_>> = vec![PlayerInput::Starts(true)];
+        inputs.extend(self.stations().map(|station| PlayerInput::Station(station, &heard)));
         loop {
-            let mut out = Outbox::default();
+            let mut out = PlayerOutbox::default();
             self.player.step(self.now, &inputs, dispatcher, &mut out);
             assert_eq!(out.events, [], "every answer could be followed");
             self.log.extend(out.records);
             inputs.clear();
             for send in out.sends {
                 let order = match send {
-                    Send::Order(order) => order,
-                    Send::Secure { station, key, stop: _ } => {
-                        inputs.push(Input::Secured(station, key, Reply::Ended(Outcome::Failed(Ended::Waiting(7)))));
+                    CellMessage::Order(order) => order,
+                    CellMessage::Secure { station, key, stop: _ } => {
+                        inputs.push(PlayerInput::Secured(
+                            station,
+                            key,
+                            Reply::Ended(Outcome::Failed(Ended::Waiting(7))),
+                        ));
                         continue;
                     }
                 };
                 let (firing, _) = self.player.state().order(order.order.key).unwrap();
                 let kind = self.table.activity(firing.mode).kind;
-                let linewright_coordinator_cell::ActivityKind::Decided { time, .. } = kind else { unreachable!() };
+                let linewright_coordinator_cell::ActivityTiming::Decided { time, .. } = kind else { unreachable!() };
                 let takes = self.really.get(&firing.mode).copied().unwrap_or(time);
                 let fails = self.fails.get_mut(&firing.mode).filter(|left| **left > 0);
                 let outcome = fails.map_or(Outcome::Done, |left| {
@@ -167,7 +176,7 @@ impl Shop {
                 });
                 let key = (firing.began + takes, order.order.key);
                 self.doing.insert(key, (order.station, outcome));
-                inputs.push(Input::Reply(order.station, order.order.key, Reply::Running));
+                inputs.push(PlayerInput::Reply(order.station, order.order.key, Reply::Running));
             }
             if !inputs.is_empty() {
                 continue;
@@ -182,7 +191,7 @@ impl Shop {
             while let Some(entry) = self.doing.first_entry().filter(|entry| entry.key().0 <= self.now) {
                 let (_, key) = *entry.key();
                 let (station, outcome) = entry.remove();
-                inputs.push(Input::Reply(station, key, Reply::Ended(outcome)));
+                inputs.push(PlayerInput::Reply(station, key, Reply::Ended(outcome)));
             }
         }
     }
@@ -190,7 +199,9 @@ impl Shop {
     /// When what was started, in milliseconds, with which part.
     pub fn starts(&self) -> Vec<(u64, &str, Option<PartId>)> {
         let started = self.log.iter().filter_map(|record| match record.fact {
-            Fact::Started { mode, part, .. } => Some((record.at.as_micros() / 1000, self.table.mode_name(mode), part)),
+            RecordKind::Started { mode, part, .. } => {
+                Some((record.at.as_micros() / 1000, self.table.mode_name(mode), part))
+            }
             _ => None,
         });
         started.collect()
@@ -198,7 +209,7 @@ impl Shop {
 
     /// When the last activity has ended.
     pub fn makespan(&self) -> Tick {
-        let ends = self.log.iter().filter(|record| matches!(record.fact, Fact::Ended { .. }));
+        let ends = self.log.iter().filter(|record| matches!(record.fact, RecordKind::Ended { .. }));
         ends.map(|record| record.at).max().unwrap_or(Tick::ZERO)
     }
 }

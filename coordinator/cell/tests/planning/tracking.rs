@@ -3,11 +3,11 @@
 use std::collections::BTreeMap;
 use std::time::Duration;
 
-use linewright_coordinator_cell::described::{dispatcher, sheet};
-use linewright_coordinator_cell::exception::{DownCause, Step};
-use linewright_coordinator_cell::production::{Desk, Production};
-use linewright_coordinator_cell::tracking::{Report, Resource, Tracking};
-use linewright_coordinator_cell::{Fact, FiringId, ModeId, PartId, Record};
+use linewright_coordinator_cell::compile::{dispatcher, sheet};
+use linewright_coordinator_cell::exception::{ExceptionStep, OutOfServiceReason};
+use linewright_coordinator_cell::production::{DispatchConfiguration, Production};
+use linewright_coordinator_cell::tracking::{CellSummary, ResourceEntry, Tracking};
+use linewright_coordinator_cell::{FiringId, ModeId, PartId, Record, RecordKind};
 use linewright_line::Tick;
 
 use super::shop::{ASSEMBLY, C1, Made, Shop, changed, request};
@@ -15,14 +15,14 @@ use super::shop::{ASSEMBLY, C1, Made, Shop, changed, request};
 const LONG: Tick = Tick::from_millis(3_600_000);
 
 fn played(made: &Made, orders: &[(&str, u32, Option<u64>)], spoil: impl Fn(&mut Shop)) -> Shop {
-    let mut desk = Desk::new(dispatcher(&made.cell, &made.table), made.ordered(orders));
+    let mut desk = DispatchConfiguration::new(dispatcher(&made.cell, &made.table), made.ordered(orders));
     let mut shop = Shop::new(&made.table);
     spoil(&mut shop);
     shop.run(&mut desk, LONG);
     shop
 }
 
-fn report(made: &Made, log: &[Record], now: Tick) -> Report {
+fn report(made: &Made, log: &[Record], now: Tick) -> CellSummary {
     let mut tracking = Tracking::new(sheet(&made.cell, &made.made));
     log.iter().for_each(|record| tracking.take(record));
     tracking.report(now)
@@ -58,7 +58,7 @@ fn what_everybody_did_is_what_the_plan_adds_up_to() {
     assert_eq!(spent, report.lead.total, "a part is always one of the three");
     let of = report.effectiveness().unwrap();
     assert_eq!((of.availability, of.performance, of.quality, of.product()), (1.0, 1.0, 1.0, 1.0));
-    assert_eq!(Report { lost: 1, ..report }.quality(), Some(0.75));
+    assert_eq!(CellSummary { lost: 1, ..report }.quality(), Some(0.75));
 }
 
 #[test]
@@ -80,12 +80,12 @@ fn recounted(made: &Made, log: &[Record], now: Tick) -> BTreeMap<String, (u64, u
     let milli = |tick: Tick| tick.as_micros() / 1000;
     for record in log {
         match &record.fact {
-            Fact::Started { firing, mode, .. } => {
+            RecordKind::Started { firing, mode, .. } => {
                 modes.insert(*firing, *mode);
                 open.insert(*firing, (milli(record.at), None));
             }
-            Fact::Raised { firing, .. } => open.get_mut(firing).unwrap().1 = Some(milli(record.at)),
-            Fact::Ended { firing } => {
+            RecordKind::Raised { firing, .. } => open.get_mut(firing).unwrap().1 = Some(milli(record.at)),
+            RecordKind::Ended { firing } => {
                 let (began, failed) = open.remove(firing).unwrap();
                 spans.push((modes[firing], began, failed.unwrap_or(milli(record.at))));
                 downs.extend(failed.map(|failed| (modes[firing], failed, milli(record.at))));
@@ -102,7 +102,7 @@ fn recounted(made: &Made, log: &[Record], now: Tick) -> BTreeMap<String, (u64, u
             (*from..*to).contains(&at) && sheet.modes[mode.index()].resources.contains(&resource)
         })
     };
-    let count = |(resource, of): (usize, &Resource)| {
+    let count = |(resource, of): (usize, &ResourceEntry)| {
         let down = (0..milli(now)).filter(|&at| within(&downs, resource, at)).count() as u64;
         let busy = (0..milli(now)).filter(|&at| within(&spans, resource, at) && !within(&downs, resource, at));
         (of.name.to_string(), (busy.count() as u64, down))
@@ -147,16 +147,16 @@ fn a_resource_is_left_out_as_often_as_somebody_leaves_it_out() {
     let products: Vec<_> = made.cell.part_types.iter().map(|part| (part.name.as_str(), 2, None)).collect();
     let mut log = played(&made, &products, |_| ()).log;
     let m1 = made.table.handling().resource_named("M1").unwrap();
-    let why = DownCause::ByHand { text: String::new() };
+    let why = OutOfServiceReason::ByHand { text: String::new() };
     let steps = [
-        Step::Down { resource: m1, why: why.clone() },
-        Step::Up { resource: m1, unchecked: true },
-        Step::Down { resource: m1, why },
+        ExceptionStep::Down { resource: m1, why: why.clone() },
+        ExceptionStep::Up { resource: m1, unchecked: true },
+        ExceptionStep::Down { resource: m1, why },
     ];
     let thirds = [log.len() / 4, log.len() / 2, log.len() * 3 / 4].map(|at| log[at].at);
     for (at, step) in thirds.into_iter().zip(steps) {
         let place = log.iter().position(|record| record.at > at).unwrap();
-        log.insert(place, Record { at, fact: Fact::Exception(step) });
+        log.insert(place, Record { at, fact: RecordKind::Exception(step) });
     }
     let now = log.last().unwrap().at;
     let report = report(&made, &log, now);
@@ -182,11 +182,11 @@ fn a_report_in_between_counts_what_has_left() {
             let mut number = 0;
             for record in &shop.log[..=count] {
                 match &record.fact {
-                    Fact::Started { firing, mode, part: Some(part), .. } if named(mode) == word => {
+                    RecordKind::Started { firing, mode, part: Some(part), .. } if named(mode) == word => {
                         of.insert(*firing, *part);
                         number += usize::from(!ended);
                     }
-                    Fact::Ended { firing } if of.contains_key(firing) => number += usize::from(ended),
+                    RecordKind::Ended { firing } if of.contains_key(firing) => number += usize::from(ended),
                     _ => {}
                 }
             }
@@ -267,10 +267,10 @@ fn lateness_is_that_of_the_last_part() {
         let entries = sheet(&made.cell, &made.made).modes;
         for record in &shop.log {
             match &record.fact {
-                Fact::Started { firing, mode, .. } if &*entries[mode.index()].activity == "depart" => {
+                RecordKind::Started { firing, mode, .. } if &*entries[mode.index()].activity == "depart" => {
                     leaving.insert(*firing, entries[mode.index()].product.unwrap());
                 }
-                Fact::Ended { firing } => {
+                RecordKind::Ended { firing } => {
                     leaving.get(firing).and_then(|&product| last.insert(product, record.at));
                 }
                 _ => {}

@@ -6,7 +6,7 @@ use std::sync::Arc;
 use std::time::Duration;
 
 use linewright_coordinator_cell::{
-    Activity, CellKind, CellTable, Fact, FiringId, ModeId, Plan, PlanError, Record, State,
+    CellKind, CellTable, FiringId, ModeId, PlanError, PlayPlan, PlayedActivity, PlayerState, Record, RecordKind,
 };
 use linewright_line::Tick;
 use linewright_nets::coloured::{
@@ -88,7 +88,7 @@ pub fn moves(it: &Compiled) -> Vec<[Vec<(usize, u32)>; 2]> {
 fn play(it: &Compiled, dice: &mut Dice, firings: usize) -> usize {
     let moves = moves(it);
     let mut counts: Vec<u32> = it.long.net().initial_marking().as_slice().to_vec();
-    let mut state = State::new(it.table.clone());
+    let mut state = PlayerState::new(it.table.clone());
     let (mut running, mut next, mut fired): (Vec<(FiringId, ModeId)>, _, _) = (Vec::new(), 0, 0);
     loop {
         let marking = it.long.coloured(&Marking::from_tokens(counts.iter().copied()));
@@ -106,18 +106,18 @@ fn play(it: &Compiled, dice: &mut Dice, firings: usize) -> usize {
             }
             let (firing, mode) = running.swap_remove(dice.below(running.len()));
             moves[mode.index()][1].iter().for_each(|&(cell, count)| counts[cell] += count);
-            Fact::Ended { firing }
+            RecordKind::Ended { firing }
         } else {
             let mode = *dice.pick(&enabled);
             moves[mode.index()][0].iter().for_each(|&(cell, count)| counts[cell] -= count);
             fired += 1;
             if it.table.is_immediate(mode) {
                 moves[mode.index()][1].iter().for_each(|&(cell, count)| counts[cell] += count);
-                Fact::Fired { mode, part: None }
+                RecordKind::Fired { mode, part: None }
             } else {
                 next += 1;
                 running.push((FiringId(next), mode));
-                Fact::Started { firing: FiringId(next), mode, part: None, orders: Vec::new() }
+                RecordKind::Started { firing: FiringId(next), mode, part: None, orders: Vec::new() }
             }
         };
         state.apply(&Record { at: Tick::ZERO, fact }).unwrap();
@@ -133,7 +133,7 @@ fn counted(net: ColouredNet, dice: &mut Dice) -> Compiled {
         |name| {
             let servers = u32::MAX;
             let base = if (name.len() + salt).is_multiple_of(3) { immediate() } else { alone(1) };
-            Activity { servers, ..base }
+            PlayedActivity { servers, ..base }
         },
     )
 }
@@ -189,16 +189,16 @@ fn looks_per_firing(machines: usize) -> f64 {
     }
     let net = ColouredBuilder::from_net(&b.build().unwrap()).build().unwrap();
     let it = Compiled::new(net, |_| TOKENS, |_| alone(1));
-    let mut state = State::new(it.table.clone());
+    let mut state = PlayerState::new(it.table.clone());
     let (before, firings, mut dice) = (state.enabling().looks(), 4000, Dice::new(3));
     let mut running = Vec::new();
     for firing in (1..=firings).map(FiringId) {
         while state.enabling().decided().is_empty() || running.len() > machines / 8 {
             let ended = running.swap_remove(dice.below(running.len()));
-            state.apply(&Record { at: Tick::ZERO, fact: Fact::Ended { firing: ended } }).unwrap();
+            state.apply(&Record { at: Tick::ZERO, fact: RecordKind::Ended { firing: ended } }).unwrap();
         }
         let mode = *dice.pick(state.enabling().decided());
-        let fact = Fact::Started { firing, mode, part: None, orders: Vec::new() };
+        let fact = RecordKind::Started { firing, mode, part: None, orders: Vec::new() };
         state.apply(&Record { at: Tick::ZERO, fact }).unwrap();
         running.push(firing);
     }
@@ -230,7 +230,7 @@ fn a_mode_watches_what_is_its_own_rather_than_what_is_everybodys() {
     }
     let net = ColouredBuilder::from_net(&b.build().unwrap()).build().unwrap();
     let long = linewright_nets::coloured::unfold(&net, Colours::All, 1000).unwrap();
-    let plan = Plan {
+    let plan = PlayPlan {
         cells: vec![TOKENS; long.net().place_count()],
         activities: vec![immediate()],
         activity_of: vec![0; long.net().transition_count()],
@@ -241,11 +241,11 @@ fn a_mode_watches_what_is_its_own_rather_than_what_is_everybodys() {
     };
     let table = Arc::new(CellTable::compile(&long, plan).unwrap());
     let named = |name: &str| table.modes().find(|&mode| table.mode_name(mode) == name).unwrap();
-    let mut state = State::new(table.clone());
+    let mut state = PlayerState::new(table.clone());
     let mut watched = Vec::new();
     for next in ["robot comes", "part comes", "machine comes"] {
         watched.push(table.cell_name(state.enabling().lacks(named("load 0")).unwrap()));
-        state.apply(&Record { at: Tick::ZERO, fact: Fact::Fired { mode: named(next), part: None } }).unwrap();
+        state.apply(&Record { at: Tick::ZERO, fact: RecordKind::Fired { mode: named(next), part: None } }).unwrap();
     }
     assert_eq!(watched, ["part 0", "part 0", "machine"]);
     assert_eq!(state.enabling().lacks(named("load 0")), None);
@@ -256,7 +256,7 @@ fn a_mode_watches_what_is_its_own_rather_than_what_is_everybodys() {
 fn a_plan_that_does_not_fit_its_net_says_why() {
     let it = Compiled::new(cell(&Variant { waiting: [1, 0, 0], ..Variant::default() }), |_| TOKENS, |_| alone(1));
     let (cells, modes) = (it.table.cell_count(), it.table.mode_count());
-    let plan = |kinds: Vec<CellKind>, activity, activity_of: Vec<usize>| Plan {
+    let plan = |kinds: Vec<CellKind>, activity, activity_of: Vec<usize>| PlayPlan {
         cells: kinds,
         activities: vec![activity],
         activity_of,
@@ -271,11 +271,11 @@ fn a_plan_that_does_not_fit_its_net_says_why() {
     assert!(why(plan(all(TOKENS), alone(1), vec![])).starts_with("the plan has activities for 0 modes"));
     assert!(why(plan(all(TOKENS), alone(1), vec![1; modes])).ends_with("is said to be activity 1 of 1"));
     assert!(why(plan(all(super::plans::PARTS), alone(1), vec![0; modes])).ends_with("a mode moves one at most"));
-    let idle = Activity { servers: 0, ..alone(1) };
+    let idle = PlayedActivity { servers: 0, ..alone(1) };
     assert!(matches!(
         CellTable::compile(&it.long, plan(all(TOKENS), idle, vec![0; modes])),
         Err(PlanError::NoServer { .. })
     ));
-    let told = Activity { kind: immediate().kind, ..super::plans::ordered("x", &[0], 1) };
+    let told = PlayedActivity { kind: immediate().kind, ..super::plans::ordered("x", &[0], 1) };
     assert!(why(plan(all(TOKENS), told, vec![0; modes])).contains("is immediate and has orders"));
 }

@@ -1,8 +1,9 @@
 //! Orders that are not done: the activity says so, and keeps what it has.
 
 use linewright_coordinator_cell::{
-    Cause, Coordination, Event, Fact, Failure, Fifo, Heard, Input, OrderKey, OrderMessage, OrderState, Outbox, Outcome,
-    Phase, Place, Refusal, Reply, Send, Sending, State,
+    ActivityFailure, ActivityPhase, CellEvent, CellMessage, Coordination, Failure, Fifo, OrderKey, OrderMessage,
+    OrderProgress, Outcome, PartPlace, PlayerInput, PlayerOutbox, PlayerState, RecordKind, Refusal, Reply, Sending,
+    TaskReport,
 };
 use linewright_line::{StationId, Tick};
 use linewright_orders::Failure as Ended;
@@ -17,7 +18,7 @@ const MACHINE: StationId = StationId(1);
 struct Bench {
     it: Compiled,
     player: Coordination,
-    out: Outbox,
+    out: PlayerOutbox,
     log: Vec<linewright_coordinator_cell::Record>,
     now: u64,
 }
@@ -28,30 +29,30 @@ fn key(id: u64) -> OrderKey {
 
 impl Bench {
     fn new() -> Self {
-        let (it, mut out) = (merged([1, 0, 0]), Outbox::default());
-        let player = Coordination::begin(State::new(it.table.clone()), Tick::ZERO, 1, &mut out).unwrap();
+        let (it, mut out) = (merged([1, 0, 0]), PlayerOutbox::default());
+        let player = Coordination::begin(PlayerState::new(it.table.clone()), Tick::ZERO, 1, &mut out).unwrap();
         let mut bench = Bench { it, player, log: std::mem::take(&mut out.records), out, now: 0 };
-        let fresh = Heard { memory: 1, ..Heard::default() };
-        let stations = [ROBOT, MACHINE].map(|station| Input::Station(station, &fresh));
+        let fresh = TaskReport { memory: 1, ..TaskReport::default() };
+        let stations = [ROBOT, MACHINE].map(|station| PlayerInput::Station(station, &fresh));
         bench.at(0, &stations);
-        bench.at(0, &[Input::Starts(true)]);
+        bench.at(0, &[PlayerInput::Starts(true)]);
         assert_eq!(bench.keys_sent(), [key(1), key(2)]);
         bench
     }
 
     /// One step at a time in milliseconds.
-    fn at(&mut self, millis: u64, inputs: &[Input<'_>]) {
+    fn at(&mut self, millis: u64, inputs: &[PlayerInput<'_>]) {
         self.now = millis;
-        self.out = Outbox::default();
+        self.out = PlayerOutbox::default();
         self.player.step(Tick::from_millis(millis), inputs, &mut Fifo, &mut self.out);
         self.log.extend(self.out.records.iter().cloned());
-        assert_eq!(&State::replay(self.it.table.clone(), &self.log).unwrap(), self.player.state());
+        assert_eq!(&PlayerState::replay(self.it.table.clone(), &self.log).unwrap(), self.player.state());
     }
 
     fn sent(&self) -> Vec<OrderMessage> {
         let orders = self.out.sends.iter().filter_map(|send| match send {
-            Send::Order(order) => Some(order.clone()),
-            Send::Secure { .. } => None,
+            CellMessage::Order(order) => Some(order.clone()),
+            CellMessage::Secure { .. } => None,
         });
         orders.collect()
     }
@@ -61,20 +62,20 @@ impl Bench {
     }
 
     fn restart(&mut self) {
-        let state = State::replay(self.it.table.clone(), &self.log).unwrap();
+        let state = PlayerState::replay(self.it.table.clone(), &self.log).unwrap();
         let epoch = state.epoch() + 1;
-        let mut out = Outbox::default();
+        let mut out = PlayerOutbox::default();
         self.player = Coordination::begin(state, Tick::from_millis(self.now), epoch, &mut out).unwrap();
         self.log.extend(out.records);
     }
 
     /// The only activity, which has failed: it holds the part and what it took, and goes on holding them.
-    fn assert_failed(&mut self, cause: Cause) {
+    fn assert_failed(&mut self, cause: ActivityFailure) {
         let held = |bench: &Bench| {
             let state = bench.player.state();
             let firing = state.firings().next().unwrap();
-            assert_eq!((firing.phase, state.firings().len()), (Phase::Failed(cause), 1));
-            assert_eq!(state.parts().map(|part| part.place).collect::<Vec<_>>(), [Place::In(firing.id)]);
+            assert_eq!((firing.phase, state.firings().len()), (ActivityPhase::Failed(cause), 1));
+            assert_eq!(state.parts().map(|part| part.place).collect::<Vec<_>>(), [PartPlace::In(firing.id)]);
             let gone = ["free<m1>", "robot<r1>", "input<p1>", "loaded<m1,p1>"];
             gone.iter().for_each(|name| assert_eq!(state.marking().count(bench.it.cell(name)), 0, "{name}"));
             assert_eq!(state.enabled(), []);
@@ -90,12 +91,12 @@ impl Bench {
     }
 }
 
-fn running(station: StationId, id: u64) -> Input<'static> {
-    Input::Reply(station, key(id), Reply::Running)
+fn running(station: StationId, id: u64) -> PlayerInput<'static> {
+    PlayerInput::Reply(station, key(id), Reply::Running)
 }
 
-fn done(station: StationId, id: u64) -> Input<'static> {
-    Input::Reply(station, key(id), Reply::Ended(Outcome::Done))
+fn done(station: StationId, id: u64) -> PlayerInput<'static> {
+    PlayerInput::Reply(station, key(id), Reply::Ended(Outcome::Done))
 }
 
 #[test]
@@ -126,7 +127,7 @@ fn an_unanswered_order_is_repeated_with_its_key_and_what_is_left_of_its_time() {
     assert_eq!(bench.player.sending(key(1)), None);
     // Who is busy is asked again; who says no twice is not believed less.
     for at in [250, 300] {
-        bench.at(at, &[Input::Reply(MACHINE, key(2), Reply::Refused(Refusal::Busy))]);
+        bench.at(at, &[PlayerInput::Reply(MACHINE, key(2), Reply::Refused(Refusal::Busy))]);
         assert_eq!(bench.sent(), []);
     }
     bench.at(400, &[]);
@@ -138,20 +139,20 @@ fn an_unanswered_order_is_repeated_with_its_key_and_what_is_left_of_its_time() {
 fn a_code_fails_it_and_what_other_stations_do_meanwhile_is_kept() {
     let mut bench = Bench::new();
     bench.at(10, &[running(ROBOT, 1), running(MACHINE, 2)]);
-    bench.at(20, &[Input::Reply(MACHINE, key(2), Reply::Ended(Outcome::Failed(Ended::Waiting(12))))]);
+    bench.at(20, &[PlayerInput::Reply(MACHINE, key(2), Reply::Ended(Outcome::Failed(Ended::Waiting(12))))]);
     bench.at(30, &[done(ROBOT, 1)]);
     let states: Vec<_> =
         bench.player.state().firings().next().unwrap().orders.iter().map(|order| order.state).collect();
-    assert_eq!(states, [OrderState::Ended, OrderState::Failed(Failure::Code(12))]);
-    bench.assert_failed(Cause::Order { key: key(2), failure: Failure::Code(12) });
+    assert_eq!(states, [OrderProgress::Ended, OrderProgress::Failed(Failure::Code(12))]);
+    bench.assert_failed(ActivityFailure::Order { key: key(2), failure: Failure::Code(12) });
 }
 
 #[test]
 fn a_refusal_that_does_not_pass_fails_it() {
     let mut bench = Bench::new();
-    bench.at(10, &[Input::Reply(ROBOT, key(1), Reply::Refused(Refusal::NotThere))]);
+    bench.at(10, &[PlayerInput::Reply(ROBOT, key(1), Reply::Refused(Refusal::NotThere))]);
     let failure = Failure::Refused(Refusal::NotThere);
-    bench.assert_failed(Cause::Order { key: key(1), failure });
+    bench.assert_failed(ActivityFailure::Order { key: key(1), failure });
 }
 
 /// Seed 001, Fig. 6: all limits count from the start of the activity; each station has its own.
@@ -162,19 +163,19 @@ fn an_end_that_does_not_come_in_time_fails_it_and_one_that_comes_later_is_kept()
     bench.at(50_000, &[done(MACHINE, 2)]);
     assert_eq!(bench.player.next_deadline(), Some(Tick::from_millis(60_000)));
     bench.at(59_999, &[]);
-    assert_eq!(bench.player.state().firings().next().unwrap().phase, Phase::Running);
+    assert_eq!(bench.player.state().firings().next().unwrap().phase, ActivityPhase::Running);
     bench.at(60_000, &[]);
     bench.at(61_000, &[done(ROBOT, 1)]);
     let orders = &bench.player.state().firings().next().unwrap().orders;
-    assert!(orders.iter().all(|order| order.state == OrderState::Ended), "known to whoever finds out what is true");
-    bench.assert_failed(Cause::Order { key: key(1), failure: Failure::TimedOut });
+    assert!(orders.iter().all(|order| order.state == OrderProgress::Ended), "known to whoever finds out what is true");
+    bench.assert_failed(ActivityFailure::Order { key: key(1), failure: Failure::TimedOut });
 }
 
 #[test]
 fn an_end_that_comes_at_the_last_moment_is_in_time() {
     let mut bench = Bench::new();
     bench.at(60_000, &[done(ROBOT, 1), done(MACHINE, 2)]);
-    assert!(bench.log.iter().any(|record| matches!(record.fact, Fact::Ended { .. })));
+    assert!(bench.log.iter().any(|record| matches!(record.fact, RecordKind::Ended { .. })));
 }
 
 /// After a restart, first those are heard whose orders have ended meanwhile.
@@ -185,10 +186,10 @@ fn no_limit_runs_out_in_the_first_second_after_a_restart() {
     bench.now = 100_000;
     bench.restart();
     bench.at(100_500, &[]);
-    assert_eq!(bench.player.state().firings().next().unwrap().phase, Phase::Running);
+    assert_eq!(bench.player.state().firings().next().unwrap().phase, ActivityPhase::Running);
     assert_eq!(bench.player.next_deadline(), Some(Tick::from_millis(101_000)));
     bench.at(101_000, &[]);
-    bench.assert_failed(Cause::Order { key: key(1), failure: Failure::TimedOut });
+    bench.assert_failed(ActivityFailure::Order { key: key(1), failure: Failure::TimedOut });
 }
 
 /// A station with a new memory may have done what it was told or not: nobody sends it again.
@@ -203,11 +204,11 @@ fn an_order_to_a_station_that_has_lost_its_memory_fails_and_is_never_sent_again(
             if restarted {
                 bench.restart();
             }
-            let fresh = Heard { memory: 2, ..Heard::default() };
-            bench.at(20, &[Input::Station(ROBOT, &fresh)]);
+            let fresh = TaskReport { memory: 2, ..TaskReport::default() };
+            bench.at(20, &[PlayerInput::Station(ROBOT, &fresh)]);
             let machine: Vec<_> = bench.sent().iter().map(|order| order.station).collect();
             assert_eq!(machine, [], "{acknowledged} {restarted}");
-            bench.assert_failed(Cause::Order { key: key(1), failure: Failure::Forgotten });
+            bench.assert_failed(ActivityFailure::Order { key: key(1), failure: Failure::Forgotten });
         }
     }
 }
@@ -215,19 +216,19 @@ fn an_order_to_a_station_that_has_lost_its_memory_fails_and_is_never_sent_again(
 /// Killed between the records of such a step, the next life finds the same.
 #[test]
 fn a_lost_memory_is_noticed_whichever_of_its_records_were_written() {
-    let fresh = Heard { memory: 2, ..Heard::default() };
+    let fresh = TaskReport { memory: 2, ..TaskReport::default() };
     let mut whole = Bench::new();
     let before = whole.log.len();
-    whole.at(20, &[Input::Station(ROBOT, &fresh)]);
+    whole.at(20, &[PlayerInput::Station(ROBOT, &fresh)]);
     assert!(whole.log.len() >= before + 3, "the order fails, the memory is new, the activity fails");
     for written in before..=whole.log.len() {
         let mut bench = Bench::new();
-        bench.at(20, &[Input::Station(ROBOT, &fresh)]);
+        bench.at(20, &[PlayerInput::Station(ROBOT, &fresh)]);
         bench.log.truncate(written);
         bench.restart();
-        bench.at(30, &[Input::Station(ROBOT, &fresh)]);
+        bench.at(30, &[PlayerInput::Station(ROBOT, &fresh)]);
         assert_eq!(bench.sent(), [], "{written}");
-        bench.assert_failed(Cause::Order { key: key(1), failure: Failure::Forgotten });
+        bench.assert_failed(ActivityFailure::Order { key: key(1), failure: Failure::Forgotten });
     }
 }
 
@@ -237,14 +238,14 @@ fn a_restarted_coordinator_sends_what_nobody_has_answered_once_it_hears_the_stat
     let mut bench = Bench::new();
     bench.at(10, &[running(ROBOT, 1)]);
     bench.restart();
-    bench.at(20, &[Input::Starts(true)]);
+    bench.at(20, &[PlayerInput::Starts(true)]);
     assert_eq!(bench.sent(), []);
-    let same = Heard { memory: 1, epoch: 1, ..Heard::default() };
-    bench.at(30, &[Input::Station(MACHINE, &same), Input::Station(ROBOT, &same)]);
+    let same = TaskReport { memory: 1, epoch: 1, ..TaskReport::default() };
+    bench.at(30, &[PlayerInput::Station(MACHINE, &same), PlayerInput::Station(ROBOT, &same)]);
     assert_eq!(bench.keys_sent(), [key(2)], "the same key, and only what nobody has taken on");
     // What has ended is in the station's whole state.
-    let ended = |id| Heard { results: vec![(key(id), Outcome::Done)], ..same.clone() };
-    bench.at(40, &[Input::Station(MACHINE, &ended(2)), Input::Station(ROBOT, &ended(1))]);
+    let ended = |id| TaskReport { results: vec![(key(id), Outcome::Done)], ..same.clone() };
+    bench.at(40, &[PlayerInput::Station(MACHINE, &ended(2)), PlayerInput::Station(ROBOT, &ended(1))]);
     let work = &bench.sent()[0];
     assert_eq!((work.order.key, &*work.order.task), (OrderKey { epoch: 2, id: 3 }, "work"));
 }
@@ -253,10 +254,10 @@ fn a_restarted_coordinator_sends_what_nobody_has_answered_once_it_hears_the_stat
 #[test]
 fn a_coordinator_that_hears_of_a_later_life_starts_and_sends_nothing_more() {
     let mut bench = Bench::new();
-    let later = Heard { memory: 1, epoch: 2, ..Heard::default() };
-    bench.at(200, &[Input::Station(MACHINE, &later)]);
-    assert_eq!(bench.out.events, [Event::Superseded { by: MACHINE, epoch: 2 }]);
-    bench.at(1000, &[Input::Station(MACHINE, &later)]);
+    let later = TaskReport { memory: 1, epoch: 2, ..TaskReport::default() };
+    bench.at(200, &[PlayerInput::Station(MACHINE, &later)]);
+    assert_eq!(bench.out.events, [CellEvent::Superseded { by: MACHINE, epoch: 2 }]);
+    bench.at(1000, &[PlayerInput::Station(MACHINE, &later)]);
     assert_eq!((bench.out.events.len(), bench.sent().len()), (0, 0));
     bench.at(2000, &[done(ROBOT, 1), done(MACHINE, 2)]);
     assert_eq!(bench.player.state().firings().len(), 0, "what ends, ends, and nothing follows");

@@ -3,7 +3,8 @@
 use std::collections::BTreeMap;
 
 use linewright_coordinator_cell::{
-    Cause, CellKind, Fact, Fifo, Firing, FiringId, ModeId, PartId, Phase, Place, Record,
+    ActivityFailure, ActivityPhase, CellKind, Fifo, FiringId, ModeId, OngoingActivity, PartId, PartPlace, Record,
+    RecordKind,
 };
 use linewright_line::Tick;
 
@@ -81,27 +82,27 @@ impl<'a> Ledger<'a> {
 
     fn enter(&mut self, record: &Record) {
         match &record.fact {
-            &Fact::Started { firing, mode, part, .. } => {
+            &RecordKind::Started { firing, mode, part, .. } => {
                 self.take(mode, part, Is::In(firing));
                 assert_eq!(self.firings.insert(firing, (mode, part)), None, "{firing} starts twice");
             }
-            Fact::Ended { firing } => {
+            RecordKind::Ended { firing } => {
                 let (mode, part) = self.firings.remove(firing).expect("what ends has started");
                 self.give(mode, part);
             }
-            &Fact::Fired { mode, part } => {
+            &RecordKind::Fired { mode, part } => {
                 self.take(mode, part, Is::Gone);
                 self.give(mode, part);
             }
-            Fact::Epoch { .. }
-            | Fact::Memory { .. }
-            | Fact::Decided { .. }
-            | Fact::Acknowledged { .. }
-            | Fact::OrderEnded { .. }
-            | Fact::OrderFailed { .. }
-            | Fact::Raised { .. }
-            | Fact::Production { .. }
-            | Fact::Exception(_) => (),
+            RecordKind::Epoch { .. }
+            | RecordKind::Memory { .. }
+            | RecordKind::Decided { .. }
+            | RecordKind::Acknowledged { .. }
+            | RecordKind::OrderEnded { .. }
+            | RecordKind::OrderFailed { .. }
+            | RecordKind::Raised { .. }
+            | RecordKind::Production { .. }
+            | RecordKind::Exception(_) => (),
         }
     }
 }
@@ -110,15 +111,15 @@ impl<'a> Ledger<'a> {
 fn audited(world: &mut World, is_part: &dyn Fn(&str) -> bool) -> (usize, usize) {
     world.run(&mut Fifo, Tick::from_millis(3_600_000));
     let mut ledger = Ledger::new(&world.it, is_part);
-    let mut state = linewright_coordinator_cell::State::new(world.it.table.clone());
+    let mut state = linewright_coordinator_cell::PlayerState::new(world.it.table.clone());
     for record in &world.log {
         ledger.enter(record);
         state.apply(record).unwrap();
         let inside = ledger.parts.iter().filter(|(_, is)| **is != Is::Gone);
         let theirs = state.parts().map(|part| {
             let is = match part.place {
-                Place::On { cell, .. } => Is::On(world.it.table.cell_name(cell).to_owned()),
-                Place::In(firing) => Is::In(firing),
+                PartPlace::On { cell, .. } => Is::On(world.it.table.cell_name(cell).to_owned()),
+                PartPlace::In(firing) => Is::In(firing),
             };
             (part.id, is)
         });
@@ -172,8 +173,9 @@ fn no_part_is_lost_where_stations_fail() {
         world.stations.iter_mut().for_each(|station| station.failing = 8);
         let is_part = |name: &str| ["stored", "loaded", "ready"].iter().any(|place| name.starts_with(place));
         let (made, left) = audited(&mut world, &is_part);
-        let failed =
-            |firing: &Firing| matches!(firing.phase, Phase::Failed(Cause::Order { .. })) && firing.part.is_some();
+        let failed = |firing: &OngoingActivity| {
+            matches!(firing.phase, ActivityPhase::Failed(ActivityFailure::Order { .. })) && firing.part.is_some()
+        };
         assert!(world.state().firings().all(failed));
         assert_eq!(made - left, world.state().parts().len());
         kept += world.state().firings().len();

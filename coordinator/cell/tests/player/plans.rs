@@ -4,7 +4,8 @@ use std::sync::Arc;
 use std::time::Duration;
 
 use linewright_coordinator_cell::{
-    Activity, ActivityKind, CellId, CellKind, CellTable, ModeId, OrderTemplate, Pick, Plan, Value,
+    ActivityTiming, CellId, CellKind, CellTable, ModeId, PartPick, PlayPlan, PlayedActivity, PlayedOrderTemplate,
+    TaskParameterValue,
 };
 use linewright_line::StationId;
 use linewright_nets::coloured::{ColouredNet, Colours, Unfolding, unfold};
@@ -18,11 +19,11 @@ pub struct Compiled {
 
 impl Compiled {
     /// Compiles a net; `kind` says what the tokens of a cell are and `activity` what a mode is, both by name.
-    pub fn new(net: ColouredNet, kind: impl Fn(&str) -> CellKind, activity: impl Fn(&str) -> Activity) -> Self {
+    pub fn new(net: ColouredNet, kind: impl Fn(&str) -> CellKind, activity: impl Fn(&str) -> PlayedActivity) -> Self {
         let long = unfold(&net, Colours::Reachable, 100_000).unwrap();
         let names = long.net();
         let activities: Vec<_> = names.transitions().map(|t| activity(names.transition_name(t))).collect();
-        let plan = Plan {
+        let plan = PlayPlan {
             cells: names.places().map(|p| kind(names.place_name(p))).collect(),
             activity_of: (0..activities.len()).collect(),
             activities,
@@ -49,27 +50,27 @@ impl Compiled {
 }
 
 pub const TOKENS: CellKind = CellKind::Tokens;
-pub const PARTS: CellKind = CellKind::Parts(Pick::Any);
+pub const PARTS: CellKind = CellKind::Parts(PartPick::Any);
 
 /// What happens by itself.
-pub fn immediate() -> Activity {
-    Activity { name: "immediate".into(), kind: ActivityKind::Immediate, servers: 1, orders: Vec::new() }
+pub fn immediate() -> PlayedActivity {
+    PlayedActivity { name: "immediate".into(), kind: ActivityTiming::Immediate, servers: 1, orders: Vec::new() }
 }
 
 /// What is decided and takes so many milliseconds, without anybody.
-pub fn alone(millis: u64) -> Activity {
-    let kind = ActivityKind::Decided { time: Duration::from_millis(millis), limit: None };
-    Activity { name: "alone".into(), kind, servers: 1, orders: Vec::new() }
+pub fn alone(millis: u64) -> PlayedActivity {
+    let kind = ActivityTiming::Decided { time: Duration::from_millis(millis), limit: None };
+    PlayedActivity { name: "alone".into(), kind, servers: 1, orders: Vec::new() }
 }
 
 /// What these stations do together, each of them in so many milliseconds at most.
-pub fn ordered(task: &str, stations: &[u16], limit_ms: u64) -> Activity {
-    let order = |&station: &u16| OrderTemplate {
+pub fn ordered(task: &str, stations: &[u16], limit_ms: u64) -> PlayedActivity {
+    let order = |&station: &u16| PlayedOrderTemplate {
         station: StationId(station),
         task: task.into(),
-        parameters: vec![("program".into(), Value::Number(i32::from(station)))],
+        parameters: vec![("program".into(), TaskParameterValue::Number(i32::from(station)))],
         limit: Duration::from_millis(limit_ms),
     };
     let orders = stations.iter().map(order).collect();
-    Activity { orders, name: task.into(), ..alone(limit_ms / 2) }
+    PlayedActivity { orders, name: task.into(), ..alone(limit_ms / 2) }
 }

@@ -7,8 +7,8 @@
 use std::collections::BTreeMap;
 
 use linewright_coordinator_cell::{
-    Activity, Answer, CellKind, Coordination, Dispatcher, Fact, Fifo, Held, Input, OrderState, Outbox, Question,
-    Reason, Record, Start, State,
+    CellKind, Coordination, DispatchDecision, Dispatcher, Fifo, HeldCandidate, HoldReason, OrderProgress,
+    PlayedActivity, PlayerInput, PlayerOutbox, PlayerState, Question, Record, RecordKind, Start,
 };
 use linewright_line::{StationId, Tick};
 use linewright_nets::coloured::{Clause, ColouredBuilder, ColouredNet, Domain, Guard, colour, id, proj};
@@ -72,7 +72,7 @@ pub fn kind(name: &str) -> CellKind {
 }
 
 /// Stations: robot 1 is 0, robot 2 is 1, the human is 2.
-pub fn activity(name: &str) -> Activity {
+pub fn activity(name: &str) -> PlayedActivity {
     let target = if name.contains("m1") { 1 } else { 2 };
     match name.split_once('<').map_or(name, |(transition, _)| transition) {
         "t1" | "t5" | "arrive" | "leave" => alone(0),
@@ -98,13 +98,13 @@ pub struct Script {
 }
 
 impl Dispatcher for Script {
-    fn decide(&mut self, question: &Question<'_>) -> Answer {
+    fn decide(&mut self, question: &Question<'_>) -> DispatchDecision {
         let table = question.state.table();
         self.asked = question.candidates.iter().map(|of| table.mode_name(of.mode).to_owned()).collect();
         self.groups = question.groups.iter().map(|group| group.candidates.clone()).collect();
         let contested = question.groups.iter().flat_map(|group| &group.contested);
         self.contested = contested.map(|&cell| table.cell_name(cell).to_owned()).collect();
-        let mut answer = Answer::default();
+        let mut answer = DispatchDecision::default();
         for (candidate, name) in self.asked.iter().enumerate() {
             match self.starts.iter().position(|wanted| wanted == name) {
                 Some(0) => {
@@ -113,7 +113,7 @@ impl Dispatcher for Script {
                     answer.start.push(Start { candidate, part });
                 }
                 Some(_) | None => {
-                    answer.held.push(Held { candidate, reason: Reason::NotYet(Tick::NEVER), until: None })
+                    answer.held.push(HeldCandidate { candidate, reason: HoldReason::NotYet(Tick::NEVER), until: None })
                 }
             }
         }
@@ -153,22 +153,22 @@ fn the_conflict_of_figure_41_is_one_question_with_three_candidates() {
 fn an_answer_that_starts_two_of_them_is_not_followed() {
     struct Greedy;
     impl Dispatcher for Greedy {
-        fn decide(&mut self, question: &Question<'_>) -> Answer {
+        fn decide(&mut self, question: &Question<'_>) -> DispatchDecision {
             let start = |candidate| {
                 let part = question.parts(&question.candidates[candidate]).next();
                 Start { candidate, part }
             };
-            Answer { start: (0..question.candidates.len()).map(start).collect(), held: Vec::new() }
+            DispatchDecision { start: (0..question.candidates.len()).map(start).collect(), held: Vec::new() }
         }
     }
     let (mut world, _) = conflict_state();
-    let mut out = Outbox::default();
+    let mut out = PlayerOutbox::default();
     let now = world.now;
     world.coordination.reconsider();
     world.coordination.step(now, &[], &mut Greedy, &mut out);
-    assert!(matches!(out.events[..], [linewright_coordinator_cell::Event::BadAnswer { .. }]));
+    assert!(matches!(out.events[..], [linewright_coordinator_cell::CellEvent::BadAnswer { .. }]));
     let started = out.records.iter().filter_map(|record| match record.fact {
-        Fact::Started { mode, .. } => Some(world.it.table.mode_name(mode).to_owned()),
+        RecordKind::Started { mode, .. } => Some(world.it.table.mode_name(mode).to_owned()),
         _ => None,
     });
     // Parts 2 and 3 have waited since the beginning; part 2 has the smaller number. Then its loading is started.
@@ -185,14 +185,14 @@ fn loading_and_working_are_in_progress_together() {
     world.run(&mut script, Tick::from_millis(60_000));
     assert_eq!(script.asked, ["t2<m2,r1,p2>", "t4<m1,p1>"]);
     assert_eq!(script.groups, [vec![0], vec![1]], "they do not compete");
-    let (now, mut out) = (world.now, Outbox::default());
+    let (now, mut out) = (world.now, PlayerOutbox::default());
     world.coordination.reconsider();
     world.coordination.step(now, &[], &mut Fifo, &mut out);
     let state = world.state();
     assert_eq!(world.it.names(state.firings().map(|firing| firing.mode)), ["t4<m1,p1>", "t2<m2,r1,p2>"]);
     let open = state.firings().flat_map(|firing| &firing.orders);
     let mut stations: Vec<_> =
-        open.filter(|order| order.state == OrderState::Written).map(|order| order.station).collect();
+        open.filter(|order| order.state == OrderProgress::Written).map(|order| order.station).collect();
     stations.sort_unstable();
     assert_eq!(stations, [StationId(0), StationId(1), StationId(2)]);
     assert_eq!(out.sends.len(), 3);
@@ -200,7 +200,8 @@ fn loading_and_working_are_in_progress_together() {
 
 /// What one record changes in the marking.
 fn difference(it: &Compiled, records: &[Record], which: usize) -> BTreeMap<String, i64> {
-    let [before, after] = [which, which + 1].map(|count| State::replay(it.table.clone(), &records[..count]).unwrap());
+    let [before, after] =
+        [which, which + 1].map(|count| PlayerState::replay(it.table.clone(), &records[..count]).unwrap());
     let changed = it.table.cells().map(|cell| {
         let [before, after] = [&before, &after].map(|state| state.marking().count(cell) as i64);
         (it.table.cell_name(cell).to_owned(), after - before)
@@ -214,7 +215,7 @@ fn what_t3_moves_is_as_printed() {
     let mut world = World::new(compiled(&Variant { waiting: [0, 0, 1], ..Variant::default() }), 3, 1);
     world.run(&mut Fifo, Tick::from_millis(60_000));
     let (t3, log) = (world.it.mode("t3<m2,r1,p3>"), &world.log);
-    let fired = |record: &Record| matches!(record.fact, Fact::Fired { mode, .. } if mode == t3);
+    let fired = |record: &Record| matches!(record.fact, RecordKind::Fired { mode, .. } if mode == t3);
     let at = log.iter().position(fired).unwrap();
     let expected = [("p2<r1>", 1), ("p4<m2,r1,p3>", -1), ("p5<m2,p3>", 1)];
     assert_eq!(difference(&world.it, log, at), expected.map(|(name, change)| (name.to_owned(), change)).into());
@@ -230,9 +231,10 @@ fn the_end_of_a_loading_gives_what_t3_gives() {
     let mut world = World::new(it, 3, 1);
     world.run(&mut Fifo, Tick::from_millis(60_000));
     let load = world.it.mode("load<m2,r1,p3>");
-    let start = world.log.iter().position(|r| matches!(r.fact, Fact::Started { mode, .. } if mode == load)).unwrap();
-    let Fact::Started { firing, .. } = world.log[start].fact else { unreachable!() };
-    let end = world.log.iter().position(|r| r.fact == Fact::Ended { firing }).unwrap();
+    let start =
+        world.log.iter().position(|r| matches!(r.fact, RecordKind::Started { mode, .. } if mode == load)).unwrap();
+    let RecordKind::Started { firing, .. } = world.log[start].fact else { unreachable!() };
+    let end = world.log.iter().position(|r| r.fact == RecordKind::Ended { firing }).unwrap();
     let named = |list: &[(&str, i64)]| -> BTreeMap<String, i64> {
         list.iter().map(|&(name, change)| (name.to_owned(), change)).collect()
     };
@@ -245,13 +247,13 @@ fn the_end_of_a_loading_gives_what_t3_gives() {
 #[test]
 fn nothing_starts_before_it_may() {
     let it = compiled(&Variant { waiting: [1, 1, 1], ..Variant::default() });
-    let mut out = Outbox::default();
-    let mut player = Coordination::begin(State::new(it.table.clone()), Tick::ZERO, 1, &mut out).unwrap();
+    let mut out = PlayerOutbox::default();
+    let mut player = Coordination::begin(PlayerState::new(it.table.clone()), Tick::ZERO, 1, &mut out).unwrap();
     player.step(Tick::ZERO, &[], &mut Fifo, &mut out);
     assert_eq!(player.state().firings().len(), 0);
-    player.step(Tick::ZERO, &[Input::Starts(true)], &mut Fifo, &mut out);
+    player.step(Tick::ZERO, &[PlayerInput::Starts(true)], &mut Fifo, &mut out);
     // t1 needs nobody; t2 does, and nobody has been heard.
-    let started = out.records.iter().filter(|record| matches!(record.fact, Fact::Started { .. })).count();
+    let started = out.records.iter().filter(|record| matches!(record.fact, RecordKind::Started { .. })).count();
     assert_eq!((started, player.state().firings().len()), (1, 0));
     assert_eq!(it.names(player.state().enabled()), ["t2<m1,r1,p1>"]);
     assert_eq!(out.sends, []);

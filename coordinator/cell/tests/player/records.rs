@@ -1,10 +1,11 @@
 //! Records are the whole truth: what is replayed is what was; what does not fit changes nothing.
 
 use linewright_coordinator_cell::{
-    Cause, Coordination, Fact, Failure, Fifo, FiringId, ModeId, OrderKey, Outbox, PartId, Record, State,
+    ActivityFailure, Coordination, Failure, Fifo, FiringId, ModeId, OrderKey, PartId, PlayerOutbox, PlayerState,
+    Record, RecordKind,
 };
 use linewright_line::Tick;
-use linewright_simulation::cell::CellOptions;
+use linewright_simulation::cell::CellSimOptions;
 
 use super::crash::merged;
 use super::dice::Dice;
@@ -17,7 +18,7 @@ const LONG: Tick = Tick::from_millis(3_600_000);
 /// After every step the records replayed are the state, through crashes and lost messages.
 #[test]
 fn replaying_the_records_gives_the_state_at_every_step() {
-    let options = |seed| CellOptions { replays: true, ..options(seed, 7, vec![25, 60]) };
+    let options = |seed| CellSimOptions { replays: true, ..options(seed, 7, vec![25, 60]) };
     let variant = Variant { waiting: [2, 2, 2], ..Variant::default() };
     let printed = |seed| World::with(compiled(&variant), 3, options(seed));
     let random = |seed| {
@@ -38,9 +39,9 @@ fn replaying_the_records_gives_the_state_at_every_step() {
 fn every_prefix_of_the_records_replays_to_the_state_it_had() {
     let mut world = World::new(compiled(&Variant { waiting: [2, 2, 2], ..Variant::default() }), 3, 5);
     world.run(&mut Fifo, LONG);
-    let mut state = State::new(world.it.table.clone());
+    let mut state = PlayerState::new(world.it.table.clone());
     for (count, record) in world.log.iter().enumerate() {
-        assert_eq!(State::replay(world.it.table.clone(), &world.log[..count]).unwrap(), state);
+        assert_eq!(PlayerState::replay(world.it.table.clone(), &world.log[..count]).unwrap(), state);
         state.apply(record).unwrap();
         assert_eq!((state.sequence(), state.now()), (count as u64 + 1, record.at));
     }
@@ -49,7 +50,7 @@ fn every_prefix_of_the_records_replays_to_the_state_it_had() {
 }
 
 /// What any record can say, by chance; about half of the numbers exist.
-fn any_fact(dice: &mut Dice, state: &State) -> Fact {
+fn any_fact(dice: &mut Dice, state: &PlayerState) -> RecordKind {
     let firings: Vec<_> = state.firings().collect();
     let orders: Vec<_> = firings.iter().flat_map(|firing| &firing.orders).map(|order| order.key).collect();
     let firing =
@@ -62,15 +63,15 @@ fn any_fact(dice: &mut Dice, state: &State) -> Fact {
     let mode = ModeId(dice.below(state.table().mode_count() + 1) as u32);
     let part = if dice.one_in(3) { None } else { Some(PartId(dice.below(8) as u64)) };
     match dice.below(9) {
-        0 => Fact::Epoch { epoch: dice.below(4) as u64 },
-        1 => Fact::Decided { question: dice.below(4) as u64, started: vec![], held: vec![] },
-        2 => Fact::Started { firing, mode, part, orders: vec![key; dice.below(3)] },
-        3 => Fact::Acknowledged { key },
-        4 => Fact::OrderEnded { key },
-        5 => Fact::OrderFailed { key, failure: Failure::TimedOut },
-        6 => Fact::Raised { firing, cause: Cause::TimedOut },
-        7 => Fact::Ended { firing },
-        _ => Fact::Fired { mode, part },
+        0 => RecordKind::Epoch { epoch: dice.below(4) as u64 },
+        1 => RecordKind::Decided { question: dice.below(4) as u64, started: vec![], held: vec![] },
+        2 => RecordKind::Started { firing, mode, part, orders: vec![key; dice.below(3)] },
+        3 => RecordKind::Acknowledged { key },
+        4 => RecordKind::OrderEnded { key },
+        5 => RecordKind::OrderFailed { key, failure: Failure::TimedOut },
+        6 => RecordKind::Raised { firing, cause: ActivityFailure::TimedOut },
+        7 => RecordKind::Ended { firing },
+        _ => RecordKind::Fired { mode, part },
     }
 }
 
@@ -96,17 +97,17 @@ fn records_that_do_not_fit_are_refused_and_change_nothing() {
         }
     }
     assert!(fitted > 300 && refused > 10_000, "{fitted} {refused}");
-    let mut state = State::new(merged([1, 0, 0]).table);
-    state.apply(&Record { at: Tick::from_millis(5), fact: Fact::Epoch { epoch: 1 } }).unwrap();
-    let early = state.apply(&Record { at: Tick::from_millis(4), fact: Fact::Epoch { epoch: 2 } }).unwrap_err();
+    let mut state = PlayerState::new(merged([1, 0, 0]).table);
+    state.apply(&Record { at: Tick::from_millis(5), fact: RecordKind::Epoch { epoch: 1 } }).unwrap();
+    let early = state.apply(&Record { at: Tick::from_millis(4), fact: RecordKind::Epoch { epoch: 2 } }).unwrap_err();
     assert_eq!(early.to_string(), "record 2 does not fit: it is of 0.004000 s, after one of 0.005000 s");
 }
 
 #[test]
 fn a_life_has_an_epoch_above_all_before() {
-    let mut out = Outbox::default();
-    let begin = |state, epoch, out: &mut Outbox| Coordination::begin(state, Tick::ZERO, epoch, out);
-    let first = begin(State::new(merged([1, 0, 0]).table), 4, &mut out).unwrap();
+    let mut out = PlayerOutbox::default();
+    let begin = |state, epoch, out: &mut PlayerOutbox| Coordination::begin(state, Tick::ZERO, epoch, out);
+    let first = begin(PlayerState::new(merged([1, 0, 0]).table), 4, &mut out).unwrap();
     let refused = begin(first.state().clone(), 4, &mut out).unwrap_err();
     assert_eq!(refused.to_string(), "epoch 4 cannot begin after epoch 4");
     assert!(begin(first.state().clone(), 5, &mut out).is_ok());

@@ -3,10 +3,11 @@
 use std::sync::Arc;
 use std::time::Duration;
 
-use linewright_coordinator_cell::dispatch::{ByRules, Job, Rule, words};
+use linewright_coordinator_cell::dispatch::{DispatchRule, PartPriority, RuleDispatcher, words};
 use linewright_coordinator_cell::{
-    ActivityKind, Cause, CellTable, Coordination, Fact, Failure, Fifo, FiringId, Gain, Ground, Input, Lost, ModeId,
-    OrderKey, Outbox, Outlook, PartId, Reason, Record, Refusal, Snapshot, State,
+    ActivityFailure, ActivityTiming, CellSnapshot, CellTable, Coordination, DecidingRule, Failure, Fifo, FiringId,
+    Gain, HoldReason, LostDecision, ModeId, OrderKey, PartId, PlayerInput, PlayerOutbox, PlayerState,
+    ProgressComparison, Record, RecordKind, Refusal,
 };
 use linewright_line::{StationId, Tick};
 use linewright_nets::NetBuilder;
@@ -36,13 +37,13 @@ fn worlds() -> Vec<World> {
 }
 
 /// As somebody else writes and reads it.
-fn again(snapshot: &Snapshot) -> Snapshot {
+fn again(snapshot: &CellSnapshot) -> CellSnapshot {
     let text = serde_json::to_string(snapshot).unwrap();
     serde_json::from_str(&text).unwrap()
 }
 
 /// All that is asked of a state. What lists of watchers look like inside is no part of it.
-fn assert_same(a: &State, b: &State) {
+fn assert_same(a: &PlayerState, b: &PlayerState) {
     assert_eq!(a.snapshot(), b.snapshot());
     assert_eq!((a.enabled(), a.marking().counts()), (b.enabled(), b.marking().counts()));
     for mode in a.table().modes() {
@@ -56,9 +57,9 @@ fn assert_same(a: &State, b: &State) {
 fn what_is_restored_goes_on_as_the_state_would_have() {
     let mut records = 0;
     for world in worlds() {
-        let mut state = State::new(world.table.clone());
+        let mut state = PlayerState::new(world.table.clone());
         for (count, record) in world.log.iter().enumerate() {
-            let mut restored = State::restore(world.table.clone(), again(&state.snapshot())).unwrap();
+            let mut restored = PlayerState::restore(world.table.clone(), again(&state.snapshot())).unwrap();
             assert_same(&restored, &state);
             if count % 7 == 0 {
                 world.log[count..].iter().for_each(|record| restored.apply(record).unwrap());
@@ -76,14 +77,15 @@ fn what_is_restored_goes_on_as_the_state_would_have() {
 fn a_life_from_a_snapshot_does_what_a_life_from_the_records_does() {
     for world in worlds() {
         for count in (0..world.log.len()).step_by(5) {
-            let state = State::replay(world.table.clone(), &world.log[..count]).unwrap();
-            let restored = State::restore(world.table.clone(), state.snapshot()).unwrap();
+            let state = PlayerState::replay(world.table.clone(), &world.log[..count]).unwrap();
+            let restored = PlayerState::restore(world.table.clone(), state.snapshot()).unwrap();
             let lives = [state, restored].map(|state| {
-                let (now, epoch, mut out) = (world.now, state.epoch() + 1, Outbox::default());
+                let (now, epoch, mut out) = (world.now, state.epoch() + 1, PlayerOutbox::default());
                 let mut player = Coordination::begin(state, now, epoch, &mut out).unwrap();
                 let heard: Vec<_> = world.stations.iter().map(|station| station.heard().clone()).collect();
-                let mut inputs = vec![Input::Starts(true)];
-                inputs.extend(heard.iter().enumerate().map(|(at, heard)| Input::Station(StationId::at(at), heard)));
+                let mut inputs = vec![PlayerInput::Starts(true)];
+                inputs
+                    .extend(heard.iter().enumerate().map(|(at, heard)| PlayerInput::Station(StationId::at(at), heard)));
                 player.step(now, &inputs, &mut Fifo, &mut out);
                 let limit = player.next_deadline();
                 player.step(now + Duration::from_secs(120), &[], &mut Fifo, &mut out);
@@ -103,10 +105,10 @@ fn a_snapshot_or_a_record_that_somebody_has_made_up_is_refused_or_fits() {
         let table = &world.table;
         for round in 0..600 {
             let count = dice.below(world.log.len());
-            let mut state = State::replay(table.clone(), &world.log[..count]).unwrap();
+            let mut state = PlayerState::replay(table.clone(), &world.log[..count]).unwrap();
             let text = serde_json::to_string(&state.snapshot()).unwrap();
             if let Ok(snapshot) = serde_json::from_str(&forged(&text, &mut dice)) {
-                match State::restore(table.clone(), snapshot) {
+                match PlayerState::restore(table.clone(), snapshot) {
                     Ok(restored) => state = restored,
                     Err(_) => refused += 1,
                 }
@@ -118,15 +120,20 @@ fn a_snapshot_or_a_record_that_somebody_has_made_up_is_refused_or_fits() {
                 if state.apply(&record).is_err() {
                     break;
                 }
-                if let Fact::Decided { started, held, .. } = &record.fact {
+                if let RecordKind::Decided { started, held, .. } = &record.fact {
                     assert!(words::decision(table, started, held).len() >= held.len());
                 }
                 fitted += 1;
             }
-            let (mut out, epoch) = (Outbox::default(), state.epoch() + 1);
+            let (mut out, epoch) = (PlayerOutbox::default(), state.epoch() + 1);
             let mut player = Coordination::begin(state, world.now, epoch, &mut out).unwrap();
             for seconds in [0, 60, 600] {
-                player.step(world.now + Duration::from_secs(seconds), &[Input::Starts(true)], &mut Fifo, &mut out);
+                player.step(
+                    world.now + Duration::from_secs(seconds),
+                    &[PlayerInput::Starts(true)],
+                    &mut Fifo,
+                    &mut out,
+                );
             }
         }
     }
@@ -152,24 +159,24 @@ fn forged(text: &str, dice: &mut Dice) -> String {
 #[test]
 fn every_record_has_the_text_that_it_always_had() {
     let (key, mode, part) = (OrderKey { epoch: 2, id: 9 }, ModeId(4), Some(PartId(5)));
-    let lost = |by| Reason::LostTo(Lost { to: mode, with: part, own: None, by });
-    let worse = |instead, gain| Reason::LooksWorse(Outlook { instead, gain });
+    let lost = |by| HoldReason::LostTo(LostDecision { to: mode, with: part, own: None, by });
+    let worse = |instead, gain| HoldReason::LooksWorse(ProgressComparison { instead, gain });
     let facts = [
-        (Fact::Epoch { epoch: 2 }, r#"{"epoch":{"epoch":2}}"#),
-        (Fact::Memory { station: StationId(1), memory: 7 }, r#"{"memory":{"station":1,"memory":7}}"#),
+        (RecordKind::Epoch { epoch: 2 }, r#"{"epoch":{"epoch":2}}"#),
+        (RecordKind::Memory { station: StationId(1), memory: 7 }, r#"{"memory":{"station":1,"memory":7}}"#),
         (
-            Fact::Decided {
+            RecordKind::Decided {
                 question: 3,
                 started: vec![(mode, part), (mode, None)],
                 held: vec![
-                    (mode, Reason::NotYet(Tick::from_millis(8))),
-                    (mode, Reason::ReservedFor { part, mode }),
-                    (mode, lost(Ground::Waited)),
-                    (mode, lost(Ground::Helps { part: None })),
-                    (mode, lost(Ground::Inside)),
-                    (mode, lost(Ground::Order)),
-                    (mode, Reason::NotOrdered),
-                    (mode, Reason::PlannedOtherwise(mode)),
+                    (mode, HoldReason::NotYet(Tick::from_millis(8))),
+                    (mode, HoldReason::ReservedFor { part, mode }),
+                    (mode, lost(DecidingRule::Waited)),
+                    (mode, lost(DecidingRule::Helps { part: None })),
+                    (mode, lost(DecidingRule::Inside)),
+                    (mode, lost(DecidingRule::Order)),
+                    (mode, HoldReason::NotOrdered),
+                    (mode, HoldReason::PlannedOtherwise(mode)),
                     (mode, worse(Some((mode, None)), Gain::Tardiness(Duration::from_millis(1500)))),
                     (mode, worse(None, Gain::Nothing)),
                 ],
@@ -187,29 +194,32 @@ fn every_record_has_the_text_that_it_always_had() {
             ),
         ),
         (
-            Fact::Started { firing: FiringId(6), mode, part, orders: vec![key] },
+            RecordKind::Started { firing: FiringId(6), mode, part, orders: vec![key] },
             r#"{"started":{"firing":6,"mode":4,"part":5,"orders":[{"epoch":2,"id":9}]}}"#,
         ),
-        (Fact::Acknowledged { key }, r#"{"acknowledged":{"key":{"epoch":2,"id":9}}}"#),
-        (Fact::OrderEnded { key }, r#"{"order-ended":{"key":{"epoch":2,"id":9}}}"#),
+        (RecordKind::Acknowledged { key }, r#"{"acknowledged":{"key":{"epoch":2,"id":9}}}"#),
+        (RecordKind::OrderEnded { key }, r#"{"order-ended":{"key":{"epoch":2,"id":9}}}"#),
         (
-            Fact::OrderFailed { key, failure: Failure::Refused(Refusal::OldEpoch) },
+            RecordKind::OrderFailed { key, failure: Failure::Refused(Refusal::OldEpoch) },
             r#"{"order-failed":{"key":{"epoch":2,"id":9},"failure":{"refused":"old-epoch"}}}"#,
         ),
         (
-            Fact::OrderFailed { key, failure: Failure::Forgotten },
+            RecordKind::OrderFailed { key, failure: Failure::Forgotten },
             r#"{"order-failed":{"key":{"epoch":2,"id":9},"failure":"forgotten"}}"#,
         ),
         (
-            Fact::Raised { firing: FiringId(6), cause: Cause::Order { key, failure: Failure::Code(12) } },
+            RecordKind::Raised {
+                firing: FiringId(6),
+                cause: ActivityFailure::Order { key, failure: Failure::Code(12) },
+            },
             r#"{"raised":{"firing":6,"cause":{"order":{"key":{"epoch":2,"id":9},"failure":{"code":12}}}}}"#,
         ),
         (
-            Fact::Raised { firing: FiringId(6), cause: Cause::TimedOut },
+            RecordKind::Raised { firing: FiringId(6), cause: ActivityFailure::TimedOut },
             r#"{"raised":{"firing":6,"cause":"timed-out"}}"#,
         ),
-        (Fact::Ended { firing: FiringId(6) }, r#"{"ended":{"firing":6}}"#),
-        (Fact::Fired { mode, part: None }, r#"{"fired":{"mode":4,"part":null}}"#),
+        (RecordKind::Ended { firing: FiringId(6) }, r#"{"ended":{"firing":6}}"#),
+        (RecordKind::Fired { mode, part: None }, r#"{"fired":{"mode":4,"part":null}}"#),
     ];
     for (fact, text) in facts {
         let record = Record { at: Tick::from_millis(1), fact };
@@ -219,10 +229,10 @@ fn every_record_has_the_text_that_it_always_had() {
     }
     // What rules measure, from a decision that they have made.
     let mut world = World::new(merged([0, 1, 1]), 3, 1);
-    let mut rules = ByRules::new(&world.table, &[Rule::Priority], Duration::from_secs(600));
-    rules.jobs.parts.insert(PartId(2), Job { due: None, priority: 3 });
+    let mut rules = RuleDispatcher::new(&world.table, &[DispatchRule::Priority], Duration::from_secs(600));
+    rules.jobs.parts.insert(PartId(2), PartPriority { due: None, priority: 3 });
     world.run(&mut rules, LONG);
-    let decided = world.log.iter().find(|record| matches!(record.fact, Fact::Decided { .. })).unwrap();
+    let decided = world.log.iter().find(|record| matches!(record.fact, RecordKind::Decided { .. })).unwrap();
     let text = serde_json::to_string(decided).unwrap();
     let by = concat!(
         r#""by":{"rule":{"rule":"priority","theirs":{"rule":"priority","class":0,"value":-3,"over":1},"#,
@@ -261,7 +271,7 @@ fn a_table_has_another_digest_exactly_if_its_records_mean_something_else() {
     let usual = digest(SMALL);
     assert_eq!(usual, digest(SMALL));
     let other = small(&Small { limit_ms: 9000, ..SMALL });
-    let ActivityKind::Decided { time, .. } = other.activity(ModeId(0)).kind else { panic!("it is decided") };
+    let ActivityTiming::Decided { time, .. } = other.activity(ModeId(0)).kind else { panic!("it is decided") };
     assert_eq!((time, other.digest()), (Duration::from_millis(4500), usual), "times may be changed");
     let others = [
         digest(Small { name: "other", ..SMALL }),

@@ -5,7 +5,7 @@ use std::time::Duration;
 
 use linewright_coordinator_cell::Dispatcher;
 use linewright_line::Tick;
-use linewright_simulation::cell::{CellOptions, CellSim, Pace};
+use linewright_simulation::cell::{CellSim, CellSimOptions, StationSpeed};
 
 use super::plans::Compiled;
 
@@ -15,13 +15,13 @@ pub struct World {
 }
 
 /// Stations take what they take, messages some milliseconds, and one in so many is lost, and doubled.
-pub fn options(seed: u64, bad_luck: u64, crash_at: Vec<usize>) -> CellOptions {
+pub fn options(seed: u64, bad_luck: u64, crash_at: Vec<usize>) -> CellSimOptions {
     let millis = Duration::from_millis;
-    CellOptions {
+    CellSimOptions {
         seed,
         bad_luck,
         crash_at,
-        pace: Pace::Between(millis(500), millis(2000)),
+        pace: StationSpeed::Between(millis(500), millis(2000)),
         delay: (millis(1), millis(20)),
         period: millis(100),
         replays: false,
@@ -33,7 +33,7 @@ impl World {
         World::with(it, stations, options(seed, 0, Vec::new()))
     }
 
-    pub fn with(it: Compiled, stations: usize, options: CellOptions) -> Self {
+    pub fn with(it: Compiled, stations: usize, options: CellSimOptions) -> Self {
         let sim = CellSim::new(it.table.clone(), stations, options);
         World { it, sim }
     }

@@ -1,6 +1,6 @@
 //! Files that are not what they should be.
 
-use linewright_history::{History, HistoryError, Reader};
+use linewright_history::{History, HistoryError, HistoryReader};
 use linewright_line::Tick;
 use linewright_simulation::Rng;
 use rusqlite::Connection;
@@ -9,25 +9,28 @@ use crate::played::{c1, scratch};
 
 fn read(path: &std::path::Path) -> Result<usize, HistoryError> {
     let mut count = 0;
-    Reader::open(path)?.each(Tick::NEVER, |_| count += 1)?;
+    HistoryReader::open(path)?.each(Tick::NEVER, |_| count += 1)?;
     Ok(count)
 }
 
 #[test]
 fn what_is_no_database_of_a_cell_is_said_to_be_none() {
     let (dir, path) = scratch();
-    assert!(matches!(Reader::open(&path), Err(HistoryError::File { .. })), "there is none");
-    assert!(matches!(Reader::open(dir.path()), Err(HistoryError::NotOurs { .. } | HistoryError::Refused { .. })));
+    assert!(matches!(HistoryReader::open(&path), Err(HistoryError::File { .. })), "there is none");
+    assert!(matches!(
+        HistoryReader::open(dir.path()),
+        Err(HistoryError::NotOurs { .. } | HistoryError::Refused { .. })
+    ));
     std::fs::write(&path, "").unwrap();
-    let why = Reader::open(&path).map(|_| ()).unwrap_err().to_string();
+    let why = HistoryReader::open(&path).map(|_| ()).unwrap_err().to_string();
     assert!(why.ends_with("is no database of a cell (it is empty)"), "{why}");
     std::fs::write(&path, "name = \"workcell_c1\"\n".repeat(100)).unwrap();
-    let why = Reader::open(&path).map(|_| ()).unwrap_err().to_string();
+    let why = HistoryReader::open(&path).map(|_| ()).unwrap_err().to_string();
     assert!(why.ends_with("is no database of a cell"), "{why}");
     assert!(matches!(History::open(&path, &c1().about), Err(HistoryError::NotOurs { .. })));
     std::fs::remove_file(&path).unwrap();
     Connection::open(&path).unwrap().execute_batch("CREATE TABLE event (id INTEGER)").unwrap();
-    let why = Reader::open(&path).map(|_| ()).unwrap_err().to_string();
+    let why = HistoryReader::open(&path).map(|_| ()).unwrap_err().to_string();
     assert!(why.ends_with("is no database of a cell (another program's)"), "{why}");
     assert!(matches!(History::open(&path, &c1().about), Err(HistoryError::NotOurs { .. })));
 }

@@ -5,7 +5,7 @@ use std::sync::{Arc, Mutex};
 use std::time::{Duration, Instant};
 
 use linewright_coordinator_cell::Record;
-use linewright_history::{History, HistoryError, Note, Reader, Recorder, Source, What};
+use linewright_history::{EventKind, History, HistoryError, HistoryFeed, HistoryReader, Note, RecordSource};
 use linewright_line::Tick;
 use linewright_simulation::Rng;
 
@@ -24,14 +24,14 @@ impl Log {
         self.0.lock().unwrap().2
     }
 
-    fn begin(&self, path: &Path, of: &Played, queue: usize) -> Recorder {
+    fn begin(&self, path: &Path, of: &Played, queue: usize) -> HistoryFeed {
         let history = History::open(path, &of.about).unwrap();
         let last = self.0.lock().map(|log| log.0 + log.1.len() as u64).unwrap();
-        Recorder::with_queue(history, Box::new(self.clone()), last, queue)
+        HistoryFeed::with_queue(history, Box::new(self.clone()), last, queue)
     }
 }
 
-impl Source for Log {
+impl RecordSource for Log {
     fn read(&mut self, take: &mut dyn FnMut(u64, Record)) -> Result<(), String> {
         let mut log = self.0.lock().unwrap();
         log.2 += 1;
@@ -105,7 +105,7 @@ fn what_a_power_cut_took_is_replaced_by_what_came_instead() {
     let instead: Vec<Record> = of.log[40..].iter().map(later).collect();
     let history = History::open(&path, &of.about).unwrap();
     log.write(&instead[..5]);
-    let mut recorder = Recorder::start(history, Box::new(log.clone()), 40);
+    let mut recorder = HistoryFeed::start(history, Box::new(log.clone()), 40);
     recorder.offer(41, &instead[..5]);
     log.write(&instead[5..]);
     recorder.offer(46, &instead[5..]);
@@ -120,7 +120,7 @@ fn what_the_log_has_forgotten_is_said_to_be_missing() {
     let log = Log(Arc::new(Mutex::new((40, of.log[40..].to_vec(), 0))));
     log.begin(&path, &of, 8).close().unwrap();
     let events = events(&path);
-    assert_eq!(events[0].what, What::Note(Note::Missing { from: 1, to: 40 }));
+    assert_eq!(events[0].what, EventKind::Note(Note::Missing { from: 1, to: 40 }));
     assert_eq!(events.len(), of.log.len() - 40 + 1);
     log.begin(&path, &of, 8).close().unwrap();
     assert_eq!(crate::played::events(&path), events, "and nothing is missing twice");
@@ -162,7 +162,7 @@ fn a_report_is_read_while_a_writer_writes() {
             std::thread::yield_now();
         }
         if at % 4 == 0 {
-            let reader = Reader::open(&path).unwrap();
+            let reader = HistoryReader::open(&path).unwrap();
             let mut records = Vec::new();
             reader.each(Tick::NEVER, |event| records.extend(event.record())).unwrap();
             assert_eq!(records, of.log[..records.len()]);

@@ -6,15 +6,15 @@ use std::time::Duration;
 
 use linewright_cell::net::Supply;
 use linewright_coordinator_cell::Record;
-use linewright_coordinator_cell::described::{Pace, described, dispatcher, sheet};
-use linewright_history::{About, Clock, Event, Reader, What};
+use linewright_coordinator_cell::compile::{OrderTiming, compile_cell, dispatcher, sheet};
+use linewright_history::{CellAbout, EventKind, HistoryEvent, HistoryReader, TimeBase};
 use linewright_line::Tick;
-use linewright_simulation::cell::{CellOptions, CellSim};
+use linewright_simulation::cell::{CellSim, CellSimOptions};
 use tempfile::TempDir;
 
 /// A cell, and everything that has happened to it.
 pub struct Played {
-    pub about: About,
+    pub about: CellAbout,
     pub log: Vec<Record>,
 }
 
@@ -23,17 +23,18 @@ pub fn played(name: &str, parts: &[u32], seed: u64, failing: u64) -> Played {
     let file = Path::new(env!("CARGO_MANIFEST_DIR")).join("../../launch-config/lines").join(name).join("cell.toml");
     let text = std::fs::read_to_string(file).expect("it is there");
     let cell = linewright_cell::parse("cell.toml", &text, None).expect("it is sound").cell;
-    let pace = Pace { refresh: Duration::from_secs(1), grace: Duration::from_secs(1) };
-    let made = described(&cell, None, Supply::Batch(parts), pace).expect("it can be played");
+    let pace = OrderTiming { refresh: Duration::from_secs(1), grace: Duration::from_secs(1) };
+    let made = compile_cell(&cell, None, Supply::Batch(parts), pace).expect("it can be played");
     let table = Arc::new(made.table.clone());
-    let mut sim = CellSim::new(table.clone(), cell.controllers.len(), CellOptions { seed, ..CellOptions::default() });
+    let mut sim =
+        CellSim::new(table.clone(), cell.controllers.len(), CellSimOptions { seed, ..CellSimOptions::default() });
     sim.stations.iter_mut().for_each(|station| station.failing = failing);
     sim.run(&mut dispatcher(&cell, &table), Tick::from_millis(3_600_000));
-    let about = About {
+    let about = CellAbout {
         cell: cell.name.clone(),
         title: cell.title.clone(),
         table: table.digest(),
-        clock: Clock::Unix,
+        clock: TimeBase::Unix,
         stations: cell.controllers.clone(),
         sheet: sheet(&cell, &made),
     };
@@ -52,9 +53,9 @@ pub fn scratch() -> (TempDir, PathBuf) {
 }
 
 /// Everything that a database has.
-pub fn events(path: &Path) -> Vec<Event> {
+pub fn events(path: &Path) -> Vec<HistoryEvent> {
     let mut events = Vec::new();
-    Reader::open(path).expect("opens").each(Tick::NEVER, |event| events.push(event)).expect("reads");
+    HistoryReader::open(path).expect("opens").each(Tick::NEVER, |event| events.push(event)).expect("reads");
     events
 }
 
@@ -62,10 +63,10 @@ pub fn events(path: &Path) -> Vec<Event> {
 pub fn records(path: &Path) -> Vec<Record> {
     let events = events(path);
     let numbers = events.iter().filter_map(|event| match event.what {
-        What::Fact(number, _) => Some(number),
-        What::Note(_) => None,
+        EventKind::Fact(number, _) => Some(number),
+        EventKind::Note(_) => None,
     });
-    let records: Vec<Record> = events.iter().filter_map(Event::record).collect();
+    let records: Vec<Record> = events.iter().filter_map(HistoryEvent::record).collect();
     assert!(numbers.eq(1..=records.len() as u64), "they are numbered as in the log");
     records
 }

@@ -1,8 +1,8 @@
 //! What is written is what is read.
 
 use linewright_coordinator_cell::tracking::Activities;
-use linewright_coordinator_cell::{Fact, FiringId};
-use linewright_history::{Clock, History, HistoryError, Note, Reader, What};
+use linewright_coordinator_cell::{FiringId, RecordKind};
+use linewright_history::{EventKind, History, HistoryError, HistoryReader, Note, TimeBase};
 use linewright_line::Tick;
 use rusqlite::Connection;
 
@@ -24,7 +24,7 @@ fn records_are_what_they_were() {
         assert_eq!(records(&path), of.log, "while it is open for writing");
         drop(history);
         assert_eq!(records(&path), of.log);
-        let reader = Reader::open(&path).unwrap();
+        let reader = HistoryReader::open(&path).unwrap();
         assert_eq!(reader.about(), &of.about);
         let [first, last] = [&of.log[0], &of.log[of.log.len() - 1]].map(|record| record.at);
         assert_eq!(reader.span().unwrap(), Some((first, last)));
@@ -74,15 +74,15 @@ fn notes_lie_between_the_records_of_their_time() {
     let times: Vec<Tick> = events.iter().map(|event| event.at).collect();
     assert!(times.is_sorted());
     let read = events.into_iter().filter_map(|event| match event.what {
-        What::Note(note) => Some((event.at, note)),
-        What::Fact(..) => None,
+        EventKind::Note(note) => Some((event.at, note)),
+        EventKind::Fact(..) => None,
     });
     let mut expected = notes.to_vec();
     expected.sort_by_key(|(at, _)| *at);
     assert_eq!(read.collect::<Vec<_>>(), expected);
     assert_eq!(records(&path), of.log);
     let mut until = 0;
-    Reader::open(&path).unwrap().each(middle, |event| until += usize::from(event.at <= middle)).unwrap();
+    HistoryReader::open(&path).unwrap().each(middle, |event| until += usize::from(event.at <= middle)).unwrap();
     let of_log = of.log.iter().filter(|record| record.at <= middle).count();
     assert_eq!(until, of_log + notes.len(), "nothing that is later");
 }
@@ -93,7 +93,7 @@ fn a_database_is_about_one_cell_and_one_description() {
     let (_dir, path) = scratch();
     drop(History::create(&path, &of.about).unwrap());
     assert!(matches!(History::create(&path, &of.about), Err(HistoryError::Exists { .. })));
-    let refused = |change: &dyn Fn(&mut linewright_history::About)| {
+    let refused = |change: &dyn Fn(&mut linewright_history::CellAbout)| {
         let mut about = of.about.clone();
         change(&mut about);
         History::open(&path, &about).map(|_| ()).unwrap_err().to_string()
@@ -101,12 +101,14 @@ fn a_database_is_about_one_cell_and_one_description() {
     let why = refused(&|about| about.cell = "another".to_owned());
     assert!(why.contains("is about cell `workcell_c1`, not about cell `another`; move it away"), "{why}");
     assert!(refused(&|about| about.table += 1).contains("another description of cell `workcell_c1`"));
-    assert!(refused(&|about| about.clock = Clock::Simulated).contains("is about a cell that has run, not about a sim"));
+    assert!(
+        refused(&|about| about.clock = TimeBase::Simulated).contains("is about a cell that has run, not about a sim")
+    );
     // Other times do not make another cell: the newest are those that reports go by.
     let mut about = of.about.clone();
     about.sheet.modes[0].nominal *= 2;
     drop(History::open(&path, &about).unwrap());
-    assert_eq!(Reader::open(&path).unwrap().about(), &about);
+    assert_eq!(HistoryReader::open(&path).unwrap().about(), &about);
 }
 
 /// The views are for people; they must say what the folds say.
@@ -136,7 +138,7 @@ fn whoever_asks_in_sql_is_told_the_same() {
     let number = |sql: &str| db.query_row(sql, [], |row| row.get::<_, i64>(0)).unwrap();
     assert_eq!(number("SELECT capacity FROM resource WHERE name = 'ST'"), 6);
     let with_part = of.log.iter().filter(|record| match &record.fact {
-        Fact::Started { part, .. } | Fact::Fired { part, .. } => part.is_some_and(|part| part.0 == 2),
+        RecordKind::Started { part, .. } | RecordKind::Fired { part, .. } => part.is_some_and(|part| part.0 == 2),
         _ => false,
     });
     assert_eq!(number("SELECT count(*) FROM event WHERE part = 2"), with_part.count() as i64);

@@ -8,7 +8,7 @@
 use linewright_line::StationId;
 use linewright_line::net::ControlMode;
 
-use super::{Coordinator, Heard, Station};
+use super::{Coordinator, StationEntry, StationView};
 
 impl Coordinator {
     /// Leaves these stations out, and no others: what is wrong with them is an exception of the cell they work in
@@ -23,12 +23,12 @@ impl Coordinator {
     }
 
     /// The stations that the mode depends on. Where people move stations, and in the emergency stop, that is all of them.
-    pub(super) fn counted(&self) -> impl Iterator<Item = (StationId, &Station)> {
+    pub(super) fn counted(&self) -> impl Iterator<Item = (StationId, &StationEntry)> {
         let leaves_out = match self.mode {
             ControlMode::Home | ControlMode::StandBy | ControlMode::Auto => true,
             ControlMode::Hand | ControlMode::Manual | ControlMode::EStop => false,
         };
-        let is_out = move |station: &Station| leaves_out && (station.isolated || station.stopped);
+        let is_out = move |station: &StationEntry| leaves_out && (station.isolated || station.stopped);
         self.line.station_ids().zip(&self.stations).filter(move |(_, station)| !is_out(station))
     }
 
@@ -62,7 +62,7 @@ impl Coordinator {
     }
 
     /// Whether somebody else has stopped a station: another coordinator, or one before that left no journal.
-    pub(super) fn is_stopped_by_another(&self, id: StationId, heard: Heard) -> bool {
+    pub(super) fn is_stopped_by_another(&self, id: StationId, heard: StationView) -> bool {
         let station = &self.stations[id.index()];
         let knows_better = heard.mode_epoch >= self.released.max(station.reset_in);
         heard.estopped && !self.is_stopped(id) && knows_better
@@ -73,7 +73,7 @@ impl Coordinator {
         if !self.mode.enables_motion() || self.enabled {
             return Vec::new();
         }
-        let waits = |s: &Station| !self.is_known(s) || s.heard.mode_epoch < self.epoch;
+        let waits = |s: &StationEntry| !self.is_known(s) || s.heard.mode_epoch < self.epoch;
         self.counted().filter(|&(id, s)| waits(s) || !self.has_founded(id)).map(|(id, _)| id).collect()
     }
 

@@ -5,12 +5,12 @@ use std::time::Duration;
 use linewright_line::net::ControlMode;
 use linewright_line::{StationId, Tick};
 
-use crate::decision::Command;
+use crate::decision::ModeCommand;
 use crate::refusal::Refusal;
 
 /// What the coordinator needs of a station's report.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
-pub struct Heard {
+pub struct StationView {
     /// Which life of the station.
     pub boot_id: u64,
     /// The newest epoch it has heard.
@@ -37,7 +37,7 @@ pub struct Heard {
     pub estopped: bool,
 }
 
-impl Heard {
+impl StationView {
     /// Whether it acts on an epoch of this life: another coordinator may have come to the same number.
     pub(crate) fn acknowledges(&self, life: u64, epoch: u64) -> bool {
         self.mode_epoch >= epoch && (self.follows == life || self.follows == 0)
@@ -46,9 +46,9 @@ impl Heard {
 
 /// An input of the mode decision.
 #[derive(Clone, Copy, Debug)]
-pub enum Input {
+pub enum ModeInput {
     /// An operator's command, by message.
-    Command(Command),
+    Command(ModeCommand),
     /// The console's input image, and whether its devices vouch for it.
     Console {
         /// Bit `i` is input `i` of the console.
@@ -61,7 +61,7 @@ pub enum Input {
     /// The same, from a time that is not known: nothing of it counts, and what it holds is not released by it.
     LateButtons(u32),
     /// A newer report of a station.
-    Station(StationId, Heard),
+    Station(StationId, StationView),
     /// Another coordinator gives orders to this line: its boot id, and until when that counts if it is not heard again.
     /// Nothing moves meanwhile.
     Rival(u64, Tick),
@@ -71,7 +71,7 @@ pub enum Input {
 
 /// The order for every station.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
-pub struct Order {
+pub struct ModeGrant {
     /// Grows with every change of mode.
     pub epoch: u64,
     /// The mode.
@@ -92,7 +92,7 @@ pub struct Order {
 
 /// What a step gives.
 #[derive(Clone, Debug, Default)]
-pub struct Outbox {
+pub struct ModeOutbox {
     /// Send the order and the state now.
     pub changed: bool,
     /// The console's output image: the lamps.

@@ -9,8 +9,8 @@
 
 use linewright_line::StationId;
 
-use super::{Coordinator, Heard};
-use crate::refusal::Reason;
+use super::{Coordinator, StationView};
+use crate::refusal::ModeRefusal;
 
 /// A generation that is being founded.
 #[derive(Clone, Debug)]
@@ -29,7 +29,7 @@ impl Coordinator {
     }
 
     /// The stations whose counts others build on, or that build on others'.
-    fn comparing(&self) -> impl Iterator<Item = (StationId, &Heard)> {
+    fn comparing(&self) -> impl Iterator<Item = (StationId, &StationView)> {
         let all = self.line.station_ids().zip(&self.stations);
         all.filter(|(_, station)| station.compares).map(|(id, station)| (id, &station.heard))
     }
@@ -50,13 +50,13 @@ impl Coordinator {
     }
 
     /// The stations whose generation is missing or differs from the most common one; none while a generation is being founded.
-    pub(super) fn apart(&self) -> Vec<Reason> {
+    pub(super) fn apart(&self) -> Vec<ModeRefusal> {
         if self.founding.is_some() || self.is_of_one_generation() {
             return Vec::new();
         }
         let prevailing = self.prevailing();
         let apart = self.comparing().filter(|(_, heard)| heard.generation == 0 || heard.generation != prevailing);
-        apart.map(|(id, _)| Reason::NoCommonStart(id)).collect()
+        apart.map(|(id, _)| ModeRefusal::NoCommonStart(id)).collect()
     }
 
     /// Draws a generation if the line needs one and all stations stand at home, measured there. Called for a command that leads

@@ -3,11 +3,11 @@
 use linewright_line::net::ControlMode;
 
 use super::Coordinator;
-use crate::decision::Command;
-use crate::refusal::{Reason, Refusal};
+use crate::decision::ModeCommand;
+use crate::refusal::{ModeRefusal, Refusal};
 
 impl Coordinator {
-    pub(super) fn command(&mut self, command: Command) {
+    pub(super) fn command(&mut self, command: ModeCommand) {
         self.changed = true;
         let reasons = self.obey(command);
         if !reasons.is_empty() {
@@ -16,9 +16,9 @@ impl Coordinator {
     }
 
     /// Obeys a command or says why not. Every pair of mode and command is decided here.
-    fn obey(&mut self, command: Command) -> Vec<Reason> {
-        use Command as C;
+    fn obey(&mut self, command: ModeCommand) -> Vec<ModeRefusal> {
         use ControlMode as M;
+        use ModeCommand as C;
         match (self.mode, command) {
             (_, C::EStop) => {
                 self.estop = true;
@@ -26,15 +26,15 @@ impl Coordinator {
                 Vec::new()
             }
             (M::EStop, C::Reset) => self.reset(),
-            (M::EStop, C::Manual) if self.estop => vec![Reason::EStop],
+            (M::EStop, C::Manual) if self.estop => vec![ModeRefusal::EStop],
             (M::EStop, C::Manual) | (M::StandBy, C::Manual) => self.go_manual(),
-            (M::EStop, C::Start | C::Stop | C::Auto | C::Hand) => vec![Reason::EStop],
+            (M::EStop, C::Start | C::Stop | C::Auto | C::Hand) => vec![ModeRefusal::EStop],
             (M::Home, C::Start) => {
                 self.found();
                 self.ask(command, Vec::new())
             }
-            (M::Home, C::Stop) => vec![Reason::Already],
-            (M::Home, C::Auto | C::Hand | C::Manual | C::Reset) => vec![Reason::WrongMode(vec![C::Start])],
+            (M::Home, C::Stop) => vec![ModeRefusal::Already],
+            (M::Home, C::Auto | C::Hand | C::Manual | C::Reset) => vec![ModeRefusal::WrongMode(vec![C::Start])],
             (M::StandBy, C::Start) => {
                 // Start in stand-by is the operator's word that a restarted station has been looked at.
                 let founds = self.found();
@@ -46,10 +46,10 @@ impl Coordinator {
                 let stations = self.line.station_ids().zip(&self.stations).filter(|(_, s)| self.is_known(s));
                 let latest = self.latest_round();
                 let behind = stations.filter(|(_, s)| s.heard.at_home && s.is_behind(latest));
-                reasons.extend(behind.map(|(id, _)| Reason::Behind(id)));
-                reasons.extend(self.which(|h| !h.at_home, Reason::NotAtHome));
+                reasons.extend(behind.map(|(id, _)| ModeRefusal::Behind(id)));
+                reasons.extend(self.which(|h| !h.at_home, ModeRefusal::NotAtHome));
                 reasons.extend(self.against_rest());
-                reasons.extend(self.which(|h| h.selector_manual, Reason::SelectorManual));
+                reasons.extend(self.which(|h| h.selector_manual, ModeRefusal::SelectorManual));
                 self.ask(command, reasons)
             }
             (M::StandBy | M::Hand, C::Auto) => {
@@ -78,60 +78,60 @@ impl Coordinator {
                 self.decide(None);
                 Vec::new()
             }
-            (M::Auto, C::Auto) | (M::Hand, C::Hand) | (M::Manual, C::Manual) => vec![Reason::Already],
-            (M::Auto, C::Hand | C::Manual) => vec![Reason::WrongMode(vec![C::Stop, C::EStop])],
+            (M::Auto, C::Auto) | (M::Hand, C::Hand) | (M::Manual, C::Manual) => vec![ModeRefusal::Already],
+            (M::Auto, C::Hand | C::Manual) => vec![ModeRefusal::WrongMode(vec![C::Stop, C::EStop])],
             (M::Hand, C::Stop) => self.ask(command, Vec::new()),
-            (M::Hand, C::Start | C::Manual) => vec![Reason::WrongMode(vec![C::Auto, C::Stop, C::EStop])],
+            (M::Hand, C::Start | C::Manual) => vec![ModeRefusal::WrongMode(vec![C::Auto, C::Stop, C::EStop])],
             (M::Manual, C::Auto | C::Hand | C::Start | C::Stop) => self.leave_manual(command),
         }
     }
 
     /// Gives the command to the net; if no arc takes it, these are the reasons.
-    fn ask(&mut self, command: Command, reasons: Vec<Reason>) -> Vec<Reason> {
+    fn ask(&mut self, command: ModeCommand, reasons: Vec<ModeRefusal>) -> Vec<ModeRefusal> {
         let before = self.mode;
         self.decide(Some(command));
         if self.mode != before {
             return Vec::new();
         }
-        if reasons.is_empty() { vec![Reason::WrongMode(Vec::new())] } else { reasons }
+        if reasons.is_empty() { vec![ModeRefusal::WrongMode(Vec::new())] } else { reasons }
     }
 
-    fn against_motion(&self) -> Vec<Reason> {
+    fn against_motion(&self) -> Vec<ModeRefusal> {
         let mut reasons = self.troubles();
-        reasons.extend(self.which(|h| h.selector_manual, Reason::SelectorManual));
+        reasons.extend(self.which(|h| h.selector_manual, ModeRefusal::SelectorManual));
         reasons
     }
 
-    fn against_rest(&self) -> Vec<Reason> {
-        let mut reasons = self.which(|h| !h.stopped, Reason::Moving);
-        reasons.extend(self.which(|h| h.stopped && !self.is_at_rest(h), Reason::Unaware));
+    fn against_rest(&self) -> Vec<ModeRefusal> {
+        let mut reasons = self.which(|h| !h.stopped, ModeRefusal::Moving);
+        reasons.extend(self.which(|h| h.stopped && !self.is_at_rest(h), ModeRefusal::Unaware));
         reasons
     }
 
-    fn reset(&mut self) -> Vec<Reason> {
+    fn reset(&mut self) -> Vec<ModeRefusal> {
         if self.journal_lost {
-            return vec![Reason::JournalLost];
+            return vec![ModeRefusal::JournalLost];
         }
         if self.estop_is_pressed() {
-            return vec![Reason::EStopPressed];
+            return vec![ModeRefusal::EStopPressed];
         }
         if self.line.console.estop.is_some() && self.console_was_heard && !self.console.1 {
-            return vec![Reason::ConsoleLost];
+            return vec![ModeRefusal::ConsoleLost];
         }
         if self.line.console.estop.is_some() && self.console_is_unknown() {
-            return vec![Reason::ConsoleNeverHeard];
+            return vec![ModeRefusal::ConsoleNeverHeard];
         }
         self.estop = false;
         self.decide(None);
         Vec::new()
     }
 
-    fn go_manual(&mut self) -> Vec<Reason> {
-        let mut reasons = self.which(|h| !h.stopped, Reason::Moving);
+    fn go_manual(&mut self) -> Vec<ModeRefusal> {
+        let mut reasons = self.which(|h| !h.stopped, ModeRefusal::Moving);
         reasons.extend(self.unheard());
-        reasons.extend(self.rival().map(Reason::OtherCoordinator));
+        reasons.extend(self.rival().map(ModeRefusal::OtherCoordinator));
         if self.console_is_unknown() {
-            reasons.push(Reason::ConsoleNeverHeard);
+            reasons.push(ModeRefusal::ConsoleNeverHeard);
         }
         if reasons.is_empty() {
             // Who has not acknowledged stand-by yet does so in a moment, and the mode follows then.
@@ -142,12 +142,12 @@ impl Coordinator {
     }
 
     /// Out of manual by command, if only a command led in: back to stand-by and, in the same breath, further.
-    fn leave_manual(&mut self, command: Command) -> Vec<Reason> {
-        let selectors = self.which(|h| h.selector_manual, Reason::SelectorManual);
+    fn leave_manual(&mut self, command: ModeCommand) -> Vec<ModeRefusal> {
+        let selectors = self.which(|h| h.selector_manual, ModeRefusal::SelectorManual);
         if !selectors.is_empty() {
             return selectors;
         }
-        if matches!(command, Command::Auto | Command::Hand) {
+        if matches!(command, ModeCommand::Auto | ModeCommand::Hand) {
             self.found();
             let reasons = self.against_motion();
             if !reasons.is_empty() {
@@ -156,12 +156,12 @@ impl Coordinator {
         }
         self.manual_all = false;
         self.decide(None);
-        if command == Command::Start { Vec::new() } else { self.obey(command) }
+        if command == ModeCommand::Start { Vec::new() } else { self.obey(command) }
     }
 
-    fn acknowledge_restarts(&mut self) -> Vec<Reason> {
+    fn acknowledge_restarts(&mut self) -> Vec<ModeRefusal> {
         if !self.stations.iter().any(|s| s.restarted) {
-            return vec![Reason::Already];
+            return vec![ModeRefusal::Already];
         }
         for station in &mut self.stations {
             station.restarted = false;

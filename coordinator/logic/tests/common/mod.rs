@@ -2,7 +2,7 @@
 
 use std::time::Duration;
 
-use linewright_coordinator_logic::{Command, Coordinator, Heard, Input, Outbox};
+use linewright_coordinator_logic::{Coordinator, ModeCommand, ModeInput, ModeOutbox, StationView};
 use linewright_line::net::ControlMode;
 use linewright_line::{Line, Rest, RestId, StationId, Task, Tick, TransferLine, parse};
 
@@ -17,8 +17,8 @@ pub struct Bench {
     pub line: Line,
     pub coordinator: Coordinator,
     pub now: Tick,
-    pub heard: Vec<Heard>,
-    pub out: Outbox,
+    pub heard: Vec<StationView>,
+    pub out: ModeOutbox,
     /// Whether the stations acknowledge epochs.
     pub acknowledge: bool,
 }
@@ -37,20 +37,26 @@ impl Bench {
         let mut bench = Bench::of_unheard_console(line, last_epoch);
         let untouched = bench.line.console.estop.filter(|contact| !contact.pressed);
         let bits = untouched.map_or(0, |contact| 1 << contact.input.0);
-        bench.input(Input::Console { bits, valid: true });
+        bench.input(ModeInput::Console { bits, valid: true });
         bench
     }
 
     /// The console's devices are not up yet.
     pub fn of_unheard_console(line: Line, last_epoch: u64) -> Self {
-        let heard =
-            Heard { boot_id: 7, at_home: true, stopped: true, devices_valid: true, generation: 1, ..Heard::default() };
+        let heard = StationView {
+            boot_id: 7,
+            at_home: true,
+            stopped: true,
+            devices_valid: true,
+            generation: 1,
+            ..StationView::default()
+        };
         let mut bench = Bench {
             coordinator: Coordinator::new(line.clone(), 1, last_epoch),
             heard: vec![heard; line.stations.len()],
             line,
             now: Tick::from_millis(1000),
-            out: Outbox::default(),
+            out: ModeOutbox::default(),
             acknowledge: true,
         };
         bench.beat();
@@ -76,13 +82,13 @@ impl Bench {
     /// A bench in this mode, by commands alone.
     pub fn in_mode(mode: ControlMode) -> Self {
         let mut bench = Bench::new();
-        let commands: &[Command] = match mode {
+        let commands: &[ModeCommand] = match mode {
             ControlMode::Home => &[],
-            ControlMode::StandBy => &[Command::Start],
-            ControlMode::Auto => &[Command::Start, Command::Auto],
-            ControlMode::Hand => &[Command::Start, Command::Hand],
-            ControlMode::Manual => &[Command::Start, Command::Manual],
-            ControlMode::EStop => &[Command::EStop],
+            ControlMode::StandBy => &[ModeCommand::Start],
+            ControlMode::Auto => &[ModeCommand::Start, ModeCommand::Auto],
+            ControlMode::Hand => &[ModeCommand::Start, ModeCommand::Hand],
+            ControlMode::Manual => &[ModeCommand::Start, ModeCommand::Manual],
+            ControlMode::EStop => &[ModeCommand::EStop],
         };
         for &command in commands {
             assert_eq!(bench.command(command), None);
@@ -109,10 +115,10 @@ impl Bench {
 
     /// One station reports as it stands.
     pub fn say(&mut self, station: usize) {
-        self.input(Input::Station(StationId::at(station), self.heard[station]));
+        self.input(ModeInput::Station(StationId::at(station), self.heard[station]));
     }
 
-    pub fn input(&mut self, input: Input) {
+    pub fn input(&mut self, input: ModeInput) {
         self.coordinator.handle(self.now, input);
         self.coordinator.step(self.now, &mut self.out);
     }
@@ -124,9 +130,9 @@ impl Bench {
     }
 
     /// Gives a command; the refusal in words if it was refused.
-    pub fn command(&mut self, command: Command) -> Option<String> {
+    pub fn command(&mut self, command: ModeCommand) -> Option<String> {
         self.out.refusals.clear();
-        self.input(Input::Command(command));
+        self.input(ModeInput::Command(command));
         let refusal = self.out.refusals.first().map(|refusal| refusal.text(&self.line));
         self.beat();
         refusal

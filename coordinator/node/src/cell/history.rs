@@ -8,27 +8,27 @@
 use std::path::{Path, PathBuf};
 
 use linewright_cell::Cell;
-use linewright_coordinator_cell::described::{Described, sheet};
-use linewright_coordinator_cell::{Outbox, Record, Snapshot, State};
-use linewright_history::{About, Clock, History, HistoryError, Note, Recorder, Source};
+use linewright_coordinator_cell::compile::{CompiledCell, sheet};
+use linewright_coordinator_cell::{CellSnapshot, PlayerOutbox, PlayerState, Record};
+use linewright_history::{CellAbout, History, HistoryError, HistoryFeed, Note, RecordSource, TimeBase};
 use linewright_line::{Line, Tick};
-use linewright_node_shell::log::{Entry, Log};
+use linewright_node_shell::log::{LogEntry, RecordLog};
 
 /// Feeds a database.
 #[derive(Debug)]
 pub struct Chronicle {
-    recorder: Recorder,
+    recorder: HistoryFeed,
 }
 
 impl Chronicle {
     /// Begins a life: `state` is what the log at `log` says, which is the one that is written from here on.
-    pub fn begin(history: History, log: &Path, state: &State) -> Self {
+    pub fn begin(history: History, log: &Path, state: &PlayerState) -> Self {
         let source = OfLog { path: log.to_owned() };
-        Chronicle { recorder: Recorder::start(history, Box::new(source), state.sequence()) }
+        Chronicle { recorder: HistoryFeed::start(history, Box::new(source), state.sequence()) }
     }
 
     /// Tells what a step has left, after it is in the log. `state` is what the step has led to.
-    pub fn tell(&mut self, state: &State, out: &Outbox) {
+    pub fn tell(&mut self, state: &PlayerState, out: &PlayerOutbox) {
         let first = state.sequence() + 1 - out.records.len() as u64;
         self.recorder.offer(first, &out.records);
     }
@@ -39,7 +39,7 @@ impl Chronicle {
     }
 
     /// Whether everything that has led to a state is in the database.
-    pub fn has(&self, state: &State) -> bool {
+    pub fn has(&self, state: &PlayerState) -> bool {
         self.recorder.newest() >= state.sequence()
     }
 
@@ -58,12 +58,16 @@ impl Chronicle {
 }
 
 /// Opens the database beside the log in `dir`, or makes one. Where it cannot be used that is said, and the cell does without.
-pub(super) fn begin(dir: &Path, (cell, line, made): (&Cell, &Line, &Described), state: &State) -> Option<Chronicle> {
-    let about = About {
+pub(super) fn begin(
+    dir: &Path,
+    (cell, line, made): (&Cell, &Line, &CompiledCell),
+    state: &PlayerState,
+) -> Option<Chronicle> {
+    let about = CellAbout {
         cell: cell.name.clone(),
         title: cell.title.clone(),
         table: made.table.digest(),
-        clock: Clock::Unix,
+        clock: TimeBase::Unix,
         stations: line.stations.iter().map(|station| station.name.clone()).collect(),
         sheet: sheet(cell, made),
     };
@@ -81,18 +85,18 @@ struct OfLog {
     path: PathBuf,
 }
 
-impl Source for OfLog {
+impl RecordSource for OfLog {
     fn read(&mut self, take: &mut dyn FnMut(u64, Record)) -> Result<(), String> {
         let mut number = 0;
-        let read = Log::read(&self.path, |entry| {
+        let read = RecordLog::read(&self.path, |entry| {
             match entry {
                 // Whoever writes it has looked at that.
-                Entry::Identity(_) => (),
-                Entry::Snapshot(bytes) => {
-                    let snapshot: Snapshot = serde_json::from_slice(bytes).map_err(|error| error.to_string())?;
+                LogEntry::Identity(_) => (),
+                LogEntry::Snapshot(bytes) => {
+                    let snapshot: CellSnapshot = serde_json::from_slice(bytes).map_err(|error| error.to_string())?;
                     number = snapshot.sequence();
                 }
-                Entry::Record(bytes) => {
+                LogEntry::Record(bytes) => {
                     number += 1;
                     take(number, serde_json::from_slice(bytes).map_err(|error| error.to_string())?);
                 }

@@ -13,8 +13,8 @@
 use std::path::{Path, PathBuf};
 use std::sync::Arc;
 
-use linewright_coordinator_cell::{CellTable, Outbox, Record, Snapshot, State};
-use linewright_node_shell::log::{Entry, Log, LogError};
+use linewright_coordinator_cell::{CellSnapshot, CellTable, PlayerOutbox, PlayerState, Record};
+use linewright_node_shell::log::{LogEntry, LogError, RecordLog};
 use serde::{Deserialize, Serialize};
 use thiserror::Error;
 
@@ -72,7 +72,7 @@ impl Identity {
 /// The log of a cell, open for writing.
 #[derive(Debug)]
 pub struct CellLog {
-    log: Log,
+    log: RecordLog,
     /// Since the last snapshot.
     records: u64,
 }
@@ -83,7 +83,7 @@ pub struct Found {
     /// To go on with.
     pub log: CellLog,
     /// What it says.
-    pub state: State,
+    pub state: PlayerState,
     /// How many bytes at its end were torn, and cut off.
     pub cut: u64,
 }
@@ -95,20 +95,20 @@ impl CellLog {
     /// When there is a log and it cannot be used, or is about another cell or another description of it.
     pub fn open(path: &Path, cell: &str, table: &Arc<CellTable>) -> Result<Found, CellLogError> {
         let expected = Identity { format: FORMAT, cell: cell.to_owned(), table: format!("{:016x}", table.digest()) };
-        let (mut state, mut records) = (State::new(table.clone()), 0);
+        let (mut state, mut records) = (PlayerState::new(table.clone()), 0);
         let mut difference = None;
-        let opened = Log::open(path, &serde_json::to_vec(&expected)?, |entry| match entry {
-            Entry::Identity(bytes) => {
+        let opened = RecordLog::open(path, &serde_json::to_vec(&expected)?, |entry| match entry {
+            LogEntry::Identity(bytes) => {
                 let is: Identity = serde_json::from_slice(bytes).map_err(|_| "it is no log of a cell".to_owned())?;
                 difference = is.difference(&expected);
                 difference.as_ref().map_or(Ok(()), |(is, _)| Err(is.clone()))
             }
-            Entry::Snapshot(bytes) => {
-                let snapshot: Snapshot = serde_json::from_slice(bytes).map_err(|error| error.to_string())?;
-                state = State::restore(table.clone(), snapshot).map_err(|misfit| misfit.to_string())?;
+            LogEntry::Snapshot(bytes) => {
+                let snapshot: CellSnapshot = serde_json::from_slice(bytes).map_err(|error| error.to_string())?;
+                state = PlayerState::restore(table.clone(), snapshot).map_err(|misfit| misfit.to_string())?;
                 Ok(())
             }
-            Entry::Record(bytes) => {
+            LogEntry::Record(bytes) => {
                 let record: Record = serde_json::from_slice(bytes).map_err(|error| error.to_string())?;
                 records += 1;
                 state.apply(&record).map_err(|misfit| misfit.to_string())
@@ -125,7 +125,7 @@ impl CellLog {
     ///
     /// # Errors
     /// When it cannot be written. Nothing of it may then be sent.
-    pub fn write(&mut self, out: &Outbox) -> Result<(), CellLogError> {
+    pub fn write(&mut self, out: &PlayerOutbox) -> Result<(), CellLogError> {
         self.append(&out.records)?;
         if !out.sends.is_empty() || !out.replies.is_empty() {
             self.log.sync()?;
@@ -161,7 +161,7 @@ impl CellLog {
     ///
     /// # Errors
     /// When it cannot be written.
-    pub fn begin_anew(&mut self, state: &State) -> Result<(), CellLogError> {
+    pub fn begin_anew(&mut self, state: &PlayerState) -> Result<(), CellLogError> {
         self.log.begin_anew(&serde_json::to_vec(&state.snapshot())?)?;
         self.records = 0;
         Ok(())
@@ -178,8 +178,8 @@ pub(super) fn known(
     dir: Option<&Path>,
     cell: &str,
     table: &Arc<CellTable>,
-) -> Result<(State, Option<CellLog>), CellLogError> {
-    let Some(dir) = dir else { return Ok((State::new(table.clone()), None)) };
+) -> Result<(PlayerState, Option<CellLog>), CellLogError> {
+    let Some(dir) = dir else { return Ok((PlayerState::new(table.clone()), None)) };
     let found = CellLog::open(&dir.join("cell.log"), cell, table)?;
     if found.cut > 0 {
         tracing::warn!("the log's last {} bytes were torn, and are cut off", found.cut);

@@ -3,8 +3,10 @@
 //! The player replies to production orders by tickets. To what is said of alarms and resources it only objects: whoever said
 //! it in a step that did not is believed.
 
-use linewright_coordinator_cell::exception::{Asked, Objection};
-use linewright_coordinator_cell::{Denied, Event, Outbox, ProductionId, State, Ticket};
+use linewright_coordinator_cell::exception::{AlarmAnswerRefusal, ResourceRequest};
+use linewright_coordinator_cell::{
+    CellEvent, PlayerOutbox, PlayerState, ProductionCommandError, ProductionId, RequestId,
+};
 use linewright_line::Line;
 use linewright_msgs::{
     AnswerAlarm, AnswerAlarmResponse, ChangeOrder, ChangeOrderResponse, SetResource, SetResourceResponse, SubmitOrders,
@@ -29,26 +31,26 @@ pub enum Operator {
 /// Everybody who waits.
 #[derive(Default)]
 pub struct People {
-    tickets: Ticket,
-    customers: Vec<(Ticket, Customer)>,
-    operators: Vec<(Asked, Operator)>,
+    tickets: RequestId,
+    customers: Vec<(RequestId, Customer)>,
+    operators: Vec<(ResourceRequest, Operator)>,
 }
 
 impl People {
     /// A ticket for somebody who wants something made, or not to be made.
-    pub fn ticket(&mut self, customer: Customer) -> Ticket {
+    pub fn ticket(&mut self, customer: Customer) -> RequestId {
         self.tickets += 1;
         self.customers.push((self.tickets, customer));
         self.tickets
     }
 
     /// Somebody who says something in the next step.
-    pub fn expect(&mut self, asked: Asked, operator: Operator) {
+    pub fn expect(&mut self, asked: ResourceRequest, operator: Operator) {
         self.operators.push((asked, operator));
     }
 
     /// Replies to everybody whom a step has concerned, when it is on disk.
-    pub fn reply(&mut self, line: &Line, state: &State, out: &mut Outbox) {
+    pub fn reply(&mut self, line: &Line, state: &PlayerState, out: &mut PlayerOutbox) {
         for (ticket, reply) in out.replies.drain(..) {
             if let Some(at) = self.customers.iter().position(|(known, _)| *known == ticket) {
                 let (_, customer) = self.customers.swap_remove(at);
@@ -57,18 +59,19 @@ impl People {
         }
         for (asked, operator) in self.operators.drain(..) {
             let objection = out.events.iter().find_map(|event| match event {
-                Event::Objected { to, why } if *to == asked => Some(*why),
-                Event::Objected { .. } | Event::BadAnswer { .. } | Event::Superseded { .. } | Event::Busy { .. } => {
-                    None
-                }
+                CellEvent::Objected { to, why } if *to == asked => Some(*why),
+                CellEvent::Objected { .. }
+                | CellEvent::BadAnswer { .. }
+                | CellEvent::Superseded { .. }
+                | CellEvent::Busy { .. } => None,
             });
-            operator.hear(objection.map(|why: Objection| refused(line, state, asked, why)));
+            operator.hear(objection.map(|why: AlarmAnswerRefusal| refused(line, state, asked, why)));
         }
     }
 }
 
 impl Customer {
-    fn hear(self, reply: Result<Vec<ProductionId>, Denied>) {
+    fn hear(self, reply: Result<Vec<ProductionId>, ProductionCommandError>) {
         match self {
             Customer::Submit(to) => to.send(match reply {
                 Ok(ids) => SubmitOrdersResponse {
@@ -77,8 +80,8 @@ impl Customer {
                     problems: Vec::new(),
                 },
                 Err(denied) => denied_all(match denied {
-                    Denied::Request(wrongs) => wrongs.iter().map(ToString::to_string).collect(),
-                    Denied::Order(_) | Denied::Superseded => vec![denied.to_string()],
+                    ProductionCommandError::Request(wrongs) => wrongs.iter().map(ToString::to_string).collect(),
+                    ProductionCommandError::Order(_) | ProductionCommandError::Superseded => vec![denied.to_string()],
                 }),
             }),
             Customer::Change(to) => to.send(match reply {

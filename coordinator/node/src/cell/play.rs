@@ -10,20 +10,20 @@ use std::time::{Duration, SystemTime};
 
 use linewright_cell::Cell;
 use linewright_cell::net::Supply;
-use linewright_coordinator_cell::described::{Pace, Unplayable, described, foreman};
-use linewright_coordinator_cell::dispatch::Ways;
+use linewright_coordinator_cell::compile::{OrderTiming, Unplayable, compile_cell, schedule_follower};
+use linewright_coordinator_cell::dispatch::ShortestRoutes;
 use linewright_coordinator_cell::dispatch::words::Reasons;
-use linewright_coordinator_cell::exception::{Asked, Handling, Unable};
-use linewright_coordinator_cell::production::Request;
-use linewright_coordinator_cell::schedule::{Bar, Foreman};
+use linewright_coordinator_cell::exception::{RecoveryPolicy, ResourceRequest, StationUnavailable};
+use linewright_coordinator_cell::production::ProductionOrderRequest;
+use linewright_coordinator_cell::schedule::{PlanActualBar, ScheduleFollower};
 use linewright_coordinator_cell::{
-    AlarmId, Coordination, Event, Fact, Heard, Input, OldEpoch, OrderKey, Outbox, ProductionCommand, Reply as Answered,
-    Send, Ticket,
+    AlarmId, CellEvent, CellMessage, Coordination, OldEpoch, OrderKey, PlayerInput, PlayerOutbox, ProductionCommand,
+    RecordKind, Reply as Answered, RequestId, TaskReport,
 };
 use linewright_history::Note;
 use linewright_line::{InputId, Line, StationId, Tick};
 use linewright_msgs::{CellState, SetResourceRequest, SetResourceResponse, SubmitOrders, WhyNotResponse};
-use linewright_node_shell::{Forward, Node, Reply, TopicError, fresh_key, stamp};
+use linewright_node_shell::{Forward, Reply, RosNode, TopicError, fresh_key, stamp};
 use linewright_station_node::quoted;
 use linewright_station_shell::NewestBySequence;
 use thiserror::Error;
@@ -99,7 +99,7 @@ impl Playing {
     ///
     /// # Errors
     /// When it cannot begin.
-    pub fn open(options: CellOptions, node: &mut Node) -> Result<Self, CellError> {
+    pub fn open(options: CellOptions, node: &mut RosNode) -> Result<Self, CellError> {
         let (says, from, tasks) = open(node, &options.line)?;
         let (say, situation) = watch::channel(Situation::new(options.line.stations.len()));
         let (tell_apart, apart) = watch::channel(Apart::default());
@@ -161,30 +161,30 @@ impl Playing {
 
 /// Something for the token player.
 enum Told {
-    State(StationId, Heard),
+    State(StationId, TaskReport),
     Reply(StationId, OrderKey, Answered),
     Secured(StationId, OrderKey, Answered),
-    Submit(Ticket, Vec<Request>),
-    Cancel(Ticket, String),
-    Withdraw(Ticket, String),
-    Say(Asked, String),
+    Submit(RequestId, Vec<ProductionOrderRequest>),
+    Cancel(RequestId, String),
+    Withdraw(RequestId, String),
+    Say(ResourceRequest, String),
 }
 
 impl Told {
-    fn input(&self) -> Input<'_> {
+    fn input(&self) -> PlayerInput<'_> {
         match self {
-            Told::State(station, heard) => Input::Station(*station, heard),
-            Told::Reply(station, key, reply) => Input::Reply(*station, *key, *reply),
-            Told::Secured(station, key, reply) => Input::Secured(*station, *key, *reply),
-            Told::Submit(ticket, requests) => Input::Production(*ticket, ProductionCommand::Submit(requests)),
-            Told::Cancel(ticket, name) => Input::Production(*ticket, ProductionCommand::Cancel(name)),
-            Told::Withdraw(ticket, name) => Input::Production(*ticket, ProductionCommand::Withdraw(name)),
+            Told::State(station, heard) => PlayerInput::Station(*station, heard),
+            Told::Reply(station, key, reply) => PlayerInput::Reply(*station, *key, *reply),
+            Told::Secured(station, key, reply) => PlayerInput::Secured(*station, *key, *reply),
+            Told::Submit(ticket, requests) => PlayerInput::Production(*ticket, ProductionCommand::Submit(requests)),
+            Told::Cancel(ticket, name) => PlayerInput::Production(*ticket, ProductionCommand::Cancel(name)),
+            Told::Withdraw(ticket, name) => PlayerInput::Production(*ticket, ProductionCommand::Withdraw(name)),
             Told::Say(said, text) => match *said {
-                Asked::Answer(alarm) => Input::Answer { alarm, word: text },
-                Asked::Alarm(resource) => Input::Alarm { resource, text },
-                Asked::Down(resource) => Input::Resource { resource, up: false },
-                Asked::Up(resource) => Input::Resource { resource, up: true },
-                Asked::Reset(station) => Input::Reset(station),
+                ResourceRequest::Answer(alarm) => PlayerInput::Answer { alarm, word: text },
+                ResourceRequest::Alarm(resource) => PlayerInput::Alarm { resource, text },
+                ResourceRequest::Down(resource) => PlayerInput::Resource { resource, up: false },
+                ResourceRequest::Up(resource) => PlayerInput::Resource { resource, up: true },
+                ResourceRequest::Reset(station) => PlayerInput::Reset(station),
             },
         }
     }
@@ -192,10 +192,10 @@ impl Told {
 
 struct Player {
     line: Line,
-    ways: Ways,
+    ways: ShortestRoutes,
     reasons: Reasons,
     coordination: Coordination,
-    foreman: Foreman,
+    follower: ScheduleFollower,
     log: Option<CellLog>,
     /// The database beside the log; none where there is no log, or it could not be used.
     chronicle: Option<Chronicle>,
@@ -211,7 +211,7 @@ struct Player {
     told: Vec<Told>,
     people: People,
     /// Why stations could do nothing now, as they say; and the inputs that see their parts.
-    unable: Vec<Option<Unable>>,
+    unable: Vec<Option<StationUnavailable>>,
     sensors: Vec<Option<InputId>>,
     apart: watch::Sender<Apart>,
     message: CellState,
@@ -229,21 +229,21 @@ impl Player {
         apart: watch::Sender<Apart>,
     ) -> Result<Self, CellError> {
         let CellOptions { cell, line, state_dir, boot_id } = options;
-        let pace = Pace { refresh: line.timing.stale, grace: line.timing.stale * 2 };
-        let mut made = described(&cell, Some(&line), Supply::Open, pace)?;
-        let handling = Handling { stale: Some(line.timing.stale * LOST), ..made.table.handling().clone() };
+        let pace = OrderTiming { refresh: line.timing.stale, grace: line.timing.stale * 2 };
+        let mut made = compile_cell(&cell, Some(&line), Supply::Open, pace)?;
+        let handling = RecoveryPolicy { stale: Some(line.timing.stale * LOST), ..made.table.handling().clone() };
         made.table = made.table.with_handling(handling);
         let table = Arc::new(made.table.clone());
         let (state, mut log) = known(state_dir.as_deref(), &cell.name, &table)?;
         let mut chronicle =
             log.as_ref().and(state_dir.as_deref()).and_then(|dir| begin(dir, (&cell, &line, &made), &state));
-        let foreman = foreman(&cell, &made, &state);
+        let follower = schedule_follower(&cell, &made, &state);
         let wall = SystemTime::now().duration_since(SystemTime::UNIX_EPOCH).unwrap_or_default();
         // A clock that was set back does not stop what is timed: time goes on from the newest record.
         let origin = (Tick::ZERO + wall).max(state.now());
         // Stations remember lives whose log is gone; a second is long enough for none to begin twice.
         let epoch = (state.epoch() + 1).max(wall.as_secs());
-        let mut out = Outbox::default();
+        let mut out = PlayerOutbox::default();
         let coordination = Coordination::begin(state, origin, epoch, &mut out)?;
         if let Some(log) = &mut log {
             log.write(&out)?;
@@ -252,10 +252,10 @@ impl Player {
             chronicle.tell(coordination.state(), &out);
         }
         Ok(Player {
-            ways: Ways::new(&table),
+            ways: ShortestRoutes::new(&table),
             reasons: Reasons::default(),
             coordination,
-            foreman,
+            follower,
             log,
             chronicle,
             noted: Situation::new(line.stations.len()),
@@ -330,7 +330,7 @@ impl Player {
             }
             News::Answer(alarm, word, by, reply) => {
                 tracing::info!("alarm {alarm}: {} says {}", quoted(&by), quoted(&word));
-                self.say(Asked::Answer(AlarmId(alarm)), word, Operator::Answer(reply));
+                self.say(ResourceRequest::Answer(AlarmId(alarm)), word, Operator::Answer(reply));
             }
             News::Resource(said, reply) => {
                 let SetResourceRequest { resource, what, text, by } = said;
@@ -357,7 +357,7 @@ impl Player {
         }
     }
 
-    fn say(&mut self, said: Asked, text: String, operator: Operator) {
+    fn say(&mut self, said: ResourceRequest, text: String, operator: Operator) {
         self.told.push(Told::Say(said, text));
         self.people.expect(said, operator);
     }
@@ -382,10 +382,10 @@ impl Player {
     fn act(&mut self) -> Result<(), CellError> {
         let (now, may_start) = (self.now(), self.situation.borrow_and_update().starts);
         let told = std::mem::take(&mut self.told);
-        let mut inputs = vec![Input::Starts(may_start)];
+        let mut inputs = vec![PlayerInput::Starts(may_start)];
         inputs.extend(told.iter().map(Told::input));
-        let mut out = Outbox::default();
-        self.coordination.step(now, &inputs, &mut self.foreman, &mut out);
+        let mut out = PlayerOutbox::default();
+        self.coordination.step(now, &inputs, &mut self.follower, &mut out);
         // Like the line's, a station's emergency stop is in force before it is written down.
         self.tell_apart(true);
         if let Some(log) = &mut self.log {
@@ -396,8 +396,8 @@ impl Player {
         out.records.iter().for_each(|record| self.reasons.note(record));
         for send in &out.sends {
             match send {
-                Send::Order(order) => self.says.order(order),
-                Send::Secure { station, key, stop } => self.says.secure(*station, *key, *stop),
+                CellMessage::Order(order) => self.says.order(order),
+                CellMessage::Secure { station, key, stop } => self.says.secure(*station, *key, *stop),
             }
         }
         self.people.reply(&self.line, self.coordination.state(), &mut out);
@@ -434,7 +434,7 @@ impl Player {
     }
 
     /// Tells the database, which may fail: the cell goes on without.
-    fn note(&mut self, now: Tick, out: &Outbox) {
+    fn note(&mut self, now: Tick, out: &PlayerOutbox) {
         let Some(chronicle) = &mut self.chronicle else { return };
         if let Some(why) = chronicle.failed() {
             tracing::error!("nothing more is written into the database: {why}");
@@ -443,10 +443,11 @@ impl Player {
         }
         chronicle.tell(self.coordination.state(), out);
         for record in &out.records {
-            let Fact::Started { firing, mode, part, orders: _ } = record.fact else { continue };
-            let is_its =
-                |bar: &Bar| (bar.mode, bar.part, bar.actual.map(|(began, _)| began)) == (mode, part, Some(record.at));
-            if let Some((from, to)) = self.foreman.bars().find(is_its).and_then(|bar| bar.promised) {
+            let RecordKind::Started { firing, mode, part, orders: _ } = record.fact else { continue };
+            let is_its = |bar: &PlanActualBar| {
+                (bar.mode, bar.part, bar.actual.map(|(began, _)| began)) == (mode, part, Some(record.at))
+            };
+            if let Some((from, to)) = self.follower.bars().find(is_its).and_then(|bar| bar.promised) {
                 chronicle.note(record.at, Note::Planned { firing, from, to });
             }
         }
@@ -457,22 +458,22 @@ impl Player {
         }
     }
 
-    fn event(&self, event: Event) -> Result<(), CellError> {
+    fn event(&self, event: CellEvent) -> Result<(), CellError> {
         match event {
-            Event::BadAnswer { question, why } => {
+            CellEvent::BadAnswer { question, why } => {
                 tracing::error!(
                     "question {question}: the dispatcher's answer cannot be followed, first come first served: {why}"
                 );
                 Ok(())
             }
             // Whoever asked is told.
-            Event::Objected { .. } => Ok(()),
-            Event::Busy { mode } => {
+            CellEvent::Objected { .. } => Ok(()),
+            CellEvent::Busy { mode } => {
                 let name = self.coordination.state().table().mode_name(mode).to_owned();
                 tracing::warn!("very much happens at one moment, `{name}` last");
                 Ok(())
             }
-            Event::Superseded { by, epoch } => {
+            CellEvent::Superseded { by, epoch } => {
                 Err(CellError::Superseded { station: self.line.station(by).name.clone(), epoch })
             }
         }

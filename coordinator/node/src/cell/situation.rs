@@ -3,7 +3,7 @@
 
 use std::collections::BTreeSet;
 
-use linewright_coordinator_cell::State;
+use linewright_coordinator_cell::PlayerState;
 use linewright_coordinator_cell::exception::isolated;
 use linewright_history::Note;
 use linewright_line::StationId;
@@ -33,7 +33,7 @@ pub struct Apart {
 
 impl Apart {
     /// As it follows from what is known of the cell.
-    pub fn of(state: &State) -> Self {
+    pub fn of(state: &PlayerState) -> Self {
         Apart { isolated: isolated(state), stopped: state.exceptions().stopped().collect() }
     }
 }

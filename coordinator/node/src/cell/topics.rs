@@ -6,7 +6,9 @@ use linewright_msgs::{
     AnswerAlarm, CellState, ChangeOrder, OrderState, RunTask, SecureOrder, SetResource, SetResourceRequest,
     StationState, SubmitOrders, SubmitOrdersRequest, WhyNot,
 };
-use linewright_node_shell::{ActionCaller, Forward, Mapping, Node, Publisher, Reply, TopicError, forward, qos, serve};
+use linewright_node_shell::{
+    ActionCaller, Forward, Mapping, Publisher, Reply, RosNode, TopicError, forward, qos, serve,
+};
 use tokio::sync::mpsc;
 
 use super::wire;
@@ -69,7 +71,7 @@ impl Says {
 const QUEUE: usize = 1024;
 
 /// Opens every topic and service of a cell.
-pub fn open(node: &mut Node, line: &Line) -> Result<(Says, mpsc::Receiver<News>, Vec<Forward>), TopicError> {
+pub fn open(node: &mut RosNode, line: &Line) -> Result<(Says, mpsc::Receiver<News>, Vec<Forward>), TopicError> {
     let (to, from) = mpsc::channel(QUEUE);
     let mut tasks = vec![
         serve(node.service::<SubmitOrders>("~/submit_order")?, to.clone(), News::Submit),

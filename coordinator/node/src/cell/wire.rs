@@ -3,9 +3,9 @@
 //! Times are the player's own: microseconds since 1970, as messages have them in seconds and nanoseconds.
 
 use linewright_cell::Cell;
-use linewright_coordinator_cell::exception::{Asked, Presence, Unable};
-use linewright_coordinator_cell::production::Request;
-use linewright_coordinator_cell::{Heard, OrderMessage, State};
+use linewright_coordinator_cell::exception::{Presence, ResourceRequest, StationUnavailable};
+use linewright_coordinator_cell::production::ProductionOrderRequest;
+use linewright_coordinator_cell::{OrderMessage, PlayerState, TaskReport};
 use linewright_line::{InputId, Line, Tick, suggestion};
 use linewright_msgs::{
     OrderEnd, OrderState, ProductionRequest, RunTaskGoal, RunTaskResult, SetResourceRequest, StationState, Time,
@@ -13,14 +13,14 @@ use linewright_msgs::{
 use linewright_orders::{Failure, OrderKey, Outcome, Refusal, Reply};
 
 /// Why a station could do nothing now, as its state says.
-pub fn unable(state: &StationState) -> Option<Unable> {
+pub fn unable(state: &StationState) -> Option<StationUnavailable> {
     let by_hand = [StationState::MODE_HAND, StationState::MODE_MANUAL].contains(&state.mode);
     if !state.devices_valid {
-        Some(Unable::Devices)
+        Some(StationUnavailable::Devices)
     } else if !state.incomplete.is_empty() {
-        Some(Unable::Incomplete)
+        Some(StationUnavailable::Incomplete)
     } else if by_hand || state.selector_manual {
-        Some(Unable::ByHand)
+        Some(StationUnavailable::ByHand)
     } else {
         None
     }
@@ -51,9 +51,13 @@ fn presence(message: &OrderState, sensor: Option<InputId>) -> Presence {
 
 /// What a station says of its orders, with what else is known of it; and what it has refused for good. The input is that of
 /// the sensor which sees its part.
-pub fn heard(message: &OrderState, unable: Option<Unable>, sensor: Option<InputId>) -> (Heard, Vec<(OrderKey, Reply)>) {
+pub fn heard(
+    message: &OrderState,
+    unable: Option<StationUnavailable>,
+    sensor: Option<InputId>,
+) -> (TaskReport, Vec<(OrderKey, Reply)>) {
     let doing = OrderKey { epoch: message.doing_epoch, id: message.doing_id };
-    let heard = Heard {
+    let heard = TaskReport {
         memory: message.memory,
         epoch: message.epoch,
         slot: (doing.id != 0).then_some(doing),
@@ -71,7 +75,7 @@ pub fn heard(message: &OrderState, unable: Option<Unable>, sensor: Option<InputI
 }
 
 /// What a station says to having been told to leave an order: whether it is still at it.
-pub fn secured(message: &OrderState, heard: &Heard) -> Option<(OrderKey, Reply)> {
+pub fn secured(message: &OrderState, heard: &TaskReport) -> Option<(OrderKey, Reply)> {
     let key = OrderKey { epoch: message.secured_epoch, id: message.secured_id };
     (key.id != 0).then(|| (key, heard.secured(key)))
 }
@@ -103,7 +107,7 @@ pub fn goal(message: &OrderMessage) -> RunTaskGoal {
 ///
 /// # Errors
 /// What is wrong with its key.
-pub fn request(message: &ProductionRequest, drawn: u128) -> Result<Request, String> {
+pub fn request(message: &ProductionRequest, drawn: u128) -> Result<ProductionOrderRequest, String> {
     let key = match message.key.as_slice() {
         [] => drawn,
         bytes => {
@@ -111,7 +115,7 @@ pub fn request(message: &ProductionRequest, drawn: u128) -> Result<Request, Stri
             u128::from_be_bytes(bytes.try_into().map_err(wrong)?)
         }
     };
-    Ok(Request {
+    Ok(ProductionOrderRequest {
         key,
         name: message.name.clone(),
         product: message.product.clone(),
@@ -127,13 +131,13 @@ pub fn request(message: &ProductionRequest, drawn: u128) -> Result<Request, Stri
 ///
 /// # Errors
 /// That there is no such resource, or no such thing to be said.
-pub fn said(state: &State, resource: &str, what: u8) -> Result<Asked, String> {
+pub fn said(state: &PlayerState, resource: &str, what: u8) -> Result<ResourceRequest, String> {
     let handling = state.table().handling();
     if what == SetResourceRequest::RESET {
         let own = handling.resource_named(resource).map(|id| handling.resource(id).and_then(|of| of.station));
         let named = || handling.stations.iter().find(|(_, name)| **name == *resource).map(|(id, _)| *id);
         match own.or_else(|| Some(Some(named()?))) {
-            Some(Some(station)) => return Ok(Asked::Reset(station)),
+            Some(Some(station)) => return Ok(ResourceRequest::Reset(station)),
             Some(None) => return Err(format!("`{resource}` has no station")),
             None => (),
         }
@@ -144,9 +148,9 @@ pub fn said(state: &State, resource: &str, what: u8) -> Result<Asked, String> {
         format!("there is no resource `{resource}`{hint}; there are {}", names().collect::<Vec<_>>().join(", "))
     })?;
     match what {
-        SetResourceRequest::ALARM => Ok(Asked::Alarm(id)),
-        SetResourceRequest::DOWN => Ok(Asked::Down(id)),
-        SetResourceRequest::UP => Ok(Asked::Up(id)),
+        SetResourceRequest::ALARM => Ok(ResourceRequest::Alarm(id)),
+        SetResourceRequest::DOWN => Ok(ResourceRequest::Down(id)),
+        SetResourceRequest::UP => Ok(ResourceRequest::Up(id)),
         other => Err(format!("{other} is nothing that can be said of a resource")),
     }
 }

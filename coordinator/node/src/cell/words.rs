@@ -3,9 +3,10 @@
 //! What the net calls things is turned into what people do: a part is *in M1, loaded*, or *in `load M1`*.
 
 use linewright_coordinator_cell::exception::Alarm;
-use linewright_coordinator_cell::production::{Order, Production, Status};
+use linewright_coordinator_cell::production::{Production, ProductionOrder, ProductionStatus};
 use linewright_coordinator_cell::{
-    CellTable, Firing, ModeId, Order as StationOrder, OrderState, Part, Phase, Place, ProductionId, State,
+    ActivityPhase, CellTable, ModeId, OngoingActivity, OngoingOrder as StationOrder, OrderProgress, Part, PartPlace,
+    PlayerState, ProductionId,
 };
 use linewright_line::{Line, Tick};
 use linewright_msgs::{ActivityState, AlarmState, Bounded, CellState, LISTED_MAX, PartState, ProductionState, fitting};
@@ -13,7 +14,7 @@ use linewright_msgs::{ActivityState, AlarmState, Bounded, CellState, LISTED_MAX,
 use super::wire::time;
 
 /// Over what is in the message, but for its header and numbers.
-pub fn describe(line: &Line, state: &State, starting: bool, now: Tick, message: &mut CellState) {
+pub fn describe(line: &Line, state: &PlayerState, starting: bool, now: Tick, message: &mut CellState) {
     let (table, production) = (state.table(), state.production());
     message.epoch = state.epoch();
     message.starting = starting;
@@ -33,7 +34,8 @@ pub fn describe(line: &Line, state: &State, starting: bool, now: Tick, message: 
     parts.sort_by_key(|part| (part.since, part.id));
     message.parts = listed(parts.into_iter().map(|part| self::part(table, state, part)));
     message.activities = listed(state.firings().map(|firing| activity(line, table, firing, now)));
-    let (open, over): (Vec<&Order>, Vec<&Order>) = production.orders().partition(|order| order.ended.is_none());
+    let (open, over): (Vec<&ProductionOrder>, Vec<&ProductionOrder>) =
+        production.orders().partition(|order| order.ended.is_none());
     message.orders =
         listed(open.into_iter().chain(over.into_iter().rev()).map(|order| ordered(production, order, now)));
 }
@@ -46,9 +48,9 @@ fn listed<T: Default, const N: usize>(all: impl Iterator<Item = T>) -> Bounded<T
     Bounded::new(all.take(LISTED_MAX.min(N)).collect()).unwrap_or_default()
 }
 
-fn part(table: &CellTable, state: &State, part: &Part) -> PartState {
+fn part(table: &CellTable, state: &PlayerState, part: &Part) -> PartState {
     let (cell, place) = match part.place {
-        Place::On { cell, arrival: _ } => {
+        PartPlace::On { cell, arrival: _ } => {
             let owner = table.cell_name(cell).split('<').next().unwrap_or_default();
             let place = match part.position {
                 Some(position) => format!("{owner}, position {position}"),
@@ -56,7 +58,7 @@ fn part(table: &CellTable, state: &State, part: &Part) -> PartState {
             };
             (Some(cell), place)
         }
-        Place::In(id) => match state.firing(id).map(|firing| firing.mode) {
+        PartPlace::In(id) => match state.firing(id).map(|firing| firing.mode) {
             Some(mode) => (table.part_in(mode).or(table.part_out(mode)), format!("in `{}`", table.activity(mode).name)),
             None => (None, String::new()),
         },
@@ -72,22 +74,22 @@ fn part(table: &CellTable, state: &State, part: &Part) -> PartState {
     }
 }
 
-fn activity(line: &Line, table: &CellTable, firing: &Firing, now: Tick) -> ActivityState {
+fn activity(line: &Line, table: &CellTable, firing: &OngoingActivity, now: Tick) -> ActivityState {
     let mode: ModeId = firing.mode;
     let text = match firing.phase {
-        Phase::Running => {
+        ActivityPhase::Running => {
             let open = firing.orders.iter().filter(|order| order.is_open());
             let open: Vec<String> = open.map(|order| waits(line, order, now)).collect();
             open.join("; ")
         }
-        Phase::Failed(_) => "has failed".to_owned(),
+        ActivityPhase::Failed(_) => "has failed".to_owned(),
     };
     ActivityState {
         id: firing.id.0,
         name: table.activity(mode).name.to_string(),
         part: firing.part.map_or(0, |part| part.0),
         began: time(firing.began),
-        running: firing.phase == Phase::Running,
+        running: firing.phase == ActivityPhase::Running,
         text: fitting(text),
     }
 }
@@ -95,8 +97,8 @@ fn activity(line: &Line, table: &CellTable, firing: &Firing, now: Tick) -> Activ
 fn waits(line: &Line, order: &StationOrder, now: Tick) -> String {
     let left = order.limit.since(now).as_secs();
     let doing = match order.state {
-        OrderState::Written => "has not answered",
-        OrderState::Running | OrderState::Ended | OrderState::Failed(_) => "is at it",
+        OrderProgress::Written => "has not answered",
+        OrderProgress::Running | OrderProgress::Ended | OrderProgress::Failed(_) => "is at it",
     };
     format!("{} {doing}, {left} s left", line.station(order.station).name)
 }
@@ -111,21 +113,21 @@ pub fn parts(count: u32) -> String {
     if count == 1 { "1 part".to_owned() } else { format!("{count} parts") }
 }
 
-fn ordered(production: &Production, order: &Order, now: Tick) -> ProductionState {
+fn ordered(production: &Production, order: &ProductionOrder, now: Tick) -> ProductionState {
     let status = production.status(order, now);
     let (number, text) = match &status {
-        Status::Waiting { on, until } => {
+        ProductionStatus::Waiting { on, until } => {
             let on: Vec<String> = names(production, on).chain(until.map(|_| "its release".to_owned())).collect();
             (ProductionState::STATUS_WAITING, format!("waits for {}", on.join(", ")))
         }
-        Status::Released => (ProductionState::STATUS_RELEASED, "released".to_owned()),
-        Status::InWork { .. } => (ProductionState::STATUS_IN_WORK, "in work".to_owned()),
-        Status::Done { .. } => (ProductionState::STATUS_DONE, late(order)),
-        Status::Cancelled { inside: 0, .. } => (ProductionState::STATUS_CANCELLED, "cancelled".to_owned()),
-        Status::Cancelled { inside, .. } => {
+        ProductionStatus::Released => (ProductionState::STATUS_RELEASED, "released".to_owned()),
+        ProductionStatus::InWork { .. } => (ProductionState::STATUS_IN_WORK, "in work".to_owned()),
+        ProductionStatus::Done { .. } => (ProductionState::STATUS_DONE, late(order)),
+        ProductionStatus::Cancelled { inside: 0, .. } => (ProductionState::STATUS_CANCELLED, "cancelled".to_owned()),
+        ProductionStatus::Cancelled { inside, .. } => {
             (ProductionState::STATUS_CANCELLED, format!("cancelled, {} still to be finished", parts(*inside)))
         }
-        Status::Withdrawn => (ProductionState::STATUS_WITHDRAWN, "withdrawn".to_owned()),
+        ProductionStatus::Withdrawn => (ProductionState::STATUS_WITHDRAWN, "withdrawn".to_owned()),
     };
     ProductionState {
         id: order.id.0,
@@ -142,7 +144,7 @@ fn ordered(production: &Production, order: &Order, now: Tick) -> ProductionState
     }
 }
 
-fn late(order: &Order) -> String {
+fn late(order: &ProductionOrder) -> String {
     match order.lateness() {
         Some(micros) if micros > 0 => format!("done, {} s late", micros / 1_000_000),
         Some(_) | None => "done".to_owned(),

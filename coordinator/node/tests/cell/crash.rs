@@ -8,13 +8,15 @@ use std::path::{Path, PathBuf};
 use std::sync::Arc;
 use std::time::Duration;
 
-use linewright_coordinator_cell::described::{self, dispatcher, foreman};
-use linewright_coordinator_cell::production::{Desk, Request};
-use linewright_coordinator_cell::{Cause, CellTable, Dispatcher, Failure, Phase, ProductionId, Record, State};
+use linewright_coordinator_cell::compile::{self, dispatcher, schedule_follower};
+use linewright_coordinator_cell::production::{DispatchConfiguration, ProductionOrderRequest};
+use linewright_coordinator_cell::{
+    ActivityFailure, ActivityPhase, CellTable, Dispatcher, Failure, PlayerState, ProductionId, Record,
+};
 use linewright_coordinator_node::cell::CellLog;
 use linewright_line::Tick;
 use linewright_simulation::Rng;
-use linewright_simulation::cell::{CellOptions, CellSim, Pace, Store};
+use linewright_simulation::cell::{CellSim, CellSimOptions, RecordStore, StationSpeed};
 
 use crate::shipped::{self, Shipped, directory, production, shipped};
 
@@ -59,7 +61,7 @@ impl OnDisk {
     }
 }
 
-impl Store for OnDisk {
+impl RecordStore for OnDisk {
     fn append(&mut self, record: &Record) {
         self.log().append(std::slice::from_ref(record)).expect("appends");
         self.since += 1;
@@ -73,7 +75,7 @@ impl Store for OnDisk {
         }
     }
 
-    fn restart(&mut self, table: &Arc<CellTable>, rng: &mut Rng) -> State {
+    fn restart(&mut self, table: &Arc<CellTable>, rng: &mut Rng) -> PlayerState {
         let (file, written) = self.log().file();
         self.log = None;
         let (name, synced) = &self.synced;
@@ -87,7 +89,7 @@ impl Store for OnDisk {
         found.state
     }
 
-    fn settled(&mut self, state: &State) {
+    fn settled(&mut self, state: &PlayerState) {
         if self.is_long() {
             self.log().begin_anew(state).expect("begins anew");
             self.synced = self.log().file();
@@ -96,13 +98,13 @@ impl Store for OnDisk {
     }
 }
 
-pub fn options(seed: u64, bad_luck: u64, crash_at: Vec<usize>) -> CellOptions {
+pub fn options(seed: u64, bad_luck: u64, crash_at: Vec<usize>) -> CellSimOptions {
     let millis = Duration::from_millis;
-    CellOptions {
+    CellSimOptions {
         seed,
         bad_luck,
         crash_at,
-        pace: Pace::Nominal { spread: 0.2 },
+        pace: StationSpeed::Nominal { spread: 0.2 },
         delay: (millis(1), millis(20)),
         period: millis(100),
         replays: false,
@@ -110,7 +112,7 @@ pub fn options(seed: u64, bad_luck: u64, crash_at: Vec<usize>) -> CellOptions {
 }
 
 /// Plays a production to its end.
-fn play(of: &Shipped, death: Death, options: CellOptions, snapshot_after: u64) -> CellSim {
+fn play(of: &Shipped, death: Death, options: CellSimOptions, snapshot_after: u64) -> CellSim {
     let dir = directory();
     let store = OnDisk::new(dir.path(), &of.table, death, snapshot_after);
     let mut sim = CellSim::with_store(of.table.clone(), of.stations, options, Box::new(store));
@@ -185,13 +187,13 @@ fn both_cells_survive_being_killed_again_and_again() {
     }
 }
 
-fn ordered(orders: &[(&str, u32)]) -> Vec<Request> {
-    let request = |(key, &(product, quantity)): (u128, &(&str, u32))| Request {
+fn ordered(orders: &[(&str, u32)]) -> Vec<ProductionOrderRequest> {
+    let request = |(key, &(product, quantity)): (u128, &(&str, u32))| ProductionOrderRequest {
         key,
         name: format!("order {key}"),
         product: product.to_owned(),
         quantity,
-        ..Request::default()
+        ..ProductionOrderRequest::default()
     };
     (1..).zip(orders).map(request).collect()
 }
@@ -208,10 +210,11 @@ fn what_is_on_order_is_made_once_whichever_step_the_coordinator_is_killed_at() {
         let store = OnDisk::new(dir.path(), &of.table, Death::PowerCut, snapshot_after);
         let mut sim = CellSim::with_store(of.table.clone(), of.stations, options(3, 9, crash_at), Box::new(store));
         sim.asked = vec![requests.clone()];
-        let by_rules = |state: &State| -> Box<dyn Dispatcher> {
-            Box::new(Desk::new(dispatcher(&of.cell, &of.table), state.production().clone()))
+        let by_rules = |state: &PlayerState| -> Box<dyn Dispatcher> {
+            Box::new(DispatchConfiguration::new(dispatcher(&of.cell, &of.table), state.production().clone()))
         };
-        let by_plan = |state: &State| -> Box<dyn Dispatcher> { Box::new(foreman(&of.cell, &of.made, state)) };
+        let by_plan =
+            |state: &PlayerState| -> Box<dyn Dispatcher> { Box::new(schedule_follower(&of.cell, &of.made, state)) };
         sim.run_by(if planned { &by_plan } else { &by_rules }, LONG);
         assert_eq!(sim.told, [Ok(ids.clone())], "it is told once, even if it was asked twice");
         assert_eq!((sim.state().left(), sim.state().parts().len(), sim.state().firings().len()), (5, 0, 0));
@@ -235,7 +238,7 @@ fn what_is_on_order_is_made_once_whichever_step_the_coordinator_is_killed_at() {
 #[test]
 fn where_messages_are_slow_only_limits_leave_something_unfinished() {
     let mut rng = Rng::new(8);
-    let pace = described::Pace { refresh: Duration::from_millis(500), ..shipped::PACE };
+    let pace = compile::OrderTiming { refresh: Duration::from_millis(500), ..shipped::PACE };
     let mut late = 0;
     for (name, parts) in [("assembly-cell", &[2, 2, 1][..]), ("workcell-c1", &[3, 3])] {
         let of = shipped::paced(name, parts, pace);
@@ -246,16 +249,16 @@ fn where_messages_are_slow_only_limits_leave_something_unfinished() {
                 at
             });
             let slow = (Duration::from_millis(1), Duration::from_millis(50));
-            let options = CellOptions { delay: slow, ..options(seed, 6, crash_at.collect()) };
+            let options = CellSimOptions { delay: slow, ..options(seed, 6, crash_at.collect()) };
             let dir = directory();
             let store = OnDisk::new(dir.path(), &of.table, Death::Killed, 20);
             let mut sim = CellSim::with_store(of.table.clone(), of.stations, options, Box::new(store));
             sim.run(&mut dispatcher(&of.cell, &of.table), LONG);
             production(&sim, true);
             for firing in sim.state().firings() {
-                let ran_out = |cause| matches!(cause, Cause::Order { failure: Failure::TimedOut, .. });
+                let ran_out = |cause| matches!(cause, ActivityFailure::Order { failure: Failure::TimedOut, .. });
                 assert!(
-                    matches!(firing.phase, Phase::Failed(cause) if ran_out(cause)),
+                    matches!(firing.phase, ActivityPhase::Failed(cause) if ran_out(cause)),
                     "{name}, seed {seed}: {firing:?}"
                 );
                 late += 1;

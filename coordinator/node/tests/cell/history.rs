@@ -5,23 +5,23 @@ use std::sync::Arc;
 use std::sync::atomic::{AtomicUsize, Ordering};
 use std::time::{Duration, Instant};
 
-use linewright_coordinator_cell::described::dispatcher;
-use linewright_coordinator_cell::{CellTable, Outbox, Record, State};
+use linewright_coordinator_cell::compile::dispatcher;
+use linewright_coordinator_cell::{CellTable, PlayerOutbox, PlayerState, Record};
 use linewright_coordinator_node::cell::Chronicle;
-use linewright_history::{About, Clock, History, Reader};
+use linewright_history::{CellAbout, History, HistoryReader, TimeBase};
 use linewright_line::Tick;
 use linewright_simulation::Rng;
-use linewright_simulation::cell::{CellSim, Store};
+use linewright_simulation::cell::{CellSim, RecordStore};
 
 use crate::crash::{Death, OnDisk, options};
 use crate::shipped::{Shipped, directory, shipped};
 
-fn about(of: &Shipped) -> About {
-    About {
+fn about(of: &Shipped) -> CellAbout {
+    CellAbout {
         cell: of.cell.name.clone(),
         title: of.cell.title.clone(),
         table: of.table.digest(),
-        clock: Clock::Simulated,
+        clock: TimeBase::Simulated,
         stations: of.cell.controllers.clone(),
         // Reports are not what this is about.
         sheet: Default::default(),
@@ -32,7 +32,7 @@ fn about(of: &Shipped) -> About {
 struct Both {
     log: OnDisk,
     dir: PathBuf,
-    about: About,
+    about: CellAbout,
     chronicle: Option<Chronicle>,
     /// Whether the chronicle is told of steps; if not, each life leaves that to the next.
     tells: bool,
@@ -43,13 +43,13 @@ struct Both {
 }
 
 impl Both {
-    fn begin(&mut self, state: &State) {
+    fn begin(&mut self, state: &PlayerState) {
         let history = History::open(&self.dir.join("cell.db"), &self.about).expect("opens");
         self.chronicle = Some(Chronicle::begin(history, &self.dir.join("cell.log"), state));
     }
 }
 
-impl Store for Both {
+impl RecordStore for Both {
     fn append(&mut self, record: &Record) {
         self.log.append(record);
         self.step.push(record.clone());
@@ -59,7 +59,7 @@ impl Store for Both {
         self.log.sync();
     }
 
-    fn restart(&mut self, table: &Arc<CellTable>, rng: &mut Rng) -> State {
+    fn restart(&mut self, table: &Arc<CellTable>, rng: &mut Rng) -> PlayerState {
         self.step.clear();
         self.chronicle = None;
         let state = self.log.restart(table, rng);
@@ -67,9 +67,9 @@ impl Store for Both {
         state
     }
 
-    fn settled(&mut self, state: &State) {
+    fn settled(&mut self, state: &PlayerState) {
         let chronicle = self.chronicle.as_mut().expect("it is open");
-        let out = Outbox { records: std::mem::take(&mut self.step), ..Outbox::default() };
+        let out = PlayerOutbox { records: std::mem::take(&mut self.step), ..PlayerOutbox::default() };
         if self.tells {
             chronicle.tell(state, &out);
         }
@@ -91,7 +91,7 @@ impl Store for Both {
 /// What a database has, and whether anything is missing.
 fn records(path: &Path) -> Vec<Record> {
     let mut records = Vec::new();
-    let reader = Reader::open(path).expect("opens");
+    let reader = HistoryReader::open(path).expect("opens");
     reader.each(Tick::NEVER, |event| records.push(event.record().expect("nothing is missing"))).expect("reads");
     records
 }
@@ -104,7 +104,7 @@ fn played(of: &Shipped, death: Death, crash_at: Vec<usize>, seed: u64, tells: bo
     let path = dir.path().to_owned();
     let (chronicle, step) = (None, Vec::new());
     let mut both = Both { log, dir: path, about: about(of), chronicle, tells, step, anew: anew.clone() };
-    both.begin(&State::new(of.table.clone()));
+    both.begin(&PlayerState::new(of.table.clone()));
     let mut sim = CellSim::with_store(of.table.clone(), of.stations, options(seed, 6, crash_at), Box::new(both));
     sim.run(&mut dispatcher(&of.cell, &of.table), Tick::from_millis(24 * 3_600_000));
     assert_eq!(sim.state().left(), u64::from(of.parts));

@@ -3,12 +3,12 @@
 use std::path::{Path, PathBuf};
 use std::sync::Arc;
 
-use linewright_coordinator_cell::described::dispatcher;
-use linewright_coordinator_cell::{CellTable, Fact, Outbox, Record, State};
+use linewright_coordinator_cell::compile::dispatcher;
+use linewright_coordinator_cell::{CellTable, PlayerOutbox, PlayerState, Record, RecordKind};
 use linewright_coordinator_node::cell::{CellLog, CellLogError, Found, RECORDS_MAX};
 use linewright_line::Tick;
-use linewright_node_shell::log::{Log, LogError};
-use linewright_simulation::cell::{CellOptions, CellSim};
+use linewright_node_shell::log::{LogError, RecordLog};
+use linewright_simulation::cell::{CellSim, CellSimOptions};
 use proptest::prelude::*;
 use tempfile::TempDir;
 
@@ -26,7 +26,7 @@ fn scratch() -> (TempDir, PathBuf) {
 
 /// The records of a small production.
 fn records(of: &Shipped) -> Vec<Record> {
-    let mut sim = CellSim::new(of.table.clone(), of.stations, CellOptions::default());
+    let mut sim = CellSim::new(of.table.clone(), of.stations, CellSimOptions::default());
     sim.run(&mut dispatcher(&of.cell, &of.table), Tick::from_millis(600_000));
     assert_eq!(sim.state().left(), u64::from(of.parts));
     sim.log
@@ -48,7 +48,7 @@ fn at_whatever_byte_a_log_is_cut_off_it_says_what_the_whole_records_say() {
     drop(log);
     let whole = std::fs::read(&file).expect("reads");
     assert!(records.len() > 20 && whole.len() as u64 == *ends.last().expect("one at least"));
-    let mut state = State::new(of.table.clone());
+    let mut state = PlayerState::new(of.table.clone());
     for (count, pair) in ends.windows(2).enumerate() {
         for length in pair[0]..pair[1] {
             std::fs::write(&file, &whole[..length as usize]).expect("writes");
@@ -67,12 +67,12 @@ fn a_snapshot_takes_the_place_of_the_records() {
     let mut log = open(&path, &of.table).expect("opens").log;
     let half = records.len() / 2;
     log.append(&records[..half]).expect("appends");
-    let state = State::replay(of.table.clone(), &records[..half]).expect("fits");
+    let state = PlayerState::replay(of.table.clone(), &records[..half]).expect("fits");
     log.begin_anew(&state).expect("begins anew");
     log.append(&records[half..]).expect("appends");
     drop(log);
     let found = open(&path, &of.table).expect("opens");
-    let all = State::replay(of.table.clone(), &records).expect("fits");
+    let all = PlayerState::replay(of.table.clone(), &records).expect("fits");
     assert_eq!((found.state.snapshot(), found.cut), (all.snapshot(), 0));
     assert!(!found.log.is_long());
 }
@@ -83,13 +83,13 @@ fn a_log_is_long_after_so_many_records_also_if_most_were_there_before() {
     let (_dir, path) = scratch();
     let mut log = open(&path, &of.table).expect("opens").log;
     let epochs = |range: std::ops::Range<u64>| -> Vec<Record> {
-        range.map(|epoch| Record { at: Tick::ZERO, fact: Fact::Epoch { epoch } }).collect()
+        range.map(|epoch| Record { at: Tick::ZERO, fact: RecordKind::Epoch { epoch } }).collect()
     };
     log.append(&epochs(1..RECORDS_MAX)).expect("appends");
     assert!(!log.is_long());
     drop(log);
     let mut log = open(&path, &of.table).expect("opens").log;
-    let last = Outbox { records: epochs(RECORDS_MAX..RECORDS_MAX + 1), ..Outbox::default() };
+    let last = PlayerOutbox { records: epochs(RECORDS_MAX..RECORDS_MAX + 1), ..PlayerOutbox::default() };
     log.write(&last).expect("writes");
     assert!(log.is_long());
 }
@@ -111,10 +111,10 @@ fn the_log_of_another_cell_or_another_description_is_refused_with_what_is_differ
     // Of a program that wrote something else.
     let (_dir, path) = scratch();
     let identity = format!(r#"{{"format":2,"cell":"assembly_cell","table":"{is:016x}"}}"#);
-    drop(Log::open(&path, identity.as_bytes(), |_| Ok(())).expect("opens"));
+    drop(RecordLog::open(&path, identity.as_bytes(), |_| Ok(())).expect("opens"));
     assert!(refused(open(&path, &of.table)).contains("records in form 2, not about records in form 1"));
     let (_dir, path) = scratch();
-    drop(Log::open(&path, b"a diary", |_| Ok(())).expect("opens"));
+    drop(RecordLog::open(&path, b"a diary", |_| Ok(())).expect("opens"));
     assert!(refused(open(&path, &of.table)).ends_with("it is no log of a cell"));
 }
 
@@ -124,7 +124,7 @@ fn a_record_that_does_not_fit_is_named() {
     let (_dir, path) = scratch();
     let mut log = open(&path, &of.table).expect("opens").log;
     let end = log.file().1;
-    let ended = Fact::Ended { firing: linewright_coordinator_cell::FiringId(1) };
+    let ended = RecordKind::Ended { firing: linewright_coordinator_cell::FiringId(1) };
     log.append(&[Record { at: Tick::ZERO, fact: ended }]).expect("appends");
     drop(log);
     let why = open(&path, &of.table).expect_err("it does not fit").to_string();
@@ -145,7 +145,7 @@ proptest! {
         let records = records(&of);
         let mut lines: Vec<Vec<u8>> = records.iter().map(|record| serde_json::to_vec(record).expect("text")).collect();
         let half = records.len() / 2;
-        let state = State::replay(of.table.clone(), &records[..half]).expect("fits");
+        let state = PlayerState::replay(of.table.clone(), &records[..half]).expect("fits");
         let mut first = serde_json::to_vec(&state.snapshot()).expect("text");
         for (line, byte, to) in edits {
             let line = line.index(lines.len());
@@ -156,7 +156,7 @@ proptest! {
         }
         let (_dir, path) = scratch();
         drop(open(&path, &of.table).expect("opens"));
-        let mut log = Log::open(&path, b"", |_| Ok(())).expect("opens").0;
+        let mut log = RecordLog::open(&path, b"", |_| Ok(())).expect("opens").0;
         if snapshot {
             log.begin_anew(&first).expect("begins anew");
             lines.drain(..half);

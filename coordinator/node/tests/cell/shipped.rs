@@ -7,17 +7,17 @@ use std::time::Duration;
 
 use linewright_cell::Cell;
 use linewright_cell::net::Supply;
-use linewright_coordinator_cell::described::{Described, Pace, described};
+use linewright_coordinator_cell::compile::{CompiledCell, OrderTiming, compile_cell};
 use linewright_coordinator_cell::{CellTable, OrderKey, PartId};
 use linewright_simulation::cell::CellSim;
 use tempfile::TempDir;
 
-pub const PACE: Pace = Pace { refresh: Duration::from_millis(200), grace: Duration::from_secs(1) };
+pub const PACE: OrderTiming = OrderTiming { refresh: Duration::from_millis(200), grace: Duration::from_secs(1) };
 
 /// A cell and a production of it.
 pub struct Shipped {
     pub cell: Cell,
-    pub made: Described,
+    pub made: CompiledCell,
     pub table: Arc<CellTable>,
     pub stations: usize,
     /// How many parts there are in all.
@@ -32,7 +32,7 @@ pub fn shipped(name: &str, parts: &[u32]) -> Shipped {
     paced(name, parts, PACE)
 }
 
-pub fn paced(name: &str, parts: &[u32], pace: Pace) -> Shipped {
+pub fn paced(name: &str, parts: &[u32], pace: OrderTiming) -> Shipped {
     supplied(name, Supply::Batch(parts), parts.iter().sum(), pace)
 }
 
@@ -41,10 +41,10 @@ pub fn on_order(name: &str, parts: u32) -> Shipped {
     supplied(name, Supply::Open, parts, PACE)
 }
 
-fn supplied(name: &str, supply: Supply<'_>, parts: u32, pace: Pace) -> Shipped {
+fn supplied(name: &str, supply: Supply<'_>, parts: u32, pace: OrderTiming) -> Shipped {
     let text = std::fs::read_to_string(file(name)).expect("it is there");
     let cell = linewright_cell::parse("cell.toml", &text, None).expect("it is sound").cell;
-    let made = described(&cell, None, supply, pace).expect("it can be played");
+    let made = compile_cell(&cell, None, supply, pace).expect("it can be played");
     let (stations, table) = (cell.controllers.len(), Arc::new(made.table.clone()));
     Shipped { cell, made, table, stations, parts }
 }

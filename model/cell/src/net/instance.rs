@@ -9,18 +9,18 @@ use linewright_nets::coloured::{
 };
 use linewright_nets::{PlaceId, TransitionId};
 
-use super::pieces::{Piece, Progress};
-use super::{Meaning, OUTSIDE, RUNNING, STAGES, Spot, Supply};
-use crate::{Action, Cell, Prototype, Resource, ResourceId, Role, StageId, Use};
+use super::pieces::{PlannedTransition, ProgressPlace};
+use super::{OUTSIDE, PlaceMeaning, RUNNING, ResourcePosition, STAGES, Supply};
+use crate::{Cell, Prototype, Resource, ResourceAction, ResourceId, Role, StageId, Use};
 
 /// How places end that keep a stage from being moved twice at a time.
 const IDLE: &str = ".idle";
 
 /// A net, and what each of its places stands for.
-type Built = Result<(ColouredNet, Vec<Meaning>), Vec<ColouredError>>;
+type Built = Result<(ColouredNet, Vec<PlaceMeaning>), Vec<ColouredError>>;
 
 /// The places of a resource.
-enum Places {
+enum InstancePlaces {
     /// available-capacity, loaded, unload-ready; and the token of a human.
     Machine { capacity: PlaceId, loaded: PlaceId, ready: PlaceId, free: Option<PlaceId> },
     /// available-capacity, stored-parts.
@@ -51,7 +51,7 @@ fn levels(b: &mut ColouredBuilder, resource: &Resource) -> BasicId {
 }
 
 /// A resource, with a port for each piece it takes part in.
-pub(super) fn resource(cell: &Cell, of: ResourceId, pieces: &[Piece]) -> Built {
+pub(super) fn resource(cell: &Cell, of: ResourceId, pieces: &[PlannedTransition]) -> Built {
     let resource = cell.resource(of);
     let mut b = ColouredBuilder::new(&resource.name);
     let s = stages(&mut b, cell);
@@ -59,7 +59,7 @@ pub(super) fn resource(cell: &Cell, of: ResourceId, pieces: &[Piece]) -> Built {
     for piece in pieces {
         port(&mut b, Some(of), piece, &places, s);
     }
-    if let Places::Row { free, at } = &places {
+    if let InstancePlaces::Row { free, at } = &places {
         for i in 1..at.len() {
             let shift = b.transition(format!("shift {i}"), s);
             b.input(shift, at[i - 1], id()).input(shift, free[i], abs());
@@ -70,7 +70,7 @@ pub(super) fn resource(cell: &Cell, of: ResourceId, pieces: &[Piece]) -> Built {
 }
 
 /// The outside: where parts come from and go to.
-pub(super) fn outside(cell: &Cell, supply: Supply<'_>, pieces: &[Piece]) -> Built {
+pub(super) fn outside(cell: &Cell, supply: Supply<'_>, pieces: &[PlannedTransition]) -> Built {
     let mut b = ColouredBuilder::new(OUTSIDE);
     let s = stages(&mut b, cell);
     let mut waiting = |counts: &[u32]| {
@@ -87,7 +87,7 @@ pub(super) fn outside(cell: &Cell, supply: Supply<'_>, pieces: &[Piece]) -> Buil
     };
     let room = b.place("room", Domain::Uncoloured);
     b.tokens(room, &[], cell.limits.wip_max);
-    let places = Places::Outside { waiting, back: waiting.filter(|_| returns), room };
+    let places = InstancePlaces::Outside { waiting, back: waiting.filter(|_| returns), room };
     for piece in pieces {
         port(&mut b, None, piece, &places, s);
     }
@@ -95,7 +95,7 @@ pub(super) fn outside(cell: &Cell, supply: Supply<'_>, pieces: &[Piece]) -> Buil
 }
 
 /// What is in progress; none if nothing ever is.
-pub(super) fn running(cell: &Cell, pieces: &[Piece]) -> Option<Built> {
+pub(super) fn running(cell: &Cell, pieces: &[PlannedTransition]) -> Option<Built> {
     pieces.iter().find(|piece| piece.from.is_some() || piece.to.is_some())?;
     let mut b = ColouredBuilder::new(RUNNING);
     let s = stages(&mut b, cell);
@@ -104,7 +104,7 @@ pub(super) fn running(cell: &Cell, pieces: &[Piece]) -> Option<Built> {
     let mut meanings = Vec::new();
     for piece in pieces.iter().filter(|piece| piece.from.is_some() || piece.to.is_some()) {
         // What is held while neither action is in progress carries no level; the levels of the piece are its own.
-        let mut domain_of = |progress: &Progress, b: &mut ColouredBuilder| -> Vec<BasicId> {
+        let mut domain_of = |progress: &ProgressPlace, b: &mut ColouredBuilder| -> Vec<BasicId> {
             let mut domain = vec![s];
             for held in progress.uses.iter().filter_map(|part| part.of) {
                 let resource = cell.resource(held);
@@ -125,7 +125,7 @@ pub(super) fn running(cell: &Cell, pieces: &[Piece]) -> Option<Built> {
                 let place = b.place(&*progress.place, own.clone());
                 known.push((progress.place.clone(), place));
                 // Between grasping and putting no action of an end is in progress.
-                meanings.push(Meaning::Busy { activity: piece.activity, is_held: progress.uses.is_empty() });
+                meanings.push(PlaceMeaning::Busy { activity: piece.activity, is_held: progress.uses.is_empty() });
                 place
             });
             let function = if own.len() == domain.len() { id() } else { proj([1]) };
@@ -136,7 +136,7 @@ pub(super) fn running(cell: &Cell, pieces: &[Piece]) -> Option<Built> {
             };
         }
         if serve(&mut b, piece, t, s, &mut known) {
-            meanings.push(Meaning::Idle(piece.activity));
+            meanings.push(PlaceMeaning::Idle(piece.activity));
         }
     }
     Some(b.build().map(|net| (net, meanings)))
@@ -145,7 +145,7 @@ pub(super) fn running(cell: &Cell, pieces: &[Piece]) -> Option<Built> {
 /// A token for each stage that an activity can move at a time; whether its place is a new one.
 fn serve(
     b: &mut ColouredBuilder,
-    piece: &Piece,
+    piece: &PlannedTransition,
     t: TransitionId,
     s: BasicId,
     known: &mut Vec<(String, PlaceId)>,
@@ -169,41 +169,44 @@ fn serve(
     known.len() > before
 }
 
-impl Places {
+impl InstancePlaces {
     /// What each place stands for, in the order of the places.
-    fn meanings(&self, of: Option<ResourceId>) -> Vec<Meaning> {
-        let mut all: Vec<(PlaceId, Meaning)> = Vec::new();
+    fn meanings(&self, of: Option<ResourceId>) -> Vec<PlaceMeaning> {
+        let mut all: Vec<(PlaceId, PlaceMeaning)> = Vec::new();
         match (self, of) {
-            (Places::Machine { capacity, loaded, ready, free }, Some(of)) => {
+            (InstancePlaces::Machine { capacity, loaded, ready, free }, Some(of)) => {
                 all.extend([
-                    (*capacity, Meaning::Room(of)),
-                    (*loaded, Meaning::Held(of, Spot::Loaded)),
-                    (*ready, Meaning::Held(of, Spot::Ready)),
+                    (*capacity, PlaceMeaning::Room(of)),
+                    (*loaded, PlaceMeaning::Held(of, ResourcePosition::Loaded)),
+                    (*ready, PlaceMeaning::Held(of, ResourcePosition::Ready)),
                 ]);
-                all.extend(free.map(|free| (free, Meaning::Free(of))));
+                all.extend(free.map(|free| (free, PlaceMeaning::Free(of))));
             }
-            (Places::Store { capacity, stored }, Some(of)) => {
-                all.extend([(*capacity, Meaning::Room(of)), (*stored, Meaning::Held(of, Spot::Stored))]);
+            (InstancePlaces::Store { capacity, stored }, Some(of)) => {
+                all.extend([
+                    (*capacity, PlaceMeaning::Room(of)),
+                    (*stored, PlaceMeaning::Held(of, ResourcePosition::Stored)),
+                ]);
             }
-            (Places::Row { free, at }, Some(of)) => {
-                all.extend((1..).zip(free).map(|(i, &free)| (free, Meaning::Position(of, i))));
-                all.extend((1..).zip(at).map(|(i, &at)| (at, Meaning::Held(of, Spot::Position(i)))));
+            (InstancePlaces::Row { free, at }, Some(of)) => {
+                all.extend((1..).zip(free).map(|(i, &free)| (free, PlaceMeaning::Position(of, i))));
+                all.extend((1..).zip(at).map(|(i, &at)| (at, PlaceMeaning::Held(of, ResourcePosition::Position(i)))));
             }
-            (Places::Stack { top, at, .. }, Some(of)) => {
-                all.extend([(*top, Meaning::Top(of)), (*at, Meaning::Held(of, Spot::Stored))]);
+            (InstancePlaces::Stack { top, at, .. }, Some(of)) => {
+                all.extend([(*top, PlaceMeaning::Top(of)), (*at, PlaceMeaning::Held(of, ResourcePosition::Stored))]);
             }
-            (Places::Carrier { free }, Some(of)) => all.push((*free, Meaning::Free(of))),
-            (Places::Outside { waiting, room, .. }, _) => {
-                all.extend(waiting.map(|waiting| (waiting, Meaning::Waiting)));
-                all.push((*room, Meaning::Admission));
+            (InstancePlaces::Carrier { free }, Some(of)) => all.push((*free, PlaceMeaning::Free(of))),
+            (InstancePlaces::Outside { waiting, room, .. }, _) => {
+                all.extend(waiting.map(|waiting| (waiting, PlaceMeaning::Waiting)));
+                all.push((*room, PlaceMeaning::Admission));
             }
             // Only the outside is nobody's.
             (
-                Places::Machine { .. }
-                | Places::Store { .. }
-                | Places::Row { .. }
-                | Places::Stack { .. }
-                | Places::Carrier { .. },
+                InstancePlaces::Machine { .. }
+                | InstancePlaces::Store { .. }
+                | InstancePlaces::Row { .. }
+                | InstancePlaces::Stack { .. }
+                | InstancePlaces::Carrier { .. },
                 None,
             ) => {}
         }
@@ -212,7 +215,7 @@ impl Places {
     }
 }
 
-fn places(b: &mut ColouredBuilder, resource: &Resource, s: BasicId) -> Places {
+fn places(b: &mut ColouredBuilder, resource: &Resource, s: BasicId) -> InstancePlaces {
     let n = resource.capacity;
     let tokens = |b: &mut ColouredBuilder, name: &str, count| {
         let place = b.place(name, Domain::Uncoloured);
@@ -220,16 +223,16 @@ fn places(b: &mut ColouredBuilder, resource: &Resource, s: BasicId) -> Places {
         place
     };
     match resource.prototype {
-        Prototype::Machine | Prototype::Human => Places::Machine {
+        Prototype::Machine | Prototype::Human => InstancePlaces::Machine {
             capacity: tokens(b, "available-capacity", n),
             loaded: b.place("loaded", s),
             ready: b.place("unload-ready", s),
             free: (resource.prototype == Prototype::Human).then(|| tokens(b, "free", 1)),
         },
         Prototype::RandomAccessStore => {
-            Places::Store { capacity: tokens(b, "available-capacity", n), stored: b.place("stored-parts", s) }
+            InstancePlaces::Store { capacity: tokens(b, "available-capacity", n), stored: b.place("stored-parts", s) }
         }
-        Prototype::FifoBuffer => Places::Row {
+        Prototype::FifoBuffer => InstancePlaces::Row {
             free: (1..=n).map(|i| tokens(b, &format!("free {i}"), 1)).collect(),
             at: (1..=n).map(|i| b.place(format!("at {i}"), s)).collect(),
         },
@@ -237,77 +240,106 @@ fn places(b: &mut ColouredBuilder, resource: &Resource, s: BasicId) -> Places {
             let level = levels(b, resource);
             let (top, at) = (b.place("top", level), b.place("at", [s, level]));
             b.tokens(top, &[1], 1);
-            Places::Stack { level, top, at, height: n }
+            InstancePlaces::Stack { level, top, at, height: n }
         }
-        Prototype::Robot => Places::Carrier { free: tokens(b, "free", 1) },
-        Prototype::Conveyor => Places::Carrier { free: tokens(b, "room", n) },
+        Prototype::Robot => InstancePlaces::Carrier { free: tokens(b, "free", 1) },
+        Prototype::Conveyor => InstancePlaces::Carrier { free: tokens(b, "room", n) },
     }
 }
 
 /// What an action takes when it begins and gives when it ends, as functions of a mode of stages (and levels). `moved` is
 /// the stage afterwards.
-fn arcs(places: &Places, action: Action, moved: Function) -> [Vec<(PlaceId, Function)>; 2] {
+fn arcs(places: &InstancePlaces, action: ResourceAction, moved: Function) -> [Vec<(PlaceId, Function)>; 2] {
     match (places, action) {
-        (Places::Machine { capacity, loaded, .. }, Action::Load) => [vec![(*capacity, abs())], vec![(*loaded, moved)]],
-        (Places::Machine { loaded, ready, free, .. }, Action::Process) => {
+        (InstancePlaces::Machine { capacity, loaded, .. }, ResourceAction::Load) => {
+            [vec![(*capacity, abs())], vec![(*loaded, moved)]]
+        }
+        (InstancePlaces::Machine { loaded, ready, free, .. }, ResourceAction::Process) => {
             let attention = || free.iter().map(|free| (*free, abs()));
             [
                 std::iter::once((*loaded, id())).chain(attention()).collect(),
                 std::iter::once((*ready, moved)).chain(attention()).collect(),
             ]
         }
-        (Places::Machine { capacity, ready, .. }, Action::Unload) => [vec![(*ready, id())], vec![(*capacity, abs())]],
-        (Places::Machine { free: Some(free), .. } | Places::Carrier { free }, Action::PickAndPlace) => {
-            [vec![(*free, abs())], vec![(*free, abs())]]
+        (InstancePlaces::Machine { capacity, ready, .. }, ResourceAction::Unload) => {
+            [vec![(*ready, id())], vec![(*capacity, abs())]]
         }
-        (Places::Store { capacity, stored }, Action::Store) => [vec![(*capacity, abs())], vec![(*stored, moved)]],
-        (Places::Store { capacity, stored }, Action::Retrieve) => [vec![(*stored, id())], vec![(*capacity, abs())]],
-        (Places::Row { free, at }, Action::Store) => [vec![(free[0], abs())], vec![(at[0], moved)]],
-        (Places::Row { free, at }, Action::Retrieve) => {
+        (
+            InstancePlaces::Machine { free: Some(free), .. } | InstancePlaces::Carrier { free },
+            ResourceAction::PickAndPlace,
+        ) => [vec![(*free, abs())], vec![(*free, abs())]],
+        (InstancePlaces::Store { capacity, stored }, ResourceAction::Store) => {
+            [vec![(*capacity, abs())], vec![(*stored, moved)]]
+        }
+        (InstancePlaces::Store { capacity, stored }, ResourceAction::Retrieve) => {
+            [vec![(*stored, id())], vec![(*capacity, abs())]]
+        }
+        (InstancePlaces::Row { free, at }, ResourceAction::Store) => [vec![(free[0], abs())], vec![(at[0], moved)]],
+        (InstancePlaces::Row { free, at }, ResourceAction::Retrieve) => {
             let last = at.len() - 1;
             [vec![(at[last], id())], vec![(free[last], abs())]]
         }
         // The mode has the level of the part; the stack's top is one higher while it is there.
-        (Places::Stack { top, at, .. }, Action::Store) => {
+        (InstancePlaces::Stack { top, at, .. }, ResourceAction::Store) => {
             [vec![(*top, proj([2]))], vec![(*at, id()), (*top, proj([2]).of(succ(2, 1)))]]
         }
-        (Places::Stack { top, at, .. }, Action::Retrieve) => {
+        (InstancePlaces::Stack { top, at, .. }, ResourceAction::Retrieve) => {
             [vec![(*at, id()), (*top, proj([2]).of(succ(2, 1)))], vec![(*top, proj([2]))]]
         }
-        (Places::Outside { waiting, room, .. }, Action::In) => {
+        (InstancePlaces::Outside { waiting, room, .. }, ResourceAction::In) => {
             [waiting.iter().map(|waiting| (*waiting, id())).chain([(*room, abs())]).collect(), Vec::new()]
         }
-        (Places::Outside { back, room, .. }, Action::Out) => {
+        (InstancePlaces::Outside { back, room, .. }, ResourceAction::Out) => {
             [Vec::new(), back.iter().map(|back| (*back, moved.clone())).chain([(*room, abs())]).collect()]
         }
         // No prototype has these, so no description can name them.
         (
-            Places::Machine { .. },
-            Action::PickAndPlace | Action::Store | Action::Retrieve | Action::In | Action::Out,
+            InstancePlaces::Machine { .. },
+            ResourceAction::PickAndPlace
+            | ResourceAction::Store
+            | ResourceAction::Retrieve
+            | ResourceAction::In
+            | ResourceAction::Out,
         )
         | (
-            Places::Store { .. } | Places::Row { .. } | Places::Stack { .. },
-            Action::Load | Action::Process | Action::Unload | Action::PickAndPlace | Action::In | Action::Out,
+            InstancePlaces::Store { .. } | InstancePlaces::Row { .. } | InstancePlaces::Stack { .. },
+            ResourceAction::Load
+            | ResourceAction::Process
+            | ResourceAction::Unload
+            | ResourceAction::PickAndPlace
+            | ResourceAction::In
+            | ResourceAction::Out,
         )
         | (
-            Places::Carrier { .. },
-            Action::Load
-            | Action::Process
-            | Action::Unload
-            | Action::Store
-            | Action::Retrieve
-            | Action::In
-            | Action::Out,
+            InstancePlaces::Carrier { .. },
+            ResourceAction::Load
+            | ResourceAction::Process
+            | ResourceAction::Unload
+            | ResourceAction::Store
+            | ResourceAction::Retrieve
+            | ResourceAction::In
+            | ResourceAction::Out,
         )
         | (
-            Places::Outside { .. },
-            Action::Load | Action::Process | Action::Unload | Action::Store | Action::Retrieve | Action::PickAndPlace,
+            InstancePlaces::Outside { .. },
+            ResourceAction::Load
+            | ResourceAction::Process
+            | ResourceAction::Unload
+            | ResourceAction::Store
+            | ResourceAction::Retrieve
+            | ResourceAction::PickAndPlace,
         ) => [Vec::new(), Vec::new()],
     }
 }
 
 /// The transition that a piece is here, if it is one.
-fn port(b: &mut ColouredBuilder, of: Option<ResourceId>, piece: &Piece, places: &Places, s: BasicId) {
+fn port(
+    b: &mut ColouredBuilder,
+    of: Option<ResourceId>,
+    piece: &PlannedTransition,
+    places: &InstancePlaces,
+    s: BasicId,
+) {
     let mut inputs = Vec::new();
     let mut outputs = Vec::new();
     let actions: Vec<(Use, bool, bool)> = piece.actions_of(of);
@@ -321,27 +353,28 @@ fn port(b: &mut ColouredBuilder, of: Option<ResourceId>, piece: &Piece, places: 
         return;
     }
     let t = match places {
-        Places::Stack { level, .. } => b.transition(&*piece.name, [s, *level]),
-        Places::Carrier { .. } => b.transition(&*piece.name, Domain::Uncoloured),
-        Places::Machine { .. } | Places::Store { .. } | Places::Row { .. } | Places::Outside { .. } => {
-            b.transition(&*piece.name, s)
-        }
+        InstancePlaces::Stack { level, .. } => b.transition(&*piece.name, [s, *level]),
+        InstancePlaces::Carrier { .. } => b.transition(&*piece.name, Domain::Uncoloured),
+        InstancePlaces::Machine { .. }
+        | InstancePlaces::Store { .. }
+        | InstancePlaces::Row { .. }
+        | InstancePlaces::Outside { .. } => b.transition(&*piece.name, s),
     };
-    let fits = |function: Function| if matches!(places, Places::Carrier { .. }) { id() } else { function };
+    let fits = |function: Function| if matches!(places, InstancePlaces::Carrier { .. }) { id() } else { function };
     inputs.into_iter().for_each(|(place, function)| _ = b.input(t, place, fits(function)));
     outputs.into_iter().for_each(|(place, function)| _ = b.output(t, place, fits(function)));
     // The stages are said once, by whoever has the part before.
     let leads = actions.iter().any(|(part, ..)| matches!(part.action.role(), Role::Source | Role::Worker));
     let allowed = piece.allowed.as_ref().filter(|_| leads);
     let below = match places {
-        Places::Stack { height, .. } => {
+        InstancePlaces::Stack { height, .. } => {
             Some(compare(component(2), Comparison::LessOrEqual, Operand::Number((*height).into())))
         }
-        Places::Machine { .. }
-        | Places::Store { .. }
-        | Places::Row { .. }
-        | Places::Carrier { .. }
-        | Places::Outside { .. } => None,
+        InstancePlaces::Machine { .. }
+        | InstancePlaces::Store { .. }
+        | InstancePlaces::Row { .. }
+        | InstancePlaces::Carrier { .. }
+        | InstancePlaces::Outside { .. } => None,
     };
     match (allowed, below) {
         (Some(stages), below) => {

@@ -7,9 +7,9 @@ use crate::{ActivityId, ResourceId};
 
 /// What the tokens of a place are.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
-pub enum Meaning {
+pub enum PlaceMeaning {
     /// Parts that a resource has.
-    Held(ResourceId, Spot),
+    Held(ResourceId, ResourcePosition),
     /// How many more parts it has room for, or has not reserved.
     Room(ResourceId),
     /// How many more parts it can carry; of a human, one token for all he does.
@@ -35,7 +35,7 @@ pub enum Meaning {
 
 /// Where in a resource parts are.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
-pub enum Spot {
+pub enum ResourcePosition {
     /// In a store, or a stack.
     Stored,
     /// In a machine, before its work.
@@ -46,16 +46,16 @@ pub enum Spot {
     Position(u32),
 }
 
-impl Meaning {
+impl PlaceMeaning {
     /// Whose place it is; none for the outside and for what is in progress.
     pub fn resource(self) -> Option<ResourceId> {
         match self {
-            Meaning::Held(of, _)
-            | Meaning::Room(of)
-            | Meaning::Free(of)
-            | Meaning::Position(of, _)
-            | Meaning::Top(of) => Some(of),
-            Meaning::Waiting | Meaning::Admission | Meaning::Busy { .. } | Meaning::Idle(_) => None,
+            PlaceMeaning::Held(of, _)
+            | PlaceMeaning::Room(of)
+            | PlaceMeaning::Free(of)
+            | PlaceMeaning::Position(of, _)
+            | PlaceMeaning::Top(of) => Some(of),
+            PlaceMeaning::Waiting | PlaceMeaning::Admission | PlaceMeaning::Busy { .. } | PlaceMeaning::Idle(_) => None,
         }
     }
 }

@@ -17,11 +17,11 @@ mod instance;
 mod meaning;
 mod pieces;
 
-use linewright_nets::coloured::{ColouredError, ColouredNet, Fusion, Mode, fuse};
+use linewright_nets::coloured::{ColouredError, ColouredNet, Fusion, NetMode, fuse};
 use linewright_nets::{PlaceId, TransitionId};
 
-use crate::{Activity, ActivityId, Cell, Move, StageId};
-pub use meaning::{Meaning, Spot};
+use crate::{Activity, ActivityId, Cell, StageId, StageMove};
+pub use meaning::{PlaceMeaning, ResourcePosition};
 use pieces::pieces;
 
 /// The basic domain of stages.
@@ -67,7 +67,7 @@ impl<'a, const N: usize> From<&'a [u32; N]> for Supply<'a> {
 
 /// Which part of an activity a transition is.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Hash)]
-pub enum Phase {
+pub enum TransitionPhase {
     /// All of it.
     Whole,
     /// Its beginning: what it needs is taken.
@@ -88,12 +88,16 @@ pub enum Phase {
     PutEnd,
 }
 
-impl Phase {
+impl TransitionPhase {
     /// Whether the activity has ended with it.
     pub const fn ends(self) -> bool {
         match self {
-            Phase::Whole | Phase::End | Phase::Put | Phase::PutEnd => true,
-            Phase::Start | Phase::Grasp | Phase::GraspStart | Phase::GraspEnd | Phase::PutStart => false,
+            TransitionPhase::Whole | TransitionPhase::End | TransitionPhase::Put | TransitionPhase::PutEnd => true,
+            TransitionPhase::Start
+            | TransitionPhase::Grasp
+            | TransitionPhase::GraspStart
+            | TransitionPhase::GraspEnd
+            | TransitionPhase::PutStart => false,
         }
     }
 }
@@ -106,7 +110,7 @@ pub enum Origin {
         /// Which.
         id: ActivityId,
         /// Which part of it.
-        phase: Phase,
+        phase: TransitionPhase,
         /// How many tones on the stage is afterwards, around the ring of all stages.
         shift: u32,
     },
@@ -116,7 +120,7 @@ pub enum Origin {
 
 /// The instances of a cell and what joins them.
 #[derive(Clone, Debug)]
-pub struct Parts {
+pub struct CellInstances {
     /// Each with its name: the resources in their order, the outside, and what is in progress.
     pub instances: Vec<(String, ColouredNet)>,
     /// The transitions that are one.
@@ -124,7 +128,7 @@ pub struct Parts {
     /// What each fusion stands for.
     origins: Vec<Origin>,
     /// What the places of all instances stand for, in their order.
-    meanings: Vec<Meaning>,
+    meanings: Vec<PlaceMeaning>,
 }
 
 /// The net of a cell, with the way back to it.
@@ -134,7 +138,7 @@ pub struct CellNet {
     /// By transition.
     origins: Vec<Origin>,
     /// By place.
-    meanings: Vec<Meaning>,
+    meanings: Vec<PlaceMeaning>,
     /// What waits outside is counted, and is no part yet.
     counts_waiting: bool,
     stages: usize,
@@ -144,11 +148,15 @@ pub struct CellNet {
 ///
 /// # Errors
 /// What the builder of nets refuses, which are sizes: all else is made to fit.
-pub fn parts<'a>(cell: &Cell, detail: Detail, supply: impl Into<Supply<'a>>) -> Result<Parts, Vec<ColouredError>> {
+pub fn parts<'a>(
+    cell: &Cell,
+    detail: Detail,
+    supply: impl Into<Supply<'a>>,
+) -> Result<CellInstances, Vec<ColouredError>> {
     let pieces = pieces(cell, detail);
     let mut instances = Vec::with_capacity(cell.resources.len() + 2);
     let mut meanings = Vec::new();
-    let mut add = |name: &str, (net, mut of): (ColouredNet, Vec<Meaning>)| {
+    let mut add = |name: &str, (net, mut of): (ColouredNet, Vec<PlaceMeaning>)| {
         instances.push((name.to_owned(), net));
         meanings.append(&mut of);
     };
@@ -159,7 +167,7 @@ pub fn parts<'a>(cell: &Cell, detail: Detail, supply: impl Into<Supply<'a>>) -> 
     if let Some(running) = instance::running(cell, &pieces) {
         add(RUNNING, running?);
     }
-    let fusion = |piece: &pieces::Piece| {
+    let fusion = |piece: &pieces::PlannedTransition| {
         let having = instances.iter().enumerate();
         let having = having.filter(|(_, (_, net))| net.transition_named(&piece.name).is_some());
         Fusion::new(&*piece.name, having.map(|(at, _)| (at, &*piece.name)))
@@ -167,7 +175,7 @@ pub fn parts<'a>(cell: &Cell, detail: Detail, supply: impl Into<Supply<'a>>) -> 
     let fusions = pieces.iter().map(fusion).collect();
     let origins =
         pieces.iter().map(|piece| Origin::Activity { id: piece.activity, phase: piece.phase, shift: piece.shift });
-    Ok(Parts { instances, fusions, origins: origins.collect(), meanings })
+    Ok(CellInstances { instances, fusions, origins: origins.collect(), meanings })
 }
 
 /// The net of a cell.
@@ -176,7 +184,7 @@ pub fn parts<'a>(cell: &Cell, detail: Detail, supply: impl Into<Supply<'a>>) -> 
 /// As [`parts`].
 pub fn net<'a>(cell: &Cell, detail: Detail, supply: impl Into<Supply<'a>>) -> Result<CellNet, Vec<ColouredError>> {
     let supply = supply.into();
-    let Parts { instances, fusions, mut origins, meanings } = parts(cell, detail, supply)?;
+    let CellInstances { instances, fusions, mut origins, meanings } = parts(cell, detail, supply)?;
     let nets: Vec<(&str, &ColouredNet)> = instances.iter().map(|(name, net)| (name.as_str(), net)).collect();
     let net = fuse(&cell.name, &nets, &fusions)?;
     // Fused transitions come first, in their order; what is left are the shifts of buffers.
@@ -202,24 +210,24 @@ impl CellNet {
     /// Whether the tokens of a place are parts; otherwise they are capacities.
     pub fn holds_parts(&self, place: PlaceId) -> bool {
         match self.meaning(place) {
-            Meaning::Waiting => !self.counts_waiting,
-            Meaning::Held(..) | Meaning::Busy { .. } => true,
-            Meaning::Room(_)
-            | Meaning::Free(_)
-            | Meaning::Position(..)
-            | Meaning::Top(_)
-            | Meaning::Admission
-            | Meaning::Idle(_) => false,
+            PlaceMeaning::Waiting => !self.counts_waiting,
+            PlaceMeaning::Held(..) | PlaceMeaning::Busy { .. } => true,
+            PlaceMeaning::Room(_)
+            | PlaceMeaning::Free(_)
+            | PlaceMeaning::Position(..)
+            | PlaceMeaning::Top(_)
+            | PlaceMeaning::Admission
+            | PlaceMeaning::Idle(_) => false,
         }
     }
 
     /// What the tokens of a place are.
-    pub fn meaning(&self, place: PlaceId) -> Meaning {
+    pub fn meaning(&self, place: PlaceId) -> PlaceMeaning {
         self.meanings[place.index()]
     }
 
     /// What a mode makes of which stage; none for a shift in a buffer.
-    pub fn move_of<'c>(&self, cell: &'c Cell, mode: Mode) -> Option<(&'c Activity, &'c Move)> {
+    pub fn move_of<'c>(&self, cell: &'c Cell, mode: NetMode) -> Option<(&'c Activity, &'c StageMove)> {
         let Origin::Activity { id, shift, .. } = self.origin(mode.transition) else { return None };
         let domain = self.net.transition_domain(mode.transition);
         let at = domain.iter().position(|basic| self.net.basics()[basic.index()].name() == STAGES)?;

@@ -8,14 +8,14 @@
 
 use std::collections::BTreeMap;
 
-use super::{Detail, Phase};
+use super::{Detail, TransitionPhase};
 use crate::{Activity, ActivityId, Cell, Prototype, Role, StageId, Use};
 
 /// A transition to be.
-pub(super) struct Piece {
+pub(super) struct PlannedTransition {
     pub name: String,
     pub activity: ActivityId,
-    pub phase: Phase,
+    pub phase: TransitionPhase,
     /// The actions that begin here.
     pub begins: Vec<Use>,
     /// The actions that end here.
@@ -25,22 +25,22 @@ pub(super) struct Piece {
     /// The stages it is for, where it is the first of its activity; none where those before it have seen to that.
     pub allowed: Option<Vec<StageId>>,
     /// What was in progress before, and is afterwards: a place's name, and those on whose stacks it stands.
-    pub from: Option<Progress>,
-    pub to: Option<Progress>,
+    pub from: Option<ProgressPlace>,
+    pub to: Option<ProgressPlace>,
     /// Where nothing else keeps one stage from being moved twice at a time: the variant's name, and whether it begins.
     pub server: Option<(String, bool)>,
 }
 
 /// A place of what is in progress.
 #[derive(Clone, Debug, PartialEq, Eq)]
-pub(super) struct Progress {
+pub(super) struct ProgressPlace {
     pub place: String,
     /// The actions that have begun and not ended.
     pub uses: Vec<Use>,
 }
 
 /// All pieces of all activities, in their order.
-pub(super) fn pieces(cell: &Cell, detail: Detail) -> Vec<Piece> {
+pub(super) fn pieces(cell: &Cell, detail: Detail) -> Vec<PlannedTransition> {
     let mut pieces = Vec::new();
     for id in cell.activity_ids() {
         for (number, (shift, stages)) in variants(cell, cell.activity(id)).into_iter().enumerate() {
@@ -73,7 +73,7 @@ struct Variant<'c> {
 }
 
 impl Variant<'_> {
-    fn pieces(&self, detail: Detail, pieces: &mut Vec<Piece>) {
+    fn pieces(&self, detail: Detail, pieces: &mut Vec<PlannedTransition>) {
         let uses = &self.activity.uses;
         let of = |roles: &[Role]| -> Vec<Use> {
             uses.iter().copied().filter(|part| roles.contains(&part.action.role())).collect()
@@ -82,16 +82,19 @@ impl Variant<'_> {
         let is_seen = detail == Detail::Expanded && !self.activity.is_logical();
         match (is_whole, is_seen) {
             (true, false) => {
-                pieces.push(Piece { allowed: self.allowed(), ..self.piece("", Phase::Whole, uses, uses) });
+                pieces.push(PlannedTransition {
+                    allowed: self.allowed(),
+                    ..self.piece("", TransitionPhase::Whole, uses, uses)
+                });
             }
             (true, true) => {
                 let server = |begins| self.needs_server().then(|| (self.name.clone(), begins));
                 let progress = Some(self.progress("", uses));
-                let start = self.piece(".start", Phase::Start, uses, &[]);
-                let end = self.piece(".end", Phase::End, &[], uses);
+                let start = self.piece(".start", TransitionPhase::Start, uses, &[]);
+                let end = self.piece(".end", TransitionPhase::End, &[], uses);
                 let allowed = self.allowed();
-                pieces.push(Piece { to: progress.clone(), server: server(true), allowed, ..start });
-                pieces.push(Piece { from: progress, server: server(false), ..end });
+                pieces.push(PlannedTransition { to: progress.clone(), server: server(true), allowed, ..start });
+                pieces.push(PlannedTransition { from: progress, server: server(false), ..end });
             }
             (false, _) => {
                 let (source, target) = (of(&[Role::Source]), of(&[Role::Target]));
@@ -99,25 +102,28 @@ impl Variant<'_> {
                 let held = Some(self.progress(".held", &[]));
                 if is_seen {
                     let (grasping, putting) = (self.progress(".grasp", &source), self.progress(".put", &target));
-                    let start = self.piece(".grasp.start", Phase::GraspStart, &grasp, &[]);
-                    pieces.push(Piece { to: Some(grasping.clone()), allowed: self.allowed(), ..start });
-                    let end = self.piece(".grasp.end", Phase::GraspEnd, &[], &source);
-                    pieces.push(Piece { from: Some(grasping), to: held.clone(), ..end });
-                    let start = self.piece(".put.start", Phase::PutStart, &target, &[]);
-                    pieces.push(Piece { from: held, to: Some(putting.clone()), ..start });
-                    let end = self.piece(".put.end", Phase::PutEnd, &[], &put);
-                    pieces.push(Piece { from: Some(putting), ..end });
+                    let start = self.piece(".grasp.start", TransitionPhase::GraspStart, &grasp, &[]);
+                    pieces.push(PlannedTransition { to: Some(grasping.clone()), allowed: self.allowed(), ..start });
+                    let end = self.piece(".grasp.end", TransitionPhase::GraspEnd, &[], &source);
+                    pieces.push(PlannedTransition { from: Some(grasping), to: held.clone(), ..end });
+                    let start = self.piece(".put.start", TransitionPhase::PutStart, &target, &[]);
+                    pieces.push(PlannedTransition { from: held, to: Some(putting.clone()), ..start });
+                    let end = self.piece(".put.end", TransitionPhase::PutEnd, &[], &put);
+                    pieces.push(PlannedTransition { from: Some(putting), ..end });
                 } else {
-                    let first = self.piece(".grasp", Phase::Grasp, &grasp, &source);
-                    pieces.push(Piece { to: held.clone(), allowed: self.allowed(), ..first });
-                    pieces.push(Piece { from: held, ..self.piece(".put", Phase::Put, &target, &put) });
+                    let first = self.piece(".grasp", TransitionPhase::Grasp, &grasp, &source);
+                    pieces.push(PlannedTransition { to: held.clone(), allowed: self.allowed(), ..first });
+                    pieces.push(PlannedTransition {
+                        from: held,
+                        ..self.piece(".put", TransitionPhase::Put, &target, &put)
+                    });
                 }
             }
         }
     }
 
-    fn piece(&self, suffix: &str, phase: Phase, begins: &[Use], ends: &[Use]) -> Piece {
-        Piece {
+    fn piece(&self, suffix: &str, phase: TransitionPhase, begins: &[Use], ends: &[Use]) -> PlannedTransition {
+        PlannedTransition {
             name: format!("{}{suffix}", self.name),
             activity: self.id,
             phase,
@@ -135,8 +141,8 @@ impl Variant<'_> {
         Some(self.stages.clone())
     }
 
-    fn progress(&self, suffix: &str, uses: &[Use]) -> Progress {
-        Progress { place: format!("{}{suffix}", self.name), uses: uses.to_vec() }
+    fn progress(&self, suffix: &str, uses: &[Use]) -> ProgressPlace {
+        ProgressPlace { place: format!("{}{suffix}", self.name), uses: uses.to_vec() }
     }
 
     /// Single server for each mode (seed 000, proposition 15, L2385), unless whoever takes part has its own limit.
@@ -156,7 +162,7 @@ impl Variant<'_> {
     }
 }
 
-impl Piece {
+impl PlannedTransition {
     /// Those of its actions that are a resource's, each with whether it begins and ends here.
     pub fn actions_of(&self, resource: Option<crate::ResourceId>) -> Vec<(Use, bool, bool)> {
         let mut found: Vec<(Use, bool, bool)> = Vec::new();

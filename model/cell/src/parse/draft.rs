@@ -13,7 +13,7 @@ use crate::{
     ActivityId, ActivityKind, ControllerId, LeftOut, ParameterSource, Prototype, ResourceId, Role, StopOf, Use,
 };
 
-pub(super) struct Draft<'a> {
+pub(super) struct DraftCell<'a> {
     pub raw: &'a RawCell,
     pub line: Option<&'a Line>,
     pub controllers: Table<'a>,
@@ -79,7 +79,7 @@ pub(super) struct DraftException<'a> {
     pub emergency_stop: Vec<StopOf>,
 }
 
-impl<'a> Draft<'a> {
+impl<'a> DraftCell<'a> {
     pub fn resource(&self, id: ResourceId) -> &DraftResource<'a> {
         &self.resources[id.index()]
     }

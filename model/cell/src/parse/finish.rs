@@ -5,27 +5,27 @@
 
 use std::time::Duration;
 
-use super::draft::{Draft, DraftActivity, DraftException, DraftOrder, DraftPart, DraftResource};
+use super::draft::{DraftActivity, DraftCell, DraftException, DraftOrder, DraftPart, DraftResource};
 use super::raw::RawDispatch;
 use super::rules::{Offsets, offsets, transport};
 use crate::routes::Routes;
 use crate::{
-    Activity, ActivityKind, Answer, Cell, Dispatch, ExceptionRule, Limits, Move, OrderTemplate, PartType, PartTypeId,
-    Resource, ResourceId, Rule, Stage, StageId, Step,
+    Activity, ActivityKind, AlarmAnswer, Cell, CellTimeouts, Dispatch, DispatchRule, ExceptionRule, OrderTemplate,
+    PartType, PartTypeId, PlanStep, Resource, ResourceId, Stage, StageId, StageMove,
 };
 
 /// A part that could move and has waited this long goes first, where nothing is said.
 const PATIENCE: Duration = Duration::from_secs(600);
 
 /// The cell a draft describes; `None` if a part is missing.
-pub(super) fn finish(draft: &Draft<'_>, routes: &Routes) -> Option<Cell> {
+pub(super) fn finish(draft: &DraftCell<'_>, routes: &Routes) -> Option<Cell> {
     let raw = draft.raw;
     let name = raw.name.as_ref()?.value.clone();
     let offsets = offsets(draft);
     Some(Cell {
         title: raw.title.as_ref().map_or_else(|| name.clone(), |title| title.value.clone()),
         name,
-        limits: Limits {
+        limits: CellTimeouts {
             wip_max: u32::try_from(raw.wip_max.as_ref()?.value).ok()?,
             reserve: raw.reserve,
             safety: raw.safety,
@@ -41,12 +41,12 @@ pub(super) fn finish(draft: &Draft<'_>, routes: &Routes) -> Option<Cell> {
 }
 
 fn dispatch(raw: &RawDispatch) -> Dispatch {
-    let rules: Vec<Rule> = raw.known_rules().map(|rule| rule.value).collect();
+    let rules: Vec<DispatchRule> = raw.known_rules().map(|rule| rule.value).collect();
     let seconds = |number: &Option<linewright_text::At<f64>>| {
         number.as_ref().map_or(Duration::ZERO, |number| Duration::from_secs_f64(number.value))
     };
     Dispatch {
-        rules: if rules.is_empty() { vec![Rule::Fifo] } else { rules },
+        rules: if rules.is_empty() { vec![DispatchRule::Fifo] } else { rules },
         look_ahead: seconds(&raw.look_ahead),
         patience: raw.patience.as_ref().map_or(PATIENCE, |patience| patience.value),
         window: seconds(&raw.window),
@@ -63,7 +63,7 @@ fn resource(draft: &DraftResource<'_>) -> Option<Resource> {
     })
 }
 
-fn activity(draft: &Draft<'_>, of: &DraftActivity<'_>, routes: &Routes, offsets: &Offsets) -> Option<Activity> {
+fn activity(draft: &DraftCell<'_>, of: &DraftActivity<'_>, routes: &Routes, offsets: &Offsets) -> Option<Activity> {
     Some(Activity {
         name: of.name.clone(),
         kind: of.kind,
@@ -78,15 +78,20 @@ fn activity(draft: &Draft<'_>, of: &DraftActivity<'_>, routes: &Routes, offsets:
 }
 
 /// The stages that are moved on a way to the end.
-fn transports(draft: &Draft<'_>, of: &DraftActivity<'_>, routes: &Routes, offsets: &Offsets) -> Option<Vec<Move>> {
+fn transports(
+    draft: &DraftCell<'_>,
+    of: &DraftActivity<'_>,
+    routes: &Routes,
+    offsets: &Offsets,
+) -> Option<Vec<StageMove>> {
     let way = transport(of)?;
     let numbers = draft.parts.iter().enumerate().flat_map(|(at, part)| (0..part.stages.len()).map(move |s| (at, s)));
     let stages = numbers.map(|(at, stage)| offsets.stage(at, stage)).filter(|&stage| routes.is_of_use(way, stage));
-    Some(stages.map(|stage| Move { from: stage, to: stage, time: of.time, program: None }).collect())
+    Some(stages.map(|stage| StageMove { from: stage, to: stage, time: of.time, program: None }).collect())
 }
 
 /// Who leaves may come again, as a part on which nothing has been done.
-fn leaves(draft: &Draft<'_>, of: &DraftActivity<'_>, routes: &Routes, offsets: &Offsets) -> Option<Vec<Move>> {
+fn leaves(draft: &DraftCell<'_>, of: &DraftActivity<'_>, routes: &Routes, offsets: &Offsets) -> Option<Vec<StageMove>> {
     let mut moves = transports(draft, of, routes, offsets)?;
     for (at, part) in draft.parts.iter().enumerate() {
         let done = offsets.stage(at, part.stages.len() - 1);
@@ -96,12 +101,12 @@ fn leaves(draft: &Draft<'_>, of: &DraftActivity<'_>, routes: &Routes, offsets: &
 }
 
 /// What a resource makes of parts, in the order of the stages.
-fn works(draft: &Draft<'_>, resource: ResourceId, offsets: &Offsets) -> Vec<Move> {
+fn works(draft: &DraftCell<'_>, resource: ResourceId, offsets: &Offsets) -> Vec<StageMove> {
     let mut moves = Vec::new();
     for (at, part) in draft.parts.iter().enumerate() {
         for step in &part.steps {
             let here = step.on.iter().zip(&step.raw.on).filter(|(on, _)| **on == Some(resource));
-            moves.extend(here.map(|(_, raw)| Move {
+            moves.extend(here.map(|(_, raw)| StageMove {
                 from: offsets.stage(at, step.from),
                 to: offsets.stage(at, step.to),
                 time: raw.time.as_ref().map(|time| time.value),
@@ -124,7 +129,7 @@ fn order(draft: &DraftOrder<'_>) -> Option<OrderTemplate> {
 
 fn part_type(at: usize, draft: &DraftPart<'_>, offsets: &Offsets) -> PartType {
     let first: StageId = offsets.stage(at, 0);
-    let step = |step: &super::draft::DraftStep<'_>| Step {
+    let step = |step: &super::draft::DraftStep<'_>| PlanStep {
         name: step.name.to_owned(),
         from: offsets.stage(at, step.from),
         to: offsets.stage(at, step.to),
@@ -145,7 +150,7 @@ fn stages<'d>(at: usize, draft: &'d DraftPart<'_>) -> impl Iterator<Item = Stage
 fn exception(draft: &DraftException<'_>) -> Option<ExceptionRule> {
     let raw = draft.raw;
     let answers = raw.answers.iter().zip(&draft.down).map(|(answer, down)| {
-        Some(Answer {
+        Some(AlarmAnswer {
             word: answer.word.as_ref()?.value.clone(),
             part: answer.part.as_ref()?.value,
             then: answer.then.as_ref()?.value,

@@ -27,7 +27,7 @@ use crate::Cell;
 
 /// A sound description.
 #[derive(Clone, Debug)]
-pub struct Parsed {
+pub struct ParsedCell {
     /// The cell it describes.
     pub cell: Cell,
     /// What is suspicious about it, in the order of the text; [`Problems::new`] has them drawn.
@@ -39,11 +39,11 @@ pub struct Parsed {
 ///
 /// # Errors
 /// All problems of the text at once, warnings included, each with its place.
-pub fn parse(file_name: &str, text: &str, line: Option<&Line>) -> Result<Parsed, Problems> {
+pub fn parse(file_name: &str, text: &str, line: Option<&Line>) -> Result<ParsedCell, Problems> {
     let mut report = Report::default();
     let cell = understand(text, line, &mut report);
     let (cell, warnings) = report.close(cell, file_name, text)?;
-    Ok(Parsed { cell, warnings })
+    Ok(ParsedCell { cell, warnings })
 }
 
 fn understand(text: &str, line: Option<&Line>, report: &mut Report) -> Option<Cell> {

@@ -16,7 +16,7 @@ pub(super) const OUTSIDE: &str = "outside";
 const STAGES: [&str; 2] = ["new", "done"];
 
 /// The names of the whole cell.
-pub(super) struct Names<'a> {
+pub(super) struct CellNames<'a> {
     pub resources: Table<'a>,
     pub syncs: Table<'a>,
     pub parts: Table<'a>,
@@ -25,11 +25,11 @@ pub(super) struct Names<'a> {
 }
 
 /// Collects and checks all names.
-pub(super) fn names<'a>(raw: &'a RawCell, report: &mut Report) -> Names<'a> {
+pub(super) fn names<'a>(raw: &'a RawCell, report: &mut Report) -> CellNames<'a> {
     if let Some(name) = &raw.name {
         ros_name(name, "cell", report);
     }
-    let mut names = Names {
+    let mut names = CellNames {
         resources: Table::default(),
         syncs: Table::default(),
         parts: Table::default(),

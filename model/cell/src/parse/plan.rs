@@ -9,14 +9,14 @@ use linewright_text::{Name, Problem, Report, Table};
 use super::raw::{RawPart, RawStep};
 
 /// The stages' names, and for each step the stages it leads between.
-pub(super) struct Plan {
+pub(super) struct DraftPlan {
     pub stages: Vec<String>,
     pub steps: Vec<(usize, usize)>,
     pub is_whole: bool,
 }
 
 /// Works out the graph; what cannot be is reported.
-pub(super) fn plan(part: &RawPart, names: &Table<'_>, report: &mut Report) -> Plan {
+pub(super) fn plan(part: &RawPart, names: &Table<'_>, report: &mut Report) -> DraftPlan {
     let mut is_whole = true;
     // Where each step begins: the number of the first step that begins there. The number after the last is the end.
     let mut begins: Vec<usize> = Vec::with_capacity(part.steps.len());
@@ -47,7 +47,7 @@ pub(super) fn plan(part: &RawPart, names: &Table<'_>, report: &mut Report) -> Pl
         }
     };
     let steps = begins.iter().zip(&ends).map(|(&begin, &end)| (stage(begin), stage(end))).collect();
-    Plan { stages: points.iter().map(called).collect(), steps, is_whole }
+    DraftPlan { stages: points.iter().map(called).collect(), steps, is_whole }
 }
 
 /// The step that `or` names, which must have been listed.

@@ -7,7 +7,7 @@ use std::time::Duration;
 
 use linewright_text::{At, Name, Where};
 
-use crate::{Rule, Strategy, Whereabouts};
+use crate::{DispatchRule, Strategy, Whereabouts};
 
 #[derive(Debug)]
 pub(super) struct RawCell {
@@ -21,7 +21,7 @@ pub(super) struct RawCell {
     pub dispatch: RawDispatch,
     pub resources: Vec<RawResource>,
     pub syncs: Vec<RawSync>,
-    pub actions: Vec<RawAction>,
+    pub actions: Vec<RawCellAction>,
     pub parts: Vec<RawPart>,
     pub exceptions: Vec<RawException>,
 }
@@ -55,7 +55,7 @@ pub(super) struct RawSync {
 }
 
 #[derive(Debug)]
-pub(super) struct RawAction {
+pub(super) struct RawCellAction {
     pub of: Option<Name>,
     pub orders: Vec<RawOrder>,
 }
@@ -118,10 +118,10 @@ pub(super) struct RawAnswer {
 
 impl RawDispatch {
     /// The rules that exist, each with its place.
-    pub fn known_rules(&self) -> impl Iterator<Item = At<Rule>> + '_ {
+    pub fn known_rules(&self) -> impl Iterator<Item = At<DispatchRule>> + '_ {
         let names = self.rules.iter().flat_map(|rules| &rules.value);
         names.filter_map(|name| {
-            let (_, rule) = Rule::ALL.iter().find(|(known, _)| *known == name.value)?;
+            let (_, rule) = DispatchRule::ALL.iter().find(|(known, _)| *known == name.value)?;
             Some(At::new(*rule, name.at.clone()))
         })
     }

@@ -5,7 +5,8 @@
 use linewright_text::{Fields, Report};
 
 use super::raw::{
-    RawAction, RawAnswer, RawCell, RawDispatch, RawException, RawOn, RawOrder, RawPart, RawResource, RawStep, RawSync,
+    RawAnswer, RawCell, RawCellAction, RawDispatch, RawException, RawOn, RawOrder, RawPart, RawResource, RawStep,
+    RawSync,
 };
 use crate::{Strategy, Whereabouts};
 
@@ -71,7 +72,7 @@ fn each<T>(tables: Vec<Fields<'_>>, report: &mut Report, read: impl Fn(Fields<'_
 
 fn dispatch(mut f: Fields<'_>, report: &mut Report) -> RawDispatch {
     let raw = RawDispatch {
-        rules: f.texts(report, "rules", crate::Rule::ALL.len()),
+        rules: f.texts(report, "rules", crate::DispatchRule::ALL.len()),
         look_ahead: f.within(report, "look_ahead_s", 0.0, 86_400.0),
         patience: f.seconds(report, "patience_s"),
         window: f.within(report, "window_s", 0.0, 86_400.0),
@@ -105,8 +106,8 @@ fn sync(mut f: Fields<'_>, report: &mut Report) -> RawSync {
     raw
 }
 
-fn action(mut f: Fields<'_>, report: &mut Report) -> RawAction {
-    let raw = RawAction {
+fn action(mut f: Fields<'_>, report: &mut Report) -> RawCellAction {
+    let raw = RawCellAction {
         of: f.required_text(report, "of"),
         orders: each(f.tables(report, "orders", "an order", ORDERS_MAX), report, order),
     };

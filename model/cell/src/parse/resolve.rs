@@ -1,4 +1,4 @@
-//! Names → numbers: from the description as written to a [`Draft`].
+//! Names → numbers: from the description as written to a [`DraftCell`].
 //!
 //! The only pass that looks names up. Each reference either becomes a number or is reported with what it could have
 //! been; what the numbers may be combined to is for the rules.
@@ -6,31 +6,31 @@
 use linewright_line::Line;
 use linewright_text::{At, Name, Problem, Report, Scalar, Table, Where, suggestion};
 
-use super::draft::{Draft, DraftActivity, DraftException, DraftOrder, DraftPart, DraftResource, DraftStep};
-use super::names::{Names, OUTSIDE};
+use super::draft::{DraftActivity, DraftCell, DraftException, DraftOrder, DraftPart, DraftResource, DraftStep};
+use super::names::{CellNames, OUTSIDE};
 use super::plan::plan;
-use super::raw::{RawAction, RawCell, RawException, RawOrder, RawPart, RawResource, RawSync};
+use super::raw::{RawCell, RawCellAction, RawException, RawOrder, RawPart, RawResource, RawSync};
 use crate::{
-    Action, ActivityId, ActivityKind, ControllerId, LeftOut, ParameterSource, Prototype, ResourceId, Role, StopOf, Use,
-    Whereabouts,
+    ActivityId, ActivityKind, ControllerId, LeftOut, ParameterSource, Prototype, ResourceAction, ResourceId, Role,
+    StopOf, Use, Whereabouts,
 };
 
 /// Resolves everything that can be.
 pub(super) fn resolve<'a>(
     raw: &'a RawCell,
-    names: &Names<'a>,
+    names: &CellNames<'a>,
     line: Option<&'a Line>,
     report: &mut Report,
-) -> Draft<'a> {
+) -> DraftCell<'a> {
     let controllers = controllers(raw);
     let resources: Vec<_> = raw.resources.iter().map(|r| resource(r, &controllers, report)).collect();
-    let mut scope = Scope { names, resources: &resources, controllers: &controllers };
+    let mut scope = CellScope { names, resources: &resources, controllers: &controllers };
     let mut activities: Vec<_> = raw.syncs.iter().map(|sync| scope.sync(sync, report)).collect();
     activities.extend(scope.processes(&raw.actions, report));
     let parts = raw.parts.iter().zip(&names.steps).map(|(part, steps)| scope.part(part, steps, report)).collect();
     let among = (&activities[..], &resources[..], &controllers);
     let exceptions = raw.exceptions.iter().map(|raw| exception(raw, among, names, report)).collect();
-    Draft { raw, line, controllers, resources, activities, parts, exceptions }
+    DraftCell { raw, line, controllers, resources, activities, parts, exceptions }
 }
 
 /// The stations, in the order in which they are named: by resources first, then by orders.
@@ -68,20 +68,20 @@ fn resource<'a>(raw: &'a RawResource, controllers: &Table<'a>, report: &mut Repo
 }
 
 /// What names may refer to.
-struct Scope<'a, 's> {
-    names: &'s Names<'a>,
+struct CellScope<'a, 's> {
+    names: &'s CellNames<'a>,
     resources: &'s [DraftResource<'a>],
     controllers: &'s Table<'a>,
 }
 
-impl<'a> Scope<'a, '_> {
+impl<'a> CellScope<'a, '_> {
     fn sync(&mut self, raw: &'a RawSync, report: &mut Report) -> DraftActivity<'a> {
         let written = raw.actions.iter().flat_map(|actions| &actions.value);
         let uses: Vec<_> = written.map(|name| self.action(name, report)).collect();
         let is_whole = raw.actions.is_some() && uses.iter().all(Option::is_some);
         let uses: Vec<_> = uses.into_iter().flatten().collect();
         let does = |action| uses.iter().any(|part: &At<Use>| part.value.action == action);
-        let kind = match (does(Action::In), does(Action::Out)) {
+        let kind = match (does(ResourceAction::In), does(ResourceAction::Out)) {
             (true, _) => ActivityKind::Enter,
             (false, true) => ActivityKind::Leave,
             (false, false) => ActivityKind::Transport,
@@ -107,8 +107,8 @@ impl<'a> Scope<'a, '_> {
             );
             return None;
         };
-        let (of, can): (_, &[Action]) = if holder == OUTSIDE {
-            (None, &[Action::In, Action::Out])
+        let (of, can): (_, &[ResourceAction]) = if holder == OUTSIDE {
+            (None, &[ResourceAction::In, ResourceAction::Out])
         } else {
             let id = self.resource_named(holder, &name.at, report)?;
             (Some(id), self.resources[id.index()].prototype?.actions())
@@ -131,7 +131,7 @@ impl<'a> Scope<'a, '_> {
     }
 
     /// One activity for each resource that works on parts, with the orders of its `[[action]]`.
-    fn processes(&self, raw: &'a [RawAction], report: &mut Report) -> Vec<DraftActivity<'a>> {
+    fn processes(&self, raw: &'a [RawCellAction], report: &mut Report) -> Vec<DraftActivity<'a>> {
         let mut described = Table::default();
         for (id, action) in raw.iter().enumerate() {
             let Some(of) = &action.of else { continue };
@@ -147,9 +147,9 @@ impl<'a> Scope<'a, '_> {
         let working = self.resources.iter().enumerate().filter(|(_, r)| r.prototype.is_some_and(Prototype::processes));
         working
             .map(|(id, resource)| {
-                let name = format!("{}.{}", resource.name, Action::Process.name());
+                let name = format!("{}.{}", resource.name, ResourceAction::Process.name());
                 let described = described.get(&name).map(|id| &raw[id]);
-                let part = Use { of: Some(ResourceId::at(id)), action: Action::Process };
+                let part = Use { of: Some(ResourceId::at(id)), action: ResourceAction::Process };
                 DraftActivity {
                     at: resource.place(),
                     kind: ActivityKind::Process,
@@ -229,7 +229,7 @@ impl<'a> Scope<'a, '_> {
 fn exception<'a>(
     raw: &'a RawException,
     (activities, resources, controllers): (&[DraftActivity<'_>], &[DraftResource<'_>], &Table<'_>),
-    names: &Names<'_>,
+    names: &CellNames<'_>,
     report: &mut Report,
 ) -> DraftException<'a> {
     let stopped = raw.emergency_stop.iter().flat_map(|names| &names.value);
@@ -284,7 +284,7 @@ fn stop_of(
 }
 
 /// Resources by name, or by what they are for the part: a resource of such a name comes first.
-fn left_out(written: Option<&At<Vec<Name>>>, names: &Names<'_>, report: &mut Report) -> Vec<LeftOut> {
+fn left_out(written: Option<&At<Vec<Name>>>, names: &CellNames<'_>, report: &mut Report) -> Vec<LeftOut> {
     let roles = [("from", Whereabouts::From), ("to", Whereabouts::To), ("carrier", Whereabouts::Carrier)];
     let mut one = |name: &Name| {
         let role = roles.iter().find(|(word, _)| *word == name.value).map(|&(_, part)| LeftOut::As(part));

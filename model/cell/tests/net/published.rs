@@ -6,11 +6,11 @@
 
 use std::collections::{BTreeMap, BTreeSet};
 
-use linewright_cell::net::{Detail, Parts, net, parts};
+use linewright_cell::net::{CellInstances, Detail, net, parts};
 use linewright_nets::StateId;
 use linewright_nets::coloured::flow::TransitionFlow;
 use linewright_nets::coloured::{
-    ColouredMarking, ColouredNet, ColouredReachability, Colours, Fusion, Limits, explore, fuse, unfold,
+    ColouredMarking, ColouredNet, ColouredReachLimits, ColouredReachability, Colours, Fusion, explore, fuse, unfold,
 };
 
 use super::source::{self, Variant};
@@ -119,7 +119,7 @@ fn seen(
     cells: fn(&str) -> Option<String>,
     labels: fn(&str) -> Label,
 ) -> BTreeMap<Class, BTreeSet<(String, Class)>> {
-    let graph = explore(net, Limits::states(100_000)).expect("it is small");
+    let graph = explore(net, ColouredReachLimits::states(100_000)).expect("it is small");
     let classes: Vec<Class> = graph.states().map(|state| class(net, graph.entries(state), cells)).collect();
     let steps = |state: StateId, graph: &ColouredReachability| -> Vec<(Label, StateId)> {
         graph.steps_from(state).iter().map(|step| (labels(&net.mode_name(step.mode)), step.to)).collect()
@@ -190,7 +190,7 @@ fn the_end_of_loading_moves_what_t3_does() {
 /// is its instance with what is in progress; t1 to t3 are the start and the end of a load.
 #[test]
 fn the_supports_of_the_resources_are_the_printed_ones() {
-    let Parts { instances, .. } = parts(&cell(ASSEMBLY), Detail::Expanded, &[]).expect("it is small");
+    let CellInstances { instances, .. } = parts(&cell(ASSEMBLY), Detail::Expanded, &[]).expect("it is small");
     let instance = |name: &str| &instances.iter().find(|(known, _)| known == name).expect("it is there").1;
     let supports = |name: &str| -> BTreeSet<Vec<String>> {
         let (resource, running) = (instance(name), instance("running"));
@@ -260,13 +260,13 @@ fn is_deadlock_scenario(net: &ColouredNet, marking: &ColouredMarking) -> bool {
 #[test]
 fn the_reservation_is_what_prevents_the_deadlock() {
     let safe_net = ours(&[2, 2, 1]);
-    let safe = explore(&safe_net, Limits::states(100_000)).expect("it is small");
+    let safe = explore(&safe_net, ColouredReachLimits::states(100_000)).expect("it is small");
     assert!(!safe.states().any(|state| is_deadlock_scenario(&safe_net, &safe.marking(state))));
     assert_eq!((safe.deadlocks().count(), safe.is_reversible()), (0, Ok(())));
 
     let text = edited(ASSEMBLY, &[("reserve = true", "reserve = false")]);
     let net = net(&cell(&text), Detail::Expanded, &[2, 2, 1]).expect("it is small").net().clone();
-    let graph = explore(&net, Limits::states(100_000)).expect("it is small");
+    let graph = explore(&net, ColouredReachLimits::states(100_000)).expect("it is small");
     let stuck: Vec<StateId> =
         graph.deadlocks().filter(|&state| is_deadlock_scenario(&net, &graph.marking(state))).collect();
     assert!(!stuck.is_empty());

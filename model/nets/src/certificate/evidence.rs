@@ -9,7 +9,7 @@ use crate::{PlaceId, TransitionId};
 
 /// What is claimed of a marked net, or denied.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, PartialOrd, Ord, Hash)]
-pub enum Property {
+pub enum NetProperty {
     /// In every reachable marking some transition is enabled.
     DeadlockFree,
     /// From every reachable marking every transition can be enabled again (seed 002 §3.1, Definition 1).
@@ -22,20 +22,25 @@ pub enum Property {
     Reversible,
 }
 
-impl Property {
+impl NetProperty {
     /// All of them.
-    pub const ALL: [Property; 5] =
-        [Property::DeadlockFree, Property::Live, Property::Bounded, Property::Safe, Property::Reversible];
+    pub const ALL: [NetProperty; 5] = [
+        NetProperty::DeadlockFree,
+        NetProperty::Live,
+        NetProperty::Bounded,
+        NetProperty::Safe,
+        NetProperty::Reversible,
+    ];
 }
 
-impl fmt::Display for Property {
+impl fmt::Display for NetProperty {
     fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
         f.write_str(match self {
-            Property::DeadlockFree => "deadlock-free",
-            Property::Live => "live",
-            Property::Bounded => "bounded",
-            Property::Safe => "safe",
-            Property::Reversible => "reversible",
+            NetProperty::DeadlockFree => "deadlock-free",
+            NetProperty::Live => "live",
+            NetProperty::Bounded => "bounded",
+            NetProperty::Safe => "safe",
+            NetProperty::Reversible => "reversible",
         })
     }
 }
@@ -44,7 +49,7 @@ impl fmt::Display for Property {
 #[derive(Clone, Debug, PartialEq, Eq)]
 pub struct Certificate {
     /// What the claim is about.
-    pub property: Property,
+    pub property: NetProperty,
     /// Whether it is claimed to hold, or not to hold.
     pub holds: bool,
     /// Why.
@@ -54,8 +59,8 @@ pub struct Certificate {
 /// Why a claim is true.
 #[derive(Clone, Debug, PartialEq, Eq)]
 pub enum Evidence {
-    /// See [`Order`].
-    Order(Order),
+    /// See [`FiringOrder`].
+    Order(FiringOrder),
     /// See [`Component`]. Proves *live* when every transition starts in one of the components and each has a token;
     /// *reversible* when every token is in one; *deadlock-free* when one of them has a token and a transition.
     Components(Vec<Component>),
@@ -73,18 +78,18 @@ pub enum Evidence {
     /// See [`Dead`]. Refutes *live*.
     Dead(Dead),
     /// Refutes *deadlock-free*: a sequence after which nothing is enabled.
-    Deadlock(Vec<Run>),
+    Deadlock(Vec<RepeatedFiring>),
     /// Refutes *safe*: a sequence after which the place holds more than one token.
-    Overfull(Vec<Run>, PlaceId),
-    /// See [`Pump`]. Refutes *bounded*.
-    Pump(Pump),
+    Overfull(Vec<RepeatedFiring>, PlaceId),
+    /// See [`UnboundedCycle`]. Refutes *bounded*.
+    Pump(UnboundedCycle),
     /// See [`NoReturn`]. Refutes *reversible*.
     NoReturn(NoReturn),
 }
 
 /// One transition, fired several times in a row.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
-pub struct Run {
+pub struct RepeatedFiring {
     /// The transition.
     pub transition: TransitionId,
     /// How often, at least once.
@@ -104,7 +109,7 @@ pub struct Run {
 /// marked graph any firing counts x are completed to the same number k of firings of each by k − x, which can be
 /// played (Murata 1989, §VI), and lead back.
 #[derive(Clone, Debug, Default, PartialEq, Eq)]
-pub struct Order {
+pub struct FiringOrder {
     /// The transitions, first to last.
     pub transitions: Vec<TransitionId>,
 }
@@ -161,7 +166,7 @@ pub struct WellFormed {
 #[derive(Clone, Debug, PartialEq, Eq)]
 pub struct Dead {
     /// What to fire first.
-    pub run: Vec<Run>,
+    pub run: Vec<RepeatedFiring>,
     /// The siphon, empty after that.
     pub siphon: Vec<PlaceId>,
     /// A transition that takes from it.
@@ -170,11 +175,11 @@ pub struct Dead {
 
 /// A sequence that can be repeated for ever, and leaves more tokens on a place each time.
 #[derive(Clone, Debug, PartialEq, Eq)]
-pub struct Pump {
+pub struct UnboundedCycle {
     /// What to fire first.
-    pub prefix: Vec<Run>,
+    pub prefix: Vec<RepeatedFiring>,
     /// What can be repeated: it takes away nothing on balance.
-    pub cycle: Vec<Run>,
+    pub cycle: Vec<RepeatedFiring>,
     /// A place that gains.
     pub place: PlaceId,
 }
@@ -186,7 +191,7 @@ pub struct Pump {
 #[derive(Clone, Debug, PartialEq, Eq)]
 pub struct NoReturn {
     /// The sequence.
-    pub run: Vec<Run>,
+    pub run: Vec<RepeatedFiring>,
     /// An empty siphon, in order; often without places.
     pub dead: Vec<PlaceId>,
     /// Place and weight, which may be negative.

@@ -6,10 +6,10 @@
 //! answer then needs a sequence that runs a siphon empty, which a short search looks for. Where it finds none the
 //! answer is [`Unknown`], and says what is known without a certificate.
 
-use super::evidence::{Dead, Evidence, Property, Sums, WellFormed};
+use super::evidence::{Dead, Evidence, NetProperty, Sums, WellFormed};
 use super::play::find;
-use super::{Answer, Bound, Class, StructuralVerdict, Unknown};
-use crate::semiflows::{self, Limits, Semiflow, Semiflows, place_semiflows, transition_semiflows};
+use super::{CertificateAnswer, NetClass, StructuralVerdict, TokenBound, Unknown};
+use crate::semiflows::{self, Semiflow, SemiflowLimits, Semiflows, place_semiflows, transition_semiflows};
 use crate::siphons::{self, commoner, largest_empty_siphon, largest_trap_in};
 use crate::{Marking, Net, PlaceId};
 
@@ -19,30 +19,32 @@ const MARKINGS: usize = 5_000;
 /// The verdict on a net that is neither a state machine nor a marked graph.
 pub(super) fn decide(net: &Net) -> StructuralVerdict {
     let free_choice = net.is_extended_free_choice().is_ok();
-    let class = if free_choice { Class::FreeChoice } else { Class::Other };
-    let flows = place_semiflows(net, &Limits::default());
+    let class = if free_choice { NetClass::FreeChoice } else { NetClass::Other };
+    let flows = place_semiflows(net, &SemiflowLimits::default());
     let formed = if free_choice { well_formed(net, &flows) } else { Err(Unknown::Class(class)) };
     let (bounds, bounded, safe) = bounds(net, &flows, formed.is_ok());
     let mut verdict = StructuralVerdict {
         class,
-        deadlock_free: Answer::Unknown(Unknown::Class(class)),
-        live: Answer::Unknown(Unknown::Class(class)),
+        deadlock_free: CertificateAnswer::Unknown(Unknown::Class(class)),
+        live: CertificateAnswer::Unknown(Unknown::Class(class)),
         bounded,
         safe,
-        reversible: Answer::Unknown(Unknown::Class(class)),
+        reversible: CertificateAnswer::Unknown(Unknown::Class(class)),
         bounds,
     };
     match formed {
         Ok(formed) => {
-            verdict.live = Answer::yes(Property::Live, Evidence::WellFormed(formed.clone()));
-            verdict.deadlock_free = Answer::yes(Property::DeadlockFree, Evidence::WellFormed(formed.clone()));
+            verdict.live = CertificateAnswer::yes(NetProperty::Live, Evidence::WellFormed(formed.clone()));
+            verdict.deadlock_free =
+                CertificateAnswer::yes(NetProperty::DeadlockFree, Evidence::WellFormed(formed.clone()));
             verdict.reversible = reversible(net, formed);
         }
         Err(unknown) => {
             verdict.live = not_live(net, free_choice, unknown);
             let initial = net.initial_marking();
             if net.enabled(&initial).next().is_none() {
-                verdict.deadlock_free = Answer::no(Property::DeadlockFree, Evidence::Deadlock(Vec::new()));
+                verdict.deadlock_free =
+                    CertificateAnswer::no(NetProperty::DeadlockFree, Evidence::Deadlock(Vec::new()));
             }
         }
     }
@@ -50,9 +52,12 @@ pub(super) fn decide(net: &Net) -> StructuralVerdict {
 }
 
 /// What the rank theorem needs, if it applies and holds.
-fn well_formed(net: &Net, flows: &Result<Semiflows<PlaceId>, semiflows::Undecided>) -> Result<WellFormed, Unknown> {
+fn well_formed(
+    net: &Net,
+    flows: &Result<Semiflows<PlaceId>, semiflows::SemiflowsUndecided>,
+) -> Result<WellFormed, Unknown> {
     let flows = flows.as_ref().map_err(|error| Unknown::Semiflows(error.clone()))?;
-    let repeated = transition_semiflows(net, &Limits::default()).map_err(Unknown::Semiflows)?;
+    let repeated = transition_semiflows(net, &SemiflowLimits::default()).map_err(Unknown::Semiflows)?;
     let unfit = || Unknown::NotWellFormed;
     let conserved = total(flows.all(), net.place_count(), |place| place.index()).ok_or_else(unfit)?;
     let repeated = total(repeated.all(), net.transition_count(), |t| t.index()).ok_or_else(unfit)?;
@@ -77,39 +82,42 @@ fn total<I: Copy + Ord>(flows: &[Semiflow<I>], count: usize, index: impl Fn(I) -
     weights.iter().all(|&weight| weight > 0).then_some(weights)
 }
 
-fn reversible(net: &Net, formed: WellFormed) -> Answer {
+fn reversible(net: &Net, formed: WellFormed) -> CertificateAnswer {
     let initial = net.initial_marking();
     let empty: Vec<PlaceId> = net.places().filter(|&place| initial.tokens(place) == 0).collect();
     let trap = largest_trap_in(net, &empty);
     if trap.is_empty() {
-        Answer::yes(Property::Reversible, Evidence::WellFormed(formed))
+        CertificateAnswer::yes(NetProperty::Reversible, Evidence::WellFormed(formed))
     } else {
-        Answer::no(Property::Reversible, Evidence::UnmarkedTrap(formed, trap))
+        CertificateAnswer::no(NetProperty::Reversible, Evidence::UnmarkedTrap(formed, trap))
     }
 }
 
 /// A siphon that is empty, or that can be emptied; the transition that depends on it.
-fn dead(net: &Net, run: Vec<super::evidence::Run>, marking: &Marking) -> Option<Answer> {
+fn dead(net: &Net, run: Vec<super::evidence::RepeatedFiring>, marking: &Marking) -> Option<CertificateAnswer> {
     let siphon = largest_empty_siphon(net, marking);
     let transition = siphon.iter().find_map(|&place| net.consumers(place).first()).map(|&(t, _)| t)?;
-    Some(Answer::no(Property::Live, Evidence::Dead(Dead { run, siphon, transition })))
+    Some(CertificateAnswer::no(NetProperty::Live, Evidence::Dead(Dead { run, siphon, transition })))
 }
 
-fn not_live(net: &Net, free_choice: bool, unknown: Unknown) -> Answer {
+fn not_live(net: &Net, free_choice: bool, unknown: Unknown) -> CertificateAnswer {
     if let Some(answer) = dead(net, Vec::new(), &net.initial_marking()) {
         return answer;
     }
     if !free_choice {
-        return Answer::Unknown(unknown);
+        return CertificateAnswer::Unknown(unknown);
     }
-    match commoner(net, &siphons::Limits::default()) {
-        Err(error) => Answer::Unknown(Unknown::Siphons(error)),
-        Ok(Ok(())) => Answer::Unknown(Unknown::Uncertified),
+    match commoner(net, &siphons::SiphonLimits::default()) {
+        Err(error) => CertificateAnswer::Unknown(Unknown::Siphons(error)),
+        Ok(Ok(())) => CertificateAnswer::Unknown(Unknown::Uncertified),
         Ok(Err(uncontrolled)) => {
             // By the theorem some reachable marking has an empty siphon that a transition depends on.
             let empties = |marking: &Marking| dead(net, Vec::new(), marking).is_some();
             let answer = find(net, MARKINGS, empties).and_then(|(run, marking)| dead(net, run, &marking));
-            answer.unwrap_or(Answer::Unknown(Unknown::NotFound { siphon: uncontrolled.siphon, markings: MARKINGS }))
+            answer.unwrap_or(CertificateAnswer::Unknown(Unknown::NotFound {
+                siphon: uncontrolled.siphon,
+                markings: MARKINGS,
+            }))
         }
     }
 }
@@ -118,28 +126,28 @@ fn not_live(net: &Net, free_choice: bool, unknown: Unknown) -> Answer {
 /// machine component whose tokens can all come to it (Desel and Esparza 1995, chapter 5).
 fn bounds(
     net: &Net,
-    flows: &Result<Semiflows<PlaceId>, semiflows::Undecided>,
+    flows: &Result<Semiflows<PlaceId>, semiflows::SemiflowsUndecided>,
     exact: bool,
-) -> (Vec<Bound>, Answer, Answer) {
+) -> (Vec<TokenBound>, CertificateAnswer, CertificateAnswer) {
     let flows = match flows {
         Ok(flows) => flows,
         Err(error) => {
-            let unknown = || Answer::Unknown(Unknown::Semiflows(error.clone()));
-            return (vec![Bound::Unknown; net.place_count()], unknown(), unknown());
+            let unknown = || CertificateAnswer::Unknown(Unknown::Semiflows(error.clone()));
+            return (vec![TokenBound::Unknown; net.place_count()], unknown(), unknown());
         }
     };
     let initial = net.initial_marking();
     let found: Vec<Option<(u128, &Semiflow<PlaceId>)>> = net.places().map(|p| flows.bound(p, &initial)).collect();
-    let bounds: Vec<Bound> = found
+    let bounds: Vec<TokenBound> = found
         .iter()
         .map(|found| match found {
-            Some((bound, _)) if exact => Bound::Exactly(*bound),
-            Some((bound, _)) => Bound::AtMost(*bound),
-            None => Bound::Unknown,
+            Some((bound, _)) if exact => TokenBound::Exactly(*bound),
+            Some((bound, _)) => TokenBound::AtMost(*bound),
+            None => TokenBound::Unknown,
         })
         .collect();
     let Some(found) = found.into_iter().collect::<Option<Vec<_>>>() else {
-        return (bounds, Answer::Unknown(Unknown::Uncovered), overfull(net, false));
+        return (bounds, CertificateAnswer::Unknown(Unknown::Uncovered), overfull(net, false));
     };
     let mut sums = Sums::default();
     let mut numbers = std::collections::HashMap::new();
@@ -151,22 +159,22 @@ fn bounds(
         sums.bounds.push((number, bound));
     }
     let safe = if sums.bounds.iter().all(|&(_, bound)| bound <= 1) {
-        Answer::yes(Property::Safe, Evidence::Sums(sums.clone()))
+        CertificateAnswer::yes(NetProperty::Safe, Evidence::Sums(sums.clone()))
     } else {
         overfull(net, exact)
     };
-    (bounds, Answer::yes(Property::Bounded, Evidence::Sums(sums)), safe)
+    (bounds, CertificateAnswer::yes(NetProperty::Bounded, Evidence::Sums(sums)), safe)
 }
 
 /// Two tokens on a place: initially, or, where the theory says that it is possible, after a sequence.
-fn overfull(net: &Net, possible: bool) -> Answer {
+fn overfull(net: &Net, possible: bool) -> CertificateAnswer {
     let over = |marking: &Marking| marking.marked().find(|&place| marking.tokens(place) > 1);
     let most = if possible { MARKINGS } else { 1 };
     match find(net, most, |marking| over(marking).is_some()) {
         Some((run, marking)) => {
             let place = over(&marking).expect("the search ended at such a marking");
-            Answer::no(Property::Safe, Evidence::Overfull(run, place))
+            CertificateAnswer::no(NetProperty::Safe, Evidence::Overfull(run, place))
         }
-        None => Answer::Unknown(Unknown::Loose),
+        None => CertificateAnswer::Unknown(Unknown::Loose),
     }
 }

@@ -25,52 +25,55 @@ use thiserror::Error;
 
 use crate::{Net, PlaceId, semiflows, siphons};
 
-pub use check::{Rejected, Rule, check};
-pub use evidence::{Certificate, Component, Dead, Evidence, NoReturn, Order, Property, Pump, Run, Sums, WellFormed};
+pub use check::{CertificateRule, Rejected, check};
+pub use evidence::{
+    Certificate, Component, Dead, Evidence, FiringOrder, NetProperty, NoReturn, RepeatedFiring, Sums, UnboundedCycle,
+    WellFormed,
+};
 pub use text::ParseError;
 
 /// What structure says about a marked net.
 #[derive(Clone, Debug, PartialEq, Eq)]
 pub struct StructuralVerdict {
     /// The class by which it was decided.
-    pub class: Class,
+    pub class: NetClass,
     /// In every reachable marking some transition is enabled.
-    pub deadlock_free: Answer,
+    pub deadlock_free: CertificateAnswer,
     /// From every reachable marking every transition can be enabled again.
-    pub live: Answer,
+    pub live: CertificateAnswer,
     /// Every place has a bound.
-    pub bounded: Answer,
+    pub bounded: CertificateAnswer,
     /// Every place has the bound 1.
-    pub safe: Answer,
+    pub safe: CertificateAnswer,
     /// From every reachable marking the initial one can be reached.
-    pub reversible: Answer,
+    pub reversible: CertificateAnswer,
     /// Per place, in order, the most tokens it ever holds. That it holds no more is certified where `bounded` is; that
     /// an exact bound is reached follows from the theorem named in the module that decides the class.
-    pub bounds: Vec<Bound>,
+    pub bounds: Vec<TokenBound>,
 }
 
 impl StructuralVerdict {
     /// The answer to one of the questions.
-    pub fn answer(&self, property: Property) -> &Answer {
+    pub fn answer(&self, property: NetProperty) -> &CertificateAnswer {
         match property {
-            Property::DeadlockFree => &self.deadlock_free,
-            Property::Live => &self.live,
-            Property::Bounded => &self.bounded,
-            Property::Safe => &self.safe,
-            Property::Reversible => &self.reversible,
+            NetProperty::DeadlockFree => &self.deadlock_free,
+            NetProperty::Live => &self.live,
+            NetProperty::Bounded => &self.bounded,
+            NetProperty::Safe => &self.safe,
+            NetProperty::Reversible => &self.reversible,
         }
     }
 
     /// All certificates.
     pub fn certificates(&self) -> impl Iterator<Item = &Certificate> {
-        Property::ALL.into_iter().filter_map(|property| self.answer(property).certificate())
+        NetProperty::ALL.into_iter().filter_map(|property| self.answer(property).certificate())
     }
 }
 
 impl fmt::Display for StructuralVerdict {
     fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
         write!(f, "class: {}", self.class)?;
-        for property in Property::ALL {
+        for property in NetProperty::ALL {
             write!(f, "\n{property}: {}", self.answer(property))?;
         }
         Ok(())
@@ -79,7 +82,7 @@ impl fmt::Display for StructuralVerdict {
 
 /// The class of nets that decides how much structure can say.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
-pub enum Class {
+pub enum NetClass {
     /// Every place has one producer and one consumer.
     MarkedGraph,
     /// Every transition has one input and one output place.
@@ -90,20 +93,20 @@ pub enum Class {
     Other,
 }
 
-impl fmt::Display for Class {
+impl fmt::Display for NetClass {
     fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
         f.write_str(match self {
-            Class::MarkedGraph => "marked graph",
-            Class::StateMachine => "state machine",
-            Class::FreeChoice => "free-choice net",
-            Class::Other => "none that structure decides",
+            NetClass::MarkedGraph => "marked graph",
+            NetClass::StateMachine => "state machine",
+            NetClass::FreeChoice => "free-choice net",
+            NetClass::Other => "none that structure decides",
         })
     }
 }
 
 /// The most tokens that a place ever holds.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
-pub enum Bound {
+pub enum TokenBound {
     /// It can hold so many, and no more.
     Exactly(u128),
     /// It never holds more.
@@ -116,7 +119,7 @@ pub enum Bound {
 
 /// The answer to one question.
 #[derive(Clone, Debug, PartialEq, Eq)]
-pub enum Answer {
+pub enum CertificateAnswer {
     /// It holds, and this is why.
     Yes(Certificate),
     /// It does not hold, and this is why.
@@ -125,39 +128,39 @@ pub enum Answer {
     Unknown(Unknown),
 }
 
-impl Answer {
-    fn yes(property: Property, evidence: Evidence) -> Answer {
-        Answer::Yes(Certificate { property, holds: true, evidence })
+impl CertificateAnswer {
+    fn yes(property: NetProperty, evidence: Evidence) -> CertificateAnswer {
+        CertificateAnswer::Yes(Certificate { property, holds: true, evidence })
     }
 
-    fn no(property: Property, evidence: Evidence) -> Answer {
-        Answer::No(Certificate { property, holds: false, evidence })
+    fn no(property: NetProperty, evidence: Evidence) -> CertificateAnswer {
+        CertificateAnswer::No(Certificate { property, holds: false, evidence })
     }
 
     /// Yes or no, if that is known.
     pub fn holds(&self) -> Option<bool> {
         match self {
-            Answer::Yes(_) => Some(true),
-            Answer::No(_) => Some(false),
-            Answer::Unknown(_) => None,
+            CertificateAnswer::Yes(_) => Some(true),
+            CertificateAnswer::No(_) => Some(false),
+            CertificateAnswer::Unknown(_) => None,
         }
     }
 
     /// The certificate, if there is an answer.
     pub fn certificate(&self) -> Option<&Certificate> {
         match self {
-            Answer::Yes(certificate) | Answer::No(certificate) => Some(certificate),
-            Answer::Unknown(_) => None,
+            CertificateAnswer::Yes(certificate) | CertificateAnswer::No(certificate) => Some(certificate),
+            CertificateAnswer::Unknown(_) => None,
         }
     }
 }
 
-impl fmt::Display for Answer {
+impl fmt::Display for CertificateAnswer {
     fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
         match self {
-            Answer::Yes(_) => f.write_str("yes"),
-            Answer::No(_) => f.write_str("no"),
-            Answer::Unknown(why) => write!(f, "unknown: {why}"),
+            CertificateAnswer::Yes(_) => f.write_str("yes"),
+            CertificateAnswer::No(_) => f.write_str("no"),
+            CertificateAnswer::Unknown(why) => write!(f, "unknown: {why}"),
         }
     }
 }
@@ -167,13 +170,13 @@ impl fmt::Display for Answer {
 pub enum Unknown {
     /// The class of the net does not allow it.
     #[error("structure alone does not decide this for nets of this class ({0})")]
-    Class(Class),
+    Class(NetClass),
     /// There are too many semiflows.
     #[error("the search for conserved sums and repetitions: {0}")]
-    Semiflows(semiflows::Undecided),
+    Semiflows(semiflows::SemiflowsUndecided),
     /// There are too many siphons.
     #[error("the search for siphons: {0}")]
-    Siphons(siphons::Undecided),
+    Siphons(siphons::SiphonsUndecided),
     /// The conditions of the rank theorem do not hold for a free-choice net.
     #[error("the rank theorem does not show that the net is live and bounded; it asks for a net in one piece")]
     NotWellFormed,

@@ -6,8 +6,8 @@
 
 use std::collections::HashMap;
 
-use super::evidence::{Component, Dead, Evidence, NoReturn, Property, Run, Sums};
-use super::{Answer, Bound, Class, StructuralVerdict};
+use super::evidence::{Component, Dead, Evidence, NetProperty, NoReturn, RepeatedFiring, Sums};
+use super::{CertificateAnswer, NetClass, StructuralVerdict, TokenBound};
 use crate::components::Components;
 use crate::{Net, PlaceId, TransitionId};
 
@@ -17,7 +17,7 @@ const SUMS_MAX: usize = 20_000_000;
 /// The places that a walk has found, each with the step by which; those where it began have none.
 type Steps = HashMap<usize, Option<TransitionId>>;
 
-struct Machine<'net> {
+struct StateMachineProof<'net> {
     net: &'net Net,
     /// Per transition, where it leads from and to.
     steps: Vec<(usize, usize)>,
@@ -30,10 +30,10 @@ pub(super) fn decide(net: &Net) -> StructuralVerdict {
     let steps: Vec<(usize, usize)> =
         net.transitions().map(|t| (net.preset(t)[0].0.index(), net.postset(t)[0].0.index())).collect();
     let parts = Components::new(net.place_count(), steps.iter().copied());
-    let machine = Machine { net, steps, parts, tokens: net.initial_marking().as_slice().to_vec() };
+    let machine = StateMachineProof { net, steps, parts, tokens: net.initial_marking().as_slice().to_vec() };
     let (bounds, bounded, safe) = machine.bounds();
     StructuralVerdict {
-        class: Class::StateMachine,
+        class: NetClass::StateMachine,
         deadlock_free: machine.deadlock_free(),
         live: machine.live(),
         bounded,
@@ -47,7 +47,7 @@ fn id(place: usize) -> PlaceId {
     PlaceId(place as u32)
 }
 
-impl Machine<'_> {
+impl StateMachineProof<'_> {
     /// The places that can be reached, in the order of discovery, and the steps by which they are found.
     fn ahead(&self, start: usize) -> (Vec<usize>, Steps) {
         self.walk(vec![start], |place| self.leading_on(place).collect())
@@ -84,23 +84,23 @@ impl Machine<'_> {
     }
 
     /// Sends tokens from a place along the steps of [`Self::behind`] to a start.
-    fn send(&self, from: usize, times: u64, on: &Steps, run: &mut Vec<Run>) {
+    fn send(&self, from: usize, times: u64, on: &Steps, run: &mut Vec<RepeatedFiring>) {
         let mut at = from;
         while let Some(transition) = on[&at] {
-            run.push(Run { transition, times });
+            run.push(RepeatedFiring { transition, times });
             at = self.steps[transition.index()].1;
         }
     }
 
     /// Sends all tokens there are to the starts of [`Self::behind`]: from the farthest places first, so that each step
     /// is taken by all tokens together.
-    fn gather(&self, found: &[usize], on: &Steps) -> Vec<Run> {
+    fn gather(&self, found: &[usize], on: &Steps) -> Vec<RepeatedFiring> {
         let mut run = Vec::new();
         let mut brought: HashMap<usize, u64> = HashMap::new();
         for place in found.iter().rev() {
             let times = brought.get(place).copied().unwrap_or(0) + u64::from(self.tokens[*place]);
             if let (Some(transition), 1..) = (on[place], times) {
-                run.push(Run { transition, times });
+                run.push(RepeatedFiring { transition, times });
                 *brought.entry(self.steps[transition.index()].1).or_default() += times;
             }
         }
@@ -124,7 +124,7 @@ impl Machine<'_> {
         Evidence::Components(places.filter(new).map(|place| self.component(place)).collect())
     }
 
-    fn live(&self) -> Answer {
+    fn live(&self) -> CertificateAnswer {
         let leaves = |t: &TransitionId| {
             let (from, to) = self.steps[t.index()];
             self.parts.of(from) != self.parts.of(to)
@@ -134,37 +134,37 @@ impl Machine<'_> {
         let empty = |t: &TransitionId| !marked[self.parts.of(self.steps[t.index()].0)];
         let transition = self.net.transitions().find(leaves).or_else(|| self.net.transitions().find(empty));
         let Some(transition) = transition else {
-            return Answer::yes(Property::Live, self.components(self.steps.iter().map(|step| step.0)));
+            return CertificateAnswer::yes(NetProperty::Live, self.components(self.steps.iter().map(|step| step.0)));
         };
         // All tokens that could ever come to the transition go through it, and none comes back.
         let (mut siphon, on) = self.behind(vec![self.steps[transition.index()].0]);
         let mut run = self.gather(&siphon, &on);
         let times = siphon.iter().map(|&place| u64::from(self.tokens[place])).sum();
         if times > 0 {
-            run.push(Run { transition, times });
+            run.push(RepeatedFiring { transition, times });
         }
         siphon.sort_unstable();
         let siphon = siphon.into_iter().map(id).collect();
-        Answer::no(Property::Live, Evidence::Dead(Dead { run, siphon, transition }))
+        CertificateAnswer::no(NetProperty::Live, Evidence::Dead(Dead { run, siphon, transition }))
     }
 
-    fn deadlock_free(&self) -> Answer {
+    fn deadlock_free(&self) -> CertificateAnswer {
         let ends = (0..self.tokens.len()).filter(|&place| self.net.consumers(id(place)).is_empty()).collect();
         let (found, on) = self.behind(ends);
         match (0..self.tokens.len()).find(|place| self.tokens[*place] > 0 && !on.contains_key(place)) {
             Some(place) => {
                 let mut trap = self.ahead(place).0;
                 trap.sort_unstable();
-                Answer::yes(Property::DeadlockFree, Evidence::Trap(trap.into_iter().map(id).collect()))
+                CertificateAnswer::yes(NetProperty::DeadlockFree, Evidence::Trap(trap.into_iter().map(id).collect()))
             }
-            None => Answer::no(Property::DeadlockFree, Evidence::Deadlock(self.gather(&found, &on))),
+            None => CertificateAnswer::no(NetProperty::DeadlockFree, Evidence::Deadlock(self.gather(&found, &on))),
         }
     }
 
-    fn reversible(&self) -> Answer {
+    fn reversible(&self) -> CertificateAnswer {
         let marked = (0..self.tokens.len()).filter(|&place| self.tokens[place] > 0);
         let Some(place) = marked.clone().find(|&place| !self.parts.is_terminal(self.parts.of(place))) else {
-            return Answer::yes(Property::Reversible, self.components(marked));
+            return CertificateAnswer::yes(NetProperty::Reversible, self.components(marked));
         };
         let home = self.parts.of(place);
         let leads_out = |t: &TransitionId| {
@@ -175,14 +175,14 @@ impl Machine<'_> {
         let (from, to) = self.steps[exit.index()];
         let mut run = Vec::new();
         self.send(place, 1, &self.behind(vec![from]).1, &mut run);
-        run.push(Run { transition: exit, times: 1 });
+        run.push(RepeatedFiring { transition: exit, times: 1 });
         let mut beyond = self.ahead(to).0;
         beyond.sort_unstable();
         let weights = beyond.into_iter().map(|place| (id(place), 1)).collect();
-        Answer::no(Property::Reversible, Evidence::NoReturn(NoReturn { run, dead: Vec::new(), weights }))
+        CertificateAnswer::no(NetProperty::Reversible, Evidence::NoReturn(NoReturn { run, dead: Vec::new(), weights }))
     }
 
-    fn bounds(&self) -> (Vec<Bound>, Answer, Answer) {
+    fn bounds(&self) -> (Vec<TokenBound>, CertificateAnswer, CertificateAnswer) {
         let mut sums = Sums::default();
         let mut of_part: Vec<Option<(usize, u128)>> = vec![None; self.parts.count()];
         let mut size = 0;
@@ -204,22 +204,22 @@ impl Machine<'_> {
         let all = (sums.sums.len().saturating_sub(1), total);
         sums.bounds = (0..self.tokens.len()).map(|place| of_part[self.parts.of(place)].unwrap_or(all)).collect();
         let exact = |place: usize| match of_part[self.parts.of(place)] {
-            Some((_, bound)) => Bound::Exactly(bound),
-            None => Bound::AtMost(total),
+            Some((_, bound)) => TokenBound::Exactly(bound),
+            None => TokenBound::AtMost(total),
         };
         let bounds = (0..self.tokens.len()).map(exact).collect();
         let over = (0..self.tokens.len()).find(|&p| of_part[self.parts.of(p)].is_some_and(|(_, bound)| bound > 1));
         let safe = match over {
-            Some(place) => Answer::no(Property::Safe, Evidence::Overfull(self.two_on(place), id(place))),
+            Some(place) => CertificateAnswer::no(NetProperty::Safe, Evidence::Overfull(self.two_on(place), id(place))),
             None if sums.bounds.iter().all(|&(_, bound)| bound <= 1) => {
-                Answer::yes(Property::Safe, Evidence::Sums(sums.clone()))
+                CertificateAnswer::yes(NetProperty::Safe, Evidence::Sums(sums.clone()))
             }
-            None => Answer::Unknown(super::Unknown::TooLong),
+            None => CertificateAnswer::Unknown(super::Unknown::TooLong),
         };
-        (bounds, Answer::yes(Property::Bounded, Evidence::Sums(sums)), safe)
+        (bounds, CertificateAnswer::yes(NetProperty::Bounded, Evidence::Sums(sums)), safe)
     }
 
-    fn two_on(&self, place: usize) -> Vec<Run> {
+    fn two_on(&self, place: usize) -> Vec<RepeatedFiring> {
         let (found, on) = self.behind(vec![place]);
         let (mut run, mut missing) = (Vec::new(), 2);
         for from in found {

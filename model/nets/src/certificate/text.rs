@@ -10,7 +10,10 @@ use std::str::FromStr;
 
 use thiserror::Error;
 
-use super::evidence::{Certificate, Component, Dead, Evidence, NoReturn, Order, Property, Pump, Run, Sums, WellFormed};
+use super::evidence::{
+    Certificate, Component, Dead, Evidence, FiringOrder, NetProperty, NoReturn, RepeatedFiring, Sums, UnboundedCycle,
+    WellFormed,
+};
 use crate::{PlaceId, TransitionId};
 
 /// Why a text is no certificate.
@@ -103,7 +106,7 @@ fn places(f: &mut fmt::Formatter<'_>, key: &str, places: &[PlaceId]) -> fmt::Res
     line(f, key, places.iter().map(|place| format!("p{}", place.0)))
 }
 
-fn runs(f: &mut fmt::Formatter<'_>, key: &str, runs: &[Run]) -> fmt::Result {
+fn runs(f: &mut fmt::Formatter<'_>, key: &str, runs: &[RepeatedFiring]) -> fmt::Result {
     line(f, key, runs.iter().map(|run| format!("t{}x{}", run.transition.0, run.times)))
 }
 
@@ -118,13 +121,13 @@ impl Certificate {
     pub fn parse(text: &str) -> Result<Certificate, ParseError> {
         let mut lines = Lines::new(text);
         let claim = lines.next("claim")?;
-        let property = |name: &&str| Property::ALL.into_iter().find(|property| property.to_string() == **name);
+        let property = |name: &&str| NetProperty::ALL.into_iter().find(|property| property.to_string() == **name);
         let (Some(property), Some(holds)) = (claim.words.first().and_then(property), answer(&claim.words)) else {
             return Err(claim.error("expected a property and `yes` or `no`"));
         };
         let kind = lines.next("evidence")?;
         let evidence = match kind.words[..] {
-            ["order"] => Evidence::Order(Order { transitions: lines.next("order")?.all(transition)? }),
+            ["order"] => Evidence::Order(FiringOrder { transitions: lines.next("order")?.all(transition)? }),
             ["components"] => Evidence::Components(lines.components()?),
             ["trap"] => Evidence::Trap(lines.next("trap")?.all(place)?),
             ["sums"] => Evidence::Sums(lines.sums()?),
@@ -137,7 +140,7 @@ impl Certificate {
             }),
             ["deadlock"] => Evidence::Deadlock(lines.next("run")?.all(run)?),
             ["overfull"] => Evidence::Overfull(lines.next("run")?.all(run)?, lines.next("place")?.one(place)?),
-            ["pump"] => Evidence::Pump(Pump {
+            ["pump"] => Evidence::Pump(UnboundedCycle {
                 prefix: lines.next("prefix")?.all(run)?,
                 cycle: lines.next("cycle")?.all(run)?,
                 place: lines.next("place")?.one(place)?,
@@ -173,7 +176,7 @@ struct Lines<'text> {
 }
 
 /// One line, without its key.
-struct Line<'text> {
+struct CertificateLine<'text> {
     number: usize,
     words: Vec<&'text str>,
 }
@@ -191,11 +194,13 @@ impl<'text> Lines<'text> {
         self.rest.last().is_some_and(|(_, line)| line.split_once(':').is_some_and(|(found, _)| found == key))
     }
 
-    fn next(&mut self, key: &str) -> Result<Line<'text>, ParseError> {
+    fn next(&mut self, key: &str) -> Result<CertificateLine<'text>, ParseError> {
         let expected = |line, found: &str| ParseError { line, what: format!("expected `{key}:`, found {found}") };
         let (number, text) = self.rest.pop().ok_or_else(|| expected(self.end, "the end"))?;
         match text.split_once(':') {
-            Some((found, words)) if found == key => Ok(Line { number, words: words.split_whitespace().collect() }),
+            Some((found, words)) if found == key => {
+                Ok(CertificateLine { number, words: words.split_whitespace().collect() })
+            }
             _ => Err(expected(number, &format!("`{text}`"))),
         }
     }
@@ -241,7 +246,7 @@ impl<'text> Lines<'text> {
     }
 }
 
-impl Line<'_> {
+impl CertificateLine<'_> {
     fn error(&self, what: &str) -> ParseError {
         ParseError { line: self.number, what: format!("{what}, found `{}`", self.words.join(" ")) }
     }
@@ -268,9 +273,9 @@ fn transition(word: &str) -> Option<TransitionId> {
     word.strip_prefix('t')?.parse().ok().map(TransitionId)
 }
 
-fn run(word: &str) -> Option<Run> {
+fn run(word: &str) -> Option<RepeatedFiring> {
     let (t, times) = word.split_once('x')?;
-    Some(Run { transition: transition(t)?, times: times.parse().ok()? })
+    Some(RepeatedFiring { transition: transition(t)?, times: times.parse().ok()? })
 }
 
 fn weighed<N: FromStr>(word: &str) -> Option<(PlaceId, N)> {
@@ -284,10 +289,13 @@ mod tests {
 
     #[test]
     fn what_is_written_can_be_read_back() {
-        let run = vec![Run { transition: TransitionId(3), times: 5 }, Run { transition: TransitionId(0), times: 1 }];
+        let run = vec![
+            RepeatedFiring { transition: TransitionId(3), times: 5 },
+            RepeatedFiring { transition: TransitionId(0), times: 1 },
+        ];
         let no_return = NoReturn { run, dead: vec![], weights: vec![(PlaceId(2), -1), (PlaceId(7), 4)] };
         let certificate =
-            Certificate { property: Property::Reversible, holds: false, evidence: Evidence::NoReturn(no_return) };
+            Certificate { property: NetProperty::Reversible, holds: false, evidence: Evidence::NoReturn(no_return) };
         let text = certificate.to_string();
         assert_eq!(text, "claim: reversible no\nevidence: no-return\nrun: t3x5 t0x1\ndead:\nweights: p2*-1 p7*4\n");
         assert_eq!(Certificate::parse(&text), Ok(certificate));

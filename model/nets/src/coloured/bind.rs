@@ -8,9 +8,9 @@
 //! The order in which terms are asked is fixed when the net is built. Every mode is met once: the tokens chosen follow
 //! from it.
 
-use super::linear::{Pick, Term, turn};
+use super::linear::{ComponentPick, LinearTerm, turn};
 use super::marking::{collect, count_in};
-use super::net::{ColouredNet, Place, Side};
+use super::net::{ColouredArc, ColouredNet, ColouredPlace};
 use crate::PlaceId;
 
 /// A component of a mode that is not fixed yet. No tone has this number: tones from 0 are less than a size.
@@ -18,21 +18,21 @@ const OPEN: u32 = u32::MAX;
 
 /// The order in which the components of a mode are fixed.
 #[derive(Clone, Debug, Default)]
-pub(super) struct Plan {
+pub(super) struct BindingOrder {
     /// A place whose tokens are tried, and how a token gives tones; each fixes a component that the ones before do not.
-    asks: Vec<(PlaceId, Box<[Pick]>)>,
+    asks: Vec<(PlaceId, Box<[ComponentPick]>)>,
     /// The components that no input reads.
     free: Vec<u32>,
 }
 
-impl Plan {
+impl BindingOrder {
     /// The terms that fix most come first.
-    pub(super) fn new(inputs: &[Side], components: usize) -> Plan {
+    pub(super) fn new(inputs: &[ColouredArc], components: usize) -> BindingOrder {
         let mut fixed = vec![false; components];
         let mut asks = Vec::new();
         let terms = || inputs.iter().flat_map(|side| side.terms.iter().map(move |term| (side.place, &term.picks)));
         loop {
-            let gain = |picks: &[Pick]| {
+            let gain = |picks: &[ComponentPick]| {
                 let mut new: Vec<u32> = picks.iter().map(|pick| pick.from).filter(|&k| !fixed[k as usize]).collect();
                 new.sort_unstable();
                 new.dedup();
@@ -45,12 +45,12 @@ impl Plan {
             asks.push((place, picks.clone()));
         }
         let free = (0..components as u32).filter(|&k| !fixed[k as usize]).collect();
-        Plan { asks, free }
+        BindingOrder { asks, free }
     }
 }
 
 /// The entries of a marking that lie on a place.
-pub(super) fn on_place<'a>(entries: &'a [(u32, u32)], place: &Place) -> &'a [(u32, u32)] {
+pub(super) fn on_place<'a>(entries: &'a [(u32, u32)], place: &ColouredPlace) -> &'a [(u32, u32)] {
     let start = entries.partition_point(|&(cell, _)| cell < place.offset);
     let rest = &entries[start..];
     let end = rest.partition_point(|&(cell, _)| cell - place.offset < place.shape.count);
@@ -58,7 +58,7 @@ pub(super) fn on_place<'a>(entries: &'a [(u32, u32)], place: &Place) -> &'a [(u3
 }
 
 /// The modes of one transition that a marking and the guard enable.
-pub(super) struct Search<'a> {
+pub(super) struct BindingSearch<'a> {
     net: &'a ColouredNet,
     transition: usize,
     entries: &'a [(u32, u32)],
@@ -84,12 +84,12 @@ pub(super) fn enabled(
     let components = net.transitions[transition].shape.sizes.len();
     let start = found.len();
     let most = start.saturating_add(most);
-    let mut search = Search { net, transition, entries, endless, mode: vec![OPEN; components], found, most };
+    let mut search = BindingSearch { net, transition, entries, endless, mode: vec![OPEN; components], found, most };
     search.ask(0);
     found[start..].sort_unstable();
 }
 
-impl Search<'_> {
+impl BindingSearch<'_> {
     /// Fixes components by the tokens that the plan asks from step `at` on.
     fn ask(&mut self, at: usize) {
         // A copy of the reference, so that the plan can be read while the search changes.
@@ -113,7 +113,7 @@ impl Search<'_> {
     }
 
     /// Makes a term give this token; false if a component would have to have two values.
-    fn fix(&mut self, picks: &[Pick], token: &[u32], sizes: &[u32]) -> bool {
+    fn fix(&mut self, picks: &[ComponentPick], token: &[u32], sizes: &[u32]) -> bool {
         picks.iter().zip(token).zip(sizes).all(|((pick, &tone), &size)| {
             let back = if pick.shift == 0 { 0 } else { size - pick.shift };
             let wanted = turn(tone, back, size);
@@ -149,7 +149,7 @@ impl Search<'_> {
     fn covered(&self) -> bool {
         self.net.transitions[self.transition].inputs.iter().all(|side| {
             let place = &self.net.places[side.place.index()];
-            let entry = |term: &Term| (place.offset + term.apply(&self.mode, &place.shape), term.weight as u32);
+            let entry = |term: &LinearTerm| (place.offset + term.apply(&self.mode, &place.shape), term.weight as u32);
             let has = |&(cell, needs): &(u32, u32)| {
                 let has = count_in(self.entries, cell);
                 if self.endless { has > 0 } else { has >= needs }

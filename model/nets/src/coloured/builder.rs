@@ -8,17 +8,17 @@ use std::collections::{HashMap, HashSet};
 use std::sync::Arc;
 
 use super::check::{self, Resolved};
-use super::domain::{Basic, BasicId, Domain};
+use super::domain::{BasicDomain, BasicId, Domain};
 use super::error::ColouredError;
 use super::function::Function;
 use super::guard::Guard;
 use super::marking::{ColouredMarking, collect};
-use super::net::{ColouredNet, Place, Transition};
-use crate::{Direction, MAX_NODES, Named, Net, Node, PlaceId, TransitionId};
+use super::net::{ColouredNet, ColouredPlace, ColouredTransition};
+use crate::{ArcDirection, MAX_NODES, NamedId, Net, NetNode, PlaceId, TransitionId};
 
 /// An arc as declared.
-pub(super) struct RawArc {
-    pub(super) direction: Direction,
+pub(super) struct DeclaredColouredArc {
+    pub(super) direction: ArcDirection,
     pub(super) place: PlaceId,
     pub(super) transition: TransitionId,
     pub(super) function: Function,
@@ -51,10 +51,10 @@ pub(super) struct RawArc {
 /// ```
 pub struct ColouredBuilder {
     pub(super) name: String,
-    pub(super) basics: Vec<Basic>,
+    pub(super) basics: Vec<BasicDomain>,
     pub(super) places: Vec<(Arc<str>, Domain, Option<u32>)>,
     pub(super) transitions: Vec<(Arc<str>, Domain)>,
-    pub(super) arcs: Vec<RawArc>,
+    pub(super) arcs: Vec<DeclaredColouredArc>,
     pub(super) guards: Vec<(TransitionId, Guard)>,
     pub(super) tokens: Vec<(PlaceId, Vec<u32>, u32)>,
 }
@@ -97,7 +97,7 @@ impl ColouredBuilder {
 
     /// Declares a basic domain with the tones 1 to `size`.
     pub fn basic(&mut self, name: impl Into<String>, size: u32) -> BasicId {
-        self.basics.push(Basic { name: name.into().into(), size, tones: Vec::new() });
+        self.basics.push(BasicDomain { name: name.into().into(), size, tones: Vec::new() });
         BasicId(dense(self.basics.len()))
     }
 
@@ -109,7 +109,7 @@ impl ColouredBuilder {
     ) -> BasicId {
         let tones: Vec<Arc<str>> = tones.into_iter().map(|tone| tone.into().into()).collect();
         let size = u32::try_from(tones.len()).unwrap_or(u32::MAX);
-        self.basics.push(Basic { name: name.into().into(), size, tones });
+        self.basics.push(BasicDomain { name: name.into().into(), size, tones });
         BasicId(dense(self.basics.len()))
     }
 
@@ -142,13 +142,13 @@ impl ColouredBuilder {
 
     /// Declares what firing `transition` takes from `place`.
     pub fn input(&mut self, transition: TransitionId, place: PlaceId, function: Function) -> &mut Self {
-        self.arcs.push(RawArc { direction: Direction::Input, place, transition, function });
+        self.arcs.push(DeclaredColouredArc { direction: ArcDirection::Input, place, transition, function });
         self
     }
 
     /// Declares what firing `transition` gives to `place`.
     pub fn output(&mut self, transition: TransitionId, place: PlaceId, function: Function) -> &mut Self {
-        self.arcs.push(RawArc { direction: Direction::Output, place, transition, function });
+        self.arcs.push(DeclaredColouredArc { direction: ArcDirection::Output, place, transition, function });
         self
     }
 
@@ -173,8 +173,8 @@ impl ColouredBuilder {
         if !problems.is_empty() {
             return Err(problems);
         }
-        let places: Vec<Place> = resolved.places.into_iter().flatten().collect();
-        let transitions: Vec<Transition> = transitions.into_iter().flatten().collect();
+        let places: Vec<ColouredPlace> = resolved.places.into_iter().flatten().collect();
+        let transitions: Vec<ColouredTransition> = transitions.into_iter().flatten().collect();
         Ok(ColouredNet::assemble(self.name, self.basics, places, transitions, initial))
     }
 
@@ -202,15 +202,15 @@ impl ColouredBuilder {
         for name in repeated(transitions.clone()) {
             problems.push(ColouredError::DuplicateName { what: "transitions", name });
         }
-        let places = places.zip(0..).map(|(name, id)| (name, Node::Place(PlaceId(id))));
-        let transitions = transitions.zip(0..).map(|(name, id)| (name, Node::Transition(TransitionId(id))));
+        let places = places.zip(0..).map(|(name, id)| (name, NetNode::Place(PlaceId(id))));
+        let transitions = transitions.zip(0..).map(|(name, id)| (name, NetNode::Transition(TransitionId(id))));
         for (name, id) in places.chain(transitions).filter(|(name, _)| name.ends_with('>')) {
-            problems.push(ColouredError::NameLikeColour { node: Named { id, name: name.clone() } });
+            problems.push(ColouredError::NameLikeColour { node: NamedId { id, name: name.clone() } });
         }
     }
 
     /// The initial marking, as far as its tokens are what their places hold.
-    fn check_tokens(&self, places: &[Option<Place>], problems: &mut Vec<ColouredError>) -> ColouredMarking {
+    fn check_tokens(&self, places: &[Option<ColouredPlace>], problems: &mut Vec<ColouredError>) -> ColouredMarking {
         let mut entries = Vec::new();
         for (id, tones, count) in &self.tokens {
             let Some(resolved) = places.get(id.index()) else {
@@ -224,7 +224,7 @@ impl ColouredBuilder {
                 None => problems.push(check::misfit(*id, place, tones, &self.basics)),
             }
         }
-        let named = |place: usize, of: &Place| Named { id: PlaceId(place as u32), name: of.name.clone() };
+        let named = |place: usize, of: &ColouredPlace| NamedId { id: PlaceId(place as u32), name: of.name.clone() };
         if let Err(cell) = collect(&mut entries) {
             let known = places.iter().flatten().enumerate().filter(|(_, place)| place.offset <= cell).last();
             problems.extend(known.map(|(at, of)| ColouredError::TooManyTokens { place: named(at, of) }));
@@ -247,9 +247,9 @@ impl ColouredNet {
     /// From parts that have been checked.
     pub(super) fn assemble(
         name: String,
-        basics: Vec<Basic>,
-        places: Vec<Place>,
-        transitions: Vec<Transition>,
+        basics: Vec<BasicDomain>,
+        places: Vec<ColouredPlace>,
+        transitions: Vec<ColouredTransition>,
         initial: ColouredMarking,
     ) -> ColouredNet {
         let place_by_name: HashMap<_, _> = places.iter().map(|p| p.name.clone()).zip((0..).map(PlaceId)).collect();

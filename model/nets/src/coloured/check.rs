@@ -1,23 +1,23 @@
 //! The rules that a coloured net is checked against: domains, and the functions and guards that live on them.
 
-use super::bind::Plan;
-use super::builder::{ColouredBuilder, RawArc, repeated, show};
-use super::domain::{Basic, BasicId, Domain, Shape, show_domain};
+use super::bind::BindingOrder;
+use super::builder::{ColouredBuilder, DeclaredColouredArc, repeated, show};
+use super::domain::{BasicDomain, BasicId, Domain, DomainShape, show_domain};
 use super::error::ColouredError;
-use super::guard::{self, Case, GuardFault, MAX_CLAUSES, Value};
-use super::linear::{Linear, compile};
-use super::net::{Place, Side, Transition};
-use crate::{ArcName, Direction, MAX_NODES, Named, Node, PlaceId, TransitionId};
+use super::guard::{self, Case, GuardFault, GuardOperand, MAX_CLAUSES};
+use super::linear::{LinearFunction, compile};
+use super::net::{ColouredArc, ColouredPlace, ColouredTransition};
+use crate::{ArcDirection, ArcName, MAX_NODES, NamedId, NetNode, PlaceId, TransitionId};
 
 /// The most components of a domain. The search for modes nests as deep; the source uses up to five.
 pub const MAX_COMPONENTS: usize = 64;
 
 /// Basic domains: not empty, named apart, with tones that are named apart.
-pub(super) fn basics(basics: &[Basic], problems: &mut Vec<ColouredError>) {
+pub(super) fn basics(basics: &[BasicDomain], problems: &mut Vec<ColouredError>) {
     for name in repeated(basics.iter().map(|basic| &basic.name)) {
         problems.push(ColouredError::DuplicateName { what: "colour domains", name });
     }
-    for Basic { name, size, tones } in basics {
+    for BasicDomain { name, size, tones } in basics {
         if *size == 0 {
             problems.push(ColouredError::EmptyBasic { name: name.clone() });
         }
@@ -32,7 +32,7 @@ pub(super) fn basics(basics: &[Basic], problems: &mut Vec<ColouredError>) {
 
 /// The domains of places and transitions, where they make sense.
 pub(super) struct Resolved {
-    pub(super) places: Vec<Option<Place>>,
+    pub(super) places: Vec<Option<ColouredPlace>>,
     /// Per transition its declared domain, and whether that is the universal one.
     domains: Vec<Option<(Vec<BasicId>, bool)>>,
 }
@@ -42,10 +42,10 @@ impl Resolved {
         let mut places = Vec::with_capacity(b.places.len());
         let mut cells = 0_u32;
         for ((name, domain, max_tokens), id) in b.places.iter().zip(0..) {
-            let named = Named { id: PlaceId(id), name: name.clone() };
-            let node = Named { id: Node::Place(PlaceId(id)), name: name.clone() };
+            let named = NamedId { id: PlaceId(id), name: name.clone() };
+            let node = NamedId { id: NetNode::Place(PlaceId(id)), name: name.clone() };
             let place = components(domain, node, &b.basics, true, problems).and_then(|basics| {
-                let Some(shape) = Shape::new(&basics, &b.basics) else {
+                let Some(shape) = DomainShape::new(&basics, &b.basics) else {
                     problems.push(ColouredError::TooManyColours { place: named.clone() });
                     return None;
                 };
@@ -55,12 +55,12 @@ impl Resolved {
                     return None;
                 };
                 cells = more;
-                Some(Place { name: name.clone(), shape, offset, max_tokens: *max_tokens })
+                Some(ColouredPlace { name: name.clone(), shape, offset, max_tokens: *max_tokens })
             });
             places.push(place);
         }
         let domain = |((name, domain), id): (&(_, Domain), u32)| {
-            let node = Named { id: Node::Transition(TransitionId(id)), name: std::sync::Arc::clone(name) };
+            let node = NamedId { id: NetNode::Transition(TransitionId(id)), name: std::sync::Arc::clone(name) };
             let universal = matches!(domain, Domain::Universal);
             Some((components(domain, node, &b.basics, !universal, problems)?, universal))
         };
@@ -72,8 +72,8 @@ impl Resolved {
 /// The basic domains of a domain, unless one of them does not exist or has no tones.
 fn components(
     domain: &Domain,
-    node: Named<Node>,
-    all: &[Basic],
+    node: NamedId<NetNode>,
+    all: &[BasicDomain],
     bounded: bool,
     problems: &mut Vec<ColouredError>,
 ) -> Option<Vec<BasicId>> {
@@ -97,8 +97,8 @@ fn components(
 }
 
 /// A token that is no colour of its place.
-pub(super) fn misfit(id: PlaceId, place: &Place, tones: &[u32], all: &[Basic]) -> ColouredError {
-    let (named, token) = (Named { id, name: place.name.clone() }, show(tones));
+pub(super) fn misfit(id: PlaceId, place: &ColouredPlace, tones: &[u32], all: &[BasicDomain]) -> ColouredError {
+    let (named, token) = (NamedId { id, name: place.name.clone() }, show(tones));
     let wrong = tones.iter().zip(&place.shape.sizes).position(|(tone, size)| !(1..=*size).contains(tone));
     match wrong.filter(|_| tones.len() == place.shape.sizes.len()) {
         Some(at) => ColouredError::TokenTone { token, place: named, component: at + 1, size: place.shape.sizes[at] },
@@ -111,8 +111,8 @@ pub(super) fn transitions(
     b: &ColouredBuilder,
     resolved: &Resolved,
     problems: &mut Vec<ColouredError>,
-) -> Vec<Option<Transition>> {
-    let mut sides: Vec<[Vec<Side>; 2]> = b.transitions.iter().map(|_| Default::default()).collect();
+) -> Vec<Option<ColouredTransition>> {
+    let mut sides: Vec<[Vec<ColouredArc>; 2]> = b.transitions.iter().map(|_| Default::default()).collect();
     arcs(b, resolved, &mut sides, problems);
     let mut guards = guards(b, resolved, problems);
     let mut found = Vec::with_capacity(sides.len());
@@ -123,22 +123,27 @@ pub(super) fn transitions(
         };
         let name = b.transitions[at].0.clone();
         let id = TransitionId(at as u32);
-        let raw = Raw { name, id, domain: domain.clone(), inputs, outputs, guard: guards[at].take() };
+        let raw = CheckedTransition { name, id, domain: domain.clone(), inputs, outputs, guard: guards[at].take() };
         found.push(raw.finish(*universal, &b.basics, problems));
     }
     found
 }
 
-fn arcs(b: &ColouredBuilder, resolved: &Resolved, sides: &mut [[Vec<Side>; 2]], problems: &mut Vec<ColouredError>) {
-    let mut order: Vec<&RawArc> = b.arcs.iter().collect();
-    let ends = |arc: &RawArc| (arc.direction, arc.transition, arc.place);
+fn arcs(
+    b: &ColouredBuilder,
+    resolved: &Resolved,
+    sides: &mut [[Vec<ColouredArc>; 2]],
+    problems: &mut Vec<ColouredError>,
+) {
+    let mut order: Vec<&DeclaredColouredArc> = b.arcs.iter().collect();
+    let ends = |arc: &DeclaredColouredArc| (arc.direction, arc.transition, arc.place);
     order.sort_by_key(|arc| ends(arc));
     for same in order.chunk_by(|one, other| ends(one) == ends(other)) {
         let arc = arc_name(b, same[0]);
         if same.len() > 1 {
             problems.push(ColouredError::DuplicateArc { arc: arc.clone(), times: same.len() });
         }
-        let RawArc { direction, place, transition, .. } = *same[0];
+        let DeclaredColouredArc { direction, place, transition, .. } = *same[0];
         let what = || format!("the arc {arc}");
         if place.index() >= b.places.len() {
             let places = b.places.len();
@@ -154,8 +159,8 @@ fn arcs(b: &ColouredBuilder, resolved: &Resolved, sides: &mut [[Vec<Side>; 2]], 
         for raw in same {
             match meaning(raw, &arc, domain, of_place, &b.basics) {
                 Ok(linear) => {
-                    let side = usize::from(direction == Direction::Output);
-                    sides[transition.index()][side].push(Side { place, terms: linear.terms });
+                    let side = usize::from(direction == ArcDirection::Output);
+                    sides[transition.index()][side].push(ColouredArc { place, terms: linear.terms });
                 }
                 Err(problem) => problems.push(*problem),
             }
@@ -165,12 +170,12 @@ fn arcs(b: &ColouredBuilder, resolved: &Resolved, sides: &mut [[Vec<Side>; 2]], 
 
 /// What an arc's function means, if it moves a positive number of tokens of the place's domain.
 fn meaning(
-    raw: &RawArc,
+    raw: &DeclaredColouredArc,
     arc: &ArcName,
     domain: &[BasicId],
-    place: &Place,
-    all: &[Basic],
-) -> Result<Linear, Box<ColouredError>> {
+    place: &ColouredPlace,
+    all: &[BasicDomain],
+) -> Result<LinearFunction, Box<ColouredError>> {
     let (arc, function) = (arc.clone(), raw.function.to_string());
     let linear = match compile(&raw.function, domain, all) {
         Ok(linear) => linear,
@@ -203,7 +208,7 @@ fn guards(b: &ColouredBuilder, resolved: &Resolved, problems: &mut Vec<ColouredE
             problems.push(ColouredError::UnknownTransition { what, transition: id.0, transitions });
             continue;
         };
-        let transition = Named { id: *id, name: name.clone() };
+        let transition = NamedId { id: *id, name: name.clone() };
         if guard.clauses.is_empty() {
             problems.push(ColouredError::EmptyGuard { transition: transition.clone() });
         }
@@ -233,38 +238,38 @@ fn guards(b: &ColouredBuilder, resolved: &Resolved, problems: &mut Vec<ColouredE
 }
 
 /// A transition whose arcs and guard have a meaning; its domain may still be wider than it needs.
-pub(super) struct Raw {
+pub(super) struct CheckedTransition {
     pub(super) name: std::sync::Arc<str>,
     pub(super) id: TransitionId,
     pub(super) domain: Vec<BasicId>,
-    pub(super) inputs: Vec<Side>,
-    pub(super) outputs: Vec<Side>,
+    pub(super) inputs: Vec<ColouredArc>,
+    pub(super) outputs: Vec<ColouredArc>,
     pub(super) guard: Option<Vec<Case>>,
 }
 
-impl Raw {
+impl CheckedTransition {
     /// Drops what is not used, if asked to, and bounds the number of modes.
     pub(super) fn finish(
         mut self,
         restrict: bool,
-        all: &[Basic],
+        all: &[BasicDomain],
         problems: &mut Vec<ColouredError>,
-    ) -> Option<Transition> {
+    ) -> Option<ColouredTransition> {
         if restrict {
             self.restrict();
         }
-        let Raw { name, id, domain, inputs, outputs, guard } = self;
+        let CheckedTransition { name, id, domain, inputs, outputs, guard } = self;
         if domain.len() > MAX_COMPONENTS {
-            let node = Named { id: Node::Transition(id), name };
+            let node = NamedId { id: NetNode::Transition(id), name };
             problems.push(ColouredError::TooManyComponents { node, components: domain.len(), most: MAX_COMPONENTS });
             return None;
         }
-        let Some(shape) = Shape::new(&domain, all).filter(|shape| shape.count as usize <= MAX_NODES) else {
-            problems.push(ColouredError::TooManyModes { transition: Named { id, name } });
+        let Some(shape) = DomainShape::new(&domain, all).filter(|shape| shape.count as usize <= MAX_NODES) else {
+            problems.push(ColouredError::TooManyModes { transition: NamedId { id, name } });
             return None;
         };
-        let plan = Plan::new(&inputs, domain.len());
-        Some(Transition { name, shape, inputs, outputs, guard, plan })
+        let plan = BindingOrder::new(&inputs, domain.len());
+        Some(ColouredTransition { name, shape, inputs, outputs, guard, plan })
     }
 
     /// Keeps the components that an arc or the guard reads.
@@ -289,7 +294,7 @@ impl Raw {
         }
         let tests = self.guard.iter_mut().flatten().flat_map(|case| &mut case.tests);
         for value in tests.flat_map(|test| test.values_mut()) {
-            if let Value::Component { from, .. } = value {
+            if let GuardOperand::Component { from, .. } = value {
                 visit(from);
             }
         }
@@ -297,13 +302,13 @@ impl Raw {
 }
 
 /// An arc with the names of its ends; an end that was never declared is shown by its number.
-fn arc_name(b: &ColouredBuilder, arc: &RawArc) -> ArcName {
+fn arc_name(b: &ColouredBuilder, arc: &DeclaredColouredArc) -> ArcName {
     let place = b.places.get(arc.place.index()).map(|(name, ..)| name.clone());
     let transition = b.transitions.get(arc.transition.index()).map(|(name, _)| name.clone());
     ArcName {
         direction: arc.direction,
-        place: Named { id: arc.place, name: place.unwrap_or_else(|| format!("#{}", arc.place.0).into()) },
-        transition: Named {
+        place: NamedId { id: arc.place, name: place.unwrap_or_else(|| format!("#{}", arc.place.0).into()) },
+        transition: NamedId {
             id: arc.transition,
             name: transition.unwrap_or_else(|| format!("#{}", arc.transition.0).into()),
         },

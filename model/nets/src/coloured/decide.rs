@@ -9,7 +9,7 @@
 use std::collections::BTreeSet;
 
 use super::marking::ColouredMarking;
-use super::net::{ColouredNet, Mode};
+use super::net::{ColouredNet, NetMode};
 use crate::TransitionId;
 
 /// One clause of a guard, numbered from 0.
@@ -44,16 +44,16 @@ impl Decisions {
 
 /// Two enabled modes of which the first, when it fires, disables the second (seed 000, L2777-2782).
 #[derive(Clone, Copy, Debug, PartialEq, Eq, PartialOrd, Ord, Hash)]
-pub struct Conflict {
+pub struct ModeConflict {
     /// What fires.
-    pub winner: Mode,
+    pub winner: NetMode,
     /// What can no longer fire then.
-    pub loser: Mode,
+    pub loser: NetMode,
 }
 
 impl ColouredNet {
     /// The structural conflicts of a marking, ordered. A mode that disables itself is none.
-    pub fn conflicts(&self, marking: &ColouredMarking) -> Vec<Conflict> {
+    pub fn conflicts(&self, marking: &ColouredMarking) -> Vec<ModeConflict> {
         let enabled = self.enabled(marking);
         let mut found = Vec::new();
         for &winner in &enabled {
@@ -63,7 +63,7 @@ impl ColouredNet {
                 continue;
             }
             let losers = enabled.iter().filter(|&&loser| loser != winner && !self.is_enabled(&after, loser));
-            found.extend(losers.map(|&loser| Conflict { winner, loser }));
+            found.extend(losers.map(|&loser| ModeConflict { winner, loser }));
         }
         found
     }
@@ -71,7 +71,7 @@ impl ColouredNet {
     /// The scheduled clauses with an enabled mode that is in conflict with another: those whose vc is true.
     pub fn requests(&self, marking: &ColouredMarking) -> Vec<ClauseId> {
         let conflicts = self.conflicts(marking);
-        let torn: BTreeSet<Mode> = conflicts.iter().flat_map(|conflict| [conflict.winner, conflict.loser]).collect();
+        let torn: BTreeSet<NetMode> = conflicts.iter().flat_map(|conflict| [conflict.winner, conflict.loser]).collect();
         let clauses: BTreeSet<ClauseId> = torn
             .into_iter()
             .flat_map(|mode| self.clauses_of(mode))
@@ -81,7 +81,7 @@ impl ColouredNet {
     }
 
     /// The clauses G&ᵢ of its guard that a mode satisfies.
-    pub fn clauses_of(&self, mode: Mode) -> Vec<ClauseId> {
+    pub fn clauses_of(&self, mode: NetMode) -> Vec<ClauseId> {
         let tones = self.tones_of(mode);
         let cases = self.transitions[mode.transition.index()].guard.iter().flatten().enumerate();
         let holding = cases.filter(|(_, case)| case.holds(&tones));
@@ -95,14 +95,14 @@ impl ColouredNet {
     }
 
     /// DF: whether the guard allows a mode under these decisions.
-    pub fn permits(&self, mode: Mode, decisions: &Decisions) -> bool {
+    pub fn permits(&self, mode: NetMode, decisions: &Decisions) -> bool {
         let guarded = self.transitions[mode.transition.index()].guard.is_some();
         let clears = |&clause: &ClauseId| !self.is_scheduled(clause) || decisions.contains(clause);
         !guarded || self.clauses_of(mode).iter().any(clears)
     }
 
     /// The modes that are effectively enabled: by tokens, guard and decisions (seed 000, definition 43 without sensors).
-    pub fn enabled_under(&self, marking: &ColouredMarking, decisions: &Decisions) -> Vec<Mode> {
+    pub fn enabled_under(&self, marking: &ColouredMarking, decisions: &Decisions) -> Vec<NetMode> {
         self.enabled(marking).into_iter().filter(|&mode| self.permits(mode, decisions)).collect()
     }
 }

@@ -23,14 +23,14 @@ impl BasicId {
 
 /// A basic domain Ω_j: the tones 1 to s, a ring modulo s (seed 000, definition 18).
 #[derive(Clone, Debug, PartialEq, Eq)]
-pub struct Basic {
+pub struct BasicDomain {
     pub(super) name: Arc<str>,
     pub(super) size: u32,
     /// The names of the tones, in order; empty if they go by their numbers.
     pub(super) tones: Vec<Arc<str>>,
 }
 
-impl Basic {
+impl BasicDomain {
     /// The name of the domain.
     pub fn name(&self) -> &str {
         &self.name
@@ -88,19 +88,19 @@ impl From<Vec<BasicId>> for Domain {
 
 /// A domain with its sizes: what turns tuples of tones (from 0 here) into positions and back.
 #[derive(Clone, Debug, PartialEq, Eq)]
-pub(super) struct Shape {
+pub(super) struct DomainShape {
     pub(super) basics: Box<[BasicId]>,
     pub(super) sizes: Box<[u32]>,
     /// How many colours there are.
     pub(super) count: u32,
 }
 
-impl Shape {
+impl DomainShape {
     /// None if there are more colours than 32 bits can number.
-    pub(super) fn new(basics: &[BasicId], all: &[Basic]) -> Option<Shape> {
+    pub(super) fn new(basics: &[BasicId], all: &[BasicDomain]) -> Option<DomainShape> {
         let sizes: Box<[u32]> = basics.iter().map(|basic| all[basic.index()].size).collect();
         let count = sizes.iter().try_fold(1_u32, |count, &size| count.checked_mul(size))?;
-        Some(Shape { basics: basics.into(), sizes, count })
+        Some(DomainShape { basics: basics.into(), sizes, count })
     }
 
     /// The position of a tuple.
@@ -132,7 +132,7 @@ impl Shape {
     }
 
     /// A colour in words: "<m2,p3>", or nothing for the uncoloured.
-    pub(super) fn show(&self, position: u32, all: &[Basic]) -> String {
+    pub(super) fn show(&self, position: u32, all: &[BasicDomain]) -> String {
         if self.basics.is_empty() {
             return String::new();
         }
@@ -143,7 +143,7 @@ impl Shape {
 }
 
 /// A domain in words: "M*P", or "<•>".
-pub(super) fn show_domain(basics: &[BasicId], all: &[Basic]) -> String {
+pub(super) fn show_domain(basics: &[BasicId], all: &[BasicDomain]) -> String {
     if basics.is_empty() {
         return "<•>".to_owned();
     }
@@ -157,9 +157,9 @@ mod tests {
 
     #[test]
     fn positions_are_in_lexical_order_and_lead_back() {
-        let basic = |name: &str, size| Basic { name: name.into(), size, tones: Vec::new() };
+        let basic = |name: &str, size| BasicDomain { name: name.into(), size, tones: Vec::new() };
         let all = [basic("A", 2), basic("B", 3)];
-        let shape = Shape::new(&[BasicId(1), BasicId(0), BasicId(1)], &all).unwrap();
+        let shape = DomainShape::new(&[BasicId(1), BasicId(0), BasicId(1)], &all).unwrap();
         let mut tuples: Vec<Vec<u32>> = (0..shape.count).map(|position| shape.tones(position)).collect();
         assert_eq!(tuples.len(), 18);
         assert!(tuples.iter().zip(0..).all(|(tuple, position)| shape.position(tuple) == Some(position)));
@@ -174,16 +174,16 @@ mod tests {
 
     #[test]
     fn a_domain_that_cannot_be_numbered_has_no_shape() {
-        let all = [Basic { name: "A".into(), size: 1 << 16, tones: Vec::new() }];
-        assert!(Shape::new(&[BasicId(0)], &all).is_some());
-        assert!(Shape::new(&[BasicId(0), BasicId(0)], &all).is_none());
+        let all = [BasicDomain { name: "A".into(), size: 1 << 16, tones: Vec::new() }];
+        assert!(DomainShape::new(&[BasicId(0)], &all).is_some());
+        assert!(DomainShape::new(&[BasicId(0), BasicId(0)], &all).is_none());
     }
 
     #[test]
     fn tones_go_by_name_or_by_number() {
-        let named = Basic { name: "M".into(), size: 2, tones: vec!["robot".into(), "human".into()] };
+        let named = BasicDomain { name: "M".into(), size: 2, tones: vec!["robot".into(), "human".into()] };
         assert_eq!((named.tone_named("human"), named.tone_named("2"), &*named.tone_name(1)), (Some(2), None, "robot"));
-        let plain = Basic { name: "P".into(), size: 3, tones: Vec::new() };
+        let plain = BasicDomain { name: "P".into(), size: 3, tones: Vec::new() };
         assert_eq!((plain.tone_named("3"), plain.tone_named("4"), plain.tone_named("0")), (Some(3), None, None));
     }
 }

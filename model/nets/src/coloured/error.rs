@@ -6,7 +6,7 @@ use thiserror::Error;
 
 use super::guard::MAX_CLAUSES;
 use super::linear::FunctionError;
-use crate::{ArcName, MAX_NODES, Named, Node, PlaceId, TransitionId};
+use crate::{ArcName, MAX_NODES, NamedId, NetNode, PlaceId, TransitionId};
 
 /// One thing wrong with a coloured net.
 #[derive(Clone, Debug, PartialEq, Eq, Error)]
@@ -23,7 +23,7 @@ pub enum ColouredError {
     DuplicateName { what: &'static str, name: Arc<str> },
     /// The unfolded net calls the colours of place `p` `p<1>`, `p<2>` and so on.
     #[error("{node} has a name that ends in `>`, which is how unfolded colours are named; choose another")]
-    NameLikeColour { node: Named<Node> },
+    NameLikeColour { node: NamedId<NetNode> },
     /// A domain without a colour.
     #[error("colour domain `{name}` has no tone; a domain is not empty")]
     EmptyBasic { name: Arc<str> },
@@ -35,19 +35,19 @@ pub enum ColouredError {
     ToneName { name: Arc<str>, tone: Arc<str> },
     /// A domain that names a basic domain which was not declared.
     #[error("{node} is of colour domain #{basic}, but the net has {basics} basic domains")]
-    UnknownBasic { node: Named<Node>, basic: u32, basics: usize },
+    UnknownBasic { node: NamedId<NetNode>, basic: u32, basics: usize },
     /// Too many components.
     #[error("{node} has a domain with {components} components; at most {most} are possible")]
-    TooManyComponents { node: Named<Node>, components: usize, most: usize },
+    TooManyComponents { node: NamedId<NetNode>, components: usize, most: usize },
     /// A place with more colours than can be numbered.
     #[error("{place} has more colours than can be numbered")]
-    TooManyColours { place: Named<PlaceId> },
+    TooManyColours { place: NamedId<PlaceId> },
     /// The places together have more colours than can be numbered.
     #[error("the places of the net together have more colours than can be numbered, from {place} on")]
-    TooManyCells { place: Named<PlaceId> },
+    TooManyCells { place: NamedId<PlaceId> },
     /// A transition with more modes than can be enumerated in reason.
     #[error("{transition} has more than {MAX_NODES} modes; let it use fewer components")]
-    TooManyModes { transition: Named<TransitionId> },
+    TooManyModes { transition: NamedId<TransitionId> },
     /// An arc or a token at a place that was not declared.
     #[error("{what} names place #{place}, but the net has {places} places")]
     UnknownPlace { what: String, place: u32, places: usize },
@@ -73,31 +73,31 @@ pub enum ColouredError {
     Weights { arc: ArcName, function: String },
     /// A transition has two guards.
     #[error("{transition} has two guards; write one, with the clauses of both")]
-    DuplicateGuard { transition: Named<TransitionId> },
+    DuplicateGuard { transition: NamedId<TransitionId> },
     /// A guard that never holds.
     #[error("the guard of {transition} has no clause, so the transition could never fire")]
-    EmptyGuard { transition: Named<TransitionId> },
+    EmptyGuard { transition: NamedId<TransitionId> },
     /// A guard beyond reason.
     #[error("the guard of {transition} has more than {MAX_CLAUSES} clauses, or one of its clauses as many comparisons")]
-    TooManyClauses { transition: Named<TransitionId> },
+    TooManyClauses { transition: NamedId<TransitionId> },
     /// A guard that names a component which the transition's domain does not have.
     #[error("the guard of {transition} names component {component}; the transition is of {domain}")]
-    GuardComponent { transition: Named<TransitionId>, component: u32, domain: String },
+    GuardComponent { transition: NamedId<TransitionId>, component: u32, domain: String },
     /// A guard that names a colour which its component cannot have.
     #[error("the guard of {transition} names colour {number} of component {component}, which has 1 to {size}")]
-    GuardTone { transition: Named<TransitionId>, component: u32, number: i64, size: u32 },
+    GuardTone { transition: NamedId<TransitionId>, component: u32, number: i64, size: u32 },
     /// An initial token that is no colour of its place.
     #[error("a token {token} is put on {place}, which is of {domain}")]
-    TokenArity { token: String, place: Named<PlaceId>, domain: String },
+    TokenArity { token: String, place: NamedId<PlaceId>, domain: String },
     /// An initial token with a tone that its component cannot have.
     #[error("a token {token} is put on {place}: component {component} has the tones 1 to {size}")]
-    TokenTone { token: String, place: Named<PlaceId>, component: usize, size: u32 },
+    TokenTone { token: String, place: NamedId<PlaceId>, component: usize, size: u32 },
     /// More initial tokens of one colour than can be counted.
     #[error("{place} starts with more tokens of one colour than can be counted")]
-    TooManyTokens { place: Named<PlaceId> },
+    TooManyTokens { place: NamedId<PlaceId> },
     /// More initial tokens than the place is said to hold.
     #[error("{place} starts with {tokens} tokens, but is declared to hold at most {most}")]
-    OverCapacity { place: Named<PlaceId>, tokens: u64, most: u32 },
+    OverCapacity { place: NamedId<PlaceId>, tokens: u64, most: u32 },
     /// Nets that are put together describe the same basic domain differently.
     #[error("colour domain `{name}` has other tones in net `{net}` than in `{other}`")]
     BasicsDiffer { name: Arc<str>, net: String, other: String },

@@ -13,14 +13,14 @@ use std::collections::BTreeMap;
 
 use thiserror::Error;
 
-use super::domain::{Basic, BasicId, Domain, Shape, show_domain};
+use super::domain::{BasicDomain, BasicId, Domain, DomainShape, show_domain};
 use super::function::Function;
-use super::linear::{FunctionError, Linear, Pick, Term, compile, turn};
+use super::linear::{ComponentPick, FunctionError, LinearFunction, LinearTerm, compile, turn};
 use super::marking::ColouredMarking;
-use super::net::{ColouredNet, Mode, Transition};
+use super::net::{ColouredNet, ColouredTransition, NetMode};
 use super::unfold::Unfolding;
 use crate::semiflows::{self, Semiflow};
-use crate::{Named, PlaceId, TransitionId};
+use crate::{NamedId, PlaceId, TransitionId};
 
 /// What is wrong with a flow as it is written.
 #[derive(Clone, Debug, PartialEq, Eq, Error)]
@@ -34,13 +34,13 @@ pub enum FlowError {
     UnknownPlace { place: u32, places: usize },
     /// A place with two weights.
     #[error("the flow weighs {place} twice; add the functions up")]
-    Twice { place: Named<PlaceId> },
+    Twice { place: NamedId<PlaceId> },
     /// A weight that has no meaning for the colours of its place.
     #[error("the flow weighs {place} by `{function}`: {error}")]
-    Function { place: Named<PlaceId>, function: String, error: FunctionError },
+    Function { place: NamedId<PlaceId>, function: String, error: FunctionError },
     /// A weight that leads elsewhere than the others.
     #[error("the flow weighs {place} by `{function}`, which leads to {found}, and not to {expected}")]
-    Elsewhere { place: Named<PlaceId>, function: String, found: String, expected: String },
+    Elsewhere { place: NamedId<PlaceId>, function: String, found: String, expected: String },
 }
 
 /// Why a flow is none, or is not known to be one.
@@ -52,7 +52,7 @@ pub enum NotFlow {
         /// The name of the mode.
         mode: String,
         /// The mode.
-        id: Mode,
+        id: NetMode,
         /// The colour of the sum that changes.
         colour: String,
         /// By how much.
@@ -69,8 +69,8 @@ pub enum NotFlow {
 /// A weighting of places by functions into one domain. It need not be a flow; [`PlaceFlow::check`] says whether it is.
 #[derive(Clone, Debug)]
 pub struct PlaceFlow {
-    target: Shape,
-    weights: BTreeMap<PlaceId, Vec<Term>>,
+    target: DomainShape,
+    weights: BTreeMap<PlaceId, Vec<LinearTerm>>,
 }
 
 impl PlaceFlow {
@@ -86,7 +86,7 @@ impl PlaceFlow {
             Domain::Universal => (0..net.basics.len() as u32).map(BasicId).collect(),
         };
         let known = basics.iter().all(|basic| basic.index() < net.basics.len());
-        let Some(target) = known.then(|| Shape::new(&basics, &net.basics)).flatten() else {
+        let Some(target) = known.then(|| DomainShape::new(&basics, &net.basics)).flatten() else {
             return Err(vec![FlowError::Target]);
         };
         let (mut problems, mut found) = (Vec::new(), BTreeMap::new());
@@ -137,7 +137,7 @@ impl PlaceFlow {
     }
 
     /// By how much a mode changes the sum, by colour of the common domain.
-    fn change(&self, net: &ColouredNet, mode: Mode) -> BTreeMap<u32, i128> {
+    fn change(&self, net: &ColouredNet, mode: NetMode) -> BTreeMap<u32, i128> {
         let mut sums = BTreeMap::new();
         let (mut takes, mut gives) = (Vec::new(), Vec::new());
         net.demand(&[mode], &mut takes).expect("the builder bounds what a mode takes");
@@ -161,8 +161,8 @@ impl PlaceFlow {
     }
 
     /// Whether the functions cancel out, whatever the mode. What they leave over may still be zero for every mode.
-    fn is_neutral(&self, transition: &Transition) -> bool {
-        let mut sums: BTreeMap<Vec<Pick>, i128> = BTreeMap::new();
+    fn is_neutral(&self, transition: &ColouredTransition) -> bool {
+        let mut sums: BTreeMap<Vec<ComponentPick>, i128> = BTreeMap::new();
         for (sides, sign) in [(&transition.inputs, -1), (&transition.outputs, 1)] {
             for side in sides {
                 for weight in self.weights.get(&side.place).into_iter().flatten() {
@@ -178,15 +178,20 @@ impl PlaceFlow {
 }
 
 /// `last`∘`first`, as picks from what `first` is applied to.
-fn after(last: &Term, first: &Term, target: &Shape) -> Vec<Pick> {
-    let pick = |(pick, &size): (&Pick, &u32)| {
+fn after(last: &LinearTerm, first: &LinearTerm, target: &DomainShape) -> Vec<ComponentPick> {
+    let pick = |(pick, &size): (&ComponentPick, &u32)| {
         let inner = first.picks[pick.from as usize];
-        Pick { from: inner.from, shift: turn(inner.shift, pick.shift, size) }
+        ComponentPick { from: inner.from, shift: turn(inner.shift, pick.shift, size) }
     };
     last.picks.iter().zip(&target.sizes).map(pick).collect()
 }
 
-fn weight(net: &ColouredNet, id: PlaceId, function: &Function, target: &[BasicId]) -> Result<Linear, FlowError> {
+fn weight(
+    net: &ColouredNet,
+    id: PlaceId,
+    function: &Function,
+    target: &[BasicId],
+) -> Result<LinearFunction, FlowError> {
     if id.index() >= net.place_count() {
         return Err(FlowError::UnknownPlace { place: id.0, places: net.place_count() });
     }
@@ -201,14 +206,14 @@ fn weight(net: &ColouredNet, id: PlaceId, function: &Function, target: &[BasicId
     }
 }
 
-fn show_colour(shape: &Shape, colour: u32, all: &[Basic]) -> String {
+fn show_colour(shape: &DomainShape, colour: u32, all: &[BasicDomain]) -> String {
     if shape.basics.is_empty() { show_domain(&[], all) } else { shape.show(colour, all) }
 }
 
 /// A bag of modes. It need not be a flow; [`TransitionFlow::check`] says whether it is.
 #[derive(Clone, Debug, Default, PartialEq, Eq)]
 pub struct TransitionFlow {
-    modes: BTreeMap<Mode, u64>,
+    modes: BTreeMap<NetMode, u64>,
 }
 
 /// What the modes of a bag change together.
@@ -223,7 +228,7 @@ pub struct NotCycle {
 
 impl TransitionFlow {
     /// Each mode so many times; a mode that is listed again adds up.
-    pub fn new(modes: impl IntoIterator<Item = (Mode, u32)>) -> TransitionFlow {
+    pub fn new(modes: impl IntoIterator<Item = (NetMode, u32)>) -> TransitionFlow {
         let mut flow = TransitionFlow::default();
         for (mode, times) in modes {
             // A sum of 32-bit numbers leaves 64 bits only after 2³² of them.
@@ -237,8 +242,8 @@ impl TransitionFlow {
     /// mode that they exclude.
     pub fn minimal(
         unfolding: &Unfolding,
-        limits: &semiflows::Limits,
-    ) -> Result<Vec<TransitionFlow>, semiflows::Undecided> {
+        limits: &semiflows::SemiflowLimits,
+    ) -> Result<Vec<TransitionFlow>, semiflows::SemiflowsUndecided> {
         let found = semiflows::transition_semiflows(unfolding.net(), limits)?;
         let mode = |&(transition, times): &(TransitionId, u64)| (unfolding.mode(transition), times);
         let flow = |flow: &Semiflow<_>| TransitionFlow { modes: flow.weights.iter().map(mode).collect() };
@@ -253,7 +258,7 @@ impl TransitionFlow {
     }
 
     /// The modes with their counts, ordered.
-    pub fn modes(&self) -> impl Iterator<Item = (Mode, u64)> + '_ {
+    pub fn modes(&self) -> impl Iterator<Item = (NetMode, u64)> + '_ {
         self.modes.iter().map(|(&mode, &times)| (mode, times))
     }
 
@@ -276,7 +281,7 @@ impl TransitionFlow {
     }
 
     /// The modes that a guard excludes. A flow with such a mode is one of the arcs, but cannot be fired.
-    pub fn forbidden(&self, net: &ColouredNet) -> Vec<Mode> {
+    pub fn forbidden(&self, net: &ColouredNet) -> Vec<NetMode> {
         self.modes.keys().copied().filter(|&mode| !net.guard_allows(mode)).collect()
     }
 }

@@ -17,7 +17,7 @@ pub const MAX_TERMS: usize = 4096;
 
 /// One step of a composition.
 #[derive(Clone, Debug, PartialEq, Eq)]
-pub(super) enum Step {
+pub(super) enum FunctionStep {
     /// The components with these numbers, from 1.
     Project(Vec<u32>),
     /// So many tones on (or back) in a component.
@@ -30,9 +30,9 @@ pub(super) enum Step {
 
 /// A weighted composition. The steps are in the order in which they are applied.
 #[derive(Clone, Debug, PartialEq, Eq)]
-pub(super) struct Term {
+pub(super) struct CompositionTerm {
     pub(super) weight: i64,
-    pub(super) steps: Vec<Step>,
+    pub(super) steps: Vec<FunctionStep>,
 }
 
 /// A colour function: it turns a colour into a bag of colours (seed 000, definition 21).
@@ -48,12 +48,12 @@ pub(super) struct Term {
 /// ```
 #[derive(Clone, Debug, PartialEq, Eq)]
 pub struct Function {
-    pub(super) terms: Vec<Term>,
+    pub(super) terms: Vec<CompositionTerm>,
     pub(super) too_large: bool,
 }
 
-fn single(steps: Vec<Step>) -> Function {
-    Function { terms: vec![Term { weight: 1, steps }], too_large: false }
+fn single(steps: Vec<FunctionStep>) -> Function {
+    Function { terms: vec![CompositionTerm { weight: 1, steps }], too_large: false }
 }
 
 /// id: the colour itself.
@@ -63,27 +63,27 @@ pub fn id() -> Function {
 
 /// proj(k₁, …, kᵢ): the components with these numbers, from 1. The source has them ascending; any order is possible.
 pub fn proj(components: impl IntoIterator<Item = u32>) -> Function {
-    single(vec![Step::Project(components.into_iter().collect())])
+    single(vec![FunctionStep::Project(components.into_iter().collect())])
 }
 
 /// succ(kₓ): component k moved on by x tones, around the ring.
 pub fn succ(component: u32, by: u32) -> Function {
-    single(vec![Step::Shift { component, by: by.into() }])
+    single(vec![FunctionStep::Shift { component, by: by.into() }])
 }
 
 /// pred(kₓ): component k moved back by x tones, around the ring.
 pub fn pred(component: u32, by: u32) -> Function {
-    single(vec![Step::Shift { component, by: -i64::from(by) }])
+    single(vec![FunctionStep::Shift { component, by: -i64::from(by) }])
 }
 
 /// abs: the uncoloured token, whatever the colour.
 pub fn abs() -> Function {
-    single(vec![Step::Discolour])
+    single(vec![FunctionStep::Discolour])
 }
 
 /// `R‹k›` = succ(k₀) + succ(k₁) + … + succ(kₛ₋₁): every tone of component k once (seed 000, equation 2.12).
 pub fn ring(component: u32) -> Function {
-    single(vec![Step::Ring(component)])
+    single(vec![FunctionStep::Ring(component)])
 }
 
 impl Function {
@@ -106,7 +106,7 @@ impl Function {
                     return Function { terms: Vec::new(), too_large: true };
                 };
                 let steps = early.steps.iter().chain(&last.steps).cloned().collect();
-                result.terms.push(Term { weight, steps });
+                result.terms.push(CompositionTerm { weight, steps });
             }
         }
         result
@@ -153,22 +153,22 @@ impl Sub for Function {
     }
 }
 
-impl fmt::Display for Step {
+impl fmt::Display for FunctionStep {
     fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
         match self {
-            Step::Project(components) => {
+            FunctionStep::Project(components) => {
                 let numbers: Vec<_> = components.iter().map(u32::to_string).collect();
                 write!(f, "proj({})", numbers.join(","))
             }
-            Step::Shift { component, by } if *by < 0 => write!(f, "pred({component}_{})", by.unsigned_abs()),
-            Step::Shift { component, by } => write!(f, "succ({component}_{by})"),
-            Step::Ring(component) => write!(f, "R<{component}>"),
-            Step::Discolour => f.write_str("abs"),
+            FunctionStep::Shift { component, by } if *by < 0 => write!(f, "pred({component}_{})", by.unsigned_abs()),
+            FunctionStep::Shift { component, by } => write!(f, "succ({component}_{by})"),
+            FunctionStep::Ring(component) => write!(f, "R<{component}>"),
+            FunctionStep::Discolour => f.write_str("abs"),
         }
     }
 }
 
-impl fmt::Display for Term {
+impl fmt::Display for CompositionTerm {
     fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
         match self.weight {
             1 => {}
@@ -179,7 +179,7 @@ impl fmt::Display for Term {
             return f.write_str("id");
         }
         // The step applied last is written first.
-        let steps: Vec<_> = self.steps.iter().rev().map(Step::to_string).collect();
+        let steps: Vec<_> = self.steps.iter().rev().map(FunctionStep::to_string).collect();
         f.write_str(&steps.join("#"))
     }
 }
@@ -189,7 +189,7 @@ impl fmt::Display for Function {
         if self.too_large {
             return f.write_str("(too large)");
         }
-        let terms: Vec<_> = self.terms.iter().map(Term::to_string).collect();
+        let terms: Vec<_> = self.terms.iter().map(CompositionTerm::to_string).collect();
         f.write_str(if terms.is_empty() { "0".to_owned() } else { terms.join(" + ") }.as_str())
     }
 }

@@ -13,14 +13,14 @@ use std::collections::{BTreeMap, HashMap};
 use std::sync::Arc;
 
 use super::builder::repeated;
-use super::check::Raw;
-use super::domain::{Basic, BasicId};
+use super::check::CheckedTransition;
+use super::domain::{BasicDomain, BasicId};
 use super::error::ColouredError;
 use super::guard::{Case, MAX_CLAUSES};
 use super::linear;
 use super::marking::ColouredMarking;
-use super::net::{ColouredNet, Place, Side};
-use crate::{ArcName, Direction, Named, PlaceId, TransitionId};
+use super::net::{ColouredArc, ColouredNet, ColouredPlace};
+use crate::{ArcDirection, ArcName, NamedId, PlaceId, TransitionId};
 
 /// Transitions that happen together.
 #[derive(Clone, Debug, PartialEq, Eq)]
@@ -52,7 +52,7 @@ pub fn fuse(
     if !problems.is_empty() {
         return Err(problems);
     }
-    let mut whole = Whole { nets, basics, places: Vec::new(), first_place: Vec::new(), tokens: Vec::new() };
+    let mut whole = FusedNet { nets, basics, places: Vec::new(), first_place: Vec::new(), tokens: Vec::new() };
     whole.join_places(&mut problems);
     let mut raws = Vec::new();
     for (fusion, parts) in fusions.iter().zip(&parts) {
@@ -72,9 +72,9 @@ pub fn fuse(
     let like_colour = raws.iter().flatten().filter(|raw| raw.name.ends_with('>'));
     problems.extend(
         like_colour
-            .map(|raw| ColouredError::NameLikeColour { node: Named { id: raw.id.into(), name: raw.name.clone() } }),
+            .map(|raw| ColouredError::NameLikeColour { node: NamedId { id: raw.id.into(), name: raw.name.clone() } }),
     );
-    let finish = |raw: Raw| raw.finish(false, &whole.basics, &mut problems);
+    let finish = |raw: CheckedTransition| raw.finish(false, &whole.basics, &mut problems);
     let transitions: Vec<_> = raws.into_iter().flatten().filter_map(finish).collect();
     if !problems.is_empty() {
         return Err(problems);
@@ -84,8 +84,8 @@ pub fn fuse(
 }
 
 /// All basic domains, each once.
-fn unite(nets: &[(&str, &ColouredNet)], problems: &mut Vec<ColouredError>) -> Vec<Basic> {
-    let mut all: Vec<(Basic, &str)> = Vec::new();
+fn unite(nets: &[(&str, &ColouredNet)], problems: &mut Vec<ColouredError>) -> Vec<BasicDomain> {
+    let mut all: Vec<(BasicDomain, &str)> = Vec::new();
     for (instance, net) in nets {
         for basic in net.basics() {
             match all.iter().find(|(known, _)| known.name == basic.name) {
@@ -102,10 +102,14 @@ fn unite(nets: &[(&str, &ColouredNet)], problems: &mut Vec<ColouredError>) -> Ve
     all.into_iter().map(|(basic, _)| basic).collect()
 }
 
-type Part = (usize, TransitionId);
+type FusedPart = (usize, TransitionId);
 
-fn find_parts(nets: &[(&str, &ColouredNet)], fusions: &[Fusion], problems: &mut Vec<ColouredError>) -> Vec<Vec<Part>> {
-    let mut taken: HashMap<Part, ()> = HashMap::new();
+fn find_parts(
+    nets: &[(&str, &ColouredNet)],
+    fusions: &[Fusion],
+    problems: &mut Vec<ColouredError>,
+) -> Vec<Vec<FusedPart>> {
+    let mut taken: HashMap<FusedPart, ()> = HashMap::new();
     let mut all = Vec::new();
     for fusion in fusions {
         let mut parts = Vec::new();
@@ -126,16 +130,16 @@ fn find_parts(nets: &[(&str, &ColouredNet)], fusions: &[Fusion], problems: &mut 
 }
 
 /// The net under construction.
-struct Whole<'a> {
+struct FusedNet<'a> {
     nets: &'a [(&'a str, &'a ColouredNet)],
-    basics: Vec<Basic>,
-    places: Vec<Place>,
+    basics: Vec<BasicDomain>,
+    places: Vec<ColouredPlace>,
     /// Where the places of each net begin.
     first_place: Vec<usize>,
     tokens: Vec<(u32, u32)>,
 }
 
-impl Whole<'_> {
+impl FusedNet<'_> {
     /// The place of all places in one list, with their tokens.
     fn join_places(&mut self, problems: &mut Vec<ColouredError>) {
         let mut cells = 0_u32;
@@ -144,7 +148,7 @@ impl Whole<'_> {
             let base = cells;
             let Some(more) = cells.checked_add(net.cell_count()) else {
                 let id = PlaceId(self.places.len() as u32);
-                problems.push(ColouredError::TooManyCells { place: Named { id, name: (*instance).into() } });
+                problems.push(ColouredError::TooManyCells { place: NamedId { id, name: (*instance).into() } });
                 return;
             };
             cells = more;
@@ -170,13 +174,19 @@ impl Whole<'_> {
     fn transition(
         &self,
         name: Arc<str>,
-        parts: &[Part],
+        parts: &[FusedPart],
         number: usize,
         problems: &mut Vec<ColouredError>,
-    ) -> Option<Raw> {
+    ) -> Option<CheckedTransition> {
         let id = TransitionId(number as u32);
-        let mut raw =
-            Raw { name: name.clone(), id, domain: Vec::new(), inputs: Vec::new(), outputs: Vec::new(), guard: None };
+        let mut raw = CheckedTransition {
+            name: name.clone(),
+            id,
+            domain: Vec::new(),
+            inputs: Vec::new(),
+            outputs: Vec::new(),
+            guard: None,
+        };
         let mut guards: Vec<Vec<Case>> = Vec::new();
         for &(net, transition) in parts {
             let part = self.part(net, transition, &mut raw.domain);
@@ -184,10 +194,10 @@ impl Whole<'_> {
             raw.outputs.extend(part.outputs);
             guards.extend(part.guard.filter(|guard| !guards.contains(guard)));
         }
-        for (direction, sides) in [(Direction::Input, &mut raw.inputs), (Direction::Output, &mut raw.outputs)] {
+        for (direction, sides) in [(ArcDirection::Input, &mut raw.inputs), (ArcDirection::Output, &mut raw.outputs)] {
             if let Err(place) = merge(sides) {
-                let place = Named { id: place, name: self.places[place.index()].name.clone() };
-                let arc = ArcName { direction, place, transition: Named { id, name: name.clone() } };
+                let place = NamedId { id: place, name: self.places[place.index()].name.clone() };
+                let arc = ArcName { direction, place, transition: NamedId { id, name: name.clone() } };
                 problems.push(ColouredError::Weights { arc, function: "the sum of its parts".to_owned() });
                 return None;
             }
@@ -195,7 +205,7 @@ impl Whole<'_> {
         match conjunction(guards) {
             Some(guard) => raw.guard = guard,
             None => {
-                problems.push(ColouredError::TooManyClauses { transition: Named { id, name } });
+                problems.push(ColouredError::TooManyClauses { transition: NamedId { id, name } });
                 return None;
             }
         }
@@ -203,7 +213,7 @@ impl Whole<'_> {
     }
 
     /// One part, in terms of the places and of the components of the whole; components that are new are added.
-    fn part(&self, net: usize, transition: TransitionId, domain: &mut Vec<BasicId>) -> Raw {
+    fn part(&self, net: usize, transition: TransitionId, domain: &mut Vec<BasicId>) -> CheckedTransition {
         let (_, of) = self.nets[net];
         let part = &of.transitions[transition.index()];
         let mut seen: HashMap<BasicId, usize> = HashMap::new();
@@ -220,11 +230,12 @@ impl Whole<'_> {
         };
         let components: Vec<u32> = part.shape.basics.iter().map(|&basic| component(basic)).collect();
         let first = self.first_place[net] as u32;
-        let sides = |sides: &[Side]| {
-            let side = |side: &Side| Side { place: PlaceId(first + side.place.0), terms: side.terms.clone() };
+        let sides = |sides: &[ColouredArc]| {
+            let side =
+                |side: &ColouredArc| ColouredArc { place: PlaceId(first + side.place.0), terms: side.terms.clone() };
             sides.iter().map(side).collect()
         };
-        let mut raw = Raw {
+        let mut raw = CheckedTransition {
             name: part.name.clone(),
             id: transition,
             domain: Vec::new(),
@@ -238,8 +249,8 @@ impl Whole<'_> {
 }
 
 /// One arc for each place; or the place for which the weights cannot be counted.
-fn merge(sides: &mut Vec<Side>) -> Result<(), PlaceId> {
-    let mut by_place: BTreeMap<PlaceId, Vec<linear::Term>> = BTreeMap::new();
+fn merge(sides: &mut Vec<ColouredArc>) -> Result<(), PlaceId> {
+    let mut by_place: BTreeMap<PlaceId, Vec<linear::LinearTerm>> = BTreeMap::new();
     for side in sides.drain(..) {
         by_place.entry(side.place).or_default().extend(side.terms);
     }
@@ -249,7 +260,7 @@ fn merge(sides: &mut Vec<Side>) -> Result<(), PlaceId> {
             return Err(place);
         }
         let terms = linear::collect(terms).ok_or(place)?;
-        sides.push(Side { place, terms });
+        sides.push(ColouredArc { place, terms });
     }
     Ok(())
 }

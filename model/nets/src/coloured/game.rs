@@ -9,7 +9,7 @@ use thiserror::Error;
 
 use super::bind;
 use super::marking::{ColouredMarking, collect, count_in};
-use super::net::{ColouredNet, Mode, Side};
+use super::net::{ColouredArc, ColouredNet, NetMode};
 use crate::{PlaceId, TransitionId};
 
 /// Why a mode, or a set of modes, was refused. The marking is as it was.
@@ -45,7 +45,7 @@ pub enum ColouredFireError {
 
 impl ColouredNet {
     /// I⁻(p, (t, c)) and I⁺(p, (t, c)): what a mode takes from a place and gives to it, with tones from 1.
-    pub fn moves(&self, mode: Mode, place: PlaceId) -> [Vec<(Vec<u32>, u32)>; 2] {
+    pub fn moves(&self, mode: NetMode, place: PlaceId) -> [Vec<(Vec<u32>, u32)>; 2] {
         let transition = &self.transitions[mode.transition.index()];
         [&transition.inputs, &transition.outputs].map(|sides| {
             let mut entries = Vec::new();
@@ -58,26 +58,26 @@ impl ColouredNet {
     }
 
     /// Whether the tokens and the guard allow a mode (seed 000, definition 15).
-    pub fn is_enabled(&self, marking: &ColouredMarking, mode: Mode) -> bool {
+    pub fn is_enabled(&self, marking: &ColouredMarking, mode: NetMode) -> bool {
         self.guard_allows(mode) && self.lacking(marking, &[mode]).is_none()
     }
 
     /// Whether the modes can fire at once: each is allowed, and there are tokens for all of them together (seed 000,
     /// definitions 5 and 16). A mode may be listed more than once.
-    pub fn is_enabled_together(&self, marking: &ColouredMarking, modes: &[Mode]) -> bool {
+    pub fn is_enabled_together(&self, marking: &ColouredMarking, modes: &[NetMode]) -> bool {
         modes.iter().all(|&mode| self.guard_allows(mode)) && self.lacking(marking, modes).is_none()
     }
 
     /// The modes that are enabled, ordered by transition and colour.
-    pub fn enabled(&self, marking: &ColouredMarking) -> Vec<Mode> {
+    pub fn enabled(&self, marking: &ColouredMarking) -> Vec<NetMode> {
         self.transitions().flat_map(|transition| self.enabled_modes(marking, transition)).collect()
     }
 
     /// The modes of one transition that are enabled, in order.
-    pub fn enabled_modes(&self, marking: &ColouredMarking, transition: TransitionId) -> Vec<Mode> {
+    pub fn enabled_modes(&self, marking: &ColouredMarking, transition: TransitionId) -> Vec<NetMode> {
         let mut colours = Vec::new();
         bind::enabled(self, transition.index(), &marking.entries, false, usize::MAX, &mut colours);
-        colours.into_iter().map(|colour| Mode { transition, colour }).collect()
+        colours.into_iter().map(|colour| NetMode { transition, colour }).collect()
     }
 
     /// Γ(t): the occurrence-mode function, for each mode that the guard allows whether it can fire now (seed 000,
@@ -86,18 +86,18 @@ impl ColouredNet {
         &'a self,
         marking: &'a ColouredMarking,
         transition: TransitionId,
-    ) -> impl Iterator<Item = (Mode, bool)> + 'a {
+    ) -> impl Iterator<Item = (NetMode, bool)> + 'a {
         self.modes(transition).map(|mode| (mode, self.is_enabled(marking, mode)))
     }
 
     /// M' = M + I·Θ for one mode (seed 000, definition 17).
-    pub fn fire(&self, marking: &mut ColouredMarking, mode: Mode) -> Result<(), ColouredFireError> {
+    pub fn fire(&self, marking: &mut ColouredMarking, mode: NetMode) -> Result<(), ColouredFireError> {
         self.fire_together(marking, &[mode])
     }
 
     /// M' = M + I·Θ for several modes at once, which need tokens for all of them together. Nothing is given before all
     /// is taken.
-    pub fn fire_together(&self, marking: &mut ColouredMarking, modes: &[Mode]) -> Result<(), ColouredFireError> {
+    pub fn fire_together(&self, marking: &mut ColouredMarking, modes: &[NetMode]) -> Result<(), ColouredFireError> {
         if let Some(&mode) = modes.iter().find(|&&mode| !self.guard_allows(mode)) {
             return Err(ColouredFireError::Guard { mode: self.mode_name(mode) });
         }
@@ -115,7 +115,7 @@ impl ColouredNet {
     }
 
     /// The first cell that has less than the modes take together, with what it has and what they need.
-    fn lacking(&self, marking: &ColouredMarking, modes: &[Mode]) -> Option<(u32, u32, u32)> {
+    fn lacking(&self, marking: &ColouredMarking, modes: &[NetMode]) -> Option<(u32, u32, u32)> {
         let mut takes = Vec::new();
         if let Err(cell) = self.demand(modes, &mut takes) {
             return Some((cell, count_in(&marking.entries, cell), u32::MAX));
@@ -125,7 +125,7 @@ impl ColouredNet {
     }
 
     /// What the modes take together, sorted by cell; or the cell for which that cannot be counted.
-    pub(super) fn demand(&self, modes: &[Mode], takes: &mut Vec<(u32, u32)>) -> Result<(), u32> {
+    pub(super) fn demand(&self, modes: &[NetMode], takes: &mut Vec<(u32, u32)>) -> Result<(), u32> {
         for &mode in modes {
             let tones = self.tones_of(mode);
             let inputs = &self.transitions[mode.transition.index()].inputs;
@@ -135,20 +135,21 @@ impl ColouredNet {
     }
 
     /// Appends what a mode gives, not yet sorted or added up.
-    pub(super) fn append_outputs(&self, mode: Mode, gives: &mut Vec<(u32, u32)>) {
+    pub(super) fn append_outputs(&self, mode: NetMode, gives: &mut Vec<(u32, u32)>) {
         let tones = self.tones_of(mode);
         let outputs = &self.transitions[mode.transition.index()].outputs;
         outputs.iter().for_each(|side| self.append(side, &tones, gives));
     }
 
-    fn append(&self, side: &Side, tones: &[u32], entries: &mut Vec<(u32, u32)>) {
+    fn append(&self, side: &ColouredArc, tones: &[u32], entries: &mut Vec<(u32, u32)>) {
         let place = &self.places[side.place.index()];
-        let entry = |term: &super::linear::Term| (place.offset + term.apply(tones, &place.shape), term.weight as u32);
+        let entry =
+            |term: &super::linear::LinearTerm| (place.offset + term.apply(tones, &place.shape), term.weight as u32);
         entries.extend(side.terms.iter().map(entry));
     }
 
     /// The tones of a mode, from 0.
-    pub(super) fn tones_of(&self, mode: Mode) -> Vec<u32> {
+    pub(super) fn tones_of(&self, mode: NetMode) -> Vec<u32> {
         let shape = &self.transitions[mode.transition.index()].shape;
         assert!(mode.colour < shape.count, "mode #{} is not one of {}", mode.colour, self.transition(mode.transition));
         let mut tones = vec![0; shape.sizes.len()];
@@ -156,7 +157,7 @@ impl ColouredNet {
         tones
     }
 
-    fn names(&self, modes: &[Mode]) -> String {
+    fn names(&self, modes: &[NetMode]) -> String {
         modes.iter().map(|&mode| self.mode_name(mode)).collect::<Vec<_>>().join(" with ")
     }
 }

@@ -9,7 +9,7 @@
 
 use std::fmt;
 
-use super::domain::{Basic, BasicId};
+use super::domain::{BasicDomain, BasicId};
 use super::linear::turn;
 
 /// The most clauses of a guard, and the most comparisons of a clause.
@@ -150,16 +150,16 @@ impl Guard {
 
 /// An operand with its component resolved: position from 0 in the mode, and the size of its ring.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, PartialOrd, Ord)]
-pub(super) enum Value {
+pub(super) enum GuardOperand {
     Component { from: u32, shift: u32, size: u32 },
     Number(i64),
 }
 
-impl Value {
+impl GuardOperand {
     fn of(self, mode: &[u32]) -> i64 {
         match self {
-            Value::Component { from, shift, size } => i64::from(turn(mode[from as usize], shift, size)) + 1,
-            Value::Number(number) => number,
+            GuardOperand::Component { from, shift, size } => i64::from(turn(mode[from as usize], shift, size)) + 1,
+            GuardOperand::Number(number) => number,
         }
     }
 }
@@ -167,9 +167,9 @@ impl Value {
 /// A comparison with its operands resolved.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, PartialOrd, Ord)]
 pub(super) struct Test {
-    pub(super) left: Value,
+    pub(super) left: GuardOperand,
     pub(super) comparison: Comparison,
-    pub(super) right: Value,
+    pub(super) right: GuardOperand,
 }
 
 impl Test {
@@ -177,7 +177,7 @@ impl Test {
         self.comparison.holds(self.left.of(mode), self.right.of(mode))
     }
 
-    pub(super) fn values_mut(&mut self) -> [&mut Value; 2] {
+    pub(super) fn values_mut(&mut self) -> [&mut GuardOperand; 2] {
         [&mut self.left, &mut self.right]
     }
 }
@@ -202,18 +202,18 @@ pub(super) enum GuardFault {
 }
 
 /// The meaning of a guard for modes of `domain`, or all that is wrong with it.
-pub(super) fn compile(guard: &Guard, domain: &[BasicId], all: &[Basic]) -> Result<Vec<Case>, Vec<GuardFault>> {
+pub(super) fn compile(guard: &Guard, domain: &[BasicId], all: &[BasicDomain]) -> Result<Vec<Case>, Vec<GuardFault>> {
     let mut faults = Vec::new();
     let mut value = |operand| match operand {
-        Operand::Number(number) => Value::Number(number),
+        Operand::Number(number) => GuardOperand::Number(number),
         Operand::Component { component, by } => match domain.get((component as usize).wrapping_sub(1)) {
             None => {
                 faults.push(GuardFault::NoComponent { component });
-                Value::Number(0)
+                GuardOperand::Number(0)
             }
             Some(basic) => {
                 let size = all[basic.index()].size;
-                Value::Component { from: component - 1, shift: by.rem_euclid(size.into()) as u32, size }
+                GuardOperand::Component { from: component - 1, shift: by.rem_euclid(size.into()) as u32, size }
             }
         },
     };
@@ -230,8 +230,8 @@ pub(super) fn compile(guard: &Guard, domain: &[BasicId], all: &[Basic]) -> Resul
 /// A colour that its component cannot have is a slip of the pen, where an order with a number beyond the ring is not.
 fn no_tone(test: &Test) -> Option<GuardFault> {
     let (from, size, number) = match (test.left, test.right) {
-        (Value::Component { from, size, .. }, Value::Number(number))
-        | (Value::Number(number), Value::Component { from, size, .. }) => (from, size, number),
+        (GuardOperand::Component { from, size, .. }, GuardOperand::Number(number))
+        | (GuardOperand::Number(number), GuardOperand::Component { from, size, .. }) => (from, size, number),
         _ => return None,
     };
     let named = matches!(test.comparison, Comparison::Equal | Comparison::NotEqual);
@@ -256,8 +256,8 @@ impl fmt::Display for Comparison {
 mod tests {
     use super::*;
 
-    fn basics() -> [Basic; 3] {
-        [("A", 10), ("B", 13), ("C", 30)].map(|(name, size)| Basic { name: name.into(), size, tones: Vec::new() })
+    fn basics() -> [BasicDomain; 3] {
+        [("A", 10), ("B", 13), ("C", 30)].map(|(name, size)| BasicDomain { name: name.into(), size, tones: Vec::new() })
     }
 
     const ABC: [BasicId; 3] = [BasicId(0), BasicId(1), BasicId(2)];

@@ -7,8 +7,8 @@
 
 use thiserror::Error;
 
-use super::domain::{Basic, BasicId, Shape, show_domain};
-use super::function::{Function, MAX_TERMS, Step};
+use super::domain::{BasicDomain, BasicId, DomainShape, show_domain};
+use super::function::{Function, FunctionStep, MAX_TERMS};
 
 /// Why a function has no meaning for a domain.
 #[derive(Clone, Debug, PartialEq, Eq, Error)]
@@ -41,21 +41,21 @@ pub enum FunctionError {
 
 /// A component of the result: a component of the argument (from 0), moved on by less than a whole turn.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, PartialOrd, Ord, Hash)]
-pub(super) struct Pick {
+pub(super) struct ComponentPick {
     pub(super) from: u32,
     pub(super) shift: u32,
 }
 
 /// A weighted term: one colour per colour.
 #[derive(Clone, Debug, PartialEq, Eq, PartialOrd, Ord)]
-pub(super) struct Term {
-    pub(super) picks: Box<[Pick]>,
+pub(super) struct LinearTerm {
+    pub(super) picks: Box<[ComponentPick]>,
     pub(super) weight: i64,
 }
 
-impl Term {
+impl LinearTerm {
     /// The position of the resulting colour in its domain; tones count from 0.
-    pub(super) fn apply(&self, argument: &[u32], target: &Shape) -> u32 {
+    pub(super) fn apply(&self, argument: &[u32], target: &DomainShape) -> u32 {
         self.picks
             .iter()
             .zip(&target.sizes)
@@ -71,20 +71,24 @@ pub(super) fn turn(tone: u32, shift: u32, size: u32) -> u32 {
 
 /// A function from one domain to another: like terms added up, ordered, none with weight 0.
 #[derive(Clone, Debug, PartialEq, Eq)]
-pub(super) struct Linear {
+pub(super) struct LinearFunction {
     pub(super) target: Vec<BasicId>,
-    pub(super) terms: Vec<Term>,
+    pub(super) terms: Vec<LinearTerm>,
 }
 
 /// What has become of the argument after some steps: for each component its domain and its pick.
-type Tuple = Vec<(BasicId, Pick)>;
+type Tuple = Vec<(BasicId, ComponentPick)>;
 
 /// The meaning of a function for arguments of `domain`.
-pub(super) fn compile(function: &Function, domain: &[BasicId], all: &[Basic]) -> Result<Linear, FunctionError> {
+pub(super) fn compile(
+    function: &Function,
+    domain: &[BasicId],
+    all: &[BasicDomain],
+) -> Result<LinearFunction, FunctionError> {
     if function.too_large {
         return Err(FunctionError::TooLarge);
     }
-    let start: Tuple = domain.iter().zip(0..).map(|(&basic, from)| (basic, Pick { from, shift: 0 })).collect();
+    let start: Tuple = domain.iter().zip(0..).map(|(&basic, from)| (basic, ComponentPick { from, shift: 0 })).collect();
     let mut target: Option<Vec<BasicId>> = None;
     let mut terms = Vec::new();
     for term in &function.terms {
@@ -95,20 +99,20 @@ pub(super) fn compile(function: &Function, domain: &[BasicId], all: &[Basic]) ->
                 let (first, other) = (show_domain(first, all), show_domain(&basics, all));
                 return Err(FunctionError::Mixed { first, other });
             }
-            terms.push(Term { picks: tuple.into_iter().map(|(_, pick)| pick).collect(), weight: term.weight });
+            terms.push(LinearTerm { picks: tuple.into_iter().map(|(_, pick)| pick).collect(), weight: term.weight });
         }
         if terms.len() > MAX_TERMS {
             return Err(FunctionError::TooLarge);
         }
     }
     let target = target.ok_or(FunctionError::Empty)?;
-    Ok(Linear { target, terms: collect(terms).ok_or(FunctionError::TooLarge)? })
+    Ok(LinearFunction { target, terms: collect(terms).ok_or(FunctionError::TooLarge)? })
 }
 
 /// Like terms added up, or none if a weight cannot be counted.
-pub(super) fn collect(mut terms: Vec<Term>) -> Option<Vec<Term>> {
+pub(super) fn collect(mut terms: Vec<LinearTerm>) -> Option<Vec<LinearTerm>> {
     terms.sort_unstable();
-    let mut sums: Vec<Term> = Vec::with_capacity(terms.len());
+    let mut sums: Vec<LinearTerm> = Vec::with_capacity(terms.len());
     for term in terms {
         match sums.last_mut() {
             Some(last) if last.picks == term.picks => last.weight = last.weight.checked_add(term.weight)?,
@@ -120,7 +124,7 @@ pub(super) fn collect(mut terms: Vec<Term>) -> Option<Vec<Term>> {
 }
 
 /// Applies the steps of one composition. There is one result, except where a ring function makes several.
-fn follow(steps: &[Step], start: &Tuple, all: &[Basic]) -> Result<Vec<Tuple>, FunctionError> {
+fn follow(steps: &[FunctionStep], start: &Tuple, all: &[BasicDomain]) -> Result<Vec<Tuple>, FunctionError> {
     let mut tuples = vec![start.clone()];
     for step in steps {
         // All tuples are of the same domain at any time.
@@ -133,17 +137,17 @@ fn follow(steps: &[Step], start: &Tuple, all: &[Basic]) -> Result<Vec<Tuple>, Fu
         };
         let size = |index: usize| all[here[index].index()].size;
         match step {
-            Step::Project(components) => {
+            FunctionStep::Project(components) => {
                 let indices = components.iter().map(|&component| at(component)).collect::<Result<Vec<_>, _>>()?;
                 tuples.iter_mut().for_each(|tuple| *tuple = indices.iter().map(|&index| tuple[index]).collect());
             }
-            Step::Discolour => tuples.iter_mut().for_each(Vec::clear),
-            Step::Shift { component, by } => {
+            FunctionStep::Discolour => tuples.iter_mut().for_each(Vec::clear),
+            FunctionStep::Shift { component, by } => {
                 let index = at(*component)?;
                 let by = by.rem_euclid(size(index).into()) as u32;
                 tuples.iter_mut().for_each(|tuple| move_on(&mut tuple[index].1, by, size(index)));
             }
-            Step::Ring(component) => {
+            FunctionStep::Ring(component) => {
                 let index = at(*component)?;
                 if tuples.len().saturating_mul(size(index) as usize) > MAX_TERMS {
                     return Err(FunctionError::TooLarge);
@@ -162,7 +166,7 @@ fn follow(steps: &[Step], start: &Tuple, all: &[Basic]) -> Result<Vec<Tuple>, Fu
     Ok(tuples)
 }
 
-fn move_on(pick: &mut Pick, by: u32, size: u32) {
+fn move_on(pick: &mut ComponentPick, by: u32, size: u32) {
     pick.shift = turn(pick.shift, by, size);
 }
 
@@ -171,8 +175,8 @@ mod tests {
     use super::*;
     use crate::coloured::{abs, id, pred, proj, ring, succ};
 
-    fn domains() -> [Basic; 2] {
-        [("A", 2), ("B", 3)].map(|(name, size)| Basic { name: name.into(), size, tones: Vec::new() })
+    fn domains() -> [BasicDomain; 2] {
+        [("A", 2), ("B", 3)].map(|(name, size)| BasicDomain { name: name.into(), size, tones: Vec::new() })
     }
 
     const AB: [BasicId; 2] = [BasicId(0), BasicId(1)];
@@ -207,7 +211,7 @@ mod tests {
         assert_eq!(refusal(proj([1]) + id()), "the sum adds colours of A and of A*B");
         assert_eq!(refusal(abs() + proj([2])), "the sum adds colours of <•> and of B");
         assert_eq!(refusal(Function::zero()), "it has no term, and says nothing");
-        let all = [Basic { name: "A".into(), size: u32::MAX, tones: Vec::new() }];
+        let all = [BasicDomain { name: "A".into(), size: u32::MAX, tones: Vec::new() }];
         assert_eq!(compile(&ring(1), &[BasicId(0)], &all), Err(FunctionError::TooLarge));
     }
 

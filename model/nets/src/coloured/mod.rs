@@ -34,14 +34,16 @@ mod unfold;
 
 pub use builder::ColouredBuilder;
 pub use check::MAX_COMPONENTS;
-pub use domain::{Basic, BasicId, Domain};
+pub use domain::{BasicDomain, BasicId, Domain};
 pub use error::ColouredError;
 pub use function::{Function, MAX_TERMS, abs, id, pred, proj, ring, succ};
 pub use fuse::{Fusion, fuse};
 pub use game::ColouredFireError;
 pub use guard::{Atom, Clause, Comparison, Guard, MAX_CLAUSES, Operand, colour, compare, component, not_colour};
 pub use linear::FunctionError;
-pub use marking::{Cell, ColouredMarking};
-pub use net::{ColouredNet, Mode};
-pub use reach::{ColouredReachability, ColouredStep, Limits, Stop, Undecided, explore};
+pub use marking::{ColouredMarking, TokenElement};
+pub use net::{ColouredNet, NetMode};
+pub use reach::{
+    ColouredReachLimit, ColouredReachLimits, ColouredReachability, ColouredStep, ColouredUndecided, explore,
+};
 pub use unfold::{Colours, UnfoldError, Unfolding, unfold};

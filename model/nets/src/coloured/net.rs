@@ -8,15 +8,15 @@
 use std::collections::HashMap;
 use std::sync::Arc;
 
-use super::domain::{Basic, BasicId, Shape, show_domain};
+use super::domain::{BasicDomain, BasicId, DomainShape, show_domain};
 use super::guard::Case;
-use super::linear::Term;
-use super::marking::{Cell, ColouredMarking, count_in};
-use crate::{Named, PlaceId, TransitionId};
+use super::linear::LinearTerm;
+use super::marking::{ColouredMarking, TokenElement, count_in};
+use crate::{NamedId, PlaceId, TransitionId};
 
 /// A transition with one colour of its domain: what fires.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, PartialOrd, Ord, Hash)]
-pub struct Mode {
+pub struct NetMode {
     /// The transition.
     pub transition: TransitionId,
     /// The position of the colour among those of the transition, in lexical order.
@@ -30,18 +30,18 @@ pub struct Mode {
 #[derive(Clone, Debug)]
 pub struct ColouredNet {
     pub(super) name: String,
-    pub(super) basics: Vec<Basic>,
-    pub(super) places: Vec<Place>,
-    pub(super) transitions: Vec<Transition>,
+    pub(super) basics: Vec<BasicDomain>,
+    pub(super) places: Vec<ColouredPlace>,
+    pub(super) transitions: Vec<ColouredTransition>,
     pub(super) place_by_name: HashMap<Arc<str>, PlaceId>,
     pub(super) transition_by_name: HashMap<Arc<str>, TransitionId>,
     pub(super) initial: ColouredMarking,
 }
 
 #[derive(Clone, Debug)]
-pub(super) struct Place {
+pub(super) struct ColouredPlace {
     pub(super) name: Arc<str>,
-    pub(super) shape: Shape,
+    pub(super) shape: DomainShape,
     /// The number of its first cell.
     pub(super) offset: u32,
     /// How many tokens it is said to hold at most.
@@ -49,24 +49,24 @@ pub(super) struct Place {
 }
 
 #[derive(Clone, Debug)]
-pub(super) struct Transition {
+pub(super) struct ColouredTransition {
     pub(super) name: Arc<str>,
-    pub(super) shape: Shape,
-    pub(super) inputs: Vec<Side>,
-    pub(super) outputs: Vec<Side>,
+    pub(super) shape: DomainShape,
+    pub(super) inputs: Vec<ColouredArc>,
+    pub(super) outputs: Vec<ColouredArc>,
     /// The clauses of its guard, or none if it has no guard.
     pub(super) guard: Option<Vec<Case>>,
-    pub(super) plan: super::bind::Plan,
+    pub(super) plan: super::bind::BindingOrder,
 }
 
 /// One arc, seen from its transition. All weights are from 1 to `u32::MAX`, and so are their sums.
 #[derive(Clone, Debug, PartialEq, Eq)]
-pub(super) struct Side {
+pub(super) struct ColouredArc {
     pub(super) place: PlaceId,
-    pub(super) terms: Vec<Term>,
+    pub(super) terms: Vec<LinearTerm>,
 }
 
-impl Transition {
+impl ColouredTransition {
     /// Whether the guard allows a mode, given as tones from 0. Scheduled clauses count as if decided for.
     pub(super) fn allows(&self, mode: &[u32]) -> bool {
         self.guard.as_ref().is_none_or(|cases| cases.iter().any(|case| case.holds(mode)))
@@ -80,7 +80,7 @@ impl ColouredNet {
     }
 
     /// The basic domains, in the order of declaration.
-    pub fn basics(&self) -> &[Basic] {
+    pub fn basics(&self) -> &[BasicDomain] {
         &self.basics
     }
 
@@ -106,13 +106,13 @@ impl ColouredNet {
     }
 
     /// A place with its name.
-    pub fn place(&self, place: PlaceId) -> Named<PlaceId> {
-        Named { id: place, name: self.places[place.index()].name.clone() }
+    pub fn place(&self, place: PlaceId) -> NamedId<PlaceId> {
+        NamedId { id: place, name: self.places[place.index()].name.clone() }
     }
 
     /// A transition with its name.
-    pub fn transition(&self, transition: TransitionId) -> Named<TransitionId> {
-        Named { id: transition, name: self.transitions[transition.index()].name.clone() }
+    pub fn transition(&self, transition: TransitionId) -> NamedId<TransitionId> {
+        NamedId { id: transition, name: self.transitions[transition.index()].name.clone() }
     }
 
     /// The place of that name.
@@ -151,9 +151,9 @@ impl ColouredNet {
     }
 
     /// The place and the colour of a cell, as markings number them.
-    pub fn cell(&self, number: u32) -> Cell {
+    pub fn cell(&self, number: u32) -> TokenElement {
         let place = self.places.partition_point(|place| place.offset <= number) - 1;
-        Cell { place: PlaceId(place as u32), colour: number - self.places[place].offset }
+        TokenElement { place: PlaceId(place as u32), colour: number - self.places[place].offset }
     }
 
     /// The cell of a colour on a place, with tones from 1; none if the place has no such colour.
@@ -170,24 +170,24 @@ impl ColouredNet {
     }
 
     /// The tones of a mode, from 1.
-    pub fn mode_tones(&self, mode: Mode) -> Vec<u32> {
+    pub fn mode_tones(&self, mode: NetMode) -> Vec<u32> {
         self.transitions[mode.transition.index()].shape.tones(mode.colour)
     }
 
     /// The mode of a transition with these tones (from 1); none if it has no such colour.
-    pub fn mode(&self, transition: TransitionId, tones: &[u32]) -> Option<Mode> {
+    pub fn mode(&self, transition: TransitionId, tones: &[u32]) -> Option<NetMode> {
         let colour = self.transitions[transition.index()].shape.position(tones)?;
-        Some(Mode { transition, colour })
+        Some(NetMode { transition, colour })
     }
 
     /// What a mode is called: `t1<m2,r1,p3>`, or the transition's name if it is uncoloured.
-    pub fn mode_name(&self, mode: Mode) -> String {
+    pub fn mode_name(&self, mode: NetMode) -> String {
         let transition = &self.transitions[mode.transition.index()];
         format!("{}{}", transition.name, transition.shape.show(mode.colour, &self.basics))
     }
 
     /// The mode of that name.
-    pub fn mode_named(&self, name: &str) -> Option<Mode> {
+    pub fn mode_named(&self, name: &str) -> Option<NetMode> {
         let Some((transition, tones)) = name.strip_suffix('>').and_then(|name| name.rsplit_once('<')) else {
             return self.mode(self.transition_named(name)?, &[]);
         };
@@ -202,18 +202,18 @@ impl ColouredNet {
     }
 
     /// The modes of a transition that its guard allows, in order. Scheduled clauses count as if decided for.
-    pub fn modes(&self, transition: TransitionId) -> impl Iterator<Item = Mode> + '_ {
+    pub fn modes(&self, transition: TransitionId) -> impl Iterator<Item = NetMode> + '_ {
         let of = &self.transitions[transition.index()];
         let mut tones = vec![0; of.shape.sizes.len()];
         let allowed = move |&colour: &u32| {
             of.shape.decode(colour, &mut tones);
             of.allows(&tones)
         };
-        (0..of.shape.count).filter(allowed).map(move |colour| Mode { transition, colour })
+        (0..of.shape.count).filter(allowed).map(move |colour| NetMode { transition, colour })
     }
 
     /// Whether the guard of its transition allows a mode. Scheduled clauses count as if decided for.
-    pub fn guard_allows(&self, mode: Mode) -> bool {
+    pub fn guard_allows(&self, mode: NetMode) -> bool {
         let transition = &self.transitions[mode.transition.index()];
         let mut tones = vec![0; transition.shape.sizes.len()];
         transition.shape.decode(mode.colour, &mut tones);

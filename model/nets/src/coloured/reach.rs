@@ -12,40 +12,40 @@ use thiserror::Error;
 use super::bind;
 use super::game::{ColouredFireError, minus};
 use super::marking::{ColouredMarking, collect};
-use super::net::{ColouredNet, Mode};
-use super::store::Store;
+use super::net::{ColouredNet, NetMode};
+use super::store::MarkingStore;
 use crate::components::Components;
-use crate::{Named, PlaceId, StateId};
+use crate::{NamedId, PlaceId, StateId};
 
 /// How far to explore.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
-pub struct Limits {
+pub struct ColouredReachLimits {
     /// The most states.
     pub states: usize,
     /// The most memory for states and steps, in bytes, about. Finding the components at the end needs as much again.
     pub bytes: usize,
 }
 
-impl Limits {
+impl ColouredReachLimits {
     /// So many states, in at most a gibibyte.
-    pub fn states(states: usize) -> Limits {
-        Limits { states, bytes: 1 << 30 }
+    pub fn states(states: usize) -> ColouredReachLimits {
+        ColouredReachLimits { states, bytes: 1 << 30 }
     }
 }
 
 /// The exploration did not come to an end: nothing is known about the net as a whole.
 #[derive(Clone, Debug, PartialEq, Eq, Error)]
 #[error("undecided after {states} states: {cause}")]
-pub struct Undecided {
+pub struct ColouredUndecided {
     /// The states found until then.
     pub states: usize,
     /// What stopped it.
-    pub cause: Stop,
+    pub cause: ColouredReachLimit,
 }
 
 /// What stops an exploration.
 #[derive(Clone, Debug, PartialEq, Eq, Error)]
-pub enum Stop {
+pub enum ColouredReachLimit {
     /// There are more states than allowed.
     #[error("there are more than allowed")]
     States,
@@ -63,7 +63,7 @@ pub struct ColouredStep {
     /// M₁.
     pub from: StateId,
     /// (t, c).
-    pub mode: Mode,
+    pub mode: NetMode,
     /// M₂.
     pub to: StateId,
 }
@@ -71,7 +71,7 @@ pub struct ColouredStep {
 /// All reachable coloured markings and the steps between them.
 #[derive(Clone, Debug)]
 pub struct ColouredReachability {
-    states: Store,
+    states: MarkingStore,
     /// Ordered by `from`, then by mode.
     steps: Vec<ColouredStep>,
     /// The step by which each state was found; none for the initial one.
@@ -79,18 +79,18 @@ pub struct ColouredReachability {
     /// The terminal components, each with its first state.
     terminal: Vec<(usize, StateId)>,
     /// Which modes fire in which terminal component.
-    fires: HashSet<(usize, Mode)>,
+    fires: HashSet<(usize, NetMode)>,
     /// A state from which the initial one cannot be reached.
     no_return: Option<StateId>,
 }
 
 /// Finds all reachable markings, as far as the limits allow.
-pub fn explore(net: &ColouredNet, limits: Limits) -> Result<ColouredReachability, Undecided> {
+pub fn explore(net: &ColouredNet, limits: ColouredReachLimits) -> Result<ColouredReachability, ColouredUndecided> {
     // State numbers have 32 bits, and so have step numbers; memory ends long before.
     let most = limits.states.min(u32::MAX as usize);
-    let mut states = Store::new();
+    let mut states = MarkingStore::new();
     if most == 0 {
-        return Err(Undecided { states: 0, cause: Stop::States });
+        return Err(ColouredUndecided { states: 0, cause: ColouredReachLimit::States });
     }
     states.add(&net.initial.entries);
     let mut found_by = vec![None];
@@ -107,20 +107,20 @@ pub fn explore(net: &ColouredNet, limits: Limits) -> Result<ColouredReachability
             let room = room.saturating_sub(steps.len()).min(u32::MAX as usize - steps.len());
             bind::enabled(net, transition.index(), &here, false, room + 1, &mut colours);
             if colours.len() > room {
-                return Err(Undecided { states: states.len(), cause: Stop::Bytes });
+                return Err(ColouredUndecided { states: states.len(), cause: ColouredReachLimit::Bytes });
             }
             for &colour in &colours {
-                let mode = Mode { transition, colour };
-                let stop = |cause| Undecided { states: states.len(), cause };
+                let mode = NetMode { transition, colour };
+                let stop = |cause| ColouredUndecided { states: states.len(), cause };
                 takes.clear();
                 net.demand(&[mode], &mut takes).expect("the builder bounds what a mode takes");
                 let mut after = minus(&here, &takes);
                 net.append_outputs(mode, &mut after);
                 let full = |cell| ColouredFireError::Overflow { mode: net.mode_name(mode), cell: net.cell_name(cell) };
-                collect(&mut after).map_err(|cell| stop(Stop::Overflow(full(cell))))?;
+                collect(&mut after).map_err(|cell| stop(ColouredReachLimit::Overflow(full(cell))))?;
                 let known = states.find(&after);
                 if known.is_none() && states.len() == most {
-                    return Err(stop(Stop::States));
+                    return Err(stop(ColouredReachLimit::States));
                 }
                 let to = StateId(known.unwrap_or_else(|| states.add(&after)));
                 if known.is_none() {
@@ -135,7 +135,7 @@ pub fn explore(net: &ColouredNet, limits: Limits) -> Result<ColouredReachability
 }
 
 impl ColouredReachability {
-    fn new(states: Store, steps: Vec<ColouredStep>, found_by: Vec<Option<u32>>) -> ColouredReachability {
+    fn new(states: MarkingStore, steps: Vec<ColouredStep>, found_by: Vec<Option<u32>>) -> ColouredReachability {
         let parts = Components::new(states.len(), steps.iter().map(|step| (step.from.index(), step.to.index())));
         let first = |component: usize| StateId(parts.members(component)[0] as u32);
         let terminal = parts.terminal().map(|component| (component, first(component))).collect();
@@ -183,7 +183,7 @@ impl ColouredReachability {
     }
 
     /// A shortest firing sequence from the initial marking to a state.
-    pub fn path_to(&self, state: StateId) -> Vec<Mode> {
+    pub fn path_to(&self, state: StateId) -> Vec<NetMode> {
         let mut path = Vec::new();
         let mut at = state;
         while let Some(step) = self.found_by[at.index()] {
@@ -201,15 +201,15 @@ impl ColouredReachability {
     }
 
     /// Whether a mode can become enabled again from everywhere; else a state from which it never can.
-    pub fn is_mode_live(&self, mode: Mode) -> Result<(), StateId> {
+    pub fn is_mode_live(&self, mode: NetMode) -> Result<(), StateId> {
         let missing = self.terminal.iter().find(|&&(component, _)| !self.fires.contains(&(component, mode)));
         missing.map_or(Ok(()), |&(_, state)| Err(state))
     }
 
     /// Whether every mode that its guard allows is live; else the first that is not, with a state from which it never
     /// fires.
-    pub fn is_live(&self, net: &ColouredNet) -> Result<(), (Mode, StateId)> {
-        let lost = |mode: Mode| self.is_mode_live(mode).err().map(|state| (mode, state));
+    pub fn is_live(&self, net: &ColouredNet) -> Result<(), (NetMode, StateId)> {
+        let lost = |mode: NetMode| self.is_mode_live(mode).err().map(|state| (mode, state));
         net.transitions().flat_map(|transition| net.modes(transition)).find_map(lost).map_or(Ok(()), Err)
     }
 
@@ -231,7 +231,7 @@ impl ColouredReachability {
     }
 
     /// The places that come to hold more tokens than they are declared to, with the most they hold.
-    pub fn over_capacity(&self, net: &ColouredNet) -> Vec<(Named<PlaceId>, u64)> {
+    pub fn over_capacity(&self, net: &ColouredNet) -> Vec<(NamedId<PlaceId>, u64)> {
         let over = |place: PlaceId| {
             let most = net.max_tokens(place)?;
             let bound = self.bound_of(net, place);
@@ -263,7 +263,7 @@ mod tests {
     #[test]
     fn a_ring_is_live_and_reversible() {
         let net = ring(5, false);
-        let r = explore(&net, Limits::states(10)).unwrap();
+        let r = explore(&net, ColouredReachLimits::states(10)).unwrap();
         assert_eq!((r.state_count(), r.steps().len(), r.deadlocks().count()), (5, 5, 0));
         assert_eq!((r.is_live(&net), r.is_reversible()), (Ok(()), Ok(())));
         let last: Vec<_> = r.path_to(StateId(4)).into_iter().map(|mode| net.mode_name(mode)).collect();
@@ -275,12 +275,12 @@ mod tests {
     #[test]
     fn what_does_not_end_is_undecided_by_states_and_by_memory() {
         let net = ring(3, true);
-        let stopped = explore(&net, Limits::states(100)).unwrap_err();
+        let stopped = explore(&net, ColouredReachLimits::states(100)).unwrap_err();
         assert_eq!(stopped.to_string(), "undecided after 100 states: there are more than allowed");
-        let stopped = explore(&net, Limits { states: usize::MAX, bytes: 100_000 }).unwrap_err();
-        assert_eq!(stopped.cause, Stop::Bytes);
+        let stopped = explore(&net, ColouredReachLimits { states: usize::MAX, bytes: 100_000 }).unwrap_err();
+        assert_eq!(stopped.cause, ColouredReachLimit::Bytes);
         assert!((500..2500).contains(&stopped.states), "{stopped}");
-        assert_eq!(explore(&net, Limits::states(0)).unwrap_err().states, 0);
+        assert_eq!(explore(&net, ColouredReachLimits::states(0)).unwrap_err().states, 0);
     }
 
     #[test]
@@ -290,8 +290,8 @@ mod tests {
         let pool = b.place("pool", wide);
         let spring = b.transition("spring", wide);
         b.output(spring, pool, id());
-        let stopped = explore(&b.build().unwrap(), Limits { states: 1000, bytes: 1 << 16 }).unwrap_err();
-        assert_eq!((stopped.states, stopped.cause), (1, Stop::Bytes));
+        let stopped = explore(&b.build().unwrap(), ColouredReachLimits { states: 1000, bytes: 1 << 16 }).unwrap_err();
+        assert_eq!((stopped.states, stopped.cause), (1, ColouredReachLimit::Bytes));
     }
 
     #[test]
@@ -305,7 +305,7 @@ mod tests {
         b.input(pack, loose, id()).output(pack, boxed, id());
         b.guard(pack, Guard::all([compare(component(1), crate::coloured::Comparison::Less, Operand::Number(9))]));
         let net = b.build().unwrap();
-        let r = explore(&net, Limits::states(100)).unwrap();
+        let r = explore(&net, ColouredReachLimits::states(100)).unwrap();
         assert_eq!(r.state_count(), 8);
         let over: Vec<_> = r.over_capacity(&net).iter().map(|(place, bound)| format!("{place}: {bound}")).collect();
         assert_eq!(over, ["place `boxed`: 3"]);

@@ -10,7 +10,7 @@ const NONE: u32 = u32::MAX;
 
 /// A set of markings, numbered in the order in which they came.
 #[derive(Clone, Debug)]
-pub(super) struct Store {
+pub(super) struct MarkingStore {
     entries: Vec<(u32, u32)>,
     /// Where each marking ends in `entries`.
     ends: Vec<usize>,
@@ -22,9 +22,9 @@ pub(super) struct Store {
 /// What a marking costs beside its entries: an end, a link, and its share of a table that is at most half empty.
 const OVERHEAD: usize = size_of::<usize>() + size_of::<u32>() + 2 * size_of::<(u64, u32)>();
 
-impl Store {
-    pub(super) fn new() -> Store {
-        Store { entries: Vec::new(), ends: Vec::new(), last_with: HashMap::new(), previous: Vec::new() }
+impl MarkingStore {
+    pub(super) fn new() -> MarkingStore {
+        MarkingStore { entries: Vec::new(), ends: Vec::new(), last_with: HashMap::new(), previous: Vec::new() }
     }
 
     pub(super) fn len(&self) -> usize {
@@ -72,7 +72,7 @@ mod tests {
 
     #[test]
     fn markings_are_found_again_and_the_empty_one_is_one() {
-        let mut store = Store::new();
+        let mut store = MarkingStore::new();
         let markings: [&[(u32, u32)]; 4] = [&[], &[(0, 1)], &[(0, 2)], &[(0, 1), (3, 1)]];
         for (marking, number) in markings.iter().zip(0..) {
             assert_eq!(store.find(marking), None);
@@ -86,7 +86,7 @@ mod tests {
 
     #[test]
     fn equal_hashes_are_told_apart() {
-        let mut store = Store::new();
+        let mut store = MarkingStore::new();
         let (one, two) = ([(1, 1)], [(2, 1)]);
         store.add(&one);
         // As if both had the hash of the second.

@@ -5,9 +5,9 @@
 
 use std::fmt;
 
-use super::guard::{Case, Value};
-use super::linear::{Pick, Term};
-use super::net::{ColouredNet, Side};
+use super::guard::{Case, GuardOperand};
+use super::linear::{ComponentPick, LinearTerm};
+use super::net::{ColouredArc, ColouredNet};
 
 impl fmt::Display for ColouredNet {
     fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
@@ -46,9 +46,9 @@ impl fmt::Display for ColouredNet {
 }
 
 impl ColouredNet {
-    fn bag(&self, sides: &[Side]) -> String {
-        let show = |side: &Side| {
-            let terms: Vec<_> = side.terms.iter().map(Term::to_string).collect();
+    fn bag(&self, sides: &[ColouredArc]) -> String {
+        let show = |side: &ColouredArc| {
+            let terms: Vec<_> = side.terms.iter().map(LinearTerm::to_string).collect();
             format!("{} {}", self.places[side.place.index()].name, terms.join("+"))
         };
         if sides.is_empty() { "nothing".to_owned() } else { sides.iter().map(show).collect::<Vec<_>>().join(", ") }
@@ -60,13 +60,13 @@ fn turned(f: &mut fmt::Formatter<'_>, from: u32, shift: u32) -> fmt::Result {
     if shift > 0 { write!(f, "+{shift}") } else { Ok(()) }
 }
 
-impl fmt::Display for Pick {
+impl fmt::Display for ComponentPick {
     fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
         turned(f, self.from, self.shift)
     }
 }
 
-impl fmt::Display for Term {
+impl fmt::Display for LinearTerm {
     fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
         if self.weight != 1 {
             write!(f, "{}*", self.weight)?;
@@ -74,16 +74,16 @@ impl fmt::Display for Term {
         if self.picks.is_empty() {
             return f.write_str("<•>");
         }
-        let picks: Vec<_> = self.picks.iter().map(Pick::to_string).collect();
+        let picks: Vec<_> = self.picks.iter().map(ComponentPick::to_string).collect();
         write!(f, "<{}>", picks.join(","))
     }
 }
 
-impl fmt::Display for Value {
+impl fmt::Display for GuardOperand {
     fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
         match *self {
-            Value::Number(number) => write!(f, "{number}"),
-            Value::Component { from, shift, .. } => {
+            GuardOperand::Number(number) => write!(f, "{number}"),
+            GuardOperand::Component { from, shift, .. } => {
                 f.write_str("<")?;
                 turned(f, from, shift)?;
                 f.write_str(">")

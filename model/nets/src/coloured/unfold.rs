@@ -9,8 +9,8 @@
 use thiserror::Error;
 
 use super::bind;
-use super::marking::{Cell, ColouredMarking};
-use super::net::{ColouredNet, Mode};
+use super::marking::{ColouredMarking, TokenElement};
+use super::net::{ColouredNet, NetMode};
 use crate::{Marking, Net, NetBuilder, PlaceId, TransitionId};
 
 /// Which colours to unfold.
@@ -43,7 +43,7 @@ pub struct Unfolding {
     /// The cell of each place.
     cells: Vec<u32>,
     /// The mode of each transition.
-    modes: Vec<Mode>,
+    modes: Vec<NetMode>,
 }
 
 /// Writes down the ordinary net, unless it has more than `limit` places and transitions together.
@@ -77,7 +77,7 @@ pub fn unfold(net: &ColouredNet, colours: Colours, limit: usize) -> Result<Unfol
 }
 
 /// What a mode takes and gives, added up by cell.
-fn sides(net: &ColouredNet, mode: Mode) -> [Vec<(u32, u32)>; 2] {
+fn sides(net: &ColouredNet, mode: NetMode) -> [Vec<(u32, u32)>; 2] {
     let (mut takes, mut gives) = (Vec::new(), Vec::new());
     net.demand(&[mode], &mut takes).expect("the builder bounds what an arc moves");
     net.append_outputs(mode, &mut gives);
@@ -85,11 +85,11 @@ fn sides(net: &ColouredNet, mode: Mode) -> [Vec<(u32, u32)>; 2] {
     [takes, gives]
 }
 
-type Nodes = Option<(Vec<u32>, Vec<Mode>)>;
+type Nodes = Option<(Vec<u32>, Vec<NetMode>)>;
 
 fn all(net: &ColouredNet, limit: usize) -> Nodes {
     let room = limit.checked_sub(net.cell_count() as usize)?;
-    let modes: Vec<Mode> =
+    let modes: Vec<NetMode> =
         net.transitions().flat_map(|transition| net.modes(transition)).take(room.saturating_add(1)).collect();
     (modes.len() <= room).then(|| ((0..net.cell_count()).collect(), modes))
 }
@@ -107,7 +107,7 @@ fn reachable(net: &ColouredNet, limit: usize) -> Nodes {
             if colours.len() > room {
                 return None;
             }
-            modes.extend(colours.into_iter().map(|colour| Mode { transition, colour }));
+            modes.extend(colours.into_iter().map(|colour| NetMode { transition, colour }));
         }
         for &mode in &modes {
             net.append_outputs(mode, &mut entries);
@@ -136,12 +136,12 @@ impl Unfolding {
     }
 
     /// The coloured place and the colour that a place stands for.
-    pub fn cell(&self, coloured: &ColouredNet, place: PlaceId) -> Cell {
+    pub fn cell(&self, coloured: &ColouredNet, place: PlaceId) -> TokenElement {
         coloured.cell(self.cells[place.index()])
     }
 
     /// The mode that a transition stands for.
-    pub fn mode(&self, transition: TransitionId) -> Mode {
+    pub fn mode(&self, transition: TransitionId) -> NetMode {
         self.modes[transition.index()]
     }
 
@@ -151,7 +151,7 @@ impl Unfolding {
     }
 
     /// The transition that stands for a mode, if that was unfolded.
-    pub fn transition_of(&self, mode: Mode) -> Option<TransitionId> {
+    pub fn transition_of(&self, mode: NetMode) -> Option<TransitionId> {
         self.modes.binary_search(&mode).ok().map(|at| TransitionId(at as u32))
     }
 

@@ -1,16 +1,16 @@
 //! Markings in which a place may hold ω, more than any number.
 
-use crate::{FireError, Marking, Move, Net, PlaceId, TransitionId};
+use crate::{FireError, Marking, Net, PlaceId, PlayDirection, TransitionId};
 
 /// The count that stands for ω. Real counts stay below it.
 pub(super) const OMEGA: u32 = u32::MAX;
 
 #[derive(Clone, Debug, PartialEq, Eq, Hash)]
-pub(super) struct Label(pub Box<[u32]>);
+pub(super) struct MarkingLabel(pub Box<[u32]>);
 
-impl Label {
-    pub fn of(marking: &Marking) -> Label {
-        Label(marking.as_slice().into())
+impl MarkingLabel {
+    pub fn of(marking: &Marking) -> MarkingLabel {
+        MarkingLabel(marking.as_slice().into())
     }
 
     pub fn counts(&self) -> impl Iterator<Item = Option<u32>> + '_ {
@@ -37,7 +37,7 @@ impl Label {
     }
 
     /// The label after an enabled transition.
-    pub fn fired(&self, net: &Net, transition: TransitionId) -> Result<Label, FireError> {
+    pub fn fired(&self, net: &Net, transition: TransitionId) -> Result<MarkingLabel, FireError> {
         let mut next = self.0.clone();
         for &(place, weight) in net.preset(transition) {
             let count = &mut next[place.index()];
@@ -49,7 +49,7 @@ impl Label {
             let count = &mut next[place.index()];
             if *count != OMEGA {
                 *count = count.checked_add(weight).filter(|&sum| sum != OMEGA).ok_or_else(|| FireError::Overflow {
-                    attempt: Move::Fire,
+                    attempt: PlayDirection::Fire,
                     transition: net.transition(transition),
                     place: net.place(place),
                     has: self.0[place.index()],
@@ -57,11 +57,11 @@ impl Label {
                 })?;
             }
         }
-        Ok(Label(next))
+        Ok(MarkingLabel(next))
     }
 
     /// The places with more than in `below`.
-    pub fn above(&self, below: &Label) -> Vec<PlaceId> {
+    pub fn above(&self, below: &MarkingLabel) -> Vec<PlaceId> {
         let pairs = (0..).map(PlaceId).zip(self.0.iter().zip(&below.0));
         pairs.filter(|(_, (mine, theirs))| mine > theirs).map(|(place, _)| place).collect()
     }

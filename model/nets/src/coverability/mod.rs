@@ -9,21 +9,21 @@
 //! Two things keep it small. A label that is already there is not expanded again, nor one that lies below a label with
 //! ω; labels are never taken away again, which is where quicker variants have gone wrong. And where conserved sums
 //! cover all places, nothing can grow and no label is compared with those before it. The graph can still be larger than
-//! any memory, so there is a limit, and beyond it the answer is [`Undecided`].
+//! any memory, so there is a limit, and beyond it the answer is [`CoverabilityUndecided`].
 
 mod label;
 mod search;
 
 use thiserror::Error;
 
-use crate::{FireError, Marking, Named, Net, PlaceId, TransitionId};
-use label::Label;
+use crate::{FireError, Marking, NamedId, Net, PlaceId, TransitionId};
+use label::MarkingLabel;
 
 pub use search::coverability;
 
 /// How large the graph may become.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
-pub struct Limits {
+pub struct CoverabilityLimits {
     /// The most labels.
     pub labels: usize,
     /// The most bytes that they may take.
@@ -33,33 +33,33 @@ pub struct Limits {
     pub comparisons: u64,
 }
 
-impl Default for Limits {
+impl Default for CoverabilityLimits {
     /// Some seconds, and a quarter of a gigabyte.
     fn default() -> Self {
-        Limits { labels: 1_000_000, bytes: 256 << 20, comparisons: 1 << 29 }
+        CoverabilityLimits { labels: 1_000_000, bytes: 256 << 20, comparisons: 1 << 29 }
     }
 }
 
 /// The graph was not finished: nothing is known about the net as a whole.
 #[derive(Clone, Debug, PartialEq, Eq, Error)]
 #[error("undecided after {labels} generalised markings: {cause}")]
-pub struct Undecided {
+pub struct CoverabilityUndecided {
     /// The labels found until then.
     pub labels: usize,
     /// What stopped it.
-    pub cause: Cause,
+    pub cause: CoverabilityLimit,
 }
 
 /// What stops the construction of the graph.
 #[derive(Clone, Debug, PartialEq, Eq, Error)]
-pub enum Cause {
-    /// [`Limits::labels`].
+pub enum CoverabilityLimit {
+    /// [`CoverabilityLimits::labels`].
     #[error("there are more than allowed")]
     Labels,
-    /// [`Limits::bytes`].
+    /// [`CoverabilityLimits::bytes`].
     #[error("they take more memory than allowed")]
     Bytes,
-    /// [`Limits::comparisons`].
+    /// [`CoverabilityLimits::comparisons`].
     #[error("more of them had to be compared than allowed")]
     Comparisons,
     /// A place gets more tokens than can be counted.
@@ -67,12 +67,12 @@ pub enum Cause {
     Overflow(FireError),
     /// A place holds the one count that stands for ω here.
     #[error("{0} has 4294967295 tokens, and at most 4294967294 can be told from infinitely many")]
-    TooMany(Named<PlaceId>),
+    TooMany(NamedId<PlaceId>),
 }
 
 /// How a net grows without end: after `prefix` it can play `cycle`, and again, and again.
 #[derive(Clone, Debug, PartialEq, Eq)]
-pub struct Pump {
+pub struct GrowthWitness {
     /// What to fire first, from the initial marking.
     pub prefix: Vec<TransitionId>,
     /// What can be repeated for ever; it takes away nothing on balance.
@@ -84,11 +84,11 @@ pub struct Pump {
 /// What the coverability graph says about a net.
 #[derive(Clone, Debug)]
 pub struct Coverability {
-    labels: Vec<Label>,
+    labels: Vec<MarkingLabel>,
     /// Per place, the most tokens; none if there is no most.
     bounds: Vec<Option<u32>>,
     dead: Vec<TransitionId>,
-    pump: Option<Pump>,
+    pump: Option<GrowthWitness>,
 }
 
 impl Coverability {
@@ -103,7 +103,7 @@ impl Coverability {
     }
 
     /// Whether there is a bound for every place, or a way to grow without end.
-    pub fn is_bounded(&self) -> Result<(), &Pump> {
+    pub fn is_bounded(&self) -> Result<(), &GrowthWitness> {
         self.pump.as_ref().map_or(Ok(()), Err)
     }
 
@@ -128,7 +128,7 @@ impl Coverability {
     }
 }
 
-impl Pump {
+impl GrowthWitness {
     /// Plays the pump once, and says whether it is one.
     pub fn is_valid(&self, net: &Net) -> bool {
         let mut marking = net.initial_marking();

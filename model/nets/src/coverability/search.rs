@@ -2,8 +2,8 @@
 
 use std::collections::HashMap;
 
-use super::label::{Label, OMEGA};
-use super::{Cause, Coverability, Limits, Pump, Undecided};
+use super::label::{MarkingLabel, OMEGA};
+use super::{Coverability, CoverabilityLimit, CoverabilityLimits, CoverabilityUndecided, GrowthWitness};
 use crate::{Net, TransitionId, semiflows};
 
 /// Finds a finite set of generalised markings that covers exactly what the reachable markings cover.
@@ -11,13 +11,13 @@ use crate::{Net, TransitionId, semiflows};
 /// Why it is right: every label is approached by reachable markings, because ω is only written where a sequence that
 /// can be repeated adds tokens. And every reachable marking is covered: if M is covered by a label and M fires t, then
 /// so does the label, or another one that is above it and was expanded in its place.
-pub fn coverability(net: &Net, limits: &Limits) -> Result<Coverability, Undecided> {
+pub fn coverability(net: &Net, limits: &CoverabilityLimits) -> Result<Coverability, CoverabilityUndecided> {
     let initial = net.initial_marking();
     if let Some(full) = net.places().find(|&place| initial.tokens(place) == OMEGA) {
-        return Err(Undecided { labels: 0, cause: Cause::TooMany(net.place(full)) });
+        return Err(CoverabilityUndecided { labels: 0, cause: CoverabilityLimit::TooMany(net.place(full)) });
     }
-    let mut graph = Graph::new(net, *limits);
-    graph.add(Label::of(&initial), None)?;
+    let mut graph = CoverabilityGraph::new(net, *limits);
+    graph.add(MarkingLabel::of(&initial), None)?;
     let mut fires = vec![false; net.transition_count()];
     let mut next = 0;
     while next < graph.nodes.len() {
@@ -26,7 +26,8 @@ pub fn coverability(net: &Net, limits: &Limits) -> Result<Coverability, Undecide
                 continue;
             }
             fires[t.index()] = true;
-            let overflow = |error| Undecided { labels: graph.labels.len(), cause: Cause::Overflow(error) };
+            let overflow =
+                |error| CoverabilityUndecided { labels: graph.labels.len(), cause: CoverabilityLimit::Overflow(error) };
             let fired = graph.labels[next].fired(net, t).map_err(overflow)?;
             if graph.number_of.contains_key(&fired) {
                 continue;
@@ -45,31 +46,32 @@ pub fn coverability(net: &Net, limits: &Limits) -> Result<Coverability, Undecide
     Ok(Coverability { labels: graph.labels, bounds, dead, pump: graph.pump })
 }
 
-struct Node {
+struct CoverabilityNode {
     /// The label this one was first found from, and by which transition.
     from: Option<(usize, TransitionId)>,
     weight: (usize, u64),
 }
 
-struct Graph {
-    limits: Limits,
-    labels: Vec<Label>,
-    nodes: Vec<Node>,
-    number_of: HashMap<Label, usize>,
+struct CoverabilityGraph {
+    limits: CoverabilityLimits,
+    labels: Vec<MarkingLabel>,
+    nodes: Vec<CoverabilityNode>,
+    number_of: HashMap<MarkingLabel, usize>,
     /// The labels with ω that are below no other.
     tops: Vec<usize>,
     /// Whether some place is in no conserved sum.
     may_grow: bool,
-    pump: Option<Pump>,
+    pump: Option<GrowthWitness>,
     comparisons: u64,
 }
 
-impl Graph {
-    fn new(net: &Net, limits: Limits) -> Graph {
+impl CoverabilityGraph {
+    fn new(net: &Net, limits: CoverabilityLimits) -> CoverabilityGraph {
         // A quick look; a net that is not covered, or too large for it, is treated as one that may grow.
-        let quick = semiflows::Limits { rows: 10_000, combinations: 200_000, ..semiflows::Limits::default() };
+        let quick =
+            semiflows::SemiflowLimits { rows: 10_000, combinations: 200_000, ..semiflows::SemiflowLimits::default() };
         let covered = semiflows::place_semiflows(net, &quick).is_ok_and(|flows| flows.uncovered(net).next().is_none());
-        Graph {
+        CoverabilityGraph {
             limits,
             labels: Vec::new(),
             nodes: Vec::new(),
@@ -81,22 +83,23 @@ impl Graph {
         }
     }
 
-    fn check_comparisons(&self) -> Result<(), Undecided> {
+    fn check_comparisons(&self) -> Result<(), CoverabilityUndecided> {
         if self.comparisons > self.limits.comparisons {
-            return Err(Undecided { labels: self.labels.len(), cause: Cause::Comparisons });
+            return Err(CoverabilityUndecided { labels: self.labels.len(), cause: CoverabilityLimit::Comparisons });
         }
         Ok(())
     }
 
-    fn add(&mut self, label: Label, from: Option<(usize, TransitionId)>) -> Result<(), Undecided> {
+    fn add(&mut self, label: MarkingLabel, from: Option<(usize, TransitionId)>) -> Result<(), CoverabilityUndecided> {
         let number = self.labels.len();
         if number >= self.limits.labels {
-            return Err(Undecided { labels: number, cause: Cause::Labels });
+            return Err(CoverabilityUndecided { labels: number, cause: CoverabilityLimit::Labels });
         }
         // The label, its copy as a key, and what surrounds them.
-        let each = 2 * (size_of_val(&*label.0) + size_of::<Label>()) + size_of::<(Node, usize)>() * 2;
+        let each =
+            2 * (size_of_val(&*label.0) + size_of::<MarkingLabel>()) + size_of::<(CoverabilityNode, usize)>() * 2;
         if (number + 1).saturating_mul(each) > self.limits.bytes {
-            return Err(Undecided { labels: number, cause: Cause::Bytes });
+            return Err(CoverabilityUndecided { labels: number, cause: CoverabilityLimit::Bytes });
         }
         if label.has_omega() {
             self.comparisons += self.tops.len() as u64;
@@ -104,19 +107,19 @@ impl Graph {
             self.tops.retain(|&top| !label.covers(&labels[top].0));
             self.tops.push(number);
         }
-        self.nodes.push(Node { from, weight: label.weight() });
+        self.nodes.push(CoverabilityNode { from, weight: label.weight() });
         self.labels.push(label.clone());
         self.number_of.insert(label, number);
         Ok(())
     }
 
-    fn below_omega(&mut self, label: &Label) -> bool {
+    fn below_omega(&mut self, label: &MarkingLabel) -> bool {
         self.comparisons += self.tops.len() as u64;
         self.tops.iter().any(|&top| self.labels[top].covers(&label.0))
     }
 
     /// Writes ω wherever the label lies above one that led to it, until it lies above none strictly.
-    fn accelerated(&mut self, mut label: Label, parent: usize, by: TransitionId) -> Label {
+    fn accelerated(&mut self, mut label: MarkingLabel, parent: usize, by: TransitionId) -> MarkingLabel {
         loop {
             let weight = label.weight();
             let mut changed = false;
@@ -159,9 +162,9 @@ impl Graph {
         path
     }
 
-    fn pump(&self, ancestor: usize, parent: usize, by: TransitionId, grows: &[crate::PlaceId]) -> Pump {
+    fn pump(&self, ancestor: usize, parent: usize, by: TransitionId, grows: &[crate::PlaceId]) -> GrowthWitness {
         let mut cycle = self.path(ancestor, parent);
         cycle.push(by);
-        Pump { prefix: self.path(0, ancestor), cycle, grows: grows.to_vec() }
+        GrowthWitness { prefix: self.path(0, ancestor), cycle, grows: grows.to_vec() }
     }
 }

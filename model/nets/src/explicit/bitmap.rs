@@ -8,16 +8,16 @@
 //! Only encodings with all digits bounded can be laid out like this, and only worthwhile ones are (see
 //! [`super::decide`]).
 
-use super::encoding::{Encoding, Term};
-use super::rules::{Condition, Filter, Rule, rules};
-use crate::{Marking, Move, Net};
+use super::encoding::{DigitTerm, MarkingEncoding};
+use super::rules::{Filter, FiringRule, LinearCondition, rules};
+use crate::{Marking, Net, PlayDirection};
 
 /// Bits of a word.
 const BITS: u32 = 64;
 
 /// Which digit is where.
 #[derive(Debug)]
-pub(super) struct Layout {
+pub(super) struct BitmapLayout {
     /// The low digits, with what one adds to the bit number.
     low: Vec<(usize, u32)>,
     /// The high digits, with their radix; the first changes fastest from word to word.
@@ -26,14 +26,14 @@ pub(super) struct Layout {
     pub(super) words: usize,
 }
 
-impl Layout {
+impl BitmapLayout {
     /// The layout with the fewest words, unless a place may be unbounded or the words cannot be counted in 32 bits.
-    pub(super) fn of(encoding: &Encoding) -> Option<Layout> {
-        Layout::with_bits(encoding, BITS)
+    pub(super) fn of(encoding: &MarkingEncoding) -> Option<BitmapLayout> {
+        BitmapLayout::with_bits(encoding, BITS)
     }
 
     /// The same using only so many bits of each word.
-    pub(super) fn with_bits(encoding: &Encoding, bits: u32) -> Option<Layout> {
+    pub(super) fn with_bits(encoding: &MarkingEncoding, bits: u32) -> Option<BitmapLayout> {
         let radices: Vec<u32> = encoding.radices.iter().copied().collect::<Option<_>>()?;
         if encoding.bounds.contains(&None) {
             return None;
@@ -49,7 +49,7 @@ impl Layout {
         let high = (0..radices.len()).rev().filter(|digit| !chosen.contains(digit));
         let high: Vec<(usize, u32)> = high.map(|digit| (digit, radices[digit])).collect();
         let words = high.iter().try_fold(1_u32, |words, &(_, radix)| words.checked_mul(radix))?;
-        Some(Layout { low, high, words: words as usize })
+        Some(BitmapLayout { low, high, words: words as usize })
     }
 
     /// Where a marking with these digits is.
@@ -60,7 +60,7 @@ impl Layout {
     }
 
     /// The digits of what is there.
-    pub(super) fn digits(&self, word: usize, bit: u32, encoding: &Encoding) -> Vec<u32> {
+    pub(super) fn digits(&self, word: usize, bit: u32, encoding: &MarkingEncoding) -> Vec<u32> {
         let mut digits = vec![0; encoding.radices.len()];
         let mut rest = word;
         for &(digit, radix) in &self.high {
@@ -74,7 +74,7 @@ impl Layout {
     }
 
     /// The marking that is there.
-    pub(super) fn marking(&self, word: usize, bit: u32, encoding: &Encoding) -> Marking {
+    pub(super) fn marking(&self, word: usize, bit: u32, encoding: &MarkingEncoding) -> Marking {
         encoding.marking(&self.digits(word, bit, encoding))
     }
 
@@ -83,12 +83,12 @@ impl Layout {
     }
 
     /// How many codes there are.
-    pub(super) fn codes(&self, encoding: &Encoding) -> u64 {
+    pub(super) fn codes(&self, encoding: &MarkingEncoding) -> u64 {
         self.words as u64 * u64::from(self.valid_bits(encoding))
     }
 
     /// The bits that stand for something: those below the product of the low radices.
-    fn valid_bits(&self, encoding: &Encoding) -> u32 {
+    fn valid_bits(&self, encoding: &MarkingEncoding) -> u32 {
         self.low.iter().map(|&(digit, _)| encoding.radices[digit].unwrap_or(1)).product()
     }
 }
@@ -139,7 +139,7 @@ impl WordRule {
 #[derive(Debug)]
 pub(super) struct WordCondition {
     need: i64,
-    high: Vec<Term>,
+    high: Vec<DigitTerm>,
     /// The least sum of the low terms.
     least: i64,
     /// By how much more than the least is needed: the bits that have it.
@@ -159,7 +159,7 @@ impl WordCondition {
 pub(super) struct WordForm {
     constant: i64,
     divisor: i64,
-    high: Vec<Term>,
+    high: Vec<DigitTerm>,
     /// What the low digits contribute, the most first, and the bits where it is that.
     low: Vec<(i64, u64)>,
 }
@@ -179,17 +179,17 @@ impl WordForm {
 pub(super) struct Kernel {
     pub(super) rules: Vec<WordRule>,
     pub(super) filter: Filter,
-    /// As in [`Layout`].
+    /// As in [`BitmapLayout`].
     high: Vec<(usize, u32)>,
     digits: usize,
 }
 
 impl Kernel {
-    pub(super) fn new(net: &Net, encoding: &Encoding, layout: &Layout, direction: Move) -> Self {
+    pub(super) fn new(net: &Net, encoding: &MarkingEncoding, layout: &BitmapLayout, direction: PlayDirection) -> Self {
         let mut rules = rules(net, encoding, direction);
         let filter = Filter::take(&mut rules, &encoding.radices, |digit| !layout.is_low(digit));
         let lows = Lows::new(encoding, layout);
-        let compile = |rule: &Rule| lows.compile(rule, layout);
+        let compile = |rule: &FiringRule| lows.compile(rule, layout);
         Kernel {
             rules: rules.iter().map(compile).collect(),
             filter,
@@ -211,10 +211,10 @@ impl Kernel {
 }
 
 /// The forms of all places, for words.
-pub(super) fn word_forms(encoding: &Encoding, layout: &Layout) -> Vec<WordForm> {
+pub(super) fn word_forms(encoding: &MarkingEncoding, layout: &BitmapLayout) -> Vec<WordForm> {
     let lows = Lows::new(encoding, layout);
     let form = |form: &super::encoding::Form| {
-        let (low_terms, high): (Vec<Term>, Vec<Term>) =
+        let (low_terms, high): (Vec<DigitTerm>, Vec<DigitTerm>) =
             form.terms.iter().cloned().partition(|term| layout.is_low(term.digit));
         let mut low: Vec<(i64, u64)> = Vec::new();
         for (bit, value) in lows.sums(&low_terms).into_iter().enumerate() {
@@ -235,12 +235,12 @@ struct Lows {
 }
 
 impl Lows {
-    fn new(encoding: &Encoding, layout: &Layout) -> Self {
+    fn new(encoding: &MarkingEncoding, layout: &BitmapLayout) -> Self {
         Lows { digits: (0..layout.valid_bits(encoding)).map(|bit| layout.digits(0, bit, encoding)).collect() }
     }
 
     /// Per bit, a sum of low terms.
-    fn sums(&self, terms: &[Term]) -> Vec<i64> {
+    fn sums(&self, terms: &[DigitTerm]) -> Vec<i64> {
         let sum = |digits: &Vec<u32>| terms.iter().map(|term| term.of(digits[term.digit])).sum();
         self.digits.iter().map(sum).collect()
     }
@@ -249,11 +249,11 @@ impl Lows {
         sums.iter().enumerate().filter(|&(_, &sum)| sum >= least).fold(0, |mask, (bit, _)| mask | 1 << bit)
     }
 
-    fn compile(&self, rule: &Rule, layout: &Layout) -> WordRule {
+    fn compile(&self, rule: &FiringRule, layout: &BitmapLayout) -> WordRule {
         let mut low = self.mask(&vec![0; self.digits.len()], 0);
         let mut mixed = Vec::new();
-        for Condition { terms, need } in &rule.conditions {
-            let (low_terms, high): (Vec<Term>, Vec<Term>) =
+        for LinearCondition { terms, need } in &rule.conditions {
+            let (low_terms, high): (Vec<DigitTerm>, Vec<DigitTerm>) =
                 terms.iter().cloned().partition(|term| layout.is_low(term.digit));
             let sums = self.sums(&low_terms);
             if high.is_empty() {

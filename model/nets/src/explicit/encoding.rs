@@ -10,7 +10,7 @@
 //! is a [`Form`], a sum of terms that depend on one digit each. Two markings with the same sums have the same digits
 //! only if they are equal: every comparison of codes is exact. How the digits are laid out in memory is not known here.
 
-use super::invariants::{Invariant, Wanted, followers, positive};
+use super::invariants::{Invariant, WantedSums, followers, positive};
 use super::sparse::entry;
 use crate::{Marking, Net, TransitionId};
 
@@ -29,7 +29,7 @@ const CONSTANT_MAX: u64 = 1 << 60;
 
 /// How markings of one net are written.
 #[derive(Debug)]
-pub(super) struct Encoding {
+pub(super) struct MarkingEncoding {
     /// Per digit, the number of its values.
     pub(super) radices: Vec<Radix>,
     /// Per place, its digit and what one token adds to it.
@@ -45,12 +45,12 @@ pub(super) struct Encoding {
 pub(super) struct Form {
     pub(super) constant: i64,
     pub(super) divisor: i64,
-    pub(super) terms: Vec<Term>,
+    pub(super) terms: Vec<DigitTerm>,
 }
 
 /// What one digit contributes.
 #[derive(Clone, Debug)]
-pub(super) struct Term {
+pub(super) struct DigitTerm {
     pub(super) digit: usize,
     values: Values,
 }
@@ -61,7 +61,7 @@ enum Values {
     Times(i64),
 }
 
-impl Term {
+impl DigitTerm {
     /// The contribution of a value of the digit.
     #[inline]
     pub(super) fn of(&self, value: u32) -> i64 {
@@ -119,7 +119,7 @@ impl Form {
             let Some(values) = values else { return false };
             match self.terms.iter_mut().find(|own| own.digit == term.digit) {
                 Some(own) => own.values.add(&values),
-                None => self.terms.push(Term { digit: term.digit, values }),
+                None => self.terms.push(DigitTerm { digit: term.digit, values }),
             }
         }
         self.terms.retain(|term| !term.values.is_zero());
@@ -144,11 +144,11 @@ impl Values {
     }
 }
 
-impl Encoding {
+impl MarkingEncoding {
     /// The shortest encoding that was found.
     pub(super) fn of(net: &Net) -> Self {
-        let sets = cover(net.place_count(), &positive(net, Wanted::OneToken));
-        let mut encoding = Encoding::with_sets(net.place_count(), &sets);
+        let sets = cover(net.place_count(), &positive(net, WantedSums::OneToken));
+        let mut encoding = MarkingEncoding::with_sets(net.place_count(), &sets);
         encoding.add_counts(net);
         encoding
     }
@@ -156,14 +156,14 @@ impl Encoding {
     /// An encoding that uses no sums: every place is a digit, and nothing bounds it.
     #[cfg(test)]
     pub(super) fn plain(net: &Net) -> Self {
-        let mut encoding = Encoding::with_sets(net.place_count(), &[]);
+        let mut encoding = MarkingEncoding::with_sets(net.place_count(), &[]);
         (0..net.place_count()).for_each(|place| encoding.add_digit(place, None));
         encoding
     }
 
-    fn with_sets(places: usize, sets: &[Set]) -> Self {
+    fn with_sets(places: usize, sets: &[OneTokenSet]) -> Self {
         let zero = Form::constant(0);
-        let mut encoding = Encoding {
+        let mut encoding = MarkingEncoding {
             radices: Vec::new(),
             own: vec![None; places],
             forms: vec![zero.clone(); places],
@@ -179,7 +179,8 @@ impl Encoding {
             }
             for (position, &place) in set.own.iter().enumerate().skip(1) {
                 let table = (0..size).map(|value| i64::from(value == position)).collect();
-                let form = Form { constant: 0, divisor: 1, terms: vec![Term { digit, values: Values::Table(table) }] };
+                let form =
+                    Form { constant: 0, divisor: 1, terms: vec![DigitTerm { digit, values: Values::Table(table) }] };
                 first.add(-1, &form);
                 encoding.forms[place] = form;
                 encoding.own[place] = Some((digit, position as u32));
@@ -197,7 +198,8 @@ impl Encoding {
         let digit = self.radices.len();
         self.radices.push(radix);
         self.own[place] = Some((digit, 1));
-        self.forms[place] = Form { constant: 0, divisor: 1, terms: vec![Term { digit, values: Values::Times(1) }] };
+        self.forms[place] =
+            Form { constant: 0, divisor: 1, terms: vec![DigitTerm { digit, values: Values::Times(1) }] };
     }
 
     /// Digits for the places that are in no set, or forms where other places tell.
@@ -206,7 +208,7 @@ impl Encoding {
         if left.is_empty() {
             return;
         }
-        for invariant in positive(net, Wanted::Any) {
+        for invariant in positive(net, WantedSums::Any) {
             for &(place, weight) in &invariant.weights {
                 let bound = u32::try_from(invariant.sum / weight).ok();
                 let known = &mut self.bounds[place as usize];
@@ -296,27 +298,27 @@ impl Encoding {
     /// The digit that is the count of a place, if it is one.
     pub(super) fn count_of(&self, place: usize) -> Option<usize> {
         let form = &self.forms[place];
-        matches!(form.terms.as_slice(), [Term { values: Values::Times(1), .. }] if form.constant == 0 && form.divisor == 1)
+        matches!(form.terms.as_slice(), [DigitTerm { values: Values::Times(1), .. }] if form.constant == 0 && form.divisor == 1)
             .then(|| form.terms[0].digit)
     }
 }
 
 /// Places that hold exactly one token: those that get a digit for it, and those that have been told apart before.
 #[derive(Clone, Debug)]
-struct Set {
+struct OneTokenSet {
     own: Vec<usize>,
     shared: Vec<usize>,
 }
 
 /// A choice of sets, ordered so that each shares only places of earlier ones, that makes short codes.
-fn cover(places: usize, sums: &[Invariant]) -> Vec<Set> {
+fn cover(places: usize, sums: &[Invariant]) -> Vec<OneTokenSet> {
     let sets: Vec<Vec<usize>> =
         sums.iter().map(|sum| sum.weights.iter().map(|&(place, _)| place as usize).collect()).collect();
     // Which choice is best is a hard question; the largest first is a good answer, and a few disturbed orders are
     // tried for a better one.
     let tries = (200_000 / (1 + places + sets.iter().map(Vec::len).sum::<usize>())).clamp(1, 64);
     let mut seed = 0x9e37_79b9_7f4a_7c15_u64;
-    let mut best: Option<(f64, Vec<Set>)> = None;
+    let mut best: Option<(f64, Vec<OneTokenSet>)> = None;
     for attempt in 0..tries {
         let mut order: Vec<(f64, usize)> = Vec::with_capacity(sets.len());
         for (at, set) in sets.iter().enumerate() {
@@ -334,7 +336,7 @@ fn cover(places: usize, sums: &[Invariant]) -> Vec<Set> {
     best.map_or(Vec::new(), |(_, chosen)| chosen)
 }
 
-fn take_in_order<'a>(places: usize, sets: impl Iterator<Item = &'a Vec<usize>>) -> (f64, Vec<Set>) {
+fn take_in_order<'a>(places: usize, sets: impl Iterator<Item = &'a Vec<usize>>) -> (f64, Vec<OneTokenSet>) {
     let mut taken = vec![false; places];
     let mut chosen = Vec::new();
     let mut bits = 0.0;
@@ -345,7 +347,7 @@ fn take_in_order<'a>(places: usize, sets: impl Iterator<Item = &'a Vec<usize>>) 
         }
         own.iter().for_each(|&place| taken[place] = true);
         bits += (own.len() as f64).log2();
-        chosen.push(Set { own, shared });
+        chosen.push(OneTokenSet { own, shared });
     }
     (bits + taken.iter().filter(|&&taken| !taken).count() as f64, chosen)
 }

@@ -4,7 +4,7 @@ use crate::{Marking, TransitionId};
 
 /// A marking together with a way to it.
 #[derive(Clone, Debug, PartialEq, Eq)]
-pub struct Found {
+pub struct WitnessMarking {
     /// The marking.
     pub marking: Marking,
     /// A shortest firing sequence from the initial marking to it.
@@ -37,7 +37,7 @@ pub enum Storage {
 
 /// All that [`super::decide`] decides. Every number is exact.
 #[derive(Clone, Debug, PartialEq, Eq)]
-pub struct Facts {
+pub struct NetFacts {
     /// Reachable markings.
     pub states: u64,
     /// Arcs of the reachability graph: each transition that is enabled at each marking counts.
@@ -45,7 +45,7 @@ pub struct Facts {
     /// Reachable markings at which nothing is enabled.
     pub deadlocks: u64,
     /// One of them.
-    pub deadlock: Option<Found>,
+    pub deadlock: Option<WitnessMarking>,
     /// Per place, the most tokens that it ever holds.
     pub bounds: Vec<u32>,
     /// Per transition, whether it fires at some reachable marking.
@@ -60,11 +60,11 @@ pub struct Facts {
     pub home: Option<Home>,
     /// What the markings were stored in.
     pub storage: Storage,
-    /// The most bytes that were held at a time; see [`super::Limits::bytes`].
+    /// The most bytes that were held at a time; see [`super::ExplorationLimits::bytes`].
     pub bytes: usize,
 }
 
-impl Facts {
+impl NetFacts {
     /// The most tokens that any place ever holds.
     pub fn bound(&self) -> u32 {
         self.bounds.iter().copied().max().unwrap_or(0)

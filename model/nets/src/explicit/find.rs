@@ -1,10 +1,10 @@
 //! One marking that is looked for, and the shortest way to it.
 
-use super::encoding::Encoding;
-use super::facts::Found;
-use super::limits::{Cause, Limits, Undecided};
-use super::on_table::{View, found};
-use super::table::Table;
+use super::encoding::MarkingEncoding;
+use super::facts::WitnessMarking;
+use super::limits::{ExplorationLimit, ExplorationLimits, ExplorationUndecided};
+use super::on_table::{MarkingView, found};
+use super::table::MarkingTable;
 use crate::{Marking, Net};
 
 /// The first reachable marking, breadth first, that `wanted` accepts; none if there is no such marking.
@@ -13,35 +13,43 @@ use crate::{Marking, Net};
 ///
 /// # Errors
 /// As [`super::decide`].
-pub fn find(net: &Net, limits: &Limits, wanted: impl FnMut(View) -> bool) -> Result<Option<Found>, Undecided> {
+pub fn find(
+    net: &Net,
+    limits: &ExplorationLimits,
+    wanted: impl FnMut(MarkingView) -> bool,
+) -> Result<Option<WitnessMarking>, ExplorationUndecided> {
     if limits.states == 0 {
-        return Err(Undecided { states: 0, cause: Cause::States { limit: 0 } });
+        return Err(ExplorationUndecided { states: 0, cause: ExplorationLimit::States { limit: 0 } });
     }
-    search(net, &Encoding::of(net), limits, wanted)
+    search(net, &MarkingEncoding::of(net), limits, wanted)
 }
 
 /// A shortest way to a marking; none if it is not reachable.
 ///
 /// # Errors
 /// As [`super::decide`].
-pub fn find_marking(net: &Net, limits: &Limits, marking: &Marking) -> Result<Option<Found>, Undecided> {
+pub fn find_marking(
+    net: &Net,
+    limits: &ExplorationLimits,
+    marking: &Marking,
+) -> Result<Option<WitnessMarking>, ExplorationUndecided> {
     find(net, limits, |view| net.places().all(|place| view.tokens(place) == marking.tokens(place)))
 }
 
 pub(super) fn search(
     net: &Net,
-    encoding: &Encoding,
-    limits: &Limits,
-    mut wanted: impl FnMut(View) -> bool,
-) -> Result<Option<Found>, Undecided> {
-    let mut table = Table::new(net, encoding, limits)?;
+    encoding: &MarkingEncoding,
+    limits: &ExplorationLimits,
+    mut wanted: impl FnMut(MarkingView) -> bool,
+) -> Result<Option<WitnessMarking>, ExplorationUndecided> {
+    let mut table = MarkingTable::new(net, encoding, limits)?;
     let mut scratch = table.scratch();
     let mut looked_at = 0;
     let mut next = 0;
     loop {
         while looked_at < table.len() {
             let state = looked_at as u32;
-            if wanted(View { encoding, digits: table.digits(state, &mut scratch) }) {
+            if wanted(MarkingView { encoding, digits: table.digits(state, &mut scratch) }) {
                 return Ok(Some(found(&table, state)));
             }
             looked_at += 1;

@@ -8,7 +8,7 @@
 //! rows. Sums that hold one token have a run of their own, in which every row that already holds two is dropped: this
 //! keeps the circuits of a line of stations few, whereas their combinations are as many as their subsets.
 
-use super::sparse::{Sparse, combine, content, entry, gcd};
+use super::sparse::{SparseEntries, combine, content, entry, gcd};
 use crate::Net;
 
 /// Rows that the search for positive sums keeps at a time.
@@ -24,14 +24,14 @@ const WEIGHT_MAX: i64 = 1 << 20;
 #[derive(Clone, Debug)]
 pub(super) struct Invariant {
     /// y, by place.
-    pub(super) weights: Sparse,
+    pub(super) weights: SparseEntries,
     /// The sum.
     pub(super) sum: i64,
 }
 
 /// Per place, what every transition does to it.
-fn changes(net: &Net) -> Vec<Sparse> {
-    let mut rows = vec![Sparse::new(); net.place_count()];
+fn changes(net: &Net) -> Vec<SparseEntries> {
+    let mut rows = vec![SparseEntries::new(); net.place_count()];
     let incidence = net.incidence();
     for t in net.transitions() {
         for &(place, change) in incidence.column(t) {
@@ -41,7 +41,7 @@ fn changes(net: &Net) -> Vec<Sparse> {
     rows
 }
 
-fn with_sum(net: &Net, weights: Sparse) -> Option<Invariant> {
+fn with_sum(net: &Net, weights: SparseEntries) -> Option<Invariant> {
     let initial = net.initial_marking();
     let mut sum = 0_i64;
     for &(place, weight) in &weights {
@@ -52,7 +52,7 @@ fn with_sum(net: &Net, weights: Sparse) -> Option<Invariant> {
 
 /// Which positive sums are looked for.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
-pub(super) enum Wanted {
+pub(super) enum WantedSums {
     /// Weights of 1 that sum up to one token: exactly one of the places is marked, with one token.
     OneToken,
     /// All.
@@ -60,29 +60,31 @@ pub(super) enum Wanted {
 }
 
 /// Some positive sums: all minimal ones of that kind unless they are too many.
-pub(super) fn positive(net: &Net, wanted: Wanted) -> Vec<Invariant> {
+pub(super) fn positive(net: &Net, wanted: WantedSums) -> Vec<Invariant> {
     if net.place_count().max(net.transition_count()) > NODES_MAX {
         return Vec::new();
     }
     let initial = net.initial_marking();
     let tokens = |place: u32| u64::from(initial.as_slice()[place as usize]);
-    let fits = |y: &Sparse| match wanted {
-        Wanted::OneToken => {
+    let fits = |y: &SparseEntries| match wanted {
+        WantedSums::OneToken => {
             y.iter().all(|&(_, w)| w == 1) && y.iter().map(|&(place, _)| tokens(place)).sum::<u64>() <= 1
         }
-        Wanted::Any => y.iter().all(|&(_, w)| w <= WEIGHT_MAX),
+        WantedSums::Any => y.iter().all(|&(_, w)| w <= WEIGHT_MAX),
     };
-    let mut rows: Vec<Row> = changes(net)
+    let mut rows: Vec<WeightRow> = changes(net)
         .into_iter()
         .zip(0..)
-        .map(|(change, place)| Row { change, weights: vec![(place, 1)] })
+        .map(|(change, place)| WeightRow { change, weights: vec![(place, 1)] })
         .filter(|row| fits(&row.weights))
         .collect();
     let mut effort = 0;
     let mut open: Vec<u32> = (0..net.transition_count() as u32).collect();
     while let Some(t) = cheapest(&mut open, &rows) {
-        let (with, mut kept): (Vec<Row>, Vec<Row>) = rows.into_iter().partition(|row| entry(&row.change, t) != 0);
-        let (gains, losses): (Vec<Row>, Vec<Row>) = with.into_iter().partition(|row| entry(&row.change, t) > 0);
+        let (with, mut kept): (Vec<WeightRow>, Vec<WeightRow>) =
+            rows.into_iter().partition(|row| entry(&row.change, t) != 0);
+        let (gains, losses): (Vec<WeightRow>, Vec<WeightRow>) =
+            with.into_iter().partition(|row| entry(&row.change, t) > 0);
         for gain in &gains {
             for loss in &losses {
                 if kept.len() >= ROWS_MAX || effort >= EFFORT_MAX {
@@ -97,11 +99,11 @@ pub(super) fn positive(net: &Net, wanted: Wanted) -> Vec<Invariant> {
         rows = kept;
     }
     let found = rows.into_iter().filter_map(|row| with_sum(net, row.weights));
-    found.filter(|found| wanted == Wanted::Any || found.sum == 1).collect()
+    found.filter(|found| wanted == WantedSums::Any || found.sum == 1).collect()
 }
 
 /// Takes out the transition whose elimination makes the fewest rows.
-fn cheapest(open: &mut Vec<u32>, rows: &[Row]) -> Option<u32> {
+fn cheapest(open: &mut Vec<u32>, rows: &[WeightRow]) -> Option<u32> {
     let size = open.iter().max().map_or(0, |&t| t as usize + 1);
     let mut signs = vec![(0_usize, 0_usize); size];
     for &(t, change) in rows.iter().flat_map(|row| &row.change) {
@@ -114,18 +116,18 @@ fn cheapest(open: &mut Vec<u32>, rows: &[Row]) -> Option<u32> {
 }
 
 /// A weighting, and what is left of its product with the incidence matrix.
-struct Row {
-    change: Sparse,
-    weights: Sparse,
+struct WeightRow {
+    change: SparseEntries,
+    weights: SparseEntries,
 }
 
-impl Row {
+impl WeightRow {
     /// The sum of both that does not change when `t` fires.
-    fn cancel(&self, other: &Row, t: u32) -> Option<Row> {
+    fn cancel(&self, other: &WeightRow, t: u32) -> Option<WeightRow> {
         let (a, b) = (entry(&self.change, t), entry(&other.change, t));
         let divisor = gcd(a.unsigned_abs(), b.unsigned_abs()) as i64;
         let (a, b) = (b.checked_abs()? / divisor, a.checked_abs()? / divisor);
-        let mut row = Row {
+        let mut row = WeightRow {
             change: combine(&self.change, a, &other.change, b)?,
             weights: combine(&self.weights, a, &other.weights, b)?,
         };
@@ -136,7 +138,7 @@ impl Row {
         Some(row)
     }
 
-    fn within(&self, other: &Row) -> bool {
+    fn within(&self, other: &WeightRow) -> bool {
         self.weights.len() <= other.weights.len()
             && self.weights.iter().all(|&(place, _)| entry(&other.weights, place) != 0)
     }
@@ -149,11 +151,12 @@ pub(super) fn followers(net: &Net, wanted: &[u32]) -> Vec<(u32, Invariant)> {
         return Vec::new();
     }
     let Some(mut basis) = null_space(net) else { return Vec::new() };
-    let mut reduced: Vec<(u32, Sparse)> = Vec::new();
+    let mut reduced: Vec<(u32, SparseEntries)> = Vec::new();
     for &place in wanted {
         let Some(at) = basis.iter().position(|row| entry(row, place) != 0) else { continue };
         let pivot = basis.swap_remove(at);
-        let clear = |row: &Sparse| if entry(row, place) == 0 { Some(row.clone()) } else { without(row, &pivot, place) };
+        let clear =
+            |row: &SparseEntries| if entry(row, place) == 0 { Some(row.clone()) } else { without(row, &pivot, place) };
         let Some(cleared) = basis.iter().map(clear).collect::<Option<Vec<_>>>() else { break };
         let Some(others) = reduced.iter().map(|(p, row)| Some((*p, clear(row)?))).collect::<Option<Vec<_>>>() else {
             break;
@@ -166,7 +169,7 @@ pub(super) fn followers(net: &Net, wanted: &[u32]) -> Vec<(u32, Invariant)> {
 }
 
 /// A row from which a pivot row has removed a place.
-fn without(row: &Sparse, pivot: &Sparse, place: u32) -> Option<Sparse> {
+fn without(row: &SparseEntries, pivot: &SparseEntries, place: u32) -> Option<SparseEntries> {
     let (a, b) = (entry(row, place), entry(pivot, place));
     let divisor = gcd(a.unsigned_abs(), b.unsigned_abs()) as i64;
     let mut sum = combine(row, b / divisor, pivot, (a / divisor).checked_neg()?)?;
@@ -176,9 +179,10 @@ fn without(row: &Sparse, pivot: &Sparse, place: u32) -> Option<Sparse> {
 }
 
 /// A basis of the weightings y with y·C = 0, unless a number on the way cannot be counted.
-fn null_space(net: &Net) -> Option<Vec<Sparse>> {
+fn null_space(net: &Net) -> Option<Vec<SparseEntries>> {
     let start = changes(net).into_iter().zip(0..);
-    let mut rows: Vec<Row> = start.map(|(change, place)| Row { change, weights: vec![(place, 1)] }).collect();
+    let mut rows: Vec<WeightRow> =
+        start.map(|(change, place)| WeightRow { change, weights: vec![(place, 1)] }).collect();
     for t in 0..net.transition_count() as u32 {
         let with = (0..rows.len()).filter(|&at| entry(&rows[at].change, t) != 0);
         let Some(pivot) = with.min_by_key(|&at| rows[at].change.len() + rows[at].weights.len()) else { continue };

@@ -6,7 +6,7 @@ use crate::FireError;
 
 /// What a search may use.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
-pub struct Limits {
+pub struct ExplorationLimits {
     /// The most states that are still decided.
     pub states: u64,
     /// The most bytes that the search may hold at a time, as it accounts for them itself: the tables whose size grows
@@ -16,30 +16,30 @@ pub struct Limits {
     pub threads: usize,
 }
 
-impl Default for Limits {
+impl Default for ExplorationLimits {
     /// A hundred million states in two gigabytes, on one thread.
     fn default() -> Self {
-        Limits { states: 100_000_000, bytes: 2 << 30, threads: 1 }
+        ExplorationLimits { states: 100_000_000, bytes: 2 << 30, threads: 1 }
     }
 }
 
 /// The search did not come to an end: nothing is known about the net as a whole.
 #[derive(Clone, Debug, PartialEq, Eq, Error)]
 #[error("undecided after {states} states: {cause}")]
-pub struct Undecided {
+pub struct ExplorationUndecided {
     /// The states found until then.
     pub states: u64,
     /// What stopped it.
-    pub cause: Cause,
+    pub cause: ExplorationLimit,
 }
 
 /// What stops a search.
 #[derive(Clone, Debug, PartialEq, Eq, Error)]
-pub enum Cause {
+pub enum ExplorationLimit {
     /// There are more states than allowed.
     #[error("there are more than the {limit} allowed; allow more, or decide first whether the net is bounded")]
     States {
-        /// [`Limits::states`].
+        /// [`ExplorationLimits::states`].
         limit: u64,
     },
     /// The next table would not fit.
@@ -47,7 +47,7 @@ pub enum Cause {
     Bytes {
         /// What it would have held at a time.
         needs: usize,
-        /// [`Limits::bytes`].
+        /// [`ExplorationLimits::bytes`].
         limit: usize,
     },
     /// A place gets more tokens than can be counted.
@@ -57,22 +57,22 @@ pub enum Cause {
 
 /// Counts the bytes that a search holds.
 #[derive(Clone, Copy, Debug)]
-pub(super) struct Budget {
+pub(super) struct MemoryBudget {
     limit: usize,
     held: usize,
     peak: usize,
 }
 
-impl Budget {
+impl MemoryBudget {
     pub(super) fn new(limit: usize) -> Self {
-        Budget { limit, held: 0, peak: 0 }
+        MemoryBudget { limit, held: 0, peak: 0 }
     }
 
     /// Accounts for a table before it is made.
-    pub(super) fn take(&mut self, bytes: usize, states: u64) -> Result<(), Undecided> {
+    pub(super) fn take(&mut self, bytes: usize, states: u64) -> Result<(), ExplorationUndecided> {
         let needs = self.held.saturating_add(bytes);
         if needs > self.limit {
-            return Err(Undecided { states, cause: Cause::Bytes { needs, limit: self.limit } });
+            return Err(ExplorationUndecided { states, cause: ExplorationLimit::Bytes { needs, limit: self.limit } });
         }
         self.held = needs;
         self.peak = self.peak.max(needs);

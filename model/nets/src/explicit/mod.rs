@@ -37,15 +37,15 @@ mod testnets;
 #[cfg(test)]
 mod tests;
 
-pub use facts::{Facts, Found, Home, Storage};
+pub use facts::{Home, NetFacts, Storage, WitnessMarking};
 pub use find::{find, find_marking};
-pub use limits::{Cause, Limits, Undecided};
-pub use on_table::View;
-pub use stubborn::{Search, find_deadlock};
-pub use walk::{Event, walk};
+pub use limits::{ExplorationLimit, ExplorationLimits, ExplorationUndecided};
+pub use on_table::MarkingView;
+pub use stubborn::{StubbornResult, find_deadlock};
+pub use walk::{GraphEvent, walk};
 
-use self::bitmap::Layout;
-use self::encoding::Encoding;
+use self::bitmap::BitmapLayout;
+use self::encoding::MarkingEncoding;
 use crate::Net;
 
 /// A bitmap of so few words is used without further thought: half a megabyte.
@@ -56,21 +56,24 @@ const WORDS_PER_STATE: u64 = 64;
 /// Plays a net out and says what follows.
 ///
 /// # Errors
-/// [`Undecided`] if there are more states than allowed, if the tables would need more bytes than allowed, or if a place
+/// [`ExplorationUndecided`] if there are more states than allowed, if the tables would need more bytes than allowed, or if a place
 /// gets more tokens than 32 bits can count. An unbounded net always ends so.
-pub fn decide(net: &Net, limits: &Limits) -> Result<Facts, Undecided> {
+pub fn decide(net: &Net, limits: &ExplorationLimits) -> Result<NetFacts, ExplorationUndecided> {
     if limits.states == 0 {
-        return Err(Undecided { states: 0, cause: Cause::States { limit: 0 } });
+        return Err(ExplorationUndecided { states: 0, cause: ExplorationLimit::States { limit: 0 } });
     }
-    let encoding = Encoding::of(net);
-    let Some(layout) = Layout::of(&encoding).filter(|layout| on_bitmap::bytes(layout) <= limits.bytes) else {
+    let encoding = MarkingEncoding::of(net);
+    let Some(layout) = BitmapLayout::of(&encoding).filter(|layout| on_bitmap::bytes(layout) <= limits.bytes) else {
         return on_table::decide(net, &encoding, limits);
     };
     let few = layout.words as u64 / WORDS_PER_STATE;
     if layout.words > WORDS_SMALL {
-        let first = Limits { states: few.min(limits.states), ..*limits };
+        let first = ExplorationLimits { states: few.min(limits.states), ..*limits };
         match on_table::decide(net, &encoding, &first) {
-            Err(Undecided { cause: Cause::States { .. } | Cause::Bytes { .. }, .. }) if few < limits.states => {}
+            Err(ExplorationUndecided {
+                cause: ExplorationLimit::States { .. } | ExplorationLimit::Bytes { .. },
+                ..
+            }) if few < limits.states => {}
             decided => return decided,
         }
     }

@@ -5,18 +5,18 @@
 
 use std::sync::atomic::Ordering::Relaxed;
 
-use super::bitmap::{Kernel, Layout, word_forms};
-use super::encoding::Encoding;
-use super::facts::{Facts, Found, Home, Storage};
-use super::limits::{Budget, Cause, Limits, Undecided};
+use super::bitmap::{BitmapLayout, Kernel, word_forms};
+use super::encoding::MarkingEncoding;
+use super::facts::{Home, NetFacts, Storage, WitnessMarking};
+use super::limits::{ExplorationLimit, ExplorationLimits, ExplorationUndecided, MemoryBudget};
 use super::path::path_to;
 use super::space::{BitmapSpace, Space};
-use super::sweep::{Bitmap, Closure, Tally, bitmap};
+use super::sweep::{Bitmap, Closure, SweepTally, bitmap};
 use super::terminal::terminal;
-use crate::{Marking, Move, Net};
+use crate::{Marking, Net, PlayDirection};
 
 /// Bytes that the two bitmaps take that every decision needs.
-pub(super) fn bytes(layout: &Layout) -> usize {
+pub(super) fn bytes(layout: &BitmapLayout) -> usize {
     layout.words.saturating_mul(2 * size_of::<u64>())
 }
 
@@ -24,14 +24,19 @@ pub(super) fn bytes(layout: &Layout) -> usize {
 const STATES_MAX: u64 = u32::MAX as u64 - 2;
 
 /// As [`super::decide`].
-pub(super) fn decide(net: &Net, encoding: &Encoding, layout: &Layout, limits: &Limits) -> Result<Facts, Undecided> {
+pub(super) fn decide(
+    net: &Net,
+    encoding: &MarkingEncoding,
+    layout: &BitmapLayout,
+    limits: &ExplorationLimits,
+) -> Result<NetFacts, ExplorationUndecided> {
     let limit = limits.states.min(STATES_MAX);
-    let mut budget = Budget::new(limits.bytes);
+    let mut budget = MemoryBudget::new(limits.bytes);
     budget.take(bytes(layout), 0)?;
     let (seen, fired) = (bitmap(layout.words), bitmap(layout.words));
     let start = layout.locate(&encoding.digits(&net.initial_marking()));
     seen[start.0].store(1 << start.1, Relaxed);
-    let forth = Kernel::new(net, encoding, layout, Move::Fire);
+    let forth = Kernel::new(net, encoding, layout, PlayDirection::Fire);
     let bounds: Vec<u32> = encoding.bounds.iter().map(|bound| bound.unwrap_or(u32::MAX)).collect();
     let closure = Closure {
         kernel: &forth,
@@ -42,7 +47,7 @@ pub(super) fn decide(net: &Net, encoding: &Encoding, layout: &Layout, limits: &L
         bounds: &bounds,
         limit_states: limit,
     };
-    let undecided = Undecided { states: limit, cause: Cause::States { limit } };
+    let undecided = ExplorationUndecided { states: limit, cause: ExplorationLimit::States { limit } };
     let tally = closure.run(limits.threads).ok_or(undecided)?;
     let mut bitmaps = Bitmaps { net, encoding, layout, forth, seen, spare: fired, budget };
     let returning = bitmaps.returning(start, limits.threads, tally.states)?;
@@ -52,24 +57,24 @@ pub(super) fn decide(net: &Net, encoding: &Encoding, layout: &Layout, limits: &L
 /// The reachable markings and what belongs to them.
 struct Bitmaps<'a> {
     net: &'a Net,
-    encoding: &'a Encoding,
-    layout: &'a Layout,
+    encoding: &'a MarkingEncoding,
+    layout: &'a BitmapLayout,
     forth: Kernel,
     seen: Bitmap,
     /// No longer needed for what it holds.
     spare: Bitmap,
-    budget: Budget,
+    budget: MemoryBudget,
 }
 
 impl Bitmaps<'_> {
     /// The reachable markings from which the initial one can be reached.
-    fn returning(&mut self, start: (usize, u32), threads: usize, states: u64) -> Result<Bitmap, Undecided> {
+    fn returning(&mut self, start: (usize, u32), threads: usize, states: u64) -> Result<Bitmap, ExplorationUndecided> {
         self.budget.take(self.layout.words * size_of::<u64>(), states)?;
         let returning = bitmap(self.layout.words);
         returning[start.0].store(1 << start.1, Relaxed);
         self.spare.iter().for_each(|word| word.store(0, Relaxed));
         let closure = Closure {
-            kernel: &Kernel::new(self.net, self.encoding, self.layout, Move::FireBack),
+            kernel: &Kernel::new(self.net, self.encoding, self.layout, PlayDirection::FireBack),
             seen: &returning,
             fired: &self.spare,
             within: Some(&self.seen),
@@ -85,7 +90,12 @@ impl Bitmaps<'_> {
         self.layout.marking(at.0, at.1, self.encoding)
     }
 
-    fn conclude(mut self, tally: Tally, start: (usize, u32), returning: &Bitmap) -> Result<Facts, Undecided> {
+    fn conclude(
+        mut self,
+        tally: SweepTally,
+        start: (usize, u32),
+        returning: &Bitmap,
+    ) -> Result<NetFacts, ExplorationUndecided> {
         let transitions = self.net.transition_count();
         let mut fires = vec![false; transitions];
         for (at, rule) in self.forth.rules.iter().enumerate() {
@@ -94,7 +104,7 @@ impl Bitmaps<'_> {
         let strays = self.seen.iter().zip(returning).map(|(seen, back)| seen.load(Relaxed) & !back.load(Relaxed));
         let stray = strays.enumerate().find(|&(_, bits)| bits != 0).map(|(word, bits)| (word, bits.trailing_zeros()));
         let initial = self.net.initial_marking();
-        let mut facts = Facts {
+        let mut facts = NetFacts {
             states: tally.states,
             arcs: tally.arcs,
             deadlocks: tally.deadlocks,
@@ -131,11 +141,11 @@ impl Bitmaps<'_> {
             if let Some((word, bit)) = tally.deadlock {
                 let (from, to) = (space.number(start.0, start.1), space.number(word, bit));
                 let path = path_to(&mut space, from, to, &mut self.budget)?;
-                facts.deadlock = Some(Found { marking: self.marking((word, bit)), path });
+                facts.deadlock = Some(WitnessMarking { marking: self.marking((word, bit)), path });
             }
         } else if let Some(at) = tally.deadlock {
             // The initial marking is the only one.
-            facts.deadlock = Some(Found { marking: self.marking(at), path: Vec::new() });
+            facts.deadlock = Some(WitnessMarking { marking: self.marking(at), path: Vec::new() });
         }
         facts.bytes = self.budget.peak();
         Ok(facts)

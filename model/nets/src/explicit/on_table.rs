@@ -1,20 +1,28 @@
 //! Deciding a net with its markings in a table: the same questions as over a bitmap, one marking at a time.
 
-use super::encoding::Encoding;
-use super::facts::{Facts, Found, Home, Storage};
-use super::limits::{Limits, Undecided};
+use super::encoding::MarkingEncoding;
+use super::facts::{Home, NetFacts, Storage, WitnessMarking};
+use super::limits::{ExplorationLimits, ExplorationUndecided};
 use super::space::TableSpace;
-use super::table::Table;
+use super::table::MarkingTable;
 use super::terminal::terminal;
 use crate::{Marking, Net, TransitionId};
 
 /// As [`super::decide`].
-pub(super) fn decide(net: &Net, encoding: &Encoding, limits: &Limits) -> Result<Facts, Undecided> {
-    decide_in(Table::new(net, encoding, limits)?, net, encoding)
+pub(super) fn decide(
+    net: &Net,
+    encoding: &MarkingEncoding,
+    limits: &ExplorationLimits,
+) -> Result<NetFacts, ExplorationUndecided> {
+    decide_in(MarkingTable::new(net, encoding, limits)?, net, encoding)
 }
 
 /// With a table of the initial marking.
-pub(super) fn decide_in(mut table: Table, net: &Net, encoding: &Encoding) -> Result<Facts, Undecided> {
+pub(super) fn decide_in(
+    mut table: MarkingTable,
+    net: &Net,
+    encoding: &MarkingEncoding,
+) -> Result<NetFacts, ExplorationUndecided> {
     let mut facts = explore(net, encoding, &mut table)?;
     let returning = returning(&mut table)?;
     if let Some(stray) = returning.iter().position(|&back| !back) {
@@ -37,11 +45,11 @@ pub(super) fn decide_in(mut table: Table, net: &Net, encoding: &Encoding) -> Res
 }
 
 /// Fires everything at every marking, and counts.
-fn explore(net: &Net, encoding: &Encoding, table: &mut Table) -> Result<Facts, Undecided> {
+fn explore(net: &Net, encoding: &MarkingEncoding, table: &mut MarkingTable) -> Result<NetFacts, ExplorationUndecided> {
     let mut scratch = table.scratch();
     let mut fires = vec![false; net.transition_count()];
     let (mut arcs, mut deadlocks, mut deadlock) = (0, 0, None);
-    let mut bounds = Bounds::new(encoding);
+    let mut bounds = SeenMaxima::new(encoding);
     let mut state = 0;
     while (state as usize) < table.len() {
         bounds.see(encoding, table.digits(state, &mut scratch));
@@ -55,7 +63,7 @@ fn explore(net: &Net, encoding: &Encoding, table: &mut Table) -> Result<Facts, U
     }
     let initial = net.initial_marking();
     let states = table.len() as u64;
-    Ok(Facts {
+    Ok(NetFacts {
         states,
         arcs,
         deadlocks,
@@ -73,7 +81,7 @@ fn explore(net: &Net, encoding: &Encoding, table: &mut Table) -> Result<Facts, U
 
 /// A marking with a shortest way to it. The search was breadth first, so of the markings one step before it, the first
 /// that was found is one step nearer to the start.
-pub(super) fn found(table: &Table, state: u32) -> Found {
+pub(super) fn found(table: &MarkingTable, state: u32) -> WitnessMarking {
     let mut scratch = table.scratch();
     let mut path = Vec::new();
     let mut at = state;
@@ -84,11 +92,11 @@ pub(super) fn found(table: &Table, state: u32) -> Found {
         at = best.0;
     }
     path.reverse();
-    Found { marking: table.marking(state), path }
+    WitnessMarking { marking: table.marking(state), path }
 }
 
 /// Per marking, whether the initial one can be reached from it.
-fn returning(table: &mut Table) -> Result<Vec<bool>, Undecided> {
+fn returning(table: &mut MarkingTable) -> Result<Vec<bool>, ExplorationUndecided> {
     let states = table.len();
     // The marks and, at worst, a stack of all.
     table.budget.take(states * (size_of::<bool>() + size_of::<u32>()), states as u64)?;
@@ -110,7 +118,7 @@ fn returning(table: &mut Table) -> Result<Vec<bool>, Undecided> {
 }
 
 /// The most that each place has held so far.
-struct Bounds {
+struct SeenMaxima {
     /// By place.
     most: Vec<u32>,
     /// By digit.
@@ -119,15 +127,15 @@ struct Bounds {
     open: Vec<usize>,
 }
 
-impl Bounds {
-    fn new(encoding: &Encoding) -> Self {
+impl SeenMaxima {
+    fn new(encoding: &MarkingEncoding) -> Self {
         let places = encoding.forms.len();
         let open = (0..places).filter(|&place| encoding.count_of(place).is_none() && encoding.bounds[place] != Some(0));
-        Bounds { most: vec![0; places], digits: vec![0; encoding.radices.len()], open: open.collect() }
+        SeenMaxima { most: vec![0; places], digits: vec![0; encoding.radices.len()], open: open.collect() }
     }
 
     #[inline]
-    fn see(&mut self, encoding: &Encoding, digits: &[u32]) {
+    fn see(&mut self, encoding: &MarkingEncoding, digits: &[u32]) {
         self.digits.iter_mut().zip(digits).for_each(|(most, &digit)| *most = digit.max(*most));
         let most = &mut self.most;
         self.open.retain(|&place| {
@@ -136,7 +144,7 @@ impl Bounds {
         });
     }
 
-    fn finish(mut self, encoding: &Encoding) -> Vec<u32> {
+    fn finish(mut self, encoding: &MarkingEncoding) -> Vec<u32> {
         for (place, most) in self.most.iter_mut().enumerate() {
             if let Some(digit) = encoding.count_of(place) {
                 *most = self.digits[digit];
@@ -148,12 +156,12 @@ impl Bounds {
 
 /// The counts of a marking, read where they are stored.
 #[derive(Clone, Copy, Debug)]
-pub struct View<'a> {
-    pub(super) encoding: &'a Encoding,
+pub struct MarkingView<'a> {
+    pub(super) encoding: &'a MarkingEncoding,
     pub(super) digits: &'a [u32],
 }
 
-impl View<'_> {
+impl MarkingView<'_> {
     /// The tokens on a place.
     ///
     /// # Panics

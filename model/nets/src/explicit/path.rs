@@ -1,6 +1,6 @@
 //! Shortest firing sequences in a graph of markings that is complete.
 
-use super::limits::{Budget, Undecided};
+use super::limits::{ExplorationUndecided, MemoryBudget};
 use super::space::Space;
 use crate::TransitionId;
 
@@ -9,8 +9,8 @@ pub(super) fn path_to(
     space: &mut dyn Space,
     from: u32,
     to: u32,
-    budget: &mut Budget,
-) -> Result<Vec<TransitionId>, Undecided> {
+    budget: &mut MemoryBudget,
+) -> Result<Vec<TransitionId>, ExplorationUndecided> {
     let states = space.len();
     // Who found whom, and the queue.
     let bytes = 2 * states * size_of::<u32>();

@@ -5,14 +5,14 @@
 //! into a [`Filter`]: per value of a digit, the set of transitions that it does not rule out. What remains after all
 //! digits have had their say is nearly always enabled.
 
-use super::encoding::{Encoding, Radix, TABLE_MAX, Term};
-use crate::{Move, Net, PlaceId, TransitionId};
+use super::encoding::{DigitTerm, MarkingEncoding, Radix, TABLE_MAX};
+use crate::{Net, PlaceId, PlayDirection, TransitionId};
 
 /// One transition, played one way.
 #[derive(Debug)]
-pub(super) struct Rule {
+pub(super) struct FiringRule {
     pub(super) transition: TransitionId,
-    pub(super) conditions: Vec<Condition>,
+    pub(super) conditions: Vec<LinearCondition>,
     /// What it adds to the digits, without the zeros; ordered by digit.
     pub(super) change: Vec<(usize, i64)>,
     /// Places that get more tokens and are not known to be bounded, with what they get.
@@ -21,12 +21,12 @@ pub(super) struct Rule {
 
 /// Σ terms ≥ need.
 #[derive(Clone, Debug)]
-pub(super) struct Condition {
-    pub(super) terms: Vec<Term>,
+pub(super) struct LinearCondition {
+    pub(super) terms: Vec<DigitTerm>,
     pub(super) need: i64,
 }
 
-impl Condition {
+impl LinearCondition {
     /// Whether it holds.
     #[inline]
     pub(super) fn holds(&self, digits: &[u32]) -> bool {
@@ -51,20 +51,20 @@ impl Condition {
 }
 
 /// The rules of all transitions that can ever fire that way, in order.
-pub(super) fn rules(net: &Net, encoding: &Encoding, direction: Move) -> Vec<Rule> {
+pub(super) fn rules(net: &Net, encoding: &MarkingEncoding, direction: PlayDirection) -> Vec<FiringRule> {
     net.transitions().filter_map(|t| rule(net, encoding, direction, t)).collect()
 }
 
-fn rule(net: &Net, encoding: &Encoding, direction: Move, t: TransitionId) -> Option<Rule> {
+fn rule(net: &Net, encoding: &MarkingEncoding, direction: PlayDirection, t: TransitionId) -> Option<FiringRule> {
     let (takes, gives, sign) = match direction {
-        Move::Fire => (net.preset(t), net.postset(t), 1),
-        Move::FireBack => (net.postset(t), net.preset(t), -1),
+        PlayDirection::Fire => (net.preset(t), net.postset(t), 1),
+        PlayDirection::FireBack => (net.postset(t), net.preset(t), -1),
     };
     let mut conditions = Vec::new();
     for &(place, weight) in takes {
         let form = &encoding.forms[place.index()];
         let need = i64::from(weight) * form.divisor - form.constant;
-        let condition = Condition { terms: form.terms.clone(), need };
+        let condition = LinearCondition { terms: form.terms.clone(), need };
         match condition.range(&encoding.radices) {
             Some((least, _)) if least >= need => {}
             Some((_, most)) if most < need => return None,
@@ -79,7 +79,7 @@ fn rule(net: &Net, encoding: &Encoding, direction: Move, t: TransitionId) -> Opt
     });
     let mut change = encoding.change(net, t);
     change.iter_mut().for_each(|(_, by)| *by *= sign);
-    Some(Rule { transition: t, conditions, change, growing: growing.collect() })
+    Some(FiringRule { transition: t, conditions, change, growing: growing.collect() })
 }
 
 /// Per value of each digit, the rules that it does not rule out, as bits.
@@ -96,7 +96,7 @@ pub(super) struct Filter {
 impl Filter {
     /// Takes over, and removes from the rules, the conditions on one digit that `covers` accepts and that is not
     /// larger than a table may be.
-    pub(super) fn take(rules: &mut [Rule], radices: &[Radix], covers: impl Fn(usize) -> bool) -> Self {
+    pub(super) fn take(rules: &mut [FiringRule], radices: &[Radix], covers: impl Fn(usize) -> bool) -> Self {
         let width = rules.len().div_ceil(64).max(1);
         let mut all = vec![0; width];
         (0..rules.len()).for_each(|rule| all[rule / 64] |= 1 << (rule % 64));

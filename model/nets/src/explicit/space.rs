@@ -5,10 +5,10 @@
 
 use std::sync::atomic::Ordering::Relaxed;
 
-use super::bitmap::{Cursor, Kernel, Layout};
-use super::encoding::Encoding;
+use super::bitmap::{BitmapLayout, Cursor, Kernel};
+use super::encoding::MarkingEncoding;
 use super::sweep::Bitmap;
-use super::table::{Scratch, Table};
+use super::table::{FiringScratch, MarkingTable};
 use crate::Marking;
 
 /// The markings, numbered from zero.
@@ -23,8 +23,8 @@ pub(super) trait Space {
 
 /// Of a table.
 pub(super) struct TableSpace<'t, 'n> {
-    pub(super) table: &'t Table<'n>,
-    pub(super) scratch: Scratch,
+    pub(super) table: &'t MarkingTable<'n>,
+    pub(super) scratch: FiringScratch,
 }
 
 impl Space for TableSpace<'_, '_> {
@@ -43,8 +43,8 @@ impl Space for TableSpace<'_, '_> {
 
 /// Of a bitmap: a state's number is how many have a smaller code.
 pub(super) struct BitmapSpace<'a> {
-    encoding: &'a Encoding,
-    layout: &'a Layout,
+    encoding: &'a MarkingEncoding,
+    layout: &'a BitmapLayout,
     kernel: &'a Kernel,
     cursor: Cursor<'a>,
     set: &'a Bitmap,
@@ -59,7 +59,12 @@ impl<'a> BitmapSpace<'a> {
     }
 
     /// `kernel` plays forwards. There are fewer states than 32 bits can count.
-    pub(super) fn new(encoding: &'a Encoding, layout: &'a Layout, kernel: &'a Kernel, set: &'a Bitmap) -> Self {
+    pub(super) fn new(
+        encoding: &'a MarkingEncoding,
+        layout: &'a BitmapLayout,
+        kernel: &'a Kernel,
+        set: &'a Bitmap,
+    ) -> Self {
         let mut before = Vec::with_capacity(set.len() + 1);
         let mut count = 0;
         for word in set {

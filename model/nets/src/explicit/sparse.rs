@@ -1,7 +1,7 @@
 //! Integer vectors with few entries, and the one operation that elimination needs of them.
 
 /// The non-zero entries by index, ascending.
-pub(super) type Sparse = Vec<(u32, i64)>;
+pub(super) type SparseEntries = Vec<(u32, i64)>;
 
 /// The entry at an index.
 pub(super) fn entry(row: &[(u32, i64)], index: u32) -> i64 {
@@ -9,7 +9,7 @@ pub(super) fn entry(row: &[(u32, i64)], index: u32) -> i64 {
 }
 
 /// `factor_a`·a + `factor_b`·b, unless an entry cannot be counted.
-pub(super) fn combine(a: &[(u32, i64)], factor_a: i64, b: &[(u32, i64)], factor_b: i64) -> Option<Sparse> {
+pub(super) fn combine(a: &[(u32, i64)], factor_a: i64, b: &[(u32, i64)], factor_b: i64) -> Option<SparseEntries> {
     let mut sum = Vec::with_capacity(a.len() + b.len());
     let (mut i, mut j) = (0, 0);
     while i < a.len() || j < b.len() {

@@ -10,19 +10,19 @@
 //!
 //! Nothing but deadlocks is preserved. Counts, bounds and liveness are [`super::decide`]'s business.
 
-use super::encoding::Encoding;
-use super::facts::Found;
-use super::limits::{Cause, Limits, Undecided};
+use super::encoding::MarkingEncoding;
+use super::facts::WitnessMarking;
+use super::limits::{ExplorationLimit, ExplorationLimits, ExplorationUndecided};
 use super::on_table::found;
-use super::table::Table;
+use super::table::MarkingTable;
 use crate::{Net, PlaceId, TransitionId};
 
 /// What a reduced search came to.
 #[derive(Clone, Debug, PartialEq, Eq)]
-pub struct Search {
+pub struct StubbornResult {
     /// A reachable marking at which nothing is enabled and a way to it, not always a shortest one; none if there is no
     /// such marking.
-    pub deadlock: Option<Found>,
+    pub deadlock: Option<WitnessMarking>,
     /// How many markings were visited.
     pub states: u64,
 }
@@ -31,12 +31,12 @@ pub struct Search {
 ///
 /// # Errors
 /// As [`super::decide`], for the markings that the reduced search visits. It may end on a net that is unbounded.
-pub fn find_deadlock(net: &Net, limits: &Limits) -> Result<Search, Undecided> {
+pub fn find_deadlock(net: &Net, limits: &ExplorationLimits) -> Result<StubbornResult, ExplorationUndecided> {
     if limits.states == 0 {
-        return Err(Undecided { states: 0, cause: Cause::States { limit: 0 } });
+        return Err(ExplorationUndecided { states: 0, cause: ExplorationLimit::States { limit: 0 } });
     }
-    let encoding = Encoding::of(net);
-    let mut table = Table::new(net, &encoding, limits)?;
+    let encoding = MarkingEncoding::of(net);
+    let mut table = MarkingTable::new(net, &encoding, limits)?;
     let mut scratch = table.scratch();
     let transitions = table.transitions();
     let mut stubborn = Stubborn::new(net);
@@ -49,11 +49,11 @@ pub fn find_deadlock(net: &Net, limits: &Limits) -> Result<Search, Undecided> {
         };
         if table.expand_some(next, &mut scratch, choose, |_, _, _| {})? == 0 {
             let deadlock = Some(found(&table, next));
-            return Ok(Search { deadlock, states: table.len() as u64 });
+            return Ok(StubbornResult { deadlock, states: table.len() as u64 });
         }
         next += 1;
     }
-    Ok(Search { deadlock: None, states: table.len() as u64 })
+    Ok(StubbornResult { deadlock: None, states: table.len() as u64 })
 }
 
 /// Per transition, what belongs to a stubborn set together with it.

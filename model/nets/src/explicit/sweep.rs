@@ -28,7 +28,7 @@ pub(super) fn bitmap(words: usize) -> Bitmap {
 
 /// What was found while firing.
 #[derive(Clone, Debug)]
-pub(super) struct Tally {
+pub(super) struct SweepTally {
     pub(super) states: u64,
     pub(super) arcs: u64,
     pub(super) deadlocks: u64,
@@ -40,13 +40,13 @@ pub(super) struct Tally {
     pub(super) bounds: Vec<u32>,
 }
 
-impl Tally {
+impl SweepTally {
     fn new(rules: usize, places: usize) -> Self {
         let fired = vec![0; rules.div_ceil(64).max(1)];
-        Tally { states: 0, arcs: 0, deadlocks: 0, deadlock: None, fired, bounds: vec![0; places] }
+        SweepTally { states: 0, arcs: 0, deadlocks: 0, deadlock: None, fired, bounds: vec![0; places] }
     }
 
-    fn add(&mut self, other: &Tally) {
+    fn add(&mut self, other: &SweepTally) {
         self.states += other.states;
         self.arcs += other.arcs;
         self.deadlocks += other.deadlocks;
@@ -73,7 +73,7 @@ pub(super) struct Closure<'a> {
 
 impl Closure<'_> {
     /// Runs to the end; none if there are more states than allowed.
-    pub(super) fn run(&self, threads: usize) -> Option<Tally> {
+    pub(super) fn run(&self, threads: usize) -> Option<SweepTally> {
         let threads = threads.clamp(1, (self.seen.len() / WORDS_PER_THREAD).max(1));
         let mut workers: Vec<Worker> = (0..threads).map(|_| Worker::new(self)).collect();
         let states = AtomicU64::new(0);
@@ -98,7 +98,7 @@ impl Closure<'_> {
                 break;
             }
         }
-        let mut tally = Tally::new(self.kernel.rules.len(), self.forms.len());
+        let mut tally = SweepTally::new(self.kernel.rules.len(), self.forms.len());
         workers.iter().for_each(|worker| tally.add(&worker.tally));
         Some(tally)
     }
@@ -115,7 +115,7 @@ struct Sweep<'a> {
 /// What a thread has to itself.
 struct Worker<'a> {
     cursor: Cursor<'a>,
-    tally: Tally,
+    tally: SweepTally,
     /// The places whose bound has not been reached yet.
     open: Vec<usize>,
 }
@@ -123,7 +123,7 @@ struct Worker<'a> {
 impl<'a> Worker<'a> {
     fn new(closure: &Closure<'a>) -> Self {
         let places = closure.forms.len();
-        let tally = Tally::new(closure.kernel.rules.len(), places);
+        let tally = SweepTally::new(closure.kernel.rules.len(), places);
         let open = (0..places).filter(|&place| closure.bounds[place] > 0).collect();
         Worker { cursor: closure.kernel.cursor(), tally, open }
     }

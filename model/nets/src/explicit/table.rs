@@ -7,10 +7,10 @@
 //!
 //! A digit that no sum bounds starts narrow. When it overflows, all keys are written anew with a wider one.
 
-use super::encoding::Encoding;
-use super::limits::{Budget, Cause, Limits, Undecided};
-use super::rules::{Filter, Rule, rules};
-use crate::{Marking, Move, Net, TransitionId};
+use super::encoding::MarkingEncoding;
+use super::limits::{ExplorationLimit, ExplorationLimits, ExplorationUndecided, MemoryBudget};
+use super::rules::{Filter, FiringRule, rules};
+use crate::{Marking, Net, PlayDirection, TransitionId};
 
 /// Bits that a digit without a bound starts with, above what its first value takes.
 const SPARE_BITS: u32 = 2;
@@ -21,13 +21,13 @@ const STATES_MAX: u64 = u32::MAX as u64 - 2;
 
 /// Where a digit is in a key.
 #[derive(Clone, Copy, Debug)]
-struct Field {
+struct DigitField {
     word: usize,
     shift: u32,
     bits: u32,
 }
 
-impl Field {
+impl DigitField {
     fn most(self) -> u64 {
         if self.bits == 0 { 0 } else { u64::MAX >> (64 - self.bits) }
     }
@@ -36,7 +36,7 @@ impl Field {
 /// The fields of all digits.
 #[derive(Clone, Debug)]
 pub(super) struct Packing {
-    fields: Vec<Field>,
+    fields: Vec<DigitField>,
     /// Words per key.
     pub(super) words: usize,
 }
@@ -49,7 +49,7 @@ impl Packing {
             if shift + bits > 64 {
                 (word, shift) = (word + 1, 0);
             }
-            fields.push(Field { word, shift, bits });
+            fields.push(DigitField { word, shift, bits });
             shift += bits;
         }
         Packing { fields, words: word + 1 }
@@ -90,18 +90,18 @@ impl Packing {
 
 /// One way of playing, over keys.
 #[derive(Debug)]
-struct Play {
-    rules: Vec<Rule>,
+struct KeyPlay {
+    rules: Vec<FiringRule>,
     filter: Filter,
     deltas: Vec<Vec<(usize, u64)>>,
 }
 
-impl Play {
-    fn new(net: &Net, encoding: &Encoding, packing: &Packing, direction: Move) -> Self {
+impl KeyPlay {
+    fn new(net: &Net, encoding: &MarkingEncoding, packing: &Packing, direction: PlayDirection) -> Self {
         let mut rules = rules(net, encoding, direction);
         let filter = Filter::take(&mut rules, &encoding.radices, |_| true);
         let deltas = rules.iter().map(|rule| packing.delta(&rule.change)).collect();
-        Play { rules, filter, deltas }
+        KeyPlay { rules, filter, deltas }
     }
 
     /// Calls back for every rule that is enabled, with its number.
@@ -128,7 +128,7 @@ impl Play {
 
 /// Room for one marking's worth of work.
 #[derive(Debug)]
-pub(super) struct Scratch {
+pub(super) struct FiringScratch {
     digits: Vec<u32>,
     set: Vec<u64>,
     enabled: Vec<u32>,
@@ -137,40 +137,44 @@ pub(super) struct Scratch {
 
 /// A set of markings that grows, with the rules that make it grow.
 #[derive(Debug)]
-pub(super) struct Table<'a> {
+pub(super) struct MarkingTable<'a> {
     net: &'a Net,
-    encoding: &'a Encoding,
+    encoding: &'a MarkingEncoding,
     packing: Packing,
-    forth: Play,
-    back: Play,
+    forth: KeyPlay,
+    back: KeyPlay,
     keys: Vec<u64>,
     slots: Vec<u64>,
     count: usize,
-    pub(super) budget: Budget,
+    pub(super) budget: MemoryBudget,
     limit_states: u64,
 }
 
 /// What came of firing.
-enum Fired {
+enum FiringResult {
     Known(u32),
     New(u32),
     /// A digit is too narrow for this many bits.
     Narrow(usize, u32),
 }
 
-impl<'a> Table<'a> {
+impl<'a> MarkingTable<'a> {
     /// The set of the initial marking.
-    pub(super) fn new(net: &'a Net, encoding: &'a Encoding, limits: &Limits) -> Result<Self, Undecided> {
-        Table::with_bits(net, encoding, limits, 0)
+    pub(super) fn new(
+        net: &'a Net,
+        encoding: &'a MarkingEncoding,
+        limits: &ExplorationLimits,
+    ) -> Result<Self, ExplorationUndecided> {
+        MarkingTable::with_bits(net, encoding, limits, 0)
     }
 
     /// The same with at least so many bits per digit.
     pub(super) fn with_bits(
         net: &'a Net,
-        encoding: &'a Encoding,
-        limits: &Limits,
+        encoding: &'a MarkingEncoding,
+        limits: &ExplorationLimits,
         least: u32,
-    ) -> Result<Self, Undecided> {
+    ) -> Result<Self, ExplorationUndecided> {
         let initial = encoding.digits(&net.initial_marking());
         let width = |(radix, &digit): (&Option<u32>, &u32)| match radix {
             Some(radix) => u32::BITS - (radix - 1).leading_zeros(),
@@ -178,16 +182,16 @@ impl<'a> Table<'a> {
         };
         let bits: Vec<u32> = encoding.radices.iter().zip(&initial).map(width).map(|bits| bits.max(least)).collect();
         let packing = Packing::new(&bits);
-        let mut table = Table {
+        let mut table = MarkingTable {
             net,
             encoding,
-            forth: Play::new(net, encoding, &packing, Move::Fire),
-            back: Play::new(net, encoding, &packing, Move::FireBack),
+            forth: KeyPlay::new(net, encoding, &packing, PlayDirection::Fire),
+            back: KeyPlay::new(net, encoding, &packing, PlayDirection::FireBack),
             packing,
             keys: Vec::new(),
             slots: Vec::new(),
             count: 0,
-            budget: Budget::new(limits.bytes),
+            budget: MemoryBudget::new(limits.bytes),
             limit_states: limits.states.min(STATES_MAX),
         };
         table.grow_index()?;
@@ -212,10 +216,10 @@ impl<'a> Table<'a> {
         self.forth.rules.iter().map(|rule| rule.transition).collect()
     }
 
-    pub(super) fn scratch(&self) -> Scratch {
+    pub(super) fn scratch(&self) -> FiringScratch {
         let digits = vec![0; self.encoding.radices.len()];
         let width = self.forth.filter.width.max(self.back.filter.width);
-        Scratch { digits, set: vec![0; width], enabled: Vec::new(), key: vec![0; self.packing.words] }
+        FiringScratch { digits, set: vec![0; width], enabled: Vec::new(), key: vec![0; self.packing.words] }
     }
 
     fn key(&self, state: u32) -> &[u64] {
@@ -223,7 +227,7 @@ impl<'a> Table<'a> {
     }
 
     /// The digits of a marking, left in the scratch.
-    pub(super) fn digits<'s>(&self, state: u32, scratch: &'s mut Scratch) -> &'s [u32] {
+    pub(super) fn digits<'s>(&self, state: u32, scratch: &'s mut FiringScratch) -> &'s [u32] {
         self.packing.unpack(self.key(state), &mut scratch.digits);
         &scratch.digits
     }
@@ -240,9 +244,9 @@ impl<'a> Table<'a> {
     pub(super) fn expand(
         &mut self,
         state: u32,
-        scratch: &mut Scratch,
+        scratch: &mut FiringScratch,
         found: impl FnMut(u32, u32, bool),
-    ) -> Result<usize, Undecided> {
+    ) -> Result<usize, ExplorationUndecided> {
         self.expand_some(state, scratch, |_, _| {}, found)
     }
 
@@ -250,10 +254,10 @@ impl<'a> Table<'a> {
     pub(super) fn expand_some(
         &mut self,
         state: u32,
-        scratch: &mut Scratch,
+        scratch: &mut FiringScratch,
         mut choose: impl FnMut(&[u32], &mut Vec<u32>),
         mut found: impl FnMut(u32, u32, bool),
-    ) -> Result<usize, Undecided> {
+    ) -> Result<usize, ExplorationUndecided> {
         self.packing.unpack(self.key(state), &mut scratch.digits);
         let mut enabled = std::mem::take(&mut scratch.enabled);
         enabled.clear();
@@ -264,9 +268,9 @@ impl<'a> Table<'a> {
             let transition = self.forth.rules[rule as usize].transition.0;
             loop {
                 match self.fire(state, rule as usize, scratch)? {
-                    Fired::Known(to) => found(transition, to, false),
-                    Fired::New(to) => found(transition, to, true),
-                    Fired::Narrow(digit, bits) => {
+                    FiringResult::Known(to) => found(transition, to, false),
+                    FiringResult::New(to) => found(transition, to, true),
+                    FiringResult::Narrow(digit, bits) => {
                         self.widen(digit, bits)?;
                         scratch.key.resize(self.packing.words, 0);
                         continue;
@@ -281,19 +285,27 @@ impl<'a> Table<'a> {
     }
 
     #[inline]
-    fn fire(&mut self, state: u32, rule: usize, scratch: &mut Scratch) -> Result<Fired, Undecided> {
+    fn fire(
+        &mut self,
+        state: u32,
+        rule: usize,
+        scratch: &mut FiringScratch,
+    ) -> Result<FiringResult, ExplorationUndecided> {
         for &(place, gets) in &self.forth.rules[rule].growing {
             let value = self.encoding.forms[place.index()].value(&scratch.digits) + gets;
             let Ok(value) = u32::try_from(value) else {
                 let mut marking = self.marking(state);
                 let transition = self.forth.rules[rule].transition;
                 let error = self.net.fire(&mut marking, transition).expect_err("a count has left 32 bits");
-                return Err(Undecided { states: self.count as u64, cause: Cause::Overflow(error) });
+                return Err(ExplorationUndecided {
+                    states: self.count as u64,
+                    cause: ExplorationLimit::Overflow(error),
+                });
             };
             if let Some(digit) = self.encoding.count_of(place.index())
                 && u64::from(value) > self.packing.fields[digit].most()
             {
-                return Ok(Fired::Narrow(digit, u32::BITS - value.leading_zeros()));
+                return Ok(FiringResult::Narrow(digit, u32::BITS - value.leading_zeros()));
             }
         }
         let start = state as usize * self.packing.words;
@@ -302,25 +314,25 @@ impl<'a> Table<'a> {
             scratch.key[word] = scratch.key[word].wrapping_add(add);
         }
         match self.find(&scratch.key) {
-            Ok(state) => Ok(Fired::Known(state)),
-            Err(_) => self.insert(&scratch.key).map(Fired::New),
+            Ok(state) => Ok(FiringResult::Known(state)),
+            Err(_) => self.insert(&scratch.key).map(FiringResult::New),
         }
     }
 
     /// Calls back with (transition, successor) for all firings at a marking of a set that is complete.
-    pub(super) fn successors(&self, state: u32, scratch: &mut Scratch, found: impl FnMut(u32, u32)) {
+    pub(super) fn successors(&self, state: u32, scratch: &mut FiringScratch, found: impl FnMut(u32, u32)) {
         self.neighbours(&self.forth, state, scratch, found);
     }
 
     /// Calls back with (transition, predecessor) for all firings that lead to a marking from one in the set.
-    pub(super) fn predecessors(&self, state: u32, scratch: &mut Scratch, found: impl FnMut(u32, u32)) {
+    pub(super) fn predecessors(&self, state: u32, scratch: &mut FiringScratch, found: impl FnMut(u32, u32)) {
         self.neighbours(&self.back, state, scratch, found);
     }
 
-    fn neighbours(&self, play: &Play, state: u32, scratch: &mut Scratch, mut found: impl FnMut(u32, u32)) {
+    fn neighbours(&self, play: &KeyPlay, state: u32, scratch: &mut FiringScratch, mut found: impl FnMut(u32, u32)) {
         let key = self.key(state);
         self.packing.unpack(key, &mut scratch.digits);
-        let Scratch { digits, set, key: other, .. } = scratch;
+        let FiringScratch { digits, set, key: other, .. } = scratch;
         play.enabled(digits, &mut set[..play.filter.width], |rule| {
             // What is too large for its field is not in the set.
             let fits = play.rules[rule].change.iter().all(|&(digit, by)| {
@@ -358,10 +370,10 @@ impl<'a> Table<'a> {
         }
     }
 
-    fn insert(&mut self, key: &[u64]) -> Result<u32, Undecided> {
+    fn insert(&mut self, key: &[u64]) -> Result<u32, ExplorationUndecided> {
         let states = self.count as u64;
         if states >= self.limit_states {
-            return Err(Undecided { states, cause: Cause::States { limit: self.limit_states } });
+            return Err(ExplorationUndecided { states, cause: ExplorationLimit::States { limit: self.limit_states } });
         }
         if (self.count + 1) * 4 > self.slots.len() * 3 {
             self.grow_index()?;
@@ -383,7 +395,7 @@ impl<'a> Table<'a> {
         }
     }
 
-    fn grow_keys(&mut self) -> Result<(), Undecided> {
+    fn grow_keys(&mut self) -> Result<(), ExplorationUndecided> {
         let old = self.keys.capacity();
         let more = (self.keys.len() / 2).max(SLOTS_MIN * self.packing.words);
         // While they move there are two of them.
@@ -393,7 +405,7 @@ impl<'a> Table<'a> {
         Ok(())
     }
 
-    fn grow_index(&mut self) -> Result<(), Undecided> {
+    fn grow_index(&mut self) -> Result<(), ExplorationUndecided> {
         let old = self.slots.len();
         let size = (old * 2).max(SLOTS_MIN);
         self.budget.take(size * size_of::<u64>(), self.count as u64)?;
@@ -412,7 +424,7 @@ impl<'a> Table<'a> {
     }
 
     /// Writes all keys anew with a digit of at least so many bits.
-    fn widen(&mut self, digit: usize, bits: u32) -> Result<(), Undecided> {
+    fn widen(&mut self, digit: usize, bits: u32) -> Result<(), ExplorationUndecided> {
         let mut widths: Vec<u32> = self.packing.fields.iter().map(|field| field.bits).collect();
         widths[digit] = bits.max(widths[digit] * 2).min(u32::BITS);
         let packing = Packing::new(&widths);
@@ -429,8 +441,8 @@ impl<'a> Table<'a> {
         self.budget.give_back(self.keys.capacity() * size_of::<u64>());
         self.keys = keys;
         self.packing = packing;
-        self.forth = Play::new(self.net, self.encoding, &self.packing, Move::Fire);
-        self.back = Play::new(self.net, self.encoding, &self.packing, Move::FireBack);
+        self.forth = KeyPlay::new(self.net, self.encoding, &self.packing, PlayDirection::Fire);
+        self.back = KeyPlay::new(self.net, self.encoding, &self.packing, PlayDirection::FireBack);
         self.slots.fill(0);
         for state in 0..self.count as u32 {
             let key = self.key(state).to_vec();

@@ -4,7 +4,7 @@
 //! with a stack of its own (a graph of markings is far deeper than a thread's), firing each marking once. Markings that
 //! are known to lie in no terminal component can be left out, which in practice is nearly all of them.
 
-use super::limits::{Budget, Undecided};
+use super::limits::{ExplorationUndecided, MemoryBudget};
 use super::space::Space;
 
 /// Not visited yet.
@@ -14,7 +14,7 @@ const DONE: u32 = u32::MAX;
 
 /// A part that nothing leaves.
 #[derive(Clone, Debug, PartialEq, Eq)]
-pub(super) struct Part {
+pub(super) struct TerminalComponent {
     /// How many markings it has.
     pub(super) states: u64,
     /// The least of them.
@@ -26,13 +26,13 @@ pub(super) struct Part {
 pub(super) struct Terminal {
     pub(super) count: u64,
     /// The one whose first state has the least number.
-    pub(super) first: Option<Part>,
+    pub(super) first: Option<TerminalComponent>,
     /// Per transition, the first state of a part in which it never fires.
     pub(super) lost: Vec<Option<u32>>,
 }
 
 /// A state that is being visited.
-struct Frame {
+struct TarjanFrame {
     state: u32,
     order: u32,
     low: u32,
@@ -48,13 +48,18 @@ pub(super) fn terminal<S: Space>(
     space: &mut S,
     transitions: usize,
     skip: impl Fn(&S, u32) -> bool,
-    budget: &mut Budget,
-) -> Result<Terminal, Undecided> {
+    budget: &mut MemoryBudget,
+) -> Result<Terminal, ExplorationUndecided> {
     let states = space.len();
     let table = states * size_of::<u32>();
     budget.take(table, states as u64)?;
-    let mut search =
-        Search { order: vec![NEW; states], next: 1, waiting: Vec::new(), successors: Vec::new(), frames: Vec::new() };
+    let mut search = TarjanSearch {
+        order: vec![NEW; states],
+        next: 1,
+        waiting: Vec::new(),
+        successors: Vec::new(),
+        frames: Vec::new(),
+    };
     let mut found = Terminal { count: 0, first: None, lost: vec![None; transitions] };
     let mut held = 0;
     for root in 0..states as u32 {
@@ -79,7 +84,7 @@ pub(super) fn terminal<S: Space>(
     Ok(found)
 }
 
-struct Search {
+struct TarjanSearch {
     /// Per state: not visited, complete, or when it was visited.
     order: Vec<u32>,
     next: u32,
@@ -87,19 +92,19 @@ struct Search {
     waiting: Vec<u32>,
     /// Of all frames, one after the other.
     successors: Vec<u32>,
-    frames: Vec<Frame>,
+    frames: Vec<TarjanFrame>,
 }
 
-impl Search {
+impl TarjanSearch {
     fn bytes(&self) -> usize {
-        (self.waiting.len() + self.successors.len()) * size_of::<u32>() + self.frames.len() * size_of::<Frame>()
+        (self.waiting.len() + self.successors.len()) * size_of::<u32>() + self.frames.len() * size_of::<TarjanFrame>()
     }
 
     fn enter<S: Space>(&mut self, state: u32, space: &mut S) {
         let start = self.successors.len();
         space.successors(state, &mut |_, to| self.successors.push(to));
         self.order[state as usize] = self.next;
-        self.frames.push(Frame { state, order: self.next, low: self.next, leaves: false, start });
+        self.frames.push(TarjanFrame { state, order: self.next, low: self.next, leaves: false, start });
         self.waiting.push(state);
         self.next += 1;
     }
@@ -143,7 +148,7 @@ impl Search {
 impl Terminal {
     fn add<S: Space>(&mut self, members: &[u32], space: &mut S) {
         let first = members.iter().copied().min().unwrap_or(0);
-        let part = Part { states: members.len() as u64, first };
+        let part = TerminalComponent { states: members.len() as u64, first };
         self.count += 1;
         let mut fires = vec![false; self.lost.len()];
         for &state in members {

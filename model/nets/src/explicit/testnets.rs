@@ -19,12 +19,12 @@ impl Dice {
 
 /// A net as plain data: tokens, and per transition what it takes and gives.
 #[derive(Default)]
-struct Draft {
+struct PlainNet {
     tokens: Vec<u32>,
     transitions: Vec<[Vec<(usize, u32)>; 2]>,
 }
 
-impl Draft {
+impl PlainNet {
     fn build(&self) -> Net {
         let mut b = NetBuilder::new("generated");
         let places: Vec<_> = self.tokens.iter().enumerate().map(|(i, &n)| b.place(format!("p{i}"), n)).collect();
@@ -72,15 +72,15 @@ pub(super) fn any(dice: &mut Dice) -> Net {
 }
 
 /// Any arcs at all, sources and sinks among the transitions.
-fn wild(dice: &mut Dice) -> Draft {
+fn wild(dice: &mut Dice) -> PlainNet {
     let places = dice.below(5);
-    let mut draft = Draft { tokens: (0..places).map(|_| dice.below(4) as u32).collect(), ..Draft::default() };
+    let mut draft = PlainNet { tokens: (0..places).map(|_| dice.below(4) as u32).collect(), ..PlainNet::default() };
     for _ in 0..dice.below(5) {
         let mut sides = [Vec::new(), Vec::new()];
         for side in &mut sides {
             for _ in 0..dice.below(4).min(places) {
                 let weight = 1 + dice.below(3) as u32;
-                Draft::arc(side, dice.below(places) as usize, weight);
+                PlainNet::arc(side, dice.below(places) as usize, weight);
             }
         }
         draft.transitions.push(sides);
@@ -89,8 +89,8 @@ fn wild(dice: &mut Dice) -> Draft {
 }
 
 /// State machines that do some of their steps together and use common buffers, as stations of a line do.
-fn machines(dice: &mut Dice) -> Draft {
-    let mut draft = Draft::default();
+fn machines(dice: &mut Dice) -> PlainNet {
+    let mut draft = PlainNet::default();
     let mut machines: Vec<Vec<usize>> = Vec::new();
     for _ in 0..1 + dice.below(3) {
         let first = draft.tokens.len();
@@ -110,13 +110,13 @@ fn machines(dice: &mut Dice) -> Draft {
             let (from, to) = (pick(), pick());
             // At most one step of a machine, mostly.
             if sides.iter().flatten().all(|&(place, _): &(usize, u32)| !machine.contains(&place)) {
-                Draft::arc(&mut sides[0], from, 1);
-                Draft::arc(&mut sides[1], to, 1);
+                PlainNet::arc(&mut sides[0], from, 1);
+                PlainNet::arc(&mut sides[1], to, 1);
             }
         }
         for &buffer in &buffers {
             if dice.chance(25) {
-                Draft::arc(&mut sides[dice.below(2) as usize], buffer, 1 + dice.below(2) as u32);
+                PlainNet::arc(&mut sides[dice.below(2) as usize], buffer, 1 + dice.below(2) as u32);
             }
         }
         draft.transitions.push(sides);
@@ -138,10 +138,10 @@ fn machines(dice: &mut Dice) -> Draft {
 }
 
 /// Tokens of one place turn into tokens of another at a rate: a positive sum never changes.
-fn exchanges(dice: &mut Dice) -> Draft {
+fn exchanges(dice: &mut Dice) -> PlainNet {
     let places = 2 + dice.below(3);
     let rates: Vec<u32> = (0..places).map(|_| 1 + dice.below(3) as u32).collect();
-    let mut draft = Draft { tokens: (0..places).map(|_| dice.below(5) as u32).collect(), ..Draft::default() };
+    let mut draft = PlainNet { tokens: (0..places).map(|_| dice.below(5) as u32).collect(), ..PlainNet::default() };
     for _ in 0..1 + dice.below(6) {
         let (from, to) = (dice.below(places) as usize, dice.below(places) as usize);
         let mut sides = [vec![(from, rates[to])], vec![(to, rates[from])]];
@@ -157,9 +157,9 @@ fn exchanges(dice: &mut Dice) -> Draft {
 }
 
 /// Transitions that take more than they give: bounded, with no sum that says so.
-fn drain(dice: &mut Dice) -> Draft {
+fn drain(dice: &mut Dice) -> PlainNet {
     let places = 1 + dice.below(4);
-    let mut draft = Draft { tokens: (0..places).map(|_| dice.below(7) as u32).collect(), ..Draft::default() };
+    let mut draft = PlainNet { tokens: (0..places).map(|_| dice.below(7) as u32).collect(), ..PlainNet::default() };
     for _ in 0..1 + dice.below(5) {
         let (from, to) = (dice.below(places) as usize, dice.below(places) as usize);
         let (takes, gives) = (1 + dice.below(3) as u32, dice.below(3) as u32);

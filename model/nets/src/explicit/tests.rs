@@ -1,8 +1,8 @@
 //! Against the slow and obvious exploration, on thousands of nets and every way to store them.
 
-use super::bitmap::Layout;
-use super::encoding::Encoding;
-use super::table::Table;
+use super::bitmap::BitmapLayout;
+use super::encoding::MarkingEncoding;
+use super::table::MarkingTable;
 use super::testnets::{Dice, any};
 use super::*;
 use crate::reach::{self, Reachability, StateId, explore};
@@ -11,30 +11,30 @@ use crate::{FireError, Marking, TransitionId};
 /// Nets with more states are compared only in that they are undecided.
 const ENOUGH: usize = 150;
 
-fn limits(states: u64) -> Limits {
-    Limits { states, ..Limits::default() }
+fn limits(states: u64) -> ExplorationLimits {
+    ExplorationLimits { states, ..ExplorationLimits::default() }
 }
 
-type Decided = Result<Facts, Undecided>;
+type Decided = Result<NetFacts, ExplorationUndecided>;
 
 /// The net decided every way that there is, each with its name.
-fn every_way(net: &Net, limits: &Limits) -> Vec<(&'static str, Decided)> {
-    let encoding = Encoding::of(net);
-    let plain = Encoding::plain(net);
+fn every_way(net: &Net, limits: &ExplorationLimits) -> Vec<(&'static str, Decided)> {
+    let encoding = MarkingEncoding::of(net);
+    let plain = MarkingEncoding::plain(net);
     let mut ways = vec![
         ("by itself", decide(net, limits)),
         ("table", on_table::decide(net, &encoding, limits)),
         ("table without sums", on_table::decide(net, &plain, limits)),
     ];
     for (name, least) in [("two digits per word", 32), ("three digits per word", 21)] {
-        let decided = Table::with_bits(net, &plain, limits, least);
+        let decided = MarkingTable::with_bits(net, &plain, limits, least);
         ways.push((name, decided.and_then(|table| on_table::decide_in(table, net, &plain))));
     }
     for (name, bits, threads) in
         [("bitmap", 64, 1), ("two threads", 6, 2), ("narrow bitmap", 1, 1), ("three threads", 1, 3)]
     {
-        if let Some(layout) = Layout::with_bits(&encoding, bits).filter(|layout| layout.words < 10_000) {
-            let limits = Limits { threads, ..*limits };
+        if let Some(layout) = BitmapLayout::with_bits(&encoding, bits).filter(|layout| layout.words < 10_000) {
+            let limits = ExplorationLimits { threads, ..*limits };
             ways.push((name, on_bitmap::decide(net, &encoding, &layout, &limits)));
         }
     }
@@ -42,13 +42,13 @@ fn every_way(net: &Net, limits: &Limits) -> Vec<(&'static str, Decided)> {
 }
 
 /// What the obvious way finds, with what it does not say itself.
-struct Truth {
+struct ReferenceResult {
     explored: Reachability,
     /// Per state, which states it leads to.
     futures: Vec<Vec<bool>>,
 }
 
-impl Truth {
+impl ReferenceResult {
     fn of(explored: Reachability) -> Self {
         let count = explored.states().len();
         let future = |start: usize| {
@@ -65,7 +65,7 @@ impl Truth {
             seen
         };
         let futures = (0..count).map(future).collect();
-        Truth { explored, futures }
+        ReferenceResult { explored, futures }
     }
 
     fn number(&self, marking: &Marking) -> usize {
@@ -78,7 +78,7 @@ impl Truth {
         (0..self.futures.len()).filter(|&state| back(state)).collect()
     }
 
-    fn compare(&self, net: &Net, facts: &Facts) {
+    fn compare(&self, net: &Net, facts: &NetFacts) {
         let explored = &self.explored;
         assert_eq!(facts.states, explored.states().len() as u64);
         assert_eq!(facts.arcs, explored.steps().len() as u64);
@@ -104,7 +104,7 @@ impl Truth {
         self.compare_components(facts);
     }
 
-    fn compare_components(&self, facts: &Facts) {
+    fn compare_components(&self, facts: &NetFacts) {
         assert_eq!(facts.is_reversible(), self.explored.is_reversible().is_ok());
         if let Some(marking) = &facts.no_return {
             assert!(!self.futures[self.number(marking)][0]);
@@ -120,7 +120,7 @@ impl Truth {
     }
 
     /// The way leads there, and is as short as the one that breadth first search finds.
-    fn compare_path(&self, net: &Net, found: &Found) {
+    fn compare_path(&self, net: &Net, found: &WitnessMarking) {
         let mut played = net.initial_marking();
         found.path.iter().for_each(|&t| net.fire(&mut played, t).expect("the path can be played"));
         assert_eq!(played, found.marking);
@@ -140,7 +140,7 @@ fn every_fact_is_what_the_obvious_exploration_finds() {
     for net in nets(1, 6000) {
         match explore(&net, ENOUGH) {
             Ok(explored) => {
-                let truth = Truth::of(explored);
+                let truth = ReferenceResult::of(explored);
                 for (way, facts) in every_way(&net, &limits(ENOUGH as u64)) {
                     let facts = facts.unwrap_or_else(|error| panic!("{way}: {error}\n{net}"));
                     let compared = std::panic::catch_unwind(|| truth.compare(&net, &facts));
@@ -149,8 +149,11 @@ fn every_fact_is_what_the_obvious_exploration_finds() {
                 }
                 decided += 1;
             }
-            Err(reach::Undecided { cause: reach::Cause::Limit, .. }) => {
-                let expected = Undecided { states: ENOUGH as u64, cause: Cause::States { limit: ENOUGH as u64 } };
+            Err(reach::ReachUndecided { cause: reach::ReachLimit::Limit, .. }) => {
+                let expected = ExplorationUndecided {
+                    states: ENOUGH as u64,
+                    cause: ExplorationLimit::States { limit: ENOUGH as u64 },
+                };
                 for (way, facts) in every_way(&net, &limits(ENOUGH as u64)) {
                     assert_eq!(facts.as_ref(), Err(&expected), "{way}\n{net}");
                 }
@@ -170,7 +173,7 @@ fn a_limit_is_the_number_of_states_that_is_still_decided() {
         let states = explored.states().len() as u64;
         for limit in 0..states + 2 {
             for (way, facts) in every_way(&net, &limits(limit)) {
-                let expected = Undecided { states: limit, cause: Cause::States { limit } };
+                let expected = ExplorationUndecided { states: limit, cause: ExplorationLimit::States { limit } };
                 match facts {
                     Ok(facts) => assert!(limit >= states && facts.states == states, "{way}\n{net}"),
                     // Nothing ends otherwise, and never when the states are enough.
@@ -186,13 +189,13 @@ fn too_few_bytes_are_said_not_exceeded() {
     for net in nets(3, 300) {
         let Ok(explored) = explore(&net, ENOUGH) else { continue };
         for bytes in [0, 100, 1000, 2000, 5000, 20_000, 100_000] {
-            for (way, facts) in every_way(&net, &Limits { bytes, ..limits(1000) }) {
+            for (way, facts) in every_way(&net, &ExplorationLimits { bytes, ..limits(1000) }) {
                 match facts {
                     Ok(facts) => {
                         assert_eq!(facts.states, explored.states().len() as u64, "{way}\n{net}");
                         assert!(facts.bytes <= bytes, "{way}\n{net}");
                     }
-                    Err(Undecided { cause: Cause::Bytes { needs, limit }, .. }) => {
+                    Err(ExplorationUndecided { cause: ExplorationLimit::Bytes { needs, limit }, .. }) => {
                         assert!(limit == bytes && needs > bytes, "{way}\n{net}");
                     }
                     Err(error) => panic!("{way}: {error}\n{net}"),
@@ -207,7 +210,7 @@ fn what_is_found_is_found_by_a_shortest_way() {
     let mut dice = Dice(4);
     for net in nets(5, 1500) {
         let Ok(explored) = explore(&net, ENOUGH) else { continue };
-        let truth = Truth::of(explored);
+        let truth = ReferenceResult::of(explored);
         let wanted = &truth.explored.states()[dice.below(truth.futures.len() as u64) as usize];
         let found = find_marking(&net, &limits(1000), wanted).unwrap().expect("it is reachable");
         assert_eq!(found.marking, *wanted);
@@ -252,13 +255,13 @@ fn a_walk_shows_the_graph_of_the_obvious_exploration() {
         let Ok(explored) = explore(&net, ENOUGH) else { continue };
         let (mut states, mut steps) = (Vec::new(), Vec::new());
         walk(&net, &limits(ENOUGH as u64), |event| match event {
-            Event::State(state, view) => {
+            GraphEvent::State(state, view) => {
                 assert_eq!(state.index(), states.len());
                 states.push(view.to_marking());
             }
-            Event::Arc { transition, to } => {
+            GraphEvent::Arc { transition, to } => {
                 let from = StateId(states.len() as u32 - 1);
-                steps.push(reach::Step { from, transition, to });
+                steps.push(reach::ReachArc { from, transition, to });
             }
         })
         .unwrap();
@@ -271,11 +274,13 @@ fn a_walk_shows_the_graph_of_the_obvious_exploration() {
 fn the_facts_do_not_depend_on_threads() {
     let mut compared = 0;
     for net in nets(8, 2000) {
-        let encoding = Encoding::of(&net);
-        let Some(layout) = Layout::with_bits(&encoding, 4).filter(|layout| (8..10_000).contains(&layout.words)) else {
+        let encoding = MarkingEncoding::of(&net);
+        let Some(layout) = BitmapLayout::with_bits(&encoding, 4).filter(|layout| (8..10_000).contains(&layout.words))
+        else {
             continue;
         };
-        let facts = |threads| on_bitmap::decide(&net, &encoding, &layout, &Limits { threads, ..limits(10_000) });
+        let facts =
+            |threads| on_bitmap::decide(&net, &encoding, &layout, &ExplorationLimits { threads, ..limits(10_000) });
         assert_eq!(facts(1), facts(2), "{net}");
         assert_eq!(facts(1), facts(5), "{net}");
         compared += 1;
@@ -292,7 +297,7 @@ fn a_place_that_overflows_is_named() {
     let error = decide(&net, &limits(10)).unwrap_err();
     let mut marking = net.initial_marking();
     let expected: FireError = net.fire(&mut marking, TransitionId(0)).unwrap_err();
-    assert_eq!(error, Undecided { states: 1, cause: Cause::Overflow(expected) });
+    assert_eq!(error, ExplorationUndecided { states: 1, cause: ExplorationLimit::Overflow(expected) });
 }
 
 #[test]
@@ -307,7 +312,7 @@ fn weights_of_32_bits_are_compared_without_overflow() {
         b.input(drop, once, 1);
         b.input(never, made, asks).output(never, made, asks);
         let net = b.build().unwrap();
-        let truth = Truth::of(explore(&net, 10).unwrap());
+        let truth = ReferenceResult::of(explore(&net, 10).unwrap());
         assert_eq!(truth.explored.deadlocks().count(), 2);
         for (_, facts) in every_way(&net, &limits(10)) {
             truth.compare(&net, &facts.unwrap());

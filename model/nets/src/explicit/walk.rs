@@ -1,17 +1,17 @@
 //! The whole graph of markings, shown piece by piece: for writing it to a file, or for a question of one's own.
 
-use super::encoding::Encoding;
-use super::limits::{Cause, Limits, Undecided};
-use super::on_table::View;
-use super::table::Table;
+use super::encoding::MarkingEncoding;
+use super::limits::{ExplorationLimit, ExplorationLimits, ExplorationUndecided};
+use super::on_table::MarkingView;
+use super::table::MarkingTable;
 use crate::{Net, StateId, TransitionId};
 
 /// A piece of the graph.
 #[derive(Clone, Copy, Debug)]
-pub enum Event<'a> {
+pub enum GraphEvent<'a> {
     /// A marking. They come in the order of their numbers, which is that of discovery, breadth first; 0 is the initial
     /// one.
-    State(StateId, View<'a>),
+    State(StateId, MarkingView<'a>),
     /// An arc from the last marking shown, in the order of transitions. Where it leads may not have been shown yet.
     Arc {
         /// What fires.
@@ -25,18 +25,25 @@ pub enum Event<'a> {
 ///
 /// # Errors
 /// As [`super::decide`]; what has been shown until then is a part of the graph.
-pub fn walk(net: &Net, limits: &Limits, mut show: impl FnMut(Event)) -> Result<(), Undecided> {
+pub fn walk(
+    net: &Net,
+    limits: &ExplorationLimits,
+    mut show: impl FnMut(GraphEvent),
+) -> Result<(), ExplorationUndecided> {
     if limits.states == 0 {
-        return Err(Undecided { states: 0, cause: Cause::States { limit: 0 } });
+        return Err(ExplorationUndecided { states: 0, cause: ExplorationLimit::States { limit: 0 } });
     }
-    let encoding = Encoding::of(net);
-    let mut table = Table::new(net, &encoding, limits)?;
+    let encoding = MarkingEncoding::of(net);
+    let mut table = MarkingTable::new(net, &encoding, limits)?;
     let mut scratch = table.scratch();
     let mut next = 0;
     while (next as usize) < table.len() {
-        show(Event::State(StateId(next), View { encoding: &encoding, digits: table.digits(next, &mut scratch) }));
+        show(GraphEvent::State(
+            StateId(next),
+            MarkingView { encoding: &encoding, digits: table.digits(next, &mut scratch) },
+        ));
         table.expand(next, &mut scratch, |transition, to, _| {
-            show(Event::Arc { transition: TransitionId(transition), to: StateId(to) });
+            show(GraphEvent::Arc { transition: TransitionId(transition), to: StateId(to) });
         })?;
         next += 1;
     }

@@ -9,12 +9,13 @@
 use std::collections::BTreeSet;
 
 use super::rays::Matrix;
-use super::row::{Row, Sparse};
-use super::{Cause, Undecided};
+use super::row::{EliminationRow, SparseVector};
+use super::{SemiflowLimit, SemiflowsUndecided};
 
 /// As many solutions as the matrix has rows beyond its rank, each with a first entry that is positive, ordered.
-pub(super) fn integer_solutions(matrix: &Matrix) -> Result<Vec<Sparse>, Undecided> {
-    let mut rows: Vec<Option<Row>> = (0..).zip(&matrix.rows).map(|(i, row)| Some(Row::unit(i, row))).collect();
+pub(super) fn integer_solutions(matrix: &Matrix) -> Result<Vec<SparseVector>, SemiflowsUndecided> {
+    let mut rows: Vec<Option<EliminationRow>> =
+        (0..).zip(&matrix.rows).map(|(i, row)| Some(EliminationRow::unit(i, row))).collect();
     let mut in_column: Vec<BTreeSet<usize>> = vec![BTreeSet::new(); matrix.columns];
     for (index, row) in matrix.rows.iter().enumerate() {
         row.iter().for_each(|&(column, _)| _ = in_column[column as usize].insert(index));
@@ -22,7 +23,8 @@ pub(super) fn integer_solutions(matrix: &Matrix) -> Result<Vec<Sparse>, Undecide
     let mut queue: BTreeSet<(usize, u32)> = (0..).zip(&in_column).map(|(at, rows)| (rows.len(), at)).collect();
     let mut eliminated = 0;
     while let Some((_, column)) = queue.pop_first() {
-        let overflow = |rows| Undecided { eliminated, of: matrix.columns, rows, cause: Cause::Overflow };
+        let overflow =
+            |rows| SemiflowsUndecided { eliminated, of: matrix.columns, rows, cause: SemiflowLimit::Overflow };
         while in_column[column as usize].len() > 1 {
             let pivot = *in_column[column as usize]
                 .iter()
@@ -32,18 +34,18 @@ pub(super) fn integer_solutions(matrix: &Matrix) -> Result<Vec<Sparse>, Undecide
             for index in in_column[column as usize].clone().into_iter().filter(|&index| index != pivot) {
                 let row = rows[index].take().expect("rows in a column are there");
                 let factor = -(row.at(column) / by.at(column));
-                let reduced = Row::combine(1, &row, factor, &by).ok_or_else(|| overflow(rows.len()))?;
+                let reduced = EliminationRow::combine(1, &row, factor, &by).ok_or_else(|| overflow(rows.len()))?;
                 replace(index, &row, &reduced, &mut in_column, &mut queue);
                 rows[index] = Some(reduced);
             }
         }
         if let Some(last) = in_column[column as usize].pop_first() {
             let row = rows[last].take().expect("rows in a column are there");
-            replace(last, &row, &Row { rest: Vec::new(), own: Vec::new() }, &mut in_column, &mut queue);
+            replace(last, &row, &EliminationRow { rest: Vec::new(), own: Vec::new() }, &mut in_column, &mut queue);
         }
         eliminated += 1;
     }
-    let mut found: Vec<Sparse> = rows.into_iter().flatten().map(|row| row.own).collect();
+    let mut found: Vec<SparseVector> = rows.into_iter().flatten().map(|row| row.own).collect();
     for solution in &mut found {
         if solution[0].1 < 0 {
             solution.iter_mut().for_each(|(_, value)| *value = -*value);
@@ -54,7 +56,13 @@ pub(super) fn integer_solutions(matrix: &Matrix) -> Result<Vec<Sparse>, Undecide
 }
 
 /// Keeps the table of columns, and the order in which they are taken, in step with a row that changes.
-fn replace(index: usize, old: &Row, new: &Row, in_column: &mut [BTreeSet<usize>], queue: &mut BTreeSet<(usize, u32)>) {
+fn replace(
+    index: usize,
+    old: &EliminationRow,
+    new: &EliminationRow,
+    in_column: &mut [BTreeSet<usize>],
+    queue: &mut BTreeSet<(usize, u32)>,
+) {
     let mut change = |column: u32, enters: bool| {
         let rows = &mut in_column[column as usize];
         let before = rows.len();

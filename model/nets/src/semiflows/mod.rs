@@ -7,8 +7,8 @@
 //! positive rational multiples of them. In a strongly connected marked graph the minimal place semiflows are its
 //! elementary circuits (Murata, *Petri nets: properties, analysis and applications*, 1989, §VI).
 //!
-//! There can be exponentially many. The search is bounded by [`Limits`] and ends in the complete list or in
-//! [`Undecided`], never in a part of the list. Where the list is too long, [`place_flow_basis`] still describes all
+//! There can be exponentially many. The search is bounded by [`SemiflowLimits`] and ends in the complete list or in
+//! [`SemiflowsUndecided`], never in a part of the list. Where the list is too long, [`place_flow_basis`] still describes all
 //! conserved sums, though with negative weights, from which no bound follows.
 
 mod basis;
@@ -46,7 +46,7 @@ impl<I: Copy + Ord> Semiflow<I> {
 
 /// A vector that may have negative entries: one element of a basis.
 #[derive(Clone, Debug, PartialEq, Eq, PartialOrd, Ord, Hash)]
-pub struct Flow<I> {
+pub struct BasisFlow<I> {
     /// Node and entry, never empty, no entry zero, the first one positive.
     pub entries: Vec<(I, i64)>,
 }
@@ -87,7 +87,7 @@ impl<I: Copy + Ord> Semiflows<I> {
 
 /// How large the search may become.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
-pub struct Limits {
+pub struct SemiflowLimits {
     /// The most vectors at a time.
     pub rows: usize,
     /// The most bytes that these may take.
@@ -98,17 +98,17 @@ pub struct Limits {
     pub looks: u64,
 }
 
-impl Default for Limits {
+impl Default for SemiflowLimits {
     /// Some seconds, and a quarter of a gigabyte.
     fn default() -> Self {
-        Limits { rows: 200_000, bytes: 256 << 20, combinations: 20_000_000, looks: 500_000_000 }
+        SemiflowLimits { rows: 200_000, bytes: 256 << 20, combinations: 20_000_000, looks: 500_000_000 }
     }
 }
 
 /// The search did not come to an end: nothing is known about which semiflows there are.
 #[derive(Clone, Debug, PartialEq, Eq, Error)]
 #[error("undecided after {eliminated} of {of} equations, with {rows} vectors at hand: {cause}")]
-pub struct Undecided {
+pub struct SemiflowsUndecided {
     /// How many equations were solved: one per transition for place semiflows, one per place for the others.
     pub eliminated: usize,
     /// How many there are.
@@ -116,19 +116,19 @@ pub struct Undecided {
     /// How many vectors solved them.
     pub rows: usize,
     /// What stopped the search.
-    pub cause: Cause,
+    pub cause: SemiflowLimit,
 }
 
 /// What stops a search for semiflows.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Error)]
-pub enum Cause {
-    /// [`Limits::rows`].
+pub enum SemiflowLimit {
+    /// [`SemiflowLimits::rows`].
     #[error("there are more vectors than allowed")]
     Rows,
-    /// [`Limits::bytes`].
+    /// [`SemiflowLimits::bytes`].
     #[error("the vectors take more memory than allowed")]
     Bytes,
-    /// [`Limits::combinations`] or [`Limits::looks`].
+    /// [`SemiflowLimits::combinations`] or [`SemiflowLimits::looks`].
     #[error("more pairs of vectors had to be combined than allowed")]
     Combinations,
     /// A weight does not fit the numbers used.
@@ -137,36 +137,38 @@ pub enum Cause {
 }
 
 /// All minimal place semiflows.
-pub fn place_semiflows(net: &Net, limits: &Limits) -> Result<Semiflows<PlaceId>, Undecided> {
+pub fn place_semiflows(net: &Net, limits: &SemiflowLimits) -> Result<Semiflows<PlaceId>, SemiflowsUndecided> {
     let found = rays::minimal_solutions(&by_place(net), limits)?;
     Ok(Semiflows::new(found.into_iter().map(|flow| semiflow(flow, PlaceId)).collect()))
 }
 
 /// All minimal transition semiflows.
-pub fn transition_semiflows(net: &Net, limits: &Limits) -> Result<Semiflows<TransitionId>, Undecided> {
+pub fn transition_semiflows(net: &Net, limits: &SemiflowLimits) -> Result<Semiflows<TransitionId>, SemiflowsUndecided> {
     let found = rays::minimal_solutions(&by_transition(net), limits)?;
     Ok(Semiflows::new(found.into_iter().map(|flow| semiflow(flow, TransitionId)).collect()))
 }
 
 /// A basis of the integer y with y·C = 0: each of them is a sum of whole multiples of these.
-pub fn place_flow_basis(net: &Net) -> Result<Vec<Flow<PlaceId>>, Undecided> {
-    let flow = |entries: row::Sparse| Flow { entries: entries.into_iter().map(|(i, n)| (PlaceId(i), n)).collect() };
+pub fn place_flow_basis(net: &Net) -> Result<Vec<BasisFlow<PlaceId>>, SemiflowsUndecided> {
+    let flow =
+        |entries: row::SparseVector| BasisFlow { entries: entries.into_iter().map(|(i, n)| (PlaceId(i), n)).collect() };
     Ok(basis::integer_solutions(&by_place(net))?.into_iter().map(flow).collect())
 }
 
 /// A basis of the integer x with C·x = 0.
-pub fn transition_flow_basis(net: &Net) -> Result<Vec<Flow<TransitionId>>, Undecided> {
-    let flow =
-        |entries: row::Sparse| Flow { entries: entries.into_iter().map(|(i, n)| (TransitionId(i), n)).collect() };
+pub fn transition_flow_basis(net: &Net) -> Result<Vec<BasisFlow<TransitionId>>, SemiflowsUndecided> {
+    let flow = |entries: row::SparseVector| BasisFlow {
+        entries: entries.into_iter().map(|(i, n)| (TransitionId(i), n)).collect(),
+    };
     Ok(basis::integer_solutions(&by_transition(net))?.into_iter().map(flow).collect())
 }
 
 /// The rank of the incidence matrix.
-pub fn rank(net: &Net) -> Result<usize, Undecided> {
+pub fn rank(net: &Net) -> Result<usize, SemiflowsUndecided> {
     Ok(net.place_count() - basis::integer_solutions(&by_place(net))?.len())
 }
 
-fn semiflow<I>(weights: row::Sparse, id: fn(u32) -> I) -> Semiflow<I> {
+fn semiflow<I>(weights: row::SparseVector, id: fn(u32) -> I) -> Semiflow<I> {
     let weight = |(index, weight): (u32, i64)| (id(index), weight.unsigned_abs());
     Semiflow { weights: weights.into_iter().map(weight).collect() }
 }

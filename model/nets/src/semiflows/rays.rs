@@ -13,37 +13,40 @@
 
 use std::collections::BTreeSet;
 
-use super::row::{Row, Sparse, gcd};
-use super::{Cause, Limits, Undecided};
+use super::row::{EliminationRow, SparseVector, gcd};
+use super::{SemiflowLimit, SemiflowLimits, SemiflowsUndecided};
 
 /// A matrix by rows.
 pub(crate) struct Matrix {
-    pub rows: Vec<Sparse>,
+    pub rows: Vec<SparseVector>,
     pub columns: usize,
 }
 
 /// The vectors of minimal support among all y ≥ 0, y ≠ 0 with y · matrix = 0, each divided by its common divisor,
 /// ordered.
-pub(crate) fn minimal_solutions(matrix: &Matrix, limits: &Limits) -> Result<Vec<Sparse>, Undecided> {
+pub(crate) fn minimal_solutions(
+    matrix: &Matrix,
+    limits: &SemiflowLimits,
+) -> Result<Vec<SparseVector>, SemiflowsUndecided> {
     let mut rays = Rays::new(matrix, *limits);
     rays.check_size()?;
     while let Some((_, column)) = rays.queue.pop_first() {
         rays.eliminate(column)?;
         rays.eliminated += 1;
     }
-    let mut found: Vec<Sparse> = rays.rows.into_iter().flatten().map(|ray| ray.row.own).collect();
+    let mut found: Vec<SparseVector> = rays.rows.into_iter().flatten().map(|ray| ray.row.own).collect();
     found.sort_unstable();
     Ok(found)
 }
 
 struct Ray {
-    row: Row,
+    row: EliminationRow,
     /// A bit for each element of the support, by a hash: what has a bit that another lacks is no subset of it.
     signature: u64,
 }
 
 struct Rays {
-    limits: Limits,
+    limits: SemiflowLimits,
     rows: Vec<Option<Ray>>,
     /// Per column, the rows that had an entry in it when they were made; those gone since are skipped.
     in_column: Vec<Vec<usize>>,
@@ -74,7 +77,7 @@ fn growth([positive, negative]: [i64; 2]) -> i64 {
 }
 
 impl Rays {
-    fn new(matrix: &Matrix, limits: Limits) -> Rays {
+    fn new(matrix: &Matrix, limits: SemiflowLimits) -> Rays {
         let mut rays = Rays {
             limits,
             rows: Vec::new(),
@@ -92,26 +95,26 @@ impl Rays {
             stamp: 0,
         };
         for (index, row) in matrix.rows.iter().enumerate() {
-            rays.insert(Row::unit(index, row));
+            rays.insert(EliminationRow::unit(index, row));
         }
         rays
     }
 
-    fn undecided(&self, cause: Cause) -> Undecided {
-        Undecided { eliminated: self.eliminated, of: self.todo.len(), rows: self.alive, cause }
+    fn undecided(&self, cause: SemiflowLimit) -> SemiflowsUndecided {
+        SemiflowsUndecided { eliminated: self.eliminated, of: self.todo.len(), rows: self.alive, cause }
     }
 
-    fn check_size(&self) -> Result<(), Undecided> {
+    fn check_size(&self) -> Result<(), SemiflowsUndecided> {
         if self.alive > self.limits.rows {
-            return Err(self.undecided(Cause::Rows));
+            return Err(self.undecided(SemiflowLimit::Rows));
         }
         if self.bytes > self.limits.bytes {
-            return Err(self.undecided(Cause::Bytes));
+            return Err(self.undecided(SemiflowLimit::Bytes));
         }
         Ok(())
     }
 
-    fn count(&mut self, row: &Row, change: i64) {
+    fn count(&mut self, row: &EliminationRow, change: i64) {
         for &(column, value) in &row.rest {
             let at = column as usize;
             let before = growth(self.signs[at]);
@@ -124,7 +127,7 @@ impl Rays {
         }
     }
 
-    fn insert(&mut self, row: Row) {
+    fn insert(&mut self, row: EliminationRow) {
         let index = self.rows.len();
         self.count(&row, 1);
         for &(column, _) in &row.rest {
@@ -147,7 +150,7 @@ impl Rays {
     }
 
     /// Replaces all rows that are not zero in the column by their sums that are.
-    fn eliminate(&mut self, column: u32) -> Result<(), Undecided> {
+    fn eliminate(&mut self, column: u32) -> Result<(), SemiflowsUndecided> {
         self.todo[column as usize] = false;
         let (mut positive, mut negative) = (Vec::new(), Vec::new());
         for index in std::mem::take(&mut self.in_column[column as usize]) {
@@ -162,19 +165,19 @@ impl Rays {
                 self.combinations += 1;
                 let is_adjacent = self.adjacent(a, b);
                 if self.combinations > self.limits.combinations || self.looks > self.limits.looks {
-                    return Err(self.undecided(Cause::Combinations));
+                    return Err(self.undecided(SemiflowLimit::Combinations));
                 }
                 if !is_adjacent {
                     continue;
                 }
-                let sum = self.cancel(a, b, column).ok_or_else(|| self.undecided(Cause::Overflow))?;
+                let sum = self.cancel(a, b, column).ok_or_else(|| self.undecided(SemiflowLimit::Overflow))?;
                 bytes += sum.bytes();
                 sums.push(sum);
                 if self.alive + sums.len() > self.limits.rows {
-                    return Err(self.undecided(Cause::Rows));
+                    return Err(self.undecided(SemiflowLimit::Rows));
                 }
                 if bytes > self.limits.bytes {
-                    return Err(self.undecided(Cause::Bytes));
+                    return Err(self.undecided(SemiflowLimit::Bytes));
                 }
             }
         }
@@ -224,11 +227,11 @@ impl Rays {
     }
 
     /// The positive sum of two rows that is zero in the column.
-    fn cancel(&self, a: usize, b: usize, column: u32) -> Option<Row> {
+    fn cancel(&self, a: usize, b: usize, column: u32) -> Option<EliminationRow> {
         let (a, b) = (&self.ray(a).row, &self.ray(b).row);
         let (x, y) = (b.at(column).unsigned_abs(), a.at(column).unsigned_abs());
         let divisor = gcd(x.into(), y.into()) as u64;
         // Both come from `i64` values other than the least one.
-        Row::combine((x / divisor) as i64, a, (y / divisor) as i64, b)
+        EliminationRow::combine((x / divisor) as i64, a, (y / divisor) as i64, b)
     }
 }

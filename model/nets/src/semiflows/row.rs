@@ -5,21 +5,21 @@
 //! 64 bits and combined in 128; what does not fit afterwards is reported, never cut off.
 
 /// Entries that are not zero, ordered by index.
-pub(super) type Sparse = Vec<(u32, i64)>;
+pub(super) type SparseVector = Vec<(u32, i64)>;
 
 /// A row under elimination.
 #[derive(Clone, Debug)]
-pub(super) struct Row {
+pub(super) struct EliminationRow {
     /// What is left of the matrix part.
-    pub rest: Sparse,
+    pub rest: SparseVector,
     /// The combination of the original rows that this one is.
-    pub own: Sparse,
+    pub own: SparseVector,
 }
 
-impl Row {
+impl EliminationRow {
     /// Row number `index` of the matrix.
-    pub fn unit(index: usize, rest: &[(u32, i64)]) -> Row {
-        Row { rest: rest.to_vec(), own: vec![(index as u32, 1)] }
+    pub fn unit(index: usize, rest: &[(u32, i64)]) -> EliminationRow {
+        EliminationRow { rest: rest.to_vec(), own: vec![(index as u32, 1)] }
     }
 
     /// The entry in a column.
@@ -28,18 +28,18 @@ impl Row {
     }
 
     /// `x`·`a` + `y`·`b`, divided by the greatest common divisor of the combination; none if a number outgrows 64 bits.
-    pub fn combine(x: i64, a: &Row, y: i64, b: &Row) -> Option<Row> {
+    pub fn combine(x: i64, a: &EliminationRow, y: i64, b: &EliminationRow) -> Option<EliminationRow> {
         let own = sum(x, &a.own, y, &b.own)?;
         let rest = sum(x, &a.rest, y, &b.rest)?;
         // `rest` is linear in `own`, so what divides `own` divides `rest`.
         let divisor = own.iter().fold(0_u128, |divisor, &(_, value)| gcd(divisor, value.unsigned_abs())).max(1);
         let divisor = i128::try_from(divisor).ok()?;
-        Some(Row { rest: narrow(rest, divisor)?, own: narrow(own, divisor)? })
+        Some(EliminationRow { rest: narrow(rest, divisor)?, own: narrow(own, divisor)? })
     }
 
     /// Roughly the memory the row takes.
     pub fn bytes(&self) -> usize {
-        size_of::<Row>() + (self.rest.len() + self.own.len()) * size_of::<(u32, i64)>()
+        size_of::<EliminationRow>() + (self.rest.len() + self.own.len()) * size_of::<(u32, i64)>()
     }
 }
 
@@ -75,7 +75,7 @@ fn sum(x: i64, a: &[(u32, i64)], y: i64, b: &[(u32, i64)]) -> Option<Vec<(u32, i
     Some(found)
 }
 
-fn narrow(values: Vec<(u32, i128)>, divisor: i128) -> Option<Sparse> {
+fn narrow(values: Vec<(u32, i128)>, divisor: i128) -> Option<SparseVector> {
     // The least number of 64 bits is left out, so that every number can be negated.
     let fits = |value: i128| i64::try_from(value / divisor).ok().filter(|&value| value != i64::MIN);
     values.into_iter().map(|(at, value)| Some((at, fits(value)?))).collect()
@@ -87,20 +87,20 @@ mod tests {
 
     #[test]
     fn a_combination_is_primitive_and_keeps_both_parts_in_step() {
-        let a = Row { rest: vec![(0, 4), (2, 2)], own: vec![(0, 2)] };
-        let b = Row { rest: vec![(0, -4), (1, 6)], own: vec![(1, 2)] };
-        let both = Row::combine(1, &a, 1, &b).unwrap();
+        let a = EliminationRow { rest: vec![(0, 4), (2, 2)], own: vec![(0, 2)] };
+        let b = EliminationRow { rest: vec![(0, -4), (1, 6)], own: vec![(1, 2)] };
+        let both = EliminationRow::combine(1, &a, 1, &b).unwrap();
         assert_eq!((both.rest, both.own), (vec![(1, 3), (2, 1)], vec![(0, 1), (1, 1)]));
     }
 
     #[test]
     fn what_outgrows_64_bits_is_reported() {
-        let a = Row { rest: vec![(0, 1)], own: vec![(0, i64::MAX), (2, 1)] };
-        let b = Row { rest: vec![(0, -1)], own: vec![(1, 1)] };
-        assert!(Row::combine(1, &a, 1, &b).is_some());
-        assert!(Row::combine(2, &a, 1, &b).is_none());
-        let c = Row { rest: vec![], own: vec![(0, -i64::MAX), (2, -1)] };
-        let sum = Row::combine(i64::MAX, &a, i64::MAX - 1, &c).unwrap();
+        let a = EliminationRow { rest: vec![(0, 1)], own: vec![(0, i64::MAX), (2, 1)] };
+        let b = EliminationRow { rest: vec![(0, -1)], own: vec![(1, 1)] };
+        assert!(EliminationRow::combine(1, &a, 1, &b).is_some());
+        assert!(EliminationRow::combine(2, &a, 1, &b).is_none());
+        let c = EliminationRow { rest: vec![], own: vec![(0, -i64::MAX), (2, -1)] };
+        let sum = EliminationRow::combine(i64::MAX, &a, i64::MAX - 1, &c).unwrap();
         assert_eq!(sum.own, [(0, i64::MAX), (2, 1)]);
     }
 }

@@ -20,7 +20,7 @@ use sides::Sides;
 
 /// How large the search for minimal sets may become.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
-pub struct Limits {
+pub struct SiphonLimits {
     /// The most partial sets that are looked at, each in time linear in the net. A set counts again for each place that
     /// joins it, and for each that is taken out to see whether it is minimal.
     pub sets: usize,
@@ -28,37 +28,37 @@ pub struct Limits {
     pub bytes: usize,
 }
 
-impl Default for Limits {
+impl Default for SiphonLimits {
     /// Some seconds on a net of a hundred places.
     fn default() -> Self {
-        Limits { sets: 500_000, bytes: 256 << 20 }
+        SiphonLimits { sets: 500_000, bytes: 256 << 20 }
     }
 }
 
 /// The search did not come to an end: there may be more minimal sets.
 #[derive(Clone, Debug, PartialEq, Eq, Error)]
 #[error("undecided after {sets} partial sets, with {found} minimal ones found: {cause}")]
-pub struct Undecided {
+pub struct SiphonsUndecided {
     /// The partial sets looked at.
     pub sets: usize,
     /// The minimal sets found until then.
     pub found: usize,
     /// What stopped the search.
-    pub cause: Cause,
+    pub cause: SiphonLimit,
 }
 
 /// What stops a search for siphons or traps.
 #[derive(Clone, Debug, PartialEq, Eq, Error)]
-pub enum Cause {
-    /// [`Limits::sets`].
+pub enum SiphonLimit {
+    /// [`SiphonLimits::sets`].
     #[error("there are more to look at than allowed")]
     Sets,
-    /// [`Limits::bytes`].
+    /// [`SiphonLimits::bytes`].
     #[error("they take more memory than allowed")]
     Bytes,
     /// The circuits of a marked graph are found as semiflows, and those were too many.
     #[error("{0}")]
-    Semiflows(crate::semiflows::Undecided),
+    Semiflows(crate::semiflows::SemiflowsUndecided),
 }
 
 /// A siphon without a marked trap: it can run empty, in a free-choice net for certain.
@@ -97,18 +97,18 @@ pub fn largest_empty_siphon(net: &Net, marking: &Marking) -> Vec<PlaceId> {
 }
 
 /// All siphons, except the empty one, that contain no other; each in order, and the list too.
-pub fn minimal_siphons(net: &Net, limits: &Limits) -> Result<Vec<Vec<PlaceId>>, Undecided> {
+pub fn minimal_siphons(net: &Net, limits: &SiphonLimits) -> Result<Vec<Vec<PlaceId>>, SiphonsUndecided> {
     minimal(net, &Sides::of_siphons(net), limits)
 }
 
 /// All traps, except the empty one, that contain no other; each in order, and the list too.
-pub fn minimal_traps(net: &Net, limits: &Limits) -> Result<Vec<Vec<PlaceId>>, Undecided> {
+pub fn minimal_traps(net: &Net, limits: &SiphonLimits) -> Result<Vec<Vec<PlaceId>>, SiphonsUndecided> {
     minimal(net, &Sides::of_traps(net), limits)
 }
 
 /// Commoner's condition: whether every siphon contains a trap that is marked initially. A place without arcs is a
 /// siphon too, but no transition depends on it, so it does not count.
-pub fn commoner(net: &Net, limits: &Limits) -> Result<Result<(), Uncontrolled>, Undecided> {
+pub fn commoner(net: &Net, limits: &SiphonLimits) -> Result<Result<(), Uncontrolled>, SiphonsUndecided> {
     let initial = net.initial_marking();
     let traps = Sides::of_traps(net);
     for siphon in minimal_siphons(net, limits)? {
@@ -121,15 +121,16 @@ pub fn commoner(net: &Net, limits: &Limits) -> Result<Result<(), Uncontrolled>, 
     Ok(Ok(()))
 }
 
-fn minimal(net: &Net, sides: &Sides, limits: &Limits) -> Result<Vec<Vec<PlaceId>>, Undecided> {
+fn minimal(net: &Net, sides: &Sides, limits: &SiphonLimits) -> Result<Vec<Vec<PlaceId>>, SiphonsUndecided> {
     if net.is_marked_graph().is_ok() {
         // Every place has one way in and one way out: minimal siphons and traps are both the elementary circuits, and
         // these are the minimal semiflows. That search does not have to guess.
-        let within = crate::semiflows::Limits { bytes: limits.bytes, ..crate::semiflows::Limits::default() };
-        let circuits = crate::semiflows::place_semiflows(net, &within).map_err(|error| Undecided {
+        let within =
+            crate::semiflows::SemiflowLimits { bytes: limits.bytes, ..crate::semiflows::SemiflowLimits::default() };
+        let circuits = crate::semiflows::place_semiflows(net, &within).map_err(|error| SiphonsUndecided {
             sets: 0,
             found: 0,
-            cause: Cause::Semiflows(error),
+            cause: SiphonLimit::Semiflows(error),
         })?;
         return Ok(circuits.all().iter().map(|circuit| circuit.support().collect()).collect());
     }

@@ -8,7 +8,7 @@
 use thiserror::Error;
 
 use super::HeavyArc;
-use crate::{Named, Net, PlaceId, TransitionId};
+use crate::{NamedId, Net, PlaceId, TransitionId};
 
 /// Why a net is not of extended free choice.
 #[derive(Clone, Debug, PartialEq, Eq, Error)]
@@ -17,13 +17,13 @@ pub enum NotExtendedFreeChoice {
     #[error("{first} and {second} compete for {shared}, but only {first} waits for {waits_for}")]
     Unequal {
         /// The place both take from.
-        shared: Named<PlaceId>,
+        shared: NamedId<PlaceId>,
         /// The transition that needs more, or something else.
-        first: Named<TransitionId>,
+        first: NamedId<TransitionId>,
         /// Its competitor.
-        second: Named<TransitionId>,
+        second: NamedId<TransitionId>,
         /// What only the first one needs.
-        waits_for: Named<PlaceId>,
+        waits_for: NamedId<PlaceId>,
     },
     /// An arc has a weight.
     #[error(transparent)]
@@ -39,15 +39,15 @@ pub enum NotAsymmetricChoice {
     )]
     Crossed {
         /// One place.
-        first: Named<PlaceId>,
+        first: NamedId<PlaceId>,
         /// The other.
-        second: Named<PlaceId>,
+        second: NamedId<PlaceId>,
         /// The transition that takes from both.
-        shared: Named<TransitionId>,
+        shared: NamedId<TransitionId>,
         /// One that takes from the first alone.
-        of_first: Named<TransitionId>,
+        of_first: NamedId<TransitionId>,
         /// One that takes from the second alone.
-        of_second: Named<TransitionId>,
+        of_second: NamedId<TransitionId>,
     },
     /// An arc has a weight.
     #[error(transparent)]
@@ -57,13 +57,13 @@ pub enum NotAsymmetricChoice {
 /// A place that offers a choice.
 #[derive(Clone, Debug, PartialEq, Eq, Error)]
 #[error("{place} offers the choice between {first} and {second}")]
-pub struct Choice {
+pub struct ChoicePlace {
     /// The place.
-    pub place: Named<PlaceId>,
+    pub place: NamedId<PlaceId>,
     /// One transition that takes from it.
-    pub first: Named<TransitionId>,
+    pub first: NamedId<TransitionId>,
     /// Another one.
-    pub second: Named<TransitionId>,
+    pub second: NamedId<TransitionId>,
 }
 
 impl Net {
@@ -124,11 +124,11 @@ impl Net {
 
     /// Whether no place has two output transitions. Such a net is persistent whatever its marking: no transition can
     /// disable another (seed 000 §2.5.4, "Persistence"; Teruel, Colom and Silva, *Choice-free Petri nets*, 1997).
-    pub fn is_choice_free(&self) -> Result<(), Choice> {
+    pub fn is_choice_free(&self) -> Result<(), ChoicePlace> {
         for p in self.places() {
             if let [(first, _), (second, _), ..] = *self.consumers(p) {
                 let (first, second) = (self.transition(first), self.transition(second));
-                return Err(Choice { place: self.place(p), first, second });
+                return Err(ChoicePlace { place: self.place(p), first, second });
             }
         }
         Ok(())

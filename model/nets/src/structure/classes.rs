@@ -6,7 +6,7 @@
 
 use thiserror::Error;
 
-use crate::{ArcName, Direction, Named, Net, PlaceId, TransitionId};
+use crate::{ArcDirection, ArcName, NamedId, Net, PlaceId, TransitionId};
 
 /// An arc that moves more than one token at a time.
 #[derive(Clone, Debug, PartialEq, Eq, Error)]
@@ -25,7 +25,7 @@ pub enum NotStateMachine {
     #[error("{transition} has {count} input places, not 1")]
     Inputs {
         /// The transition.
-        transition: Named<TransitionId>,
+        transition: NamedId<TransitionId>,
         /// |•t|.
         count: usize,
     },
@@ -33,7 +33,7 @@ pub enum NotStateMachine {
     #[error("{transition} has {count} output places, not 1")]
     Outputs {
         /// The transition.
-        transition: Named<TransitionId>,
+        transition: NamedId<TransitionId>,
         /// |t•|.
         count: usize,
     },
@@ -49,7 +49,7 @@ pub enum NotMarkedGraph {
     #[error("{place} has {count} input transitions, not 1")]
     Producers {
         /// The place.
-        place: Named<PlaceId>,
+        place: NamedId<PlaceId>,
         /// |•p|.
         count: usize,
     },
@@ -57,7 +57,7 @@ pub enum NotMarkedGraph {
     #[error("{place} has {count} output transitions, not 1")]
     Consumers {
         /// The place.
-        place: Named<PlaceId>,
+        place: NamedId<PlaceId>,
         /// |p•|.
         count: usize,
     },
@@ -73,13 +73,13 @@ pub enum NotFreeChoice {
     #[error("{place} offers the choice between {chosen} and {other}, but {chosen} also waits for {waits_for}")]
     Entangled {
         /// The place with the choice.
-        place: Named<PlaceId>,
+        place: NamedId<PlaceId>,
         /// The candidate that is not free.
-        chosen: Named<TransitionId>,
+        chosen: NamedId<TransitionId>,
         /// Another candidate.
-        other: Named<TransitionId>,
+        other: NamedId<TransitionId>,
         /// The other place that `chosen` needs.
-        waits_for: Named<PlaceId>,
+        waits_for: NamedId<PlaceId>,
     },
     /// An arc has a weight.
     #[error(transparent)]
@@ -144,7 +144,7 @@ impl Net {
             })
         };
         self.transitions().find_map(|t| {
-            heavy(Direction::Input, t, self.preset(t)).or_else(|| heavy(Direction::Output, t, self.postset(t)))
+            heavy(ArcDirection::Input, t, self.preset(t)).or_else(|| heavy(ArcDirection::Output, t, self.postset(t)))
         })
     }
 }

@@ -7,16 +7,16 @@
 use thiserror::Error;
 
 use crate::components::Components;
-use crate::{Named, Net, Node, PlaceId, TransitionId};
+use crate::{NamedId, Net, NetNode, PlaceId, TransitionId};
 
 /// Why a net is not strongly connected: two nodes without a path between them.
 #[derive(Clone, Debug, PartialEq, Eq, Error)]
 #[error("no path leads from {from} to {to}")]
 pub struct NotConnected {
     /// Where a path would start.
-    pub from: Named<Node>,
+    pub from: NamedId<NetNode>,
     /// Where it would have to end.
-    pub to: Named<Node>,
+    pub to: NamedId<NetNode>,
 }
 
 impl Net {
@@ -37,8 +37,8 @@ impl Net {
         }
         // The first component is terminal, so that nothing leads from it to any other.
         let node = |index: usize| match index.checked_sub(places) {
-            None => Node::Place(PlaceId(index as u32)),
-            Some(index) => Node::Transition(TransitionId(index as u32)),
+            None => NetNode::Place(PlaceId(index as u32)),
+            Some(index) => NetNode::Transition(TransitionId(index as u32)),
         };
         let first_of = |component| self.node(node(found.members(component)[0]));
         Err(NotConnected { from: first_of(0), to: first_of(found.count() - 1) })

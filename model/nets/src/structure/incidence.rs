@@ -8,7 +8,7 @@
 
 use thiserror::Error;
 
-use crate::{Named, Net, PlaceId, TransitionId};
+use crate::{NamedId, Net, PlaceId, TransitionId};
 
 /// The non-zero entries of the incidence matrix of a net.
 #[derive(Clone, Debug)]
@@ -23,7 +23,7 @@ pub struct Incidence<'net> {
 #[error("{transition} takes {takes} tokens and gives {gives}")]
 pub struct NotConservative {
     /// The transition.
-    pub transition: Named<TransitionId>,
+    pub transition: NamedId<TransitionId>,
     /// What firing takes, summed over all places.
     pub takes: u64,
     /// What firing gives.
@@ -35,7 +35,7 @@ pub struct NotConservative {
 #[error("firing {transition} changes the weighted sum by {change}")]
 pub struct NotPlaceInvariant {
     /// The transition.
-    pub transition: Named<TransitionId>,
+    pub transition: NamedId<TransitionId>,
     /// By how much.
     pub change: i128,
 }
@@ -45,7 +45,7 @@ pub struct NotPlaceInvariant {
 #[error("the firings change the tokens of {place} by {change}")]
 pub struct NotTransitionInvariant {
     /// The place.
-    pub place: Named<PlaceId>,
+    pub place: NamedId<PlaceId>,
     /// By how much.
     pub change: i128,
 }

@@ -15,7 +15,7 @@
 //! impossible where anything is conserved.
 
 use crate::semiflows::rays::{Matrix, minimal_solutions};
-use crate::semiflows::{Cause, Limits, Undecided, by_place, by_transition, rank};
+use crate::semiflows::{SemiflowLimit, SemiflowLimits, SemiflowsUndecided, by_place, by_transition, rank};
 use crate::{Net, PlaceId, TransitionId};
 
 /// Weights of all nodes of a kind, all positive; or the nodes that have weight zero in every solution.
@@ -23,7 +23,7 @@ pub type Positive<I> = Result<Vec<u64>, Vec<I>>;
 
 /// The linear properties of a net, each with the weights that prove it or the nodes that stand in the way.
 #[derive(Clone, Debug, PartialEq, Eq)]
-pub struct Linear {
+pub struct LinearProperties {
     /// y > 0 with y·C = 0; else the places in no conserved sum.
     pub conservative: Positive<PlaceId>,
     /// y > 0 with y·C ≤ 0; else the places that are unbounded from some marking.
@@ -38,9 +38,9 @@ pub struct Linear {
 
 impl Net {
     /// Decides the properties that are linear inequalities, or says which search became too large.
-    pub fn linear_properties(&self, limits: &Limits) -> Result<Linear, Undecided> {
+    pub fn linear_properties(&self, limits: &SemiflowLimits) -> Result<LinearProperties, SemiflowsUndecided> {
         let (places, transitions) = (by_place(self), by_transition(self));
-        Ok(Linear {
+        Ok(LinearProperties {
             conservative: positive(&places, places.rows.len(), PlaceId, limits)?,
             structurally_bounded: positive(&with_slack(&places, 1), places.rows.len(), PlaceId, limits)?,
             consistent: positive(&transitions, transitions.rows.len(), TransitionId, limits)?,
@@ -57,7 +57,12 @@ fn with_slack(matrix: &Matrix, sign: i64) -> Matrix {
 }
 
 /// The sum of as many minimal solutions as it takes to have a weight on each of the first `count` rows.
-fn positive<I>(matrix: &Matrix, count: usize, id: fn(u32) -> I, limits: &Limits) -> Result<Positive<I>, Undecided> {
+fn positive<I>(
+    matrix: &Matrix,
+    count: usize,
+    id: fn(u32) -> I,
+    limits: &SemiflowLimits,
+) -> Result<Positive<I>, SemiflowsUndecided> {
     let solutions = minimal_solutions(matrix, limits)?;
     let mut weights = vec![0_u64; count];
     let real = |solution: &[(u32, i64)]| solution.iter().filter(|&&(row, _)| (row as usize) < count).count();
@@ -67,8 +72,12 @@ fn positive<I>(matrix: &Matrix, count: usize, id: fn(u32) -> I, limits: &Limits)
             for &(row, weight) in own {
                 let sum = weights[row as usize].checked_add(weight.unsigned_abs());
                 let columns = matrix.columns;
-                let overflow =
-                    Undecided { eliminated: columns, of: columns, rows: solutions.len(), cause: Cause::Overflow };
+                let overflow = SemiflowsUndecided {
+                    eliminated: columns,
+                    of: columns,
+                    rows: solutions.len(),
+                    cause: SemiflowLimit::Overflow,
+                };
                 weights[row as usize] = sum.ok_or(overflow)?;
             }
         }
@@ -79,7 +88,7 @@ fn positive<I>(matrix: &Matrix, count: usize, id: fn(u32) -> I, limits: &Limits)
 
 #[cfg(test)]
 mod tests {
-    use crate::semiflows::Limits;
+    use crate::semiflows::SemiflowLimits;
     use crate::{Net, NetBuilder, PlaceId, TransitionId};
 
     type Side = [(usize, u32)];
@@ -98,7 +107,7 @@ mod tests {
     #[test]
     fn four_bolts_against_one_part_are_conservative_and_consistent() {
         let net = net(2, &[(&[(0, 4)], &[(1, 1)]), (&[(1, 1)], &[(0, 4)])]);
-        let found = net.linear_properties(&Limits::default()).unwrap();
+        let found = net.linear_properties(&SemiflowLimits::default()).unwrap();
         assert_eq!(found.conservative, Ok(vec![1, 4]));
         assert_eq!(found.consistent, Ok(vec![1, 1]));
         assert!(found.structurally_bounded.is_ok() && found.repetitive.is_ok() && !found.full_rank);
@@ -107,7 +116,7 @@ mod tests {
     #[test]
     fn a_drain_is_bounded_without_being_conservative() {
         let net = net(1, &[(&[(0, 1)], &[])]);
-        let found = net.linear_properties(&Limits::default()).unwrap();
+        let found = net.linear_properties(&SemiflowLimits::default()).unwrap();
         assert_eq!(found.conservative, Err(vec![PlaceId(0)]));
         assert_eq!(found.structurally_bounded, Ok(vec![1]));
         assert_eq!(found.repetitive, Err(vec![TransitionId(0)]));
@@ -117,7 +126,7 @@ mod tests {
     #[test]
     fn a_spring_repeats_without_being_consistent() {
         let net = net(1, &[(&[], &[(0, 1)])]);
-        let found = net.linear_properties(&Limits::default()).unwrap();
+        let found = net.linear_properties(&SemiflowLimits::default()).unwrap();
         assert_eq!(found.repetitive, Ok(vec![1]));
         assert_eq!(found.consistent, Err(vec![TransitionId(0)]));
         assert_eq!(found.structurally_bounded, Err(vec![PlaceId(0)]));

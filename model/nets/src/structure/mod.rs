@@ -22,9 +22,9 @@ mod state_machine;
 #[cfg(test)]
 mod testnets;
 
-pub use choice::{Choice, NotAsymmetricChoice, NotExtendedFreeChoice};
+pub use choice::{ChoicePlace, NotAsymmetricChoice, NotExtendedFreeChoice};
 pub use classes::{HeavyArc, NotFreeChoice, NotMarkedGraph, NotStateMachine};
 pub use connected::NotConnected;
 pub use incidence::{Incidence, NotConservative, NotPlaceInvariant, NotTransitionInvariant};
-pub use linear::{Linear, Positive};
-pub use state_machine::{NotLive, NotReversible, NotSafe, Verdict, state_machine_verdict};
+pub use linear::{LinearProperties, Positive};
+pub use state_machine::{NotLive, NotReversible, NotSafe, StateMachineVerdict, state_machine_verdict};

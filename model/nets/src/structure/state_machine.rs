@@ -16,11 +16,11 @@ use thiserror::Error;
 
 use super::NotStateMachine;
 use crate::components::Components;
-use crate::{Named, Net, PlaceId, TransitionId};
+use crate::{NamedId, Net, PlaceId, TransitionId};
 
 /// What holds of a state machine, and why what does not hold does not.
 #[derive(Clone, Debug, PartialEq, Eq)]
-pub struct Verdict {
+pub struct StateMachineVerdict {
     /// From every reachable marking every transition can be enabled again (seed 002 §3.1, Definition 1).
     pub live: Result<(), NotLive>,
     /// No place ever holds more than one token (Definition 1).
@@ -29,14 +29,14 @@ pub struct Verdict {
     pub reversible: Result<(), NotReversible>,
 }
 
-impl Verdict {
+impl StateMachineVerdict {
     /// Whether the net is live, safe and reversible.
     pub fn holds(&self) -> bool {
         self.live.is_ok() && self.safe.is_ok() && self.reversible.is_ok()
     }
 }
 
-impl fmt::Display for Verdict {
+impl fmt::Display for StateMachineVerdict {
     fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
         match &self.live {
             Ok(()) => writeln!(f, "live: every part is strongly connected and has a token")?,
@@ -60,17 +60,17 @@ pub enum NotLive {
     #[error("{transition} leads from {from} to {to}, and no path leads back")]
     NoReturn {
         /// The transition.
-        transition: Named<TransitionId>,
+        transition: NamedId<TransitionId>,
         /// Its input place.
-        from: Named<PlaceId>,
+        from: NamedId<PlaceId>,
         /// Its output place.
-        to: Named<PlaceId>,
+        to: NamedId<PlaceId>,
     },
     /// No token is in the part of the net that the transition belongs to.
     #[error("no token can ever reach {transition}")]
     NoToken {
         /// The transition.
-        transition: Named<TransitionId>,
+        transition: NamedId<TransitionId>,
     },
 }
 
@@ -79,11 +79,11 @@ pub enum NotLive {
 #[error("{place} can hold two tokens, one that starts on {first} and one that starts on {second}")]
 pub struct NotSafe {
     /// Where they meet.
-    pub place: Named<PlaceId>,
+    pub place: NamedId<PlaceId>,
     /// Where one of them is initially.
-    pub first: Named<PlaceId>,
+    pub first: NamedId<PlaceId>,
     /// Where the other is.
-    pub second: Named<PlaceId>,
+    pub second: NamedId<PlaceId>,
 }
 
 /// Why a state machine is not reversible.
@@ -91,11 +91,11 @@ pub struct NotSafe {
 #[error("the token on {place} can leave by {transition} for {to}, and no path leads back")]
 pub struct NotReversible {
     /// An initially marked place.
-    pub place: Named<PlaceId>,
+    pub place: NamedId<PlaceId>,
     /// The point of no return that its token can reach.
-    pub transition: Named<TransitionId>,
+    pub transition: NamedId<TransitionId>,
     /// Where that leads.
-    pub to: Named<PlaceId>,
+    pub to: NamedId<PlaceId>,
 }
 
 /// Decides whether a state machine is live, safe and reversible, in time linear in its size.
@@ -114,11 +114,11 @@ pub struct NotReversible {
 /// - **Reversible** iff every walker starts in a terminal component. *If*: it never left it and can go back alone.
 ///   *Only if*: send the walker into a terminal component, and all others too; nobody can go where it started. A live
 ///   net has terminal components only, hence is reversible (Theorem 2).
-pub fn state_machine_verdict(net: &Net) -> Result<Verdict, NotStateMachine> {
+pub fn state_machine_verdict(net: &Net) -> Result<StateMachineVerdict, NotStateMachine> {
     net.is_state_machine()?;
     let edges = Edges { net };
     let parts = Components::new(net.place_count(), edges.all().map(|(_, from, to)| (from.index(), to.index())));
-    Ok(Verdict { live: live(edges, &parts), safe: safe(edges), reversible: reversible(edges, &parts) })
+    Ok(StateMachineVerdict { live: live(edges, &parts), safe: safe(edges), reversible: reversible(edges, &parts) })
 }
 
 /// The graph of a state machine: places as nodes, transitions as edges.

@@ -6,9 +6,9 @@
 use std::collections::BTreeMap;
 
 use super::chain::{self, Chain};
-use super::system::Row;
+use super::system::TransitionRow;
 use super::{EventMode, Interval, Semantics, Tnces, TncesError};
-use crate::{Named, Net, PlaceId, TransitionId};
+use crate::{NamedId, Net, PlaceId, TransitionId};
 
 /// The most transitions forced by one trigger that may compete for tokens.
 const CONTESTED_MAX: usize = 12;
@@ -109,7 +109,7 @@ impl TncesBuilder {
         self.check_conditions(&mut problems);
         self.check_intervals(&mut problems);
         self.check_events(&mut problems);
-        let mut rows = vec![Row::default(); self.net.transition_count()];
+        let mut rows = vec![TransitionRow::default(); self.net.transition_count()];
         self.fill(&mut rows);
         for t in self.net.transitions().filter(|t| rows[t.index()].external && !rows[t.index()].groups.is_empty()) {
             problems.push(TncesError::ExternalForced { transition: self.net.transition(t) });
@@ -202,7 +202,7 @@ impl TncesBuilder {
         }
     }
 
-    fn fill(&self, rows: &mut [Row]) {
+    fn fill(&self, rows: &mut [TransitionRow]) {
         for t in self.net.transitions() {
             let row = &mut rows[t.index()];
             let start = self.conditions.partition_point(|&(of, _, _)| of < t);
@@ -234,7 +234,7 @@ impl TncesBuilder {
         self.external.iter().for_each(|t| rows[t.index()].external = true);
     }
 
-    fn chains(&self, rows: &[Row], problems: &mut Vec<TncesError>) -> Vec<Chain> {
+    fn chains(&self, rows: &[TransitionRow], problems: &mut Vec<TncesError>) -> Vec<Chain> {
         let mut targets = vec![Vec::new(); rows.len()];
         for (to, row) in self.net.transitions().zip(rows) {
             row.groups.iter().flatten().for_each(|from| targets[from.index()].push(to));
@@ -242,7 +242,7 @@ impl TncesBuilder {
         let rank = match chain::rank(&targets) {
             Ok(rank) => rank,
             Err(cycle) => {
-                let cycle: Vec<Named<_>> = cycle.into_iter().map(|t| self.net.transition(t)).collect();
+                let cycle: Vec<NamedId<_>> = cycle.into_iter().map(|t| self.net.transition(t)).collect();
                 problems.push(TncesError::EventCycle { cycle });
                 return Vec::new();
             }

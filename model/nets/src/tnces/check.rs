@@ -2,19 +2,19 @@
 
 use std::collections::{BTreeMap, HashSet};
 
-use super::compose::{Composite, Element, End, Kind, Part};
-use super::flatten::{Flattening, Node};
-use super::{ComposeError, Module};
+use super::compose::{ComponentId, Composite, Element, Endpoint, PortKind};
+use super::flatten::{FlatNode, Flattening};
+use super::{ComposeError, TncesModule};
 
 impl Flattening<'_> {
-    pub(super) fn check_module(&mut self, module: &Module, path: &str) {
-        let ports = module.condition_in.iter().map(|(name, _)| (Kind::Condition, name));
-        let ports = ports.chain(module.event_in.iter().map(|(name, _)| (Kind::Event, name)));
+    pub(super) fn check_module(&mut self, module: &TncesModule, path: &str) {
+        let ports = module.condition_in.iter().map(|(name, _)| (PortKind::Condition, name));
+        let ports = ports.chain(module.event_in.iter().map(|(name, _)| (PortKind::Event, name)));
         self.check_ports(path, "inputs", ports);
-        let ports = module.condition_out.iter().map(|(name, _)| (Kind::Condition, name));
-        let ports = ports.chain(module.event_out.iter().map(|(name, _)| (Kind::Event, name)));
+        let ports = module.condition_out.iter().map(|(name, _)| (PortKind::Condition, name));
+        let ports = ports.chain(module.event_out.iter().map(|(name, _)| (PortKind::Event, name)));
         self.check_ports(path, "outputs", ports);
-        for (kind, ports) in [(Kind::Condition, &module.condition_in), (Kind::Event, &module.event_in)] {
+        for (kind, ports) in [(PortKind::Condition, &module.condition_in), (PortKind::Event, &module.event_in)] {
             for (name, _) in ports.iter().filter(|(_, transitions)| transitions.is_empty()) {
                 self.problems.push(ComposeError::Idle { port: port_name(path, kind, "input", name) });
             }
@@ -35,7 +35,7 @@ impl Flattening<'_> {
         self.problems.extend(transition.map(|t| foreign("transitions", t_count, t.0)));
     }
 
-    fn check_ports<'n>(&mut self, owner: &str, way: &str, ports: impl Iterator<Item = (Kind, &'n String)>) {
+    fn check_ports<'n>(&mut self, owner: &str, way: &str, ports: impl Iterator<Item = (PortKind, &'n String)>) {
         let mut known = HashSet::new();
         for (kind, name) in ports.filter(|&port| !known.insert(port)) {
             let port = format!("{} {way} named `{name}`", kind.word());
@@ -53,29 +53,29 @@ impl Flattening<'_> {
         self.check_ports(&composite.name, "outputs", composite.outputs.iter().map(|(kind, name)| (*kind, name)));
     }
 
-    pub(super) fn check_links(&mut self, composite: &Composite, children: &[Node]) {
+    pub(super) fn check_links(&mut self, composite: &Composite, children: &[FlatNode]) {
         // By the driven port.
-        let mut sources: BTreeMap<(Kind, End), Vec<&End>> = BTreeMap::new();
+        let mut sources: BTreeMap<(PortKind, Endpoint), Vec<&Endpoint>> = BTreeMap::new();
         for (kind, from, to) in &composite.links {
             let found = self.check_end(composite, children, *kind, from, true);
             if self.check_end(composite, children, *kind, to, false) && found {
                 sources.entry((*kind, to.clone())).or_default().push(from);
             }
-            if let (End::Own(from), End::Own(to)) = (from, to) {
+            if let (Endpoint::Own(from), Endpoint::Own(to)) = (from, to) {
                 let (from, to) = (from.clone(), to.clone());
                 self.problems.push(ComposeError::PassThrough { composite: composite.name.clone(), from, to });
             }
         }
-        let port = |kind: Kind, end: &End| match end {
-            End::Own(name) => port_name(&composite.name, kind, "output", name),
-            End::Of(part, name) => port_name(&children[part.0].path, kind, "input", name),
+        let port = |kind: PortKind, end: &Endpoint| match end {
+            Endpoint::Own(name) => port_name(&composite.name, kind, "output", name),
+            Endpoint::Of(part, name) => port_name(&children[part.0].path, kind, "input", name),
         };
         for ((kind, to), from) in &sources {
-            let different: HashSet<&End> = from.iter().copied().collect();
-            if from.len() > different.len() || (*kind == Kind::Condition && from.len() > 1) {
-                let name = |end: &&End| match end {
-                    End::Own(name) => format!("`{}.{name}`", composite.name),
-                    End::Of(part, name) => format!("`{}.{name}`", children[part.0].path),
+            let different: HashSet<&Endpoint> = from.iter().copied().collect();
+            if from.len() > different.len() || (*kind == PortKind::Condition && from.len() > 1) {
+                let name = |end: &&Endpoint| match end {
+                    Endpoint::Own(name) => format!("`{}.{name}`", composite.name),
+                    Endpoint::Of(part, name) => format!("`{}.{name}`", children[part.0].path),
                 };
                 let names: Vec<_> = from.iter().map(name).collect();
                 let (port, times) = (port(*kind, to), from.len());
@@ -83,29 +83,39 @@ impl Flattening<'_> {
             }
         }
         let inner = children.iter().enumerate().flat_map(|(part, child)| {
-            inputs(child.element).into_iter().map(move |(kind, name)| (kind, End::Of(Part(part), name.to_owned())))
+            inputs(child.element)
+                .into_iter()
+                .map(move |(kind, name)| (kind, Endpoint::Of(ComponentId(part), name.to_owned())))
         });
-        let own = composite.outputs.iter().map(|(kind, name)| (*kind, End::Own(name.clone())));
+        let own = composite.outputs.iter().map(|(kind, name)| (*kind, Endpoint::Own(name.clone())));
         for (kind, end) in inner.chain(own).filter(|driven| !sources.contains_key(driven)) {
             self.problems.push(ComposeError::NotConnected { port: port(kind, &end) });
         }
-        let used: HashSet<(Kind, &End)> = composite.links.iter().map(|(kind, from, _)| (*kind, from)).collect();
+        let used: HashSet<(PortKind, &Endpoint)> =
+            composite.links.iter().map(|(kind, from, _)| (*kind, from)).collect();
         for (kind, name) in
-            composite.inputs.iter().filter(|(kind, name)| !used.contains(&(*kind, &End::Own(name.clone()))))
+            composite.inputs.iter().filter(|(kind, name)| !used.contains(&(*kind, &Endpoint::Own(name.clone()))))
         {
             self.problems.push(ComposeError::Idle { port: port_name(&composite.name, *kind, "input", name) });
         }
     }
 
     /// Whether an end exists. A source is an output of a part or an input of the composite.
-    fn check_end(&mut self, composite: &Composite, children: &[Node], kind: Kind, end: &End, is_source: bool) -> bool {
+    fn check_end(
+        &mut self,
+        composite: &Composite,
+        children: &[FlatNode],
+        kind: PortKind,
+        end: &Endpoint,
+        is_source: bool,
+    ) -> bool {
         let (owner, exists, way, name) = match end {
-            End::Own(name) => {
+            Endpoint::Own(name) => {
                 let own = if is_source { &composite.inputs } else { &composite.outputs };
                 let exists = own.iter().any(|port| *port == (kind, name.clone()));
                 (&composite.name, exists, if is_source { "input" } else { "output" }, name)
             }
-            End::Of(part, name) => {
+            Endpoint::Of(part, name) => {
                 let Some(child) = children.get(part.0) else {
                     let (composite, parts) = (composite.name.clone(), children.len());
                     self.problems.push(ComposeError::UnknownPart { composite, part: part.0, parts });
@@ -124,26 +134,26 @@ impl Flattening<'_> {
     }
 }
 
-fn inputs(element: &Element) -> Vec<(Kind, &String)> {
+fn inputs(element: &Element) -> Vec<(PortKind, &String)> {
     match element {
         Element::Module(module) => {
-            let conditions = module.condition_in.iter().map(|(name, _)| (Kind::Condition, name));
-            conditions.chain(module.event_in.iter().map(|(name, _)| (Kind::Event, name))).collect()
+            let conditions = module.condition_in.iter().map(|(name, _)| (PortKind::Condition, name));
+            conditions.chain(module.event_in.iter().map(|(name, _)| (PortKind::Event, name))).collect()
         }
         Element::Composite(composite) => composite.inputs.iter().map(|(kind, name)| (*kind, name)).collect(),
     }
 }
 
-fn outputs_named(element: &Element) -> Vec<(Kind, &String)> {
+fn outputs_named(element: &Element) -> Vec<(PortKind, &String)> {
     match element {
         Element::Module(module) => {
-            let conditions = module.condition_out.iter().map(|(name, _)| (Kind::Condition, name));
-            conditions.chain(module.event_out.iter().map(|(name, _)| (Kind::Event, name))).collect()
+            let conditions = module.condition_out.iter().map(|(name, _)| (PortKind::Condition, name));
+            conditions.chain(module.event_out.iter().map(|(name, _)| (PortKind::Event, name))).collect()
         }
         Element::Composite(composite) => composite.outputs.iter().map(|(kind, name)| (*kind, name)).collect(),
     }
 }
 
-pub(super) fn port_name(owner: &str, kind: Kind, way: &str, port: &str) -> String {
+pub(super) fn port_name(owner: &str, kind: PortKind, way: &str, port: &str) -> String {
     format!("{} {way} `{owner}.{port}`", kind.word())
 }

@@ -7,13 +7,13 @@
 //! may be left alone.
 
 use super::flatten;
-use super::{ComposeError, Module, Semantics, Tnces};
+use super::{ComposeError, Semantics, Tnces, TncesModule};
 
 /// A part of a composite.
 #[derive(Clone, Debug)]
 pub enum Element {
     /// A net with ports.
-    Module(Box<Module>),
+    Module(Box<TncesModule>),
     /// Parts with ports.
     Composite(Composite),
 }
@@ -28,8 +28,8 @@ impl Element {
     }
 }
 
-impl From<Module> for Element {
-    fn from(module: Module) -> Element {
+impl From<TncesModule> for Element {
+    fn from(module: TncesModule) -> Element {
         Element::Module(Box::new(module))
     }
 }
@@ -42,42 +42,42 @@ impl From<Composite> for Element {
 
 /// A part, numbered in the order in which it was added.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, PartialOrd, Ord, Hash)]
-pub struct Part(pub usize);
+pub struct ComponentId(pub usize);
 
 /// One end of a connection: a port of a part, or one of the composite's own. A pair `(part, "port")` and a plain
 /// `"port"` convert into it.
 #[derive(Clone, Debug, PartialEq, Eq, PartialOrd, Ord, Hash)]
-pub enum End {
+pub enum Endpoint {
     /// A port of the composite.
     Own(String),
     /// A port of a part.
-    Of(Part, String),
+    Of(ComponentId, String),
 }
 
-impl From<&str> for End {
-    fn from(port: &str) -> End {
-        End::Own(port.to_owned())
+impl From<&str> for Endpoint {
+    fn from(port: &str) -> Endpoint {
+        Endpoint::Own(port.to_owned())
     }
 }
 
-impl From<(Part, &str)> for End {
-    fn from((part, port): (Part, &str)) -> End {
-        End::Of(part, port.to_owned())
+impl From<(ComponentId, &str)> for Endpoint {
+    fn from((part, port): (ComponentId, &str)) -> Endpoint {
+        Endpoint::Of(part, port.to_owned())
     }
 }
 
 /// What a port carries.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, PartialOrd, Ord, Hash)]
-pub(super) enum Kind {
+pub(super) enum PortKind {
     Condition,
     Event,
 }
 
-impl Kind {
+impl PortKind {
     pub(super) fn word(self) -> &'static str {
         match self {
-            Kind::Condition => "condition",
-            Kind::Event => "event",
+            PortKind::Condition => "condition",
+            PortKind::Event => "event",
         }
     }
 }
@@ -87,9 +87,9 @@ impl Kind {
 pub struct Composite {
     pub(super) name: String,
     pub(super) parts: Vec<Element>,
-    pub(super) inputs: Vec<(Kind, String)>,
-    pub(super) outputs: Vec<(Kind, String)>,
-    pub(super) links: Vec<(Kind, End, End)>,
+    pub(super) inputs: Vec<(PortKind, String)>,
+    pub(super) outputs: Vec<(PortKind, String)>,
+    pub(super) links: Vec<(PortKind, Endpoint, Endpoint)>,
 }
 
 impl Composite {
@@ -104,45 +104,45 @@ impl Composite {
     }
 
     /// Adds a module or a composite.
-    pub fn add(&mut self, part: impl Into<Element>) -> Part {
+    pub fn add(&mut self, part: impl Into<Element>) -> ComponentId {
         self.parts.push(part.into());
-        Part(self.parts.len() - 1)
+        ComponentId(self.parts.len() - 1)
     }
 
     /// Cm^inp: a condition input of the composite.
     pub fn condition_in(&mut self, name: impl Into<String>) -> &mut Self {
-        self.inputs.push((Kind::Condition, name.into()));
+        self.inputs.push((PortKind::Condition, name.into()));
         self
     }
 
     /// Em^inp: an event input of the composite.
     pub fn event_in(&mut self, name: impl Into<String>) -> &mut Self {
-        self.inputs.push((Kind::Event, name.into()));
+        self.inputs.push((PortKind::Event, name.into()));
         self
     }
 
     /// Cm^out: a condition output of the composite.
     pub fn condition_out(&mut self, name: impl Into<String>) -> &mut Self {
-        self.outputs.push((Kind::Condition, name.into()));
+        self.outputs.push((PortKind::Condition, name.into()));
         self
     }
 
     /// Em^out: an event output of the composite.
     pub fn event_out(&mut self, name: impl Into<String>) -> &mut Self {
-        self.outputs.push((Kind::Event, name.into()));
+        self.outputs.push((PortKind::Event, name.into()));
         self
     }
 
     /// Ic: a condition leads from an output of a part, or an input of this composite, to an input of a part, or an
     /// output of this composite.
-    pub fn condition(&mut self, from: impl Into<End>, to: impl Into<End>) -> &mut Self {
-        self.links.push((Kind::Condition, from.into(), to.into()));
+    pub fn condition(&mut self, from: impl Into<Endpoint>, to: impl Into<Endpoint>) -> &mut Self {
+        self.links.push((PortKind::Condition, from.into(), to.into()));
         self
     }
 
     /// Ie: an event leads likewise.
-    pub fn event(&mut self, from: impl Into<End>, to: impl Into<End>) -> &mut Self {
-        self.links.push((Kind::Event, from.into(), to.into()));
+    pub fn event(&mut self, from: impl Into<Endpoint>, to: impl Into<Endpoint>) -> &mut Self {
+        self.links.push((PortKind::Event, from.into(), to.into()));
         self
     }
 

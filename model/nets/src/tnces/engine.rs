@@ -5,9 +5,9 @@
 
 use std::borrow::Borrow;
 
-use super::state::{self, Aged};
-use super::{Clock, Deadline, Firing, Interval, TimedState, Tnces};
-use crate::{FireError, Marking, Move, PlaceId, TransitionId};
+use super::state::{self, AgedTokens};
+use super::{ArcClock, Deadline, FiringPolicy, Interval, TimedState, Tnces};
+use crate::{FireError, Marking, PlaceId, PlayDirection, TransitionId};
 
 /// A system ready to be played.
 #[derive(Clone, Debug)]
@@ -72,7 +72,7 @@ impl<T: Borrow<Tnces>> Engine<T> {
         let age = |p: PlaceId| self.unit.map_or(0, |unit| sys.ages[p.index()] / unit);
         let of_place = |&(p, cap): &(PlaceId, u32)| match marking.tokens(p) {
             0 => Vec::new(),
-            count => vec![Aged { age: age(p).min(cap), count }],
+            count => vec![AgedTokens { age: age(p).min(cap), count }],
         };
         let of_transition = |&(t, cap): &(TransitionId, u32)| {
             let age = sys.net.preset(t).iter().map(|&(p, _)| age(p)).min().unwrap_or(0);
@@ -97,7 +97,7 @@ impl<T: Borrow<Tnces>> Engine<T> {
     /// Whether a transition clock runs.
     fn runs(&self, marking: &Marking, t: TransitionId) -> bool {
         self.is_marked(marking, t)
-            && (self.system().semantics.clock != Clock::SinceEnabled || self.conditions_hold(marking, t))
+            && (self.system().semantics.clock != ArcClock::SinceEnabled || self.conditions_hold(marking, t))
     }
 
     /// The input arcs of a transition: place, weight, interval, and the ages of the tokens there if they count.
@@ -105,7 +105,7 @@ impl<T: Borrow<Tnces>> Engine<T> {
         &'s self,
         state: &'s TimedState,
         t: TransitionId,
-    ) -> impl Iterator<Item = (PlaceId, u32, Interval, Option<&'s Vec<Aged>>)> {
+    ) -> impl Iterator<Item = (PlaceId, u32, Interval, Option<&'s Vec<AgedTokens>>)> {
         let preset = self.system().net.preset(t).iter();
         preset.zip(&self.intervals[t.index()]).map(|(&(place, weight), &interval)| {
             (place, weight, interval, self.place_slot[place.index()].map(|slot| &state.ages[slot]))
@@ -143,9 +143,9 @@ impl<T: Borrow<Tnces>> Engine<T> {
             return false;
         }
         match (sys.semantics.firing, sys.semantics.deadline) {
-            (Firing::Earliest, _) => true,
-            (Firing::Window, Deadline::Expires) => false,
-            (Firing::Window, Deadline::Must) => self.arcs(state, t).any(|(_, _, interval, ages)| {
+            (FiringPolicy::Earliest, _) => true,
+            (FiringPolicy::Window, Deadline::Expires) => false,
+            (FiringPolicy::Window, Deadline::Must) => self.arcs(state, t).any(|(_, _, interval, ages)| {
                 let oldest = ages.and_then(|ages| ages.first()).map(|oldest| oldest.age);
                 let clock = self.clock(state, t).or(oldest).unwrap_or(0).saturating_add(shift);
                 interval.latest.is_some_and(|latest| clock >= latest)
@@ -203,7 +203,7 @@ impl<T: Borrow<Tnces>> Engine<T> {
                 let has = after.marking.tokens(place);
                 let Some(sum) = has.checked_add(gets) else {
                     let (transition, place) = (sys.net.transition(t), sys.net.place(place));
-                    return Err(FireError::Overflow { attempt: Move::Fire, transition, place, has, gets });
+                    return Err(FireError::Overflow { attempt: PlayDirection::Fire, transition, place, has, gets });
                 };
                 after.marking.set(place, sum);
                 if let Some(slot) = self.place_slot[place.index()] {

@@ -3,7 +3,7 @@
 use thiserror::Error;
 
 use super::Interval;
-use crate::{Named, NetError, PlaceId, TransitionId};
+use crate::{NamedId, NetError, PlaceId, TransitionId};
 
 /// One thing wrong with the tables beside a net.
 #[derive(Clone, Debug, PartialEq, Eq, Error)]
@@ -32,17 +32,17 @@ pub enum TncesError {
     #[error("the condition arc {place} → {transition} has weight 0")]
     ZeroWeight {
         /// The place.
-        place: Named<PlaceId>,
+        place: NamedId<PlaceId>,
         /// The transition.
-        transition: Named<TransitionId>,
+        transition: NamedId<TransitionId>,
     },
     /// The same condition arc twice.
     #[error("the condition arc {place} → {transition} is declared {times} times")]
     DuplicateCondition {
         /// The place.
-        place: Named<PlaceId>,
+        place: NamedId<PlaceId>,
         /// The transition.
-        transition: Named<TransitionId>,
+        transition: NamedId<TransitionId>,
         /// How often.
         times: usize,
     },
@@ -50,9 +50,9 @@ pub enum TncesError {
     #[error("the event arc {from} → {to} is declared {times} times")]
     DuplicateEvent {
         /// The source.
-        from: Named<TransitionId>,
+        from: NamedId<TransitionId>,
         /// The transition it forces.
-        to: Named<TransitionId>,
+        to: NamedId<TransitionId>,
         /// How often.
         times: usize,
     },
@@ -60,21 +60,21 @@ pub enum TncesError {
     #[error("{transition} waits for one event of none; name its sources")]
     NoSource {
         /// The transition.
-        transition: Named<TransitionId>,
+        transition: NamedId<TransitionId>,
     },
     /// Event arcs that lead back to where they start: each would wait for the others.
     #[error("the event arcs form a cycle: {}", names(cycle))]
     EventCycle {
         /// The transitions along it; the last one calls the first.
-        cycle: Vec<Named<TransitionId>>,
+        cycle: Vec<NamedId<TransitionId>>,
     },
     /// An interval where the net has no input arc.
     #[error("the interval {interval} is on {place} → {transition}, which is no arc of the net")]
     NoSuchArc {
         /// The place.
-        place: Named<PlaceId>,
+        place: NamedId<PlaceId>,
         /// The transition.
-        transition: Named<TransitionId>,
+        transition: NamedId<TransitionId>,
         /// The interval.
         interval: Interval,
     },
@@ -82,9 +82,9 @@ pub enum TncesError {
     #[error("the interval {interval} on {place} → {transition} ends before it begins")]
     Reversed {
         /// The place.
-        place: Named<PlaceId>,
+        place: NamedId<PlaceId>,
         /// The transition.
-        transition: Named<TransitionId>,
+        transition: NamedId<TransitionId>,
         /// The interval.
         interval: Interval,
     },
@@ -92,9 +92,9 @@ pub enum TncesError {
     #[error("the interval {interval} on {place} → {transition} goes beyond {limit}; choose a coarser unit of time")]
     TooLong {
         /// The place.
-        place: Named<PlaceId>,
+        place: NamedId<PlaceId>,
         /// The transition.
-        transition: Named<TransitionId>,
+        transition: NamedId<TransitionId>,
         /// The interval.
         interval: Interval,
         /// The limit.
@@ -104,9 +104,9 @@ pub enum TncesError {
     #[error("{place} → {transition} has {times} intervals")]
     DuplicateInterval {
         /// The place.
-        place: Named<PlaceId>,
+        place: NamedId<PlaceId>,
         /// The transition.
-        transition: Named<TransitionId>,
+        transition: NamedId<TransitionId>,
         /// How many.
         times: usize,
     },
@@ -114,13 +114,13 @@ pub enum TncesError {
     #[error("{transition} is external, but event arcs force it; leave one of the two out")]
     ExternalForced {
         /// The transition.
-        transition: Named<TransitionId>,
+        transition: NamedId<TransitionId>,
     },
     /// So many forced transitions compete for tokens that the maximal steps cannot be listed.
     #[error("{trigger} forces {contested} transitions that compete for tokens; at most {limit} are possible")]
     TooManyChoices {
         /// The spontaneous transition.
-        trigger: Named<TransitionId>,
+        trigger: NamedId<TransitionId>,
         /// How many of those it forces share an input place with another.
         contested: usize,
         /// The limit.
@@ -134,7 +134,7 @@ pub enum TncesError {
     },
 }
 
-fn names(cycle: &[Named<TransitionId>]) -> String {
+fn names(cycle: &[NamedId<TransitionId>]) -> String {
     cycle.iter().map(ToString::to_string).collect::<Vec<_>>().join(" → ")
 }
 

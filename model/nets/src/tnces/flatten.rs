@@ -7,8 +7,8 @@
 use std::collections::{BTreeMap, HashMap};
 
 use super::check::port_name;
-use super::compose::{Composite, Element, End, Kind, Part};
-use super::{ComposeError, Module, Semantics, Tnces, TncesBuilder};
+use super::compose::{ComponentId, Composite, Element, Endpoint, PortKind};
+use super::{ComposeError, Semantics, Tnces, TncesBuilder, TncesModule};
 use crate::{NetBuilder, PlaceId, TransitionId};
 
 /// Deeper than any drawing, and far from the end of the stack.
@@ -16,21 +16,21 @@ const DEPTH_MAX: usize = 64;
 
 /// What is behind a port.
 #[derive(Clone, Debug)]
-enum Signal {
+enum PortSource {
     Place(PlaceId),
     Transitions(Vec<TransitionId>),
 }
 
-type Signals = HashMap<(Kind, String), Signal>;
+type PortSources = HashMap<(PortKind, String), PortSource>;
 
 /// An element with its place in the flat net.
-pub(super) struct Node<'a> {
+pub(super) struct FlatNode<'a> {
     pub(super) element: &'a Element,
     pub(super) path: String,
-    children: Vec<Node<'a>>,
+    children: Vec<FlatNode<'a>>,
     first_place: u32,
     first_transition: u32,
-    outputs: Signals,
+    outputs: PortSources,
 }
 
 pub(super) fn flatten(composite: &Composite, semantics: Semantics) -> Result<Tnces, Vec<ComposeError>> {
@@ -44,7 +44,7 @@ pub(super) fn flatten(composite: &Composite, semantics: Semantics) -> Result<Tnc
     if !flat.problems.is_empty() {
         return Err(flat.problems);
     }
-    flat.down(&node, &Signals::new());
+    flat.down(&node, &PortSources::new());
     let Flattening { modules, conditions, events, .. } = flat;
     build(&composite.name, &modules, conditions, events, semantics)
 }
@@ -53,7 +53,7 @@ pub(super) fn flatten(composite: &Composite, semantics: Semantics) -> Result<Tnc
 pub(super) struct Flattening<'a> {
     pub(super) problems: Vec<ComposeError>,
     /// With path, first place and first transition.
-    modules: Vec<(&'a Module, String, u32, u32)>,
+    modules: Vec<(&'a TncesModule, String, u32, u32)>,
     places: u32,
     transitions: u32,
     conditions: BTreeMap<(TransitionId, PlaceId), u32>,
@@ -61,7 +61,7 @@ pub(super) struct Flattening<'a> {
 }
 
 impl<'a> Flattening<'a> {
-    fn up(&mut self, element: &'a Element, path: String, depth: usize) -> Node<'a> {
+    fn up(&mut self, element: &'a Element, path: String, depth: usize) -> FlatNode<'a> {
         match element {
             Element::Module(module) => self.up_module(element, module, path),
             Element::Composite(composite) => {
@@ -76,46 +76,52 @@ impl<'a> Flattening<'a> {
                     self.check_names(composite);
                     self.check_links(composite, &children);
                 }
-                let mut node =
-                    Node { element, path, children, first_place: 0, first_transition: 0, outputs: Signals::new() };
+                let mut node = FlatNode {
+                    element,
+                    path,
+                    children,
+                    first_place: 0,
+                    first_transition: 0,
+                    outputs: PortSources::new(),
+                };
                 node.outputs = outputs(composite, &node);
                 node
             }
         }
     }
 
-    fn up_module(&mut self, element: &'a Element, module: &'a Module, path: String) -> Node<'a> {
+    fn up_module(&mut self, element: &'a Element, module: &'a TncesModule, path: String) -> FlatNode<'a> {
         let (first_place, first_transition) = (self.places, self.transitions);
         self.places = self.places.saturating_add(u32::try_from(module.places.len()).unwrap_or(u32::MAX));
         self.transitions = self.transitions.saturating_add(u32::try_from(module.transitions.len()).unwrap_or(u32::MAX));
         self.modules.push((module, path.clone(), first_place, first_transition));
         self.check_module(module, &path);
         let conditions = module.condition_out.iter().map(|(name, place)| {
-            ((Kind::Condition, name.clone()), Signal::Place(PlaceId(first_place.saturating_add(place.0))))
+            ((PortKind::Condition, name.clone()), PortSource::Place(PlaceId(first_place.saturating_add(place.0))))
         });
         let events = module.event_out.iter().map(|(name, transitions)| {
             let flat = transitions.iter().map(|t| TransitionId(first_transition.saturating_add(t.0)));
-            ((Kind::Event, name.clone()), Signal::Transitions(flat.collect()))
+            ((PortKind::Event, name.clone()), PortSource::Transitions(flat.collect()))
         });
         let outputs = conditions.chain(events).collect();
-        Node { element, path, children: Vec::new(), first_place, first_transition, outputs }
+        FlatNode { element, path, children: Vec::new(), first_place, first_transition, outputs }
     }
 
-    fn down(&mut self, node: &Node, inputs: &Signals) {
+    fn down(&mut self, node: &FlatNode, inputs: &PortSources) {
         let composite = match node.element {
             Element::Module(module) => return self.down_module(module, node, inputs),
             Element::Composite(composite) => composite,
         };
         for (part, child) in node.children.iter().enumerate() {
-            let mut into = Signals::new();
+            let mut into = PortSources::new();
             for (kind, from, to) in &composite.links {
-                let End::Of(Part(to), port) = to else { continue };
+                let Endpoint::Of(ComponentId(to), port) = to else { continue };
                 if *to != part {
                     continue;
                 }
                 let signal = match from {
-                    End::Own(name) => inputs.get(&(*kind, name.clone())),
-                    End::Of(Part(from), name) => node.children[*from].outputs.get(&(*kind, name.clone())),
+                    Endpoint::Own(name) => inputs.get(&(*kind, name.clone())),
+                    Endpoint::Of(ComponentId(from), name) => node.children[*from].outputs.get(&(*kind, name.clone())),
                 };
                 merge(&mut into, (*kind, port.clone()), signal);
             }
@@ -123,14 +129,14 @@ impl<'a> Flattening<'a> {
         }
     }
 
-    fn down_module(&mut self, module: &Module, node: &Node, inputs: &Signals) {
+    fn down_module(&mut self, module: &TncesModule, node: &FlatNode, inputs: &PortSources) {
         let (p0, t0) = (node.first_place, node.first_transition);
         let flat = |t: TransitionId| TransitionId(t0 + t.0);
         for &(t, p, weight) in &module.conditions {
             self.condition(flat(t), PlaceId(p0 + p.0), weight);
         }
         for (name, transitions) in &module.condition_in {
-            if let Some(&Signal::Place(place)) = inputs.get(&(Kind::Condition, name.clone())) {
+            if let Some(&PortSource::Place(place)) = inputs.get(&(PortKind::Condition, name.clone())) {
                 transitions.iter().for_each(|&t| self.condition(flat(t), place, 1));
             }
         }
@@ -138,7 +144,7 @@ impl<'a> Flattening<'a> {
             self.events.entry(flat(to)).or_default().push(vec![flat(from)]);
         }
         for (name, transitions) in &module.event_in {
-            if let Some(Signal::Transitions(from)) = inputs.get(&(Kind::Event, name.clone())) {
+            if let Some(PortSource::Transitions(from)) = inputs.get(&(PortKind::Event, name.clone())) {
                 for &to in transitions {
                     self.events.entry(flat(to)).or_default().push(from.clone());
                 }
@@ -154,10 +160,10 @@ impl<'a> Flattening<'a> {
 }
 
 /// What is behind the outputs of a composite whose parts are known.
-fn outputs(composite: &Composite, node: &Node) -> Signals {
-    let mut outputs = Signals::new();
+fn outputs(composite: &Composite, node: &FlatNode) -> PortSources {
+    let mut outputs = PortSources::new();
     for (kind, from, to) in &composite.links {
-        if let (End::Of(Part(from), name), End::Own(port)) = (from, to) {
+        if let (Endpoint::Of(ComponentId(from), name), Endpoint::Own(port)) = (from, to) {
             let signal = node.children.get(*from).and_then(|child| child.outputs.get(&(*kind, name.clone())));
             merge(&mut outputs, (*kind, port.clone()), signal);
         }
@@ -166,10 +172,10 @@ fn outputs(composite: &Composite, node: &Node) -> Signals {
 }
 
 /// Several event sources of one port are one signal: any of them.
-fn merge(into: &mut Signals, port: (Kind, String), signal: Option<&Signal>) {
+fn merge(into: &mut PortSources, port: (PortKind, String), signal: Option<&PortSource>) {
     let Some(signal) = signal else { return };
     match (into.get_mut(&port), signal) {
-        (Some(Signal::Transitions(all)), Signal::Transitions(more)) => {
+        (Some(PortSource::Transitions(all)), PortSource::Transitions(more)) => {
             all.extend(more);
             all.sort_unstable();
             all.dedup();
@@ -180,7 +186,7 @@ fn merge(into: &mut Signals, port: (Kind, String), signal: Option<&Signal>) {
 
 fn build(
     name: &str,
-    modules: &[(&Module, String, u32, u32)],
+    modules: &[(&TncesModule, String, u32, u32)],
     conditions: BTreeMap<(TransitionId, PlaceId), u32>,
     events: BTreeMap<TransitionId, Vec<Vec<TransitionId>>>,
     semantics: Semantics,

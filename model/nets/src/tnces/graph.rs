@@ -15,19 +15,19 @@ pub struct StepId(pub u32);
 
 /// What leads from one state to another.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, PartialOrd, Ord, Hash)]
-pub enum Label {
+pub enum TimedLabel {
     /// A step, which takes no time.
     Step(StepId),
     /// So much time in which nothing fires.
     Delay(u64),
 }
 
-impl Label {
+impl TimedLabel {
     /// How much time passes.
     pub fn delay(self) -> u64 {
         match self {
-            Label::Step(_) => 0,
-            Label::Delay(delay) => delay,
+            TimedLabel::Step(_) => 0,
+            TimedLabel::Delay(delay) => delay,
         }
     }
 }
@@ -38,7 +38,7 @@ pub struct GraphArc {
     /// Where it starts.
     pub from: StateId,
     /// What happens.
-    pub label: Label,
+    pub label: TimedLabel,
     /// Where it ends.
     pub to: StateId,
 }
@@ -54,7 +54,7 @@ pub enum Latest {
 
 /// How long it takes from a state to a goal.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
-pub struct Span {
+pub struct TimeBound {
     /// On the fastest run.
     pub earliest: u64,
     /// On the slowest.
@@ -118,8 +118,8 @@ impl<S> StateGraph<S> {
     /// The transitions that fire along an arc; none along a delay.
     pub fn fired(&self, arc: &GraphArc) -> &[TransitionId] {
         match arc.label {
-            Label::Step(step) => self.step(step),
-            Label::Delay(_) => &[],
+            TimedLabel::Step(step) => self.step(step),
+            TimedLabel::Delay(_) => &[],
         }
     }
 
@@ -171,10 +171,10 @@ impl<S> StateGraph<S> {
     }
 
     /// The shortest and the longest time from a state to a goal; `None` if no run leads there.
-    pub fn span(&self, from: StateId, goal: impl Fn(&S) -> bool) -> Option<Span> {
+    pub fn span(&self, from: StateId, goal: impl Fn(&S) -> bool) -> Option<TimeBound> {
         let way = self.fastest(from, &goal)?;
         let earliest = way.last().map_or(0, |&(time, _)| time);
-        Some(Span { earliest, latest: self.latest(from, goal) })
+        Some(TimeBound { earliest, latest: self.latest(from, goal) })
     }
 
     /// The longest time to a goal: a longest path, if what lies before the goal has neither a cycle nor an end.

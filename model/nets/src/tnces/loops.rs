@@ -12,7 +12,7 @@ use crate::reach::StateId;
 
 /// States that lead to one another, for ever if the system stays among them.
 #[derive(Clone, Debug, PartialEq, Eq)]
-pub struct Loop {
+pub struct StateLoop {
     /// The states. If it is one cycle: in its order, beginning with the lowest number, which is where the shortest way
     /// from the initial state enters. Otherwise by number.
     pub states: Vec<StateId>,
@@ -24,18 +24,18 @@ pub struct Loop {
 
 /// Start-up and cycles.
 #[derive(Clone, Debug, PartialEq, Eq)]
-pub struct Shape {
+pub struct LoopShape {
     /// The states to which the system never returns, by number.
     pub transient: Vec<StateId>,
     /// The loops, by their lowest state.
-    pub loops: Vec<Loop>,
+    pub loops: Vec<StateLoop>,
 }
 
 impl<S> StateGraph<S> {
     /// Which states are passed once, and which lie on cycles.
-    pub fn shape(&self) -> Shape {
+    pub fn shape(&self) -> LoopShape {
         let parts = self.components(self.arcs().iter());
-        let mut shape = Shape { transient: Vec::new(), loops: Vec::new() };
+        let mut shape = LoopShape { transient: Vec::new(), loops: Vec::new() };
         for part in 0..parts.count() {
             let members = parts.members(part);
             let inside = |&&arc: &&GraphArc| parts.of(arc.to.index()) == part;
@@ -55,9 +55,9 @@ impl<S> StateGraph<S> {
                     }
                     round.push(arc.to);
                 }
-                shape.loops.push(Loop { states: round, period: Some(period), is_final: parts.is_terminal(part) });
+                shape.loops.push(StateLoop { states: round, period: Some(period), is_final: parts.is_terminal(part) });
             } else {
-                shape.loops.push(Loop { states, period: None, is_final: parts.is_terminal(part) });
+                shape.loops.push(StateLoop { states, period: None, is_final: parts.is_terminal(part) });
             }
         }
         shape.transient.sort_unstable();

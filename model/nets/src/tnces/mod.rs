@@ -34,10 +34,10 @@
 //! - [`Tnces::untimed_space`]: every marking, with conditions and events and without time.
 //! - [`Tnces::timed_space`]: every marking with its clocks, these cut off at the largest bound that matters.
 //! - [`StateGraph`]: deadlocks, shortest and longest times between states, prefix and cycles.
-//! - [`Player`]: one run, step by step, for a simulated plant.
+//! - [`TncesPlayer`]: one run, step by step, for a simulated plant.
 //!
 //! # Composition
-//! A [`Module`] has condition and event ports; a [`Composite`] joins modules and composites, and [`Composite::flatten`]
+//! A [`TncesModule`] has condition and event ports; a [`Composite`] joins modules and composites, and [`Composite::flatten`]
 //! gives the flat system. [`parts`] has the input, output and update modules of seed 003 §3.3.3.
 
 mod advance;
@@ -60,13 +60,13 @@ mod steps;
 mod system;
 
 pub use builder::{TIME_MAX, TncesBuilder};
-pub use compose::{Composite, Element, End, Part};
+pub use compose::{ComponentId, Composite, Element, Endpoint};
 pub use error::{ComposeError, TncesError};
-pub use graph::{GraphArc, Label, Latest, Span, StateGraph, StepId};
-pub use loops::{Loop, Shape};
-pub use module::{Module, Port};
-pub use player::{Fired, Player, Policy, Refusal, Restless};
-pub use semantics::{Clock, Deadline, EventMode, Firing, Interval, Semantics};
+pub use graph::{GraphArc, Latest, StateGraph, StepId, TimeBound, TimedLabel};
+pub use loops::{LoopShape, StateLoop};
+pub use module::{Port, TncesModule};
+pub use player::{FiredStep, Policy, Refusal, Restless, TncesPlayer};
+pub use semantics::{ArcClock, Deadline, EventMode, FiringPolicy, Interval, Semantics};
 pub use state::TimedState;
 pub use system::Tnces;
 

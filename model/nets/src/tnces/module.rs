@@ -14,7 +14,7 @@ pub struct Port(pub(super) usize);
 
 /// A TNCES module under construction. Its ids are its own.
 #[derive(Clone, Debug)]
-pub struct Module {
+pub struct TncesModule {
     pub(super) name: String,
     pub(super) places: Vec<(String, u32, u32)>,
     pub(super) transitions: Vec<String>,
@@ -31,10 +31,10 @@ pub struct Module {
     pub(super) event_out: Vec<(String, Vec<TransitionId>)>,
 }
 
-impl Module {
+impl TncesModule {
     /// A module with nothing in it yet.
     pub fn new(name: impl Into<String>) -> Self {
-        Module {
+        TncesModule {
             name: name.into(),
             places: Vec::new(),
             transitions: Vec::new(),

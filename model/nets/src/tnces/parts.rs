@@ -7,14 +7,14 @@
 //! is lost by that: input modules read the *places* of the outputs when the update is over, so they see whatever has
 //! been set until then. Only a pulse that begins and ends within one wait is never seen.
 
-use super::{Interval, Module};
+use super::{Interval, TncesModule};
 
 /// A Boolean that events set and reset (output module, L531; Figure 10).
 ///
 /// Event inputs `set`, `reset`. Condition outputs `on`, `off`. Event outputs `was_set`, `was_reset`, and `changed` for
 /// either. Setting what is set already does nothing and is no change.
-pub fn output(name: impl Into<String>, on: bool) -> Module {
-    let mut m = Module::new(name);
+pub fn output(name: impl Into<String>, on: bool) -> TncesModule {
+    let mut m = TncesModule::new(name);
     let (set, reset) = boolean(&mut m, on);
     let event = m.event_in("set");
     m.on(event, set);
@@ -28,8 +28,8 @@ pub fn output(name: impl Into<String>, on: bool) -> Module {
 ///
 /// Event input `update`. Condition inputs `x`, under which it is set, and `not_x`, under which it is reset; outputs as
 /// of [`output`].
-pub fn input(name: impl Into<String>, on: bool) -> Module {
-    let mut m = Module::new(name);
+pub fn input(name: impl Into<String>, on: bool) -> TncesModule {
+    let mut m = TncesModule::new(name);
     let (set, reset) = boolean(&mut m, on);
     let update = m.event_in("update");
     m.on(update, set).on(update, reset);
@@ -45,8 +45,8 @@ pub fn input(name: impl Into<String>, on: bool) -> Module {
 /// module".
 ///
 /// Event input `event`, event output `changed` (L842).
-pub fn update(name: impl Into<String>, delay: u32) -> Module {
-    let mut m = Module::new(name);
+pub fn update(name: impl Into<String>, delay: u32) -> TncesModule {
+    let mut m = TncesModule::new(name);
     let idle = m.place("p1", 1);
     let waiting = m.place("p2", 0);
     let t1 = m.change("t1", idle, waiting, Interval::ANY);
@@ -57,23 +57,23 @@ pub fn update(name: impl Into<String>, delay: u32) -> Module {
 }
 
 /// The environment as a source of events, at any time: event output `event`.
-pub fn event_source(name: impl Into<String>) -> Module {
-    let mut m = Module::new(name);
+pub fn event_source(name: impl Into<String>) -> TncesModule {
+    let mut m = TncesModule::new(name);
     let t = m.transition("occurs");
     m.external(t).event_out("event", [t]);
     m
 }
 
 /// The environment as a switch that somebody turns on and off at any time; outputs as of [`output`].
-pub fn switch(name: impl Into<String>, on: bool) -> Module {
-    let mut m = Module::new(name);
+pub fn switch(name: impl Into<String>, on: bool) -> TncesModule {
+    let mut m = TncesModule::new(name);
     let (set, reset) = boolean(&mut m, on);
     m.external(set).external(reset);
     m
 }
 
 /// Two places, two transitions, and what they show to others.
-fn boolean(m: &mut Module, on: bool) -> (crate::TransitionId, crate::TransitionId) {
+fn boolean(m: &mut TncesModule, on: bool) -> (crate::TransitionId, crate::TransitionId) {
     let off_place = m.place("off", u32::from(!on));
     let on_place = m.place("on", u32::from(on));
     let set = m.change("set", off_place, on_place, Interval::ANY);

@@ -10,7 +10,7 @@ use thiserror::Error;
 
 use super::engine::Engine;
 use super::{TimedState, Tnces};
-use crate::{FireError, Marking, Move, Named, PlaceId, TransitionId};
+use crate::{FireError, Marking, NamedId, PlaceId, PlayDirection, TransitionId};
 
 /// When the player fires what need not fire at once.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Hash)]
@@ -18,13 +18,13 @@ pub enum Policy {
     /// As soon as the intervals allow.
     #[default]
     Soonest,
-    /// When no more time may pass; what may wait for ever is left to [`Player::fire`].
+    /// When no more time may pass; what may wait for ever is left to [`TncesPlayer::fire`].
     WhenDue,
 }
 
 /// A step that has been fired.
 #[derive(Clone, Debug, PartialEq, Eq)]
-pub struct Fired {
+pub struct FiredStep {
     /// When.
     pub time: u64,
     /// The spontaneous transition, then what it forced.
@@ -38,7 +38,7 @@ pub enum Refusal {
     #[error("{transition} fires only when it is forced")]
     Forced {
         /// The transition.
-        transition: Named<TransitionId>,
+        transition: NamedId<TransitionId>,
     },
     /// Too few tokens, or too many to count.
     #[error(transparent)]
@@ -47,9 +47,9 @@ pub enum Refusal {
     #[error("{transition} waits for {place}: it has {has} of the {needs} tokens needed")]
     Condition {
         /// The transition.
-        transition: Named<TransitionId>,
+        transition: NamedId<TransitionId>,
         /// The place.
-        place: Named<PlaceId>,
+        place: NamedId<PlaceId>,
         /// What it has.
         has: u32,
         /// What is needed.
@@ -59,7 +59,7 @@ pub enum Refusal {
     #[error("{transition} can fire from time {from} on; it is {now}")]
     Early {
         /// The transition.
-        transition: Named<TransitionId>,
+        transition: NamedId<TransitionId>,
         /// The first instant at which it can, if nothing else happens.
         from: u64,
         /// The time.
@@ -69,7 +69,7 @@ pub enum Refusal {
     #[error("{transition} could have fired before time {now}; its tokens are too old now")]
     Late {
         /// The transition.
-        transition: Named<TransitionId>,
+        transition: NamedId<TransitionId>,
         /// The time.
         now: u64,
     },
@@ -84,7 +84,7 @@ pub enum Restless {
         /// Where the run stands.
         time: u64,
         /// What has been fired.
-        fired: Vec<Fired>,
+        fired: Vec<FiredStep>,
     },
     /// A place would hold more tokens than can be counted.
     #[error("stopped at time {time}: {error}")]
@@ -94,24 +94,24 @@ pub enum Restless {
         /// What stopped it.
         error: FireError,
         /// What has been fired.
-        fired: Vec<Fired>,
+        fired: Vec<FiredStep>,
     },
 }
 
 /// One run. `T` is a [`Tnces`], a reference to one, or an `Arc`.
 #[derive(Clone, Debug)]
-pub struct Player<T> {
+pub struct TncesPlayer<T> {
     engine: Engine<T>,
     state: TimedState,
     now: u64,
     policy: Policy,
 }
 
-impl<T: Borrow<Tnces>> Player<T> {
+impl<T: Borrow<Tnces>> TncesPlayer<T> {
     /// At time 0, in the initial state.
     pub fn new(system: T, policy: Policy) -> Self {
         let engine = Engine::new(system, Some(1));
-        Player { state: engine.initial(), engine, now: 0, policy }
+        TncesPlayer { state: engine.initial(), engine, now: 0, policy }
     }
 
     /// The system that is played.
@@ -134,23 +134,23 @@ impl<T: Borrow<Tnces>> Player<T> {
         self.engine.steps(&self.state)
     }
 
-    /// When [`Player::advance`] fires next, if nothing is fired by hand before; never earlier than now.
+    /// When [`TncesPlayer::advance`] fires next, if nothing is fired by hand before; never earlier than now.
     pub fn next_time(&self) -> Option<u64> {
         self.next().map(|(delay, _)| self.now.saturating_add(u64::from(delay)))
     }
 
     /// Fires a spontaneous transition now, and what it forces.
-    pub fn fire(&mut self, transition: TransitionId) -> Result<Fired, Refusal> {
+    pub fn fire(&mut self, transition: TransitionId) -> Result<FiredStep, Refusal> {
         self.admit(transition)?;
         let steps = self.engine.steps_of(&self.state, transition);
         let step = steps.into_iter().next().expect("a ripe transition has a step");
         self.state = self.engine.fire(&self.state, &step)?;
-        Ok(Fired { time: self.now, step })
+        Ok(FiredStep { time: self.now, step })
     }
 
     /// Lets time pass until `until`, firing what the policy fires on the way, that very instant included. At most
     /// `most` steps. A time that has passed already changes nothing but what is ripe now.
-    pub fn advance(&mut self, until: u64, most: usize) -> Result<Vec<Fired>, Restless> {
+    pub fn advance(&mut self, until: u64, most: usize) -> Result<Vec<FiredStep>, Restless> {
         let mut fired = Vec::new();
         while let Some((delay, transition)) = self.next() {
             let time = self.now.saturating_add(u64::from(delay));
@@ -200,9 +200,14 @@ impl<T: Borrow<Tnces>> Player<T> {
         }
         if let Some(&(place, needs)) = net.preset(t).iter().find(|&&(place, needs)| marking.tokens(place) < needs) {
             let (transition, has) = (net.transition(t), marking.tokens(place));
-            return Err(
-                FireError::Lacking { attempt: Move::Fire, transition, place: net.place(place), has, needs }.into()
-            );
+            return Err(FireError::Lacking {
+                attempt: PlayDirection::Fire,
+                transition,
+                place: net.place(place),
+                has,
+                needs,
+            }
+            .into());
         }
         let lacking = |&&(place, needs): &&(PlaceId, u32)| marking.tokens(place) < needs;
         if let Some(&(place, needs)) = self.system().conditions(t).iter().find(lacking) {

@@ -53,7 +53,7 @@ impl fmt::Display for Interval {
 
 /// What the interval of an arc is compared with.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Hash)]
-pub enum Clock {
+pub enum ArcClock {
     /// The time the token has spent on the place (L403).
     TokenAge,
     /// The time since the transition's input places have been marked (L491: "three seconds after they will be
@@ -68,7 +68,7 @@ pub enum Clock {
 
 /// When a spontaneous transition fires.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Hash)]
-pub enum Firing {
+pub enum FiringPolicy {
     /// As soon as its intervals allow: no time passes before (L535 "automatically, after 100 milliseconds").
     #[default]
     Earliest,
@@ -104,9 +104,9 @@ pub enum EventMode {
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Hash)]
 pub struct Semantics {
     /// What intervals are compared with.
-    pub clock: Clock,
+    pub clock: ArcClock,
     /// When a spontaneous transition fires.
-    pub firing: Firing,
+    pub firing: FiringPolicy,
     /// What DL means.
     pub deadline: Deadline,
 }
@@ -114,8 +114,8 @@ pub struct Semantics {
 impl Semantics {
     /// All twelve readings.
     pub fn all() -> impl Iterator<Item = Semantics> {
-        let clocks = [Clock::TokenAge, Clock::SinceMarked, Clock::SinceEnabled];
-        let firings = [Firing::Earliest, Firing::Window];
+        let clocks = [ArcClock::TokenAge, ArcClock::SinceMarked, ArcClock::SinceEnabled];
+        let firings = [FiringPolicy::Earliest, FiringPolicy::Window];
         let deadlines = [Deadline::Must, Deadline::Expires];
         clocks.into_iter().flat_map(move |clock| {
             firings.into_iter().flat_map(move |firing| {

@@ -4,7 +4,7 @@
 //! whoever explores divides them by their common unit first.
 
 use super::chain::Chain;
-use super::{Clock, Deadline, Firing, Interval, Semantics};
+use super::{ArcClock, Deadline, FiringPolicy, Interval, Semantics};
 use crate::{Net, PlaceId, TransitionId};
 
 /// A timed net condition/event system ⟨P, T, F, m₀, ψ, CN, EN, DC⟩ (seed 003 §3.2.2, L372), without the ports ψ, which
@@ -17,7 +17,7 @@ pub struct Tnces {
     pub(super) net: Net,
     pub(super) semantics: Semantics,
     /// Per transition.
-    pub(super) rows: Vec<Row>,
+    pub(super) rows: Vec<TransitionRow>,
     /// D₀, per place.
     pub(super) ages: Vec<u32>,
     /// Per transition: what it forces. Empty for those that are forced themselves.
@@ -26,7 +26,7 @@ pub struct Tnces {
 
 /// What the tables say of one transition.
 #[derive(Clone, Debug, Default)]
-pub(super) struct Row {
+pub(super) struct TransitionRow {
     /// CN: each place must have so many tokens.
     pub(super) conditions: Box<[(PlaceId, u32)]>,
     /// EN: of each group, one must fire in the same step. No group: spontaneous.
@@ -97,18 +97,18 @@ impl Tnces {
     /// can be shifted to whole numbers (T. Henzinger, Z. Manna and A. Pnueli, *What good are digital clocks?*, 1992; for
     /// time Petri nets L. Popova-Zeugmann, *Time and Petri Nets*, 2013). It may not where "too old" or "not old enough
     /// yet" lets something else go on: a forced transition with an interval, or an expired token under
-    /// [`Firing::Earliest`]. There the system in whole numbers is the system.
+    /// [`FiringPolicy::Earliest`]. There the system in whole numbers is the system.
     pub fn covers_continuous_time(&self) -> bool {
-        let bounded = |row: &Row| row.intervals.iter().any(|interval| interval.latest.is_some());
-        let timed = |row: &Row| row.intervals.iter().any(|&interval| interval != Interval::ANY);
-        let expires = self.semantics.firing == Firing::Earliest && self.semantics.deadline == Deadline::Expires;
+        let bounded = |row: &TransitionRow| row.intervals.iter().any(|interval| interval.latest.is_some());
+        let timed = |row: &TransitionRow| row.intervals.iter().any(|&interval| interval != Interval::ANY);
+        let expires = self.semantics.firing == FiringPolicy::Earliest && self.semantics.deadline == Deadline::Expires;
         self.rows.iter().all(|row| !(expires && bounded(row)) && (row.groups.is_empty() || !timed(row)))
     }
 
     /// The largest unit of time in which the state space can be told without loss: the common divisor of all bounds
     /// and initial ages. It is 1 where a transition may fire at any time and whole numbers are not the continuum.
     pub fn unit(&self) -> u32 {
-        let waits = self.semantics.firing == Firing::Window || self.rows.iter().any(|row| row.external);
+        let waits = self.semantics.firing == FiringPolicy::Window || self.rows.iter().any(|row| row.external);
         if waits && !self.covers_continuous_time() {
             return 1;
         }
@@ -119,7 +119,7 @@ impl Tnces {
 
     /// Whether the clock of a reading belongs to the tokens.
     pub(super) fn counts_tokens(&self) -> bool {
-        self.semantics.clock == Clock::TokenAge
+        self.semantics.clock == ArcClock::TokenAge
     }
 }
 

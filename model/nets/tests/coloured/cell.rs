@@ -7,7 +7,8 @@
 
 use linewright_nets::coloured::decide::{ClauseId, Decisions};
 use linewright_nets::coloured::{
-    Clause, ColouredBuilder, ColouredNet, Colours, Domain, Guard, Limits, colour, explore, id, proj, unfold,
+    Clause, ColouredBuilder, ColouredNet, ColouredReachLimits, Colours, Domain, Guard, colour, explore, id, proj,
+    unfold,
 };
 use linewright_nets::{StateId, TransitionId};
 
@@ -170,7 +171,7 @@ fn is_deadlock_scenario(net: &ColouredNet, marking: &linewright_nets::coloured::
 fn the_reservation_is_what_prevents_the_deadlock() {
     let variant = Variant { outside: [2, 2, 1], ..Variant::default() };
     let net = cell(&variant);
-    let safe = explore(&net, Limits::states(1_000_000)).unwrap();
+    let safe = explore(&net, ColouredReachLimits::states(1_000_000)).unwrap();
     assert!(!safe.states().any(|state| is_deadlock_scenario(&net, &safe.marking(state))));
     assert_eq!((safe.deadlocks().count(), safe.is_reversible()), (0, Ok(())));
     // Everything that colours allow to happen is live; t2 and others also have modes outside the work plan.
@@ -183,7 +184,7 @@ fn the_reservation_is_what_prevents_the_deadlock() {
     assert!((0..net.cell_count()).all(|cell| net.cell(cell).place.0 >= 8 || safe.bound_of_cell(cell) <= 1));
 
     let net = cell(&Variant { unreserved: true, ..variant });
-    let unsafe_ = explore(&net, Limits::states(1_000_000)).unwrap();
+    let unsafe_ = explore(&net, ColouredReachLimits::states(1_000_000)).unwrap();
     let scenario: Vec<StateId> =
         unsafe_.states().filter(|&state| is_deadlock_scenario(&net, &unsafe_.marking(state))).collect();
     assert!(!scenario.is_empty());
@@ -203,7 +204,7 @@ fn the_reservation_is_what_prevents_the_deadlock() {
 fn the_unfolded_cell_says_the_same() {
     for unreserved in [false, true] {
         let net = cell(&Variant { outside: [1, 1, 1], unreserved, ..Variant::default() });
-        let direct = explore(&net, Limits::states(100_000)).unwrap();
+        let direct = explore(&net, ColouredReachLimits::states(100_000)).unwrap();
         for colours in [Colours::All, Colours::Reachable] {
             let unfolded = unfold(&net, colours, 10_000).unwrap();
             let ordinary = linewright_nets::explore(unfolded.net(), 100_000).unwrap();

@@ -6,7 +6,7 @@
 
 use linewright_nets::coloured::flow::TransitionFlow;
 use linewright_nets::coloured::{
-    ColouredBuilder, ColouredNet, Colours, Domain, Fusion, Limits, explore, fuse, id, proj, unfold,
+    ColouredBuilder, ColouredNet, ColouredReachLimits, Colours, Domain, Fusion, explore, fuse, id, proj, unfold,
 };
 
 use super::cell::{Variant, cell, transitions, work_plan};
@@ -125,11 +125,14 @@ fn the_fused_resources_are_the_cell() {
     assert_eq!((fused.transition_count(), fused.place_count()), (9, 5 + 7 + 3));
 
     let whole = cell(&Variant { outside, ..Variant::default() });
-    let (a, b) = (explore(&fused, Limits::states(100_000)).unwrap(), explore(&whole, Limits::states(100_000)).unwrap());
+    let (a, b) = (
+        explore(&fused, ColouredReachLimits::states(100_000)).unwrap(),
+        explore(&whole, ColouredReachLimits::states(100_000)).unwrap(),
+    );
     assert_eq!((a.state_count(), a.steps().len()), (b.state_count(), b.steps().len()));
 
     // Walk both side by side; modes have the same tones, up to their order.
-    let key = |net: &ColouredNet, mode: linewright_nets::coloured::Mode| {
+    let key = |net: &ColouredNet, mode: linewright_nets::coloured::NetMode| {
         let name = net.transition(mode.transition).name.to_string();
         let name = name.rsplit('.').next().unwrap().to_owned();
         let domain = net.transition_domain(mode.transition).iter().map(|basic| net.basics()[basic.index()].name());

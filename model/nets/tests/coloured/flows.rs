@@ -1,10 +1,10 @@
 //! Coloured flows against the incidence matrix of the unfolding, and decisions and steps against their definitions.
 
-use linewright_nets::coloured::decide::Conflict;
+use linewright_nets::coloured::decide::ModeConflict;
 use linewright_nets::coloured::flow::{FlowError, NotFlow, PlaceFlow, TransitionFlow};
 use linewright_nets::coloured::{
-    BasicId, ColouredBuilder, ColouredNet, Colours, Comparison, Domain, Guard, Limits, Mode, compare, component,
-    explore, id, proj, unfold,
+    BasicId, ColouredBuilder, ColouredNet, ColouredReachLimits, Colours, Comparison, Domain, Guard, NetMode, compare,
+    component, explore, id, proj, unfold,
 };
 
 use super::slow::{Dice, Fun, Raw, function, tuples};
@@ -54,7 +54,7 @@ fn a_place_flow_is_one_of_the_unfolding() {
         by_modes += usize::from(expected && flow.check(&net, 0).is_err());
         if expected {
             holds += usize::from(!weights.is_empty());
-            if let Ok(reached) = explore(&net, Limits::states(100)) {
+            if let Ok(reached) = explore(&net, ColouredReachLimits::states(100)) {
                 let value = flow.value(&net, &net.initial_marking());
                 reached.states().for_each(|state| assert_eq!(flow.value(&net, &reached.marking(state)), value));
             }
@@ -117,10 +117,10 @@ fn a_transition_flow_is_one_of_the_unfolding() {
     let (mut closed, mut open) = (0, 0);
     for _ in 0..2000 {
         let net = Raw::random(&mut dice).build();
-        let Ok(reached) = explore(&net, Limits::states(100)) else { continue };
+        let Ok(reached) = explore(&net, ColouredReachLimits::states(100)) else { continue };
         let unfolded = unfold(&net, Colours::All, 10_000).unwrap();
         let mut marking = net.initial_marking();
-        let mut modes: Vec<Mode> = Vec::new();
+        let mut modes: Vec<NetMode> = Vec::new();
         for _ in 0..8 {
             let here = reached.find(&marking).unwrap();
             let Some(step) = Some(reached.steps_from(here)).filter(|s| !s.is_empty()).map(|s| *dice.pick(s)) else {
@@ -155,7 +155,7 @@ fn conflicts_and_joint_firing_follow_their_definitions() {
             for &loser in &enabled {
                 let after = fired(&net, &marking, &[winner]).unwrap();
                 let disables = winner != loser && !net.enabled(&after).contains(&loser);
-                assert_eq!(conflicts.contains(&Conflict { winner, loser }), disables);
+                assert_eq!(conflicts.contains(&ModeConflict { winner, loser }), disables);
                 torn += usize::from(disables);
                 if net.is_enabled_together(&marking, &[winner, loser]) {
                     let mut both = marking.clone();
@@ -177,7 +177,7 @@ fn conflicts_and_joint_firing_follow_their_definitions() {
 fn fired(
     net: &ColouredNet,
     marking: &linewright_nets::coloured::ColouredMarking,
-    modes: &[Mode],
+    modes: &[NetMode],
 ) -> Option<linewright_nets::coloured::ColouredMarking> {
     let mut marking = marking.clone();
     modes.iter().all(|&mode| net.fire(&mut marking, mode).is_ok()).then_some(marking)

@@ -8,8 +8,8 @@ use std::ops::RangeInclusive;
 
 use linewright_nets::coloured::flow::{NotFlow, PlaceFlow, TransitionFlow};
 use linewright_nets::coloured::{
-    ColouredBuilder, ColouredNet, Colours, Domain, Guard, Limits, Mode, abs, colour, explore, id, not_colour, pred,
-    proj, ring, succ, unfold,
+    ColouredBuilder, ColouredNet, ColouredReachLimits, Colours, Domain, Guard, NetMode, abs, colour, explore, id,
+    not_colour, pred, proj, ring, succ, unfold,
 };
 
 use super::{names, play};
@@ -59,7 +59,7 @@ fn sizes() -> impl Iterator<Item = (u32, u32)> {
     (2..=5).flat_map(|n| (1..=3).map(move |m| (n, m)))
 }
 
-fn at(net: &ColouredNet, transition: &str, position: u32, part: u32) -> Mode {
+fn at(net: &ColouredNet, transition: &str, position: u32, part: u32) -> NetMode {
     net.mode(net.transition_named(transition).unwrap(), &[position, part]).unwrap()
 }
 
@@ -101,7 +101,7 @@ fn the_printed_place_invariants_hold() {
             let net = lifo(n, m, 0, repaired);
             let all: Vec<_> = (1..=n).map(|position| (vec![position], 1)).collect();
             let values = [vec![(vec![1], 1)], all.clone(), all, vec![(vec![], 1)]];
-            let reached = explore(&net, Limits::states(10_000)).unwrap();
+            let reached = explore(&net, ColouredReachLimits::states(10_000)).unwrap();
             for (flow, value) in invariants(&net).iter().zip(values) {
                 assert_eq!(flow.check(&net, 0), Ok(()), "no mode has to be looked at");
                 for state in reached.states() {
@@ -230,7 +230,7 @@ fn push_and_pull_lead_back() {
 fn the_repaired_storage_is_live_and_reversible() {
     for (n, m) in sizes() {
         let net = lifo(n, m, 0, true);
-        let reached = explore(&net, Limits::states(10_000)).unwrap();
+        let reached = explore(&net, ColouredReachLimits::states(10_000)).unwrap();
         let rest: u32 = (0..=n).map(|x| m.pow(x)).sum();
         let moving: u32 = (0..n).map(|x| 2 * m.pow(x + 1) * (n - x)).sum();
         assert_eq!(reached.state_count(), (rest + moving) as usize);
@@ -245,9 +245,9 @@ fn the_repaired_storage_is_live_and_reversible() {
 #[test]
 fn the_repair_leaves_only_the_choice_of_what_to_do_next() {
     let pairs = |net: &ColouredNet| {
-        let reached = explore(net, Limits::states(10_000)).unwrap();
+        let reached = explore(net, ColouredReachLimits::states(10_000)).unwrap();
         let conflicts = reached.states().flat_map(|state| net.conflicts(&reached.marking(state)));
-        let name = |mode: Mode| net.transition(mode.transition).name.to_string();
+        let name = |mode: NetMode| net.transition(mode.transition).name.to_string();
         let mut found: Vec<_> = conflicts.map(|pair| (name(pair.winner), name(pair.loser))).collect();
         found.sort();
         found.dedup();

@@ -3,10 +3,10 @@
 use std::collections::{BTreeMap, BTreeSet};
 
 use linewright_nets::coloured::{
-    ColouredBuilder, ColouredMarking, ColouredNet, ColouredReachability, Colours, Limits, Mode, Stop, UnfoldError,
-    Unfolding, explore, unfold,
+    ColouredBuilder, ColouredMarking, ColouredNet, ColouredReachLimit, ColouredReachLimits, ColouredReachability,
+    Colours, NetMode, UnfoldError, Unfolding, explore, unfold,
 };
-use linewright_nets::{Cause, NetBuilder, PlaceId, Reachability, StateId};
+use linewright_nets::{NetBuilder, PlaceId, ReachLimit, Reachability, StateId};
 
 use super::slow::{Dice, Fun, Raw, Tuple, function, tuples};
 
@@ -20,7 +20,7 @@ fn slow(net: &ColouredNet, marking: &ColouredMarking) -> BTreeMap<(usize, Tuple)
 }
 
 /// What a mode takes and gives as the slow twin has it.
-fn effect(net: &ColouredNet, mode: Mode) -> [BTreeMap<(usize, Tuple), i64>; 2] {
+fn effect(net: &ColouredNet, mode: NetMode) -> [BTreeMap<(usize, Tuple), i64>; 2] {
     let [mut takes, mut gives] = [BTreeMap::new(), BTreeMap::new()];
     for p in net.places() {
         let [taken, given] = net.moves(mode, p);
@@ -131,7 +131,7 @@ fn exploring_directly_and_exploring_the_unfolding_agree() {
     let (mut decided, mut undecided, mut dropped) = (0, 0, 0);
     for _ in 0..4000 {
         let net = Raw::random(&mut dice).build();
-        let direct = explore(&net, Limits::states(LIMIT));
+        let direct = explore(&net, ColouredReachLimits::states(LIMIT));
         let all = unfold(&net, Colours::All, 10_000).unwrap();
         let used = match unfold(&net, Colours::Reachable, 10_000) {
             Ok(used) => used,
@@ -148,7 +148,7 @@ fn exploring_directly_and_exploring_the_unfolding_agree() {
                 (Ok(direct), Ok(ordinary)) => agree(&net, direct, unfolded, &ordinary),
                 (Err(direct), Err(ordinary)) => {
                     assert_eq!(direct.states, ordinary.states);
-                    assert_eq!(direct.cause == Stop::States, ordinary.cause == Cause::Limit);
+                    assert_eq!(direct.cause == ColouredReachLimit::States, ordinary.cause == ReachLimit::Limit);
                 }
                 (direct, ordinary) => panic!("{net}: {direct:?} {ordinary:?}"),
             }
@@ -249,7 +249,7 @@ fn an_uncoloured_net_unfolds_to_itself() {
         let unfolded = unfold(&coloured, Colours::All, 1000).unwrap();
         assert_eq!(unfolded.net().to_string(), net.to_string());
         assert_eq!(unfolded.net().initial_marking(), net.initial_marking());
-        match (explore(&coloured, Limits::states(200)), linewright_nets::explore(&net, 200)) {
+        match (explore(&coloured, ColouredReachLimits::states(200)), linewright_nets::explore(&net, 200)) {
             (Ok(direct), Ok(ordinary)) => agree(&coloured, &direct, &unfolded, &ordinary),
             (Err(direct), Err(ordinary)) => assert_eq!(direct.states, ordinary.states),
             (direct, ordinary) => panic!("{direct:?} {ordinary:?}"),

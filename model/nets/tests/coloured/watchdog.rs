@@ -8,7 +8,7 @@
 
 use linewright_nets::coloured::flow::{PlaceFlow, TransitionFlow};
 use linewright_nets::coloured::{
-    BasicId, ColouredBuilder, ColouredNet, Domain, Guard, Limits, colour, explore, id, pred, proj, succ,
+    BasicId, ColouredBuilder, ColouredNet, ColouredReachLimits, Domain, Guard, colour, explore, id, pred, proj, succ,
 };
 
 use super::{mode, names, play};
@@ -46,7 +46,7 @@ fn the_printed_place_flow_holds() {
             let weights = [(place("pe"), proj([2])), (place("~pe"), proj([2]).of(succ(2, j)))];
             let flow = PlaceFlow::new(&net, BasicId(1), weights).unwrap();
             assert_eq!(flow.check(&net, 0), Ok(()));
-            let reached = explore(&net, Limits::states(1000)).unwrap();
+            let reached = explore(&net, ColouredReachLimits::states(1000)).unwrap();
             for state in reached.states() {
                 assert_eq!(flow.value(&net, &reached.marking(state)), [(vec![j + 1], 2)]);
                 // pe and ~pe exclude each other with regard to e_j, for each machine.
@@ -86,11 +86,11 @@ fn the_printed_transition_flows() {
 #[test]
 fn only_a_recovery_makes_it_reversible() {
     let net = watched(3, 2, false);
-    let reached = explore(&net, Limits::states(1000)).unwrap();
+    let reached = explore(&net, ColouredReachLimits::states(1000)).unwrap();
     assert_eq!((reached.state_count(), reached.deadlocks().count()), (3 * 3, 1));
     assert!(reached.is_reversible().is_err());
     let net = watched(3, 2, true);
-    let reached = explore(&net, Limits::states(1000)).unwrap();
+    let reached = explore(&net, ColouredReachLimits::states(1000)).unwrap();
     assert_eq!((reached.state_count(), reached.is_reversible()), (3 * 3, Ok(())));
     // Of the modes, those in which the task begins normally are live; the others never occur.
     let live: Vec<_> =

@@ -6,7 +6,7 @@ use std::collections::{BTreeMap, BTreeSet};
 use std::sync::atomic::{AtomicUsize, Ordering};
 
 use linewright_nets::tnces::{
-    EventMode, Interval, Label, Latest, Player, Policy, Semantics, StateGraph, Tnces, TncesBuilder,
+    EventMode, Interval, Latest, Policy, Semantics, StateGraph, TimedLabel, Tnces, TncesBuilder, TncesPlayer,
 };
 use linewright_nets::{Net, NetBuilder, PlaceId, TransitionId, explore};
 use plain::{Marking, Plain, Space, Transition};
@@ -114,7 +114,7 @@ fn slice(marking: &linewright_nets::Marking) -> Marking {
 
 /// What the crate found, in the words of the other.
 fn moves<S>(graph: &StateGraph<S>, marking: impl Fn(&S) -> Marking) -> BTreeSet<(Marking, Vec<usize>, Marking)> {
-    let steps = graph.arcs().iter().filter(|arc| matches!(arc.label, Label::Step(_)));
+    let steps = graph.arcs().iter().filter(|arc| matches!(arc.label, TimedLabel::Step(_)));
     let numbers = |ts: &[TransitionId]| {
         let mut ts: Vec<usize> = ts.iter().map(|t| t.index()).collect();
         ts.sort_unstable();
@@ -159,9 +159,9 @@ fn timed_agrees((plain, modes): (Plain, Vec<bool>), decided: &AtomicUsize) {
 /// Plays a while, now and then an external transition, and checks each delay and step with the other implementation.
 fn player_agrees((plain, modes): (Plain, Vec<bool>), policy: Policy, pokes: &[usize]) {
     let system = tnces(&plain, &modes);
-    let mut player = Player::new(&system, policy);
+    let mut player = TncesPlayer::new(&system, policy);
     let (mut state, mut now) = (plain.initial(), 0);
-    let mut follow = |fired: &linewright_nets::tnces::Fired, until: u64| {
+    let mut follow = |fired: &linewright_nets::tnces::FiredStep, until: u64| {
         while now < until {
             state = plain.tick(&state).expect("no time passes while something is due");
             now += 1;
@@ -174,7 +174,7 @@ fn player_agrees((plain, modes): (Plain, Vec<bool>), policy: Policy, pokes: &[us
         }
         Plain::marking(&state)
     };
-    let nothing = |time| linewright_nets::tnces::Fired { time, step: [].into() };
+    let nothing = |time| linewright_nets::tnces::FiredStep { time, step: [].into() };
     for (round, &poke) in (1_u64..).zip(pokes) {
         let t = TransitionId((poke % plain.transitions.len()) as u32);
         let possible = player.steps().iter().any(|step| step[0] == t);

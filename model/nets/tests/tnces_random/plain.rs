@@ -3,7 +3,7 @@
 
 use std::collections::{BTreeMap, BTreeSet, VecDeque};
 
-use linewright_nets::tnces::{Clock, Deadline, Firing, Semantics};
+use linewright_nets::tnces::{ArcClock, Deadline, FiringPolicy, Semantics};
 
 /// (place, weight, DR, DL).
 pub type Take = (usize, u32, u32, Option<u32>);
@@ -41,7 +41,7 @@ impl Plain {
     }
 
     fn by_age(&self) -> bool {
-        self.semantics.clock == Clock::TokenAge
+        self.semantics.clock == ArcClock::TokenAge
     }
 
     pub fn initial(&self) -> State {
@@ -79,7 +79,7 @@ impl Plain {
     }
 
     fn runs(&self, marking: &[u32], t: &Transition) -> bool {
-        Self::marked(marking, t) && (self.semantics.clock != Clock::SinceEnabled || Self::reads(marking, t))
+        Self::marked(marking, t) && (self.semantics.clock != ArcClock::SinceEnabled || Self::reads(marking, t))
     }
 
     fn fits(&self, clock: u32, dr: u32, dl: Option<u32>) -> bool {
@@ -174,7 +174,7 @@ impl Plain {
             return false;
         }
         match (self.semantics.firing, self.semantics.deadline) {
-            (Firing::Earliest, _) => true,
+            (FiringPolicy::Earliest, _) => true,
             (_, Deadline::Expires) => false,
             _ => transition.takes.iter().any(|&(p, _, _, dl)| {
                 let clock = if self.by_age() { state.0[p][0] } else { state.1[t] };

@@ -34,7 +34,7 @@ use linewright_station_logic::OrderRules;
 
 pub use stage::NotPlayable;
 
-use super::{Property, Story, Verdict};
+use super::{CellPath, CellProperty, Verdict};
 
 /// What is explored, and how far.
 #[derive(Clone, Debug)]
@@ -133,7 +133,7 @@ pub fn check_protocol(setting: &ProtocolSetting<'_>) -> Result<Vec<ActivityExplo
 }
 
 /// What follows of a cell, property by property.
-pub fn properties(found: &[ActivityExplored]) -> Vec<Property> {
+pub fn properties(found: &[ActivityExplored]) -> Vec<CellProperty> {
     let states: usize = found.iter().map(|one| one.states).sum();
     // Where nobody gives alarm nothing is known of it.
     let asked = ALL.iter().filter(|&&name| name != STOPPED || found.iter().any(|one| one.disturbed));
@@ -150,12 +150,12 @@ pub fn properties(found: &[ActivityExplored]) -> Vec<Property> {
             }
             (None, None) => (Verdict::Holds, format!("in all {states} states of {} activities", found.len())),
         };
-        let story = |(_, of): (&ActivityExplored, &BrokenRule)| Story {
+        let story = |(_, of): (&ActivityExplored, &BrokenRule)| CellPath {
             steps: of.steps.clone(),
             end: of.end.clone(),
             resources: Vec::new(),
         };
-        Property { name, verdict, reason, help: None, counterexample: wrong.map(story) }
+        CellProperty { name, verdict, reason, help: None, counterexample: wrong.map(story) }
     });
     all.collect()
 }

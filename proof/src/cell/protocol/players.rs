@@ -5,10 +5,10 @@
 
 use std::time::Duration;
 
-use linewright_coordinator_cell::exception::{About, Standing, Step};
+use linewright_coordinator_cell::exception::{AlarmSubject, ExceptionStep, SecuredState};
 use linewright_coordinator_cell::{
-    Answer, Coordination, Dispatcher, Fact, FiringId, Input, ModeId, OrderKey, OrderMessage, Outbox, Phase,
-    ProtocolRules, Question, Reply, Send, Start,
+    ActivityPhase, CellMessage, Coordination, DispatchDecision, Dispatcher, FiringId, ModeId, OrderKey, OrderMessage,
+    PlayerInput, PlayerOutbox, ProtocolRules, Question, RecordKind, Reply, Start,
 };
 use linewright_line::{StationId, Tick};
 use rustc_hash::FxHashMap;
@@ -20,7 +20,7 @@ const RESENT: Duration = Duration::from_secs(12 * 3600);
 
 /// What is sent to stations: an order, or to leave one.
 #[derive(Clone, Debug, PartialEq, Eq)]
-pub(super) enum Message {
+pub(super) enum StationMessage {
     Order(OrderMessage),
     Secure {
         station: StationId,
@@ -31,18 +31,18 @@ pub(super) enum Message {
     },
 }
 
-impl Message {
+impl StationMessage {
     pub fn station(&self) -> StationId {
         match self {
-            Message::Order(order) => order.station,
-            Message::Secure { station, .. } => *station,
+            StationMessage::Order(order) => order.station,
+            StationMessage::Secure { station, .. } => *station,
         }
     }
 }
 
 /// Something that may happen to the player. Stations by their position in the exploration.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Hash)]
-pub(super) enum Event {
+pub(super) enum PlayerMove {
     /// It hears what a station says, by number.
     Heard(u32, u32),
     /// Time goes on to its next deadline.
@@ -64,14 +64,14 @@ pub(super) struct Stepped {
     /// By number.
     pub sends: Vec<u32>,
     /// These have to stand: why, and of which order.
-    pub stand: Vec<(MustStand, StationId, OrderKey)>,
+    pub stand: Vec<(StandReason, StationId, OrderKey)>,
     /// These have got an order, and must be at none of something that is not in progress any more.
     pub given: Vec<StationId>,
 }
 
 /// Why a station has to stand still.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
-pub(super) enum MustStand {
+pub(super) enum StandReason {
     /// An answer that concerns it is taken.
     Answered,
     /// Tokens are given back.
@@ -81,7 +81,7 @@ pub(super) enum MustStand {
 }
 
 #[derive(Clone)]
-pub(super) struct Player {
+pub(super) struct ProtocolPlayer {
     pub coordination: Coordination,
     pub now: Tick,
     /// How many activities have started since the first.
@@ -93,10 +93,10 @@ pub(super) struct Player {
 }
 
 /// Lets one mode start, and nothing else.
-pub(super) struct Wanted(pub Option<ModeId>);
+pub(super) struct SingleStart(pub Option<ModeId>);
 
-impl Dispatcher for Wanted {
-    fn decide(&mut self, question: &Question<'_>) -> Answer {
+impl Dispatcher for SingleStart {
+    fn decide(&mut self, question: &Question<'_>) -> DispatchDecision {
         let wanted = self.0;
         let found = question.candidates.iter().position(|candidate| Some(candidate.mode) == wanted);
         let start =
@@ -104,32 +104,32 @@ impl Dispatcher for Wanted {
         if start.is_some() {
             self.0 = None;
         }
-        Answer { start: start.into_iter().collect(), held: Vec::new() }
+        DispatchDecision { start: start.into_iter().collect(), held: Vec::new() }
     }
 }
 
 /// The modes that could start.
 #[derive(Default)]
-pub(super) struct Asked(pub Vec<ModeId>);
+pub(super) struct StartableModes(pub Vec<ModeId>);
 
-impl Dispatcher for Asked {
-    fn decide(&mut self, question: &Question<'_>) -> Answer {
+impl Dispatcher for StartableModes {
+    fn decide(&mut self, question: &Question<'_>) -> DispatchDecision {
         self.0 = question.candidates.iter().map(|candidate| candidate.mode).collect();
-        Answer::default()
+        DispatchDecision::default()
     }
 }
 
 pub(super) struct Players {
     numbers: FxHashMap<String, u32>,
-    pub all: Vec<Player>,
+    pub all: Vec<ProtocolPlayer>,
     /// By situation, what may happen besides hearing stations.
-    pub events: Vec<Vec<Event>>,
+    pub events: Vec<Vec<PlayerMove>>,
     /// The activity is over.
     pub closed: Vec<bool>,
     /// Something else has started after it.
     pub over: Vec<bool>,
-    pub messages: Vec<Message>,
-    stepped: FxHashMap<(u32, Event), Stepped>,
+    pub messages: Vec<StationMessage>,
+    stepped: FxHashMap<(u32, PlayerMove), Stepped>,
     rules: ProtocolRules,
     /// The stations that are looked at.
     stations: Vec<StationId>,
@@ -152,7 +152,7 @@ impl Players {
         }
     }
 
-    pub fn enter(&mut self, player: Player) -> u32 {
+    pub fn enter(&mut self, player: ProtocolPlayer) -> u32 {
         self.scratch.clear();
         player.coordination.situation(&mut self.scratch);
         self.scratch.push_str(&format!("{} {}", player.now, player.starts));
@@ -173,35 +173,35 @@ impl Players {
     }
 
     /// The same situation, of which another activity is looked at.
-    pub fn enter_anew(&mut self, player: Player) -> u32 {
+    pub fn enter_anew(&mut self, player: ProtocolPlayer) -> u32 {
         self.numbers.clear();
         self.enter(player)
     }
 
-    fn events_of(&self, player: &Player) -> Vec<Event> {
+    fn events_of(&self, player: &ProtocolPlayer) -> Vec<PlayerMove> {
         let (state, mut events) = (player.coordination.state(), Vec::new());
         // Limits, not when something is sent once more: copies of it may come at any time anyway.
         if player.coordination.next_deadline().is_some_and(|at| at > player.now && at < player.now + RESENT) {
-            events.push(Event::Time);
+            events.push(PlayerMove::Time);
         }
         // Whether an answer is taken does not depend on its word.
         if alarm_of(player).is_some() {
-            events.push(Event::Answer);
+            events.push(PlayerMove::Answer);
         }
         if player.alarmed.is_empty() && player.firing.is_some_and(|id| state.firing(id).is_some()) {
-            events.push(Event::Alarm);
+            events.push(PlayerMove::Alarm);
         }
-        events.push(Event::Restart);
+        events.push(PlayerMove::Restart);
         if player.starts == 1
-            && player.firing.is_none_or(|id| state.firing(id).is_none_or(|of| of.phase != Phase::Running))
+            && player.firing.is_none_or(|id| state.firing(id).is_none_or(|of| of.phase != ActivityPhase::Running))
         {
-            let (mut asked, mut copy) = (Asked::default(), player.coordination.clone());
+            let (mut asked, mut copy) = (StartableModes::default(), player.coordination.clone());
             copy.reconsider();
-            copy.step(player.now, &[], &mut asked, &mut Outbox::default());
+            copy.step(player.now, &[], &mut asked, &mut PlayerOutbox::default());
             let table = state.table();
             let ours =
                 |mode: &ModeId| table.activity(*mode).orders.iter().any(|order| self.stations.contains(&order.station));
-            events.extend(asked.0.into_iter().filter(ours).map(Event::Start));
+            events.extend(asked.0.into_iter().filter(ours).map(PlayerMove::Start));
         }
         events
     }
@@ -210,7 +210,7 @@ impl Players {
     pub fn step(
         &mut self,
         from: u32,
-        event: Event,
+        event: PlayerMove,
         said: impl FnOnce(u32, u32) -> (StationId, StationAnswer),
     ) -> &Stepped {
         if !self.stepped.contains_key(&(from, event)) {
@@ -223,43 +223,44 @@ impl Players {
     fn work_out(
         &mut self,
         from: u32,
-        event: Event,
+        event: PlayerMove,
         said: impl FnOnce(u32, u32) -> (StationId, StationAnswer),
     ) -> Stepped {
         let mut next = self.all[from as usize].clone();
-        let (mut out, mut wanted) = (Outbox::default(), Wanted(None));
-        let starts = Input::Starts(true);
+        let (mut out, mut wanted) = (PlayerOutbox::default(), SingleStart(None));
+        let starts = PlayerInput::Starts(true);
         match event {
-            Event::Heard(nth, number) => {
+            PlayerMove::Heard(nth, number) => {
                 let (station, said) = said(nth, number);
-                let mut inputs = vec![starts, Input::Station(station, &said.heard)];
-                inputs.extend(said.secured.map(|(key, reply)| Input::Secured(station, key, reply)));
-                let refused = said.refused.iter().map(|&(key, why)| Input::Reply(station, key, Reply::Refused(why)));
+                let mut inputs = vec![starts, PlayerInput::Station(station, &said.heard)];
+                inputs.extend(said.secured.map(|(key, reply)| PlayerInput::Secured(station, key, reply)));
+                let refused =
+                    said.refused.iter().map(|&(key, why)| PlayerInput::Reply(station, key, Reply::Refused(why)));
                 inputs.extend(refused);
                 next.coordination.step(next.now, &inputs, &mut wanted, &mut out);
             }
-            Event::Time => {
+            PlayerMove::Time => {
                 next.now = next.coordination.next_deadline().unwrap_or(next.now).max(next.now);
                 next.coordination.step(next.now, &[starts], &mut wanted, &mut out);
             }
-            Event::Answer => {
+            PlayerMove::Answer => {
                 if let Some(alarm) = alarm_of(&next).cloned() {
-                    let input = Input::Answer { alarm: alarm.id, word: &alarm.words[0] };
+                    let input = PlayerInput::Answer { alarm: alarm.id, word: &alarm.words[0] };
                     next.coordination.step(next.now, &[starts, input], &mut wanted, &mut out);
                 }
             }
-            Event::Alarm => {
+            PlayerMove::Alarm => {
                 let state = next.coordination.state();
                 let firing = next.firing.and_then(|id| state.firing(id));
                 next.alarmed = firing.iter().flat_map(|firing| &firing.orders).map(|order| order.key).collect();
                 let mode = firing.map(|firing| firing.mode);
                 let resource = mode.and_then(|mode| state.table().handling().mode(mode).resources().next());
                 if let Some(resource) = resource {
-                    let input = Input::Alarm { resource, text: "alarm" };
+                    let input = PlayerInput::Alarm { resource, text: "alarm" };
                     next.coordination.step(next.now, &[starts, input], &mut wanted, &mut out);
                 }
             }
-            Event::Restart => {
+            PlayerMove::Restart => {
                 let state = next.coordination.state().clone();
                 let epoch = state.epoch() + 1;
                 if let Ok(life) = Coordination::begin(state, next.now, epoch, &mut out) {
@@ -267,22 +268,23 @@ impl Players {
                     next.coordination.step(next.now, &[starts], &mut wanted, &mut out);
                 }
             }
-            Event::Start(mode) => {
+            PlayerMove::Start(mode) => {
                 wanted.0 = Some(mode);
                 next.coordination.reconsider();
                 next.coordination.step(next.now, &[starts], &mut wanted, &mut out);
             }
         }
         let mut stepped = self.must_stand(from, &out, &next.alarmed);
-        next.starts += out.records.iter().filter(|record| matches!(record.fact, Fact::Started { .. })).count() as u8;
+        next.starts +=
+            out.records.iter().filter(|record| matches!(record.fact, RecordKind::Started { .. })).count() as u8;
         for send in out.sends {
             let message = match send {
-                Send::Order(mut message) => {
+                CellMessage::Order(mut message) => {
                     message.order.limit = Duration::ZERO;
-                    Message::Order(message)
+                    StationMessage::Order(message)
                 }
-                Send::Secure { station, key, stop } => {
-                    Message::Secure { station, key, stop, alarmed: next.alarmed.contains(&key) }
+                CellMessage::Secure { station, key, stop } => {
+                    StationMessage::Secure { station, key, stop, alarmed: next.alarmed.contains(&key) }
                 }
             };
             if !self.stations.contains(&message.station()) {
@@ -300,26 +302,28 @@ impl Players {
     }
 
     /// What its records require of stations. Left out are those whose standing it recorded as unknown.
-    fn must_stand(&self, from: u32, out: &Outbox, alarmed: &[OrderKey]) -> Stepped {
+    fn must_stand(&self, from: u32, out: &PlayerOutbox, alarmed: &[OrderKey]) -> Stepped {
         let mut stepped = Stepped::default();
         let mut state = self.all[from as usize].coordination.state().clone();
         for record in &out.records {
             let reason = match &record.fact {
-                Fact::Exception(Step::Answered { firing, .. }) => Some((MustStand::Answered, *firing)),
-                Fact::Exception(Step::Closed { firing, .. }) => Some((MustStand::Restored, *firing)),
-                Fact::Exception(Step::Alarmed { about: About::Firing(firing), .. }) if !alarmed.is_empty() => {
-                    Some((MustStand::Asked, *firing))
+                RecordKind::Exception(ExceptionStep::Answered { firing, .. }) => Some((StandReason::Answered, *firing)),
+                RecordKind::Exception(ExceptionStep::Closed { firing, .. }) => Some((StandReason::Restored, *firing)),
+                RecordKind::Exception(ExceptionStep::Alarmed { about: AlarmSubject::Firing(firing), .. })
+                    if !alarmed.is_empty() =>
+                {
+                    Some((StandReason::Asked, *firing))
                 }
                 _ => None,
             };
             if let Some((reason, id)) = reason {
                 let orders = state.firing(id).map(|firing| firing.orders.clone()).unwrap_or_default();
                 let trouble = state.exceptions().trouble(id);
-                let unknown = |key| trouble.is_some_and(|of| of.standing.contains(&(key, Standing::Unknown)));
+                let unknown = |key| trouble.is_some_and(|of| of.standing.contains(&(key, SecuredState::Unknown)));
                 let known = orders.iter().filter(|order| !unknown(order.key));
                 stepped.stand.extend(known.map(|order| (reason, order.station, order.key)));
             }
-            if let Fact::Started { mode, .. } = &record.fact {
+            if let RecordKind::Started { mode, .. } = &record.fact {
                 stepped.given.extend(state.table().activity(*mode).orders.iter().map(|order| order.station));
             }
             // It wrote what fits.
@@ -329,7 +333,7 @@ impl Players {
     }
 }
 
-fn alarm_of(player: &Player) -> Option<&linewright_coordinator_cell::exception::Alarm> {
-    let about = About::Firing(player.firing?);
+fn alarm_of(player: &ProtocolPlayer) -> Option<&linewright_coordinator_cell::exception::Alarm> {
+    let about = AlarmSubject::Firing(player.firing?);
     player.coordination.state().exceptions().alarms().find(|alarm| alarm.about == about)
 }

@@ -3,9 +3,9 @@
 use linewright_line::StationId;
 use rustc_hash::FxHashMap;
 
-use super::players::{Event, Message, MustStand, Players};
+use super::players::{PlayerMove, Players, StandReason, StationMessage};
 use super::stage::ActivityStart;
-use super::station::{Act, Machines};
+use super::station::{TaskStationAct, TaskStationModels};
 use super::{
     ANSWERED, ActivityExplored, BrokenRule, CLOSED, ENDED, GIVEN, ProtocolSetting, RESTORED, STOPPED, TWICE, words,
 };
@@ -24,31 +24,31 @@ const STATIONS: usize = 4;
 
 /// What leads from one state to the next.
 #[derive(Clone, Copy, Debug)]
-enum Arc {
+enum ProtocolArc {
     Begins,
     Message(u32),
-    Act(u32, Act),
+    Act(u32, TaskStationAct),
     Says(u32),
-    Player(Event),
+    Player(PlayerMove),
 }
 
-struct Search<'c> {
+struct ProtocolSearch<'c> {
     setting: &'c ProtocolSetting<'c>,
     stations: Vec<StationId>,
-    machines: Vec<Machines<'c>>,
+    machines: Vec<TaskStationModels<'c>>,
     players: Players,
     numbers: FxHashMap<Packed, u32>,
     states: Vec<Packed>,
-    came: Vec<(u32, Arc)>,
+    came: Vec<(u32, ProtocolArc)>,
     arcs: Vec<(u32, u32)>,
-    wrong: Option<(u32, Arc, &'static str, String)>,
+    wrong: Option<(u32, ProtocolArc, &'static str, String)>,
 }
 
 pub(super) fn explore(setting: &ProtocolSetting<'_>, stage: ActivityStart) -> ActivityExplored {
     let ActivityStart { name, mode, stations, machines, mut player } = stage;
-    let mut search = Search {
+    let mut search = ProtocolSearch {
         setting,
-        machines: stations.iter().map(|_| Machines::new(setting.line)).collect(),
+        machines: stations.iter().map(|_| TaskStationModels::new(setting.line)).collect(),
         players: Players::new(setting.rules, stations.clone()),
         stations,
         numbers: FxHashMap::default(),
@@ -66,13 +66,13 @@ pub(super) fn explore(setting: &ProtocolSetting<'_>, stage: ActivityStart) -> Ac
     // It has started, and is what is looked at.
     let before = player.coordination.state().firings().map(|firing| firing.id).max();
     let start = search.players.enter(player);
-    let stepped = search.players.step(start, Event::Start(mode), |_, _| unreachable!("nobody is heard")).clone();
+    let stepped = search.players.step(start, PlayerMove::Start(mode), |_, _| unreachable!("nobody is heard")).clone();
     let mut begun = search.players.all[stepped.to as usize].clone();
     begun.firing = begun.coordination.state().firings().map(|firing| firing.id).max().filter(|id| Some(*id) != before);
     let begun = search.players.enter_anew(begun);
     first[PLAYER] = begun;
     stepped.sends.iter().for_each(|&message| sent(&mut first, message));
-    search.enter(first.into(), 0, Arc::Begins);
+    search.enter(first.into(), 0, ProtocolArc::Begins);
     let mut at = 0;
     while at < search.states.len() && search.wrong.is_none() && search.states.len() < setting.states {
         search.expand(at as u32);
@@ -100,15 +100,15 @@ fn sent(state: &mut [u32], message: u32) {
     }
 }
 
-impl Search<'_> {
-    fn enter(&mut self, state: Packed, from: u32, by: Arc) {
+impl ProtocolSearch<'_> {
+    fn enter(&mut self, state: Packed, from: u32, by: ProtocolArc) {
         let next = self.states.len() as u32;
         let number = *self.numbers.entry(state).or_insert_with_key(|state| {
             self.states.push(state.clone());
             self.came.push((from, by));
             next
         });
-        if !matches!(by, Arc::Begins) && number != from {
+        if !matches!(by, ProtocolArc::Begins) && number != from {
             self.arcs.push((from, number));
         }
     }
@@ -124,7 +124,7 @@ impl Search<'_> {
         }
         for index in 0..self.players.events[player as usize].len() {
             let event = self.players.events[player as usize][index];
-            let costs = event == Event::Restart || event == Event::Alarm;
+            let costs = event == PlayerMove::Restart || event == PlayerMove::Alarm;
             if !costs || state[LEFT] > 0 {
                 let mut next = state.to_vec();
                 next[LEFT] -= u32::from(costs);
@@ -144,41 +144,44 @@ impl Search<'_> {
             }
             let mut next = state.to_vec();
             next[at] = self.machines[nth].hear(situation, number, |machine| match message {
-                Message::Order(order) => machine.order(order),
-                Message::Secure { key, stop, alarmed, .. } => machine.secure(*key, *stop, *alarmed),
+                StationMessage::Order(order) => machine.order(order),
+                StationMessage::Secure { key, stop, alarmed, .. } => machine.secure(*key, *stop, *alarmed),
             });
-            self.station(from, next, nth, Arc::Message(number));
+            self.station(from, next, nth, ProtocolArc::Message(number));
         }
         for index in 0..self.machines[nth].acts[situation as usize].len() {
             let act = self.machines[nth].acts[situation as usize][index];
-            let costs = matches!(act, Act::Fail | Act::Restart | Act::Forget | Act::Led { .. });
+            let costs = matches!(
+                act,
+                TaskStationAct::Fail | TaskStationAct::Restart | TaskStationAct::Forget | TaskStationAct::Led { .. }
+            );
             if costs && state[LEFT] == 0 {
                 continue;
             }
             let mut next = state.to_vec();
             next[LEFT] -= u32::from(costs);
             next[at] = self.machines[nth].act(situation, act);
-            self.station(from, next, nth, Arc::Act(nth as u32, act));
+            self.station(from, next, nth, ProtocolArc::Act(nth as u32, act));
         }
         let says = self.machines[nth].says[situation as usize] + 1;
         // Heard at once; whatever is still on its way is older, and not heard any more.
         let mut next = state.to_vec();
         next[pending] = 0;
-        self.player(from, next, Event::Heard(nth as u32, says - 1));
+        self.player(from, next, PlayerMove::Heard(nth as u32, says - 1));
         if state[pending] == 0 && state[LEFT] > 0 {
             let mut next = state.to_vec();
             next[LEFT] -= 1;
             next[pending] = says;
-            self.enter(next.into(), from, Arc::Says(nth as u32));
+            self.enter(next.into(), from, ProtocolArc::Says(nth as u32));
         }
         if state[pending] != 0 {
             let mut next = state.to_vec();
             next[pending] = 0;
-            self.player(from, next, Event::Heard(nth as u32, state[pending] - 1));
+            self.player(from, next, PlayerMove::Heard(nth as u32, state[pending] - 1));
         }
     }
 
-    fn station(&mut self, from: u32, next: Vec<u32>, nth: usize, by: Arc) {
+    fn station(&mut self, from: u32, next: Vec<u32>, nth: usize, by: ProtocolArc) {
         let machine = &self.machines[nth].all[next[STATIONS + 2 * nth] as usize];
         let name = &self.setting.line.station(self.stations[nth]).name;
         let twice = machine.twice.then(|| (TWICE, format!("{name} does again what it has done")));
@@ -190,12 +193,12 @@ impl Search<'_> {
         self.enter(next.into(), from, by);
     }
 
-    fn player(&mut self, from: u32, mut next: Vec<u32>, event: Event) {
+    fn player(&mut self, from: u32, mut next: Vec<u32>, event: PlayerMove) {
         let (stations, machines) = (&self.stations, &self.machines);
         let said =
             |nth: u32, number: u32| (stations[nth as usize], machines[nth as usize].said[number as usize].clone());
         let stepped = self.players.step(next[PLAYER], event, said).clone();
-        let by = Arc::Player(event);
+        let by = ProtocolArc::Player(event);
         let is_at = |station: StationId| {
             let nth = self.stations.iter().position(|of| *of == station)?;
             let (slot, moves) = self.machines[nth].at[next[STATIONS + 2 * nth] as usize];
@@ -207,9 +210,9 @@ impl Search<'_> {
                 let doing =
                     slot.map_or_else(|| "moves".to_owned(), |key| format!("is at order {}", words::number(key)));
                 let (rule, what) = match reason {
-                    MustStand::Answered => (ANSWERED, "the answer is taken"),
-                    MustStand::Restored => (RESTORED, "tokens and part are put where the answer says"),
-                    MustStand::Asked => (STOPPED, "somebody is asked"),
+                    StandReason::Answered => (ANSWERED, "the answer is taken"),
+                    StandReason::Restored => (RESTORED, "tokens and part are put where the answer says"),
+                    StandReason::Asked => (STOPPED, "somebody is asked"),
                 };
                 let and = if moves && slot.is_some() { ", and moves" } else { "" };
                 wrong.push((rule, format!("{what} while {name} {doing}{and}")));
@@ -217,8 +220,11 @@ impl Search<'_> {
         }
         let running = self.players.all[next[PLAYER] as usize].coordination.state();
         for &station in &stepped.given {
-            let is_running =
-                |key| running.order(key).is_some_and(|(of, _)| of.phase == linewright_coordinator_cell::Phase::Running);
+            let is_running = |key| {
+                running
+                    .order(key)
+                    .is_some_and(|(of, _)| of.phase == linewright_coordinator_cell::ActivityPhase::Running)
+            };
             if let Some((name, Some(key), _)) =
                 is_at(station).filter(|(_, slot, _)| slot.is_some_and(|key| !is_running(key)))
             {
@@ -235,7 +241,7 @@ impl Search<'_> {
     }
 
     /// The first thing that is wrong counts, if it is asked for.
-    fn found(&mut self, from: u32, by: Arc, rule: &'static str, end: String) {
+    fn found(&mut self, from: u32, by: ProtocolArc, rule: &'static str, end: String) {
         if self.wrong.is_none() && self.setting.asked.is_none_or(|asked| asked == rule) {
             self.wrong = Some((from, by, rule, end));
         }
@@ -260,10 +266,10 @@ impl Search<'_> {
         }
     }
 
-    fn tell(&self, (from, by, rule, end): (u32, Arc, &'static str, String)) -> BrokenRule {
+    fn tell(&self, (from, by, rule, end): (u32, ProtocolArc, &'static str, String)) -> BrokenRule {
         let mut way = vec![(from, by)];
         let mut at = from;
-        while !matches!(self.came[at as usize].1, Arc::Begins) {
+        while !matches!(self.came[at as usize].1, ProtocolArc::Begins) {
             way.push(self.came[at as usize]);
             at = self.came[at as usize].0;
         }
@@ -272,17 +278,17 @@ impl Search<'_> {
             let state = &self.states[from as usize];
             let machine = |nth: u32| &self.machines[nth as usize].all[state[STATIONS + 2 * nth as usize] as usize];
             match by {
-                Arc::Begins => String::new(),
-                Arc::Message(number) => words::message(line, &self.players.messages[number as usize]),
-                Arc::Act(nth, act) => words::act(line, machine(nth), act),
-                Arc::Says(nth) => {
+                ProtocolArc::Begins => String::new(),
+                ProtocolArc::Message(number) => words::message(line, &self.players.messages[number as usize]),
+                ProtocolArc::Act(nth, act) => words::act(line, machine(nth), act),
+                ProtocolArc::Says(nth) => {
                     format!("on its way: {}", words::says(line, self.stations[nth as usize], &machine(nth).says()))
                 }
-                Arc::Player(Event::Heard(nth, number)) => {
+                ProtocolArc::Player(PlayerMove::Heard(nth, number)) => {
                     let said = &self.machines[nth as usize].said[number as usize];
                     format!("the coordinator hears: {}", words::says(line, self.stations[nth as usize], said))
                 }
-                Arc::Player(event) => words::event(&self.players.all[state[PLAYER] as usize], event),
+                ProtocolArc::Player(event) => words::event(&self.players.all[state[PLAYER] as usize], event),
             }
         });
         BrokenRule { rule, steps: steps.collect(), end }

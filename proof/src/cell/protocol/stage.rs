@@ -6,18 +6,20 @@ use std::sync::Arc;
 use std::time::Duration;
 
 use linewright_cell::net::Supply;
-use linewright_coordinator_cell::described::{Pace, Unplayable, described};
-use linewright_coordinator_cell::{CellTable, Coordination, Fact, Input, ModeId, Outbox, Send, State};
+use linewright_coordinator_cell::compile::{OrderTiming, Unplayable, compile_cell};
+use linewright_coordinator_cell::{
+    CellMessage, CellTable, Coordination, ModeId, PlayerInput, PlayerOutbox, PlayerState, RecordKind,
+};
 use linewright_line::{StationId, Tick};
 use linewright_station_logic::CompileError;
 use thiserror::Error;
 
 use super::ProtocolSetting;
-use super::players::{Asked, Player, Wanted};
-use super::station::Machine;
+use super::players::{ProtocolPlayer, SingleStart, StartableModes};
+use super::station::TaskStationModel;
 
 /// Sent again only after everything else has run out: a late copy of the first message is the same.
-const PACE: Pace = Pace { refresh: Duration::from_secs(24 * 3600), grace: Duration::from_secs(1) };
+const PACE: OrderTiming = OrderTiming { refresh: Duration::from_secs(24 * 3600), grace: Duration::from_secs(1) };
 /// So often the cell is played from its beginning, each time with other decisions.
 const ROUNDS: u64 = 24;
 /// At most so many activities in one round.
@@ -41,14 +43,14 @@ pub(super) struct ActivityStart {
     pub name: String,
     pub mode: ModeId,
     pub stations: Vec<StationId>,
-    pub machines: Vec<Machine>,
-    pub player: Player,
+    pub machines: Vec<TaskStationModel>,
+    pub player: ProtocolPlayer,
 }
 
 /// What makes two modes the same to the order protocol: what is ordered from whom, and what is done about failures.
-type Kind = (Vec<(StationId, Arc<str>)>, Vec<usize>, bool);
+type ModeKind = (Vec<(StationId, Arc<str>)>, Vec<usize>, bool);
 
-fn kind(table: &CellTable, mode: ModeId) -> Kind {
+fn kind(table: &CellTable, mode: ModeId) -> ModeKind {
     let orders = table.activity(mode).orders.iter().map(|order| (order.station, order.task.clone())).collect();
     let handled = table.handling().mode(mode);
     (orders, handled.rules.clone(), handled.gone.is_some())
@@ -57,7 +59,7 @@ fn kind(table: &CellTable, mode: ModeId) -> Kind {
 /// One stage for each kind of activity that is met.
 pub(super) fn stages(setting: &ProtocolSetting<'_>) -> Result<Vec<ActivityStart>, NotPlayable> {
     let parts = vec![PARTS; setting.cell.part_types.len()];
-    let table = Arc::new(described(setting.cell, Some(setting.line), Supply::Batch(&parts), PACE)?.table);
+    let table = Arc::new(compile_cell(setting.cell, Some(setting.line), Supply::Batch(&parts), PACE)?.table);
     let mut handling = table.handling().clone();
     // What sensors say, and who is not heard for long, is not looked at.
     handling.stale = None;
@@ -67,7 +69,7 @@ pub(super) fn stages(setting: &ProtocolSetting<'_>) -> Result<Vec<ActivityStart>
         let activity = table.activity(*mode);
         !activity.orders.is_empty() && setting.only.is_none_or(|only| &*activity.name == only)
     };
-    let mut open: BTreeSet<Kind> = table.modes().filter(ours).map(|mode| kind(&table, mode)).collect();
+    let mut open: BTreeSet<ModeKind> = table.modes().filter(ours).map(|mode| kind(&table, mode)).collect();
     let mut stages = Vec::new();
     for round in 0..ROUNDS {
         if open.is_empty() {
@@ -82,18 +84,20 @@ fn play(
     setting: &ProtocolSetting<'_>,
     table: &Arc<CellTable>,
     round: u64,
-    open: &mut BTreeSet<Kind>,
+    open: &mut BTreeSet<ModeKind>,
     stages: &mut Vec<ActivityStart>,
 ) -> Result<(), NotPlayable> {
     let line = setting.line;
-    let mut machines = line.station_ids().map(|id| Machine::new(line, id)).collect::<Result<Vec<_>, _>>()?;
-    let (mut out, mut now) = (Outbox::default(), Tick::ZERO);
-    let Ok(mut coordination) = Coordination::begin(State::new(table.clone()), now, 1, &mut out) else { return Ok(()) };
+    let mut machines = line.station_ids().map(|id| TaskStationModel::new(line, id)).collect::<Result<Vec<_>, _>>()?;
+    let (mut out, mut now) = (PlayerOutbox::default(), Tick::ZERO);
+    let Ok(mut coordination) = Coordination::begin(PlayerState::new(table.clone()), now, 1, &mut out) else {
+        return Ok(());
+    };
     for turn in 0..STARTS_MAX as u64 {
         say(&mut coordination, &machines, line, now);
-        let mut asked = Asked::default();
+        let mut asked = StartableModes::default();
         coordination.reconsider();
-        coordination.step(now, &[Input::Starts(true)], &mut asked, &mut Outbox::default());
+        coordination.step(now, &[PlayerInput::Starts(true)], &mut asked, &mut PlayerOutbox::default());
         asked.0.sort_unstable();
         asked.0.dedup();
         for &mode in &asked.0 {
@@ -103,8 +107,13 @@ fn play(
             let activity = table.activity(mode);
             let mut stations: Vec<StationId> = activity.orders.iter().map(|order| order.station).collect();
             stations.dedup();
-            let player =
-                Player { coordination: coordination.clone(), now, starts: 0, firing: None, alarmed: Vec::new() };
+            let player = ProtocolPlayer {
+                coordination: coordination.clone(),
+                now,
+                starts: 0,
+                firing: None,
+                alarmed: Vec::new(),
+            };
             stages.push(ActivityStart {
                 name: activity.name.to_string(),
                 mode,
@@ -119,13 +128,13 @@ fn play(
         let chosen = (turn.wrapping_mul(7919) ^ (round.wrapping_mul(104_729) + turn / 3)) % any;
         let wanted = asked.0.iter().find(is_new).or(asked.0.get(chosen as usize)).copied();
         let Some(mode) = wanted else { return Ok(()) };
-        let mut out = Outbox::default();
+        let mut out = PlayerOutbox::default();
         coordination.reconsider();
-        coordination.step(now, &[], &mut Wanted(Some(mode)), &mut out);
+        coordination.step(now, &[], &mut SingleStart(Some(mode)), &mut out);
         // All stations at once, each to its end; then what has no stations ends by its own time.
         for _ in 0..50 {
             for send in out.sends.drain(..) {
-                if let Send::Order(order) = send {
+                if let CellMessage::Order(order) = send {
                     machines[order.station.index()].order(&order);
                     machines[order.station.index()].finish(line);
                 }
@@ -133,13 +142,13 @@ fn play(
             if coordination.state().firings().len() == 0 {
                 break;
             }
-            out = Outbox::default();
+            out = PlayerOutbox::default();
             let stays = say_into(&mut coordination, &machines, line, now, &mut out);
             if !stays && out.sends.is_empty() {
                 now = coordination.next_deadline().filter(|&at| at < Tick::NEVER).unwrap_or(now).max(now);
-                coordination.step(now, &[], &mut Wanted(None), &mut out);
+                coordination.step(now, &[], &mut SingleStart(None), &mut out);
             }
-            if out.records.iter().any(|record| matches!(record.fact, Fact::Raised { .. })) {
+            if out.records.iter().any(|record| matches!(record.fact, RecordKind::Raised { .. })) {
                 return Ok(());
             }
         }
@@ -147,22 +156,22 @@ fn play(
     Ok(())
 }
 
-fn say(coordination: &mut Coordination, machines: &[Machine], line: &linewright_line::Line, now: Tick) {
-    let mut out = Outbox::default();
+fn say(coordination: &mut Coordination, machines: &[TaskStationModel], line: &linewright_line::Line, now: Tick) {
+    let mut out = PlayerOutbox::default();
     say_into(coordination, machines, line, now, &mut out);
 }
 
 /// All stations say what they have to say. Whether anything has followed.
 fn say_into(
     coordination: &mut Coordination,
-    machines: &[Machine],
+    machines: &[TaskStationModel],
     line: &linewright_line::Line,
     now: Tick,
-    out: &mut Outbox,
+    out: &mut PlayerOutbox,
 ) -> bool {
     let said: Vec<_> = line.station_ids().zip(machines).map(|(id, machine)| (id, machine.says().heard)).collect();
-    let inputs: Vec<Input<'_>> = said.iter().map(|(id, heard)| Input::Station(*id, heard)).collect();
+    let inputs: Vec<PlayerInput<'_>> = said.iter().map(|(id, heard)| PlayerInput::Station(*id, heard)).collect();
     let before = out.records.len();
-    coordination.step(now, &inputs, &mut Wanted(None), out);
+    coordination.step(now, &inputs, &mut SingleStart(None), out);
     out.records.len() > before
 }

@@ -1,31 +1,32 @@
 //! A station of an activity: its real controller, its switches, and what its node adds to what it says.
 //!
 //! Each situation it can be in has a number, and so has everything that it can say; what an event makes of a situation the
-//! controller works out once. Time stands still but for the time of orders, which only [`Act::Expire`] lets pass.
+//! controller works out once. Time stands still but for the time of orders, which only [`TaskStationAct::Expire`] lets pass.
 
 use std::collections::BTreeSet;
 use std::fmt::Write;
 use std::time::Duration;
 
-use linewright_coordinator_cell::{Heard, OrderMessage, Unable};
+use linewright_coordinator_cell::{OrderMessage, StationUnavailable, TaskReport};
 use linewright_coordinator_shell::orders::heard;
 use linewright_line::net::{Block, ControlMode, Place};
 use linewright_line::{Line, Module, OpId, StationId, Tick};
 use linewright_orders::{OrderKey, Refusal, Reply, TaskCommand, TaskOrder};
 use linewright_station_logic::{
-    CompileError, Controller, Input, ModeOrder, NO_DELAY, OrderRules, Outbox, PanelCommand, Restore, Writer,
+    CompileError, Controller, ModeOrder, NO_DELAY, OrderRules, PanelCommand, Restore, StationInput, StationOutbox,
+    Writer,
 };
 use rustc_hash::FxHashMap;
 
 use crate::explore::{actuator, bits_of};
 
-/// The time of every order: it runs out when [`Act::Expire`] says so.
+/// The time of every order: it runs out when [`TaskStationAct::Expire`] says so.
 const LIMIT: Duration = Duration::from_micros(1);
 const NOW: Tick = Tick::from_millis(1);
 
 /// Something that may happen to a station by itself.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Hash)]
-pub(super) enum Act {
+pub(super) enum TaskStationAct {
     /// Its motion arrives.
     Arrive,
     /// Its motion fails.
@@ -48,14 +49,14 @@ pub(super) enum Act {
 /// What a station says, all of it in one message.
 #[derive(Clone, Debug, PartialEq, Eq)]
 pub(super) struct StationAnswer {
-    pub heard: Heard,
+    pub heard: TaskReport,
     pub secured: Option<(OrderKey, Reply)>,
     pub refused: Vec<(OrderKey, Refusal)>,
 }
 
 /// A controller and what is around it.
 #[derive(Clone, Debug)]
-pub(super) struct Machine {
+pub(super) struct TaskStationModel {
     pub controller: Controller,
     now: Tick,
     switches: u128,
@@ -76,7 +77,7 @@ pub(super) struct Machine {
     rules: OrderRules,
 }
 
-impl Machine {
+impl TaskStationModel {
     /// Where it has no memory yet, in auto, at its home.
     pub fn new(line: &Line, id: StationId) -> Result<Self, CompileError> {
         let controller = Controller::new(line, id, 1, Restore::Fresh)?;
@@ -89,7 +90,7 @@ impl Machine {
                 switches |= if at == Some(operation.motion.to) { operation.normal.complete.bit() } else { 0 };
             }
         }
-        let mut machine = Machine {
+        let mut machine = TaskStationModel {
             controller,
             now: NOW,
             switches,
@@ -125,13 +126,13 @@ impl Machine {
         self.epoch += 1;
         let manual_all = mode == ControlMode::Manual;
         let order = ModeOrder { manual_all, ..ModeOrder::of(1, self.epoch, mode, ModeOrder::FOR_GOOD) };
-        self.controller.handle(self.now, Input::Order(order));
+        self.controller.handle(self.now, StationInput::Order(order));
         self.step();
     }
 
     fn hold(&mut self, on: bool, held: bool) {
         let key = if on { PanelCommand::Advance(held) } else { PanelCommand::Retract(held) };
-        self.controller.handle(self.now, Input::Panel(key));
+        self.controller.handle(self.now, StationInput::Panel(key));
         self.step();
     }
 
@@ -139,13 +140,13 @@ impl Machine {
         self.obey(ControlMode::Manual);
         self.hold(on, false);
         self.hold(on, true);
-        self.act(line, Act::Arrive);
+        self.act(line, TaskStationAct::Arrive);
         self.hold(on, false);
         self.obey(ControlMode::Auto);
     }
 
     fn step(&mut self) {
-        let mut out = Outbox::default();
+        let mut out = StationOutbox::default();
         self.controller.step(self.now, &mut out);
         self.outputs = out.outputs;
     }
@@ -153,7 +154,7 @@ impl Machine {
     fn image(&mut self, line: &Line, valid: bool) {
         let id = self.controller.station();
         let bits = self.switches | if self.sensors { sensors_of(line, id) } else { 0 };
-        self.controller.handle(self.now, Input::Inputs { bits, valid, until: Tick::NEVER, under: NO_DELAY });
+        self.controller.handle(self.now, StationInput::Inputs { bits, valid, until: Tick::NEVER, under: NO_DELAY });
         self.step();
     }
 
@@ -162,7 +163,7 @@ impl Machine {
         let key = message.order.key;
         let order = TaskOrder { limit: LIMIT, ..message.order.clone() };
         let before = self.slot();
-        self.controller.handle(self.now, Input::Task(TaskCommand::Run(&order)));
+        self.controller.handle(self.now, StationInput::Task(TaskCommand::Run(&order)));
         self.step();
         if before != Some(key) && self.slot() == Some(key) {
             self.twice |= !self.begun.insert(key);
@@ -175,7 +176,7 @@ impl Machine {
         if alarmed {
             self.stopped.insert(key);
         }
-        self.controller.handle(self.now, Input::Task(TaskCommand::leave(key, stop)));
+        self.controller.handle(self.now, StationInput::Task(TaskCommand::leave(key, stop)));
         self.step();
     }
 
@@ -208,32 +209,37 @@ impl Machine {
         (self.slot(), self.moving(line).is_some())
     }
 
-    pub fn acts(&self, line: &Line, acts: &mut Vec<Act>) {
+    pub fn acts(&self, line: &Line, acts: &mut Vec<TaskStationAct>) {
         if self.moving(line).is_some() {
-            acts.extend([Act::Arrive, Act::Fail]);
+            acts.extend([TaskStationAct::Arrive, TaskStationAct::Fail]);
         }
         let slot = self.controller.report().order.and_then(|order| order.slot);
         if slot.is_some_and(|slot| !slot.is_securing) {
-            acts.push(Act::Expire);
+            acts.push(TaskStationAct::Expire);
             // What has gone does not come back before the order is over: a wait that ends is one that was shorter.
             if self.sensors && sensors_of(line, self.controller.station()) != 0 {
-                acts.push(Act::Sensors(false));
+                acts.push(TaskStationAct::Sensors(false));
             }
         }
-        acts.extend([Act::Restart, Act::Forget, Act::Led { on: true }, Act::Led { on: false }]);
+        acts.extend([
+            TaskStationAct::Restart,
+            TaskStationAct::Forget,
+            TaskStationAct::Led { on: true },
+            TaskStationAct::Led { on: false },
+        ]);
     }
 
-    pub fn act(&mut self, line: &Line, act: Act) {
+    pub fn act(&mut self, line: &Line, act: TaskStationAct) {
         let id = self.controller.station();
         match act {
-            Act::Arrive => {
+            TaskStationAct::Arrive => {
                 let Some(place) = self.moving(line) else { return };
                 self.switches &= !switches_of(line, id, place.op);
                 self.image(line, true);
                 self.switches |= bits_of(line, id, place.op, place.block).0;
                 self.image(line, true);
             }
-            Act::Fail => {
+            TaskStationAct::Fail => {
                 let Some(place) = self.moving(line) else { return };
                 self.switches &= !switches_of(line, id, place.op);
                 self.image(line, true);
@@ -247,19 +253,19 @@ impl Machine {
                 }
                 self.image(line, true);
             }
-            Act::Sensors(on) => {
+            TaskStationAct::Sensors(on) => {
                 self.sensors = on;
                 self.image(line, true);
             }
-            Act::Led { on } => self.lead(line, on),
-            Act::Expire => {
+            TaskStationAct::Led { on } => self.lead(line, on),
+            TaskStationAct::Expire => {
                 self.now = self.now + LIMIT;
                 self.step();
             }
-            Act::Restart | Act::Forget => {
+            TaskStationAct::Restart | TaskStationAct::Forget => {
                 self.boots += 1;
                 let kept = match act {
-                    Act::Restart => Restore::From(self.controller.snapshot()),
+                    TaskStationAct::Restart => Restore::From(self.controller.snapshot()),
                     _ => Restore::Fresh,
                 };
                 // It did compile.
@@ -277,7 +283,7 @@ impl Machine {
             if self.slot().is_none() {
                 return;
             }
-            self.act(line, Act::Arrive);
+            self.act(line, TaskStationAct::Arrive);
         }
     }
 
@@ -285,11 +291,11 @@ impl Machine {
         let report = self.controller.report();
         let order = report.order.unwrap_or_default();
         let unable = if !report.devices_valid {
-            Some(Unable::Devices)
+            Some(StationUnavailable::Devices)
         } else {
-            self.controller.marking().any(Place::is_incomplete).then_some(Unable::Incomplete)
+            self.controller.marking().any(Place::is_incomplete).then_some(StationUnavailable::Incomplete)
         };
-        let heard = Heard { unable, ..heard(&order) };
+        let heard = TaskReport { unable, ..heard(&order) };
         let secured = self.secured.map(|key| (key, heard.secured(key)));
         StationAnswer { heard, secured, refused: order.refused }
     }
@@ -316,24 +322,24 @@ impl Machine {
 }
 
 /// All situations of a station that have been met.
-pub(super) struct Machines<'l> {
+pub(super) struct TaskStationModels<'l> {
     line: &'l Line,
     numbers: FxHashMap<String, u32>,
-    pub all: Vec<Machine>,
-    pub acts: Vec<Vec<Act>>,
+    pub all: Vec<TaskStationModel>,
+    pub acts: Vec<Vec<TaskStationAct>>,
     /// By situation, the number of what it says.
     pub says: Vec<u32>,
     pub said: Vec<StationAnswer>,
-    /// By situation: see [`Machine::is_at`].
+    /// By situation: see [`TaskStationModel::is_at`].
     pub at: Vec<(Option<OrderKey>, bool)>,
-    acted: FxHashMap<(u32, Act), u32>,
+    acted: FxHashMap<(u32, TaskStationAct), u32>,
     heard: FxHashMap<(u32, u32), u32>,
     scratch: String,
 }
 
-impl<'l> Machines<'l> {
+impl<'l> TaskStationModels<'l> {
     pub fn new(line: &'l Line) -> Self {
-        Machines {
+        TaskStationModels {
             line,
             numbers: FxHashMap::default(),
             all: Vec::new(),
@@ -347,7 +353,7 @@ impl<'l> Machines<'l> {
         }
     }
 
-    pub fn enter(&mut self, machine: Machine) -> u32 {
+    pub fn enter(&mut self, machine: TaskStationModel) -> u32 {
         self.scratch.clear();
         machine.write(&mut self.scratch);
         if let Some(&number) = self.numbers.get(&self.scratch) {
@@ -369,7 +375,7 @@ impl<'l> Machines<'l> {
         number
     }
 
-    pub fn act(&mut self, from: u32, act: Act) -> u32 {
+    pub fn act(&mut self, from: u32, act: TaskStationAct) -> u32 {
         if let Some(&to) = self.acted.get(&(from, act)) {
             return to;
         }
@@ -382,7 +388,7 @@ impl<'l> Machines<'l> {
     }
 
     /// A message arrives that has this number.
-    pub fn hear(&mut self, from: u32, number: u32, tell: impl FnOnce(&mut Machine)) -> u32 {
+    pub fn hear(&mut self, from: u32, number: u32, tell: impl FnOnce(&mut TaskStationModel)) -> u32 {
         if let Some(&to) = self.heard.get(&(from, number)) {
             return to;
         }

@@ -31,10 +31,10 @@ pub use separated::{Gap, all_separated, separated};
 
 use super::full_name;
 
-type Operation = (StationId, OpId);
+type ChartIndex = (StationId, OpId);
 
 /// What waits, and how.
-struct Edge {
+struct ChartEdge {
     to: usize,
     lag: u32,
     /// Waited for in auto mode.
@@ -46,17 +46,17 @@ struct Edge {
 }
 
 /// Operations numbered through all stations, and for each what waits for it.
-struct Chart<'a> {
+struct EventGraph<'a> {
     line: &'a Line,
-    operations: Vec<Operation>,
+    operations: Vec<ChartIndex>,
     /// The number of a station's first operation.
     first: Vec<usize>,
-    followers: Vec<Vec<Edge>>,
+    followers: Vec<Vec<ChartEdge>>,
 }
 
-impl<'a> Chart<'a> {
+impl<'a> EventGraph<'a> {
     fn of(line: &'a Line) -> Self {
-        let operations: Vec<Operation> =
+        let operations: Vec<ChartIndex> =
             line.station_ids().flat_map(|id| line.station(id).op_ids().map(move |op| (id, op))).collect();
         let mut first = Vec::with_capacity(line.stations.len());
         let mut count = 0;
@@ -65,24 +65,24 @@ impl<'a> Chart<'a> {
             count += station.operations.len();
         }
         let followers = operations.iter().map(|_| Vec::new()).collect();
-        let mut chart = Chart { line, operations, first, followers };
+        let mut chart = EventGraph { line, operations, first, followers };
         chart.add_cycles();
         for arrow in line.arrows.iter().filter(|arrow| arrow.auto || arrow.manual) {
             let station = line.station(arrow.to.0);
             for &op in &station.steps[station.step_of(arrow.to.1)] {
                 let (auto, manual, beside) = (arrow.auto, arrow.manual, op != arrow.to.1);
                 let to = chart.number((arrow.to.0, op));
-                chart.add(arrow.from, Edge { to, lag: arrow.lag, auto, manual, beside });
+                chart.add(arrow.from, ChartEdge { to, lag: arrow.lag, auto, manual, beside });
             }
         }
         chart
     }
 
-    fn number(&self, (station, op): Operation) -> usize {
+    fn number(&self, (station, op): ChartIndex) -> usize {
         self.first[station.index()] + op.index()
     }
 
-    fn add(&mut self, from: Operation, edge: Edge) {
+    fn add(&mut self, from: ChartIndex, edge: ChartEdge) {
         let from = self.number(from);
         self.followers[from].push(edge);
     }
@@ -95,19 +95,19 @@ impl<'a> Chart<'a> {
                 for &from in step {
                     for &to in &steps[next] {
                         let (to, lag) = (self.number((id, to)), u32::from(next == 0));
-                        self.add((id, from), Edge { to, lag, auto: true, manual: true, beside: false });
+                        self.add((id, from), ChartEdge { to, lag, auto: true, manual: true, beside: false });
                     }
                 }
             }
         }
     }
 
-    fn edges(&self) -> impl Iterator<Item = (usize, &Edge)> {
+    fn edges(&self) -> impl Iterator<Item = (usize, &ChartEdge)> {
         self.followers.iter().enumerate().flat_map(|(from, edges)| edges.iter().map(move |edge| (from, edge)))
     }
 
     /// The tokens of an edge while every station stands at home.
-    fn tokens_at_home(&self, from: usize, edge: &Edge) -> i64 {
+    fn tokens_at_home(&self, from: usize, edge: &ChartEdge) -> i64 {
         let count = |number: usize| {
             let (station, op) = self.operations[number];
             let station = self.line.station(station);
@@ -141,7 +141,7 @@ impl<'a> Chart<'a> {
 
 /// What counts as done at home did not need what is not done: no edge is in debt.
 pub fn home_is_consistent(line: &Line) -> Result<String, String> {
-    let chart = Chart::of(line);
+    let chart = EventGraph::of(line);
     match chart.edges().find(|(from, edge)| chart.tokens_at_home(*from, edge) < 0) {
         None => Ok("all stations can stand at home together".to_owned()),
         Some((from, edge)) => Err(format!(
@@ -155,7 +155,7 @@ pub fn home_is_consistent(line: &Line) -> Result<String, String> {
 /// The operation causality condition: every circuit carries a token, so the event graph is live (see the module's
 /// proof).
 pub fn every_circuit_has_a_token(line: &Line) -> Result<String, String> {
-    let chart = Chart::of(line);
+    let chart = EventGraph::of(line);
     if let Some(circuit) = circuit_without_token(&chart) {
         let names: Vec<String> = circuit.iter().map(|&number| chart.name(number)).collect();
         return Err(format!("each of these waits for the one before it: {}", names.join(" → ")));
@@ -175,7 +175,7 @@ pub fn every_circuit_has_a_token(line: &Line) -> Result<String, String> {
 /// A circuit of edges without lag, if there is one; closed by naming its first operation again.
 ///
 /// Lags and not the tokens at home: on a circuit their sums are the same, and lags exist where home is inconsistent.
-fn circuit_without_token(chart: &Chart<'_>) -> Option<Vec<usize>> {
+fn circuit_without_token(chart: &EventGraph<'_>) -> Option<Vec<usize>> {
     let mut waits_for = vec![0usize; chart.operations.len()];
     chart.edges().filter(|(_, edge)| edge.lag == 0).for_each(|(_, edge)| waits_for[edge.to] += 1);
     let mut ready: Vec<usize> = (0..waits_for.len()).filter(|&number| waits_for[number] == 0).collect();

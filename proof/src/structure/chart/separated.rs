@@ -33,7 +33,7 @@ use std::collections::VecDeque;
 use linewright_line::{Conflict, Line, Span};
 use thiserror::Error;
 
-use super::{Chart, Operation};
+use super::{ChartIndex, EventGraph};
 use crate::structure::full_name;
 
 /// The most that the lags and the crossings of a separated conflict come to.
@@ -43,7 +43,7 @@ const FAR: u32 = u32::MAX;
 
 /// Which waits count.
 #[derive(Clone, Copy)]
-enum Waits {
+enum ConsideredWaits {
     /// Those that cannot be got round by changing the mode.
     InEveryMode,
     /// Of these, those that stay when operations side by side are taken back one by one.
@@ -68,7 +68,7 @@ pub enum Gap {
 
 /// Least lags on a chart; room to work in, kept from one question to the next.
 struct Lags<'a> {
-    chart: Chart<'a>,
+    chart: EventGraph<'a>,
     /// For each operation, how far back auto and manual make it wait, as far as is known.
     least: Vec<[u32; 2]>,
     touched: Vec<usize>,
@@ -78,13 +78,13 @@ struct Lags<'a> {
 
 impl<'a> Lags<'a> {
     fn of(line: &'a Line) -> Self {
-        let chart = Chart::of(line);
+        let chart = EventGraph::of(line);
         let least = vec![[FAR; 2]; chart.operations.len()];
         Lags { chart, least, touched: Vec::new(), open: Default::default() }
     }
 
     /// How many cycles back `to` waits for the end of `from`, if it is at most [`SUM_MAX`].
-    fn least(&mut self, from: Operation, to: Operation, waits: Waits) -> Option<u32> {
+    fn least(&mut self, from: ChartIndex, to: ChartIndex, waits: ConsideredWaits) -> Option<u32> {
         let (from, to) = (self.chart.number(from), self.chart.number(to));
         for number in self.touched.drain(..) {
             self.least[number] = [FAR; 2];
@@ -109,13 +109,13 @@ impl<'a> Lags<'a> {
         None
     }
 
-    fn look_on(&mut self, at: usize, lag: u32, waits: Waits) {
+    fn look_on(&mut self, at: usize, lag: u32, waits: ConsideredWaits) {
         for edge in &self.chart.followers[at] {
             let there = lag.saturating_add(edge.lag);
             let modes = match waits {
-                Waits::InEveryMode => [edge.auto, edge.manual],
-                Waits::Guarded => [edge.auto, edge.manual].map(|counts| counts && !edge.beside),
-                Waits::InAuto => [edge.auto; 2],
+                ConsideredWaits::InEveryMode => [edge.auto, edge.manual],
+                ConsideredWaits::Guarded => [edge.auto, edge.manual].map(|counts| counts && !edge.beside),
+                ConsideredWaits::InAuto => [edge.auto; 2],
             };
             let known = &mut self.least[edge.to];
             let before = known[0].max(known[1]);
@@ -134,16 +134,16 @@ impl<'a> Lags<'a> {
     }
 
     fn judge(&mut self, conflict: &Conflict) -> Result<String, Gap> {
-        let Err(unguarded) = self.gaps(conflict, Waits::Guarded) else {
+        let Err(unguarded) = self.gaps(conflict, ConsideredWaits::Guarded) else {
             return Ok("forward motion keeps them apart in every mode; for the rest see below".to_owned());
         };
-        let Err(why) = self.gaps(conflict, Waits::InEveryMode) else { return Err(Gap::TakenBack(unguarded)) };
-        let only_auto = self.gaps(conflict, Waits::InAuto).is_ok();
+        let Err(why) = self.gaps(conflict, ConsideredWaits::InEveryMode) else { return Err(Gap::TakenBack(unguarded)) };
+        let only_auto = self.gaps(conflict, ConsideredWaits::InAuto).is_ok();
         let hint = if only_auto { "; arrows of auto alone would, and manual gets round them" } else { "" };
         Err(Gap::Forward(format!("{why}{hint}")))
     }
 
-    fn gaps(&mut self, Conflict { a, b, .. }: &Conflict, waits: Waits) -> Result<(), String> {
+    fn gaps(&mut self, Conflict { a, b, .. }: &Conflict, waits: ConsideredWaits) -> Result<(), String> {
         let line = self.chart.line;
         let crosses = |span: &Span| u32::from(span.until < span.from);
         let mut lag = |before: &Span, after: &Span| {

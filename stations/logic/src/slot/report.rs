@@ -1,24 +1,24 @@
 //! What a station says of its orders.
 
 use crate::controller::Controller;
-use crate::order::{OrderReport, Reply, SlotReport};
+use crate::order::{Reply, SlotReport, TaskOrderReport};
 
-use super::Phase;
+use super::SlotPhase;
 
 impl Controller {
     /// What it says of its orders, over what is in `report`.
-    pub(crate) fn report_orders(&self, report: &mut Option<OrderReport>) {
+    pub(crate) fn report_orders(&self, report: &mut Option<TaskOrderReport>) {
         let Some(orders) = &self.orders else {
             *report = None;
             return;
         };
-        let report = report.get_or_insert_with(OrderReport::default);
+        let report = report.get_or_insert_with(TaskOrderReport::default);
         report.memory = orders.memory;
         report.epoch = orders.epoch;
         report.slot = orders.slot.map(|slot| SlotReport {
             key: slot.key,
             task: slot.task,
-            is_securing: slot.phase != Phase::Running,
+            is_securing: slot.phase != SlotPhase::Running,
         });
         report.results.clear();
         report.results.extend(orders.results.iter().filter_map(|(key, reply)| match reply {

@@ -8,10 +8,10 @@
 //! It is the order that is stopped, not the station: a message about another order than the one in the slot stops nothing.
 
 use crate::controller::Controller;
-use crate::event::Cause;
+use crate::event::StopCause;
 use crate::order::{Failure, OrderKey, Outcome, Refusal, Reply};
 
-use super::Phase;
+use super::SlotPhase;
 
 impl Controller {
     /// Stops what is done of an order, whichever way it goes.
@@ -23,7 +23,7 @@ impl Controller {
         if let Some(slot) = orders.slot.filter(|slot| slot.key == key) {
             let waited = self.waited_for().map_or(Failure::Cancelled, Failure::Waiting);
             while let Some(moving) = self.tokens().iter().position(|token| self.place(token).is_operating()) {
-                self.stop(moving, Cause::Ordered);
+                self.stop(moving, StopCause::Ordered);
             }
             // Where nothing moves nothing was stopped, and the order is over all the same.
             let failure = if slot.begun { Failure::Stopped } else { waited };
@@ -39,38 +39,38 @@ impl Controller {
     fn stays_where_it_is(&mut self, key: OrderKey) {
         let Some(orders) = &mut self.orders else { return };
         if orders.secured.replace(key) != Some(key) {
-            (self.changed, self.dirty) = (true, true);
+            (self.due.report, self.due.outputs) = (true, true);
         }
     }
 
     /// An operation was stopped: nothing goes on by itself.
-    pub(crate) fn order_stops(&mut self, cause: Cause) {
+    pub(crate) fn order_stops(&mut self, cause: StopCause) {
         let Some(slot) = self.slot() else { return };
         let failure = match cause {
-            Cause::EStop | Cause::Released => Failure::Interrupted,
-            Cause::Restart => Failure::Restarted,
-            Cause::Ordered => Failure::Stopped,
-            Cause::Signal
-            | Cause::Watchdog
-            | Cause::SwitchStuck
-            | Cause::Devices
-            | Cause::NotAtHome
-            | Cause::Interlock { .. }
-            | Cause::PositionLost { .. }
-            | Cause::Ambiguous => Failure::Fault,
+            StopCause::EStop | StopCause::Released => Failure::Interrupted,
+            StopCause::Restart => Failure::Restarted,
+            StopCause::Ordered => Failure::Stopped,
+            StopCause::Signal
+            | StopCause::Watchdog
+            | StopCause::SwitchStuck
+            | StopCause::Devices
+            | StopCause::NotAtHome
+            | StopCause::Interlock { .. }
+            | StopCause::PositionLost { .. }
+            | StopCause::Ambiguous => Failure::Fault,
         };
         self.conclude(Outcome::Failed(slot.phase.failed_with(failure)));
     }
 }
 
-impl Phase {
+impl SlotPhase {
     /// How an order ends that something has stopped: as that says, unless it was given up before.
     fn failed_with(self, stopped: Failure) -> Failure {
         match (self, stopped) {
-            (Phase::Securing { failure: Some(failure) }, _) => failure,
-            (Phase::Running, stopped) => stopped,
-            (Phase::Securing { failure: None } | Phase::Returning, Failure::Stopped) => Failure::Stopped,
-            (Phase::Securing { failure: None } | Phase::Returning, _) => Failure::Held,
+            (SlotPhase::Securing { failure: Some(failure) }, _) => failure,
+            (SlotPhase::Running, stopped) => stopped,
+            (SlotPhase::Securing { failure: None } | SlotPhase::Returning, Failure::Stopped) => Failure::Stopped,
+            (SlotPhase::Securing { failure: None } | SlotPhase::Returning, _) => Failure::Held,
         }
     }
 }

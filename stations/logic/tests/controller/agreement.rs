@@ -2,7 +2,7 @@
 
 use linewright_line::net::ControlMode;
 use linewright_line::{Line, OpId, StationId};
-use linewright_station_logic::{Answer, Report, Request, Restore};
+use linewright_station_logic::{Restore, StationReport, WithdrawalAnswer, WithdrawalRequest};
 
 use super::rig::{Rig, peer_says};
 use crate::build::{arrow, line, r, station};
@@ -16,9 +16,9 @@ fn pair() -> Line {
     line(stations, vec![arrow((0, 0), (1, 0), 0), arrow((1, 1), (0, 0), 1)])
 }
 
-fn b_says(answer: Option<(u64, Option<OpId>)>) -> Report {
-    let answers = answer.map(|(number, in_the_way)| Answer { to: A, boot_id: 1, number, in_the_way });
-    Report { answers: answers.into_iter().collect(), ..peer_says(&[0, 0]) }
+fn b_says(answer: Option<(u64, Option<OpId>)>) -> StationReport {
+    let answers = answer.map(|(number, in_the_way)| WithdrawalAnswer { to: A, boot_id: 1, number, in_the_way });
+    StationReport { answers: answers.into_iter().collect(), ..peer_says(&[0, 0]) }
 }
 
 /// `a` has done op 0 and holds the return button; its request is out.
@@ -100,8 +100,8 @@ fn an_agreement_to_an_earlier_request_is_worth_nothing() {
 #[test]
 fn an_agreement_given_to_another_life_is_worth_nothing() {
     let (mut rig, number) = asking();
-    let other = Answer { to: A, boot_id: 99, number, in_the_way: None };
-    rig.hear(B, Report { answers: vec![other], ..peer_says(&[0, 0]) });
+    let other = WithdrawalAnswer { to: A, boot_id: 99, number, in_the_way: None };
+    rig.hear(B, StationReport { answers: vec![other], ..peer_says(&[0, 0]) });
     assert_eq!(rig.outputs, 0);
 }
 
@@ -143,8 +143,8 @@ fn answer_of_b(b: &Rig) -> Option<Option<OpId>> {
     b.report().answers.first().map(|answer| answer.in_the_way)
 }
 
-fn a_asks(number: u64) -> Report {
-    Report { request: Some(Request { number, ops: 1 }), ..peer_says(&[1, 0]) }
+fn a_asks(number: u64) -> StationReport {
+    StationReport { request: Some(WithdrawalRequest { number, ops: 1 }), ..peer_says(&[1, 0]) }
 }
 
 #[test]
@@ -176,7 +176,10 @@ fn a_station_with_two_peers_answers_each_by_its_own_counts() {
     ];
     let line = line(stations, vec![arrow((0, 3), (1, 1), 0), arrow((2, 1), (1, 0), 1)]);
     let mut middle = Rig::of(line, B, Restore::Fresh);
-    middle.hear(StationId(2), Report { request: Some(Request { number: 1, ops: 0b10 }), ..peer_says(&[0, 0]) });
+    middle.hear(
+        StationId(2),
+        StationReport { request: Some(WithdrawalRequest { number: 1, ops: 0b10 }), ..peer_says(&[0, 0]) },
+    );
     assert_eq!(answer_of_b(&middle), Some(None));
 }
 

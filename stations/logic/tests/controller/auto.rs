@@ -114,7 +114,7 @@ fn switched_on_away_from_home_it_does_not_claim_to_be_there() {
     let mut controller =
         linewright_station_logic::Controller::new(&shipped, StationId(0), 1, linewright_station_logic::Restore::Fresh)
             .expect("compiles");
-    let image = linewright_station_logic::Input::Inputs {
+    let image = linewright_station_logic::StationInput::Inputs {
         bits: 0,
         valid: true,
         until: linewright_line::Tick::NEVER,

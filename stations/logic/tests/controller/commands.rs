@@ -3,7 +3,7 @@
 use std::time::Duration;
 
 use linewright_line::net::ControlMode;
-use linewright_station_logic::{Input, PanelCommand};
+use linewright_station_logic::{Handled, Ignored, PanelCommand, StationInput};
 
 use super::rig::Rig;
 use crate::build::{PANEL, alone, r};
@@ -87,7 +87,7 @@ fn a_panel_button_that_is_no_longer_refreshed_counts_as_released() {
     for silence in [0, 750, 5000, 3_600_000] {
         rig.silence_ms(silence);
         rig.order();
-        rig.controller.handle(rig.now, Input::Panel(PanelCommand::Advance(true)));
+        rig.controller.handle(rig.now, StationInput::Panel(PanelCommand::Advance(true)));
         rig.step();
         assert_eq!(rig.outputs, 0, "a refresh {silence} ms late is no new decision to move");
     }
@@ -137,7 +137,7 @@ fn the_panel_moves_nothing_unless_its_station_is_switched_to_manual() {
     rig.advance(true);
     assert_eq!(rig.outputs, 0);
     assert_eq!(rig.blocked_by(), ["its selector to be switched to manual"]);
-    rig.controller.handle(rig.now, Input::Panel(PanelCommand::Selector(true)));
+    rig.controller.handle(rig.now, StationInput::Panel(PanelCommand::Selector(true)));
     rig.step();
     assert_eq!(rig.outputs, 0, "the button was down when the switch was turned");
     rig.advance(false);
@@ -174,7 +174,7 @@ fn an_order_of_an_older_epoch_is_not_taken() {
     let mut yesterday = rig.order;
     yesterday.epoch -= 1;
     yesterday.mode = ControlMode::Manual;
-    assert!(!rig.controller.handle(rig.now, Input::Order(yesterday)));
+    assert_eq!(rig.controller.handle(rig.now, StationInput::Order(yesterday)), Handled::Ignored(Ignored::OlderEpoch));
     rig.step();
     assert_eq!(rig.controller.mode(), ControlMode::Auto);
     assert_eq!(rig.report().mode_epoch, rig.order.epoch);

@@ -2,7 +2,7 @@
 
 use linewright_line::net::{Block, ControlMode, Place};
 use linewright_line::{OpId, StationId};
-use linewright_station_logic::Cause;
+use linewright_station_logic::StopCause;
 
 use super::rig::Rig;
 use crate::build::{alone, complete_bit, i, r};
@@ -21,7 +21,7 @@ fn a_fault_signal_stops_the_motion_in_the_same_step() {
     assert_eq!(rig.outputs, 0);
     assert_eq!(rig.events(), ["stops op 0: fault signal: in 1 is on"]);
     assert_eq!(rig.controller.fault_text(&rig.line), "op 0: fault signal: in 1 is on");
-    assert_eq!(rig.report().incomplete, [(OpId(0), Cause::Signal)]);
+    assert_eq!(rig.report().incomplete, [(OpId(0), StopCause::Signal)]);
 }
 
 #[test]
@@ -73,7 +73,7 @@ fn devices_lost_stops_everything_and_starts_nothing() {
 fn an_image_that_is_not_renewed_in_its_time_is_unknown() {
     let mut rig = running();
     let until = rig.now + std::time::Duration::from_millis(100);
-    let image = linewright_station_logic::Input::Inputs {
+    let image = linewright_station_logic::StationInput::Inputs {
         bits: 0,
         valid: true,
         until,
@@ -111,7 +111,7 @@ fn the_emergency_stop_stops_every_operating_place() {
             rig.mode(ControlMode::EStop);
             assert_eq!(rig.outputs, 0, "{place}");
             assert_eq!(rig.marking(), [place.stopped()]);
-            assert_eq!(rig.report().incomplete, [(OpId(stop_at), Cause::EStop)]);
+            assert_eq!(rig.report().incomplete, [(OpId(stop_at), StopCause::EStop)]);
         }
     }
 }

@@ -4,7 +4,10 @@ use std::time::Duration;
 
 use linewright_line::net::ControlMode;
 use linewright_line::{Line, OpId, StationId, Tick};
-use linewright_station_logic::{Answer, Controller, Input, ModeOrder, Outbox, PanelCommand, Report, Request, Restore};
+use linewright_station_logic::{
+    Controller, Handled, Ignored, ModeOrder, PanelCommand, Restore, StationInput, StationOutbox, StationReport,
+    WithdrawalAnswer, WithdrawalRequest,
+};
 use proptest::prelude::*;
 
 use super::rig::{Rig, peer_says};
@@ -19,19 +22,23 @@ fn pair() -> Line {
 fn a_report_that_does_not_fit_the_description_is_not_taken() {
     let mut rig = Rig::new(pair());
     let good = peer_says(&[0, 0]);
-    let answer = |op| Answer { to: StationId(0), boot_id: 1, number: 1, in_the_way: Some(OpId(op)) };
+    let answer = |op| WithdrawalAnswer { to: StationId(0), boot_id: 1, number: 1, in_the_way: Some(OpId(op)) };
     let bad = [
-        Report { done: vec![0; 3], ..good.clone() },
-        Report { done: vec![], ..good.clone() },
-        Report { request: Some(Request { number: 1, ops: 0b100 }), ..good.clone() },
-        Report { answers: vec![answer(2)], ..good.clone() },
+        StationReport { done: vec![0; 3], ..good.clone() },
+        StationReport { done: vec![], ..good.clone() },
+        StationReport { request: Some(WithdrawalRequest { number: 1, ops: 0b100 }), ..good.clone() },
+        StationReport { answers: vec![answer(2)], ..good.clone() },
     ];
     for report in &bad {
-        assert!(!rig.controller.handle(rig.now, Input::View(StationId(1), report)));
+        assert_eq!(
+            rig.controller.handle(rig.now, StationInput::View(StationId(1), report)),
+            Handled::Ignored(Ignored::Misfit)
+        );
     }
-    assert!(!rig.controller.handle(rig.now, Input::View(StationId(0), &good)), "its own");
-    assert!(!rig.controller.handle(rig.now, Input::View(StationId(9), &good)), "nobody's");
-    assert!(rig.controller.handle(rig.now, Input::View(StationId(1), &good)));
+    let ignored = Handled::Ignored(Ignored::NotAPeer);
+    assert_eq!(rig.controller.handle(rig.now, StationInput::View(StationId(0), &good)), ignored, "its own");
+    assert_eq!(rig.controller.handle(rig.now, StationInput::View(StationId(9), &good)), ignored, "not described");
+    assert!(rig.controller.handle(rig.now, StationInput::View(StationId(1), &good)).is_taken());
 }
 
 #[derive(Clone, Debug)]
@@ -39,16 +46,17 @@ enum Act {
     Image(u128, bool, u64),
     Order(u8, bool, u32, Option<i32>, u64),
     Panel(PanelCommand),
-    View(u16, Box<Report>),
+    View(u16, Box<StationReport>),
 }
 
 fn act() -> impl Strategy<Value = Act> {
     let count = prop_oneof![-2i32..3, Just(i32::MIN), Just(i32::MAX)];
     let number = prop_oneof![0u64..3, Just(u64::MAX)];
-    let request =
-        proptest::option::of((number.clone(), any::<u64>()).prop_map(|(number, ops)| Request { number, ops }));
+    let request = proptest::option::of(
+        (number.clone(), any::<u64>()).prop_map(|(number, ops)| WithdrawalRequest { number, ops }),
+    );
     let op = proptest::option::of((0u16..70).prop_map(OpId));
-    let answer = (0u16..3, 0u64..3, number, op).prop_map(|(to, boot_id, number, in_the_way)| Answer {
+    let answer = (0u16..3, 0u64..3, number, op).prop_map(|(to, boot_id, number, in_the_way)| WithdrawalAnswer {
         to: StationId(to),
         boot_id,
         number,
@@ -56,13 +64,13 @@ fn act() -> impl Strategy<Value = Act> {
     });
     let report =
         (any::<u64>(), prop::collection::vec(count.clone(), 1..4), request, prop::collection::vec(answer, 0..3))
-            .prop_map(|(boot_id, done, request, answers)| Report {
+            .prop_map(|(boot_id, done, request, answers)| StationReport {
                 boot_id,
                 started: done.clone(),
                 done,
                 request,
                 answers,
-                ..Report::default()
+                ..StationReport::default()
             });
     prop_oneof![
         4 => (any::<u128>(), prop::bool::weighted(0.9), any::<u64>()).prop_map(|(b, v, u)| Act::Image(b, v, u)),
@@ -86,19 +94,19 @@ proptest! {
     ) {
         let line = pair();
         let mut controller = Controller::new(&line, StationId(station), 1, Restore::Fresh).expect("compiles");
-        let (mut out, mut now) = (Outbox::default(), Tick::ZERO);
+        let (mut out, mut now) = (StationOutbox::default(), Tick::ZERO);
         for (epoch, (act, ms)) in acts.into_iter().enumerate() {
             now = now + Duration::from_millis(ms);
             match act {
                 Act::Image(bits, valid, until) => {
-                    controller.handle(now, Input::Inputs { bits, valid, until: Tick::from_micros(until), under: linewright_station_logic::NO_DELAY })
+                    controller.handle(now, StationInput::Inputs { bits, valid, until: Tick::from_micros(until), under: linewright_station_logic::NO_DELAY })
                 }
-                Act::Order(mode, enabled, buttons, master_stop, lease) => controller.handle(now, Input::Order(ModeOrder {
+                Act::Order(mode, enabled, buttons, master_stop, lease) => controller.handle(now, StationInput::Order(ModeOrder {
                     boot_id: u64::from(buttons % 2), epoch: epoch as u64, mode: ControlMode::ALL[usize::from(mode)],
                     enabled, master_stop, manual_all: buttons % 3 == 0, buttons, lease: Duration::from_micros(lease), found: None,
                 })),
-                Act::Panel(command) => controller.handle(now, Input::Panel(command)),
-                Act::View(from, report) => controller.handle(now, Input::View(StationId(from), &report)),
+                Act::Panel(command) => controller.handle(now, StationInput::Panel(command)),
+                Act::View(from, report) => controller.handle(now, StationInput::View(StationId(from), &report)),
             };
             controller.step(now, &mut out);
             let moving: u128 = controller.marking().filter(|p| p.is_operating())

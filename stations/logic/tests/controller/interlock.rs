@@ -5,7 +5,8 @@ use std::time::Duration;
 use linewright_line::net::{ControlMode, Place};
 use linewright_line::{Arrow, Line, OpId, OutputId, StationId, Tick};
 use linewright_station_logic::{
-    CompileError, Controller, Founding, Input, ModeOrder, NO_DELAY, Outbox, PanelCommand, Program, Report, Restore,
+    CompileError, Controller, Founding, Handled, Ignored, ModeOrder, NO_DELAY, PanelCommand, Program, Restore,
+    StationInput, StationOutbox, StationReport,
 };
 
 use crate::build::transfer_line;
@@ -21,8 +22,8 @@ struct Bench {
     now: Tick,
     order: ModeOrder,
     outputs: u128,
-    bar: Report,
-    mill: Report,
+    bar: StationReport,
+    mill: StationReport,
     image: u128,
 }
 
@@ -54,12 +55,12 @@ impl Bench {
     /// Everything is sent once more.
     fn play(&mut self) {
         self.now = self.now + Duration::from_millis(20);
-        let mut out = Outbox::default();
-        let image = Input::Inputs { bits: self.image, valid: true, until: Tick::NEVER, under: NO_DELAY };
+        let mut out = StationOutbox::default();
+        let image = StationInput::Inputs { bits: self.image, valid: true, until: Tick::NEVER, under: NO_DELAY };
         self.clamp.handle(self.now, image);
-        self.clamp.handle(self.now, Input::Order(self.order));
-        self.clamp.handle(self.now, Input::View(BAR, &self.bar));
-        self.clamp.handle(self.now, Input::View(MILL, &self.mill));
+        self.clamp.handle(self.now, StationInput::Order(self.order));
+        self.clamp.handle(self.now, StationInput::View(BAR, &self.bar));
+        self.clamp.handle(self.now, StationInput::View(MILL, &self.mill));
         self.clamp.step(self.now, &mut out);
         self.outputs = out.outputs;
     }
@@ -70,15 +71,15 @@ impl Bench {
     }
 
     fn press(&mut self, command: fn(bool) -> PanelCommand) {
-        self.clamp.handle(self.now, Input::Panel(command(false)));
+        self.clamp.handle(self.now, StationInput::Panel(command(false)));
         self.play();
-        self.clamp.handle(self.now, Input::Panel(command(true)));
+        self.clamp.handle(self.now, StationInput::Panel(command(true)));
         self.play();
     }
 
     fn release(&mut self) {
         for command in [PanelCommand::Advance(false), PanelCommand::Retract(false)] {
-            self.clamp.handle(self.now, Input::Panel(command));
+            self.clamp.handle(self.now, StationInput::Panel(command));
         }
         self.play();
     }
@@ -124,9 +125,9 @@ fn inputs(line: &Line, station: StationId, on: &[&str]) -> u128 {
 }
 
 /// A station that stands, its devices in order, having done everything in its second cycle.
-fn report(line: &Line, station: StationId, on: &[&str], generation: u64) -> Report {
+fn report(line: &Line, station: StationId, on: &[&str], generation: u64) -> StationReport {
     let done = vec![2; line.station(station).operations.len()];
-    Report {
+    StationReport {
         boot_id: 1,
         generation,
         cycle: 2,
@@ -135,7 +136,7 @@ fn report(line: &Line, station: StationId, on: &[&str], generation: u64) -> Repo
         stopped: true,
         devices_valid: true,
         measured: inputs(line, station, on),
-        ..Report::default()
+        ..StationReport::default()
     }
 }
 
@@ -233,11 +234,11 @@ fn a_hand_mode_motion_that_was_let_go_is_not_taken_up_while_the_other_is_unknown
 fn a_station_whose_axis_has_left_its_switch_is_rejoined_where_it_is() {
     let mut bench = Bench::new(transfer_line(), GENERATION);
     let home = bench.op("return clamp");
-    assert!(!bench.clamp.handle(bench.now, Input::Rejoin(Some(home))), "nothing is lost");
+    assert_eq!(bench.clamp.handle(bench.now, StationInput::Rejoin(Some(home))), Handled::Ignored(Ignored::NotLost));
     bench.set(&[]);
     assert!(bench.clamp.position_lost().is_some());
     assert!(bench.blocked().contains("rejoin"), "{}", bench.blocked());
-    assert!(bench.clamp.handle(bench.now, Input::Rejoin(Some(home))));
+    assert!(bench.clamp.handle(bench.now, StationInput::Rejoin(Some(home))).is_taken());
     bench.play();
     assert_eq!(bench.clamp.marking().collect::<Vec<_>>(), [Place::incomplete(home)]);
     assert_eq!((bench.clamp.generation(), bench.clamp.position_lost()), (0, None));

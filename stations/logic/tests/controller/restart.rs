@@ -2,7 +2,7 @@
 
 use linewright_line::net::{ControlMode, Place};
 use linewright_line::{OpId, StationId};
-use linewright_station_logic::{CompileError, Controller, Restore, Snapshot};
+use linewright_station_logic::{CompileError, Controller, Restore, StationSnapshot};
 
 use super::rig::Rig;
 use crate::build::{alone, i, r};
@@ -57,7 +57,7 @@ fn a_snapshot_at_rest_brings_back_the_same_state() {
 fn a_snapshot_of_another_description_is_refused_with_the_reason() {
     let line = alone(2, &[r(1), i(1, &[0]), r(2)]);
     let good = Controller::new(&line, StationId(0), 1, Restore::Fresh).expect("compiles").snapshot();
-    let refused = |damage: &dyn Fn(&mut Snapshot)| {
+    let refused = |damage: &dyn Fn(&mut StationSnapshot)| {
         let mut snapshot = good.clone();
         damage(&mut snapshot);
         match Controller::new(&line, StationId(0), 1, Restore::From(snapshot)) {

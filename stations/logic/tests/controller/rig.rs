@@ -7,7 +7,9 @@ use std::time::Duration;
 
 use linewright_line::net::{ControlMode, Place};
 use linewright_line::{Line, OpId, StationId, Tick};
-use linewright_station_logic::{Controller, Input, ModeOrder, Outbox, PanelCommand, Report, Restore, Rules};
+use linewright_station_logic::{
+    Controller, ModeOrder, PanelCommand, Restore, Rules, StationInput, StationOutbox, StationReport,
+};
 
 use crate::build::{actuator_bit, complete_bit};
 
@@ -24,8 +26,8 @@ pub struct Rig {
     image: u128,
     valid: bool,
     held: [Option<PanelCommand>; 2],
-    peers: Vec<(StationId, Report)>,
-    out: Outbox,
+    peers: Vec<(StationId, StationReport)>,
+    out: StationOutbox,
     events: Vec<String>,
 }
 
@@ -53,7 +55,7 @@ impl Rig {
             valid: true,
             held: [None; 2],
             peers: Vec::new(),
-            out: Outbox::default(),
+            out: StationOutbox::default(),
             events: Vec::new(),
         };
         rig.refresh();
@@ -70,7 +72,7 @@ impl Rig {
     }
 
     fn send_image(&mut self) {
-        let input = Input::Inputs {
+        let input = StationInput::Inputs {
             bits: self.image,
             valid: self.valid,
             until: Tick::NEVER,
@@ -82,12 +84,12 @@ impl Rig {
     /// Everything that is sent over and over, once more.
     fn refresh(&mut self) {
         self.send_image();
-        self.controller.handle(self.now, Input::Order(self.order));
+        self.controller.handle(self.now, StationInput::Order(self.order));
         for command in self.held.into_iter().flatten() {
-            self.controller.handle(self.now, Input::Panel(command));
+            self.controller.handle(self.now, StationInput::Panel(command));
         }
         for (station, report) in &self.peers {
-            self.controller.handle(self.now, Input::View(*station, report));
+            self.controller.handle(self.now, StationInput::View(*station, report));
         }
         self.step();
     }
@@ -132,7 +134,7 @@ impl Rig {
     }
 
     pub fn order(&mut self) {
-        self.controller.handle(self.now, Input::Order(self.order));
+        self.controller.handle(self.now, StationInput::Order(self.order));
         self.step();
     }
 
@@ -157,7 +159,7 @@ impl Rig {
     fn panel(&mut self, key: usize, command: PanelCommand) {
         let down = matches!(command, PanelCommand::Advance(true) | PanelCommand::Retract(true));
         self.held[key] = down.then_some(command);
-        self.controller.handle(self.now, Input::Panel(command));
+        self.controller.handle(self.now, StationInput::Panel(command));
         self.step();
     }
 
@@ -194,14 +196,14 @@ impl Rig {
     }
 
     /// A peer says something new, and goes on saying it.
-    pub fn hear(&mut self, station: StationId, report: Report) {
-        self.controller.handle(self.now, Input::View(station, &report));
+    pub fn hear(&mut self, station: StationId, report: StationReport) {
+        self.controller.handle(self.now, StationInput::View(station, &report));
         self.peers.retain(|(s, _)| *s != station);
         self.peers.push((station, report));
         self.step();
     }
 
-    pub fn report(&self) -> Report {
+    pub fn report(&self) -> StationReport {
         self.controller.report()
     }
 
@@ -227,6 +229,12 @@ impl Rig {
 }
 
 /// A peer's report of these counts, everything else at rest.
-pub fn peer_says(done: &[i32]) -> Report {
-    Report { boot_id: 1, cycle: done[0], done: done.to_vec(), started: done.to_vec(), ..Report::default() }
+pub fn peer_says(done: &[i32]) -> StationReport {
+    StationReport {
+        boot_id: 1,
+        cycle: done[0],
+        done: done.to_vec(),
+        started: done.to_vec(),
+        ..StationReport::default()
+    }
 }

@@ -2,7 +2,7 @@
 
 use linewright_line::net::{Block, ControlMode};
 use linewright_line::{OpId, StationId};
-use linewright_station_logic::Event;
+use linewright_station_logic::StationHappening;
 
 use super::world::{Key, Setting, World, bits_of};
 
@@ -90,7 +90,7 @@ fn buttons_of(setting: &Setting, station: usize) -> impl Iterator<Item = u16> {
 }
 
 /// Lets it happen; gives what the station concerned says about it.
-pub fn apply(setting: &Setting, world: &mut World, action: Action) -> (usize, Vec<Event>) {
+pub fn apply(setting: &Setting, world: &mut World, action: Action) -> (usize, Vec<StationHappening>) {
     let mut events = Vec::new();
     let station = match action {
         Action::Mode(s, mode) => {

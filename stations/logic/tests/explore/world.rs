@@ -5,7 +5,8 @@ use std::rc::Rc;
 use linewright_line::net::{ControlMode, Place};
 use linewright_line::{Line, OpId, StationId, Tick};
 use linewright_station_logic::{
-    Answer, Controller, Event, Founding, Input, ModeOrder, Outbox, PanelCommand, Report, Restore, Rules,
+    Controller, Founding, ModeOrder, PanelCommand, Restore, Rules, StationHappening, StationInput, StationOutbox,
+    StationReport, WithdrawalAnswer,
 };
 
 /// The one moment at which everything happens.
@@ -59,7 +60,7 @@ pub struct Node {
 pub struct World {
     pub nodes: Vec<Rc<Node>>,
     /// For each link, what the reader holds and what is on its way, oldest first.
-    mail: Vec<(Rc<Report>, Vec<Rc<Report>>)>,
+    mail: Vec<(Rc<StationReport>, Vec<Rc<StationReport>>)>,
     /// The station that has lost its memory, and where it stands until it is home again; its marking does not say so.
     pub astray: Option<(usize, Vec<Place>)>,
 }
@@ -107,7 +108,7 @@ impl Setting {
             let report = Rc::clone(&world.mail[link].0);
             let (writer, reader) = self.ends_of(link);
             world.tell(reader, &mut Vec::new(), |c| {
-                c.handle(NOW, Input::View(StationId::at(writer), &report));
+                c.handle(NOW, StationInput::View(StationId::at(writer), &report));
             });
         }
         world
@@ -130,20 +131,22 @@ impl Setting {
 }
 
 fn image(controller: &mut Controller, bits: u128, valid: bool) {
-    controller
-        .handle(NOW, Input::Inputs { bits, valid, until: Tick::NEVER, under: linewright_station_logic::NO_DELAY });
+    controller.handle(
+        NOW,
+        StationInput::Inputs { bits, valid, until: Tick::NEVER, under: linewright_station_logic::NO_DELAY },
+    );
 }
 
 impl Node {
-    fn act(&mut self, events: &mut Vec<Event>, what: impl FnOnce(&mut Controller)) {
-        let mut out = Outbox::default();
+    fn act(&mut self, events: &mut Vec<StationHappening>, what: impl FnOnce(&mut Controller)) {
+        let mut out = StationOutbox::default();
         what(&mut self.controller);
         self.controller.step(NOW, &mut out);
         self.outputs = out.outputs;
         events.append(&mut out.events);
     }
 
-    fn hear_order(&mut self, line: &Line, events: &mut Vec<Event>) {
+    fn hear_order(&mut self, line: &Line, events: &mut Vec<StationHappening>) {
         self.epoch += 1;
         let order = ModeOrder {
             manual_all: true,
@@ -153,14 +156,14 @@ impl Node {
             ..ModeOrder::of(1, self.epoch, self.mode, line.timing.lease)
         };
         self.act(events, |c| {
-            c.handle(NOW, Input::Order(order));
+            c.handle(NOW, StationInput::Order(order));
         });
     }
 }
 
 impl World {
     /// Lets something happen to one station, and one step follow. The caller posts the report.
-    fn tell(&mut self, station: usize, events: &mut Vec<Event>, what: impl FnOnce(&mut Controller)) {
+    fn tell(&mut self, station: usize, events: &mut Vec<StationHappening>, what: impl FnOnce(&mut Controller)) {
         Rc::make_mut(&mut self.nodes[station]).act(events, what);
     }
 
@@ -187,14 +190,20 @@ impl World {
         self.mail[link].1.len()
     }
 
-    pub fn set_mode(&mut self, setting: &Setting, station: usize, mode: ControlMode, events: &mut Vec<Event>) {
+    pub fn set_mode(
+        &mut self,
+        setting: &Setting,
+        station: usize,
+        mode: ControlMode,
+        events: &mut Vec<StationHappening>,
+    ) {
         let node = Rc::make_mut(&mut self.nodes[station]);
         node.mode = mode;
         node.hear_order(&setting.line, events);
         self.post(setting, station);
     }
 
-    pub fn set_key(&mut self, setting: &Setting, station: usize, key: Option<Key>, events: &mut Vec<Event>) {
+    pub fn set_key(&mut self, setting: &Setting, station: usize, key: Option<Key>, events: &mut Vec<StationHappening>) {
         let node = Rc::make_mut(&mut self.nodes[station]);
         node.key = key;
         for (this, command) in [
@@ -202,13 +211,19 @@ impl World {
             (Key::Return, PanelCommand::Retract(key == Some(Key::Return))),
         ] {
             let _ = this;
-            node.controller.handle(NOW, Input::Panel(command));
+            node.controller.handle(NOW, StationInput::Panel(command));
         }
         node.act(events, |_| {});
         self.post(setting, station);
     }
 
-    pub fn set_button(&mut self, setting: &Setting, station: usize, button: Option<u16>, events: &mut Vec<Event>) {
+    pub fn set_button(
+        &mut self,
+        setting: &Setting,
+        station: usize,
+        button: Option<u16>,
+        events: &mut Vec<StationHappening>,
+    ) {
         let node = Rc::make_mut(&mut self.nodes[station]);
         node.button = button;
         node.hear_order(&setting.line, events);
@@ -216,13 +231,13 @@ impl World {
     }
 
     /// A step without anything new.
-    pub fn step(&mut self, setting: &Setting, station: usize, events: &mut Vec<Event>) {
+    pub fn step(&mut self, setting: &Setting, station: usize, events: &mut Vec<StationHappening>) {
         self.tell(station, events, |_| {});
         self.post(setting, station);
     }
 
     /// An input comes on and, in the next image, goes off. Without a bit the devices are lost and come back.
-    pub fn pulse(&mut self, setting: &Setting, station: usize, bit: Option<u128>, events: &mut Vec<Event>) {
+    pub fn pulse(&mut self, setting: &Setting, station: usize, bit: Option<u128>, events: &mut Vec<StationHappening>) {
         let first = (bit.unwrap_or(0), bit.is_some());
         for (bits, valid) in [first, (0, true)] {
             self.tell(station, events, |c| image(c, bits, valid));
@@ -231,21 +246,21 @@ impl World {
     }
 
     /// A reader takes the `nth` report on its way to it; the ones before are lost.
-    pub fn deliver(&mut self, setting: &Setting, link: usize, nth: usize, events: &mut Vec<Event>) {
+    pub fn deliver(&mut self, setting: &Setting, link: usize, nth: usize, events: &mut Vec<StationHappening>) {
         let (held, waiting) = &mut self.mail[link];
         let taken: Vec<_> = waiting.drain(..=nth).collect();
         *held = Rc::clone(&taken[nth]);
         let report = Rc::clone(held);
         let (writer, reader) = setting.ends_of(link);
         self.tell(reader, events, |c| {
-            c.handle(NOW, Input::View(StationId::at(writer), &report));
+            c.handle(NOW, StationInput::View(StationId::at(writer), &report));
         });
         self.post(setting, reader);
     }
 
     /// A station ends and comes up from its snapshot. Its middleware gives it the newest report of each writer that it
     /// had before, then later ones; its commands start anew.
-    pub fn restart(&mut self, setting: &Setting, station: usize, events: &mut Vec<Event>) {
+    pub fn restart(&mut self, setting: &Setting, station: usize, events: &mut Vec<StationHappening>) {
         let id = StationId::at(station);
         let node = Rc::make_mut(&mut self.nodes[station]);
         let (snapshot, boot) = (node.controller.snapshot(), node.controller.writer().boot_id + 1);
@@ -258,14 +273,14 @@ impl World {
         for (link, (held, _)) in setting.links.iter().zip(&self.mail).filter(|(link, _)| link.reader == station) {
             let (writer, report) = (StationId::at(link.writer), Rc::clone(held));
             Rc::make_mut(&mut self.nodes[station]).act(events, |c| {
-                c.handle(NOW, Input::View(writer, &report));
+                c.handle(NOW, StationInput::View(writer, &report));
             });
         }
         self.post(setting, station);
     }
 
     /// A station ends and comes up without its snapshot. Its switches say whether it is at home.
-    pub fn forget(&mut self, setting: &Setting, station: usize, events: &mut Vec<Event>) {
+    pub fn forget(&mut self, setting: &Setting, station: usize, events: &mut Vec<StationHappening>) {
         let id = StationId::at(station);
         let node = Rc::make_mut(&mut self.nodes[station]);
         let (stood, is_home) = (node.controller.marking().collect(), node.controller.is_at_home());
@@ -281,7 +296,7 @@ impl World {
         for (link, (held, _)) in setting.links.iter().zip(&self.mail).filter(|(link, _)| link.reader == station) {
             let (writer, report) = (StationId::at(link.writer), Rc::clone(held));
             Rc::make_mut(&mut self.nodes[station]).act(events, |c| {
-                c.handle(NOW, Input::View(writer, &report));
+                c.handle(NOW, StationInput::View(writer, &report));
             });
         }
         self.astray = Some((station, stood));
@@ -319,7 +334,7 @@ impl World {
         hash(scratch)
     }
 
-    fn write_report(&self, setting: &Setting, link: &Link, report: &Report, origin: i32, out: &mut Vec<i64>) {
+    fn write_report(&self, setting: &Setting, link: &Link, report: &StationReport, origin: i32, out: &mut Vec<i64>) {
         let writer = self.nodes[link.writer].controller.writer();
         let reader = &self.nodes[link.reader].controller;
         out.push(i64::from(writer.boot_id == report.boot_id));
@@ -330,8 +345,9 @@ impl World {
             None => out.push(-1),
             Some(request) => out.extend([i64::from(writer.open == Some(request.number)), request.ops as i64]),
         }
-        let to_reader =
-            |a: &&Answer| a.to == reader.station() && a.boot_id == reader.writer().boot_id && reader.awaits(a.number);
+        let to_reader = |a: &&WithdrawalAnswer| {
+            a.to == reader.station() && a.boot_id == reader.writer().boot_id && reader.awaits(a.number)
+        };
         match report.answers.iter().find(to_reader) {
             None => out.push(-1),
             Some(answer) => out.push(answer.in_the_way.map_or(0, |op| 1 + i64::from(op.0))),
@@ -348,10 +364,10 @@ impl World {
 }
 
 impl Link {
-    fn says_the_same(&self, a: &Report, b: &Report, reader: &Controller, counted: bool) -> bool {
+    fn says_the_same(&self, a: &StationReport, b: &StationReport, reader: &Controller, counted: bool) -> bool {
         // That an answer nobody waits for any more is gone is no news.
-        let awaited = |x: &&Answer| x.to.index() == self.reader && reader.awaits(x.number);
-        let to_reader = |report: &Report| report.answers.iter().find(awaited).copied();
+        let awaited = |x: &&WithdrawalAnswer| x.to.index() == self.reader && reader.awaits(x.number);
+        let to_reader = |report: &StationReport| report.answers.iter().find(awaited).copied();
         a.boot_id == b.boot_id
             && a.generation == b.generation
             // Only the rule that reads flags looks at the writer's cycle.

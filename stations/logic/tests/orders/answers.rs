@@ -3,7 +3,7 @@
 use std::time::Duration;
 
 use linewright_line::net::ControlMode;
-use linewright_station_logic::{Failure, Outcome, Refusal, Reply, TaskOrder};
+use linewright_station_logic::{Failure, Handled, Ignored, Outcome, Refusal, Reply, TaskOrder};
 
 use super::bench::{Bench, key, order};
 
@@ -151,7 +151,8 @@ fn a_station_that_goes_round_a_cycle_takes_no_orders() {
     let mut controller = linewright_station_logic::Controller::new(&line, station, 1, restore).expect("compiles");
     let clamp = order(1, "clamp");
     let command = linewright_station_logic::TaskCommand::Run(&clamp);
-    assert!(!controller.handle(linewright_line::Tick::ZERO, linewright_station_logic::Input::Task(command)));
+    let handled = controller.handle(linewright_line::Tick::ZERO, linewright_station_logic::StationInput::Task(command));
+    assert_eq!(handled, Handled::Ignored(Ignored::NoTasks));
     assert_eq!(controller.report().order, None);
     assert_eq!(controller.snapshot().order, None);
 }

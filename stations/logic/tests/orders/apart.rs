@@ -5,7 +5,8 @@ use std::time::Duration;
 use linewright_line::net::{ControlMode, Place};
 use linewright_line::{Line, StationId, Tick, parse};
 use linewright_station_logic::{
-    Controller, Failure, Input, ModeOrder, NO_DELAY, Outbox, Outcome, Program, Report, Restore, TaskCommand,
+    Controller, Failure, ModeOrder, NO_DELAY, Outcome, Program, Restore, StationInput, StationOutbox, StationReport,
+    TaskCommand,
 };
 
 use super::bench::order;
@@ -25,9 +26,9 @@ fn line() -> Line {
 struct Arm {
     line: Line,
     robot: Controller,
-    m1: Report,
+    m1: StationReport,
     now: Tick,
-    out: Outbox,
+    out: StationOutbox,
 }
 
 impl Arm {
@@ -38,9 +39,9 @@ impl Arm {
         let mut m1 = start(M1).report();
         (m1.devices_valid, m1.measured_age) = (true, Duration::ZERO);
         let robot = start(ROBOT);
-        let mut arm = Arm { robot, m1, now: Tick::from_millis(1000), out: Outbox::default(), line };
+        let mut arm = Arm { robot, m1, now: Tick::from_millis(1000), out: StationOutbox::default(), line };
         arm.sees(&["A_0", "G_0"]);
-        arm.robot.handle(arm.now, Input::Order(ModeOrder::of(1, 1, ControlMode::Auto, ModeOrder::FOR_GOOD)));
+        arm.robot.handle(arm.now, StationInput::Order(ModeOrder::of(1, 1, ControlMode::Auto, ModeOrder::FOR_GOOD)));
         arm.hears(&["C_0", "L_0"]);
         arm
     }
@@ -51,20 +52,20 @@ impl Arm {
 
     fn sees(&mut self, on: &[&str]) {
         let bits = inputs(&self.line, ROBOT, on);
-        self.robot.handle(self.now, Input::Inputs { bits, valid: true, until: Tick::NEVER, under: NO_DELAY });
+        self.robot.handle(self.now, StationInput::Inputs { bits, valid: true, until: Tick::NEVER, under: NO_DELAY });
         self.step();
     }
 
     fn hears(&mut self, on: &[&str]) {
         self.m1.measured = inputs(&self.line, M1, on);
-        self.robot.handle(self.now, Input::View(M1, &self.m1));
+        self.robot.handle(self.now, StationInput::View(M1, &self.m1));
         self.step();
     }
 
     fn ordered(&mut self, id: u64, task: &str) {
         let mut order = order(id, task);
         order.parameters = vec![("slot".into(), 1)];
-        self.robot.handle(self.now, Input::Task(TaskCommand::Run(&order)));
+        self.robot.handle(self.now, StationInput::Task(TaskCommand::Run(&order)));
         self.step();
     }
 

@@ -5,8 +5,8 @@ use std::time::Duration;
 use linewright_line::net::ControlMode;
 use linewright_line::{StationId, Tick};
 use linewright_station_logic::{
-    Controller, Failure, Input, ModeOrder, NO_DELAY, Outbox, Outcome, Refusal, Reply, Restore, Rules, TaskCommand,
-    TaskOrder,
+    Controller, Failure, ModeOrder, NO_DELAY, Outcome, Refusal, Reply, Restore, Rules, StationInput, StationOutbox,
+    TaskCommand, TaskOrder,
 };
 
 use super::bench::{Bench, key, order};
@@ -154,13 +154,13 @@ fn a_long_task_is_taken_back_operation_by_operation_to_where_any_task_can_begin(
     let mut robot = robot.with_rules(Rules::COUNTS);
     let described = line.station(station);
     let input = |name: &str| 1u128 << described.inputs.iter().position(|input| input == name).expect("it is there");
-    let mut out = Outbox::default();
-    let image = |robot: &mut Controller, bits: u128, out: &mut Outbox| {
-        robot.handle(now, Input::Inputs { bits, valid: true, until: Tick::NEVER, under: NO_DELAY });
+    let mut out = StationOutbox::default();
+    let image = |robot: &mut Controller, bits: u128, out: &mut StationOutbox| {
+        robot.handle(now, StationInput::Inputs { bits, valid: true, until: Tick::NEVER, under: NO_DELAY });
         robot.step(now, out);
     };
     image(&mut robot, input("A_0") | input("G_0"), &mut out);
-    robot.handle(now, Input::Order(ModeOrder::of(1, 1, ControlMode::Auto, Duration::from_secs(3600))));
+    robot.handle(now, StationInput::Order(ModeOrder::of(1, 1, ControlMode::Auto, Duration::from_secs(3600))));
     let load = |id| TaskOrder {
         key: key(1, id),
         memory: 1,
@@ -168,7 +168,7 @@ fn a_long_task_is_taken_back_operation_by_operation_to_where_any_task_can_begin(
         parameters: vec![("slot".into(), 3)],
         limit: Duration::from_secs(60),
     };
-    robot.handle(now, Input::Task(TaskCommand::Run(&load(1))));
+    robot.handle(now, StationInput::Task(TaskCommand::Run(&load(1))));
     robot.step(now, &mut out);
     // To the store, grasp, carry to m1. The machine never says that it has clamped.
     for switches in [["A_50", "G_0"], ["A_50", "G_1"], ["A_100", "G_1"]] {
@@ -177,7 +177,7 @@ fn a_long_task_is_taken_back_operation_by_operation_to_where_any_task_can_begin(
     }
     assert_eq!(robot.operation_text(&line), "carry to m1 (done)");
     assert_eq!(robot.blocked_by(&line, now), ["m1_closed (robot io, node 03h, 6000h:01 bit 5), for let go"]);
-    robot.handle(now, Input::Task(TaskCommand::Secure(key(1, 1))));
+    robot.handle(now, StationInput::Task(TaskCommand::Secure(key(1, 1))));
     robot.step(now, &mut out);
     for (doing, switches) in [
         ("undoing carry to m1", ["A_50", "G_1"]),
@@ -193,7 +193,7 @@ fn a_long_task_is_taken_back_operation_by_operation_to_where_any_task_can_begin(
     let orders = report.order.expect("it works on order");
     assert_eq!(orders.results, [(key(1, 1), Outcome::Failed(Failure::Waiting(21)))], "what it waited for");
     assert_eq!((report.done, report.started, report.cycle), (vec![0; 10], vec![0; 10], 1));
-    robot.handle(now, Input::Task(TaskCommand::Run(&load(2))));
+    robot.handle(now, StationInput::Task(TaskCommand::Run(&load(2))));
     robot.step(now, &mut out);
     assert_eq!(robot.operation_text(&line), "to the store");
 }

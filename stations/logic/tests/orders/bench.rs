@@ -6,8 +6,8 @@ use std::time::Duration;
 use linewright_line::net::{Block, ControlMode, Place};
 use linewright_line::{Line, Module, OpId, Signals, StationId, Tick, parse};
 use linewright_station_logic::{
-    Controller, Input, ModeOrder, NO_DELAY, OrderKey, OrderReport, Outbox, Outcome, PanelCommand, Reply, Restore,
-    Rules, Snapshot, TaskCommand, TaskOrder,
+    Controller, ModeOrder, NO_DELAY, OrderKey, Outcome, PanelCommand, Reply, Restore, Rules, StationInput,
+    StationOutbox, StationSnapshot, TaskCommand, TaskOrder, TaskOrderReport,
 };
 
 const BASE: &str = include_str!("../../../../model/line/tests/descriptions/on_order.toml");
@@ -27,7 +27,7 @@ pub struct Bench {
     pub is_taken: bool,
     image: u128,
     valid: bool,
-    out: Outbox,
+    out: StationOutbox,
     events: Vec<String>,
 }
 
@@ -69,7 +69,7 @@ impl Bench {
             is_taken: true,
             image: 0,
             valid: true,
-            out: Outbox::default(),
+            out: StationOutbox::default(),
             events: Vec::new(),
         };
         bench.image = bench.input("C_0") | bench.input("L_0");
@@ -99,15 +99,15 @@ impl Bench {
 
     fn send_image(&mut self) {
         let (bits, valid) = (self.image, self.valid);
-        self.controller.handle(self.now, Input::Inputs { bits, valid, until: Tick::NEVER, under: NO_DELAY });
+        self.controller.handle(self.now, StationInput::Inputs { bits, valid, until: Tick::NEVER, under: NO_DELAY });
         self.step();
     }
 
     fn refresh(&mut self) {
         self.send_image();
-        self.controller.handle(self.now, Input::Order(self.order));
+        self.controller.handle(self.now, StationInput::Order(self.order));
         for command in self.held.clone() {
-            self.controller.handle(self.now, Input::Panel(command));
+            self.controller.handle(self.now, StationInput::Panel(command));
         }
         self.step();
     }
@@ -163,7 +163,7 @@ impl Bench {
     }
 
     fn send_order(&mut self) {
-        self.controller.handle(self.now, Input::Order(self.order));
+        self.controller.handle(self.now, StationInput::Order(self.order));
         self.step();
     }
 
@@ -183,7 +183,7 @@ impl Bench {
         self.held = commands.to_vec();
         for command in [PanelCommand::Advance(false), PanelCommand::Retract(false)].into_iter().chain(self.held.clone())
         {
-            self.controller.handle(self.now, Input::Panel(command));
+            self.controller.handle(self.now, StationInput::Panel(command));
         }
         self.step();
     }
@@ -218,7 +218,7 @@ impl Bench {
     }
 
     fn told(&mut self, command: TaskCommand<'_>, key: OrderKey) -> Reply {
-        self.is_taken = self.controller.handle(self.now, Input::Task(command));
+        self.is_taken = self.controller.handle(self.now, StationInput::Task(command)).is_taken();
         self.step();
         let mut replies = std::mem::take(&mut self.out.replies);
         let reply = replies.pop().expect("whatever it is told it answers");
@@ -235,7 +235,7 @@ impl Bench {
         assert_eq!(self.result(order.key), Some(Outcome::Done));
     }
 
-    pub fn orders(&self) -> OrderReport {
+    pub fn orders(&self) -> TaskOrderReport {
         self.controller.report().order.expect("it works on order")
     }
 
@@ -273,7 +273,7 @@ impl Bench {
         self.restarted(self.controller.snapshot(), boot_id)
     }
 
-    fn restarted(&self, snapshot: Snapshot, boot_id: u64) -> Self {
+    fn restarted(&self, snapshot: StationSnapshot, boot_id: u64) -> Self {
         let mut bench = Bench::of(Restore::From(snapshot), boot_id);
         bench.now = self.now;
         bench.image = self.image;

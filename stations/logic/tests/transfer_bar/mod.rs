@@ -4,13 +4,13 @@ use std::time::Duration;
 
 use linewright_line::net::{Block, ControlMode};
 use linewright_line::{Line, StationId, Tick};
-use linewright_station_logic::{Controller, Input, ModeOrder, Outbox, Report, Restore, Rules};
+use linewright_station_logic::{Controller, ModeOrder, Restore, Rules, StationInput, StationOutbox, StationReport};
 
 pub const NOW: Tick = Tick::from_millis(1000);
 
 pub struct TransferBar {
     pub controller: Controller,
-    pub out: Outbox,
+    pub out: StationOutbox,
     line: Line,
 }
 
@@ -22,14 +22,14 @@ impl TransferBar {
         line.timing.stale = Duration::from_secs(1 << 20);
         let controller =
             Controller::new(&line, StationId(0), 1, Restore::Fresh).expect("compiles").with_rules(Rules::COUNTS);
-        let out = Outbox { events: Vec::with_capacity(1024), ..Outbox::default() };
+        let out = StationOutbox { events: Vec::with_capacity(1024), ..StationOutbox::default() };
         let mut bar = TransferBar { controller, out, line };
         bar.image(1 << bar.line.operation((StationId(0), bar.line.stations[0].home)).normal.complete.0);
         let ahead = vec![i32::MAX / 4; 2];
-        let clamp = Report { boot_id: 1, done: ahead.clone(), started: ahead, ..Report::default() };
-        bar.controller.handle(NOW, Input::View(StationId(1), &clamp));
+        let clamp = StationReport { boot_id: 1, done: ahead.clone(), started: ahead, ..StationReport::default() };
+        bar.controller.handle(NOW, StationInput::View(StationId(1), &clamp));
         let order = ModeOrder::of(1, 1, ControlMode::Auto, Duration::from_secs(1 << 20));
-        bar.controller.handle(NOW, Input::Order(order));
+        bar.controller.handle(NOW, StationInput::Order(order));
         bar.step();
         bar.image(0);
         bar.step();
@@ -45,7 +45,7 @@ impl TransferBar {
     pub fn image(&mut self, bits: u128) {
         self.controller.handle(
             NOW,
-            Input::Inputs { bits, valid: true, until: Tick::NEVER, under: linewright_station_logic::NO_DELAY },
+            StationInput::Inputs { bits, valid: true, until: Tick::NEVER, under: linewright_station_logic::NO_DELAY },
         );
     }
 

@@ -14,7 +14,7 @@ use linewright_fieldbus::manager::{Condition, PlainStatus, Status};
 use linewright_fieldbus::{Driver, Event, NodeId};
 use linewright_line::{Device, Line, Tick};
 use linewright_msgs::{DiagnosticArray, Text};
-use linewright_node_shell::{Forward, Node, Publisher, TopicError, qos, stamp};
+use linewright_node_shell::{Forward, Publisher, RosNode, TopicError, qos, stamp};
 use tokio::sync::mpsc;
 
 pub use names::device_names;
@@ -71,7 +71,7 @@ pub struct Devices {
 impl Devices {
     /// Opens the services and topics of these devices, and of the bus they are on, as part of `node`.
     pub fn open<'a>(
-        node: &mut Node,
+        node: &mut RosNode,
         line: &Line,
         devices: impl IntoIterator<Item = &'a Device>,
     ) -> Result<Self, TopicError> {

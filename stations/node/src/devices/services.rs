@@ -10,7 +10,7 @@ use linewright_msgs::{
     CORead, COReadID, COWrite, COWriteID, CoReadIdRequest, CoReadIdResponse, CoReadRequest, CoReadResponse,
     CoWriteIdRequest, CoWriteIdResponse, CoWriteRequest, CoWriteResponse, Trigger, TriggerResponse,
 };
-use linewright_node_shell::{Forward, Node, Reply, TopicError, serve};
+use linewright_node_shell::{Forward, Reply, RosNode, TopicError, serve};
 use tokio::sync::mpsc;
 
 use super::{Devices, node_id};
@@ -47,7 +47,7 @@ pub struct Pending {
 }
 
 /// The services of a bus, by node id: `~/sdo_read`, `~/sdo_write`.
-pub fn open_bus(node: &mut Node, to: &mpsc::Sender<Asked>) -> Result<Vec<Forward>, TopicError> {
+pub fn open_bus(node: &mut RosNode, to: &mpsc::Sender<Asked>) -> Result<Vec<Forward>, TopicError> {
     let read = serve(node.service::<COReadID>("~/sdo_read")?, to.clone(), |asked: CoReadIdRequest, reply| {
         let ask = Ask::Read(ObjectId::new(asked.index, asked.subindex));
         Asked { node: asked.nodeid, what: What::Transfer(ask, Answerer::ReadId(reply)) }
@@ -63,7 +63,12 @@ pub fn open_bus(node: &mut Node, to: &mpsc::Sender<Asked>) -> Result<Vec<Forward
 }
 
 /// The services of one device: `<device>/nmt_reset_node`, `nmt_start_node`, `sdo_read`, `sdo_write`.
-pub fn open_device(node: &mut Node, name: &str, id: u8, to: &mpsc::Sender<Asked>) -> Result<Vec<Forward>, TopicError> {
+pub fn open_device(
+    node: &mut RosNode,
+    name: &str,
+    id: u8,
+    to: &mpsc::Sender<Asked>,
+) -> Result<Vec<Forward>, TopicError> {
     let asked = move |what| Asked { node: id, what };
     let reset = node.service::<Trigger>(&format!("{name}/nmt_reset_node"))?;
     let start = node.service::<Trigger>(&format!("{name}/nmt_start_node"))?;

@@ -7,7 +7,7 @@ use linewright_fieldbus::Driver;
 use linewright_fieldbus::manager::Budget;
 use linewright_line::{Owner, Tick};
 use linewright_msgs::{Text, cut};
-use linewright_node_shell::{Node, Publisher, TopicError, qos};
+use linewright_node_shell::{Publisher, RosNode, TopicError, qos};
 
 use super::{EVERY, NEWS_EVERY, STATES_MAX};
 use crate::words::TROUBLE_BYTES_MAX;
@@ -24,7 +24,7 @@ pub struct Trouble {
 
 impl Trouble {
     /// Opens the topic.
-    pub fn open(node: &mut Node, topic: &str, owner: Owner) -> Result<Self, TopicError> {
+    pub fn open(node: &mut RosNode, topic: &str, owner: Owner) -> Result<Self, TopicError> {
         let publisher = node.publisher(topic, qos::latched_state())?;
         let news = Budget::new(STATES_MAX, NEWS_EVERY);
         Ok(Trouble { owner, publisher, text: String::new(), valid: None, news, due: Tick::ZERO })

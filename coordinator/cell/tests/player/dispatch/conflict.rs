@@ -6,16 +6,16 @@
 
 use std::time::Duration;
 
-use linewright_coordinator_cell::dispatch::{ByRules, Rule, Window, words};
-use linewright_coordinator_cell::{Fact, Ground, ModeId, Outbox, PartId, Reason};
+use linewright_coordinator_cell::dispatch::{DispatchRule, RuleDispatcher, Window, words};
+use linewright_coordinator_cell::{DecidingRule, HoldReason, ModeId, PartId, PlayerOutbox, RecordKind};
 
 use crate::player::printed::conflict_state;
 
 /// What is decided first, and what is said of it: the timetable has these three at these times, in seconds from now.
-fn decided(times: [u64; 3], tolerance: u64) -> (String, Vec<(ModeId, Reason)>, Vec<String>) {
+fn decided(times: [u64; 3], tolerance: u64) -> (String, Vec<(ModeId, HoldReason)>, Vec<String>) {
     let (mut world, _) = conflict_state();
     let now = world.now;
-    let mut rules = ByRules::new(&world.it.table, &[Rule::Schedule], Duration::from_secs(1000));
+    let mut rules = RuleDispatcher::new(&world.it.table, &[DispatchRule::Schedule], Duration::from_secs(1000));
     rules.timetable.tolerance = Duration::from_secs(tolerance);
     let modes = ["t5<m1,r1,p1>", "t1<m2,r1,p2>", "t1<m2,r1,p3>"].map(|name| world.it.mode(name));
     for (part, (mode, at)) in (1..).zip(modes.into_iter().zip(times)) {
@@ -23,11 +23,11 @@ fn decided(times: [u64; 3], tolerance: u64) -> (String, Vec<(ModeId, Reason)>, V
         let window = Window { from, until: from + Duration::from_secs(60) };
         rules.timetable.windows.insert((Some(PartId(part)), mode), window);
     }
-    let mut out = Outbox::default();
+    let mut out = PlayerOutbox::default();
     world.coordination.reconsider();
     world.coordination.step(now, &[], &mut rules, &mut out);
     assert_eq!(out.events, []);
-    let Fact::Decided { started, held, .. } = &out.records[0].fact else { panic!("{:?}", out.records[0]) };
+    let RecordKind::Decided { started, held, .. } = &out.records[0].fact else { panic!("{:?}", out.records[0]) };
     let [(mode, Some(_))] = started[..] else { panic!("{started:?}") };
     let words = words::decision(&world.it.table, started, held);
     (world.it.table.mode_name(mode).to_owned(), held.clone(), words)
@@ -40,7 +40,9 @@ fn with_part_3_next_it_is_loaded_and_nothing_else_starts() {
     assert_eq!(started, "t1<m2,r1,p3>");
     assert_eq!(held.len(), 2);
     for (_, reason) in &held {
-        assert!(matches!(reason, Reason::LostTo(lost) if matches!(lost.by, Ground::Rule { rule: Rule::Schedule, .. })));
+        assert!(
+            matches!(reason, HoldReason::LostTo(lost) if matches!(lost.by, DecidingRule::Rule { rule: DispatchRule::Schedule, .. }))
+        );
     }
     let expected = [
         "`t1<m2,r1,p3>` with part 3 starts, before `t1<m2,r1,p2>` with part 2: by schedule (planned in 0 s; the other \
@@ -66,7 +68,7 @@ fn with_the_unloading_next_it_is_done_and_nothing_else_starts() {
 fn what_is_planned_for_later_is_held_until_then() {
     let (started, held, words) = decided([0, 5, 20], 0);
     assert_eq!(started, "t5<m1,r1,p1>");
-    assert!(held.iter().all(|(_, reason)| matches!(reason, Reason::NotYet(_))));
+    assert!(held.iter().all(|(_, reason)| matches!(reason, HoldReason::NotYet(_))));
     assert!(words[1].starts_with("`t1<m2,r1,p2>` is held: it is too early, not before "), "{}", words[1]);
     assert_eq!(words[0], "`t5<m1,r1,p1>` with part 1 starts: nothing else wanted what it takes.");
 }

@@ -3,8 +3,10 @@
 use std::cell::Cell;
 use std::time::Duration;
 
-use linewright_coordinator_cell::dispatch::{ByRules, Fairness, Job, Rule, Waiting, Window};
-use linewright_coordinator_cell::{Fact, PartId, Place, Reason};
+use linewright_coordinator_cell::dispatch::{
+    DispatchRule, EntryCandidate, Fairness, PartPriority, RuleDispatcher, Window,
+};
+use linewright_coordinator_cell::{HoldReason, PartId, PartPlace, RecordKind};
 use linewright_line::Tick;
 
 use super::solo::{ByName, compiled, lines, play, seconds, starts};
@@ -15,12 +17,12 @@ use crate::player::plans::{Compiled, alone};
 const LONG: Tick = Tick::from_millis(600_000);
 
 /// `low` parts matter least.
-fn job(cell: &str) -> Job {
-    Job { due: None, priority: if cell.contains("low") { 0 } else { 9 } }
+fn job(cell: &str) -> PartPriority {
+    PartPriority { due: None, priority: if cell.contains("low") { 0 } else { 9 } }
 }
 
-fn by_priority(it: &Compiled, fairness: Fairness) -> ByName<fn(&str) -> Job> {
-    let mut inner = ByRules::new(&it.table, &[Rule::Priority], Duration::ZERO);
+fn by_priority(it: &Compiled, fairness: Fairness) -> ByName<fn(&str) -> PartPriority> {
+    let mut inner = RuleDispatcher::new(&it.table, &[DispatchRule::Priority], Duration::ZERO);
     inner.fairness = fairness;
     ByName { inner, job }
 }
@@ -94,11 +96,11 @@ fn what_is_kept_for_an_urgent_part_is_said() {
     let held: Vec<_> = records
         .iter()
         .filter_map(|record| match &record.fact {
-            Fact::Decided { held, .. } => Some(held.iter().map(|held| (record.at, *held))),
+            RecordKind::Decided { held, .. } => Some(held.iter().map(|held| (record.at, *held))),
             _ => None,
         })
         .flatten()
-        .filter(|(_, (_, reason))| matches!(reason, Reason::ReservedFor { .. }))
+        .filter(|(_, (_, reason))| matches!(reason, HoldReason::ReservedFor { .. }))
         .collect();
     let [(at, (mode, reason)), ..] = held[..] else { panic!("nothing was kept") };
     assert_eq!((at, mode), (Tick::from_millis(63_000), it.mode("work_right")));
@@ -172,7 +174,7 @@ fn what_lies_at_the_bottom_of_a_stack_gets_out() {
     let mut by_priority = by_priority(&it, PATIENT);
     let low = Some(PartId(1));
     let window = Window { from: Tick::from_millis(5500), until: Tick::NEVER };
-    by_priority.inner.rules.insert(0, Rule::Schedule);
+    by_priority.inner.rules.insert(0, DispatchRule::Schedule);
     by_priority.inner.timetable.windows.insert((low, it.mode("get_low")), window);
     // Then it would be the first by the timetable.
     by_priority.inner.rules.rotate_left(1);
@@ -203,7 +205,7 @@ fn what_waits_outside_does_not_wait_for_ever() {
     let first = |fairness| {
         let mut dispatcher = by_priority(&it, fairness);
         for (mode, priority, since) in [("enter_high", 9, Tick::NEVER), ("enter_low", 0, Tick::ZERO)] {
-            let waiting = Waiting { job: Job { due: None, priority }, since };
+            let waiting = EntryCandidate { job: PartPriority { due: None, priority }, since };
             dispatcher.inner.jobs.outside.insert(it.mode(mode), waiting);
         }
         let (records, _) = play(&it, &mut dispatcher, LONG, |_, _| true);
@@ -218,7 +220,7 @@ fn what_waits_outside_does_not_wait_for_ever() {
 fn what_is_planned_for_later_is_not_urgent() {
     let it = one_machine();
     let mut dispatcher = by_priority(&it, PATIENT);
-    dispatcher.inner.rules.push(Rule::Schedule);
+    dispatcher.inner.rules.push(DispatchRule::Schedule);
     let window = Window { from: Tick::from_millis(300_000), until: Tick::from_millis(400_000) };
     dispatcher.inner.timetable.windows.insert((Some(PartId(2)), it.mode("work_low")), window);
     let (records, _) = play(&it, &mut dispatcher, LONG, |_, _| true);
@@ -289,11 +291,13 @@ fn random(dice: &mut Dice) -> Compiled {
 /// The longest time in an hour for which a part that somebody could take on has rested.
 fn longest(it: &Compiled, fairness: Fairness) -> Duration {
     let most = Cell::new(Duration::ZERO);
-    let job = |cell: &str| Job { due: None, priority: if cell.ends_with("low") { 0 } else { cell.len() as i32 } };
-    let mut inner = ByRules::new(&it.table, &[Rule::Priority, Rule::ShortestProcessingTime], Duration::ZERO);
+    let job =
+        |cell: &str| PartPriority { due: None, priority: if cell.ends_with("low") { 0 } else { cell.len() as i32 } };
+    let mut inner =
+        RuleDispatcher::new(&it.table, &[DispatchRule::Priority, DispatchRule::ShortestProcessingTime], Duration::ZERO);
     inner.fairness = fairness;
     let (_, player) = play(it, &mut ByName { inner, job }, Tick::from_millis(3_600_000), |now, state| {
-        let rests = state.parts().filter(|part| matches!(part.place, Place::On { .. }));
+        let rests = state.parts().filter(|part| matches!(part.place, PartPlace::On { .. }));
         most.set(rests.map(|part| now.since(part.since)).chain([most.get()]).max().unwrap());
         true
     });

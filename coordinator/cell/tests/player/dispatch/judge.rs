@@ -4,8 +4,12 @@
 use std::collections::BTreeSet;
 use std::time::Duration;
 
-use linewright_coordinator_cell::dispatch::{ByRules, Fairness, Job, Rule, Waiting, Window};
-use linewright_coordinator_cell::{Answer, Candidate, Dispatcher, Fifo, Group, ModeId, Place, Question, Reason, Start};
+use linewright_coordinator_cell::dispatch::{
+    DispatchRule, EntryCandidate, Fairness, PartPriority, RuleDispatcher, Window,
+};
+use linewright_coordinator_cell::{
+    Candidate, ConflictGroup, DispatchDecision, Dispatcher, Fifo, HoldReason, ModeId, PartPlace, Question, Start,
+};
 use linewright_line::Tick;
 use linewright_nets::Marking;
 use linewright_nets::coloured::ColouredNet;
@@ -19,7 +23,7 @@ use crate::player::world::World;
 
 /// Asks a dispatcher and judges what it says.
 struct Judge {
-    inner: ByRules,
+    inner: RuleDispatcher,
     dice: Dice,
     net: ColouredNet,
     long: linewright_nets::coloured::Unfolding,
@@ -32,7 +36,7 @@ struct Judge {
 }
 
 impl Judge {
-    fn new(it: &Compiled, inner: ByRules, seed: u64) -> Self {
+    fn new(it: &Compiled, inner: RuleDispatcher, seed: u64) -> Self {
         let takes = moves(it).into_iter().map(|[takes, _]| takes).collect();
         let (net, long) = (it.net.clone(), it.long.clone());
         Judge { inner, dice: Dice::new(seed), net, long, takes, asked: 0, started: 0, kept: 0, several: 0 }
@@ -45,8 +49,8 @@ impl Judge {
                 continue;
             }
             let due = (!self.dice.one_in(4)).then(|| Tick::from_millis(self.dice.below(60_000) as u64));
-            self.inner.jobs.parts.insert(part.id, Job { due, priority: self.dice.below(3) as i32 });
-            if let Place::On { cell, .. } = part.place {
+            self.inner.jobs.parts.insert(part.id, PartPriority { due, priority: self.dice.below(3) as i32 });
+            if let PartPlace::On { cell, .. } = part.place {
                 for &mode in question.state.table().consumers(cell) {
                     let from = question.now + Duration::from_millis(self.dice.below(4000) as u64);
                     let until = from + Duration::from_millis(self.dice.below(4000) as u64);
@@ -55,14 +59,14 @@ impl Judge {
             }
         }
         for candidate in question.candidates.iter().filter(|of| !question.takes_part(of)) {
-            let job = Job { due: None, priority: self.dice.below(3) as i32 };
-            let waiting = Waiting { job, since: question.now };
+            let job = PartPriority { due: None, priority: self.dice.below(3) as i32 };
+            let waiting = EntryCandidate { job, since: question.now };
             self.inner.jobs.outside.entry(candidate.mode).or_insert(waiting);
         }
     }
 
-    fn judge(&mut self, question: &Question<'_>, answer: &Answer) {
-        let on_cells = question.state.parts().filter(|part| matches!(part.place, Place::On { .. }));
+    fn judge(&mut self, question: &Question<'_>, answer: &DispatchDecision) {
+        let on_cells = question.state.parts().filter(|part| matches!(part.place, PartPlace::On { .. }));
         let mut waiting: Vec<_> = on_cells.collect();
         waiting.sort_by_key(|part| (part.since, part.id));
         assert!(question.state.waiting().eq(waiting), "those that wait, the longest first");
@@ -89,21 +93,23 @@ impl Judge {
             let free = |&(cell, weight): &(usize, u32)| needed[cell] + u64::from(weight) <= has[cell];
             let could = times[at] < candidate.times && self.takes[candidate.mode.index()].iter().all(free);
             match held.first().map(|held| held.reason) {
-                Some(Reason::LostTo(lost)) => {
+                Some(HoldReason::LostTo(lost)) => {
                     assert!(!could, "{lost:?}");
                     let winner = |start: &Start| question.candidates[start.candidate].mode == lost.to;
                     assert!(answer.start.iter().any(|start| winner(start) && start.part == lost.with));
                 }
-                Some(Reason::ReservedFor { .. }) => {
+                Some(HoldReason::ReservedFor { .. }) => {
                     assert!(self.inner.fairness.patience.is_some() && self.inner.fairness.reserves);
                     // Somebody after it may have taken something else that it needs.
                     self.kept += usize::from(could);
                 }
-                Some(Reason::NotYet(until)) => {
-                    assert!(self.inner.rules.contains(&Rule::Schedule) && until > question.now);
+                Some(HoldReason::NotYet(until)) => {
+                    assert!(self.inner.rules.contains(&DispatchRule::Schedule) && until > question.now);
                     assert_eq!(held[0].until, Some(until));
                 }
-                Some(reason @ (Reason::NotOrdered | Reason::PlannedOtherwise(_) | Reason::LooksWorse(_))) => {
+                Some(
+                    reason @ (HoldReason::NotOrdered | HoldReason::PlannedOtherwise(_) | HoldReason::LooksWorse(_)),
+                ) => {
                     panic!("nobody told it of anything like {reason:?}")
                 }
                 None => assert!(!could || self.may_hold(), "{candidate:?} could start once more"),
@@ -113,7 +119,7 @@ impl Judge {
 
     /// Whether anything but a lost conflict can keep something back.
     fn may_hold(&self) -> bool {
-        self.inner.rules.contains(&Rule::Schedule) || self.inner.fairness.patience.is_some()
+        self.inner.rules.contains(&DispatchRule::Schedule) || self.inner.fairness.patience.is_some()
     }
 
     /// What is decided about each group alone, together.
@@ -122,7 +128,8 @@ impl Judge {
         for group in question.groups {
             let alone = |&at: &usize| Candidate { group: 0, ..question.candidates[at] };
             let candidates: Vec<Candidate> = group.candidates.iter().map(alone).collect();
-            let groups = [Group { candidates: (0..candidates.len()).collect(), contested: group.contested.clone() }];
+            let groups =
+                [ConflictGroup { candidates: (0..candidates.len()).collect(), contested: group.contested.clone() }];
             let answer = self.inner.decide(&Question { candidates: &candidates, groups: &groups, ..*question });
             all.extend(
                 answer.start.iter().map(|start| (candidates[start.candidate].mode, start.part.map(|part| part.0))),
@@ -133,7 +140,7 @@ impl Judge {
 }
 
 impl Dispatcher for Judge {
-    fn decide(&mut self, question: &Question<'_>) -> Answer {
+    fn decide(&mut self, question: &Question<'_>) -> DispatchDecision {
         self.tell(question);
         let answer = self.inner.decide(question);
         assert_eq!(answer, self.inner.clone().decide(question), "the same question has the same answer");
@@ -157,8 +164,8 @@ impl Dispatcher for Judge {
     }
 }
 
-fn rules(dice: &mut Dice) -> Vec<Rule> {
-    (0..dice.below(4)).map(|_| dice.pick(&Rule::ALL).1).collect()
+fn rules(dice: &mut Dice) -> Vec<DispatchRule> {
+    (0..dice.below(4)).map(|_| dice.pick(&DispatchRule::ALL).1).collect()
 }
 
 fn fairness(dice: &mut Dice) -> Fairness {
@@ -176,7 +183,7 @@ fn every_answer_of_random_workcells_stands_before_the_net_and_all_parts_are_fini
         let mut dice = Dice::new(seed);
         let cell = Workcell::random(&mut dice);
         let it = workcell::compiled(&cell);
-        let mut inner = ByRules::new(&it.table, &rules(&mut dice), Duration::ZERO);
+        let mut inner = RuleDispatcher::new(&it.table, &rules(&mut dice), Duration::ZERO);
         inner.fairness = fairness(&mut dice);
         let mut judge = Judge::new(&it, inner, seed);
         let mut world = World::new(it, cell.stations(), seed);
@@ -197,7 +204,7 @@ fn every_answer_of_the_printed_cell_stands_before_its_net() {
     for seed in 0..20 {
         let mut dice = Dice::new(seed);
         let it = compiled(&Variant { outside: [2, 2, 1], ..Variant::default() });
-        let mut inner = ByRules::new(&it.table, &rules(&mut dice), Duration::ZERO);
+        let mut inner = RuleDispatcher::new(&it.table, &rules(&mut dice), Duration::ZERO);
         inner.fairness = fairness(&mut dice);
         let mut judge = Judge::new(&it, inner, seed);
         let mut world = World::new(it, 3, seed);

@@ -14,8 +14,8 @@
 
 use std::time::Duration;
 
-use linewright_coordinator_cell::dispatch::{ByRules, Job, Rule, Waiting, Window};
-use linewright_coordinator_cell::{Activity, PartId, Record};
+use linewright_coordinator_cell::dispatch::{DispatchRule, EntryCandidate, PartPriority, RuleDispatcher, Window};
+use linewright_coordinator_cell::{PartId, PlayedActivity, Record};
 use linewright_line::Tick;
 
 use super::solo::{ByName, compiled, lines, play, seconds, starts};
@@ -44,18 +44,18 @@ pub fn machine() -> Compiled {
     })
 }
 
-pub fn job(cell: &str) -> Job {
+pub fn job(cell: &str) -> PartPriority {
     let of = PARTS.iter().find(|(x, ..)| cell.ends_with(*x)).unwrap();
-    Job { due: Some(Tick::from_millis(of.4 * 1000)), priority: of.5 }
+    PartPriority { due: Some(Tick::from_millis(of.4 * 1000)), priority: of.5 }
 }
 
-pub fn run(it: &Compiled, rules: &[Rule], change: impl Fn(&mut ByRules)) -> Vec<Record> {
-    let mut inner = ByRules::new(&it.table, rules, Duration::from_secs(1000));
+pub fn run(it: &Compiled, rules: &[DispatchRule], change: impl Fn(&mut RuleDispatcher)) -> Vec<Record> {
+    let mut inner = RuleDispatcher::new(&it.table, rules, Duration::from_secs(1000));
     change(&mut inner);
     play(it, &mut ByName { inner, job }, Tick::from_millis(200_000), |_, _| true).0
 }
 
-fn order(rules: &[Rule]) -> String {
+fn order(rules: &[DispatchRule]) -> String {
     let it = machine();
     let records = run(&it, rules, |_| ());
     let order: String = starts(&it, &records, "work").iter().map(|(_, name)| &name[5..]).collect();
@@ -66,44 +66,47 @@ fn order(rules: &[Rule]) -> String {
 /// By arrival: 1, 2, 3, 4. So does whoever has no rule.
 #[test]
 fn first_come_first_served() {
-    assert_eq!(order(&[Rule::Fifo]), "abcd");
+    assert_eq!(order(&[DispatchRule::Fifo]), "abcd");
     assert_eq!(order(&[]), "abcd");
 }
 
 /// By p: 2, 4, 5, 7.
 #[test]
 fn shortest_processing_time() {
-    assert_eq!(order(&[Rule::ShortestProcessingTime]), "badc");
+    assert_eq!(order(&[DispatchRule::ShortestProcessingTime]), "badc");
 }
 
 /// By due date: 21, 30, 50, 74.
 #[test]
 fn earliest_due_date() {
-    assert_eq!(order(&[Rule::EarliestDueDate]), "cbad");
+    assert_eq!(order(&[DispatchRule::EarliestDueDate]), "cbad");
 }
 
 /// By due − work, which stay in the same order whenever one looks: 12, 13, 40, 50.
 #[test]
 fn least_slack() {
-    assert_eq!(order(&[Rule::LeastSlack]), "bcad");
+    assert_eq!(order(&[DispatchRule::LeastSlack]), "bcad");
 }
 
 /// At 10 s: a 40/10, b 20/18, c 11/8, d 64/24, so b, until 12 s. Then c 9/8 is first, a 38/10, d 62/24; until 19 s. Then
 /// d 55/24 = 2.3 before a 31/10 = 3.1: another order than by slack.
 #[test]
 fn critical_ratio() {
-    assert_eq!(order(&[Rule::CriticalRatio]), "bcda");
+    assert_eq!(order(&[DispatchRule::CriticalRatio]), "bcda");
 }
 
 /// d has 9, b and c have 5, a has 0; the next rule decides between b and c.
 #[test]
 fn priority_and_what_breaks_its_ties() {
-    assert_eq!(order(&[Rule::Priority]), "dbca");
-    assert_eq!(order(&[Rule::Priority, Rule::Fifo]), "dbca");
-    assert_eq!(order(&[Rule::Priority, Rule::EarliestDueDate]), "dcba");
-    assert_eq!(order(&[Rule::Priority, Rule::ShortestProcessingTime, Rule::EarliestDueDate]), "dbca");
+    assert_eq!(order(&[DispatchRule::Priority]), "dbca");
+    assert_eq!(order(&[DispatchRule::Priority, DispatchRule::Fifo]), "dbca");
+    assert_eq!(order(&[DispatchRule::Priority, DispatchRule::EarliestDueDate]), "dcba");
+    assert_eq!(
+        order(&[DispatchRule::Priority, DispatchRule::ShortestProcessingTime, DispatchRule::EarliestDueDate]),
+        "dbca"
+    );
     // At 15 s, when d is over: c 6/8 before b 15/18.
-    assert_eq!(order(&[Rule::Priority, Rule::CriticalRatio]), "dcba");
+    assert_eq!(order(&[DispatchRule::Priority, DispatchRule::CriticalRatio]), "dcba");
 }
 
 /// At 10 s, b due at 7 s is at −3/18 = −0.17; a is at −5/10, −2/10 or −1/10 when it is due at 5, 8 or 9 s. Both are late, c
@@ -118,9 +121,9 @@ fn the_ratio_of_what_is_late_is_below_zero() {
                 'b' => 7,
                 _ => 90,
             };
-            Job { due: Some(Tick::from_millis(due * 1000)), priority: 0 }
+            PartPriority { due: Some(Tick::from_millis(due * 1000)), priority: 0 }
         };
-        let inner = ByRules::new(&it.table, &[Rule::CriticalRatio], Duration::from_secs(1000));
+        let inner = RuleDispatcher::new(&it.table, &[DispatchRule::CriticalRatio], Duration::from_secs(1000));
         let (records, _) = play(&it, &mut ByName { inner, job }, Tick::from_millis(200_000), |_, _| true);
         assert_eq!(starts(&it, &records, "work")[0], (10_000, expected), "{due_a}");
     }
@@ -130,9 +133,9 @@ fn the_ratio_of_what_is_late_is_below_zero() {
 #[test]
 fn what_is_never_due_comes_last() {
     let it = machine();
-    for rule in [Rule::EarliestDueDate, Rule::LeastSlack, Rule::CriticalRatio] {
-        let inner = ByRules::new(&it.table, &[rule], Duration::from_secs(1000));
-        let job = |cell: &str| if cell.ends_with('a') { Job::default() } else { job(cell) };
+    for rule in [DispatchRule::EarliestDueDate, DispatchRule::LeastSlack, DispatchRule::CriticalRatio] {
+        let inner = RuleDispatcher::new(&it.table, &[rule], Duration::from_secs(1000));
+        let job = |cell: &str| if cell.ends_with('a') { PartPriority::default() } else { job(cell) };
         let (records, _) = play(&it, &mut ByName { inner, job }, Tick::from_millis(200_000), |_, _| true);
         assert_eq!(starts(&it, &records, "work")[3].1, "work_a", "{rule}");
     }
@@ -143,7 +146,7 @@ fn what_is_never_due_comes_last() {
 #[test]
 fn the_timetable_orders_and_holds() {
     let it = machine();
-    let records = run(&it, &[Rule::Schedule], |rules| {
+    let records = run(&it, &[DispatchRule::Schedule], |rules| {
         rules.timetable.tolerance = Duration::from_secs(1);
         for (part, mode, from, until) in [(1, "work_a", 30, 40), (2, "work_b", 12, 14), (3, "work_c", 4, 5)] {
             let [from, until] = [from, until].map(|at| Tick::from_millis(at * 1000));
@@ -158,7 +161,7 @@ fn the_timetable_orders_and_holds() {
 #[test]
 fn the_timetable_counts_only_where_it_is_a_rule() {
     let it = machine();
-    let records = run(&it, &[Rule::Fifo], |rules| {
+    let records = run(&it, &[DispatchRule::Fifo], |rules| {
         let never = Window { from: Tick::NEVER, until: Tick::NEVER };
         rules.timetable.windows.insert((Some(PartId(1)), it.mode("work_a")), never);
     });
@@ -182,7 +185,7 @@ fn assembly(parts: [u32; 3]) -> Compiled {
     ]);
     let [one, two, three] = parts;
     let marked = [("input.1", one), ("input.2", two), ("input.3", three), ("robot_1", 1), ("robot_2", 1), ("human", 1)];
-    let time = |name: &str| -> Activity {
+    let time = |name: &str| -> PlayedActivity {
         crate::player::plans::alone(match name {
             "load_1" | "unload_1" => 3000,
             "work_1" => 7500,
@@ -197,7 +200,7 @@ fn assembly(parts: [u32; 3]) -> Compiled {
 #[test]
 fn processing_time_is_what_a_decision_leads_to() {
     let it = assembly([1, 1, 1]);
-    let inner = ByRules::new(&it.table, &[Rule::ShortestProcessingTime], Duration::from_secs(1000));
+    let inner = RuleDispatcher::new(&it.table, &[DispatchRule::ShortestProcessingTime], Duration::from_secs(1000));
     let millis = |span: Duration| span.as_millis();
     let runs = ["load_1", "load_2", "load_3", "work_1", "unload_3"].map(|name| millis(inner.ways().run(it.mode(name))));
     assert_eq!(runs, [10_500, 7000, 6000, 7500, 2000]);
@@ -226,11 +229,14 @@ fn no_rule_is_faster_than_the_optimum_and_none_idles() {
     for (parts, best) in [([1, 1, 1], 17_500), ([2, 2, 1], 31_000), ([2, 2, 2], 35_000), ([3, 3, 3], 52_500)] {
         let it = assembly(parts);
         let all: u64 = parts.iter().zip([13_500, 9000, 8000]).map(|(&count, work)| u64::from(count) * work).sum();
-        for rules in Rule::ALL.map(|(_, rule)| vec![rule]).into_iter().chain([vec![]]) {
-            let mut by_rules = ByRules::new(&it.table, &rules, Duration::from_secs(1000));
+        for rules in DispatchRule::ALL.map(|(_, rule)| vec![rule]).into_iter().chain([vec![]]) {
+            let mut by_rules = RuleDispatcher::new(&it.table, &rules, Duration::from_secs(1000));
             for part in 1..=parts.iter().sum::<u32>() {
                 let due = Some(Tick::from_millis(u64::from(part * 7919 % 50_000)));
-                by_rules.jobs.parts.insert(PartId(part.into()), Job { due, priority: (part * 7919 % 5) as i32 });
+                by_rules
+                    .jobs
+                    .parts
+                    .insert(PartId(part.into()), PartPriority { due, priority: (part * 7919 % 5) as i32 });
             }
             let (_, player) = play(&it, &mut by_rules, Tick::from_millis(1_000_000), |_, _| true);
             let done = ["output.1", "output.2", "output.3"].map(|name| player.state().marking().count(it.cell(name)));
@@ -251,9 +257,9 @@ fn parts_inside_go_before_parts_outside() {
     ]);
     let marked = ["stored.in", "slot", "hand", "supply_1", "supply_2"].map(|name| (name, 1));
     let it = compiled(&net, &marked, |_| seconds(1));
-    let mut rules = ByRules::new(&it.table, &[Rule::Priority], Duration::from_secs(1000));
+    let mut rules = RuleDispatcher::new(&it.table, &[DispatchRule::Priority], Duration::from_secs(1000));
     for (mode, priority) in [("enter_1", 5), ("enter_2", 7)] {
-        let waiting = Waiting { job: Job { due: None, priority }, since: Tick::ZERO };
+        let waiting = EntryCandidate { job: PartPriority { due: None, priority }, since: Tick::ZERO };
         rules.jobs.outside.insert(it.mode(mode), waiting);
     }
     let (records, _) = play(&it, &mut rules, Tick::from_millis(60_000), |_, _| true);

@@ -1,8 +1,9 @@
 //! A cell without stations, where everything ends by the clock; and a dispatcher that knows parts by where they are.
 
-use linewright_coordinator_cell::dispatch::{ByRules, Job};
+use linewright_coordinator_cell::dispatch::{PartPriority, RuleDispatcher};
 use linewright_coordinator_cell::{
-    Activity, Answer, Coordination, Dispatcher, Fact, Input, Outbox, Place, Question, Record, State,
+    Coordination, DispatchDecision, Dispatcher, PartPlace, PlayedActivity, PlayerInput, PlayerOutbox, PlayerState,
+    Question, Record, RecordKind,
 };
 use linewright_line::Tick;
 use linewright_nets::NetBuilder;
@@ -12,7 +13,7 @@ use crate::player::plans::{Compiled, PARTS, TOKENS, alone};
 
 /// A net in lines: `name: taken taken -> given given`, each a name of a place, once for each token. Places whose name has a
 /// dot hold parts. Names in `marked` have tokens at the beginning. `millis` says how long a transition takes.
-pub fn compiled(lines: &[String], marked: &[(&str, u32)], millis: impl Fn(&str) -> Activity) -> Compiled {
+pub fn compiled(lines: &[String], marked: &[(&str, u32)], millis: impl Fn(&str) -> PlayedActivity) -> Compiled {
     let mut b = NetBuilder::new("solo");
     let mut places: Vec<(String, _)> = Vec::new();
     for line in lines {
@@ -43,7 +44,7 @@ pub fn lines<'a>(of: impl IntoIterator<Item = &'a str>) -> Vec<String> {
     of.into_iter().map(str::to_owned).collect()
 }
 
-pub fn seconds(millis: u64) -> Activity {
+pub fn seconds(millis: u64) -> PlayedActivity {
     alone(millis * 1000)
 }
 
@@ -52,11 +53,11 @@ pub fn play(
     it: &Compiled,
     dispatcher: &mut dyn Dispatcher,
     until: Tick,
-    mut seen: impl FnMut(Tick, &State) -> bool,
+    mut seen: impl FnMut(Tick, &PlayerState) -> bool,
 ) -> (Vec<Record>, Coordination) {
-    let mut out = Outbox::default();
-    let mut player = Coordination::begin(State::new(it.table.clone()), Tick::ZERO, 1, &mut out).unwrap();
-    player.step(Tick::ZERO, &[Input::Starts(true)], dispatcher, &mut out);
+    let mut out = PlayerOutbox::default();
+    let mut player = Coordination::begin(PlayerState::new(it.table.clone()), Tick::ZERO, 1, &mut out).unwrap();
+    player.step(Tick::ZERO, &[PlayerInput::Starts(true)], dispatcher, &mut out);
     while let Some(at) = player.next_deadline().filter(|&at| at <= until) {
         if !seen(at, player.state()) {
             break;
@@ -70,7 +71,7 @@ pub fn play(
 /// What was started when, in milliseconds, of the modes whose names begin so.
 pub fn starts<'a>(it: &'a Compiled, records: &[Record], of: &str) -> Vec<(u64, &'a str)> {
     let started = records.iter().filter_map(|record| match record.fact {
-        Fact::Started { mode, .. } => Some((record.at.as_micros() / 1000, it.table.mode_name(mode))),
+        RecordKind::Started { mode, .. } => Some((record.at.as_micros() / 1000, it.table.mode_name(mode))),
         _ => None,
     });
     started.filter(|(_, name)| name.starts_with(of)).collect()
@@ -78,14 +79,14 @@ pub fn starts<'a>(it: &'a Compiled, records: &[Record], of: &str) -> Vec<(u64, &
 
 /// Knows of each part what the name of the cell says on which it is.
 pub struct ByName<F> {
-    pub inner: ByRules,
+    pub inner: RuleDispatcher,
     pub job: F,
 }
 
-impl<F: Fn(&str) -> Job> Dispatcher for ByName<F> {
-    fn decide(&mut self, question: &Question<'_>) -> Answer {
+impl<F: Fn(&str) -> PartPriority> Dispatcher for ByName<F> {
+    fn decide(&mut self, question: &Question<'_>) -> DispatchDecision {
         for part in question.state.parts() {
-            if let Place::On { cell, .. } = part.place {
+            if let PartPlace::On { cell, .. } = part.place {
                 let job = (self.job)(question.state.table().cell_name(cell));
                 self.inner.jobs.parts.insert(part.id, job);
             }

@@ -3,8 +3,8 @@
 use std::time::Duration;
 
 use linewright_coordinator_cell::dispatch::words::{self, Reasons};
-use linewright_coordinator_cell::dispatch::{ByRules, Rule, Ways, why_not};
-use linewright_coordinator_cell::{Fact, PartId, Record, State};
+use linewright_coordinator_cell::dispatch::{DispatchRule, RuleDispatcher, ShortestRoutes, why_not};
+use linewright_coordinator_cell::{PartId, PlayerState, Record, RecordKind};
 use linewright_line::Tick;
 
 use super::rules::{job, machine, run};
@@ -15,7 +15,7 @@ use crate::player::plans::Compiled;
 fn said(it: &Compiled, records: &[Record], at: u64) -> Vec<String> {
     let at = records.iter().filter(|record| record.at == Tick::from_millis(at));
     let decided = at.filter_map(|record| match &record.fact {
-        Fact::Decided { started, held, .. } => Some(words::decision(&it.table, started, held)),
+        RecordKind::Decided { started, held, .. } => Some(words::decision(&it.table, started, held)),
         _ => None,
     });
     decided.flatten().collect()
@@ -26,7 +26,7 @@ fn said(it: &Compiled, records: &[Record], at: u64) -> Vec<String> {
 fn a_decision_says_by_which_rule_and_with_which_numbers() {
     let it = machine();
     assert_eq!(
-        said(&it, &run(&it, &[Rule::EarliestDueDate], |_| ()), 10_000),
+        said(&it, &run(&it, &[DispatchRule::EarliestDueDate], |_| ()), 10_000),
         [
             "`work_c` with part 3 starts, before `work_a` with part 1: by earliest-due-date (due in 11 s; the other due in \
              40 s); before `work_b` with part 2: by earliest-due-date (due in 11 s; the other due in 20 s); before `work_d` \
@@ -39,28 +39,28 @@ fn a_decision_says_by_which_rule_and_with_which_numbers() {
              due in 64 s).",
         ]
     );
-    let last = |rules: &[Rule]| said(&it, &run(&it, rules, |_| ()), 10_000).pop().unwrap();
+    let last = |rules: &[DispatchRule]| said(&it, &run(&it, rules, |_| ()), 10_000).pop().unwrap();
     assert_eq!(
-        last(&[Rule::Fifo]),
+        last(&[DispatchRule::Fifo]),
         "`work_d` with part 4 is held: `work_a` with part 1 goes first: by fifo (has waited 9 s; the other has waited 6 s)."
     );
     // By this rule a and c enter before b, so that is part 3.
     assert_eq!(
-        last(&[Rule::ShortestProcessingTime]),
+        last(&[DispatchRule::ShortestProcessingTime]),
         "`work_d` with part 4 is held: `work_b` with part 3 goes first: by shortest-processing-time (takes 2 s; the other \
          takes 5 s)."
     );
     assert_eq!(
-        last(&[Rule::LeastSlack]),
+        last(&[DispatchRule::LeastSlack]),
         "`work_d` with part 4 is held: `work_b` with part 2 goes first: by least-slack (slack 2 s; the other slack 40 s)."
     );
     assert_eq!(
-        last(&[Rule::CriticalRatio]),
+        last(&[DispatchRule::CriticalRatio]),
         "`work_d` with part 4 is held: `work_b` with part 2 goes first: by critical-ratio (ratio 1.11; the other ratio \
          2.67)."
     );
     assert_eq!(
-        last(&[Rule::Priority]),
+        last(&[DispatchRule::Priority]),
         "`work_c` with part 3 is held: `work_d` with part 4 goes first: by priority (priority 9; the other priority 5)."
     );
     assert_eq!(
@@ -70,13 +70,13 @@ fn a_decision_says_by_which_rule_and_with_which_numbers() {
 }
 
 /// What is answered about a part at a time, in the table of [`super::rules`] by due dates.
-fn asked(it: &Compiled, dispatcher: ByRules, at: u64, part: u64) -> Vec<String> {
+fn asked(it: &Compiled, dispatcher: RuleDispatcher, at: u64, part: u64) -> Vec<String> {
     let until = Tick::from_millis(at);
     let (records, player) = play(it, &mut ByName { inner: dispatcher.clone(), job }, until, |_, _| true);
     answered(dispatcher.ways(), &records, player.state(), until, part)
 }
 
-fn answered(ways: &Ways, records: &[Record], state: &State, now: Tick, part: u64) -> Vec<String> {
+fn answered(ways: &ShortestRoutes, records: &[Record], state: &PlayerState, now: Tick, part: u64) -> Vec<String> {
     let mut reasons = Reasons::default();
     records.iter().for_each(|record| reasons.note(record));
     why_not(ways, &reasons, state, now, PartId(part))
@@ -85,7 +85,7 @@ fn answered(ways: &Ways, records: &[Record], state: &State, now: Tick, part: u64
 #[test]
 fn whoever_asks_about_a_part_is_told_what_it_waits_for() {
     let it = machine();
-    let rules = ByRules::new(&it.table, &[Rule::EarliestDueDate], Duration::from_secs(1000));
+    let rules = RuleDispatcher::new(&it.table, &[DispatchRule::EarliestDueDate], Duration::from_secs(1000));
     let asked = |at, part| asked(&it, rules.clone(), at, part);
     assert_eq!(asked(500, 9), ["part 9 is not in the cell."]);
     assert_eq!(asked(500, 4), ["part 4 is under way: `enter_d` with part 4, 3.5 s left."]);
@@ -116,7 +116,7 @@ fn what_rests_somewhere_is_named_with_whom_it_waits_for() {
     ]);
     let marked = ["stored.a", "on.b", "closed", "supply", "slot"].map(|name| (name, 1));
     let it = compiled(&net, &marked, |_| seconds(10));
-    let mut rules = ByRules::new(&it.table, &[], Duration::from_secs(1000));
+    let mut rules = RuleDispatcher::new(&it.table, &[], Duration::from_secs(1000));
     let (records, player) = play(&it, &mut rules, Tick::from_millis(20_000), |_, _| true);
     let [one, two] = ["stored.a", "on.b"].map(|name| {
         let part = player.state().marking().parts(it.cell(name)).next().unwrap();

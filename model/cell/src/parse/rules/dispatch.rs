@@ -2,19 +2,19 @@
 
 use linewright_text::{Problem, Report, suggestion};
 
-use crate::Rule;
-use crate::parse::draft::Draft;
+use crate::DispatchRule;
+use crate::parse::draft::DraftCell;
 
-pub(super) fn rules_exist_once(draft: &Draft<'_>, report: &mut Report) {
+pub(super) fn rules_exist_once(draft: &DraftCell<'_>, report: &mut Report) {
     let Some(rules) = &draft.raw.dispatch.rules else { return };
     if rules.value.is_empty() {
         report.add(Problem::error(rules.at.clone(), "no rule decides").hint("leave `rules` out for `fifo`"));
     }
     for (at, rule) in rules.value.iter().enumerate() {
-        if !Rule::ALL.iter().any(|(known, _)| *known == rule.value) {
+        if !DispatchRule::ALL.iter().any(|(known, _)| *known == rule.value) {
             report.add(
                 Problem::error(rule.at.clone(), format!("unknown rule `{}`", rule.value))
-                    .maybe_hint(suggestion(&rule.value, Rule::ALL.map(|(name, _)| name))),
+                    .maybe_hint(suggestion(&rule.value, DispatchRule::ALL.map(|(name, _)| name))),
             );
         } else if let Some(earlier) = rules.value[..at].iter().find(|earlier| earlier.value == rule.value) {
             report.add(
@@ -26,8 +26,8 @@ pub(super) fn rules_exist_once(draft: &Draft<'_>, report: &mut Report) {
     }
 }
 
-pub(super) fn schedule_is_not_alone(draft: &Draft<'_>, report: &mut Report) {
-    if let Some(last) = draft.raw.dispatch.known_rules().last().filter(|last| last.value == Rule::Schedule) {
+pub(super) fn schedule_is_not_alone(draft: &DraftCell<'_>, report: &mut Report) {
+    if let Some(last) = draft.raw.dispatch.known_rules().last().filter(|last| last.value == DispatchRule::Schedule) {
         report.add(
             Problem::error(last.at, "`schedule` is the last rule")
                 .label("who decides what is not planned?")
@@ -36,7 +36,7 @@ pub(super) fn schedule_is_not_alone(draft: &Draft<'_>, report: &mut Report) {
     }
 }
 
-pub(super) fn patience_outlasts_activities(draft: &Draft<'_>, report: &mut Report) {
+pub(super) fn patience_outlasts_activities(draft: &DraftCell<'_>, report: &mut Report) {
     let Some(patience) = &draft.raw.dispatch.patience else { return };
     let moves = draft.activities.iter().filter_map(|activity| activity.time);
     let on = draft.parts.iter().flat_map(|part| &part.raw.steps).flat_map(|step| &step.on);

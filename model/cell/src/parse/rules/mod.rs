@@ -17,11 +17,11 @@ pub(super) use ways::{Offsets, offsets, transport};
 
 use linewright_text::Report;
 
-use super::draft::Draft;
+use super::draft::DraftCell;
 use crate::routes::Routes;
 
 /// Applies every rule; gives what can be reached, if that could be worked out.
-pub(super) fn check(draft: &Draft<'_>, report: &mut Report) -> Option<Routes> {
+pub(super) fn check(draft: &DraftCell<'_>, report: &mut Report) -> Option<Routes> {
     whole::the_line_is_the_same(draft, report);
     whole::cell_has_resources(draft, report);
     whole::cell_has_parts(draft, report);

@@ -4,10 +4,10 @@ use std::collections::HashMap;
 
 use linewright_text::{Problem, Report, suggestion};
 
-use crate::parse::draft::{Draft, DraftActivity};
+use crate::parse::draft::{DraftActivity, DraftCell};
 use crate::{ActivityKind, ParameterSource, Prototype};
 
-pub(super) fn stations_exist(draft: &Draft<'_>, report: &mut Report) {
+pub(super) fn stations_exist(draft: &DraftCell<'_>, report: &mut Report) {
     let orders = draft.activities.iter().flat_map(|activity| &activity.orders);
     for station in orders.filter_map(|order| order.raw.station.as_ref()) {
         if let Some(line) = draft.line {
@@ -45,7 +45,11 @@ pub(super) fn each_station_gets_one(activity: &DraftActivity<'_>, report: &mut R
 }
 
 /// An order without a limit could be waited for until the end of days.
-pub(super) fn limits_are_known_and_exceed_times(draft: &Draft<'_>, activity: &DraftActivity<'_>, report: &mut Report) {
+pub(super) fn limits_are_known_and_exceed_times(
+    draft: &DraftCell<'_>,
+    activity: &DraftActivity<'_>,
+    report: &mut Report,
+) {
     let times: Vec<_> = match activity.kind {
         ActivityKind::Process => times_of_work(draft, activity).collect(),
         ActivityKind::Transport | ActivityKind::Enter | ActivityKind::Leave => activity.time.into_iter().collect(),
@@ -68,7 +72,7 @@ pub(super) fn limits_are_known_and_exceed_times(draft: &Draft<'_>, activity: &Dr
 
 /// The times of the steps that a process is for.
 fn times_of_work<'d>(
-    draft: &'d Draft<'_>,
+    draft: &'d DraftCell<'_>,
     activity: &'d DraftActivity<'_>,
 ) -> impl Iterator<Item = std::time::Duration> + 'd {
     let of = activity.uses.first().and_then(|part| part.value.of);
@@ -77,7 +81,7 @@ fn times_of_work<'d>(
     pairs.filter(move |(on, _)| **on == of && of.is_some()).filter_map(|(_, raw)| Some(raw.time.as_ref()?.value))
 }
 
-pub(super) fn parameters_are_there(draft: &Draft<'_>, activity: &DraftActivity<'_>, report: &mut Report) {
+pub(super) fn parameters_are_there(draft: &DraftCell<'_>, activity: &DraftActivity<'_>, report: &mut Report) {
     for order in &activity.orders {
         for (name, source) in &order.parameters {
             let at = || {
@@ -103,7 +107,12 @@ pub(super) fn parameters_are_there(draft: &Draft<'_>, activity: &DraftActivity<'
     }
 }
 
-fn program_is_given(draft: &Draft<'_>, activity: &DraftActivity<'_>, at: &linewright_text::Where, report: &mut Report) {
+fn program_is_given(
+    draft: &DraftCell<'_>,
+    activity: &DraftActivity<'_>,
+    at: &linewright_text::Where,
+    report: &mut Report,
+) {
     if activity.kind != ActivityKind::Process {
         report.add(
             Problem::error(at.clone(), format!("`{}` is no step of a plan", activity.name))

@@ -5,7 +5,7 @@ use std::collections::HashMap;
 use linewright_text::{Problem, Report, suggestion};
 
 use crate::Prototype;
-use crate::parse::draft::{Draft, DraftPart};
+use crate::parse::draft::{DraftCell, DraftPart};
 
 /// A guard has a clause for each stage; see `linewright_nets::coloured::MAX_CLAUSES`.
 pub(super) const STAGES_MAX: usize = 4096;
@@ -19,7 +19,7 @@ pub(super) fn part_has_steps(part: &DraftPart<'_>, report: &mut Report) {
     }
 }
 
-pub(super) fn steps_have_resources_that_work(draft: &Draft<'_>, part: &DraftPart<'_>, report: &mut Report) {
+pub(super) fn steps_have_resources_that_work(draft: &DraftCell<'_>, part: &DraftPart<'_>, report: &mut Report) {
     for step in &part.steps {
         if step.raw.on.is_empty() {
             report.add(
@@ -44,7 +44,7 @@ pub(super) fn steps_have_resources_that_work(draft: &Draft<'_>, part: &DraftPart
     }
 }
 
-pub(super) fn nothing_is_listed_twice(draft: &Draft<'_>, part: &DraftPart<'_>, report: &mut Report) {
+pub(super) fn nothing_is_listed_twice(draft: &DraftCell<'_>, part: &DraftPart<'_>, report: &mut Report) {
     let mut known = HashMap::new();
     for step in &part.steps {
         for (on, raw) in step.on.iter().zip(&step.raw.on) {
@@ -81,7 +81,7 @@ pub(super) fn steps_are_led_to(part: &DraftPart<'_>, report: &mut Report) {
     }
 }
 
-pub(super) fn stages_can_be_numbered(draft: &Draft<'_>, report: &mut Report) {
+pub(super) fn stages_can_be_numbered(draft: &DraftCell<'_>, report: &mut Report) {
     let mut stages = 0;
     for part in &draft.parts {
         stages += part.stages.len();

@@ -4,7 +4,7 @@ use std::collections::HashMap;
 
 use linewright_text::{Problem, Report, suggestion};
 
-use crate::parse::draft::{Draft, DraftResource};
+use crate::parse::draft::{DraftCell, DraftResource};
 
 pub(super) fn capacity_is_possible(resource: &DraftResource<'_>, report: &mut Report) {
     let Some(prototype) = resource.prototype else { return };
@@ -41,7 +41,7 @@ pub(super) fn presence_has_a_station(resource: &DraftResource<'_>, report: &mut 
     }
 }
 
-pub(super) fn presence_is_an_input(draft: &Draft<'_>, resource: &DraftResource<'_>, report: &mut Report) {
+pub(super) fn presence_is_an_input(draft: &DraftCell<'_>, resource: &DraftResource<'_>, report: &mut Report) {
     let (Some(line), Some(presence), Some(station)) = (draft.line, &resource.raw.presence, &resource.raw.station)
     else {
         return;
@@ -59,7 +59,7 @@ pub(super) fn presence_is_an_input(draft: &Draft<'_>, resource: &DraftResource<'
     }
 }
 
-pub(super) fn stations_belong_to_one(draft: &Draft<'_>, report: &mut Report) {
+pub(super) fn stations_belong_to_one(draft: &DraftCell<'_>, report: &mut Report) {
     let mut owners = HashMap::new();
     for resource in &draft.resources {
         let Some(station) = &resource.raw.station else { continue };
@@ -77,7 +77,7 @@ pub(super) fn stations_belong_to_one(draft: &Draft<'_>, report: &mut Report) {
     }
 }
 
-pub(super) fn stations_exist(draft: &Draft<'_>, report: &mut Report) {
+pub(super) fn stations_exist(draft: &DraftCell<'_>, report: &mut Report) {
     let Some(line) = draft.line else { return };
     for station in draft.resources.iter().filter_map(|resource| resource.raw.station.as_ref()) {
         if line.station_named(&station.value).is_none() {

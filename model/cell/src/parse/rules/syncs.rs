@@ -2,14 +2,14 @@
 
 use linewright_text::{At, Problem, Report};
 
-use crate::parse::draft::{Draft, DraftActivity};
+use crate::parse::draft::{DraftActivity, DraftCell};
 use crate::{ActivityKind, Role, Use};
 
-fn words(draft: &Draft<'_>, part: &At<Use>) -> String {
+fn words(draft: &DraftCell<'_>, part: &At<Use>) -> String {
     format!("`{}.{}`", draft.holder(part.value.of), part.value.action.name())
 }
 
-pub(super) fn one_part_is_moved(draft: &Draft<'_>, activity: &DraftActivity<'_>, report: &mut Report) {
+pub(super) fn one_part_is_moved(draft: &DraftCell<'_>, activity: &DraftActivity<'_>, report: &mut Report) {
     if activity.kind == ActivityKind::Process {
         return;
     }
@@ -44,7 +44,7 @@ pub(super) fn one_part_is_moved(draft: &Draft<'_>, activity: &DraftActivity<'_>,
     }
 }
 
-pub(super) fn source_and_target_differ(draft: &Draft<'_>, activity: &DraftActivity<'_>, report: &mut Report) {
+pub(super) fn source_and_target_differ(draft: &DraftCell<'_>, activity: &DraftActivity<'_>, report: &mut Report) {
     for target in activity.used(Role::Target) {
         if let Some(source) = activity.used(Role::Source).find(|source| source.value.of == target.value.of) {
             let name = draft.holder(target.value.of);
@@ -56,7 +56,7 @@ pub(super) fn source_and_target_differ(draft: &Draft<'_>, activity: &DraftActivi
     }
 }
 
-pub(super) fn one_carries(draft: &Draft<'_>, activity: &DraftActivity<'_>, report: &mut Report) {
+pub(super) fn one_carries(draft: &DraftCell<'_>, activity: &DraftActivity<'_>, report: &mut Report) {
     let carriers: Vec<_> = activity.used(Role::Carrier).collect();
     if let [first, second, ..] = carriers.as_slice() {
         report.add(

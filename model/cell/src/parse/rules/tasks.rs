@@ -5,10 +5,10 @@ use linewright_line::{Parameter, Task};
 use linewright_text::{Problem, Report, Where, suggestion};
 
 use crate::ParameterSource;
-use crate::parse::draft::{Draft, DraftActivity, DraftOrder};
+use crate::parse::draft::{DraftActivity, DraftCell, DraftOrder};
 
 /// Applies the rules to each order.
-pub(super) fn orders_fit_their_tasks(draft: &Draft<'_>, report: &mut Report) {
+pub(super) fn orders_fit_their_tasks(draft: &DraftCell<'_>, report: &mut Report) {
     for activity in &draft.activities {
         for order in &activity.orders {
             if let Some(task) = task_of(draft, order, report) {
@@ -22,7 +22,7 @@ pub(super) fn orders_fit_their_tasks(draft: &Draft<'_>, report: &mut Report) {
 }
 
 /// The task an order is for, or a problem that says which there are.
-fn task_of<'d>(draft: &Draft<'d>, order: &DraftOrder<'_>, report: &mut Report) -> Option<&'d Task> {
+fn task_of<'d>(draft: &DraftCell<'d>, order: &DraftOrder<'_>, report: &mut Report) -> Option<&'d Task> {
     let line = draft.line?;
     let (station, task) = (order.raw.station.as_ref()?, order.raw.task.as_ref()?);
     let of = line.station(line.station_named(&station.value)?);
@@ -67,7 +67,7 @@ fn parameters_are_the_tasks(order: &DraftOrder<'_>, task: &Task, report: &mut Re
 }
 
 fn numbers_fit(
-    draft: &Draft<'_>,
+    draft: &DraftCell<'_>,
     activity: &DraftActivity<'_>,
     order: &DraftOrder<'_>,
     task: &Task,
@@ -93,7 +93,7 @@ fn numbers_fit(
 }
 
 /// The programs of the steps that an activity is for.
-fn programs(draft: &Draft<'_>, activity: &DraftActivity<'_>) -> Vec<(i64, Where)> {
+fn programs(draft: &DraftCell<'_>, activity: &DraftActivity<'_>) -> Vec<(i64, Where)> {
     let of = activity.uses.first().and_then(|part| part.value.of);
     let steps = draft.parts.iter().flat_map(|part| &part.steps);
     let on = steps.flat_map(|step| step.on.iter().zip(&step.raw.on));
@@ -115,7 +115,7 @@ fn fits(parameter: &Parameter, number: i64, at: &Where, also: Option<&Where>, re
 }
 
 /// A station that works on order and never gets one is forgotten, or not needed.
-fn stations_have_something_to_do(draft: &Draft<'_>, report: &mut Report) {
+fn stations_have_something_to_do(draft: &DraftCell<'_>, report: &mut Report) {
     let Some(line) = draft.line else { return };
     let orders = || draft.activities.iter().flat_map(|activity| &activity.orders);
     let is_told = |name: &str| orders().any(|order| order.raw.station.as_ref().is_some_and(|s| s.value == name));
@@ -128,7 +128,7 @@ fn stations_have_something_to_do(draft: &Draft<'_>, report: &mut Report) {
 }
 
 /// Where the line says how many positions a store has, the cell has no more.
-fn stores_are_as_large(draft: &Draft<'_>, report: &mut Report) {
+fn stores_are_as_large(draft: &DraftCell<'_>, report: &mut Report) {
     let Some(line) = draft.line else { return };
     for store in draft.resources.iter().filter(|r| r.prototype.is_some_and(crate::Prototype::stores)) {
         let holder = line.handling.holder_named(store.name).map(|id| line.handling.holder(id));

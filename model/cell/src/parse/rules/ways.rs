@@ -5,8 +5,8 @@
 use linewright_text::{Problem, Report, Where};
 
 use super::plans::STAGES_MAX;
-use crate::parse::draft::{Draft, DraftPart, DraftStep};
-use crate::routes::{Routes, Spot, Ways};
+use crate::parse::draft::{DraftCell, DraftPart, DraftStep};
+use crate::routes::{PartSpot, RouteTable, Routes};
 use crate::{ActivityKind, Prototype, ResourceId, Role, StageId};
 
 /// Where the stages of each part type begin.
@@ -20,7 +20,7 @@ impl Offsets {
 }
 
 /// Where the stages of each part type begin.
-pub fn offsets(draft: &Draft<'_>) -> Offsets {
+pub fn offsets(draft: &DraftCell<'_>) -> Offsets {
     let mut next = 0;
     let begin = |part: &DraftPart<'_>| {
         next += part.stages.len();
@@ -30,9 +30,9 @@ pub fn offsets(draft: &Draft<'_>) -> Offsets {
 }
 
 /// What can be reached; none unless moves and plans are sound.
-pub(super) fn routes(draft: &Draft<'_>) -> Option<Routes> {
+pub(super) fn routes(draft: &DraftCell<'_>) -> Option<Routes> {
     let stages: usize = draft.parts.iter().map(|part| part.stages.len()).sum();
-    let mut ways = Ways { stages, resources: draft.resources.len(), ..Ways::default() };
+    let mut ways = RouteTable { stages, resources: draft.resources.len(), ..RouteTable::default() };
     if stages > STAGES_MAX || draft.resources.iter().any(|resource| resource.prototype.is_none()) {
         return None;
     }
@@ -59,24 +59,29 @@ pub(super) fn routes(draft: &Draft<'_>) -> Option<Routes> {
 }
 
 /// From where to where a synchronisation moves parts, if it does so soundly.
-pub fn transport(activity: &crate::parse::draft::DraftActivity<'_>) -> Option<(Spot, Spot)> {
+pub fn transport(activity: &crate::parse::draft::DraftActivity<'_>) -> Option<(PartSpot, PartSpot)> {
     let one = |role| {
         let mut found = activity.used(role);
         let part = found.next().filter(|_| found.next().is_none())?.value;
-        Spot::of(part.of, part.action)
+        PartSpot::of(part.of, part.action)
     };
     activity.is_whole.then_some(())?;
     Some((one(Role::Source)?, one(Role::Target)?))
 }
 
 /// Parts of a type in the draft, with the type's number.
-type Part<'p, 'a> = (usize, &'p DraftPart<'a>);
+type TypedDraftPart<'p, 'a> = (usize, &'p DraftPart<'a>);
 
-pub(super) fn plans_can_be_done(draft: &Draft<'_>, part: Part<'_, '_>, routes: &Routes, report: &mut Report) {
+pub(super) fn plans_can_be_done(
+    draft: &DraftCell<'_>,
+    part: TypedDraftPart<'_, '_>,
+    routes: &Routes,
+    report: &mut Report,
+) {
     let (at, of) = part;
     let offsets = offsets(draft);
     let comes =
-        |id: ResourceId, step: &DraftStep<'_>| routes.is_reached(Spot::work(id)[0], offsets.stage(at, step.from));
+        |id: ResourceId, step: &DraftStep<'_>| routes.is_reached(PartSpot::work(id)[0], offsets.stage(at, step.from));
     let led_to = |step: &&DraftStep<'_>| step.from == 0 || of.steps.iter().any(|before| before.to == step.from);
     let known = of.steps.iter().filter(led_to);
     // What comes after a step that cannot be done cannot be done either; the first is the one to mend.
@@ -85,7 +90,7 @@ pub(super) fn plans_can_be_done(draft: &Draft<'_>, part: Part<'_, '_>, routes: &
         return;
     }
     let done = offsets.stage(at, of.stages.len() - 1);
-    if !routes.is_reached(Spot::AFTER, done) {
+    if !routes.is_reached(PartSpot::AFTER, done) {
         let hint = "a synchronisation must take it from there, and at last one to `outside.out`";
         let message = format!("a finished part `{}` never leaves the cell", of.name);
         report.add(Problem::error(of.place(), message).label(stands(draft, done, routes)).hint(hint));
@@ -103,7 +108,7 @@ pub(super) fn plans_can_be_done(draft: &Draft<'_>, part: Part<'_, '_>, routes: &
                     )
                     .hint(format!("a synchronisation with \"{name}.load\" must bring it")),
                 );
-            } else if !routes.finishes(Spot::work(id)[1], offsets.stage(at, step.to)) {
+            } else if !routes.finishes(PartSpot::work(id)[1], offsets.stage(at, step.to)) {
                 report.add(
                     Problem::error(
                         at_resource,
@@ -117,7 +122,12 @@ pub(super) fn plans_can_be_done(draft: &Draft<'_>, part: Part<'_, '_>, routes: &
     }
 }
 
-fn never_comes(draft: &Draft<'_>, (at, of): Part<'_, '_>, step: &DraftStep<'_>, routes: &Routes) -> Problem {
+fn never_comes(
+    draft: &DraftCell<'_>,
+    (at, of): TypedDraftPart<'_, '_>,
+    step: &DraftStep<'_>,
+    routes: &Routes,
+) -> Problem {
     let names: Vec<String> = step.on.iter().flatten().map(|&id| format!("`{}`", draft.resource(id).name)).collect();
     let loads = names.iter().map(|name| format!("\"{}.load\"", name.trim_matches('`'))).collect::<Vec<_>>();
     let message = match names.as_slice() {
@@ -130,11 +140,11 @@ fn never_comes(draft: &Draft<'_>, (at, of): Part<'_, '_>, step: &DraftStep<'_>, 
 }
 
 /// Where parts of a stage can be, in words.
-fn stands(draft: &Draft<'_>, stage: StageId, routes: &Routes) -> String {
+fn stands(draft: &DraftCell<'_>, stage: StageId, routes: &Routes) -> String {
     let ids = (0..draft.resources.len()).map(ResourceId::at);
-    let at = ids.filter(|&id| Spot::work(id).iter().any(|&spot| routes.is_reached(spot, stage)));
+    let at = ids.filter(|&id| PartSpot::work(id).iter().any(|&spot| routes.is_reached(spot, stage)));
     let mut names: Vec<&str> = at.map(|id| draft.resource(id).name).take(6).collect();
-    if routes.is_reached(Spot::BEFORE, stage) {
+    if routes.is_reached(PartSpot::BEFORE, stage) {
         names.insert(0, crate::parse::names::OUTSIDE);
     }
     if names.is_empty() {
@@ -144,7 +154,7 @@ fn stands(draft: &Draft<'_>, stage: StageId, routes: &Routes) -> String {
     }
 }
 
-pub(super) fn resources_are_used(draft: &Draft<'_>, routes: &Routes, report: &mut Report) {
+pub(super) fn resources_are_used(draft: &DraftCell<'_>, routes: &Routes, report: &mut Report) {
     let offsets = offsets(draft);
     let mut used = vec![false; draft.resources.len()];
     for activity in &draft.activities {

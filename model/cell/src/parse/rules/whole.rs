@@ -2,10 +2,10 @@
 
 use linewright_text::{Problem, Report};
 
-use crate::parse::draft::Draft;
+use crate::parse::draft::DraftCell;
 use crate::{ActivityKind, Prototype};
 
-pub(super) fn the_line_is_the_same(draft: &Draft<'_>, report: &mut Report) {
+pub(super) fn the_line_is_the_same(draft: &DraftCell<'_>, report: &mut Report) {
     let (Some(line), Some(name)) = (draft.line, &draft.raw.name) else { return };
     if line.name != name.value {
         report.add(
@@ -15,19 +15,19 @@ pub(super) fn the_line_is_the_same(draft: &Draft<'_>, report: &mut Report) {
     }
 }
 
-pub(super) fn cell_has_resources(draft: &Draft<'_>, report: &mut Report) {
+pub(super) fn cell_has_resources(draft: &DraftCell<'_>, report: &mut Report) {
     if draft.resources.is_empty() {
         report.add(Problem::error(0..0, "a cell needs at least one resource").hint("begin one with `[[resource]]`"));
     }
 }
 
-pub(super) fn cell_has_parts(draft: &Draft<'_>, report: &mut Report) {
+pub(super) fn cell_has_parts(draft: &DraftCell<'_>, report: &mut Report) {
     if draft.parts.is_empty() {
         report.add(Problem::error(0..0, "a cell needs at least one part type").hint("begin one with `[[part]]`"));
     }
 }
 
-pub(super) fn parts_come_and_go(draft: &Draft<'_>, report: &mut Report) {
+pub(super) fn parts_come_and_go(draft: &DraftCell<'_>, report: &mut Report) {
     let missing = |kind| !draft.activities.iter().any(|activity| activity.kind == kind || !activity.is_whole);
     for (kind, what, action) in
         [(ActivityKind::Enter, "comes into", "outside.in"), (ActivityKind::Leave, "leaves", "outside.out")]
@@ -42,7 +42,7 @@ pub(super) fn parts_come_and_go(draft: &Draft<'_>, report: &mut Report) {
 }
 
 /// More parts than the stores hold can leave no room to unload into, even if every grasp is reserved.
-pub(super) fn stores_hold_what_is_let_in(draft: &Draft<'_>, report: &mut Report) {
+pub(super) fn stores_hold_what_is_let_in(draft: &DraftCell<'_>, report: &mut Report) {
     let Some(wip_max) = &draft.raw.wip_max else { return };
     let mut stores = draft.resources.iter().filter(|resource| resource.prototype.is_some_and(Prototype::stores));
     let Some(first) = stores.next() else { return };

@@ -11,24 +11,24 @@ mod theorems;
 
 use thiserror::Error;
 
-use super::evidence::{Certificate, Dead, Evidence, NoReturn, Property, Pump, Sums};
-use crate::{Named, Net, Node, PlaceId};
-use replay::Tokens;
+use super::evidence::{Certificate, Dead, Evidence, NetProperty, NoReturn, Sums, UnboundedCycle};
+use crate::{NamedId, Net, NetNode, PlaceId};
+use replay::ReplayTokens;
 
 /// Why a certificate proves nothing.
 #[derive(Clone, Debug, PartialEq, Eq, Error)]
 #[error("the certificate is not accepted: {rule}{}", at.as_ref().map(|at| format!(", but not for {at}")).unwrap_or_default())]
 pub struct Rejected {
     /// What should be so and is not.
-    pub rule: Rule,
+    pub rule: CertificateRule,
     /// Where it is not, if that can be said.
-    pub at: Option<Named<Node>>,
+    pub at: Option<NamedId<NetNode>>,
 }
 
 /// What a certificate has to satisfy.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Error)]
 #[allow(missing_docs)] // The messages are the documentation.
-pub enum Rule {
+pub enum CertificateRule {
     #[error("evidence of this kind has to be able to prove the claim")]
     Kind,
     #[error("places and transitions have to be those of the net")]
@@ -100,17 +100,17 @@ pub enum Rule {
 }
 
 impl Rejected {
-    fn rule(rule: Rule) -> Rejected {
+    fn rule(rule: CertificateRule) -> Rejected {
         Rejected { rule, at: None }
     }
 
-    fn at(rule: Rule, net: &Net, node: impl Into<Node>) -> Rejected {
+    fn at(rule: CertificateRule, net: &Net, node: impl Into<NetNode>) -> Rejected {
         Rejected { rule, at: Some(net.node(node.into())) }
     }
 }
 
 /// `Ok` if the condition holds.
-fn require(holds: bool, rule: Rule) -> Result<(), Rejected> {
+fn require(holds: bool, rule: CertificateRule) -> Result<(), Rejected> {
     if holds { Ok(()) } else { Err(Rejected::rule(rule)) }
 }
 
@@ -118,49 +118,49 @@ fn require(holds: bool, rule: Rule) -> Result<(), Rejected> {
 pub fn check(net: &Net, certificate: &Certificate) -> Result<(), Rejected> {
     let (property, holds) = (certificate.property, certificate.holds);
     match (&certificate.evidence, property, holds) {
-        (Evidence::Order(order), Property::Live, true) => theorems::live_order(net, order),
-        (Evidence::Order(order), Property::DeadlockFree, true) => theorems::moving_order(net, order),
-        (Evidence::Order(order), Property::Reversible, true) => theorems::returning_order(net, order),
-        (Evidence::Components(parts), Property::Live, true) => theorems::live_components(net, parts),
-        (Evidence::Components(parts), Property::DeadlockFree, true) => theorems::moving_components(net, parts),
-        (Evidence::Components(parts), Property::Reversible, true) => theorems::returning_components(net, parts),
-        (Evidence::Trap(trap), Property::DeadlockFree, true) => theorems::moving_trap(net, trap),
-        (Evidence::Sums(sums), Property::Bounded, true) => check_sums(net, sums),
-        (Evidence::Sums(sums), Property::Safe, true) => {
+        (Evidence::Order(order), NetProperty::Live, true) => theorems::live_order(net, order),
+        (Evidence::Order(order), NetProperty::DeadlockFree, true) => theorems::moving_order(net, order),
+        (Evidence::Order(order), NetProperty::Reversible, true) => theorems::returning_order(net, order),
+        (Evidence::Components(parts), NetProperty::Live, true) => theorems::live_components(net, parts),
+        (Evidence::Components(parts), NetProperty::DeadlockFree, true) => theorems::moving_components(net, parts),
+        (Evidence::Components(parts), NetProperty::Reversible, true) => theorems::returning_components(net, parts),
+        (Evidence::Trap(trap), NetProperty::DeadlockFree, true) => theorems::moving_trap(net, trap),
+        (Evidence::Sums(sums), NetProperty::Bounded, true) => check_sums(net, sums),
+        (Evidence::Sums(sums), NetProperty::Safe, true) => {
             check_sums(net, sums)?;
-            require(sums.bounds.iter().all(|&(_, bound)| bound <= 1), Rule::Safe)
+            require(sums.bounds.iter().all(|&(_, bound)| bound <= 1), CertificateRule::Safe)
         }
-        (Evidence::WellFormed(formed), Property::Live | Property::DeadlockFree, true) => {
+        (Evidence::WellFormed(formed), NetProperty::Live | NetProperty::DeadlockFree, true) => {
             theorems::well_formed(net, formed)
         }
-        (Evidence::WellFormed(formed), Property::Reversible, true) => {
+        (Evidence::WellFormed(formed), NetProperty::Reversible, true) => {
             theorems::well_formed(net, formed)?;
-            require(sets::no_empty_trap(net), Rule::Marked)
+            require(sets::no_empty_trap(net), CertificateRule::Marked)
         }
-        (Evidence::UnmarkedTrap(formed, trap), Property::Reversible, false) => {
+        (Evidence::UnmarkedTrap(formed, trap), NetProperty::Reversible, false) => {
             theorems::well_formed(net, formed)?;
-            require(!trap.is_empty(), Rule::NotEmpty)?;
+            require(!trap.is_empty(), CertificateRule::NotEmpty)?;
             sets::trap(net, trap)?;
-            sets::empty(net, trap, &Tokens::initial(net))
+            sets::empty(net, trap, &ReplayTokens::initial(net))
         }
-        (Evidence::Dead(dead), Property::Live, false) => check_dead(net, dead),
-        (Evidence::Deadlock(run), Property::DeadlockFree, false) => {
-            let mut tokens = Tokens::initial(net);
+        (Evidence::Dead(dead), NetProperty::Live, false) => check_dead(net, dead),
+        (Evidence::Deadlock(run), NetProperty::DeadlockFree, false) => {
+            let mut tokens = ReplayTokens::initial(net);
             tokens.play(net, run)?;
             match net.transitions().find(|&t| tokens.enables(net, t)) {
-                Some(t) => Err(Rejected::at(Rule::DeadEnd, net, t)),
+                Some(t) => Err(Rejected::at(CertificateRule::DeadEnd, net, t)),
                 None => Ok(()),
             }
         }
-        (Evidence::Overfull(run, place), Property::Safe, false) => {
+        (Evidence::Overfull(run, place), NetProperty::Safe, false) => {
             sets::known_place(net, *place)?;
-            let mut tokens = Tokens::initial(net);
+            let mut tokens = ReplayTokens::initial(net);
             tokens.play(net, run)?;
-            require(tokens.on(*place) > 1, Rule::Overfull)
+            require(tokens.on(*place) > 1, CertificateRule::Overfull)
         }
-        (Evidence::Pump(pump), Property::Bounded, false) => check_pump(net, pump),
-        (Evidence::NoReturn(no_return), Property::Reversible, false) => check_no_return(net, no_return),
-        _ => Err(Rejected::rule(Rule::Kind)),
+        (Evidence::Pump(pump), NetProperty::Bounded, false) => check_pump(net, pump),
+        (Evidence::NoReturn(no_return), NetProperty::Reversible, false) => check_no_return(net, no_return),
+        _ => Err(Rejected::rule(CertificateRule::Kind)),
     }
 }
 
@@ -170,7 +170,7 @@ pub(super) fn check_well_formed(net: &Net, formed: &super::evidence::WellFormed)
 }
 
 /// An empty siphon: what takes from it never fires.
-fn check_empty_siphon(net: &Net, siphon: &[PlaceId], tokens: &Tokens) -> Result<Vec<bool>, Rejected> {
+fn check_empty_siphon(net: &Net, siphon: &[PlaceId], tokens: &ReplayTokens) -> Result<Vec<bool>, Rejected> {
     sets::siphon(net, siphon)?;
     sets::empty(net, siphon, tokens)?;
     let mut dead = vec![false; net.transition_count()];
@@ -181,7 +181,7 @@ fn check_empty_siphon(net: &Net, siphon: &[PlaceId], tokens: &Tokens) -> Result<
 }
 
 fn check_sums(net: &Net, sums: &Sums) -> Result<(), Rejected> {
-    let dead = check_empty_siphon(net, &sums.dead, &Tokens::initial(net))?;
+    let dead = check_empty_siphon(net, &sums.dead, &ReplayTokens::initial(net))?;
     let initial = net.initial_marking();
     let mut totals = Vec::with_capacity(sums.sums.len());
     for sum in &sums.sums {
@@ -189,14 +189,14 @@ fn check_sums(net: &Net, sums: &Sums) -> Result<(), Rejected> {
         sets::known(net, weights.iter().map(|&(place, _)| place))?;
         for (t, change) in sets::changes(net, &weights)? {
             if change > 0 && !dead[t.index()] {
-                return Err(Rejected::at(Rule::Monotone, net, t));
+                return Err(Rejected::at(CertificateRule::Monotone, net, t));
             }
         }
         // 64 bits of weight, 32 of tokens, and 24 of places, since none is listed twice.
         let total: u128 = sum.iter().map(|&(p, weight)| u128::from(weight) * u128::from(initial.tokens(p))).sum();
         totals.push(total);
     }
-    require(sums.bounds.len() == net.place_count(), Rule::Bound)?;
+    require(sums.bounds.len() == net.place_count(), CertificateRule::Bound)?;
     // Each sum is looked up by its places once, not searched for every place.
     let mut weights_of: Vec<Vec<(usize, u64)>> = vec![Vec::new(); net.place_count()];
     for (number, sum) in sums.sums.iter().enumerate() {
@@ -205,7 +205,7 @@ fn check_sums(net: &Net, sums: &Sums) -> Result<(), Rejected> {
     for (place, &(number, bound)) in net.places().zip(&sums.bounds) {
         let weight = weights_of[place.index()].iter().find(|&&(other, _)| other == number).map_or(0, |entry| entry.1);
         if weight == 0 || totals[number] / u128::from(weight) != bound {
-            return Err(Rejected::at(Rule::Bound, net, place));
+            return Err(Rejected::at(CertificateRule::Bound, net, place));
         }
     }
     Ok(())
@@ -213,35 +213,35 @@ fn check_sums(net: &Net, sums: &Sums) -> Result<(), Rejected> {
 
 fn check_dead(net: &Net, dead: &Dead) -> Result<(), Rejected> {
     sets::known_transition(net, dead.transition)?;
-    let mut tokens = Tokens::initial(net);
+    let mut tokens = ReplayTokens::initial(net);
     tokens.play(net, &dead.run)?;
     let never = check_empty_siphon(net, &dead.siphon, &tokens)?;
-    require(never[dead.transition.index()], Rule::Depends)
+    require(never[dead.transition.index()], CertificateRule::Depends)
 }
 
-fn check_pump(net: &Net, pump: &Pump) -> Result<(), Rejected> {
+fn check_pump(net: &Net, pump: &UnboundedCycle) -> Result<(), Rejected> {
     sets::known_place(net, pump.place)?;
-    let mut tokens = Tokens::initial(net);
+    let mut tokens = ReplayTokens::initial(net);
     tokens.play(net, &pump.prefix)?;
     let before = tokens.clone();
     tokens.play(net, &pump.cycle)?;
     match net.places().find(|&place| tokens.on(place) < before.on(place)) {
-        Some(place) => Err(Rejected::at(Rule::Gain, net, place)),
-        None => require(tokens.on(pump.place) > before.on(pump.place), Rule::Gain),
+        Some(place) => Err(Rejected::at(CertificateRule::Gain, net, place)),
+        None => require(tokens.on(pump.place) > before.on(pump.place), CertificateRule::Gain),
     }
 }
 
 fn check_no_return(net: &Net, no_return: &NoReturn) -> Result<(), Rejected> {
-    let mut tokens = Tokens::initial(net);
+    let mut tokens = ReplayTokens::initial(net);
     let dead = check_empty_siphon(net, &no_return.dead, &tokens)?;
     let weights: Vec<(PlaceId, i128)> = no_return.weights.iter().map(|&(p, weight)| (p, weight.into())).collect();
     sets::known(net, weights.iter().map(|&(place, _)| place))?;
     for (t, change) in sets::changes(net, &weights)? {
         if change < 0 && !dead[t.index()] {
-            return Err(Rejected::at(Rule::Monotone, net, t));
+            return Err(Rejected::at(CertificateRule::Monotone, net, t));
         }
     }
     let before = tokens.sum(&weights)?;
     tokens.play(net, &no_return.run)?;
-    require(tokens.sum(&weights)? > before, Rule::Larger)
+    require(tokens.sum(&weights)? > before, CertificateRule::Larger)
 }

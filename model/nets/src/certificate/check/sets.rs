@@ -2,16 +2,16 @@
 
 use std::collections::BTreeMap;
 
-use super::replay::Tokens;
-use super::{Rejected, Rule, require};
+use super::replay::ReplayTokens;
+use super::{CertificateRule, Rejected, require};
 use crate::{Net, PlaceId, TransitionId};
 
 pub(super) fn known_place(net: &Net, place: PlaceId) -> Result<(), Rejected> {
-    require(place.index() < net.place_count(), Rule::Known)
+    require(place.index() < net.place_count(), CertificateRule::Known)
 }
 
 pub(super) fn known_transition(net: &Net, transition: TransitionId) -> Result<(), Rejected> {
-    require(transition.index() < net.transition_count(), Rule::Known)
+    require(transition.index() < net.transition_count(), CertificateRule::Known)
 }
 
 /// All of these are places of the net, and none is there twice; which they are, by place.
@@ -19,7 +19,7 @@ pub(super) fn known(net: &Net, places: impl Iterator<Item = PlaceId>) -> Result<
     let mut members = vec![false; net.place_count()];
     for place in places {
         known_place(net, place)?;
-        require(!std::mem::replace(&mut members[place.index()], true), Rule::Once)?;
+        require(!std::mem::replace(&mut members[place.index()], true), CertificateRule::Once)?;
     }
     Ok(members)
 }
@@ -31,18 +31,18 @@ fn touches(arcs: &[(PlaceId, u32)], members: &[bool]) -> bool {
 pub(super) fn siphon(net: &Net, places: &[PlaceId]) -> Result<(), Rejected> {
     let members = known(net, places.iter().copied())?;
     let leaks = |&t: &TransitionId| touches(net.postset(t), &members) && !touches(net.preset(t), &members);
-    net.transitions().find(leaks).map_or(Ok(()), |t| Err(Rejected::at(Rule::Siphon, net, t)))
+    net.transitions().find(leaks).map_or(Ok(()), |t| Err(Rejected::at(CertificateRule::Siphon, net, t)))
 }
 
 pub(super) fn trap(net: &Net, places: &[PlaceId]) -> Result<(), Rejected> {
     let members = known(net, places.iter().copied())?;
     let leaks = |&t: &TransitionId| touches(net.preset(t), &members) && !touches(net.postset(t), &members);
-    net.transitions().find(leaks).map_or(Ok(()), |t| Err(Rejected::at(Rule::Trap, net, t)))
+    net.transitions().find(leaks).map_or(Ok(()), |t| Err(Rejected::at(CertificateRule::Trap, net, t)))
 }
 
-pub(super) fn empty(net: &Net, places: &[PlaceId], tokens: &Tokens) -> Result<(), Rejected> {
+pub(super) fn empty(net: &Net, places: &[PlaceId], tokens: &ReplayTokens) -> Result<(), Rejected> {
     let marked = places.iter().find(|&&place| tokens.on(place) > 0);
-    marked.map_or(Ok(()), |&place| Err(Rejected::at(Rule::Empty, net, place)))
+    marked.map_or(Ok(()), |&place| Err(Rejected::at(CertificateRule::Empty, net, place)))
 }
 
 /// Whether no siphon is without a token initially: taking out of the empty places what can get a token from outside
@@ -85,7 +85,7 @@ pub(super) fn changes(net: &Net, weights: &[(PlaceId, i128)]) -> Result<BTreeMap
         for (t, arc) in gives.chain(takes) {
             let change = changes.entry(t).or_insert(0_i128);
             let sum = weight.checked_mul(arc).and_then(|term| change.checked_add(term));
-            *change = sum.ok_or(Rejected::rule(Rule::Size))?;
+            *change = sum.ok_or(Rejected::rule(CertificateRule::Size))?;
         }
     }
     changes.retain(|_, change| *change != 0);

@@ -19,13 +19,13 @@ use std::collections::{BinaryHeap, VecDeque};
 
 use bounds::Effort;
 
-use super::evidence::{Dead, Evidence, NoReturn, Order, Property, Pump, Run};
+use super::evidence::{Dead, Evidence, FiringOrder, NetProperty, NoReturn, RepeatedFiring, UnboundedCycle};
 use super::play::play;
-use super::{Answer, Class, StructuralVerdict, Unknown};
+use super::{CertificateAnswer, NetClass, StructuralVerdict, Unknown};
 use crate::components::Components;
 use crate::{Net, PlaceId, TransitionId};
 
-struct Graph<'net> {
+struct WeightedGraph<'net> {
     net: &'net Net,
     /// Per place, the transition that gives to it, the one that takes from it, and its tokens.
     edges: Vec<(usize, usize, u64)>,
@@ -41,10 +41,10 @@ struct Graph<'net> {
 
 /// The verdict on a marked graph; the caller has checked that it is one.
 pub(super) fn decide(net: &Net) -> StructuralVerdict {
-    let graph = Graph::new(net);
+    let graph = WeightedGraph::new(net);
     let (bounds, bounded, safe) = graph.bounds(Effort::of(net));
     StructuralVerdict {
-        class: Class::MarkedGraph,
+        class: NetClass::MarkedGraph,
         deadlock_free: graph.deadlock_free(),
         live: graph.live(),
         bounded,
@@ -54,7 +54,7 @@ pub(super) fn decide(net: &Net) -> StructuralVerdict {
     }
 }
 
-impl<'net> Graph<'net> {
+impl<'net> WeightedGraph<'net> {
     fn new(net: &'net Net) -> Self {
         let initial = net.initial_marking();
         let end = |arcs: &[(TransitionId, u32)]| arcs[0].0.index();
@@ -69,7 +69,7 @@ impl<'net> Graph<'net> {
         let mut order: Vec<TransitionId> = net.transitions().collect();
         // Components come with successors first.
         order.sort_by_key(|t| Reverse(parts.of(t.index())));
-        let mut graph = Graph { net, edges, siphon, stuck: never.clone(), never, order };
+        let mut graph = WeightedGraph { net, edges, siphon, stuck: never.clone(), never, order };
         let mut ahead: Vec<usize> = (0..graph.stuck.len()).filter(|&t| graph.stuck[t]).collect();
         while let Some(t) = ahead.pop() {
             for &(place, _) in net.postset(TransitionId(t as u32)) {
@@ -83,43 +83,43 @@ impl<'net> Graph<'net> {
     }
 
     fn order_of(&self, wanted: impl Fn(usize) -> bool) -> Evidence {
-        Evidence::Order(Order { transitions: self.order.iter().copied().filter(|t| wanted(t.index())).collect() })
+        Evidence::Order(FiringOrder { transitions: self.order.iter().copied().filter(|t| wanted(t.index())).collect() })
     }
 
-    fn live(&self) -> Answer {
+    fn live(&self) -> CertificateAnswer {
         match self.net.transitions().find(|t| self.never[t.index()]) {
-            None => Answer::yes(Property::Live, self.order_of(|_| true)),
+            None => CertificateAnswer::yes(NetProperty::Live, self.order_of(|_| true)),
             Some(transition) => {
                 let dead = Dead { run: Vec::new(), siphon: self.siphon.clone(), transition };
-                Answer::no(Property::Live, Evidence::Dead(dead))
+                CertificateAnswer::no(NetProperty::Live, Evidence::Dead(dead))
             }
         }
     }
 
-    fn deadlock_free(&self) -> Answer {
+    fn deadlock_free(&self) -> CertificateAnswer {
         if self.stuck.contains(&false) {
-            return Answer::yes(Property::DeadlockFree, self.order_of(|t| !self.stuck[t]));
+            return CertificateAnswer::yes(NetProperty::DeadlockFree, self.order_of(|t| !self.stuck[t]));
         }
         let sources = (0..self.never.len()).filter(|&t| self.never[t]);
         let (counts, _) = self.lightest(sources, None);
         // Every transition is behind one that never fires, so there is a path to each.
         let counts: Vec<u64> = counts.into_iter().map(|count| count.unwrap_or(0)).collect();
         match play(self.net, counts) {
-            Some(run) => Answer::no(Property::DeadlockFree, Evidence::Deadlock(run)),
-            None => Answer::Unknown(Unknown::TooLong),
+            Some(run) => CertificateAnswer::no(NetProperty::DeadlockFree, Evidence::Deadlock(run)),
+            None => CertificateAnswer::Unknown(Unknown::TooLong),
         }
     }
 
     /// The pieces that do not hang together are judged one by one.
-    fn reversible(&self) -> Answer {
+    fn reversible(&self) -> CertificateAnswer {
         let both_ways = self.edges.iter().flat_map(|&(from, to, _)| [(from, to), (to, from)]);
         let pieces = Components::new(self.net.transition_count(), both_ways);
         let mut halts = vec![false; pieces.count()];
         (0..self.never.len()).filter(|&t| self.never[t]).for_each(|t| halts[pieces.of(t)] = true);
         let initial = self.net.initial_marking();
         match self.net.enabled(&initial).find(|t| halts[pieces.of(t.index())]) {
-            None => Answer::yes(Property::Reversible, self.order_of(|t| !halts[pieces.of(t)])),
-            Some(t) => Answer::no(Property::Reversible, Evidence::NoReturn(self.no_return(t))),
+            None => CertificateAnswer::yes(NetProperty::Reversible, self.order_of(|t| !halts[pieces.of(t)])),
+            Some(t) => CertificateAnswer::no(NetProperty::Reversible, Evidence::NoReturn(self.no_return(t))),
         }
     }
 
@@ -160,7 +160,7 @@ impl<'net> Graph<'net> {
             owed = weight * if gives { 1 } else { -1 };
         }
         weights.sort_unstable();
-        NoReturn { run: vec![Run { transition, times: 1 }], dead: self.siphon.clone(), weights }
+        NoReturn { run: vec![RepeatedFiring { transition, times: 1 }], dead: self.siphon.clone(), weights }
     }
 
     /// The lightest paths from some transitions: per transition its length, and the last place of the path. Ends early
@@ -219,7 +219,7 @@ impl<'net> Graph<'net> {
     }
 
     /// The fewest firings that bring two tokens to a place whose bound allows it.
-    fn two_on(&self, place: PlaceId) -> Option<Vec<Run>> {
+    fn two_on(&self, place: PlaceId) -> Option<Vec<RepeatedFiring>> {
         let (from, _, tokens) = self.edges[place.index()];
         let mut counts = vec![0; self.never.len()];
         counts[from] = 2_u64.saturating_sub(tokens);
@@ -238,12 +238,15 @@ impl<'net> Graph<'net> {
     }
 
     /// Everything that can fire any number of times before the consumer of the place does, once each.
-    fn pump(&self, place: PlaceId) -> Answer {
+    fn pump(&self, place: PlaceId) -> CertificateAnswer {
         let (lengths, _) = self.lightest(self.limiting(self.edges[place.index()].1), None);
         let counts = lengths.iter().map(|length| u64::from(length.is_none())).collect();
         match play(self.net, counts) {
-            Some(cycle) => Answer::no(Property::Bounded, Evidence::Pump(Pump { prefix: Vec::new(), cycle, place })),
-            None => Answer::Unknown(Unknown::TooLong),
+            Some(cycle) => CertificateAnswer::no(
+                NetProperty::Bounded,
+                Evidence::Pump(UnboundedCycle { prefix: Vec::new(), cycle, place }),
+            ),
+            None => CertificateAnswer::Unknown(Unknown::TooLong),
         }
     }
 }
@@ -263,7 +266,7 @@ mod tests {
             b.output(from, place, 1).input(to, place, 1);
         }
         let net = b.build().unwrap();
-        let graph = Graph::new(&net);
+        let graph = WeightedGraph::new(&net);
         let (path, bound) = graph.heaviest(net.place_named("back").unwrap()).unwrap();
         assert_eq!((path, bound), (vec![PlaceId(1), PlaceId(2)], 3));
     }

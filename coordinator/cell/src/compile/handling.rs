@@ -1,0 +1,183 @@
+//! What a description says for the case that something fails, by the modes and resources of the table.
+
+use std::collections::BTreeMap;
+
+use linewright_cell::net::{CellNet, PlaceMeaning, Supply};
+use linewright_cell::{Activity, ActivityId, Cell, ExceptionRule, LeftOut, ResourceId as Of, Role, StopOf};
+use linewright_line::StationId;
+use linewright_nets::coloured::Unfolding;
+
+use crate::exception::{
+    FailureMatch, ModeHandling, PermittedAnswer, RecoveryDecision, RecoveryPolicy, RecoveryRule, ResourcePolicy,
+    Strategy, Whereabouts,
+};
+use crate::{CellId, CellTable, ModeId, ResourceId};
+
+/// What is known of a cell beside its table.
+pub(super) fn handling(
+    cell: &Cell,
+    net: &CellNet,
+    long: &Unfolding,
+    table: &CellTable,
+    stations: &[StationId],
+    supply: Supply<'_>,
+) -> RecoveryPolicy {
+    let made = BuiltPolicy::new(cell, net, long, table, supply);
+    let resource = |id: Of| {
+        let of = cell.resource(id);
+        ResourcePolicy {
+            name: of.name.as_str().into(),
+            station: of.controller.map(|controller| stations[controller.index()]),
+            is_sensed: of.presence.is_some() && of.controller.is_some(),
+            has: made.cells_of(Some(id), |meaning| matches!(meaning, PlaceMeaning::Held(..))).collect(),
+        }
+    };
+    RecoveryPolicy {
+        resources: cell.resource_ids().map(resource).collect(),
+        modes: table.modes().map(|mode| made.mode(mode)).collect(),
+        rules: cell.exceptions.iter().map(|of| rule(of, stations)).collect(),
+        stations: stations.iter().zip(&cell.controllers).map(|(&id, name)| (id, name.as_str().into())).collect(),
+        ..RecoveryPolicy::default()
+    }
+}
+
+struct BuiltPolicy<'a> {
+    cell: &'a Cell,
+    net: &'a CellNet,
+    long: &'a Unfolding,
+    table: &'a CellTable,
+    supply: Supply<'a>,
+    /// Of each cell.
+    meanings: Vec<PlaceMeaning>,
+    /// The cells of each resource, and those of none: nobody looks for some among all.
+    cells: BTreeMap<Option<Of>, Vec<CellId>>,
+}
+
+impl<'a> BuiltPolicy<'a> {
+    fn new(
+        cell: &'a Cell,
+        net: &'a CellNet,
+        long: &'a Unfolding,
+        table: &'a CellTable,
+        supply: Supply<'a>,
+    ) -> BuiltPolicy<'a> {
+        let meaning = |cell: CellId| net.meaning(long.cell(net.net(), linewright_nets::PlaceId(cell.0)).place);
+        let meanings: Vec<PlaceMeaning> = table.cells().map(meaning).collect();
+        let mut cells: BTreeMap<_, Vec<CellId>> = BTreeMap::new();
+        for (at, meaning) in table.cells().zip(&meanings) {
+            cells.entry(meaning.resource()).or_default().push(at);
+        }
+        BuiltPolicy { cell, net, long, table, supply, meanings, cells }
+    }
+
+    fn meaning(&self, cell: CellId) -> PlaceMeaning {
+        self.meanings[cell.index()]
+    }
+
+    fn cells_of(&self, of: Option<Of>, is: impl Fn(PlaceMeaning) -> bool) -> impl Iterator<Item = CellId> {
+        let all = self.cells.get(&of).into_iter().flatten().copied();
+        all.filter(move |&cell| is(self.meaning(cell)))
+    }
+
+    fn mode(&self, mode: ModeId) -> ModeHandling {
+        let transition = self.long.mode(linewright_nets::TransitionId(mode.0));
+        let Some((activity, of)) = self.net.move_of(self.cell, transition) else { return ModeHandling::default() };
+        let id = |role| activity.used(role).and_then(|part| part.of).map(number);
+        let worker = id(Role::Worker);
+        let rules = self.cell.activity_named(&activity.name).map(|id| self.rules(id)).unwrap_or_default();
+        let part_type = self.cell.stages[of.from.index()].part_type;
+        ModeHandling {
+            activity: activity.name.as_str().into(),
+            part_type: self.cell.part_types[part_type.index()].name.as_str().into(),
+            from: worker.or_else(|| id(Role::Source)),
+            to: worker.or_else(|| id(Role::Target)),
+            carrier: id(Role::Carrier),
+            rules,
+            gone: self.gone(mode, activity, of.from),
+        }
+    }
+
+    fn rules(&self, id: ActivityId) -> Vec<usize> {
+        let all = self.cell.exceptions.iter().enumerate();
+        all.filter(|(_, rule)| rule.activities.contains(&id)).map(|(at, _)| at).collect()
+    }
+
+    /// What is left when the part of a mode is no more: whoever had it or was to have it has room again, and another may
+    /// come in its place. None where parts that leave come again by themselves: they could not.
+    fn gone(&self, mode: ModeId, activity: &Activity, stage: linewright_cell::StageId) -> Option<Vec<(CellId, u32)>> {
+        let source = activity.used(Role::Source).and_then(|part| part.of);
+        let is_part = |cell: CellId| matches!(self.table.kind(cell), crate::CellKind::Parts(_));
+        let is_sources = |cell: CellId| source.is_some() && self.meaning(cell).resource() == source;
+        let mut gone = BTreeMap::new();
+        // The state of a stack is what it is without its part; what was reserved to take it is free.
+        let taken = self.table.takes(mode).iter().filter(|&&(cell, _)| !is_part(cell) && !is_sources(cell));
+        let given = self.table.gives(mode).iter().filter(|&&(cell, _)| !is_part(cell) && is_sources(cell));
+        gone.extend(taken.chain(given).copied());
+        let worker = activity.used(Role::Worker).and_then(|part| part.of);
+        let room = self.cells_of(worker, |meaning| matches!(meaning, PlaceMeaning::Room(_)));
+        gone.extend(room.map(|cell| (cell, 1)));
+        gone.extend(self.cells_of(None, |meaning| meaning == PlaceMeaning::Admission).map(|cell| (cell, 1)));
+        match self.supply {
+            Supply::Open => (),
+            Supply::Batch(_) => {
+                let part = &self.cell.part_types[self.cell.stages[stage.index()].part_type.index()];
+                let new = self.cell.stages[part.new_stage().index()].name.as_str();
+                let waiting = self.cells_of(None, |meaning| meaning == PlaceMeaning::Waiting);
+                let named = format!("<{new}>");
+                gone.extend(waiting.filter(|&cell| self.table.cell_name(cell).ends_with(&named)).map(|cell| (cell, 1)));
+            }
+            Supply::Closed(_) => return None,
+        }
+        Some(gone.into_iter().collect())
+    }
+}
+
+fn number(id: Of) -> ResourceId {
+    // Descriptions are bounded far below 32 bits.
+    ResourceId(id.index() as u32)
+}
+
+fn rule(of: &ExceptionRule, stations: &[StationId]) -> RecoveryRule {
+    let named = |stop: &StopOf| match *stop {
+        StopOf::Activity => None,
+        StopOf::Station(controller) => Some(stations[controller.index()]),
+    };
+    RecoveryRule {
+        code: if of.code == "*" { FailureMatch::Any } else { FailureMatch::Word(of.code.as_str().into()) },
+        tell: of.tell.as_str().into(),
+        retries: of.retries,
+        is_automatic: of.automatic,
+        stops: of.emergency_stop.iter().filter_map(named).collect(),
+        stops_activity: of.emergency_stop.contains(&StopOf::Activity),
+        answers: of.answers.iter().map(answer).collect(),
+    }
+}
+
+fn answer(of: &linewright_cell::AlarmAnswer) -> PermittedAnswer {
+    let then = match of.then {
+        linewright_cell::Strategy::Redo => Strategy::Redo,
+        linewright_cell::Strategy::Backward => Strategy::Backward,
+        linewright_cell::Strategy::Forward => Strategy::Forward,
+    };
+    let (mut down, mut down_as) = (Vec::new(), Vec::new());
+    for left_out in &of.down {
+        match *left_out {
+            LeftOut::Resource(id) => down.push(number(id)),
+            LeftOut::As(part) => down_as.push(whereabouts(part)),
+        }
+    }
+    PermittedAnswer {
+        ruling: RecoveryDecision { word: of.word.clone(), part: whereabouts(of.part), then },
+        down,
+        down_as,
+    }
+}
+
+fn whereabouts(of: linewright_cell::Whereabouts) -> Whereabouts {
+    match of {
+        linewright_cell::Whereabouts::From => Whereabouts::From,
+        linewright_cell::Whereabouts::To => Whereabouts::To,
+        linewright_cell::Whereabouts::Carrier => Whereabouts::Carrier,
+        linewright_cell::Whereabouts::Gone => Whereabouts::Gone,
+    }
+}

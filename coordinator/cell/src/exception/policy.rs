@@ -1,0 +1,231 @@
+//! What is known of a cell for the case that something fails: who takes part in a mode, what to do, and what to say.
+//!
+//! Plain data beside the table, for whoever describes a cell to fill. A cell of which nothing is known has failed
+//! activities secured, told and asked about all the same, by the mode's name and with the usual answers.
+
+use std::sync::Arc;
+use std::time::Duration;
+
+use linewright_line::StationId;
+
+use super::super::ids::{CellId, ModeId, ResourceId};
+use super::super::record::{ActivityFailure, Failure, Refusal};
+use super::super::table::TokenDemand;
+use super::fact::{RecoveryDecision, Strategy, Whereabouts};
+
+/// What is known of a cell for the case that something fails.
+#[derive(Clone, Debug, PartialEq, Eq)]
+pub struct RecoveryPolicy {
+    /// The resources, in the order of their numbers.
+    pub resources: Vec<ResourcePolicy>,
+    /// By mode, in the order of the table; modes beyond the end have nobody and nothing.
+    pub modes: Vec<ModeHandling>,
+    /// What to do; the first of a mode's that fits counts.
+    pub rules: Vec<RecoveryRule>,
+    /// Stations, by what people call them.
+    pub stations: Vec<(StationId, Arc<str>)>,
+    /// A station that has an order and was not heard for so long is lost; none if it never is.
+    pub stale: Option<Duration>,
+    /// After so long a station is not waited for that was told to come to rest.
+    pub secure: Duration,
+}
+
+/// One resource.
+#[derive(Clone, Debug, PartialEq, Eq)]
+pub struct ResourcePolicy {
+    /// What people call it.
+    pub name: Arc<str>,
+    /// Its station, if it has one.
+    pub station: Option<StationId>,
+    /// That station says whether a part is there ([`super::super::Heard::presence`]).
+    pub is_sensed: bool,
+    /// The cells on which the parts are that it has.
+    pub has: Vec<CellId>,
+}
+
+/// What is known of a mode.
+#[derive(Clone, Debug, Default, PartialEq, Eq)]
+pub struct ModeHandling {
+    /// The activity, by what people call it; empty for the mode's own name.
+    pub activity: Arc<str>,
+    /// The type of its part.
+    pub part_type: Arc<str>,
+    /// Who has the part before; who works on a part has it before and afterwards.
+    pub from: Option<ResourceId>,
+    /// Who has it afterwards.
+    pub to: Option<ResourceId>,
+    /// Who brings it over.
+    pub carrier: Option<ResourceId>,
+    /// The rules that are about it, as positions.
+    pub rules: Vec<usize>,
+    /// What is given back if its part is no more; none if it cannot be said.
+    pub gone: Option<Vec<TokenDemand>>,
+}
+
+/// What to do.
+#[derive(Clone, Debug, PartialEq, Eq)]
+pub struct RecoveryRule {
+    /// In which case.
+    pub code: FailureMatch,
+    /// What people are told, with names in braces.
+    pub tell: Arc<str>,
+    /// How often the same may be done once more with one part.
+    pub retries: u32,
+    /// Nobody has to be asked as long as all stations are at rest.
+    pub is_automatic: bool,
+    /// These stations go into emergency stop.
+    pub stops: Vec<StationId>,
+    /// And so do all that have an order in the activity.
+    pub stops_activity: bool,
+    /// What can be answered.
+    pub answers: Vec<PermittedAnswer>,
+}
+
+/// What can be answered.
+#[derive(Clone, Debug, PartialEq, Eq)]
+pub struct PermittedAnswer {
+    /// The word, where the part is, how to go on.
+    pub ruling: RecoveryDecision,
+    /// What is left out then: these, and of the activity's own whoever has this part in it.
+    pub down: Vec<ResourceId>,
+    /// As whom: from, to, carrier.
+    pub down_as: Vec<Whereabouts>,
+}
+
+/// Which failures a rule is about, as descriptions write it.
+#[derive(Clone, Debug, PartialEq, Eq)]
+pub enum FailureMatch {
+    /// All.
+    Any,
+    /// Those of this word.
+    Word(Arc<str>),
+}
+
+impl Default for RecoveryPolicy {
+    fn default() -> Self {
+        RecoveryPolicy {
+            resources: Vec::new(),
+            modes: Vec::new(),
+            rules: Vec::new(),
+            stations: Vec::new(),
+            stale: None,
+            secure: Duration::from_secs(30),
+        }
+    }
+}
+
+impl RecoveryPolicy {
+    /// What is known of a mode.
+    pub fn mode(&self, mode: ModeId) -> &ModeHandling {
+        self.modes.get(mode.index()).unwrap_or(&NOTHING)
+    }
+
+    /// A resource, if there is one of that number.
+    pub fn resource(&self, id: ResourceId) -> Option<&ResourcePolicy> {
+        self.resources.get(id.index())
+    }
+
+    /// All resources.
+    pub fn resource_ids(&self) -> impl ExactSizeIterator<Item = ResourceId> + use<> {
+        // Descriptions are bounded far below 32 bits.
+        (0..self.resources.len() as u32).map(ResourceId)
+    }
+
+    /// The resource of that name.
+    pub fn resource_named(&self, name: &str) -> Option<ResourceId> {
+        self.resource_ids().find(|id| self.resources[id.index()].name.as_ref() == name)
+    }
+
+    /// What people call a resource.
+    pub fn resource_name(&self, id: ResourceId) -> &str {
+        self.resource(id).map_or("?", |resource| &resource.name)
+    }
+
+    /// Whether a station is one of the cell's.
+    pub(super) fn knows_station(&self, station: StationId) -> bool {
+        self.stations.iter().any(|(id, _)| *id == station)
+    }
+
+    /// What people call a station.
+    pub fn station_name(&self, station: StationId) -> String {
+        let known = self.stations.iter().find(|(id, _)| *id == station);
+        known.map_or_else(|| format!("station {}", station.0), |(_, name)| name.to_string())
+    }
+
+    /// The rule for a failure of a mode: the first that fits. One of the station's own code goes before one of time-outs,
+    /// which fits as well where the code says what a station waited for until its time was over.
+    pub(super) fn rule(&self, mode: ModeId, cause: ActivityFailure) -> Option<&RecoveryRule> {
+        let word = word(cause);
+        let rules = || self.mode(mode).rules.iter().filter_map(|&at| self.rules.get(at));
+        let own = rules().find(|rule| matches!(&rule.code, FailureMatch::Word(code) if **code == word));
+        own.or_else(|| {
+            rules().find(|rule| match &rule.code {
+                FailureMatch::Any => true,
+                FailureMatch::Word(code) => cause.is_expiry() && **code == *TIME_OUT,
+            })
+        })
+    }
+}
+
+impl ModeHandling {
+    /// Who takes part, each once.
+    pub fn resources(&self) -> impl Iterator<Item = ResourceId> {
+        let to = self.to.filter(|&to| Some(to) != self.from);
+        let carrier = self.carrier.filter(|&carrier| Some(carrier) != self.from && Some(carrier) != to);
+        [self.from, to, carrier].into_iter().flatten()
+    }
+
+    /// Who has the part if it is there.
+    pub(super) fn holder(&self, part: Whereabouts) -> Option<ResourceId> {
+        match part {
+            Whereabouts::From => self.from,
+            Whereabouts::To => self.to,
+            Whereabouts::Carrier => self.carrier,
+            Whereabouts::Gone => None,
+        }
+    }
+}
+
+static NOTHING: std::sync::LazyLock<ModeHandling> = std::sync::LazyLock::new(ModeHandling::default);
+
+const TIME_OUT: &str = "time-out";
+
+/// The word for a cause, as descriptions write it: a code in digits is the station's own.
+pub(super) fn word(cause: ActivityFailure) -> String {
+    match cause {
+        ActivityFailure::TimedOut => TIME_OUT.to_owned(),
+        ActivityFailure::ByHand { .. } => "alarm".to_owned(),
+        ActivityFailure::Order { key: _, failure } => match failure {
+            Failure::TimedOut => TIME_OUT.to_owned(),
+            Failure::Code(code) => code.to_string(),
+            Failure::Refused(Refusal::Devices) | Failure::DevicesLost => "device-lost".to_owned(),
+            Failure::Refused(
+                Refusal::Busy
+                | Refusal::Mode
+                | Refusal::OtherMemory
+                | Refusal::OldEpoch
+                | Refusal::Old
+                | Refusal::Late
+                | Refusal::NotThere
+                | Refusal::Unknown
+                | Refusal::Incomplete
+                | Refusal::Isolated,
+            ) => "refused".to_owned(),
+            Failure::Lost | Failure::Forgotten => "station-lost".to_owned(),
+        },
+    }
+}
+
+/// What can be answered where nothing is described.
+pub(super) fn usual() -> [PermittedAnswer; 3] {
+    [
+        ("as-before", Whereabouts::From, Strategy::Backward),
+        ("as-done", Whereabouts::To, Strategy::Forward),
+        ("gone", Whereabouts::Gone, Strategy::Backward),
+    ]
+    .map(|(word, part, then)| PermittedAnswer {
+        ruling: RecoveryDecision { word: word.to_owned(), part, then },
+        down: Vec::new(),
+        down_as: Vec::new(),
+    })
+}

@@ -1,0 +1,47 @@
+//! The shipped flexible cell in virtual time: three parts of each type, and when each activity begins.
+//!
+//! `cargo run -p linewright-examples --bin cell`
+
+use std::error::Error;
+use std::sync::Arc;
+use std::time::Duration;
+
+use linewright_cell::net::Supply;
+use linewright_coordinator_cell::RecordKind;
+use linewright_coordinator_cell::compile::{OrderTiming, compile_cell, dispatcher};
+use linewright_coordinator_cell::dispatch::words::named;
+use linewright_line::Tick;
+use linewright_simulation::cell::{CellSim, CellSimOptions};
+
+/// Orders are repeated after this time and given up after that; nothing is lost here.
+const PACE: OrderTiming = OrderTiming { refresh: Duration::from_secs(10), grace: Duration::from_secs(10) };
+
+fn main() -> Result<(), Box<dyn Error>> {
+    let line = linewright_line::parse("line.toml", include_str!("../../../launch-config/lines/workcell-c1/line.toml"))
+        .map_err(|problems| format!("{problems:?}"))?
+        .line;
+    let cell = linewright_cell::parse(
+        "cell.toml",
+        include_str!("../../../launch-config/lines/workcell-c1/cell.toml"),
+        Some(&line),
+    )
+    .map_err(|problems| format!("{problems:?}"))?
+    .cell;
+    let batch = vec![3; cell.part_types.len()];
+    let played = compile_cell(&cell, Some(&line), Supply::Batch(&batch), PACE)?;
+    let table = Arc::new(played.table.clone());
+    let mut rules = dispatcher(&cell, &table);
+    let mut sim = CellSim::new(
+        table,
+        line.stations.len(),
+        CellSimOptions { period: Duration::from_secs(3600), ..CellSimOptions::default() },
+    );
+    sim.run(&mut rules, Tick::NEVER);
+    for record in &sim.log {
+        if let RecordKind::Started { mode, part, .. } = record.fact {
+            println!("{:>9.3} s  {}", record.at.as_micros() as f64 / 1e6, named(sim.state().table(), mode, part));
+        }
+    }
+    println!("{} of {} parts have left", sim.state().left(), batch.iter().sum::<u32>());
+    Ok(())
+}

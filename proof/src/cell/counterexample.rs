@@ -1,0 +1,210 @@
+//! How parts come to be stuck, told part by part: what was done with which, where each is in the end, and what it would
+//! need to go on.
+//!
+//! The net counts parts of a stage and does not tell them apart; a story does. Of several that are alike, the one moves
+//! that came first.
+
+use std::collections::{HashMap, VecDeque};
+
+use linewright_cell::net::{PlaceMeaning, ResourcePosition, TransitionPhase};
+use linewright_cell::{ActivityId, PartTypeId, ResourceId, Role, StageId};
+use linewright_nets::explicit::WitnessMarking;
+use linewright_nets::{PlaceId, TransitionId};
+
+use super::Nets;
+use super::group::ResourceGroup;
+use super::words::{begun_by, moved, needs, sentence, tokens_of};
+
+/// How something comes to be, in the words of the description.
+#[derive(Clone, Debug, PartialEq, Eq)]
+pub struct CellPath {
+    /// What happened, in order: one of the shortest ways.
+    pub steps: Vec<String>,
+    /// What is wrong at the end.
+    pub end: String,
+    /// What each resource that has to do with it holds then.
+    pub resources: Vec<Holding>,
+}
+
+/// A resource in the end.
+#[derive(Clone, Debug, PartialEq, Eq)]
+pub struct Holding {
+    /// Its name.
+    pub name: String,
+    /// How many parts it can hold or carry.
+    pub capacity: u32,
+    /// Those that it has.
+    pub parts: Vec<WaitingPart>,
+}
+
+/// A part in the end.
+#[derive(Clone, Debug, PartialEq, Eq)]
+pub struct WaitingPart {
+    /// Its name: its type, and the how manieth of it.
+    pub part: String,
+    /// How far it is.
+    pub stage: String,
+    /// Where in the resource it is, if there is more to say than that it is there.
+    pub at: Option<String>,
+    /// What each way on needs; none if it can go on at once.
+    pub needs: Vec<String>,
+}
+
+/// A part of the story.
+struct StoryPart {
+    name: String,
+    stage: StageId,
+}
+
+/// The parts there are, and where.
+#[derive(Default)]
+struct PartsAtStart {
+    parts: Vec<StoryPart>,
+    /// By place of the long net, those that came first in front.
+    at: HashMap<PlaceId, VecDeque<usize>>,
+    /// How many of each type have come.
+    seen: HashMap<PartTypeId, u32>,
+}
+
+/// A step, and which activity with which part it belongs to.
+struct StoryStep<'n> {
+    text: String,
+    of: Option<(&'n str, usize, TransitionPhase)>,
+}
+
+/// Tells what was found.
+pub(super) fn tell(nets: &Nets<'_>, group: &ResourceGroup, found: &WitnessMarking, end: &str) -> CellPath {
+    let mut cast = PartsAtStart::default();
+    let mut steps: Vec<StoryStep<'_>> = Vec::new();
+    for t in found.path.iter().map(|t| group.transitions[t.index()]) {
+        let part = cast.play(nets, t);
+        let Some((activity, of, phase)) = moved(nets, t) else {
+            let name = part.map_or("a part", |part| cast.parts[part].name.as_str());
+            steps.push(StoryStep { text: format!("{name} moves up{}", cast.place_of(nets, part)), of: None });
+            continue;
+        };
+        let Some(part) = part else { continue };
+        let name = &cast.parts[part].name;
+        let own = activity.name.as_str();
+        let begun =
+            begun_by(phase).filter(|&(begin, _)| steps.last().is_some_and(|s| s.of == Some((own, part, begin))));
+        if begun.is_some() {
+            steps.pop();
+        }
+        let told = begun.map_or(phase, |(_, whole)| whole);
+        steps.push(StoryStep { text: sentence(nets.cell, activity, of, told, name), of: Some((own, part, told)) });
+    }
+    let tokens = tokens_of(&group.places, &found.marking);
+    let resources = group.resources.iter().map(|&id| cast.holding(nets, id, &tokens)).collect();
+    CellPath { steps: steps.into_iter().map(|step| step.text).collect(), end: end.to_owned(), resources }
+}
+
+impl PartsAtStart {
+    /// Fires a transition; the part that it moves.
+    fn play(&mut self, nets: &Nets<'_>, t: TransitionId) -> Option<usize> {
+        let long = nets.long.net();
+        let place = |arcs: &[(PlaceId, u32)]| arcs.iter().map(|&(place, _)| place).find(|&place| nets.is_seen(place));
+        let of = moved(nets, t);
+        let part = match place(long.preset(t)) {
+            Some(from) => self.at.get_mut(&from)?.pop_front()?,
+            None => self.enters(nets, of?.1.from),
+        };
+        if let Some(to) = place(long.postset(t)) {
+            self.at.entry(to).or_default().push_back(part);
+        }
+        if let Some((_, of, _)) = of.filter(|(_, _, phase)| phase.ends()) {
+            self.parts[part].stage = of.to;
+        }
+        Some(part)
+    }
+
+    fn enters(&mut self, nets: &Nets<'_>, stage: StageId) -> usize {
+        let of = nets.cell.stages[stage.index()].part_type;
+        let count = self.seen.entry(of).or_default();
+        *count += 1;
+        self.parts.push(StoryPart { name: format!("{} #{count}", nets.cell.part_types[of.index()].name), stage });
+        self.parts.len() - 1
+    }
+
+    /// Where a part has moved up to.
+    fn place_of(&self, nets: &Nets<'_>, part: Option<usize>) -> String {
+        let at = self.at.iter().find(|(_, parts)| part.is_some_and(|part| parts.contains(&part)));
+        if let Some(PlaceMeaning::Held(id, ResourcePosition::Position(at))) = at.map(|(&place, _)| nets.meaning(place))
+        {
+            format!(" to position {at} of {}", nets.cell.resource(id).name)
+        } else {
+            String::new()
+        }
+    }
+
+    fn holding(&self, nets: &Nets<'_>, id: ResourceId, tokens: &impl Fn(PlaceId) -> u32) -> Holding {
+        let mut here: Vec<(usize, PlaceId)> = Vec::new();
+        for (&place, parts) in &self.at {
+            if nets.holder(nets.meaning(place)) == Some(id) {
+                here.extend(parts.iter().map(|&part| (part, place)));
+            }
+        }
+        here.sort_unstable();
+        let waiting = |&(part, place): &(usize, PlaceId)| WaitingPart {
+            part: self.parts[part].name.clone(),
+            stage: nets.cell.stages[self.parts[part].stage.index()].name.clone(),
+            at: nets.whereabouts(nets.meaning(place)),
+            needs: needs(nets, place, tokens).unwrap_or_default(),
+        };
+        let resource = nets.cell.resource(id);
+        let parts = here.iter().map(waiting).collect();
+        Holding { name: resource.name.clone(), capacity: resource.capacity, parts }
+    }
+}
+
+impl Nets<'_> {
+    /// Whether a place holds parts that have come in.
+    fn is_seen(&self, place: PlaceId) -> bool {
+        match self.meaning(place) {
+            PlaceMeaning::Held(..) | PlaceMeaning::Busy { .. } => true,
+            PlaceMeaning::Room(_)
+            | PlaceMeaning::Free(_)
+            | PlaceMeaning::Position(..)
+            | PlaceMeaning::Top(_)
+            | PlaceMeaning::Waiting
+            | PlaceMeaning::Admission
+            | PlaceMeaning::Idle(_) => false,
+        }
+    }
+
+    /// The resource that has the parts of a place.
+    fn holder(&self, meaning: PlaceMeaning) -> Option<ResourceId> {
+        match meaning {
+            PlaceMeaning::Busy { activity, .. } => self.who_moves(activity),
+            other => other.resource(),
+        }
+    }
+
+    /// Who has a part while an activity is in progress.
+    fn who_moves(&self, activity: ActivityId) -> Option<ResourceId> {
+        let activity = self.cell.activity(activity);
+        let roles = [Role::Carrier, Role::Worker, Role::Source, Role::Target];
+        roles.into_iter().find_map(|role| activity.used(role).and_then(|part| part.of))
+    }
+
+    fn whereabouts(&self, meaning: PlaceMeaning) -> Option<String> {
+        match meaning {
+            PlaceMeaning::Held(_, ResourcePosition::Position(at)) => Some(format!("position {at}")),
+            PlaceMeaning::Held(_, ResourcePosition::Loaded) => Some("not worked on yet".to_owned()),
+            PlaceMeaning::Busy { activity, is_held: true } => {
+                Some(format!("for `{}`", self.cell.activity(activity).name))
+            }
+            PlaceMeaning::Busy { activity, is_held: false } => {
+                Some(format!("`{}` is in progress", self.cell.activity(activity).name))
+            }
+            PlaceMeaning::Held(_, ResourcePosition::Stored | ResourcePosition::Ready)
+            | PlaceMeaning::Room(_)
+            | PlaceMeaning::Free(_)
+            | PlaceMeaning::Position(..)
+            | PlaceMeaning::Top(_)
+            | PlaceMeaning::Waiting
+            | PlaceMeaning::Admission
+            | PlaceMeaning::Idle(_) => None,
+        }
+    }
+}

@@ -1,0 +1,163 @@
+//! What a controller remembers, in parts.
+
+use std::time::Duration;
+
+use linewright_line::net::ControlMode;
+use linewright_line::{BRANCHES_MAX, InputId, OpId, Panel, StationId, Tick};
+
+use crate::event::StopCause;
+use crate::step::PASSES_MAX;
+use crate::withdraw::PendingWithdrawal;
+
+/// The source of the command that keeps a motion going.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub(crate) enum RunCommand {
+    /// The controller.
+    Auto,
+    /// A held hand-mode button: the actuator is driven while it is down.
+    Hand,
+    /// A held panel button: the motion is stopped when it is released.
+    Manual,
+}
+
+/// The position of one branch of the station.
+#[derive(Clone, Copy, Debug)]
+pub(crate) struct Token {
+    pub place: u16,
+    pub run: RunCommand,
+    /// The completion signal counts: it has been seen off since the motion left its other end.
+    pub left_start: bool,
+    /// It will count as it stands, in the first image taken while this motion is driven: the motion was stopped
+    /// between its ends, and an image from before it may still show the switch that the mechanism has left since.
+    pub awaits_image: bool,
+    /// The output image that began to drive it.
+    pub driven_since: u64,
+    pub driven: bool,
+    /// While driven: when the watchdog runs out.
+    pub deadline: Tick,
+    /// While not driven: what is left of the watchdog.
+    pub remaining: Duration,
+}
+
+/// Where the station stands.
+#[derive(Clone, Debug)]
+pub(crate) struct Marking {
+    /// The first `count` are in use.
+    pub tokens: [Token; BRANCHES_MAX],
+    pub count: usize,
+    /// The recovery path under way, by the operation it goes back from.
+    pub path: Option<OpId>,
+    /// Of each operation, why it was stopped last.
+    pub causes_of_stop: Vec<StopCause>,
+    /// First start of this station: the home position is still to be confirmed by the devices.
+    pub unconfirmed: bool,
+    /// The marking was read off the switches, or follows from a marking that was. False after a start away from home, and with
+    /// a record that may be older than the mechanism's place.
+    pub placed: bool,
+    /// The lost position of which an event was given last (see `interlock`).
+    pub lost_position: Option<(OpId, InputId)>,
+}
+
+/// The counted internal variables. done(o) ≤ started(o) ≤ cycle for every operation o.
+#[derive(Clone, Debug)]
+pub(crate) struct Counts {
+    pub cycle: i32,
+    pub done: Vec<i32>,
+    pub started: Vec<i32>,
+    /// `done` where the station stands at home before its first cycle.
+    pub at_home: Vec<i32>,
+    /// The cycle before the first one.
+    pub initial_round: i32,
+}
+
+/// The input image.
+#[derive(Clone, Debug)]
+pub(crate) struct Image {
+    /// Bit `i` is input `i` of the description; 0 while not valid.
+    pub bits: u128,
+    pub valid: bool,
+    /// The image is unknown from then on.
+    pub until: Tick,
+    /// [`crate::Outbox::number`] of the newest output image in force when it was taken.
+    pub under: u64,
+    /// The inputs the panel is wired to.
+    pub panel: u128,
+    /// Those, and the ones that the marked places read: a change of any other has no effect.
+    pub watched: u128,
+}
+
+impl Image {
+    pub fn new(panel: &Panel) -> Self {
+        let wired = [panel.manual, panel.advance, panel.retract].into_iter().flatten();
+        let panel = wired.fold(0, |bits, input| bits | 1 << input.0);
+        Image { bits: 0, valid: false, until: Tick::ZERO, under: 0, panel, watched: u128::MAX }
+    }
+}
+
+/// Command levels, a bit each (`program::bit`), of this step and of the one before.
+#[derive(Clone, Debug)]
+pub(crate) struct Levels {
+    pub now: u128,
+    pub before: u128,
+    /// The mode of the step before.
+    pub mode: ControlMode,
+}
+
+/// Taking counts back, by agreement with other stations.
+#[derive(Clone, Debug)]
+pub(crate) struct Agreement {
+    pub pending: Option<PendingWithdrawal>,
+    pub next_request: u64,
+    /// The last refusal, for the operator: the station, its operation in the way, the own operations that stay.
+    pub refusal: Option<(StationId, OpId, u64)>,
+}
+
+/// The output image.
+#[derive(Clone, Debug, Default)]
+pub(crate) struct Output {
+    /// Bit `i` is output `i` of the description.
+    pub bits: u128,
+    /// Grows with every change of the image, and with every motion that begins.
+    pub number: u64,
+}
+
+/// What the next step has to do.
+#[derive(Clone, Debug)]
+pub(crate) struct Due {
+    /// The output image is to be worked out again.
+    pub outputs: bool,
+    /// The report differs from the one given last.
+    pub report: bool,
+    /// The last step changed nothing, and nothing has arrived since: before the deadline a step has nothing to do.
+    pub settled: bool,
+    pub deadline: Tick,
+}
+
+/// As many transitions as one step can fire: every branch once in each pass.
+const FIRED_MAX: usize = PASSES_MAX * BRANCHES_MAX;
+
+/// The transitions that the last step fired, the first `count` of them.
+#[derive(Clone, Debug)]
+pub(crate) struct Fired {
+    transitions: [u16; FIRED_MAX],
+    count: usize,
+}
+
+impl Fired {
+    pub const NONE: Fired = Fired { transitions: [0; FIRED_MAX], count: 0 };
+
+    pub fn push(&mut self, transition: u16) {
+        if let Some(slot) = self.transitions.get_mut(self.count) {
+            *slot = transition;
+            self.count += 1;
+        }
+    }
+
+    pub fn as_slice(&self) -> &[u16] {
+        &self.transitions[..self.count]
+    }
+
+    pub fn clear(&mut self) {
+        self.count = 0;
+    }
+}
