@@ -3,13 +3,13 @@
 
 use std::fmt::Write as _;
 
-use super::{Bar, Chart, Span};
+use super::{ActivityBar, BarChart, TimeSpan};
 
 /// What was planned.
 pub const PLANNED: &str = "#b8c4d0";
 
 /// What a chart looks like.
-pub struct Style {
+pub struct SvgStyle {
     /// What is defined before it is drawn: patterns and tips.
     pub defs: &'static str,
     /// The width of all time.
@@ -23,7 +23,7 @@ pub struct Style {
     /// How far above the lower edge the lines of times end.
     pub grid: f64,
     /// Where times are written.
-    pub times: Times,
+    pub times: TimeLabels,
     /// Where names stand, from the top of their row.
     pub baseline: f64,
     /// From the top of a row: where the bar of the plan begins, and how high it is.
@@ -39,7 +39,7 @@ pub struct Style {
 }
 
 /// Where times are written.
-pub enum Times {
+pub enum TimeLabels {
     /// Above the rows.
     Above,
     /// Below them.
@@ -47,17 +47,17 @@ pub enum Times {
 }
 
 /// A chart that is being drawn.
-pub struct Svg<'a> {
+pub struct SvgChart<'a> {
     text: String,
-    chart: &'a Chart,
-    style: &'a Style,
+    chart: &'a BarChart,
+    style: &'a SvgStyle,
     labels: f64,
     height: f64,
 }
 
-impl<'a> Svg<'a> {
+impl<'a> SvgChart<'a> {
     /// An empty sheet with a title, and with so much space for names.
-    pub fn new(chart: &'a Chart, style: &'a Style, labels: f64, title: &str) -> Self {
+    pub fn new(chart: &'a BarChart, style: &'a SvgStyle, labels: f64, title: &str) -> Self {
         let width = labels + style.width + 28.0;
         let height = style.top + style.row * chart.rows.len() as f64 + style.bottom;
         let text = format!(
@@ -69,7 +69,7 @@ impl<'a> Svg<'a> {
             style.defs,
             escaped(title)
         );
-        Svg { text, chart, style, labels, height }
+        SvgChart { text, chart, style, labels, height }
     }
 
     /// Where a time is.
@@ -98,8 +98,8 @@ impl<'a> Svg<'a> {
     pub fn rows(&mut self) {
         let bottom = self.height - self.style.grid;
         let written = match self.style.times {
-            Times::Above => self.style.top - 8.0,
-            Times::Below => self.height - 6.0,
+            TimeLabels::Above => self.style.top - 8.0,
+            TimeLabels::Below => self.height - 6.0,
         };
         for at in steps(self.chart.span) {
             let (x, top) = (self.x(at), self.style.top - 4.0);
@@ -127,8 +127,8 @@ impl<'a> Svg<'a> {
         }
     }
 
-    fn bar(&mut self, bar: &Bar, y: f64) {
-        let &Style { plan, done, failed, planned, .. } = self.style;
+    fn bar(&mut self, bar: &ActivityBar, y: f64) {
+        let &SvgStyle { plan, done, failed, planned, .. } = self.style;
         if let Some(span) = bar.planned {
             self.rectangle(bar, span, (y, plan), PLANNED, planned);
         }
@@ -146,7 +146,14 @@ impl<'a> Svg<'a> {
         }
     }
 
-    fn rectangle(&mut self, bar: &Bar, (from, to): Span, (y, (top, height)): (f64, Span), fill: &str, what: &str) {
+    fn rectangle(
+        &mut self,
+        bar: &ActivityBar,
+        (from, to): TimeSpan,
+        (y, (top, height)): (f64, TimeSpan),
+        fill: &str,
+        what: &str,
+    ) {
         let (x, y) = (self.x(from.max(0.0)), y + top);
         let (width, outline) = ((self.x(to) - x).max(1.0), self.style.outline);
         let (about, what) = (escaped(&bar.about), escaped(what));

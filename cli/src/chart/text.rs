@@ -3,22 +3,22 @@
 use std::fmt::{self, Display};
 use std::ops::Range;
 
-use super::{Bar, Chart, Span};
+use super::{ActivityBar, BarChart, TimeSpan};
 
 /// Characters in a line.
-pub struct Strip {
+pub struct TextStrip {
     cells: Vec<char>,
 }
 
-impl Strip {
+impl TextStrip {
     /// An empty line.
     pub fn new(width: usize) -> Self {
-        Strip { cells: vec![' '; width] }
+        TextStrip { cells: vec![' '; width] }
     }
 
     /// Where a bar is in a line that shows this much time. To the nearest boundary of a character, so that bars which follow
     /// each other do not overlap; at least one wide.
-    fn range(&self, span: f64, (from, to): Span) -> Range<usize> {
+    fn range(&self, span: f64, (from, to): TimeSpan) -> Range<usize> {
         let width = self.cells.len();
         let from = column(width, span, from).min(width.saturating_sub(1));
         from..column(width, span, to).max(from + 1)
@@ -40,16 +40,16 @@ fn column(width: usize, span: f64, at: f64) -> usize {
     ((at / span * width as f64).round().max(0.0) as usize).min(width)
 }
 
-impl Display for Strip {
+impl Display for TextStrip {
     fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
         self.cells.iter().try_for_each(|cell| write!(f, "{cell}"))
     }
 }
 
-impl Chart {
+impl BarChart {
     /// A row in one line, two halves high: above what was planned, below what was done.
-    pub fn halves(&self, row: usize, width: usize) -> Strip {
-        let mut strip = Strip::new(width);
+    pub fn halves(&self, row: usize, width: usize) -> TextStrip {
+        let mut strip = TextStrip::new(width);
         for bar in &self.rows[row].bars {
             let planned = bar.planned.map(|span| strip.range(self.span, span));
             strip.fill(planned.unwrap_or_default(), |_| '▀');
@@ -60,8 +60,8 @@ impl Chart {
     }
 
     /// What was planned in a row: `▒`.
-    pub fn plan(&self, row: usize, width: usize) -> Strip {
-        let mut strip = Strip::new(width);
+    pub fn plan(&self, row: usize, width: usize) -> TextStrip {
+        let mut strip = TextStrip::new(width);
         for bar in &self.rows[row].bars {
             if let Some(planned) = bar.planned {
                 let range = strip.range(self.span, planned);
@@ -73,8 +73,8 @@ impl Chart {
     }
 
     /// What was done in a row: `█`, and `░` what had failed.
-    pub fn done(&self, row: usize, width: usize) -> Strip {
-        let mut strip = Strip::new(width);
+    pub fn done(&self, row: usize, width: usize) -> TextStrip {
+        let mut strip = TextStrip::new(width);
         for bar in &self.rows[row].bars {
             if let Some(actual) = bar.actual {
                 let range = strip.range(self.span, actual);
@@ -90,9 +90,9 @@ impl Chart {
     }
 }
 
-impl Strip {
+impl TextStrip {
     /// Where its bar begins, if it is longer.
-    fn number(&mut self, bar: &Bar, range: Range<usize>) {
+    fn number(&mut self, bar: &ActivityBar, range: Range<usize>) {
         let number = bar.number.map(|number| number.to_string()).unwrap_or_default();
         if number.len() < range.len() {
             self.write(range.start, &number);
@@ -103,13 +103,13 @@ impl Strip {
 #[cfg(test)]
 mod tests {
     use super::*;
-    use crate::chart::Row;
+    use crate::chart::BarRow;
 
-    fn chart(planned: Span, actual: Span, failed: Option<f64>) -> Chart {
+    fn chart(planned: TimeSpan, actual: TimeSpan, failed: Option<f64>) -> BarChart {
         let failed = failed.map(|at| (at, "stuck".to_owned()));
         let (planned, actual) = (Some(planned), Some(actual));
-        let bar = Bar { about: String::new(), number: Some(7), planned, actual, failed, colour: "red" };
-        Chart::new(vec![Row { group: None, name: String::new(), bars: vec![bar] }], 10.0)
+        let bar = ActivityBar { about: String::new(), number: Some(7), planned, actual, failed, colour: "red" };
+        BarChart::new(vec![BarRow { group: None, name: String::new(), bars: vec![bar] }], 10.0)
     }
 
     #[test]
@@ -125,7 +125,7 @@ mod tests {
         let chart = chart((0.0, 0.001), (9.999, 10.0), None);
         assert_eq!(chart.halves(0, 10).to_string(), "▀        ▄");
         assert_eq!(chart.done(0, 10).to_string(), "         █", "there is no room for its number");
-        let mut strip = Strip::new(3);
+        let mut strip = TextStrip::new(3);
         strip.fill(2..9, |_| 'x');
         strip.write(1, "abc");
         assert_eq!(strip.to_string(), " ab");

@@ -9,8 +9,8 @@ use linewright_coordinator_cell::tracking::FinishedActivity;
 use linewright_line::Tick;
 
 use super::story::ReportSource;
-use crate::chart::svg::{PLANNED, Style, Svg, Times, escaped};
-use crate::chart::{Bar, Chart, Row};
+use crate::chart::svg::{PLANNED, SvgChart, SvgStyle, TimeLabels, escaped};
+use crate::chart::{ActivityBar, BarChart, BarRow};
 
 /// Characters for the time.
 const WIDTH: usize = 100;
@@ -22,7 +22,7 @@ const LETTER: f64 = 8.0;
 const COLOURS: [&str; 8] = ["#2f6fb0", "#3a923a", "#b8860b", "#7a4fa3", "#1f8a8a", "#a0522d", "#5b6b7b", "#9c3d6b"];
 const FAILED: &str = "url(#down)";
 
-const STYLE: Style = Style {
+const STYLE: SvgStyle = SvgStyle {
     defs: "<pattern id=\"down\" width=\"6\" height=\"6\" patternUnits=\"userSpaceOnUse\" \
            patternTransform=\"rotate(45)\"><rect width=\"6\" height=\"6\" fill=\"#f4d3cf\"/>\
            <rect width=\"2.5\" height=\"6\" fill=\"#c0392b\"/></pattern>",
@@ -31,7 +31,7 @@ const STYLE: Style = Style {
     top: 70.0,
     bottom: 24.0,
     grid: 18.0,
-    times: Times::Below,
+    times: TimeLabels::Below,
     baseline: 21.0,
     plan: (4.0, 9.0),
     done: (14.0, 15.0),
@@ -40,7 +40,7 @@ const STYLE: Style = Style {
     planned: "planned ",
 };
 
-fn chart(story: &ReportSource) -> Chart {
+fn chart(story: &ReportSource) -> BarChart {
     let sheet = &story.about.sheet;
     let seconds = |tick: Tick| tick.since(story.from).as_secs_f64();
     let bar = |done: &FinishedActivity| {
@@ -48,7 +48,7 @@ fn chart(story: &ReportSource) -> Chart {
         let name = entry.map(|entry| entry.name.as_str()).unwrap_or_default();
         let part = done.part.map(|part| format!(", {part}")).unwrap_or_default();
         let product = entry.and_then(|entry| entry.product);
-        Bar {
+        ActivityBar {
             about: format!("{name}{part}: "),
             number: done.part.map(|part| part.0),
             planned: story.planned.get(&done.firing).map(|&(from, to)| (seconds(from), seconds(to))),
@@ -65,15 +65,15 @@ fn chart(story: &ReportSource) -> Chart {
         let done = story.activities.iter().filter(|done| does(done, resource));
         // What takes no time is no bar.
         let bars = done.filter(|done| done.ended != Some(done.began)).map(bar).collect();
-        Row { group: Some(of.name.clone()), name: String::new(), bars }
+        BarRow { group: Some(of.name.clone()), name: String::new(), bars }
     });
-    Chart::new(rows.filter(|row| !row.bars.is_empty()).collect(), seconds(story.to))
+    BarChart::new(rows.filter(|row| !row.bars.is_empty()).collect(), seconds(story.to))
 }
 
 /// As text: the number of its part where a bar begins, `▒` what was planned, `█` what was done, `░` what had failed.
 pub fn text(story: &ReportSource) -> String {
     let (chart, from, to) = (chart(story), story.show(story.from), story.show(story.to));
-    let name = |row: &'_ Row| row.group.clone().unwrap_or_default();
+    let name = |row: &'_ BarRow| row.group.clone().unwrap_or_default();
     let label = chart.rows.iter().map(|row| name(row).chars().count()).max().unwrap_or(0);
     let mut text = format!("{:label$} {from}{:>width$}\n", "", to, width = WIDTH - from.chars().count() + 1);
     let has_plan = chart.has_plan();
@@ -95,13 +95,13 @@ pub fn svg(story: &ReportSource) -> String {
     let letters = chart.rows.iter().flat_map(|row| &row.group).map(|name| name.chars().count() as f64 * LETTER + 24.0);
     let labels = letters.fold(LABELS_MIN, f64::max);
     let (from, to) = (story.show(story.from), story.show(story.to));
-    let mut svg = Svg::new(&chart, &STYLE, labels, &format!("{}, {from} to {to}", story.about.title));
+    let mut svg = SvgChart::new(&chart, &STYLE, labels, &format!("{}, {from} to {to}", story.about.title));
     legend(&mut svg, story);
     svg.rows();
     svg.end()
 }
 
-fn legend(svg: &mut Svg<'_>, story: &ReportSource) {
+fn legend(svg: &mut SvgChart<'_>, story: &ReportSource) {
     let products = story.about.sheet.products.iter().zip(COLOURS.iter().cycle());
     let marks = [("planned", PLANNED), ("failed, down", FAILED)].into_iter();
     let mut left = 8.0;

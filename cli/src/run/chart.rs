@@ -4,7 +4,7 @@
 
 use linewright_line::{Line, OpId, StationId};
 
-use crate::chart::text::Strip;
+use crate::chart::text::TextStrip;
 
 /// One stretch of an operation.
 #[derive(Clone, Copy, Debug)]
@@ -81,7 +81,7 @@ impl RollingChart {
         let label_width = self.labels.iter().map(|label| label.chars().count()).max().unwrap_or(0);
         let begin = now - seconds;
         let column = |at: f64| (((at - begin) / seconds) * width as f64).floor().max(0.0) as usize;
-        let mut strips: Vec<Strip> = self.labels.iter().map(|_| Strip::new(width)).collect();
+        let mut strips: Vec<TextStrip> = self.labels.iter().map(|_| TextStrip::new(width)).collect();
         for bar in self.bars.iter().filter(|bar| bar.end.unwrap_or(now) >= begin) {
             let (from, to) = (column(bar.start), column(bar.end.unwrap_or(now)).min(width.saturating_sub(1)));
             let fill = if bar.undoing { '░' } else { '█' };

@@ -6,8 +6,8 @@ use std::fmt::Write as _;
 use linewright_line::{Line, OpId, Station};
 
 use super::report::{OperationRow, SimulationReport};
-use crate::chart::svg::{PLANNED, Style, Svg, Times};
-use crate::chart::{self, Chart};
+use crate::chart::svg::{PLANNED, SvgChart, SvgStyle, TimeLabels};
+use crate::chart::{ActivityBar, BarChart, BarRow};
 
 /// Characters for the time.
 const WIDTH: usize = 60;
@@ -20,7 +20,7 @@ const BAR: f64 = 9.0;
 const SIMULATED: &str = "#2f6fb0";
 const CRITICAL: &str = "#c0392b";
 
-const STYLE: Style = Style {
+const STYLE: SvgStyle = SvgStyle {
     defs: "<marker id=\"tip\" viewBox=\"0 0 8 8\" refX=\"8\" refY=\"4\" markerWidth=\"7\" markerHeight=\"7\" \
            orient=\"auto\"><path d=\"M0 0L8 4L0 8z\" fill=\"#555\"/></marker>",
     width: 720.0,
@@ -28,7 +28,7 @@ const STYLE: Style = Style {
     top: 64.0,
     bottom: 20.0,
     grid: 16.0,
-    times: Times::Above,
+    times: TimeLabels::Above,
     baseline: 17.0,
     plan: (4.0, BAR),
     done: (4.0 + BAR, BAR),
@@ -37,11 +37,11 @@ const STYLE: Style = Style {
     planned: "",
 };
 
-fn chart(line: &Line, rows: &[OperationRow]) -> Chart {
+fn chart(line: &Line, rows: &[OperationRow]) -> BarChart {
     let rows = rows.iter().map(|row| {
         let station = line.station(row.station);
         let star = if row.op == station.home { " *" } else { "" };
-        let bar = chart::Bar {
+        let bar = ActivityBar {
             about: String::new(),
             number: None,
             planned: row.planned,
@@ -49,13 +49,13 @@ fn chart(line: &Line, rows: &[OperationRow]) -> Chart {
             failed: None,
             colour: if row.is_critical { CRITICAL } else { SIMULATED },
         };
-        chart::Row {
+        BarRow {
             group: (row.op == OpId(0)).then(|| station.name.clone()),
             name: format!("{}{star}", station.operations[row.op.index()].name),
             bars: vec![bar],
         }
     });
-    Chart::new(rows.collect(), 0.0)
+    BarChart::new(rows.collect(), 0.0)
 }
 
 /// As text. A line is two halves high: the upper one is the bar of the plan, the lower one that of the simulation, so a
@@ -93,7 +93,7 @@ pub fn svg(line: &Line, report: &SimulationReport) -> String {
         let _ = write!(title, ", cycle time {time:.3} s");
     }
     let _ = write!(title, " (planned {:.3} s)", report.planned_s);
-    let mut svg = Svg::new(&chart, &STYLE, labels(line), &title);
+    let mut svg = SvgChart::new(&chart, &STYLE, labels(line), &title);
     svg.line(format_args!(
         "<rect x=\"8\" y=\"30\" width=\"18\" height=\"{BAR}\" fill=\"{PLANNED}\"/><text x=\"32\" y=\"39\">planned</text>\
          <rect x=\"96\" y=\"30\" width=\"18\" height=\"{BAR}\" fill=\"{SIMULATED}\"/><text x=\"120\" y=\"39\">simulated</text>\
@@ -119,7 +119,7 @@ fn labels(line: &Line) -> f64 {
 }
 
 /// Arrows within the drawn cycle; those carried over from the cycle before come from outside of it.
-fn arrows(svg: &mut Svg<'_>, line: &Line, report: &SimulationReport) {
+fn arrows(svg: &mut SvgChart<'_>, line: &Line, report: &SimulationReport) {
     for arrow in &line.arrows {
         let row =
             |op: (linewright_line::StationId, OpId)| report.rows.iter().position(|row| (row.station, row.op) == op);

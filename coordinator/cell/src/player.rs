@@ -28,7 +28,7 @@
 use std::collections::{BTreeMap, BTreeSet};
 
 use linewright_line::{StationId, Tick};
-use linewright_orders::{Failure as Ended, TaskOrder};
+use linewright_orders::{TaskFailure, TaskOrder};
 use thiserror::Error;
 
 use super::exception::StationMonitor;
@@ -257,9 +257,10 @@ impl Coordination {
                 RecordKind::OrderFailed { key, failure: Failure::of(ended) }
             }
             // Its time was over here first. What it waited for, the station says when it stands.
-            (Reply::Ended(Outcome::Failed(ended @ Ended::Waiting(_))), OrderProgress::Failed(Failure::TimedOut))
-                if self.state.exceptions().is_securing(firing.id) =>
-            {
+            (
+                Reply::Ended(Outcome::Failed(ended @ TaskFailure::Waiting(_))),
+                OrderProgress::Failed(Failure::TimedOut),
+            ) if self.state.exceptions().is_securing(firing.id) => {
                 RecordKind::OrderFailed { key, failure: Failure::of(ended) }
             }
             (Reply::Refused(refusal), OrderProgress::Written) if !refusal.is_passing() => {

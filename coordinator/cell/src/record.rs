@@ -8,8 +8,8 @@
 use std::fmt;
 
 use linewright_line::{StationId, Tick};
-use linewright_orders::Failure as Ended;
 pub use linewright_orders::Refusal;
+use linewright_orders::TaskFailure;
 use serde::{Deserialize, Serialize};
 
 use super::exception::ExceptionStep;
@@ -151,17 +151,17 @@ pub enum ActivityFailure {
 
 impl Failure {
     /// How an order has ended, by its station. The station's clock means the same as the coordinator's.
-    pub fn of(ended: Ended) -> Self {
+    pub fn of(ended: TaskFailure) -> Self {
         match ended {
-            Ended::TimedOut => Failure::TimedOut,
-            Ended::Waiting(_)
-            | Ended::Fault
-            | Ended::Interrupted
-            | Ended::Restarted
-            | Ended::Cancelled
-            | Ended::Held
-            | Ended::Stopped
-            | Ended::Other(_) => Failure::Code(ended.code()),
+            TaskFailure::TimedOut => Failure::TimedOut,
+            TaskFailure::Waiting(_)
+            | TaskFailure::Fault
+            | TaskFailure::Interrupted
+            | TaskFailure::Restarted
+            | TaskFailure::Cancelled
+            | TaskFailure::Held
+            | TaskFailure::Stopped
+            | TaskFailure::Other(_) => Failure::Code(ended.code()),
         }
     }
 
@@ -169,7 +169,7 @@ impl Failure {
     pub fn is_expiry(self) -> bool {
         match self {
             Failure::TimedOut => true,
-            Failure::Code(code) => matches!(Ended::from_code(code), Ended::Waiting(_)),
+            Failure::Code(code) => matches!(TaskFailure::from_code(code), TaskFailure::Waiting(_)),
             Failure::Refused(_) | Failure::Forgotten | Failure::Lost | Failure::DevicesLost => false,
         }
     }

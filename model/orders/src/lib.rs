@@ -9,7 +9,7 @@
 mod failure;
 mod refusal;
 
-pub use failure::Failure;
+pub use failure::TaskFailure;
 pub use refusal::Refusal;
 
 use std::fmt;
@@ -94,5 +94,5 @@ pub enum Outcome {
     /// As it should: the activity-end of seed 001 (L131-185).
     Done,
     /// Otherwise.
-    Failed(Failure),
+    Failed(TaskFailure),
 }

@@ -1,11 +1,11 @@
 //! Codes go there and back, and records keep their spelling.
 
-use linewright_orders::{Failure, OrderKey, Refusal};
+use linewright_orders::{OrderKey, Refusal, TaskFailure};
 
 #[test]
 fn codes_go_there_and_back() {
     for code in 0..=u16::MAX {
-        assert_eq!(Failure::from_code(code).code(), code);
+        assert_eq!(TaskFailure::from_code(code).code(), code);
         if let Some(refusal) = Refusal::from_code(code) {
             assert_eq!(refusal.code(), code);
         }
@@ -13,9 +13,9 @@ fn codes_go_there_and_back() {
     for refusal in Refusal::ALL {
         assert_eq!(Refusal::from_code(refusal.code()), Some(refusal));
     }
-    assert_eq!(Failure::from_code(999), Failure::Waiting(999));
-    assert_eq!(Failure::from_code(1006), Failure::Stopped);
-    assert_eq!(Failure::from_code(1007), Failure::Other(1007));
+    assert_eq!(TaskFailure::from_code(999), TaskFailure::Waiting(999));
+    assert_eq!(TaskFailure::from_code(1006), TaskFailure::Stopped);
+    assert_eq!(TaskFailure::from_code(1007), TaskFailure::Other(1007));
     assert_eq!([0, 12].map(Refusal::from_code), [None, None]);
 }
 

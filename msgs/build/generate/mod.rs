@@ -7,7 +7,7 @@ mod write;
 pub fn rust(package: &str, file: &str, text: &str) -> Result<String, String> {
     let (name, kind) = file.split_once('.').unwrap_or((file, ""));
     let (doc, sections) = read::interface(text)?;
-    let whole = write::Interface { package, name, doc: &doc };
+    let whole = write::InterfaceText { package, name, doc: &doc };
     match (kind, &sections[..]) {
         ("msg", [message]) => Ok(whole.message(message)),
         ("srv", [request, response]) => Ok(whole.service(request, response)),

@@ -8,26 +8,26 @@ pub type Doc = Vec<String>;
 
 /// What stands between two lines of `---`.
 #[derive(Default)]
-pub struct Section {
-    pub constants: Vec<Constant>,
-    pub fields: Vec<Field>,
+pub struct MessageSection {
+    pub constants: Vec<MessageConstant>,
+    pub fields: Vec<MessageField>,
 }
 
-pub struct Field {
+pub struct MessageField {
     pub doc: Doc,
-    pub kind: Kind,
+    pub kind: FieldType,
     pub name: String,
 }
 
-pub struct Constant {
+pub struct MessageConstant {
     pub doc: Doc,
-    pub kind: Kind,
+    pub kind: FieldType,
     pub name: String,
     pub value: i128,
 }
 
 /// The type of a field.
-pub enum Kind {
+pub enum FieldType {
     /// A number or a truth value, with its name in Rust.
     Plain(&'static str),
     /// Eight bits that are no number.
@@ -36,7 +36,7 @@ pub enum Kind {
     /// A message, by its name without the package.
     Message(String),
     /// A sequence, with the most elements it may have.
-    Sequence(Box<Kind>, Option<usize>),
+    Sequence(Box<FieldType>, Option<usize>),
 }
 
 const PLAIN: [(&str, &str); 9] = [
@@ -52,9 +52,9 @@ const PLAIN: [(&str, &str); 9] = [
 ];
 
 /// The comment about the whole interface, and its sections.
-pub fn interface(text: &str) -> Result<(Doc, Vec<Section>), String> {
+pub fn interface(text: &str) -> Result<(Doc, Vec<MessageSection>), String> {
     let mut head = None;
-    let mut sections = vec![Section::default()];
+    let mut sections = vec![MessageSection::default()];
     let mut comment = Doc::new();
     for (index, line) in text.lines().map(str::trim).enumerate() {
         if let Some(words) = line.strip_prefix('#') {
@@ -65,7 +65,7 @@ pub fn interface(text: &str) -> Result<(Doc, Vec<Section>), String> {
                 head.get_or_insert(remark);
             }
             if line == "---" {
-                sections.push(Section::default());
+                sections.push(MessageSection::default());
             }
         } else if let Some(section) = sections.last_mut() {
             let doc = std::mem::take(&mut comment);
@@ -75,7 +75,7 @@ pub fn interface(text: &str) -> Result<(Doc, Vec<Section>), String> {
     Ok((head.unwrap_or_default(), sections))
 }
 
-fn item(section: &mut Section, doc: Doc, line: &str) -> Result<(), String> {
+fn item(section: &mut MessageSection, doc: Doc, line: &str) -> Result<(), String> {
     let (kind, rest) = line.split_once(' ').ok_or_else(|| format!("`{line}` has no name"))?;
     let kind = self::kind(kind)?;
     if doc.is_empty() {
@@ -84,16 +84,18 @@ fn item(section: &mut Section, doc: Doc, line: &str) -> Result<(), String> {
     match rest.split_once('=') {
         None => {
             let name = named(rest, |c| c.is_ascii_lowercase())?;
-            section.fields.push(Field { doc, kind, name });
+            section.fields.push(MessageField { doc, kind, name });
         }
         Some((name, value)) => {
             let name = named(name, |c| c.is_ascii_uppercase())?;
             let value = value.trim().parse().map_err(|_| format!("`{}` is no decimal number", value.trim()))?;
             match kind {
-                Kind::Plain("bool") | Kind::Text | Kind::Message(_) | Kind::Sequence(..) => {
+                FieldType::Plain("bool") | FieldType::Text | FieldType::Message(_) | FieldType::Sequence(..) => {
                     return Err(format!("the constant {name} is no number"));
                 }
-                Kind::Plain(_) | Kind::Byte => section.constants.push(Constant { doc, kind, name, value }),
+                FieldType::Plain(_) | FieldType::Byte => {
+                    section.constants.push(MessageConstant { doc, kind, name, value })
+                }
             }
         }
     }
@@ -110,26 +112,26 @@ fn named(name: &str, letter: fn(char) -> bool) -> Result<String, String> {
     }
 }
 
-fn kind(text: &str) -> Result<Kind, String> {
+fn kind(text: &str) -> Result<FieldType, String> {
     let unknown = || format!("a type `{text}` is not supported");
     if let Some((element, bound)) = text.strip_suffix(']').and_then(|text| text.split_once('[')) {
         let element = Box::new(kind(element)?);
         return match (&*element, bound.strip_prefix("<=").map(str::parse)) {
-            (Kind::Sequence(..), _) => Err(unknown()),
-            (_, None) if bound.is_empty() => Ok(Kind::Sequence(element, None)),
-            (_, Some(Ok(most))) => Ok(Kind::Sequence(element, Some(most))),
+            (FieldType::Sequence(..), _) => Err(unknown()),
+            (_, None) if bound.is_empty() => Ok(FieldType::Sequence(element, None)),
+            (_, Some(Ok(most))) => Ok(FieldType::Sequence(element, Some(most))),
             _ => Err(unknown()),
         };
     }
     if let Some((_, rust)) = PLAIN.iter().find(|(ros, _)| *ros == text) {
-        return Ok(Kind::Plain(rust));
+        return Ok(FieldType::Plain(rust));
     }
     let message = text.rsplit('/').next().unwrap_or(text);
     match text {
-        "byte" => Ok(Kind::Byte),
-        "string" => Ok(Kind::Text),
+        "byte" => Ok(FieldType::Byte),
+        "string" => Ok(FieldType::Text),
         _ if message.starts_with(|c: char| c.is_ascii_uppercase()) && message.chars().all(|c| c.is_alphanumeric()) => {
-            Ok(Kind::Message(message.to_owned()))
+            Ok(FieldType::Message(message.to_owned()))
         }
         _ => Err(unknown()),
     }

@@ -1,6 +1,6 @@
 //! Writes Rust text: a struct for each message, with its constants, its limits and its place in ROS 2.
 
-use super::read::{Constant, Doc, Field, Kind, Section};
+use super::read::{Doc, FieldType, MessageConstant, MessageField, MessageSection};
 
 /// Messages whose names mean something else in Rust.
 const RENAMED: [(&str, &str); 2] = [("String", "Text"), ("Bool", "Flag")];
@@ -30,24 +30,24 @@ const CHECKED: [&str; 16] = [
 ];
 
 /// What the text is about.
-pub struct Interface<'a> {
+pub struct InterfaceText<'a> {
     pub package: &'a str,
     pub name: &'a str,
     pub doc: &'a Doc,
 }
 
-impl Interface<'_> {
-    pub fn message(&self, section: &Section) -> String {
+impl InterfaceText<'_> {
+    pub fn message(&self, section: &MessageSection) -> String {
         self.structure(&rust_name(self.name), self.name, &self.about(), section)
     }
 
-    pub fn service(&self, request: &Section, response: &Section) -> String {
+    pub fn service(&self, request: &MessageSection, response: &MessageSection) -> String {
         let mut text = self.group("RosService", &["Request", "Response"]);
         text += &self.part("Request", request);
         text + &self.part("Response", response)
     }
 
-    pub fn action(&self, goal: &Section, result: &Section, feedback: &Section) -> String {
+    pub fn action(&self, goal: &MessageSection, result: &MessageSection, feedback: &MessageSection) -> String {
         let mut text = self.group("RosAction", &["Goal", "Result", "Feedback"]);
         text += &self.part("Goal", goal);
         text += &self.part("Result", result);
@@ -55,7 +55,7 @@ impl Interface<'_> {
     }
 
     fn about(&self) -> String {
-        let Interface { package, name, doc } = self;
+        let InterfaceText { package, name, doc } = self;
         format!("{}///\n/// `{package}/{name}` in ROS 2.\n", comment(doc, ""))
     }
 
@@ -77,12 +77,12 @@ impl Interface<'_> {
         PARTS.iter().find(|(ros, _)| *ros == self.name).map_or(self.name, |(_, rust)| rust)
     }
 
-    fn part(&self, part: &str, section: &Section) -> String {
+    fn part(&self, part: &str, section: &MessageSection) -> String {
         let about = format!("/// {part} of [`{}`].\n", self.name);
         self.structure(&format!("{}{part}", self.parts()), &format!("{}_{part}", self.name), &about, section)
     }
 
-    fn structure(&self, rust: &str, ros: &str, about: &str, section: &Section) -> String {
+    fn structure(&self, rust: &str, ros: &str, about: &str, section: &MessageSection) -> String {
         let package = self.package;
         let mut fields: String = section.fields.iter().map(field).collect();
         if section.fields.is_empty() {
@@ -114,23 +114,23 @@ impl Interface<'_> {
     }
 }
 
-fn field(field: &Field) -> String {
+fn field(field: &MessageField) -> String {
     format!("{}    pub {}: {},\n", comment(&field.doc, "    "), field.name, rust_type(&field.kind))
 }
 
-fn constant(constant: &Constant) -> String {
-    let Constant { doc, kind, name, value } = constant;
+fn constant(constant: &MessageConstant) -> String {
+    let MessageConstant { doc, kind, name, value } = constant;
     let (doc, rust) = (comment(doc, "    "), rust_type(kind));
     match kind {
-        Kind::Byte => format!("{doc}    pub const {name}: {rust} = crate::Byte({value});\n"),
+        FieldType::Byte => format!("{doc}    pub const {name}: {rust} = crate::Byte({value});\n"),
         _ => format!("{doc}    pub const {name}: {rust} = {value};\n"),
     }
 }
 
 /// Numbers have no length.
-fn limits(rust: &str, fields: &[Field]) -> String {
-    let long = fields.iter().filter(|field| !matches!(field.kind, Kind::Plain(_) | Kind::Byte));
-    let check = |Field { name, .. }: &Field| {
+fn limits(rust: &str, fields: &[MessageField]) -> String {
+    let long = fields.iter().filter(|field| !matches!(field.kind, FieldType::Plain(_) | FieldType::Byte));
+    let check = |MessageField { name, .. }: &MessageField| {
         format!("        crate::RosField::check_bounds(&self.{name}, &format!(\"{{path}}.{name}\"))?;\n")
     };
     let checks: String = long.map(check).collect();
@@ -145,14 +145,14 @@ fn comment(doc: &Doc, indent: &str) -> String {
     doc.iter().map(|line| format!("{indent}/// {line}").trim_end().to_owned() + "\n").collect()
 }
 
-fn rust_type(kind: &Kind) -> String {
+fn rust_type(kind: &FieldType) -> String {
     match kind {
-        Kind::Plain(rust) => (*rust).to_owned(),
-        Kind::Byte => "crate::Byte".to_owned(),
-        Kind::Text => "String".to_owned(),
-        Kind::Message(name) => rust_name(name),
-        Kind::Sequence(element, None) => format!("Vec<{}>", rust_type(element)),
-        Kind::Sequence(element, Some(most)) => format!("crate::Bounded<{}, {most}>", rust_type(element)),
+        FieldType::Plain(rust) => (*rust).to_owned(),
+        FieldType::Byte => "crate::Byte".to_owned(),
+        FieldType::Text => "String".to_owned(),
+        FieldType::Message(name) => rust_name(name),
+        FieldType::Sequence(element, None) => format!("Vec<{}>", rust_type(element)),
+        FieldType::Sequence(element, Some(most)) => format!("crate::Bounded<{}, {most}>", rust_type(element)),
     }
 }
 

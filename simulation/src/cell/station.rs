@@ -9,7 +9,7 @@ use std::time::Duration;
 
 use linewright_coordinator_cell::{OrderMessage, PartId, Presence, StationUnavailable, TaskReport};
 use linewright_line::Tick;
-use linewright_orders::{Failure, OrderKey, Outcome, RESULTS_MAX, Refusal, Reply};
+use linewright_orders::{OrderKey, Outcome, RESULTS_MAX, Refusal, Reply, TaskFailure};
 
 use crate::rng::Rng;
 
@@ -39,7 +39,7 @@ pub struct SimulatedStation {
     heard: TaskReport,
     doing: Option<(OrderKey, Tick)>,
     /// It is on its way back from what it is doing, and this is why.
-    is_securing: Option<Failure>,
+    is_securing: Option<TaskFailure>,
     /// When the time of what it is doing is over.
     limit: Tick,
     last: u64,
@@ -89,7 +89,7 @@ impl SimulatedStation {
     pub fn bring_to_rest(&mut self, now: Tick) {
         self.is_held = false;
         if let Some((key, _)) = self.doing.take() {
-            self.end(now, key, Outcome::Failed(Failure::Interrupted));
+            self.end(now, key, Outcome::Failed(TaskFailure::Interrupted));
         }
     }
 
@@ -97,7 +97,7 @@ impl SimulatedStation {
     pub(super) fn emergency_stop(&mut self, now: Tick) {
         if let Some((key, _)) = self.doing.take() {
             self.is_held = true;
-            self.end(now, key, Outcome::Failed(Failure::Interrupted));
+            self.end(now, key, Outcome::Failed(TaskFailure::Interrupted));
         }
     }
 
@@ -168,13 +168,15 @@ impl SimulatedStation {
         }
         if self.is_stuck || until > now {
             // Its time is over.
-            (self.doing, self.is_securing) =
-                (Some((key, now + WAY_BACK)), Some(self.waits_code.map_or(Failure::TimedOut, Failure::from_code)));
+            (self.doing, self.is_securing) = (
+                Some((key, now + WAY_BACK)),
+                Some(self.waits_code.map_or(TaskFailure::TimedOut, TaskFailure::from_code)),
+            );
             return None;
         }
         let by_chance = self.failing > 0 && rng.below(self.failing) == 0;
         let code = self.fails_with.take().or(by_chance.then_some(CODE));
-        let outcome = code.map_or(Outcome::Done, |code| Outcome::Failed(Failure::from_code(code)));
+        let outcome = code.map_or(Outcome::Done, |code| Outcome::Failed(TaskFailure::from_code(code)));
         Some((key, self.end(now, key, outcome)))
     }
 
@@ -200,10 +202,15 @@ impl SimulatedStation {
         if self.doing() == Some(key) {
             if self.holds || stop {
                 (self.doing, self.is_held) = (None, true);
-                return Some(self.end(now, key, Outcome::Failed(if stop { Failure::Stopped } else { Failure::Held })));
+                return Some(self.end(
+                    now,
+                    key,
+                    Outcome::Failed(if stop { TaskFailure::Stopped } else { TaskFailure::Held }),
+                ));
             }
             if self.is_securing.is_none() {
-                let failure = self.waits_code.filter(|_| self.is_stuck).map_or(Failure::Cancelled, Failure::from_code);
+                let failure =
+                    self.waits_code.filter(|_| self.is_stuck).map_or(TaskFailure::Cancelled, TaskFailure::from_code);
                 (self.doing, self.is_securing) = (Some((key, now + WAY_BACK)), Some(failure));
             }
             return Some(Reply::Running);
@@ -219,6 +226,6 @@ impl SimulatedStation {
         }
         // Not heard of yet, and not to be done when it is.
         (self.heard.epoch, self.last) = (key.epoch, key.id);
-        Some(self.remember(key, Outcome::Failed(Failure::Cancelled)))
+        Some(self.remember(key, Outcome::Failed(TaskFailure::Cancelled)))
     }
 }

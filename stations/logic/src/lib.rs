@@ -83,7 +83,7 @@ pub use generation::Founding;
 pub use ignored::{Handled, Ignored};
 pub use interlock::{OwnSide, PositionGuard, PositionsKnown};
 pub use order::{
-    Failure, OrderKey, OrderMemory, Outcome, RESULTS_MAX, Refusal, Reply, SlotReport, TaskCommand, TaskOrder,
+    OrderKey, OrderMemory, Outcome, RESULTS_MAX, Refusal, Reply, SlotReport, TaskCommand, TaskFailure, TaskOrder,
     TaskOrderReport,
 };
 pub use panel::{ModeOrder, PanelCommand, RivalCoordinators};

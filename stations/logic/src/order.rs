@@ -5,7 +5,7 @@
 use linewright_line::{RestId, TaskId};
 
 pub use linewright_orders::{
-    EPOCH_AHEAD_MAX, Failure, OrderKey, Outcome, RESULTS_MAX, Refusal, Reply, TaskCommand, TaskOrder,
+    EPOCH_AHEAD_MAX, OrderKey, Outcome, RESULTS_MAX, Refusal, Reply, TaskCommand, TaskFailure, TaskOrder,
 };
 
 /// What a station says of its orders: everything, each time.

@@ -16,7 +16,7 @@ use linewright_node_shell::{
     stamp,
 };
 use linewright_station_logic::{
-    Controller, Failure, OrderKey, Outcome, Refusal, Reply, SlotReport, StationReport, TaskCommand, TaskOrder,
+    Controller, OrderKey, Outcome, Refusal, Reply, SlotReport, StationReport, TaskCommand, TaskFailure, TaskOrder,
     TaskOrderReport,
 };
 use tokio::sync::mpsc;
@@ -249,7 +249,7 @@ fn feedback(line: &Line, controller: &Controller, slot: &SlotReport) -> RunTaskF
 const fn end_of(outcome: Outcome) -> (u8, u16) {
     match outcome {
         Outcome::Done => (RunTaskResult::END_DONE, 0),
-        Outcome::Failed(Failure::Cancelled) => (RunTaskResult::END_SECURED, Failure::Cancelled.code()),
+        Outcome::Failed(TaskFailure::Cancelled) => (RunTaskResult::END_SECURED, TaskFailure::Cancelled.code()),
         Outcome::Failed(failure) => (RunTaskResult::END_FAILED, failure.code()),
     }
 }

@@ -15,7 +15,7 @@ use linewright_coordinator_cell::{
     PlayerState, ProductionCommand, ProductionCommandError, ProductionId, Record, RecordKind, Reply, TaskReport,
 };
 use linewright_line::{StationId, Tick};
-use linewright_orders::Failure as Ended;
+use linewright_orders::TaskFailure;
 
 pub const C1: &str = include_str!("../../../../launch-config/lines/workcell-c1/cell.toml");
 pub const ASSEMBLY: &str = include_str!("../../../../launch-config/lines/assembly-cell/cell.toml");
@@ -160,7 +160,7 @@ impl Shop {
                         inputs.push(PlayerInput::Secured(
                             station,
                             key,
-                            Reply::Ended(Outcome::Failed(Ended::Waiting(7))),
+                            Reply::Ended(Outcome::Failed(TaskFailure::Waiting(7))),
                         ));
                         continue;
                     }
@@ -172,7 +172,7 @@ impl Shop {
                 let fails = self.fails.get_mut(&firing.mode).filter(|left| **left > 0);
                 let outcome = fails.map_or(Outcome::Done, |left| {
                     *left -= 1;
-                    Outcome::Failed(Ended::Waiting(7))
+                    Outcome::Failed(TaskFailure::Waiting(7))
                 });
                 let key = (firing.began + takes, order.order.key);
                 self.doing.insert(key, (order.station, outcome));

@@ -6,7 +6,7 @@ use linewright_coordinator_cell::{
     TaskReport,
 };
 use linewright_line::{StationId, Tick};
-use linewright_orders::Failure as Ended;
+use linewright_orders::TaskFailure;
 
 use super::crash::merged;
 use super::plans::Compiled;
@@ -139,7 +139,7 @@ fn an_unanswered_order_is_repeated_with_its_key_and_what_is_left_of_its_time() {
 fn a_code_fails_it_and_what_other_stations_do_meanwhile_is_kept() {
     let mut bench = Bench::new();
     bench.at(10, &[running(ROBOT, 1), running(MACHINE, 2)]);
-    bench.at(20, &[PlayerInput::Reply(MACHINE, key(2), Reply::Ended(Outcome::Failed(Ended::Waiting(12))))]);
+    bench.at(20, &[PlayerInput::Reply(MACHINE, key(2), Reply::Ended(Outcome::Failed(TaskFailure::Waiting(12))))]);
     bench.at(30, &[done(ROBOT, 1)]);
     let states: Vec<_> =
         bench.player.state().firings().next().unwrap().orders.iter().map(|order| order.state).collect();

@@ -10,7 +10,7 @@ use linewright_line::{InputId, Line, Tick, suggestion};
 use linewright_msgs::{
     OrderEnd, OrderState, ProductionRequest, RunTaskGoal, RunTaskResult, SetResourceRequest, StationState, Time,
 };
-use linewright_orders::{Failure, OrderKey, Outcome, Refusal, Reply};
+use linewright_orders::{OrderKey, Outcome, Refusal, Reply, TaskFailure};
 
 /// Why a station could do nothing now, as its state says.
 pub fn unable(state: &StationState) -> Option<StationUnavailable> {
@@ -85,7 +85,7 @@ fn key(end: &OrderEnd) -> OrderKey {
 }
 
 fn outcome(end: &OrderEnd) -> Outcome {
-    if end.end == RunTaskResult::END_DONE { Outcome::Done } else { Outcome::Failed(Failure::from_code(end.code)) }
+    if end.end == RunTaskResult::END_DONE { Outcome::Done } else { Outcome::Failed(TaskFailure::from_code(end.code)) }
 }
 
 /// An order, as its station's action takes it.
@@ -194,7 +194,7 @@ mod tests {
         let key = |id| OrderKey { epoch: 2, id };
         let (state, refused) = heard(&message, None, None);
         assert_eq!((state.memory, state.epoch, state.slot), (9, 2, Some(key(5))));
-        assert_eq!(state.results, [(key(3), Outcome::Done), (key(4), Outcome::Failed(Failure::Cancelled))]);
+        assert_eq!(state.results, [(key(3), Outcome::Done), (key(4), Outcome::Failed(TaskFailure::Cancelled))]);
         assert_eq!(refused, [(key(1), Reply::Refused(Refusal::Late))], "what is not known is not believed");
         (message.doing_epoch, message.doing_id, message.phase) = (0, 0, 0);
         assert_eq!(heard(&message, None, None).0.slot, None);
@@ -212,7 +212,7 @@ mod tests {
         message.ended = Bounded::new(vec![end]).expect("one");
         assert_eq!(
             secured(&message, &heard(&message, None, None).0),
-            Some((key(5), Reply::Ended(Outcome::Failed(Failure::Held))))
+            Some((key(5), Reply::Ended(Outcome::Failed(TaskFailure::Held))))
         );
         (message.doing_epoch, message.doing_id, message.phase) = (2, 5, 2);
         assert_eq!(

@@ -3,7 +3,7 @@
 use std::time::Duration;
 
 use linewright_line::net::ControlMode;
-use linewright_station_logic::{Failure, Handled, Ignored, Outcome, Refusal, Reply, TaskOrder};
+use linewright_station_logic::{Handled, Ignored, Outcome, Refusal, Reply, TaskFailure, TaskOrder};
 
 use super::bench::{Bench, key, order};
 
@@ -137,7 +137,7 @@ fn after_a_fault_it_takes_nothing_on_until_somebody_has_been_there() {
     m1.run(&order(2, "machine"));
     m1.arrive();
     m1.set("F_mill", true);
-    assert_eq!(m1.result(key(1, 2)), Some(Outcome::Failed(Failure::Fault)));
+    assert_eq!(m1.result(key(1, 2)), Some(Outcome::Failed(TaskFailure::Fault)));
     m1.set("F_mill", false);
     assert_eq!(refused(&mut m1, &order(3, "machine")), Refusal::Incomplete);
 }
