@@ -85,7 +85,6 @@ struct Bench {
     advance: Publisher<Flag>,
     /// The bus of the bar's devices.
     bar_bus: CanBus,
-    /// That of the console.
     console: CanBus,
     console_node: u8,
     console_inputs: usize,

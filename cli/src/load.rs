@@ -17,7 +17,6 @@ pub fn file_of(path: &Path) -> PathBuf {
 
 /// The descriptions that a path means.
 pub struct Files {
-    /// Of a line.
     pub line: Option<PathBuf>,
     /// Of a flexible cell.
     pub cell: Option<PathBuf>,
@@ -123,7 +122,6 @@ pub fn text(path: &Path, most: usize, what: &str) -> miette::Result<String> {
     String::from_utf8(bytes).into_diagnostic().wrap_err_with(|| format!("cannot read {}", path.display()))
 }
 
-/// The station of this name.
 pub fn station(line: &Line, name: &str) -> miette::Result<StationId> {
     line.station_named(name).ok_or_else(|| {
         let known: Vec<&str> = line.stations.iter().map(|s| s.name.as_str()).collect();

@@ -36,7 +36,6 @@ pub enum ParamValue {
     Double(f64),
     /// Anything else, or quoted.
     Text(String),
-    /// `[a, b]`.
     List(Vec<ParamValue>),
 }
 
@@ -47,7 +46,6 @@ pub struct Param {
     pub node: Option<String>,
     /// Parameter name, with dots between its parts.
     pub name: String,
-    /// Value.
     pub value: ParamValue,
 }
 
@@ -58,9 +56,7 @@ pub struct RosArgs {
     pub remaps: Vec<Remap>,
     /// Parameters in the order given; ask [`param`](Self::param).
     pub params: Vec<Param>,
-    /// `--log-level`.
     pub log_level: Option<LogLevel>,
-    /// `ROS_DOMAIN_ID`.
     pub domain_id: u16,
     /// Discovery range if the environment names one. Nothing named means this machine only.
     pub range: Option<Range>,
@@ -73,22 +69,14 @@ pub struct RosArgs {
 pub enum ArgsError {
     /// Neither an option nor anything else we know.
     #[error("unknown ROS argument '{argument}' (a '--' ends the ROS arguments)")]
-    Unknown {
-        /// The argument.
-        argument: String,
-    },
+    Unknown { argument: String },
     /// An option at the end, without its value.
     #[error("'{option}' needs a value after it")]
-    NoValue {
-        /// The option.
-        option: String,
-    },
+    NoValue { option: String },
     /// No `:=`, or nothing on one side of it.
     #[error("'{option} {value}': expected {expected}")]
     Malformed {
-        /// The option.
         option: String,
-        /// Its value.
         value: String,
         /// What it should look like.
         expected: &'static str,
@@ -97,16 +85,10 @@ pub enum ArgsError {
     #[error(
         "'--params-file {file}': parameter files are not read; a line is set up by its description, give single parameters with -p name:=value"
     )]
-    ParamsFile {
-        /// The file.
-        file: String,
-    },
+    ParamsFile { file: String },
     /// Not a level.
     #[error("'--log-level {value}': expected debug, info, warn, error or fatal")]
-    LogLevel {
-        /// The value.
-        value: String,
-    },
+    LogLevel { value: String },
     /// The environment is at fault.
     #[error(transparent)]
     Environment(#[from] EnvironmentError),

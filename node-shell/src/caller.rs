@@ -31,7 +31,6 @@ pub enum CallError {
     /// Nobody has answered.
     #[error("{service}: no answer within {} ms", within.as_millis())]
     NoAnswer {
-        /// The service.
         service: String,
         /// How long it was waited.
         within: Duration,
@@ -39,15 +38,13 @@ pub enum CallError {
     /// The answer makes no sense.
     #[error("{service}: {invalid}")]
     Invalid {
-        /// The service.
         service: String,
-        /// Why.
+        /// Field and limit that is violated.
         invalid: Invalid,
     },
     /// The middleware has failed.
     #[error("{service}: {reason}")]
     Middleware {
-        /// The service.
         service: String,
         /// Its words.
         reason: String,

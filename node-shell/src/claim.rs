@@ -39,7 +39,7 @@ pub enum ClaimError {
         what: String,
         /// Who holds it.
         holder: String,
-        /// What to do.
+        /// Remedy.
         advice: &'static str,
     },
     /// The name or namespace is none.

@@ -37,19 +37,19 @@ pub enum EnvironmentError {
     /// Not a number from 0 to 232.
     #[error("ROS_DOMAIN_ID is '{value}', expected a number from 0 to {DOMAIN_ID_MAX}")]
     DomainId {
-        /// What it was.
+        /// Value found in the environment.
         value: String,
     },
     /// Not one of the four ranges.
     #[error("ROS_AUTOMATIC_DISCOVERY_RANGE is '{value}', expected SUBNET, LOCALHOST, OFF or SYSTEM_DEFAULT")]
     DiscoveryRange {
-        /// What it was.
+        /// Value found in the environment.
         value: String,
     },
     /// Neither 0 nor 1.
     #[error("ROS_LOCALHOST_ONLY is '{value}', expected 0 or 1")]
     LocalhostOnly {
-        /// What it was.
+        /// Value found in the environment.
         value: String,
     },
 }

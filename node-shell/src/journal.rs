@@ -3,7 +3,7 @@
 //! Two slots in one file are written in turn, each with a number and a checksum; on opening, the valid slot with the
 //! higher number is the record. A kill in the middle of a write spoils one slot and leaves the other. A write is one
 //! system call into the page cache, some microseconds, so a controller can afford it before every output it changes. Where
-//! the disk is behind, the call takes as long as the disk; see [`crate::Recorder`].
+//! the disk is behind, the call takes as long as the disk; see [`crate::JournalWriter`].
 //!
 //! It is not flushed to the disk: after a power cut the record may be an older one, or gone. The mechanisms have then
 //! moved without their controller, and a person has to look at them anyway.
@@ -26,21 +26,16 @@ pub enum JournalError {
     /// The file system refuses.
     #[error("cannot use journal {path}: {error}")]
     File {
-        /// The journal.
         path: PathBuf,
         /// The system's reason.
         error: io::Error,
     },
     /// The thread that wrote it has failed.
     #[error("journal {path} cannot be written any more: the thread that wrote it has failed; see the log")]
-    Thread {
-        /// The journal.
-        path: PathBuf,
-    },
+    Thread { path: PathBuf },
     /// The record does not fit a slot.
     #[error("a record of {bytes} bytes does not fit journal {path}, which holds {most}")]
     TooLarge {
-        /// The journal.
         path: PathBuf,
         /// The record.
         bytes: usize,

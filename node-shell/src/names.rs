@@ -16,7 +16,6 @@ pub enum NameError {
     /// A character outside letters, digits, `_`, `/` and a leading `~/`.
     #[error("'{name}' contains {bad:?}; allowed are letters, digits, '_' and '/'")]
     Character {
-        /// The name.
         name: String,
         /// The first offender.
         bad: char,
@@ -24,17 +23,13 @@ pub enum NameError {
     /// A part that is empty, starts with a digit or holds `__`.
     #[error("'{name}' has a part '{part}'; parts are not empty, start with no digit and hold no '__'")]
     Part {
-        /// The name.
         name: String,
         /// The offending part.
         part: String,
     },
     /// `~` anywhere but as `~/…` at the start.
     #[error("'{name}': '~' stands only at the start, followed by '/'")]
-    Tilde {
-        /// The name.
-        name: String,
-    },
+    Tilde { name: String },
 }
 
 /// Expands a topic name for the node `namespace`/`node` and checks it.
@@ -109,7 +104,7 @@ pub struct Remap {
     pub node: Option<String>,
     /// What is replaced.
     pub target: RemapTarget,
-    /// By what.
+    /// Replacement.
     pub to: String,
 }
 

@@ -30,7 +30,6 @@ pub enum OpenError {
     /// DDS refused.
     #[error("cannot open ROS domain {domain_id}: {reason}")]
     Participant {
-        /// Domain.
         domain_id: u16,
         /// The middleware's words.
         reason: String,

@@ -14,14 +14,10 @@ use thiserror::Error;
 pub enum SendError {
     /// Some reliable reader has not acknowledged thousands of messages; it is most likely dead.
     #[error("{topic}: the send window is full, a reader has stopped acknowledging")]
-    WindowFull {
-        /// Topic.
-        topic: String,
-    },
+    WindowFull { topic: String },
     /// Anything else the middleware says.
     #[error("{topic}: {reason}")]
     Middleware {
-        /// Topic.
         topic: String,
         /// The middleware's words.
         reason: String,

@@ -27,7 +27,6 @@ pub struct MessageSource {
 #[derive(Debug, Clone, PartialEq, Eq, Error)]
 #[error("{topic}: the middleware failed: {reason}")]
 pub struct RecvError {
-    /// Topic.
     pub topic: String,
     /// The middleware's words.
     pub reason: String,

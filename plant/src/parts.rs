@@ -68,7 +68,7 @@ pub enum Mishap {
         part: PartNo,
         /// By which hand.
         hand: HolderId,
-        /// Where.
+        /// Nest position that is blocked.
         spot: Spot,
     },
 }

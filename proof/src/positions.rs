@@ -36,7 +36,7 @@ pub struct PositionRules {
 }
 
 impl PositionRules {
-    /// All of them.
+    /// All rules in force; what a machine has.
     pub const ALL: PositionRules = PositionRules { starts: true, stops: true };
 }
 

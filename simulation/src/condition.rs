@@ -10,15 +10,10 @@ use crate::sim::LineSim;
 /// A comparison.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum Compare {
-    /// `<`
     Less,
-    /// `<=`
     AtMost,
-    /// `==`
     Equal,
-    /// `>=`
     AtLeast,
-    /// `>`
     More,
 }
 
@@ -65,15 +60,12 @@ pub enum ScenarioCondition {
     Cycles(Compare, i64),
     /// The mode of the line.
     Mode(ControlMode),
-    /// A station.
     Station(StationId, StationCondition),
-    /// Every station.
     Every(StationCondition),
-    /// An operation.
     Operation((StationId, OpId), OperationCondition),
     /// The cycle in which an operation was last done.
     Count((StationId, OpId), Compare, i64),
-    /// All of them.
+    /// Every one of these holds.
     All(Vec<ScenarioCondition>),
 }
 

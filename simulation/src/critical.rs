@@ -17,7 +17,6 @@ use crate::record::{LastWait, MotionEnd, RecordedMotion, RunRecord};
 /// One motion of the chain.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct CriticalMotion {
-    /// The motion.
     pub motion: RecordedMotion,
     /// From the end of the motion that caused it to its start: messages, and nothing else.
     pub late: Duration,

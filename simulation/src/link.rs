@@ -177,7 +177,6 @@ impl Link {
         self.say_state(now, network, is_known, version, || LinkPayload::Heard(heard));
     }
 
-    /// Says the order.
     pub(crate) fn say_order(&mut self, now: Tick, network: &Network, order: ModeOrder, version: u64) {
         let is_known = matches!(&self.said, Some(LinkPayload::Order(before)) if *before == order);
         self.say_state(now, network, is_known, version, || LinkPayload::Order(order));

@@ -20,9 +20,8 @@ pub enum LogKind {
 /// One line of the log.
 #[derive(Clone, Debug, PartialEq)]
 pub struct SimLogEntry {
-    /// When.
+    /// Time of the event, in µs of the caller's clock.
     pub at: Tick,
-    /// What.
     pub what: LogKind,
 }
 

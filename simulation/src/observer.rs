@@ -69,7 +69,6 @@ impl ConflictObserver {
         }
     }
 
-    /// Looks at the conflicts of a station.
     pub(crate) fn look(&mut self, line: &Line, field: &SimulatedField, station: usize) {
         for at in 0..self.of[station].len() {
             self.look_at(line, field, self.of[station][at]);

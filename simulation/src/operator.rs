@@ -29,11 +29,9 @@ pub enum NodeProcess {
 /// Which motions of an operation.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum MotionSelection {
-    /// The normal one.
     Normal,
     /// The one that undoes it.
     Recovery,
-    /// Both.
     Both,
 }
 
@@ -44,7 +42,6 @@ pub enum OperatorAction {
     Command(ModeCommand),
     /// A panel button goes down (`true`) or up, advance (`true`) or return.
     Panel {
-        /// At which station.
         station: StationId,
         /// Advance rather than return.
         advance: bool,

@@ -61,7 +61,6 @@ impl NetworkChange {
 pub struct SimOptions {
     /// What everything random follows from.
     pub seed: u64,
-    /// The network.
     pub network: Network,
     /// Whether process images travel as they do on a shop floor, in frames on buses, in messages through the gateway, and
     /// every message whole and numbered. Otherwise images are there at once and a repetition costs next to nothing.

@@ -29,7 +29,6 @@ pub enum LastWait {
 pub enum MotionEnd {
     /// Not yet.
     Open,
-    /// At its end.
     Done,
     /// Before its end.
     Stopped(StopCause),
@@ -38,7 +37,6 @@ pub enum MotionEnd {
 /// One motion.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct RecordedMotion {
-    /// Whose.
     pub station: StationId,
     /// Of which operation.
     pub op: OpId,
@@ -50,9 +48,8 @@ pub struct RecordedMotion {
     pub start: Tick,
     /// When it ended; meaningless while it is open.
     pub end: Tick,
-    /// How.
+    /// How the motion ended.
     pub ended: MotionEnd,
-    /// What it waited for last.
     pub by: LastWait,
 }
 
@@ -69,13 +66,11 @@ pub struct ArrowWait {
 /// A motion that stopped on a fault.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub struct FaultSeen {
-    /// When.
+    /// Time of the event, in µs of the caller's clock.
     pub at: Tick,
-    /// Whose.
     pub station: StationId,
     /// Of which operation.
     pub op: OpId,
-    /// Why.
     pub cause: StopCause,
 }
 

@@ -37,15 +37,14 @@ pub enum RunEnd {
     Done,
     /// A conflict of the description happened, or drives both ways of an axis came on at once: see [`LineSim::conflicts`].
     Conflict,
-    /// A station lost or doubled a cycle: see [`crate::Record::errors`].
+    /// A station lost or doubled a cycle: see [`crate::RunRecord::errors`].
     Miscounted,
     /// Nothing has happened for so long that nothing will. With what each station waits for.
     Stuck(Vec<String>),
     /// A step of the scenario failed; from 0, not counting start and auto. `None` is start and auto themselves.
     Failed {
-        /// Which step.
         step: Option<usize>,
-        /// Why.
+        /// Reason of the failure.
         why: String,
     },
     /// Something happens again and again and no time passes: a bug.

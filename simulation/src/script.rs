@@ -53,7 +53,6 @@ pub struct ScriptStep {
 /// Steps in their order.
 #[derive(Clone, Debug, Default, PartialEq)]
 pub struct Script {
-    /// The steps.
     pub steps: Vec<ScriptStep>,
 }
 
@@ -76,12 +75,19 @@ const PRESS_PATIENCE: Duration = Duration::from_secs(2);
 enum ScriptPhase {
     /// For its time and its condition.
     Waits,
-    /// For its delay.
     Delayed(Tick),
     /// For an answer to its command, first given then; given again at the second.
-    Asked { since: Tick, again: Tick, answers: usize },
+    Asked {
+        since: Tick,
+        again: Tick,
+        answers: usize,
+    },
     /// For the motion that a held button begins.
-    Jogs { since: Tick, begun: bool, before: usize },
+    Jogs {
+        since: Tick,
+        begun: bool,
+        before: usize,
+    },
     /// Until a button goes up.
     Holds(Tick),
 }

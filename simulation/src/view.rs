@@ -13,7 +13,6 @@ use crate::record::RunRecord;
 use crate::sim::LineSim;
 
 impl LineSim {
-    /// The line.
     pub fn line(&self) -> &Line {
         &self.line
     }

@@ -88,7 +88,6 @@ impl Observer {
         }
     }
 
-    /// Looks at the plant.
     pub fn look(&mut self, plant: &Plant) {
         self.looks += 1;
         let at = |(station, axis): (StationId, AxisId)| plant.position(station, axis);

@@ -72,7 +72,6 @@ impl Sim {
         self.act(OperatorAction::Fail(self.op(station, operation), MotionSelection::Recovery, fault));
     }
 
-    /// Repairs an operation.
     pub fn repair(&mut self, station: &str, operation: &str) {
         self.act(OperatorAction::Fail(self.op(station, operation), MotionSelection::Both, None));
     }

@@ -98,7 +98,6 @@ impl Sim {
         self.sim.run_to(end);
     }
 
-    /// Runs for a time.
     pub fn run_for(&mut self, time: Duration) {
         self.run_to(self.now() + time);
     }

@@ -14,7 +14,7 @@ use crate::tidy;
 /// How much of it.
 #[derive(Clone, Copy, PartialEq, Eq)]
 pub enum Extent {
-    /// All of it.
+    /// All parts.
     Everything,
     /// What takes seconds once it is built.
     Quick,

@@ -60,7 +60,7 @@ enum NmtTarget {
 /// Order a node to another state.
 #[derive(Debug, Args)]
 pub struct NmtArgs {
-    /// What to do.
+    /// NMT state to command.
     order: NmtRequest,
     /// Who is to do it: a node id, or `all`.
     #[arg(value_parser = whom)]

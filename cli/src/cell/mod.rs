@@ -25,7 +25,7 @@ pub use operate::{AnswerArgs, OrderArgs, ResourceArgs, WhyArgs, answer, order, r
 
 /// A request that is sent before the other side is discovered gets no answer: so it is asked again, this long each time.
 const ANSWER: Duration = Duration::from_millis(700);
-/// How often.
+/// Attempts before a service counts as missing.
 const TRIES: u32 = 10;
 
 /// So long after a first state a newer one may still come: it is told ten times a second when something changes.

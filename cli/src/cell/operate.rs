@@ -47,7 +47,7 @@ enum OrderOperation {
 struct Submit {
     /// What is to be made: one of the cell's part types.
     product: String,
-    /// How many.
+    /// Number of parts, from 1.
     #[arg(default_value_t = 1)]
     quantity: u32,
     /// What to call it; by default what it makes, and the time.

@@ -38,9 +38,7 @@ pub struct ByThemselves {
 /// The switches of one side.
 #[derive(Debug, Serialize)]
 pub struct Clearance {
-    /// The station.
     pub station: String,
-    /// Its inputs.
     pub inputs: Vec<String>,
 }
 

@@ -40,7 +40,6 @@ pub struct CellReport {
     pub sound_parts: Option<u32>,
     /// What was explored: resources that have nothing to do with each other, each for itself.
     pub groups: Vec<GroupReport>,
-    /// One by one.
     pub properties: Vec<CellFinding>,
     /// What is suspicious about the text.
     pub warnings: Vec<TextPlace>,
@@ -51,7 +50,6 @@ pub struct CellReport {
 /// One exploration.
 #[derive(Debug, Serialize)]
 pub struct GroupReport {
-    /// The resources.
     pub resources: Vec<String>,
     /// With so many parts at once; the figures are those of this search.
     pub parts: u32,
@@ -74,7 +72,7 @@ pub struct CellFinding {
     pub name: &'static str,
     /// `holds`, `fails`, `undecided` or `remark`.
     pub verdict: &'static str,
-    /// Why.
+    /// Reason of the verdict.
     pub reason: String,
     /// What can be done about it.
     #[serde(skip_serializing_if = "Option::is_none")]
@@ -98,7 +96,7 @@ pub struct CellCounterexample {
 /// A resource at the end of a story.
 #[derive(Debug, Serialize)]
 pub struct FinalResource {
-    /// Which.
+    /// Name, as in the description.
     pub name: String,
     /// How many parts it can hold or carry.
     pub capacity: u32,
@@ -109,7 +107,6 @@ pub struct FinalResource {
 /// A part at the end of a story.
 #[derive(Debug, Serialize)]
 pub struct FinalPart {
-    /// Which.
     pub part: String,
     /// How far it is.
     pub stage: String,

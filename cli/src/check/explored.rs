@@ -124,7 +124,7 @@ pub struct LineFinding {
     pub name: String,
     /// `holds`, `fails`, `undecided` or `remark`.
     pub verdict: &'static str,
-    /// Why.
+    /// Reason of the verdict.
     pub reason: String,
     /// How it comes to be, where it fails.
     #[serde(skip_serializing_if = "Option::is_none")]

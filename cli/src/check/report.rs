@@ -33,7 +33,6 @@ pub struct CheckReport {
     pub line: Option<String>,
     /// Nothing speaks against running it.
     pub ok: bool,
-    /// Station by station.
     pub stations: Vec<StructureReport>,
     /// What concerns the whole line.
     pub line_checks: Vec<Check>,

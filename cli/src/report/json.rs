@@ -98,13 +98,13 @@ struct JsonOrders {
 /// A production order.
 #[derive(Default, Serialize)]
 pub struct JsonProductionOrder {
-    /// Its number.
+    /// Number, unique in its cell and rising.
     pub id: u64,
-    /// Its name.
+    /// Name, as in the description.
     pub name: String,
     /// What it makes.
     pub product: String,
-    /// How many.
+    /// Number of parts, from 1.
     pub quantity: u32,
     /// How it stands, in a word.
     pub state: &'static str,

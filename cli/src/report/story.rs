@@ -16,7 +16,6 @@ use super::when::{self, Zone};
 pub struct ReportSource {
     /// The database, as it was at one moment.
     pub reader: HistoryReader,
-    /// What it is about.
     pub about: CellAbout,
     /// How times are shown.
     pub zone: Zone,
@@ -100,7 +99,6 @@ impl ReportSource {
         when::show(tick, self.about.clock, self.zone)
     }
 
-    /// The report as text.
     pub fn text(&self) -> String {
         let missing = self.missing.iter().map(|(from, to)| format!("records {from} to {to} of the log are missing\n"));
         let (title, from, to) = (&self.about.title, self.show(self.from), self.show(self.to));

@@ -159,7 +159,6 @@ impl RunTally {
         }
     }
 
-    /// The report.
     pub fn report(&self, mode: &str, observer: &BusObserver, restarts: u32, error: Option<String>) -> RunReport {
         let mut stations = serde_json::Map::new();
         for (id, tally) in self.line.station_ids().zip(&self.stations) {

@@ -17,9 +17,7 @@ pub type OperationSpan = (f64, f64);
 
 /// One operation of the drawn cycle.
 pub struct OperationRow {
-    /// Whose.
     pub station: StationId,
-    /// Which.
     pub op: OpId,
     /// By the description alone.
     pub planned: Option<OperationSpan>,
@@ -44,7 +42,6 @@ pub struct SimulationReport {
     pub planned_s: f64,
     /// The cycle that is drawn.
     pub drawn: i32,
-    /// Its operations.
     pub rows: Vec<OperationRow>,
     /// The chain that determines the cycle time.
     pub critical: Option<CriticalPath>,
@@ -57,7 +54,6 @@ pub struct SimulationReport {
 }
 
 impl SimulationReport {
-    /// The report of a run that has ended.
     pub fn new(sim: &LineSim, end: &RunEnd, goal: &RunGoal, scenario: Option<&Scenario>) -> Self {
         let (line, record) = (sim.line(), sim.record());
         let origin = record.began().map_or(0.0, |began| began.as_micros() as f64);

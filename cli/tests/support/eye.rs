@@ -134,7 +134,6 @@ impl Seen {
         &self.starts
     }
 
-    /// Frames seen.
     pub fn frames(&self) -> u64 {
         self.frames
     }

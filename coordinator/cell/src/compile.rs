@@ -66,7 +66,6 @@ pub enum Unplayable {
     Parameter {
         /// What gives the order.
         activity: String,
-        /// Its parameter.
         parameter: String,
     },
     /// The table is refused.

@@ -22,7 +22,7 @@ use super::serial;
 #[derive(Clone, Debug, PartialEq, Eq, Serialize, Deserialize)]
 #[serde(deny_unknown_fields)]
 pub struct OngoingActivity {
-    /// Its number.
+    /// Number of the activity, unique in its cell.
     pub id: FiringId,
     /// What it is; the table knows what it has taken and will give.
     pub mode: ModeId,
@@ -33,7 +33,7 @@ pub struct OngoingActivity {
     pub began: Tick,
     /// What stations were told, as the activity lists it.
     pub orders: Vec<OngoingOrder>,
-    /// Where it is.
+    /// Current phase.
     pub phase: ActivityPhase,
     /// Before this no limit runs out.
     #[serde(with = "serial::micros")]
@@ -56,7 +56,7 @@ pub enum ActivityPhase {
 pub struct OngoingOrder {
     /// What the station knows it by.
     pub key: OrderKey,
-    /// To whom.
+    /// Station that gets the order.
     #[serde(with = "serial::station")]
     pub station: StationId,
     /// What has been heard of it.
@@ -85,9 +85,7 @@ pub enum OrderProgress {
 pub(super) enum PendingRecord {
     /// Nothing yet.
     Wait,
-    /// That it has ended.
     End,
-    /// That it has failed.
     Fail(ActivityFailure),
 }
 

@@ -45,7 +45,7 @@ number! {
 }
 
 number! {
-    /// A resource, by its position in [`super::Handling`].
+    /// A resource, by its position in [`super::RecoveryPolicy`].
     ResourceId(u32), "resource"
 }
 number! {

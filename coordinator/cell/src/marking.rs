@@ -55,7 +55,6 @@ impl CellMarking {
         &self.counts
     }
 
-    /// The count of a cell.
     pub fn count(&self, cell: CellId) -> u64 {
         self.counts[cell.index()]
     }

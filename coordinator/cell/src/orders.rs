@@ -29,22 +29,15 @@ pub enum PlayerInput<'a> {
     /// Somebody asks for something to be made, or not to be made, and waits for a reply.
     Production(RequestId, ProductionCommand<'a>),
     /// A person's answer to an alarm.
-    Answer {
-        /// Which.
-        alarm: AlarmId,
-        /// One of its words.
-        word: &'a str,
-    },
+    Answer { alarm: AlarmId, word: &'a str },
     /// A person gives alarm of a resource: what it is doing is stopped.
     Alarm {
-        /// Which.
         resource: ResourceId,
-        /// Why.
+        /// Text of the operator; may be empty.
         text: &'a str,
     },
     /// A person says that a resource is not to be counted on, or is again. What it is doing it finishes.
     Resource {
-        /// Which.
         resource: ResourceId,
         /// Again.
         up: bool,
@@ -134,9 +127,8 @@ pub enum CellMessage {
     /// Leave an order, and go back to where it began as far as that goes by itself. Who has done it already has; who has
     /// not heard of it is not to do it.
     Secure {
-        /// Who.
+        /// Station to be secured.
         station: StationId,
-        /// Which order.
         key: OrderKey,
         /// Do not go back: stop at once, and stand there.
         stop: bool,
@@ -146,11 +138,11 @@ pub enum CellMessage {
 /// An order as its station gets it.
 #[derive(Clone, Debug, PartialEq, Eq)]
 pub struct OrderMessage {
-    /// Who.
+    /// Station that gets the order.
     pub station: StationId,
     /// The part it is about.
     pub part: Option<PartId>,
-    /// What. Its limit is counted from now.
+    /// Its limit is counted from now.
     pub order: TaskOrder,
 }
 
@@ -159,9 +151,8 @@ pub struct OrderMessage {
 pub enum Sending {
     /// Not sent yet.
     Unsent,
-    /// Sent.
     Sent {
-        /// How often.
+        /// Transmissions so far.
         tries: u32,
         /// When last.
         at: Tick,
@@ -175,12 +166,12 @@ pub enum CellEvent {
     BadAnswer {
         /// The number of the question.
         question: u64,
-        /// Why.
+        /// Reason why the dispatch decision is not valid.
         why: BadAnswer,
     },
     /// A station knows a later life of the coordinator. This one starts and sends nothing more.
     Superseded {
-        /// Who says so.
+        /// Station that reports the newer epoch.
         by: StationId,
         /// Which life it knows.
         epoch: u64,
@@ -189,7 +180,7 @@ pub enum CellEvent {
     Objected {
         /// What that was.
         to: ResourceRequest,
-        /// Why not.
+        /// Reason why the request was not applied.
         why: AlarmAnswerRefusal,
     },
     /// So much has happened by itself or was started at one moment that it goes on in the next step. If this comes again

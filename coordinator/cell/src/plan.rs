@@ -60,7 +60,6 @@ pub enum CellKind {
 /// Which of the parts of a cell can be taken.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum PartPick {
-    /// Any.
     Any,
     /// The one that has been there longest.
     Oldest,
@@ -98,9 +97,8 @@ pub enum ActivityTiming {
 /// What one station is told.
 #[derive(Clone, Debug, PartialEq, Eq)]
 pub struct PlayedOrderTemplate {
-    /// Who.
+    /// Station that gets the order.
     pub station: StationId,
-    /// Which of its tasks.
     pub task: Arc<str>,
     /// The task's parameters.
     pub parameters: Vec<(Arc<str>, TaskParameterValue)>,

@@ -35,7 +35,7 @@ pub struct Question<'a> {
 /// A mode that could start.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub struct Candidate {
-    /// Which.
+    /// Net mode (transition with its colours).
     pub mode: ModeId,
     /// How often, if nobody else took anything; at least 1.
     pub times: u32,
@@ -67,7 +67,6 @@ impl<'a> Question<'a> {
 /// What a dispatcher says.
 #[derive(Clone, Debug, Default, PartialEq, Eq)]
 pub struct DispatchDecision {
-    /// What is to start.
     pub start: Vec<Start>,
     /// What is not, and why. A candidate that is in neither list is held without a reason.
     pub held: Vec<HeldCandidate>,
@@ -87,7 +86,7 @@ pub struct Start {
 pub struct HeldCandidate {
     /// Which, as an index.
     pub candidate: usize,
-    /// Why.
+    /// Reason, for operators.
     pub reason: HoldReason,
     /// When to ask again, if nothing happens before.
     pub until: Option<Tick>,
@@ -111,12 +110,7 @@ pub enum BadAnswer {
     NoCandidate(usize),
     /// The part cannot be taken, or there must be none, or one is missing.
     #[error("{mode} cannot start with {part:?}")]
-    Part {
-        /// The mode.
-        mode: ModeId,
-        /// The part.
-        part: Option<PartId>,
-    },
+    Part { mode: ModeId, part: Option<PartId> },
     /// A part would be in two places.
     #[error("{0} is to start twice")]
     PartTwice(PartId),

@@ -104,7 +104,6 @@ pub enum DecidingRule {
     Inside,
     /// A rule says so, and all rules before it say that both are equal.
     Rule {
-        /// Which.
         #[serde(with = "serial::rule")]
         rule: DispatchRule,
         /// What it says of the other.

@@ -12,7 +12,7 @@ pub use linewright_orders::Refusal;
 use linewright_orders::TaskFailure;
 use serde::{Deserialize, Serialize};
 
-use super::exception::ExceptionStep;
+use super::exception::{ExceptionStep, RecoveryDecision};
 use super::ids::{FiringId, ModeId, OrderKey, PartId, ResourceId};
 use super::production::ProductionChange;
 use super::question::HoldReason;
@@ -25,7 +25,7 @@ pub struct Record {
     /// When; never earlier than the record before.
     #[serde(with = "serial::micros")]
     pub at: Tick,
-    /// What.
+    /// What changed.
     pub fact: RecordKind,
 }
 
@@ -40,7 +40,7 @@ pub enum RecordKind {
     },
     /// A station is heard that remembers what it was told since a certain beginning, or another beginning than before.
     Memory {
-        /// Who.
+        /// Station whose order store was reset.
         #[serde(with = "serial::station")]
         station: StationId,
         /// A number that it drew when its memory began.
@@ -50,7 +50,6 @@ pub enum RecordKind {
     Decided {
         /// The number of the question, from 1.
         question: u64,
-        /// What is to start, with which part.
         started: Vec<(ModeId, Option<PartId>)>,
         /// What is not, and why.
         held: Vec<(ModeId, HoldReason)>,
@@ -59,7 +58,7 @@ pub enum RecordKind {
     Started {
         /// The next number.
         firing: FiringId,
-        /// What.
+        /// Net mode that started.
         mode: ModeId,
         /// With which part; a new one if the mode lets parts enter.
         part: Option<PartId>,
@@ -68,47 +67,113 @@ pub enum RecordKind {
     },
     /// A station has taken an order on.
     Acknowledged {
-        /// Which.
+        /// Task order.
         key: OrderKey,
     },
     /// A station has done what it was told.
     OrderEnded {
-        /// Which.
+        /// Task order.
         key: OrderKey,
     },
     /// An order will not be done, as far as is known.
     OrderFailed {
-        /// Which.
+        /// Task order.
         key: OrderKey,
-        /// Why.
+        /// Failure of the task order.
         failure: Failure,
     },
     /// An activity will not end by itself. It keeps its tokens and its part until somebody says what is true.
     Raised {
-        /// Which.
+        /// Activity in progress.
         firing: FiringId,
-        /// Why.
         cause: ActivityFailure,
     },
     /// An activity has ended: its tokens are given.
     Ended {
-        /// Which.
+        /// Activity in progress.
         firing: FiringId,
     },
     /// What takes no time has happened: tokens are taken and given.
     Fired {
-        /// What.
+        /// Net mode that fired.
         mode: ModeId,
         /// With which part; a new one if the mode lets parts enter.
         part: Option<PartId>,
     },
     /// Somebody has changed what is on order.
     Production {
-        /// What.
+        /// Change of the production orders.
         change: ProductionChange,
     },
     /// A step on the way from a failure to where it goes on from.
     Exception(ExceptionStep),
+}
+
+/// What has happened to an activity, or to what takes no time.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub enum ActivityStep<'a> {
+    /// It has started.
+    Started {
+        /// Which.
+        firing: FiringId,
+        /// What.
+        mode: ModeId,
+        /// With which part.
+        part: Option<PartId>,
+        /// The keys of its orders.
+        orders: &'a [OrderKey],
+    },
+    /// It will not end by itself.
+    Raised {
+        /// Which.
+        firing: FiringId,
+        /// Why.
+        cause: &'a ActivityFailure,
+    },
+    /// It has ended.
+    Ended {
+        /// Which.
+        firing: FiringId,
+    },
+    /// It had failed, and is put right.
+    Closed {
+        /// Which.
+        firing: FiringId,
+        /// What was said.
+        ruling: &'a RecoveryDecision,
+    },
+    /// What takes no time has happened.
+    Fired {
+        /// What.
+        mode: ModeId,
+        /// With which part.
+        part: Option<PartId>,
+    },
+}
+
+impl RecordKind {
+    /// What it says of an activity; none if it is about something else.
+    pub fn activity_step(&self) -> Option<ActivityStep<'_>> {
+        match self {
+            &RecordKind::Started { firing, mode, part, ref orders } => {
+                Some(ActivityStep::Started { firing, mode, part, orders })
+            }
+            RecordKind::Raised { firing, cause } => Some(ActivityStep::Raised { firing: *firing, cause }),
+            &RecordKind::Ended { firing } => Some(ActivityStep::Ended { firing }),
+            &RecordKind::Fired { mode, part } => Some(ActivityStep::Fired { mode, part }),
+            RecordKind::Exception(ExceptionStep::Closed { firing, ruling, .. }) => {
+                Some(ActivityStep::Closed { firing: *firing, ruling })
+            }
+            RecordKind::Exception(_)
+            | RecordKind::Epoch { .. }
+            | RecordKind::Memory { .. }
+            | RecordKind::Decided { .. }
+            | RecordKind::Acknowledged { .. }
+            | RecordKind::OrderEnded { .. }
+            | RecordKind::OrderFailed { .. }
+            | RecordKind::Production { .. } => None,
+        }
+    }
 }
 
 /// Why an order was not done.
@@ -137,16 +202,13 @@ pub enum ActivityFailure {
     Order {
         /// The first of them.
         key: OrderKey,
-        /// Why.
+        /// Failure of the task order.
         failure: Failure,
     },
     /// It takes longer than it may altogether.
     TimedOut,
     /// Somebody has given alarm of one of its resources.
-    ByHand {
-        /// Which.
-        resource: ResourceId,
-    },
+    ByHand { resource: ResourceId },
 }
 
 impl Failure {

@@ -30,7 +30,7 @@ use super::table::CellTable;
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Serialize, Deserialize)]
 #[serde(deny_unknown_fields)]
 pub struct Part {
-    /// Which.
+    /// Number of the part.
     pub id: PartId,
     /// When it entered.
     #[serde(with = "serial::micros")]
@@ -38,7 +38,7 @@ pub struct Part {
     /// Since when it has been where it is.
     #[serde(with = "serial::micros")]
     pub since: Tick,
-    /// Where it is.
+    /// Current place.
     pub place: PartPlace,
     /// Its position in the store that it is in, or comes from, from 1; none where there are no positions.
     #[serde(default, skip_serializing_if = "Option::is_none")]
@@ -62,7 +62,7 @@ impl Part {
 pub enum PartPlace {
     /// On a cell.
     On {
-        /// Where.
+        /// Token element with the part.
         cell: CellId,
         /// Of two parts of a cell the one that came first has the smaller number.
         arrival: u64,

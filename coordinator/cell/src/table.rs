@@ -41,7 +41,6 @@ pub enum PlanError {
     /// An activity that is not in the list.
     #[error("`{mode}` is said to be activity {activity} of {count}")]
     NoActivity {
-        /// The mode.
         mode: String,
         /// The position asked for.
         activity: usize,
@@ -51,7 +50,6 @@ pub enum PlanError {
     /// A mode moves more than one part.
     #[error("`{mode}` {moves} more than one part; a mode moves one at most")]
     Parts {
-        /// The mode.
         mode: String,
         /// `takes` or `gives`.
         moves: &'static str,
@@ -66,20 +64,13 @@ pub enum PlanError {
     },
     /// Nobody could be told, since what is immediate has ended when it starts.
     #[error("activity `{activity}` is immediate and has orders; make it a decided one")]
-    ImmediateOrders {
-        /// The activity.
-        activity: String,
-    },
+    ImmediateOrders { activity: String },
     /// It would happen for ever.
     #[error("`{mode}` is immediate and takes nothing, so it would never stop happening")]
-    ImmediateSource {
-        /// The mode.
-        mode: String,
-    },
+    ImmediateSource { mode: String },
     /// A product whose parts do not enter by that mode.
     #[error("parts of `{product}` are said to enter by mode {mode}, which lets no part enter")]
     NoEntrance {
-        /// The product.
         product: String,
         /// The mode, as a number.
         mode: u32,
@@ -87,25 +78,16 @@ pub enum PlanError {
     /// A store of what there is not, or of what another store has.
     #[error("store `{store}` has cell {cell}, which holds no parts or belongs to another store")]
     Store {
-        /// The store.
         store: String,
         /// The cell, as a number.
         cell: u32,
     },
     /// Nobody could say which number to send.
     #[error("task `{task}` of `{mode}` wants to know the position in a store, where the part is in none")]
-    NoPosition {
-        /// The task.
-        task: String,
-        /// The mode.
-        mode: String,
-    },
+    NoPosition { task: String, mode: String },
     /// Not even one firing is allowed.
     #[error("activity `{activity}` has no server; 1 lets each of its modes happen once at a time")]
-    NoServer {
-        /// The activity.
-        activity: String,
-    },
+    NoServer { activity: String },
 }
 
 /// At most so many parts from the beginning; each is kept by itself.

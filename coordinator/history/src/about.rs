@@ -13,7 +13,6 @@ pub struct CellAbout {
     pub title: String,
     /// The digest of the table that the records are about.
     pub table: u64,
-    /// What times are.
     pub clock: TimeBase,
     /// Its stations, by number.
     pub stations: Vec<String>,

@@ -83,7 +83,7 @@ pub enum HistoryError {
     Source {
         /// The database.
         path: PathBuf,
-        /// Why.
+        /// Reason.
         why: String,
     },
 }

@@ -13,9 +13,9 @@ use crate::Note;
 /// Something that has happened.
 #[derive(Clone, Debug, PartialEq, Eq)]
 pub struct HistoryEvent {
-    /// When.
+    /// Time of the event, in µs of the caller's clock.
     pub at: Tick,
-    /// What.
+    /// Kind of event with its data.
     pub what: EventKind,
 }
 
@@ -29,7 +29,6 @@ pub enum EventKind {
 }
 
 impl HistoryEvent {
-    /// The record, if it is one.
     pub fn record(&self) -> Option<Record> {
         match &self.what {
             EventKind::Fact(_, fact) => Some(Record { at: self.at, fact: fact.clone() }),

@@ -25,7 +25,7 @@ pub enum Note {
     },
     /// A station is not heard any more, or is heard again.
     Station {
-        /// Its number.
+        /// Index of the station in the description.
         station: u16,
         /// Which of the two.
         lost: bool,
@@ -41,12 +41,10 @@ pub enum Note {
     },
     /// When an activity that has started was planned to start and to end.
     Planned {
-        /// Which.
+        /// Activity in progress.
         firing: FiringId,
-        /// From.
         #[serde(with = "micros")]
         from: Tick,
-        /// To.
         #[serde(with = "micros")]
         to: Tick,
     },
@@ -59,7 +57,7 @@ pub enum Note {
     },
     /// Anything that people should know.
     Said {
-        /// What.
+        /// Text of the log line.
         text: String,
     },
 }

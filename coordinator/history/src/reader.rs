@@ -42,7 +42,6 @@ impl HistoryReader {
         Ok(HistoryReader { db, path: path.to_owned(), about })
     }
 
-    /// What it is about.
     pub fn about(&self) -> &CellAbout {
         &self.about
     }

@@ -97,7 +97,7 @@ impl History {
         Ok(History { db, path: path.to_owned(), newest })
     }
 
-    /// Where it is.
+    /// Path of the database.
     pub fn path(&self) -> &Path {
         &self.path
     }

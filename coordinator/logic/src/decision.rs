@@ -113,9 +113,7 @@ impl ModeFacts {
 /// An arc of the mode decision net.
 #[derive(Clone, Copy, Debug)]
 pub struct ModeArc {
-    /// From this mode.
     pub from: ControlMode,
-    /// To this mode.
     pub to: ControlMode,
     /// If this holds.
     pub when: fn(&ModeFacts) -> bool,

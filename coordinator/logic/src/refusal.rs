@@ -24,9 +24,7 @@ pub enum ModeRefusal {
     OtherCoordinator(u64),
     /// The console's devices have not been heard since the coordinator came up.
     ConsoleNeverHeard,
-    /// A station is not heard.
     NotHeard(StationId),
-    /// A station has lost its devices.
     DevicesLost(StationId),
     /// A station has an operation that was stopped before its end.
     Incomplete(StationId),
@@ -42,7 +40,6 @@ pub enum ModeRefusal {
     Moving(StationId),
     /// A station stands, and has not acknowledged yet that it is to.
     Unaware(StationId),
-    /// A station is not at home.
     NotAtHome(StationId),
     /// A station is at home, but a round behind another.
     Behind(StationId),
@@ -51,7 +48,6 @@ pub enum ModeRefusal {
 /// A command that was not obeyed.
 #[derive(Clone, Debug, PartialEq, Eq)]
 pub struct Refusal {
-    /// The command.
     pub command: ModeCommand,
     /// The mode that refused it.
     pub mode: ControlMode,

@@ -23,7 +23,7 @@ pub enum CoordinatorArrival {
     },
     /// A station's state.
     State {
-        /// Whose.
+        /// Sender.
         station: StationId,
         /// Its number in that station's life.
         sequence: u64,
@@ -32,11 +32,10 @@ pub enum CoordinatorArrival {
     },
     /// The output image of a station behind the gateway.
     Outputs {
-        /// Whose.
+        /// Sender.
         station: StationId,
         /// Its number as a message, in that station's life.
         sequence: u64,
-        /// The image.
         image: OutputImage,
     },
     /// The console's input image.
@@ -48,7 +47,7 @@ pub enum CoordinatorArrival {
     },
     /// The input image of the devices of a station behind the gateway.
     Devices {
-        /// Whose.
+        /// Station whose devices are meant.
         station: StationId,
         /// Bit `i` is input `i` of the station.
         bits: u128,
@@ -74,7 +73,6 @@ pub struct CoordinatorRecord {
 pub enum CoordinatorEffect {
     /// A command is refused.
     Refused(Refusal),
-    /// A mode is entered.
     Entered(ControlMode),
     /// Write this down, and tell [`crate::CoordinatorShell::remembered`] whether it was.
     Remember(CoordinatorRecord),
@@ -84,11 +82,10 @@ pub enum CoordinatorEffect {
     Energise(StationId, u128),
     /// Send a station behind the gateway its inputs, as message number `sequence`.
     Inputs {
-        /// To whom.
+        /// Receiver.
         station: StationId,
         /// Its number in this life of the coordinator.
         sequence: u64,
-        /// The inputs.
         image: InputsImage,
     },
     /// Send [`crate::CoordinatorShell::order`] to every station, as message number `sequence`.

@@ -48,7 +48,7 @@ impl fmt::Display for NodeId {
 pub enum Message {
     /// Network management order, COB-ID 0x000 (CiA 301 §7.2.8.3.1). `node` `None` addresses all.
     Nmt {
-        /// What to do.
+        /// NMT command.
         command: NmtCommand,
         /// Who is to do it.
         node: Option<NodeId>,

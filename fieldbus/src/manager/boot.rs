@@ -47,7 +47,7 @@ pub enum BootError {
         object: ObjectId,
         /// What it should be.
         expected: u32,
-        /// What it is.
+        /// Value that the device reports.
         found: u32,
     },
     /// An object that identifies it has another length.

@@ -20,7 +20,7 @@ pub enum ManagerError {
     NodeId {
         /// The device.
         device: String,
-        /// Its number.
+        /// Node id found; allowed are 1 to 127.
         node: u8,
     },
     /// Two devices of one bus with the same id.

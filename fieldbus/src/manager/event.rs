@@ -32,28 +32,28 @@ pub struct Outbox {
 pub enum Event {
     /// The device is configured and operational; it exchanges process data from here on.
     DeviceUp {
-        /// Which.
+        /// CANopen node id.
         node: NodeId,
     },
     /// The device has not sent a heartbeat for too long.
     DeviceLost {
-        /// Which.
+        /// CANopen node id.
         node: NodeId,
         /// For how long.
         silent_for: Duration,
     },
     /// The device hears no SYNC: the inputs that come with it have not come for too long.
     NoSync {
-        /// Which.
+        /// CANopen node id.
         node: NodeId,
         /// For how long.
         silent_for: Duration,
     },
     /// Nothing follows any more from an analogue channel of the device, and with it from the device.
     ChannelFault {
-        /// Which.
+        /// CANopen node id.
         node: NodeId,
-        /// Why.
+        /// Fault of the channel.
         fault: ChannelFault,
     },
     /// A device that speaks no CANopen is live: all its messages come.
@@ -63,7 +63,7 @@ pub enum Event {
     },
     /// It is lost: a message of it has not come in time.
     FramesLost {
-        /// Which.
+        /// Frame identifier of the sender.
         id: FrameId,
         /// For how long.
         silent_for: Duration,
@@ -72,12 +72,12 @@ pub enum Event {
     },
     /// The device has booted while it was thought to be running.
     DeviceRebooted {
-        /// Which.
+        /// CANopen node id.
         node: NodeId,
     },
     /// The device has left the operational state without booting.
     DeviceLeft {
-        /// Which.
+        /// CANopen node id.
         node: NodeId,
         /// Its state now.
         state: NmtState,
@@ -85,14 +85,14 @@ pub enum Event {
     /// The device is not started: it is another one than expected, or does not take what it is told. A device that
     /// does not watch the manager's heartbeat would keep its outputs when the manager is gone.
     BootFailed {
-        /// Which.
+        /// CANopen node id.
         node: NodeId,
-        /// Why.
+        /// Reason why the boot-up procedure failed.
         why: BootError,
     },
     /// The device reports an error, or that its errors are gone.
     Emergency {
-        /// Which.
+        /// CANopen node id.
         node: NodeId,
         /// What it reports.
         emergency: Emergency,
@@ -102,19 +102,19 @@ pub enum Event {
     /// What the device's error register says is news: an error stands that no emergency has reported, or the last one
     /// is gone and the emergency that should have said so was not heard.
     ErrorRegister {
-        /// Which.
+        /// CANopen node id.
         node: NodeId,
         /// Object 1001h; 0 is no error.
         register: u8,
     },
     /// The device sends so much that it is not listened to any more.
     Babbles {
-        /// Which.
+        /// CANopen node id.
         node: NodeId,
     },
     /// An owner's input image has changed, or whether it can be trusted has.
     InputsChanged {
-        /// Whose.
+        /// Owner of the process image.
         owner: Owner,
     },
     /// What was asked of a device is answered.
@@ -133,7 +133,7 @@ pub enum Event {
     },
     /// A frame was ignored.
     Ignored {
-        /// Why.
+        /// Reason for ignoring the frame.
         reason: IgnoreReason,
         /// The frame.
         frame: Frame,

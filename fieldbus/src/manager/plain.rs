@@ -57,7 +57,7 @@ impl fmt::Display for FrameFault {
 /// A device that speaks no CANopen, as its manager knows it.
 #[derive(Clone, Debug, PartialEq, Eq)]
 pub struct PlainStatus<'a> {
-    /// Its name.
+    /// Name of the device.
     pub name: &'a str,
     /// Whose image it carries.
     pub owner: Owner,

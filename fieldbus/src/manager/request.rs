@@ -35,7 +35,7 @@ pub enum Ask {
     Read(ObjectId),
     /// To write a number.
     Write {
-        /// Where.
+        /// Object index and subindex.
         object: ObjectId,
         /// What; a negative one in two's complement of the object's length.
         value: u32,
@@ -79,7 +79,7 @@ pub enum AskError {
     Guarded {
         /// The object.
         object: ObjectId,
-        /// Why not.
+        /// Reason of the protection.
         why: &'static str,
     },
     /// The number is too large for the object.

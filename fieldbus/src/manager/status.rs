@@ -27,7 +27,7 @@ pub enum Condition {
 pub struct Status<'a> {
     /// Its node id.
     pub node: NodeId,
-    /// Its name.
+    /// Name of the device.
     pub name: &'a str,
     /// Whose image it carries.
     pub owner: Owner,

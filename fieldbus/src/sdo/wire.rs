@@ -131,16 +131,16 @@ impl BlockSegment {
 pub enum Request {
     /// Write an object.
     Download {
-        /// Which.
+        /// Object index and subindex.
         object: ObjectId,
-        /// With what.
+        /// Data of the transfer.
         content: Content,
     },
     /// More of what is to be written.
     DownloadSegment(Segment),
     /// Read an object.
     Upload {
-        /// Which.
+        /// Object index and subindex.
         object: ObjectId,
     },
     /// Send more of what is read.
@@ -150,7 +150,7 @@ pub enum Request {
     },
     /// Write an object in blocks.
     BlockDownload {
-        /// Which.
+        /// Object index and subindex.
         object: ObjectId,
         /// Whether the client computes the checksum.
         crc: bool,
@@ -166,7 +166,7 @@ pub enum Request {
     },
     /// Read an object in blocks.
     BlockUpload {
-        /// Which.
+        /// Object index and subindex.
         object: ObjectId,
         /// Whether the client checks the checksum.
         crc: bool,
@@ -185,7 +185,7 @@ pub enum Request {
     Abort {
         /// The object of the transfer.
         object: ObjectId,
-        /// Why.
+        /// Abort code.
         code: Abort,
     },
 }
@@ -195,7 +195,7 @@ pub enum Request {
 pub enum Response {
     /// The object is written, or its segments may come.
     Download {
-        /// Which.
+        /// Object index and subindex.
         object: ObjectId,
     },
     /// A segment was received.
@@ -205,7 +205,7 @@ pub enum Response {
     },
     /// The object, or the announcement of its segments.
     Upload {
-        /// Which.
+        /// Object index and subindex.
         object: ObjectId,
         /// Its bytes or their number.
         content: Content,
@@ -245,7 +245,7 @@ pub enum Response {
     Abort {
         /// The object of the transfer.
         object: ObjectId,
-        /// Why.
+        /// Abort code.
         code: Abort,
     },
 }

@@ -114,7 +114,6 @@ pub struct Resource {
 pub struct Activity {
     /// Its name: the synchronisation's, or `M1.process`.
     pub name: String,
-    /// What it is.
     pub kind: ActivityKind,
     /// The actions that are one here.
     pub uses: Vec<Use>,
@@ -162,9 +161,8 @@ pub struct StageMove {
 /// What one station is told when an activity starts.
 #[derive(Clone, Debug, PartialEq)]
 pub struct OrderTemplate {
-    /// Who.
+    /// Station that gets the order.
     pub controller: ControllerId,
-    /// Which of its tasks.
     pub task: String,
     /// The task's parameters, by name.
     pub parameters: Vec<(String, ParameterSource)>,
@@ -187,7 +185,7 @@ pub enum ParameterSource {
 /// A type of parts.
 #[derive(Clone, Debug, PartialEq, Eq)]
 pub struct PartType {
-    /// Its name.
+    /// Name, as in the description.
     pub name: String,
     /// Its stages: the first is that of a part on which nothing has been done, the last that of a finished one.
     pub stages: Range<u16>,
@@ -198,7 +196,7 @@ pub struct PartType {
 /// A step of a plan.
 #[derive(Clone, Debug, PartialEq, Eq)]
 pub struct PlanStep {
-    /// Its name.
+    /// Name, as in the description.
     pub name: String,
     /// Before.
     pub from: StageId,
@@ -213,14 +211,12 @@ pub struct PlanStep {
 pub struct Stage {
     /// `A.new`, `A.turn` when that has been done, `A.done`.
     pub name: String,
-    /// Of which type.
     pub part_type: PartTypeId,
 }
 
 /// What to do when an activity fails (seed 001 §6, L214-229).
 #[derive(Clone, Debug, PartialEq, Eq)]
 pub struct ExceptionRule {
-    /// Of which activities.
     pub activities: Vec<ActivityId>,
     /// The code of the failure; `*` for any.
     pub code: String,
@@ -239,7 +235,6 @@ pub struct ExceptionRule {
 /// An answer: where the part is, and how to go on from there.
 #[derive(Clone, Debug, PartialEq, Eq)]
 pub struct AlarmAnswer {
-    /// The word.
     pub word: String,
     /// Where the part is.
     pub part: Whereabouts,
@@ -254,14 +249,12 @@ pub struct AlarmAnswer {
 pub enum StopOf {
     /// All stations that have an order in the activity.
     Activity,
-    /// This station.
     Station(ControllerId),
 }
 
 /// A resource that is left out after a failure.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Hash)]
 pub enum LeftOut {
-    /// This one.
     Resource(ResourceId),
     /// Whoever has the part in the activity when it is there.
     As(Whereabouts),
@@ -270,11 +263,10 @@ pub enum LeftOut {
 /// Where a part is after a failure.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Hash)]
 pub enum Whereabouts {
-    /// Where it was.
+    /// At the resource it came from.
     From,
     /// Where it was to go.
     To,
-    /// With the carrier.
     Carrier,
     /// Nowhere any more.
     Gone,
@@ -292,7 +284,6 @@ pub enum Strategy {
 }
 
 impl Cell {
-    /// A resource.
     pub fn resource(&self, id: ResourceId) -> &Resource {
         &self.resources[id.index()]
     }
@@ -302,7 +293,6 @@ impl Cell {
         (0..self.resources.len()).map(ResourceId::at)
     }
 
-    /// An activity.
     pub fn activity(&self, id: ActivityId) -> &Activity {
         &self.activities[id.index()]
     }
@@ -312,17 +302,14 @@ impl Cell {
         (0..self.activities.len()).map(ActivityId::at)
     }
 
-    /// The activity of that name.
     pub fn activity_named(&self, name: &str) -> Option<ActivityId> {
         self.activities.iter().position(|activity| activity.name == name).map(ActivityId::at)
     }
 
-    /// The part type of that name.
     pub fn part_type_named(&self, name: &str) -> Option<PartTypeId> {
         self.part_types.iter().position(|part| part.name == name).map(PartTypeId::at)
     }
 
-    /// The stage of that name.
     pub fn stage_named(&self, name: &str) -> Option<StageId> {
         self.stages.iter().position(|stage| stage.name == name).map(StageId::at)
     }

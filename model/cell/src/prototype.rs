@@ -57,7 +57,7 @@ pub enum Role {
 }
 
 impl Prototype {
-    /// All of them.
+    /// All prototypes, with their words in descriptions.
     pub const ALL: [Prototype; 7] = [
         Prototype::Machine,
         Prototype::Human,

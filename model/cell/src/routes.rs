@@ -42,7 +42,6 @@ impl PartSpot {
 pub struct RouteTable {
     /// From where to where, whatever the stage.
     pub transports: Vec<(PartSpot, PartSpot)>,
-    /// On which resource, from which stage to which.
     pub works: Vec<(ResourceId, StageId, StageId)>,
     /// The first and the last stage of each part type.
     pub ends: Vec<(StageId, StageId)>,

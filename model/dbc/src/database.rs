@@ -40,20 +40,17 @@ pub struct Database {
 /// A message.
 #[derive(Clone, Debug, PartialEq)]
 pub struct DbcMessage {
-    /// Its name.
     pub name: String,
     /// Its identifier.
     pub id: FrameId,
     /// Its bytes; a classic frame has up to 8.
     pub len: u64,
-    /// Its signals.
     pub signals: Vec<DbcSignal>,
 }
 
 /// A signal.
 #[derive(Clone, Debug, PartialEq)]
 pub struct DbcSignal {
-    /// Its name.
     pub name: String,
     /// Where it lies. `None` for one that no frame of eight bytes holds, or whose step is worth nothing.
     pub field: Option<Field>,
@@ -61,14 +58,13 @@ pub struct DbcSignal {
     pub mux: Mux,
     /// The least and the greatest value it has, if the file says so: `[0|0]`, or any two that are no range, say nothing.
     pub limits: Option<(f64, f64)>,
-    /// Its unit.
     pub unit: String,
 }
 
 /// Whether a signal is always there.
 #[derive(Clone, Debug, PartialEq, Eq)]
 pub enum Mux {
-    /// It is.
+    /// Not multiplexed.
     Plain,
     /// It is, and selects others.
     Selector,

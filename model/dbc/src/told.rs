@@ -9,7 +9,7 @@ use crate::bind::Binder;
 use crate::{DbcMessage, DbcSignal, Mux};
 
 impl<'a> Binder<'a> {
-    /// All of them.
+    /// Bindings of all messages that the device is sent.
     pub(crate) fn all_told(&mut self, send: &[Send]) -> Vec<ToldFrame> {
         let mut all: Vec<ToldFrame> = Vec::new();
         for send in send {

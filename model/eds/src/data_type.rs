@@ -116,19 +116,9 @@ impl ValueShape {
 #[derive(Clone, Debug, PartialEq)]
 pub enum EncodeError {
     /// The number is not among those of the type.
-    OutOfRange {
-        /// The type.
-        data_type: DataType,
-        /// The value.
-        value: Value,
-    },
+    OutOfRange { data_type: DataType, value: Value },
     /// A value of another kind is needed, such as a number instead of a text.
-    WrongKind {
-        /// The type.
-        data_type: DataType,
-        /// The value.
-        value: Value,
-    },
+    WrongKind { data_type: DataType, value: Value },
     /// A VISIBLE_STRING has one byte per character.
     NoSuchCharacter(char),
     /// Only bytes can be given for a type this crate does not know.
@@ -156,7 +146,6 @@ impl std::error::Error for EncodeError {}
 pub enum ValueDecodeError {
     /// Another number of bytes is needed.
     Length {
-        /// The type.
         data_type: DataType,
         /// How many bytes it has.
         expected: usize,

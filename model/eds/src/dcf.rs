@@ -18,7 +18,6 @@ use crate::{AccessType, Eds, EncodeError, understand};
 /// What one device of one net is to be given.
 #[derive(Clone, Debug, PartialEq)]
 pub struct Configuration {
-    /// Its node id.
     pub node_id: NodeId,
     /// What it is called.
     pub node_name: Option<String>,
@@ -36,7 +35,6 @@ impl Configuration {
         Configuration { node_id, node_name: None, baud_rate: None, serial_number: None, values: BTreeMap::new() }
     }
 
-    /// With this value.
     pub fn set(mut self, index: u16, sub: u8, value: Value) -> Self {
         self.values.insert((index, sub), value);
         self
@@ -48,25 +46,21 @@ impl Configuration {
 pub enum ConfigureError {
     /// The device has no such entry.
     NoEntry {
-        /// Index.
         index: u16,
         /// Subindex.
         sub: u8,
     },
     /// The entry cannot be written.
     NotWritable {
-        /// Index.
         index: u16,
         /// Subindex.
         sub: u8,
-        /// Its name.
+        /// ParameterName of the entry.
         name: String,
-        /// Its access.
         access: AccessType,
     },
     /// The value is none of the entry's type.
     Encode {
-        /// Index.
         index: u16,
         /// Subindex.
         sub: u8,
@@ -75,22 +69,18 @@ pub enum ConfigureError {
     },
     /// The value is beyond a limit of the entry.
     Limit {
-        /// Index.
         index: u16,
         /// Subindex.
         sub: u8,
-        /// The value.
         value: Value,
         /// LowLimit or HighLimit.
         limit: &'static str,
-        /// What that is.
         end: Value,
     },
     /// A text that a file of this kind cannot say: empty, with a line end, with spaces around it, or with ` ;`.
     NotSayable {
         /// Where it was to stand.
         place: String,
-        /// The text.
         text: String,
     },
     /// The changed file would not be sound.

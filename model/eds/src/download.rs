@@ -42,7 +42,7 @@ pub struct Download {
     pub sub: u8,
     /// What is written.
     pub content: DownloadContent,
-    /// Why.
+    /// Why the object is written.
     pub reason: WriteReason,
     /// The line of the entry's section in the file.
     pub line: u32,
@@ -73,7 +73,6 @@ pub(crate) fn address(index: u16, sub: u8) -> String {
 /// Why a description is no configuration for a node.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub struct DownloadError {
-    /// The node the file is for.
     pub file: NodeId,
     /// The node that was asked for.
     pub asked: NodeId,

@@ -6,23 +6,17 @@ use crate::value::NodeId;
 /// `[FileInfo]`: about the file.
 #[derive(Clone, Debug, Default, PartialEq, Eq)]
 pub struct FileInfo {
-    /// FileName.
     pub file_name: Option<String>,
-    /// FileVersion.
     pub file_version: Option<String>,
-    /// FileRevision.
     pub file_revision: Option<String>,
     /// EDSVersion.
     pub eds_version: Option<String>,
-    /// Description.
     pub description: Option<String>,
     /// CreationDate and CreationTime, as they stand.
     pub created: Option<String>,
-    /// CreatedBy.
     pub created_by: Option<String>,
     /// ModificationDate and ModificationTime, as they stand.
     pub modified: Option<String>,
-    /// ModifiedBy.
     pub modified_by: Option<String>,
     /// LastEDS: what a DCF was made from.
     pub last_eds: Option<String>,
@@ -31,29 +25,23 @@ pub struct FileInfo {
 /// `[DeviceInfo]`: about the device.
 #[derive(Clone, Debug, Default, PartialEq, Eq)]
 pub struct DeviceInfo {
-    /// VendorName.
     pub vendor_name: Option<String>,
     /// VendorNumber, as in object 1018h sub 1.
     pub vendor_number: Option<u32>,
-    /// ProductName.
     pub product_name: Option<String>,
     /// ProductNumber, as in object 1018h sub 2.
     pub product_number: Option<u32>,
     /// RevisionNumber, as in object 1018h sub 3.
     pub revision_number: Option<u32>,
-    /// OrderCode.
     pub order_code: Option<String>,
     /// The bit rates it has, in kbit/s, ascending.
     pub baud_rates: Vec<u16>,
-    /// SimpleBootUpMaster.
     pub simple_boot_up_master: bool,
-    /// SimpleBootUpSlave.
     pub simple_boot_up_slave: bool,
     /// Granularity: the smallest piece that can be mapped, in bits; 0 if mapping cannot be changed.
     pub granularity: Option<u8>,
     /// DynamicChannelsSupported is not 0.
     pub dynamic_channels: bool,
-    /// GroupMessaging.
     pub group_messaging: bool,
     /// NrOfRXPDO.
     pub rx_pdos: Option<u16>,
@@ -68,15 +56,11 @@ pub struct DeviceInfo {
 /// `[DeviceComissioning]`: which device of which net a DCF is for.
 #[derive(Clone, Debug, Default, PartialEq, Eq)]
 pub struct Commissioning {
-    /// NodeID.
     pub node_id: Option<NodeId>,
-    /// NodeName.
     pub node_name: Option<String>,
     /// Baudrate, in kbit/s.
     pub baud_rate: Option<u16>,
-    /// NetNumber.
     pub net_number: Option<u32>,
-    /// NetworkName.
     pub network_name: Option<String>,
     /// CANopenManager.
     pub is_manager: bool,

@@ -137,7 +137,6 @@ impl Document {
 }
 
 impl<'a> SectionRef<'a> {
-    /// Its number.
     pub(crate) fn index(self) -> u32 {
         narrow(self.index)
     }

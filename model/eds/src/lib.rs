@@ -83,9 +83,7 @@ use reader::{SectionReader, Weight};
 /// A device description that was read.
 #[derive(Clone, Debug)]
 pub struct Eds {
-    /// `[FileInfo]`.
     pub file: FileInfo,
-    /// `[DeviceInfo]`.
     pub device: DeviceInfo,
     /// `[DeviceComissioning]`, of a DCF.
     pub commissioning: Option<Commissioning>,
@@ -206,7 +204,6 @@ impl Eds {
         decode::encode(&self.document.text, self.encoding)
     }
 
-    /// The object with this index.
     pub fn object(&self, index: u16) -> Option<&Object> {
         self.objects.get(&index)
     }

@@ -114,9 +114,7 @@ pub struct SubObject {
     pub denotation: Option<String>,
     /// ObjectType, nearly always [`ObjectType::Var`].
     pub object_type: ObjectType,
-    /// DataType.
     pub data_type: DataType,
-    /// AccessType.
     pub access: AccessType,
     /// DefaultValue: what the device has after switching on, if the file says so.
     pub default: Option<ValueSetting>,
@@ -141,7 +139,6 @@ pub struct SubObject {
 }
 
 impl SubObject {
-    /// Its default for this node id.
     pub fn default_for(&self, node: NodeId) -> Option<Value> {
         self.default.as_ref().map(|setting| setting.for_node(node))
     }
@@ -185,13 +182,11 @@ pub(crate) struct Compact {
 /// One object: what an index leads to.
 #[derive(Clone, Debug)]
 pub struct Object {
-    /// Its index.
     pub index: u16,
     /// ParameterName.
     pub name: String,
     /// Denotation (DCF).
     pub denotation: Option<String>,
-    /// ObjectType.
     pub object_type: ObjectType,
     /// The list it stands in, if in any.
     pub category: Option<Category>,

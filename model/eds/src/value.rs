@@ -21,7 +21,7 @@ impl NodeId {
         (1..=127).contains(&id).then_some(NodeId(id))
     }
 
-    /// Its number.
+    /// The node id, 1 to 127.
     pub fn get(self) -> u8 {
         self.0
     }
@@ -36,15 +36,12 @@ impl fmt::Display for NodeId {
 /// What an entry holds.
 #[derive(Clone, Debug, PartialEq)]
 pub enum Value {
-    /// BOOLEAN.
     Boolean(bool),
     /// The signed types.
     Integer(i64),
     /// The unsigned types, and the two times as they are transferred.
     Unsigned(u64),
-    /// REAL32.
     Real32(f32),
-    /// REAL64.
     Real64(f64),
     /// VISIBLE_STRING and UNICODE_STRING.
     Text(String),
@@ -119,7 +116,6 @@ impl ValueSetting {
         ValueSetting { value, plus_node_id: false }
     }
 
-    /// The value for this node id.
     pub fn for_node(&self, node: NodeId) -> Value {
         match self.value {
             // What is read fits its type with every node id.

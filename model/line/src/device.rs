@@ -9,7 +9,7 @@ use crate::{Analogue, Bus, Drive, Frames, InputId, Line, OutputId, StationId};
 /// analogue channels), or a drive.
 #[derive(Clone, Debug, PartialEq)]
 pub struct Device {
-    /// Its name.
+    /// Name, unique in the line.
     pub name: String,
     /// CAN node id, 1 to 127, unique on its bus. 0 for a device that speaks no CANopen, and has none.
     pub node_id: u8,

@@ -35,7 +35,7 @@ pub struct Frames {
 /// A message that the device sends.
 #[derive(Clone, Debug, PartialEq)]
 pub struct Receive {
-    /// Its name.
+    /// Name of the message in the DBC file.
     pub message: Named,
     /// The device is lost when it has not come for this long.
     pub timeout: Duration,
@@ -86,7 +86,7 @@ pub enum When {
 /// A message that the device is sent.
 #[derive(Clone, Debug, PartialEq)]
 pub struct Send {
-    /// Its name.
+    /// Name of the message in the DBC file.
     pub message: Named,
     /// How often, when nothing changes.
     pub every: Duration,
@@ -285,7 +285,7 @@ pub struct FrameBinding {
 /// A message that the device sends.
 #[derive(Clone, Debug, PartialEq)]
 pub struct HeardFrame {
-    /// Its name.
+    /// Name, as in the description.
     pub name: String,
     /// Its identifier.
     pub id: FrameId,
@@ -335,7 +335,7 @@ impl fmt::Display for Unsound {
 /// A message that the device is sent.
 #[derive(Clone, Debug, PartialEq)]
 pub struct ToldFrame {
-    /// Its name.
+    /// Name, as in the description.
     pub name: String,
     /// Its identifier.
     pub id: FrameId,

@@ -54,9 +54,9 @@ pub enum Grip {
 pub struct Stand {
     /// Whose axis.
     pub station: StationId,
-    /// Which.
+    /// Axis.
     pub axis: AxisId,
-    /// Where.
+    /// End position, in the unit of the axis.
     pub at: f64,
 }
 
@@ -79,7 +79,7 @@ pub struct Reach {
 pub struct Sensor {
     /// Whose input.
     pub station: StationId,
-    /// Which.
+    /// Input of the process image.
     pub input: InputId,
     /// All of this is so.
     pub when: Vec<Sign>,

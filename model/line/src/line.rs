@@ -147,7 +147,7 @@ pub struct Panel {
 /// One mechanism's axis, in millimetres (or degrees; only differences matter).
 #[derive(Clone, Debug, PartialEq)]
 pub struct Axis {
-    /// Its name.
+    /// Name, as in the description.
     pub name: String,
     /// Where it stands when the station is at home.
     pub home: f64,

@@ -35,7 +35,7 @@ pub const CODE_MAX: u16 = 999;
 /// Where a station on order may stand between its tasks.
 #[derive(Clone, Debug, PartialEq)]
 pub struct Rest {
-    /// Its name.
+    /// Name, as in the description.
     pub name: String,
     /// Where each axis stands, in the order of [`Station::axes`]; millimetres, or degrees.
     pub at: Vec<f64>,
@@ -44,7 +44,7 @@ pub struct Rest {
 /// What a station on order can be told to do.
 #[derive(Clone, Debug, PartialEq)]
 pub struct Task {
-    /// Its name.
+    /// Name, as in the description.
     pub name: String,
     /// Its steps, a stretch of [`Station::steps`], of one operation each; never empty.
     pub steps: Range<usize>,
@@ -61,7 +61,7 @@ pub struct Task {
 /// A number that comes with an order.
 #[derive(Clone, Debug, PartialEq, Eq)]
 pub struct Parameter {
-    /// Its name.
+    /// Name, as in the description.
     pub name: String,
     /// The outputs that carry it, the lowest bit first; none drives anything.
     pub bits: Vec<OutputId>,

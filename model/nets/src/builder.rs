@@ -57,9 +57,7 @@ pub enum NetError {
     /// Two places have the same name.
     #[error("two places are named `{name}` (#{} and #{})", first.0, second.0)]
     DuplicatePlace {
-        /// The name.
         name: Arc<str>,
-        /// The first that has it.
         first: PlaceId,
         /// Another that has it.
         second: PlaceId,
@@ -67,9 +65,7 @@ pub enum NetError {
     /// Two transitions have the same name.
     #[error("two transitions are named `{name}` (#{} and #{})", first.0, second.0)]
     DuplicateTransition {
-        /// The name.
         name: Arc<str>,
-        /// The first that has it.
         first: TransitionId,
         /// Another that has it.
         second: TransitionId,
@@ -77,7 +73,6 @@ pub enum NetError {
     /// An arc at a place that was not declared.
     #[error("the arc {arc} names place #{}, but the net has {places} places", arc.place.id.0)]
     UnknownPlace {
-        /// The arc.
         arc: ArcName,
         /// How many places are declared.
         places: usize,
@@ -85,21 +80,16 @@ pub enum NetError {
     /// An arc at a transition that was not declared.
     #[error("the arc {arc} names transition #{}, but the net has {transitions} transitions", arc.transition.id.0)]
     UnknownTransition {
-        /// The arc.
         arc: ArcName,
         /// How many transitions are declared.
         transitions: usize,
     },
     /// An arc that would move no token.
     #[error("the arc {arc} has weight 0")]
-    ZeroWeight {
-        /// The arc.
-        arc: ArcName,
-    },
+    ZeroWeight { arc: ArcName },
     /// The same two nodes are joined more than once in the same direction; a weight says that better.
     #[error("the arc {arc} is declared {times} times")]
     DuplicateArc {
-        /// The arc.
         arc: ArcName,
         /// How often it is declared.
         times: usize,
@@ -109,7 +99,6 @@ pub enum NetError {
     TooManyPlaces {
         /// How many are declared.
         count: usize,
-        /// The limit.
         limit: usize,
     },
     /// More transitions than [`MAX_NODES`].
@@ -117,7 +106,6 @@ pub enum NetError {
     TooManyTransitions {
         /// How many are declared.
         count: usize,
-        /// The limit.
         limit: usize,
     },
 }

@@ -41,7 +41,6 @@ impl Components {
         self.members.len()
     }
 
-    /// The component of a node.
     pub(crate) fn of(&self, node: usize) -> usize {
         self.of[node]
     }

@@ -40,11 +40,10 @@ pub enum FireError {
     Lacking {
         /// What was attempted.
         attempt: PlayDirection,
-        /// The transition.
         transition: NamedId<TransitionId>,
         /// The first place that lacks tokens.
         place: NamedId<PlaceId>,
-        /// What it has.
+        /// Tokens on the place.
         has: u32,
         /// What it would need.
         needs: u32,
@@ -54,11 +53,10 @@ pub enum FireError {
     Overflow {
         /// What was attempted.
         attempt: PlayDirection,
-        /// The transition.
         transition: NamedId<TransitionId>,
         /// The first place that would overflow.
         place: NamedId<PlaceId>,
-        /// What it has.
+        /// Tokens on the place.
         has: u32,
         /// What it would get.
         gets: u32,

@@ -33,9 +33,7 @@ impl TransitionId {
 /// Either kind of node: P ∪ T of the definition of a net (seed 002 §3.1).
 #[derive(Clone, Copy, Debug, PartialEq, Eq, PartialOrd, Ord, Hash)]
 pub enum NetNode {
-    /// A place.
     Place(PlaceId),
-    /// A transition.
     Transition(TransitionId),
 }
 
@@ -56,7 +54,6 @@ impl From<TransitionId> for NetNode {
 pub struct NamedId<I> {
     /// The number.
     pub id: I,
-    /// The name.
     pub name: Arc<str>,
 }
 

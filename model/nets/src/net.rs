@@ -32,7 +32,6 @@ pub struct Net {
 }
 
 impl Net {
-    /// The name of the net.
     pub fn name(&self) -> &str {
         &self.name
     }
@@ -58,22 +57,18 @@ impl Net {
         (0..self.transition_count() as u32).map(TransitionId)
     }
 
-    /// The name of a place.
     pub fn place_name(&self, place: PlaceId) -> &str {
         &self.place_names[place.index()]
     }
 
-    /// The name of a transition.
     pub fn transition_name(&self, transition: TransitionId) -> &str {
         &self.transition_names[transition.index()]
     }
 
-    /// The place of that name.
     pub fn place_named(&self, name: &str) -> Option<PlaceId> {
         self.place_by_name.get(name).copied()
     }
 
-    /// The transition of that name.
     pub fn transition_named(&self, name: &str) -> Option<TransitionId> {
         self.transition_by_name.get(name).copied()
     }

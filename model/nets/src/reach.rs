@@ -43,7 +43,6 @@ pub struct ReachArc {
 pub struct ReachUndecided {
     /// The states found until then.
     pub states: usize,
-    /// What stopped it.
     pub cause: ReachLimit,
 }
 
@@ -132,7 +131,6 @@ impl Reachability {
         &self.steps
     }
 
-    /// The marking of a state.
     pub fn marking(&self, state: StateId) -> &Marking {
         &self.states[state.index()]
     }

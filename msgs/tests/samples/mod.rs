@@ -1,6 +1,6 @@
 //! One filled-in message of each type, for the golden bytes and the hostile input.
 
-#![allow(dead_code, missing_docs)] // Each test uses some of them.
+#![allow(dead_code)] // Each test uses some of them.
 
 //! One message of each kind with every field set, so that a swapped or dropped field shows.
 

@@ -17,21 +17,16 @@ pub enum GoalError {
     /// Nobody has answered.
     #[error("{action}: no answer within {} ms", within.as_millis())]
     NoAnswer {
-        /// The action.
         action: String,
         /// How long it was waited.
         within: Duration,
     },
     /// The goal was rejected: it is known already, or too many are under way.
     #[error("{action}: the goal was rejected")]
-    Rejected {
-        /// The action.
-        action: String,
-    },
+    Rejected { action: String },
     /// The middleware has failed, or what it brought makes no sense.
     #[error("{action}: {reason}")]
     Middleware {
-        /// The action.
         action: String,
         /// Its words.
         reason: String,

@@ -45,7 +45,7 @@ pub struct GoalHandle(pub(crate) GoalId);
 /// What the owner of an action hears.
 #[derive(Clone, Debug, PartialEq, Eq)]
 pub enum GoalRequest<G> {
-    /// Somebody wants this. It is accepted already; one that is refused is [ended](Owner::end) at once.
+    /// Somebody wants this. It is accepted already; one that is refused is [ended](ActionOwner::end) at once.
     Goal(GoalHandle, G),
     /// Somebody no longer wants it. It goes on until it is ended, by whatever it ends with.
     Cancel(GoalHandle),

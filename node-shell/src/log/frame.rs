@@ -32,7 +32,6 @@ pub(super) struct Head {
 
 /// What there is at a place of a file.
 pub(super) enum FrameFound {
-    /// A frame.
     Whole(Head),
     /// Anything else.
     Torn,

@@ -46,14 +46,10 @@ pub enum LogError {
     },
     /// Another process has it.
     #[error("log {path} is in use by another process")]
-    InUse {
-        /// The log.
-        path: PathBuf,
-    },
+    InUse { path: PathBuf },
     /// A record larger than [`RECORD_BYTES_MAX`].
     #[error("a record of {bytes} bytes is too large for log {path}, whose records have at most {most}")]
     TooLarge {
-        /// The log.
         path: PathBuf,
         /// The record.
         bytes: usize,
@@ -93,7 +89,6 @@ pub enum LogEntry<'a> {
     Identity(&'a [u8]),
     /// What all records that are not here any more have led to.
     Snapshot(&'a [u8]),
-    /// A record.
     Record(&'a [u8]),
 }
 

@@ -29,7 +29,7 @@ pub struct CellPath {
 /// A resource in the end.
 #[derive(Clone, Debug, PartialEq, Eq)]
 pub struct Holding {
-    /// Its name.
+    /// Name of the resource.
     pub name: String,
     /// How many parts it can hold or carry.
     pub capacity: u32,

@@ -24,7 +24,6 @@ pub(super) struct ResourceGroup {
     names: Vec<String>,
     tokens: Vec<u32>,
     transition_names: Vec<String>,
-    /// The resources in it.
     pub resources: Vec<ResourceId>,
 }
 
@@ -56,7 +55,6 @@ pub(super) fn groups(nets: &Nets<'_>) -> Vec<ResourceGroup> {
     groups
 }
 
-/// The places around a transition.
 fn around(net: &Net, t: TransitionId) -> impl Iterator<Item = PlaceId> + '_ {
     net.preset(t).iter().chain(net.postset(t)).map(|&(place, _)| place)
 }

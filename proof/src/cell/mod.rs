@@ -45,7 +45,6 @@ const NODES_MAX: usize = 1_000_000;
 /// What is explored, and how far.
 #[derive(Clone, Debug)]
 pub struct CellExploration<'c> {
-    /// The cell.
     pub cell: &'c Cell,
     /// How much of an activity is to be seen. The answers are the same, the numbers of states are not.
     pub detail: Detail,

@@ -48,9 +48,7 @@ pub struct GroupExplored {
 /// What a check came to.
 #[derive(Clone, Debug, PartialEq, Eq)]
 pub struct Checked {
-    /// Group by group.
     pub groups: Vec<GroupExplored>,
-    /// One by one.
     pub properties: Vec<CellProperty>,
     /// With so many parts at a time nothing is wrong in any group.
     pub sound: u32,

@@ -75,7 +75,6 @@ pub enum LineNotExplorable {
     /// More incoming links at one station than there are bits for them.
     #[error("{station} listens to {found} stations, more than the {max} an exploration can keep apart")]
     Links {
-        /// The station.
         station: String,
         /// So many.
         found: usize,

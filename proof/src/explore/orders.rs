@@ -15,7 +15,6 @@ use super::station::{Situation, StationAct};
 /// The time of every order.
 pub(super) const LIMIT: Duration = Duration::from_micros(1);
 
-/// The key of an order.
 pub(super) fn key(id: u64) -> OrderKey {
     OrderKey { epoch: 1, id }
 }

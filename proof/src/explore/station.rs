@@ -36,7 +36,6 @@ pub(crate) enum PanelKey {
 pub(crate) enum StationAct {
     /// It hears of a mode.
     Mode(ControlMode),
-    /// Its panel.
     Key(Option<PanelKey>),
     /// A hand-mode button of the console, as the station hears of it.
     Button(Option<u16>),

@@ -53,7 +53,6 @@ pub struct LineExplored {
     pub exhausted: bool,
     /// For each station, how many situations its controller, operator and view of the others were met in.
     pub situations: Vec<usize>,
-    /// One by one.
     pub properties: Vec<LineProperty>,
 }
 

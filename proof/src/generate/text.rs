@@ -18,7 +18,6 @@ pub fn text(line: &Line) -> String {
     out
 }
 
-/// A text in quotes.
 fn quoted(text: &str) -> String {
     let mut out = String::from("\"");
     for c in text.chars() {

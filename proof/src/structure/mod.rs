@@ -15,7 +15,7 @@ use serde::Serialize;
 /// What was found about one station.
 #[derive(Clone, Debug, Serialize)]
 pub struct StructureReport {
-    /// Its name.
+    /// Name of the station.
     pub name: String,
     /// Reversible operations, j.
     pub reversible: usize,
@@ -25,7 +25,6 @@ pub struct StructureReport {
     pub places: usize,
     /// Transitions of its net.
     pub transitions: usize,
-    /// One by one.
     pub checks: Vec<Check>,
 }
 

@@ -22,10 +22,7 @@ pub type PlaceGroup = Vec<Vec<PlaceId>>;
 pub enum NotReducible {
     /// A transition takes from or gives to several places that are not one whole row across a group.
     #[error("{transition} touches places that neither stand alone nor make one row across a concurrent group")]
-    Mixed {
-        /// The transition.
-        transition: NamedId<TransitionId>,
-    },
+    Mixed { transition: NamedId<TransitionId> },
     /// Tokens start in some branches of a group only.
     #[error("the concurrent group of {first} starts with tokens in some of its branches only")]
     Uneven {

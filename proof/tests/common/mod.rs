@@ -22,7 +22,6 @@ pub fn in_auto(line: &Line) -> Line {
     Line { arrows: arrows.map(|arrow| Arrow { manual: true, ..*arrow }).collect(), ..line.clone() }
 }
 
-/// The line with one of its conflicts.
 pub fn with_conflict(line: &Line, conflict: &Conflict) -> Line {
     Line { conflicts: vec![conflict.clone()], ..line.clone() }
 }

@@ -9,7 +9,7 @@ use std::collections::{BTreeMap, BTreeSet};
 use std::time::Duration;
 
 use linewright_coordinator_cell::{
-    CellTable, FiringId, ModeId, OrderKey, OrderMessage, PartId, PartPlace, PlayerState, Record, RecordKind, Reply,
+    ActivityStep, CellTable, FiringId, ModeId, OrderKey, OrderMessage, PartId, PartPlace, PlayerState, Record, Reply,
     TaskReport,
 };
 use linewright_coordinator_shell::orders;
@@ -34,7 +34,6 @@ const PRESSED_EVERY: Duration = Duration::from_millis(50);
 pub struct Work {
     /// The part that lay there, if there was one.
     pub part: Option<PartId>,
-    /// By which station.
     pub station: StationId,
     /// Which of its operations was complete.
     pub op: OpId,
@@ -335,23 +334,17 @@ impl ShopFloor {
 
     /// People do what a record says that is theirs to do: parts come in and go out.
     pub(super) fn note(&mut self, record: &Record, state: &PlayerState) {
-        match &record.fact {
-            RecordKind::Started { firing, mode, part, orders: _ } => _ = self.firings.insert(*firing, (*mode, *part)),
-            RecordKind::Ended { firing } => {
-                if let Some((mode, part)) = self.firings.remove(firing) {
+        match record.fact.activity_step() {
+            Some(ActivityStep::Started { firing, mode, part, orders: _ }) => {
+                self.firings.insert(firing, (mode, part));
+            }
+            Some(ActivityStep::Ended { firing }) => {
+                if let Some((mode, part)) = self.firings.remove(&firing) {
                     self.carry(mode, part, state);
                 }
             }
-            RecordKind::Fired { mode, part } => self.carry(*mode, *part, state),
-            RecordKind::Epoch { .. }
-            | RecordKind::Memory { .. }
-            | RecordKind::Decided { .. }
-            | RecordKind::Acknowledged { .. }
-            | RecordKind::OrderEnded { .. }
-            | RecordKind::OrderFailed { .. }
-            | RecordKind::Raised { .. }
-            | RecordKind::Exception(_)
-            | RecordKind::Production { .. } => {}
+            Some(ActivityStep::Fired { mode, part }) => self.carry(mode, part, state),
+            Some(ActivityStep::Raised { .. } | ActivityStep::Closed { .. }) | None => {}
         }
     }
 

@@ -1,6 +1,6 @@
 //! Somebody who walks up to what has failed, looks, puts it right, and answers.
 //!
-//! He sees the parts as they are ([`super::Truth`]), never what the coordinator believes. He brings stations to a rest, mends
+//! He sees the parts as they are ([`super::PartTruth`]), never what the coordinator believes. He brings stations to a rest, mends
 //! them, and says what he has found; where that cannot be said he changes it first. Now and then he may be told to lie.
 
 use linewright_coordinator_cell::exception::{AlarmSubject, RecoveryDecision, Whereabouts};

@@ -21,15 +21,13 @@ const WAY_BACK: Duration = Duration::from_millis(400);
 /// Something that a station has begun to do.
 #[derive(Clone, Debug, PartialEq, Eq)]
 pub struct BegunTask {
-    /// By which order.
     pub key: OrderKey,
-    /// What.
+    /// Name of the task.
     pub task: Arc<str>,
-    /// With what.
+    /// Parameters of the task, by name.
     pub parameters: Vec<(Arc<str>, i32)>,
-    /// With which part.
     pub part: Option<PartId>,
-    /// When.
+    /// Time of the start.
     pub began: Tick,
 }
 

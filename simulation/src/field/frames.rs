@@ -65,7 +65,6 @@ impl SimulatedBuses {
         self.buses[self.of[at]].reader
     }
 
-    /// The bus that a node reads.
     fn read_by(&mut self, node: usize) -> Option<&mut SimulatedBus> {
         self.buses.iter_mut().find(|bus| bus.reader == node)
     }

@@ -23,7 +23,6 @@ pub struct Scenario {
     pub starts: bool,
     /// How far a motion's duration may deviate, as a fraction.
     pub variation: f64,
-    /// The network.
     pub network: Network,
     /// The steps.
     pub script: Script,

@@ -197,7 +197,6 @@ impl Controller {
         self.commands.epoch()
     }
 
-    /// The cycle it is in.
     pub fn cycle(&self) -> i32 {
         self.counts.cycle
     }

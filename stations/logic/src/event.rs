@@ -94,7 +94,7 @@ pub enum HappeningKind {
     Asked(u64),
     /// A station did not agree, because this operation of its own has started.
     NotAgreed {
-        /// Who.
+        /// Station that does not agree.
         by: StationId,
         /// Its operation.
         in_the_way: OpId,
@@ -122,6 +122,5 @@ pub enum HappeningKind {
 pub struct StationHappening {
     /// The station's cycle after it.
     pub cycle: i32,
-    /// What happened.
     pub what: HappeningKind,
 }

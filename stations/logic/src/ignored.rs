@@ -5,7 +5,7 @@
 pub enum Handled {
     /// The controller has taken it.
     Taken,
-    /// Nothing has changed; a task has its refusal in [`crate::Outbox::replies`] all the same.
+    /// Nothing has changed; a task has its refusal in [`crate::StationOutbox::replies`] all the same.
     Ignored(Ignored),
 }
 

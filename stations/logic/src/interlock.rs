@@ -43,7 +43,6 @@ pub struct PositionGuard {
 /// Where a motion lies to this station's own state of a conflict.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum OwnSide {
-    /// Inside.
     Inside,
     /// Outside, while these own inputs are all on.
     Outside(u128),

@@ -28,9 +28,8 @@ pub struct TaskOrderReport {
 /// The order a station is doing.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub struct SlotReport {
-    /// Which.
+    /// Key of the task order.
     pub key: OrderKey,
-    /// Its task.
     pub task: TaskId,
     /// It is on its way back.
     pub is_securing: bool,

@@ -20,7 +20,6 @@ pub struct ModeOrder {
     pub boot_id: u64,
     /// Grows with every change of mode; an older one is refused.
     pub epoch: u64,
-    /// The mode.
     pub mode: ControlMode,
     /// Every station has acknowledged the epoch: a mode that enables motion may be acted on.
     pub enabled: bool,

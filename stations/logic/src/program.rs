@@ -135,7 +135,6 @@ const CYCLES_APART_MAX: i32 = 2;
 pub enum CompileError {
     /// More irreversible operations than a station's word of variables has room for.
     TooManyPaths {
-        /// The station.
         station: String,
         /// How many it has.
         has: usize,
@@ -144,7 +143,6 @@ pub enum CompileError {
     },
     /// More stations that it exchanges counts or positions with than a set of peers has room for.
     TooManyPeers {
-        /// The station.
         station: String,
         /// How many it has.
         has: usize,

@@ -20,7 +20,6 @@ pub struct StationReport {
     pub mode: Option<ControlMode>,
     /// The generation its counts belong to; 0 for none. See `generation`.
     pub generation: u64,
-    /// The cycle it is in.
     pub cycle: i32,
     /// For each operation, the cycle in which it was last completed.
     pub done: Vec<i32>,
@@ -69,7 +68,7 @@ pub struct WithdrawalRequest {
 /// An answer to a request of another station.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub struct WithdrawalAnswer {
-    /// Who asked.
+    /// Station that made the request.
     pub to: StationId,
     /// In which life.
     pub boot_id: u64,
@@ -82,14 +81,12 @@ pub struct WithdrawalAnswer {
 /// What a station keeps so that it can be restarted where it was.
 #[derive(Clone, Debug, PartialEq, Eq)]
 pub struct StationSnapshot {
-    /// The marked places.
     pub marking: Vec<Place>,
     /// The generation of the counts; 0 for none. The node restores 0 when the record was written before the last start of the
     /// host, as it may be older than what was reported.
     pub generation: u64,
     /// The marking says where the mechanisms stand. The node restores false with a generation of 0 for the same reason.
     pub placed: bool,
-    /// The cycle.
     pub cycle: i32,
     /// Counts of completion, per operation.
     pub done: Vec<i32>,

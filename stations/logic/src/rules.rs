@@ -37,7 +37,7 @@ impl Rules {
     /// The counts by themselves, within one generation: the first barrier without what keeps it from lost memories.
     pub const COUNTS: Rules = Rules { generations: false, positions: false, ..Rules::ALL };
 
-    /// All of them.
+    /// All rules in force; what a machine has.
     pub const ALL: Rules = Rules {
         counted: true,
         withdraw_first: true,

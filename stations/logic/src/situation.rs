@@ -26,7 +26,6 @@ pub struct PeerSituation<'a> {
     pub done: &'a [i32],
     /// The generation of its counts; 0 for none.
     pub generation: u64,
-    /// The cycle it is in.
     pub cycle: i32,
     /// The request it has made.
     pub request: Option<WithdrawalRequest>,

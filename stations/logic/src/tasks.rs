@@ -62,7 +62,6 @@ impl StationTasks {
         })
     }
 
-    /// The task with this id.
     pub fn task(&self, id: TaskId) -> &TaskTable {
         &self.tasks[id.index()]
     }

@@ -27,7 +27,7 @@ pub enum ConvertError {
     Length {
         /// Which list.
         field: &'static str,
-        /// Whose.
+        /// Station of the message.
         station: String,
         /// Its length.
         has: usize,
@@ -39,7 +39,7 @@ pub enum ConvertError {
     Operation {
         /// Which field.
         field: &'static str,
-        /// Whose.
+        /// Station of the message.
         station: String,
         /// The index.
         index: u16,

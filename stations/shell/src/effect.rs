@@ -29,12 +29,11 @@ pub enum StationArrival<'a> {
     Order {
         /// Its number in that coordinator's life.
         sequence: u64,
-        /// The order.
         order: ModeOrder,
     },
     /// Another station's state.
     State {
-        /// Whose.
+        /// Sender.
         station: StationId,
         /// Its number in that station's life.
         sequence: u64,

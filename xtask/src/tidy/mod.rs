@@ -4,6 +4,7 @@
 //! not here.
 
 mod crates;
+mod documents;
 mod files;
 
 use std::path::{Path, PathBuf};
@@ -13,7 +14,7 @@ pub use crates::PURE;
 /// A crate of the workspace.
 #[derive(Clone, Debug)]
 pub struct Member {
-    /// Its name.
+    /// Package name.
     pub name: String,
     /// Where it lies.
     pub dir: PathBuf,
@@ -26,6 +27,7 @@ pub fn run(root: &Path) -> bool {
     let members = members(root);
     let mut findings = files::check(root);
     findings.extend(crates::check(root, &members));
+    findings.extend(documents::check(root, &members));
     if members.is_empty() {
         findings.push("Cargo.toml: no members found; is this the workspace?".to_owned());
     }

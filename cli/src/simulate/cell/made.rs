@@ -6,7 +6,7 @@ use linewright_coordinator_cell::compile::{CompiledCell, sheet};
 use linewright_coordinator_cell::tracking::{Activities, CellSummary, FinishedActivity, PartHistory, Tracking};
 use linewright_line::Tick;
 
-/// All of it.
+/// Result of a simulated production.
 pub struct ProductionResult {
     /// In the order in which they came.
     pub parts: Vec<PartHistory>,

@@ -48,7 +48,6 @@ pub struct SimulationBasis {
 }
 
 impl SimulationBasis {
-    /// For a cell.
     pub fn new(table: &CellTable) -> Self {
         let table = table.without_orders();
         SimulationBasis { bounds: Arc::new(CostBounds::new(&table)), table: Arc::new(table) }

@@ -59,7 +59,6 @@ struct EvaluatedDecision {
     score: Score,
     /// What starts in it at this question.
     first: Vec<PlannedStart>,
-    /// All that starts in it.
     all: VecDeque<PlannedStart>,
 }
 

@@ -4,7 +4,7 @@
 //! - [`SimulationBasis`]: what it takes to imagine a cell, made once.
 //! - [`ForwardSimulation`]: a copy of the cell's state that goes on without stations, by nominal times, until a horizon; it changes by
 //!   records as the real one does.
-//! - [`RolloutPolicy`]: who decides there: the rules as ever ([`Desk`](super::production::Desk)), one other decision and then the
+//! - [`RolloutPolicy`]: who decides there: the rules as ever ([`DispatchConfiguration`](super::production::DispatchConfiguration)), one other decision and then the
 //!   rules ([`DeviatingPolicy`]), or a plan ([`PlanPolicy`]).
 //! - [`Score`]: what has come of it.
 //! - [`LookAhead`]: the dispatcher that tries out each decision before it makes it.

@@ -35,11 +35,9 @@ pub struct RecoveryNet {
 /// What a mode has in it beside its start and its end.
 #[derive(Clone, Debug)]
 pub struct ErrorPart {
-    /// Which mode.
     pub mode: ModeId,
     /// It is in progress.
     pub busy: PlaceId,
-    /// It has failed.
     pub failed: PlaceId,
     /// It is known what has failed, and somebody is asked.
     pub asked: PlaceId,
@@ -54,7 +52,6 @@ pub struct ErrorPart {
 /// A way out of a failure.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub struct Recovery {
-    /// By this.
     pub transition: TransitionId,
     /// Where the part is then.
     pub part: Whereabouts,

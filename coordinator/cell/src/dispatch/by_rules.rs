@@ -133,7 +133,6 @@ enum Rank {
     Helper(Option<PartId>),
     /// It has waited too long, since then; parts inside first.
     Urgent(Tick, bool, Option<PartId>),
-    /// It is inside.
     Inside,
     /// It would enter, or is no part at all.
     Outside,

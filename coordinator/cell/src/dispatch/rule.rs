@@ -121,7 +121,6 @@ impl Timetable {
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Serialize, Deserialize)]
 #[serde(deny_unknown_fields)]
 pub struct Measure {
-    /// By which rule.
     #[serde(with = "serial::rule")]
     pub rule: DispatchRule,
     /// First by this: 0 before 1 before 2.

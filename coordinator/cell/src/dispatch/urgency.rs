@@ -84,7 +84,7 @@ pub(super) struct Urgent {
 /// How an urgent part gets on.
 #[derive(Clone, Debug, PartialEq, Eq)]
 pub(super) struct UrgencyProgress {
-    /// Whose.
+    /// Urgent part; `None`: one outside.
     pub(super) part: Option<PartId>,
     /// From what it will do down to the helper.
     chain: Vec<ModeId>,

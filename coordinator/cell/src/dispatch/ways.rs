@@ -21,7 +21,6 @@ pub struct ShortestRoutes {
 }
 
 impl ShortestRoutes {
-    /// Of a table.
     pub fn new(table: &CellTable) -> Self {
         let mut producers = vec![Vec::new(); table.cell_count()];
         for mode in table.modes() {

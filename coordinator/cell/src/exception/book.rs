@@ -30,7 +30,7 @@ pub struct Exceptions {
 #[derive(Clone, Debug, PartialEq, Eq, Serialize, Deserialize)]
 #[serde(deny_unknown_fields)]
 pub struct FailedActivity {
-    /// Since when.
+    /// Time of entry into this state.
     #[serde(with = "serial::micros")]
     pub since: Tick,
     /// How the stations stand that had to be told to come to rest, those that are known.
@@ -38,7 +38,7 @@ pub struct FailedActivity {
     /// The stations that went into emergency stop because of it. Those that were reset since do not do so again.
     #[serde(default)]
     pub stopped: Vec<u16>,
-    /// Where it is.
+    /// Current stage.
     pub stage: ExceptionStage,
 }
 
@@ -54,7 +54,7 @@ pub enum ExceptionStage {
     Restoring {
         /// What was said.
         ruling: RecoveryDecision,
-        /// When.
+        /// Time at which the answer was accepted.
         #[serde(with = "serial::micros")]
         since: Tick,
     },
@@ -64,14 +64,13 @@ pub enum ExceptionStage {
 #[derive(Clone, Debug, PartialEq, Eq, Serialize, Deserialize)]
 #[serde(deny_unknown_fields)]
 pub struct Alarm {
-    /// Its number.
+    /// Number of the alarm.
     pub id: AlarmId,
-    /// Since when.
+    /// Time of entry into this state.
     #[serde(with = "serial::micros")]
     pub since: Tick,
-    /// What about.
     pub about: AlarmSubject,
-    /// In words.
+    /// Instruction, as ISA-18.2 asks: what, where, consequence, action.
     pub text: String,
     /// What can be answered.
     pub words: Vec<String>,
@@ -81,10 +80,9 @@ pub struct Alarm {
 #[derive(Clone, Debug, PartialEq, Eq, Serialize, Deserialize)]
 #[serde(deny_unknown_fields)]
 pub struct OutOfService {
-    /// Since when.
+    /// Time of entry into this state.
     #[serde(with = "serial::micros")]
     pub since: Tick,
-    /// Why.
     pub why: OutOfServiceReason,
 }
 
@@ -99,12 +97,10 @@ pub(super) struct Retry {
 }
 
 impl Exceptions {
-    /// The failed activities.
     pub fn open(&self) -> impl ExactSizeIterator<Item = (FiringId, &FailedActivity)> {
         self.open.iter().map(|(&id, trouble)| (id, trouble))
     }
 
-    /// A failed activity.
     pub fn trouble(&self, firing: FiringId) -> Option<&FailedActivity> {
         self.open.get(&firing)
     }

@@ -12,9 +12,8 @@ use super::super::serial;
 pub enum ExceptionStep {
     /// A station does nothing for an order of a failed activity any more, or is not waited for.
     Secured {
-        /// Whose.
+        /// Activity in progress.
         firing: FiringId,
-        /// Which order.
         key: OrderKey,
         /// How its station stands.
         standing: SecuredState,
@@ -23,9 +22,8 @@ pub enum ExceptionStep {
     Alarmed {
         /// The next number.
         alarm: AlarmId,
-        /// What about.
         about: AlarmSubject,
-        /// In words.
+        /// Text for operators.
         text: String,
         /// What can be answered.
         words: Vec<String>,
@@ -34,9 +32,8 @@ pub enum ExceptionStep {
     Answered {
         /// Of which activity.
         firing: FiringId,
-        /// What.
         ruling: RecoveryDecision,
-        /// Who says so.
+        /// Source of the answer: operator, rule or sensor.
         by: AnsweredBy,
     },
     /// The carrier has the part and somebody has to bring it on: what it was to give is not given yet.
@@ -46,9 +43,9 @@ pub enum ExceptionStep {
     },
     /// An activity is over: tokens and part are where the ruling says.
     Closed {
-        /// Which.
+        /// Activity in progress.
         firing: FiringId,
-        /// What it was.
+        /// Net mode of the closed activity.
         mode: ModeId,
         /// The part it had.
         part: Option<PartId>,
@@ -67,37 +64,27 @@ pub enum ExceptionStep {
     /// A part that rested at a resource is no more. Of a mode that would take it from there: what that gives back if its part
     /// is no more is given back.
     Missing {
-        /// Where it was.
+        /// Resource where the part was.
         resource: ResourceId,
-        /// Which mode.
         mode: ModeId,
-        /// Which part.
         part: PartId,
     },
     /// A station goes into emergency stop, and stays in it until it is reset.
     Stopped {
         /// The failed activity whose rule says so.
         firing: FiringId,
-        /// Which station.
         #[serde(with = "serial::station")]
         station: StationId,
     },
     /// Somebody has reset it.
     Reset {
-        /// Which station.
         #[serde(with = "serial::station")]
         station: StationId,
     },
     /// A resource is left out.
-    Down {
-        /// Which.
-        resource: ResourceId,
-        /// Why.
-        why: OutOfServiceReason,
-    },
+    Down { resource: ResourceId, why: OutOfServiceReason },
     /// A resource is there again.
     Up {
-        /// Which.
         resource: ResourceId,
         /// No sensor says whether what it should have is there.
         unchecked: bool,
@@ -118,7 +105,6 @@ pub enum AlarmSubject {
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Serialize, Deserialize)]
 #[serde(rename_all = "kebab-case", deny_unknown_fields)]
 pub enum SecuredState {
-    /// At a rest.
     AtRest,
     /// Between rests, from where it does not go on by itself.
     Held,
@@ -142,11 +128,10 @@ pub struct RecoveryDecision {
 #[derive(Clone, Copy, Debug, PartialEq, Eq, PartialOrd, Ord, Serialize, Deserialize)]
 #[serde(rename_all = "kebab-case")]
 pub enum Whereabouts {
-    /// Where it was.
+    /// At the resource it came from.
     From,
     /// Where it was to go.
     To,
-    /// With the carrier.
     Carrier,
     /// Nowhere any more.
     Gone,
@@ -178,7 +163,7 @@ pub enum AnsweredBy {
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Serialize, Deserialize)]
 #[serde(deny_unknown_fields)]
 pub struct SensorMismatch {
-    /// Whose.
+    /// Resource whose sensor disagrees.
     pub resource: ResourceId,
     /// Whether there should be a part.
     pub model: bool,

@@ -10,7 +10,7 @@
 //!               waiting for an answer to another alarm ◀── they differ: Mismatch
 //! ```
 //!
-//! Every arrow is a [`super::Fact::Exception`], so that a crash anywhere goes on where it was: securing is told again and
+//! Every arrow is a [`super::RecordKind::Exception`], so that a crash anywhere goes on where it was: securing is told again and
 //! changes nothing, an alarm keeps its number, and the marking is restored by one record. Closing puts tokens and part to
 //! where the answer says they are: where they were, where they were to go, or nowhere. Nothing else changes a marking:
 //! sensors can contradict an answer, and then it is said so and asked again; they never correct the model by themselves.

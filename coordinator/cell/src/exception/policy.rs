@@ -35,9 +35,8 @@ pub struct RecoveryPolicy {
 pub struct ResourcePolicy {
     /// What people call it.
     pub name: Arc<str>,
-    /// Its station, if it has one.
     pub station: Option<StationId>,
-    /// That station says whether a part is there ([`super::super::Heard::presence`]).
+    /// That station says whether a part is there ([`super::super::TaskReport::presence`]).
     pub is_sensed: bool,
     /// The cells on which the parts are that it has.
     pub has: Vec<CellId>,
@@ -48,7 +47,6 @@ pub struct ResourcePolicy {
 pub struct ModeHandling {
     /// The activity, by what people call it; empty for the mode's own name.
     pub activity: Arc<str>,
-    /// The type of its part.
     pub part_type: Arc<str>,
     /// Who has the part before; who works on a part has it before and afterwards.
     pub from: Option<ResourceId>,
@@ -62,7 +60,7 @@ pub struct ModeHandling {
     pub gone: Option<Vec<TokenDemand>>,
 }
 
-/// What to do.
+/// Recovery rule of one kind of failure.
 #[derive(Clone, Debug, PartialEq, Eq)]
 pub struct RecoveryRule {
     /// In which case.
@@ -131,7 +129,6 @@ impl RecoveryPolicy {
         (0..self.resources.len() as u32).map(ResourceId)
     }
 
-    /// The resource of that name.
     pub fn resource_named(&self, name: &str) -> Option<ResourceId> {
         self.resource_ids().find(|id| self.resources[id.index()].name.as_ref() == name)
     }

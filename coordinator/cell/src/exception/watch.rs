@@ -64,7 +64,6 @@ pub enum AlarmAnswerRefusal {
     HasPart(ResourceId),
     /// The resource has no part by its sensor, and by the answer it has one.
     HasNoPart(ResourceId),
-    /// The station is not heard.
     NotHeard(StationId),
     /// The station stands between two rests.
     NotAtRest(StationId),
@@ -79,9 +78,9 @@ pub enum AlarmAnswerRefusal {
 /// What was last heard of a station.
 #[derive(Clone, Debug)]
 pub(super) struct LastReport {
-    /// When.
+    /// Time of arrival.
     pub at: Tick,
-    /// What.
+    /// Content of the report.
     pub heard: TaskReport,
 }
 

@@ -25,7 +25,7 @@ pub struct DispatchConfiguration {
 }
 
 impl DispatchConfiguration {
-    /// With production orders: those of the cell's state ([`super::super::State::production`]), whose records it is told from
+    /// With production orders: those of the cell's state ([`super::super::PlayerState::production`]), whose records it is told from
     /// now on.
     pub fn new(rules: RuleDispatcher, production: Production) -> Self {
         DispatchConfiguration { rules, production: Some(production), fresh_until: None }

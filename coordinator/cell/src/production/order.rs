@@ -15,13 +15,12 @@ use super::request::ProductionOrderRequest;
 #[derive(Clone, Debug, PartialEq, Eq, Serialize, Deserialize)]
 #[serde(deny_unknown_fields)]
 pub struct ProductionOrder {
-    /// Its number.
+    /// Number, unique in its cell and rising.
     pub id: ProductionId,
     /// What was asked for.
     pub request: ProductionOrderRequest,
     /// Its product, as an index.
     pub product: usize,
-    /// The orders it is after.
     pub after: Vec<ProductionId>,
     /// When it was accepted.
     #[serde(with = "serial::micros")]
@@ -64,17 +63,17 @@ pub enum ProductionStatus {
     Released,
     /// Some have.
     InWork {
-        /// Since when.
+        /// Time at which its first part entered.
         begun: Tick,
     },
     /// All have left.
     Done {
-        /// When.
+        /// Time at which its last part left.
         at: Tick,
     },
     /// Nothing more enters.
     Cancelled {
-        /// Since when.
+        /// Time of the cancellation.
         at: Tick,
         /// How many parts are still inside.
         inside: u32,

@@ -58,7 +58,6 @@ pub enum RequestProblem {
     /// Another request had this key.
     #[error("`{name}` has the key of `{other}`, which asks for something else; draw a new key for each request")]
     KeyTaken {
-        /// The request.
         name: String,
         /// The one that had the key before.
         other: String,
@@ -66,7 +65,6 @@ pub enum RequestProblem {
     /// Nothing of that name is made here.
     #[error("`{name}`: nothing called `{product}` is made here{}", advice(.hint))]
     Product {
-        /// The request.
         name: String,
         /// What it asks for.
         product: String,
@@ -76,7 +74,6 @@ pub enum RequestProblem {
     /// None, or too many.
     #[error("`{name}`: {quantity} parts; ask for 1 to {QUANTITY_MAX}")]
     Quantity {
-        /// The request.
         name: String,
         /// How many it asks for.
         quantity: u32,
@@ -84,7 +81,6 @@ pub enum RequestProblem {
     /// It could not be in time.
     #[error("`{name}`: due at {due}, but not released before {release}")]
     DueBeforeRelease {
-        /// The request.
         name: String,
         /// When it is due.
         due: Tick,
@@ -94,7 +90,6 @@ pub enum RequestProblem {
     /// It waits for what is not there.
     #[error("`{name}` is after `{after}`, and there is no such order{}", advice(.hint))]
     NoSuchOrder {
-        /// The request.
         name: String,
         /// What it waits for.
         after: String,
@@ -104,7 +99,6 @@ pub enum RequestProblem {
     /// It waits for what was withdrawn.
     #[error("`{name}` is after `{after}`, which was withdrawn and will never be over")]
     AfterWithdrawn {
-        /// The request.
         name: String,
         /// What it waits for.
         after: String,

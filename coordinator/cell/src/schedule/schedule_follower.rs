@@ -29,9 +29,8 @@ const REVISIONS_MAX: usize = 100;
 /// A schedule was made anew.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub struct Revision {
-    /// When.
+    /// Time of the revision.
     pub at: Tick,
-    /// Why.
     pub why: RevisionReason,
 }
 

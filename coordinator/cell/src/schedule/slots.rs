@@ -12,16 +12,16 @@ use linewright_line::Tick;
 
 use super::super::ahead::{PlannedStart, Score, SimulatedActivity};
 use super::super::dispatch::Window;
-use super::super::exception::{ExceptionStep, Whereabouts};
+use super::super::exception::Whereabouts;
 use super::super::ids::{CellId, FiringId, ModeId, PartId};
-use super::super::record::{Record, RecordKind};
+use super::super::record::{ActivityStep, Record};
 use super::super::state::PlayerState;
 use super::super::table::CellTable;
 
 /// Something that is to be done, is being done, or has been.
 #[derive(Clone, Debug, PartialEq, Eq)]
 pub struct ScheduleSlot {
-    /// What.
+    /// Net mode (transition with its colours).
     pub mode: ModeId,
     /// With which part, as the schedule numbers them; none for what takes none.
     pub part: Option<usize>,
@@ -37,7 +37,6 @@ pub struct ScheduleSlot {
     pub began: Option<Tick>,
     /// When it has ended.
     pub ended: Option<Tick>,
-    /// It has failed.
     pub failed: bool,
     firing: Option<FiringId>,
 }
@@ -45,7 +44,7 @@ pub struct ScheduleSlot {
 /// Plan against actual, of one activity.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub struct PlanActualBar {
-    /// What.
+    /// Net mode (transition with its colours).
     pub mode: ModeId,
     /// With which part; none if it takes none, or has not entered.
     pub part: Option<PartId>,
@@ -55,7 +54,6 @@ pub struct PlanActualBar {
     pub planned: Option<(Tick, Tick)>,
     /// When it started, if it has, and ended, if it has.
     pub actual: Option<(Tick, Option<Tick>)>,
-    /// It has failed.
     pub failed: bool,
 }
 
@@ -139,7 +137,7 @@ impl Schedule {
         }
     }
 
-    /// All of it.
+    /// All slots, by planned start.
     pub fn slots(&self) -> &[ScheduleSlot] {
         &self.slots
     }
@@ -176,40 +174,31 @@ impl Schedule {
         self.entering.iter().filter_map(|(&mode, slots)| Some((mode, &self.slots[*slots.front()?])))
     }
 
-    /// What is in progress.
     pub(super) fn in_progress(&self) -> impl Iterator<Item = &ScheduleSlot> {
         self.running.values().map(|&at| &self.slots[at])
     }
 
     /// Takes a record: what was planned has started, or ended.
     pub fn note(&mut self, table: &CellTable, record: &Record) {
-        match &record.fact {
-            RecordKind::Started { firing, mode, part, orders: _ } => {
-                self.started(table, record.at, *firing, *mode, *part)
+        match record.fact.activity_step() {
+            Some(ActivityStep::Started { firing, mode, part, orders: _ }) => {
+                self.started(table, record.at, firing, mode, part)
             }
-            RecordKind::Ended { firing } => {
-                if let Some(at) = self.running.remove(firing) {
+            Some(ActivityStep::Ended { firing }) => {
+                if let Some(at) = self.running.remove(&firing) {
                     self.slots[at].ended = Some(record.at);
                 }
             }
-            RecordKind::Raised { firing, cause: _ } => {
-                if let Some(at) = self.running.remove(firing) {
+            Some(ActivityStep::Raised { firing, cause: _ }) => {
+                if let Some(at) = self.running.remove(&firing) {
                     self.slots[at].failed = true;
                 }
             }
-            RecordKind::Exception(ExceptionStep::Closed { firing, ruling, .. }) if ruling.part == Whereabouts::To => {
-                let slot = self.slots.iter_mut().find(|slot| slot.firing == Some(*firing));
+            Some(ActivityStep::Closed { firing, ruling }) if ruling.part == Whereabouts::To => {
+                let slot = self.slots.iter_mut().find(|slot| slot.firing == Some(firing));
                 slot.into_iter().for_each(|slot| slot.ended = Some(record.at));
             }
-            RecordKind::Exception(_)
-            | RecordKind::Fired { .. }
-            | RecordKind::Epoch { .. }
-            | RecordKind::Memory { .. }
-            | RecordKind::Decided { .. }
-            | RecordKind::Acknowledged { .. }
-            | RecordKind::OrderEnded { .. }
-            | RecordKind::OrderFailed { .. }
-            | RecordKind::Production { .. } => (),
+            Some(ActivityStep::Closed { .. } | ActivityStep::Fired { .. }) | None => (),
         }
     }
 

@@ -73,7 +73,6 @@ struct ResourceTally {
 /// A part's way through the cell.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub struct PartHistory {
-    /// Which part.
     pub part: PartId,
     /// What it is to become, as a position in [`ReportMetadata::products`]; none if nobody knows.
     pub product: Option<usize>,

@@ -42,9 +42,7 @@ impl Causes {
 /// One resource.
 #[derive(Clone, Debug, PartialEq)]
 pub struct ResourceReport {
-    /// Which.
     pub name: String,
-    /// What it is.
     pub prototype: String,
     /// How many parts it holds, or carries at a time.
     pub capacity: u32,
@@ -52,13 +50,12 @@ pub struct ResourceReport {
     pub work: Duration,
     /// How much of its room was taken in the mean, by parts that were there or on their way.
     pub taken: f64,
-    /// And at most.
     pub most: u32,
     /// How long it took part in activities, none of which had failed.
     pub busy: Duration,
     /// How long one of them had failed.
     pub down: Duration,
-    /// Why.
+    /// Down time by cause, in µs.
     pub causes: Causes,
     /// How many parts it has worked on.
     pub worked: u64,

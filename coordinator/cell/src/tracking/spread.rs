@@ -7,7 +7,6 @@ use std::time::Duration;
 pub struct Spread {
     /// How many there are.
     pub count: usize,
-    /// The least.
     pub least: Duration,
     /// Half of them do not exceed it.
     pub median: Duration,
@@ -15,7 +14,6 @@ pub struct Spread {
     pub p90: Duration,
     /// 99 in a hundred do not.
     pub p99: Duration,
-    /// The most.
     pub most: Duration,
     /// Their sum.
     pub total: Duration,

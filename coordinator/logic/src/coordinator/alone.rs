@@ -12,7 +12,7 @@ use super::{Coordinator, StationEntry, StationView};
 
 impl Coordinator {
     /// Leaves these stations out, and no others: what is wrong with them is an exception of the cell they work in
-    /// ([`crate::cell::exception::isolated`]), and the others work on. Only stations on order can be left out. Call it
+    /// (found by the cell), and the others work on. Only stations on order can be left out. Call it
     /// whenever that changes, before [`Coordinator::step`]. `stations` is told as well whether a station is heard.
     pub fn isolate(&mut self, stations: impl Fn(StationId, bool) -> bool) {
         for (id, station) in self.line.station_ids().zip(&mut self.stations) {

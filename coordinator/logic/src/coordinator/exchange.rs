@@ -74,7 +74,6 @@ pub enum ModeInput {
 pub struct ModeGrant {
     /// Grows with every change of mode.
     pub epoch: u64,
-    /// The mode.
     pub mode: ControlMode,
     /// Every station has acknowledged the epoch.
     pub enabled: bool,

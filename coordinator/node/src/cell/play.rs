@@ -56,7 +56,7 @@ pub enum CellError {
     /// Another coordinator has begun after this one.
     #[error("station {station} knows a later coordinator (epoch {epoch}); this one gives no more orders")]
     Superseded {
-        /// Who says so.
+        /// Station that reports the newer epoch.
         station: String,
         /// The later life.
         epoch: u64,

@@ -40,7 +40,6 @@ fn stages(b: &mut ColouredBuilder, cell: &Cell) -> BasicId {
     b.named_basic(STAGES, cell.stages.iter().map(|stage| stage.name.as_str()))
 }
 
-/// The tone of a stage.
 fn tone(stage: StageId) -> u32 {
     u32::from(stage.0) + 1
 }

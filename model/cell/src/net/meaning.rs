@@ -24,7 +24,7 @@ pub enum PlaceMeaning {
     Admission,
     /// Parts that an activity has, while it is in progress.
     Busy {
-        /// Which.
+        /// Activity that keeps the resource busy.
         activity: ActivityId,
         /// The carrier has grasped the part and not begun to put it.
         is_held: bool,

@@ -68,7 +68,7 @@ impl<'a, const N: usize> From<&'a [u32; N]> for Supply<'a> {
 /// Which part of an activity a transition is.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Hash)]
 pub enum TransitionPhase {
-    /// All of it.
+    /// Start and end in one transition.
     Whole,
     /// Its beginning: what it needs is taken.
     Start,
@@ -80,7 +80,6 @@ pub enum TransitionPhase {
     Put,
     /// The beginning of the grasp.
     GraspStart,
-    /// The end of the grasp.
     GraspEnd,
     /// The beginning of putting.
     PutStart,
@@ -107,7 +106,7 @@ impl TransitionPhase {
 pub enum Origin {
     /// A part of an activity.
     Activity {
-        /// Which.
+        /// Activity of the transition.
         id: ActivityId,
         /// Which part of it.
         phase: TransitionPhase,
@@ -137,7 +136,6 @@ pub struct CellNet {
     net: ColouredNet,
     /// By transition.
     origins: Vec<Origin>,
-    /// By place.
     meanings: Vec<PlaceMeaning>,
     /// What waits outside is counted, and is no part yet.
     counts_waiting: bool,
@@ -197,7 +195,6 @@ pub fn net<'a>(cell: &Cell, detail: Detail, supply: impl Into<Supply<'a>>) -> Re
 }
 
 impl CellNet {
-    /// The net.
     pub fn net(&self) -> &ColouredNet {
         &self.net
     }

@@ -23,7 +23,7 @@ pub enum NetProperty {
 }
 
 impl NetProperty {
-    /// All of them.
+    /// All properties, in the order of reports.
     pub const ALL: [NetProperty; 5] = [
         NetProperty::DeadlockFree,
         NetProperty::Live,
@@ -52,7 +52,7 @@ pub struct Certificate {
     pub property: NetProperty,
     /// Whether it is claimed to hold, or not to hold.
     pub holds: bool,
-    /// Why.
+    /// Evidence that a checker accepts.
     pub evidence: Evidence,
 }
 
@@ -90,7 +90,6 @@ pub enum Evidence {
 /// One transition, fired several times in a row.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub struct RepeatedFiring {
-    /// The transition.
     pub transition: TransitionId,
     /// How often, at least once.
     pub times: u64,

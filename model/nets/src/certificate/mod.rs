@@ -188,7 +188,6 @@ pub enum Unknown {
     /// Commoner's theorem says "not live", and no sequence was found that shows it.
     #[error("a siphon of {} places has no marked trap, so the net is not live; but none of the first {markings} markings shows it", siphon.len())]
     NotFound {
-        /// The siphon.
         siphon: Vec<PlaceId>,
         /// How many markings were looked at.
         markings: usize,

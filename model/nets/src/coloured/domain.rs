@@ -31,7 +31,6 @@ pub struct BasicDomain {
 }
 
 impl BasicDomain {
-    /// The name of the domain.
     pub fn name(&self) -> &str {
         &self.name
     }

@@ -10,7 +10,7 @@ use crate::{ArcName, MAX_NODES, NamedId, NetNode, PlaceId, TransitionId};
 
 /// One thing wrong with a coloured net.
 #[derive(Clone, Debug, PartialEq, Eq, Error)]
-#[allow(missing_docs)] // The fields are named in the messages.
+
 pub enum ColouredError {
     /// A net has at least one place or transition.
     #[error("the net has neither a place nor a transition")]
@@ -36,7 +36,6 @@ pub enum ColouredError {
     /// A domain that names a basic domain which was not declared.
     #[error("{node} is of colour domain #{basic}, but the net has {basics} basic domains")]
     UnknownBasic { node: NamedId<NetNode>, basic: u32, basics: usize },
-    /// Too many components.
     #[error("{node} has a domain with {components} components; at most {most} are possible")]
     TooManyComponents { node: NamedId<NetNode>, components: usize, most: usize },
     /// A place with more colours than can be numbered.

@@ -24,7 +24,7 @@ use crate::{NamedId, PlaceId, TransitionId};
 
 /// What is wrong with a flow as it is written.
 #[derive(Clone, Debug, PartialEq, Eq, Error)]
-#[allow(missing_docs)] // The fields are named in the messages.
+
 pub enum FlowError {
     /// The common domain does not exist, is empty of colours, or has too many.
     #[error("the flow leads to a domain that the net does not have, or that has too many colours")]
@@ -51,11 +51,10 @@ pub enum NotFlow {
     Changed {
         /// The name of the mode.
         mode: String,
-        /// The mode.
         id: NetMode,
         /// The colour of the sum that changes.
         colour: String,
-        /// By how much.
+        /// Change of the weighted sum, in tokens.
         change: i128,
     },
     /// More modes would have to be looked at than allowed.
@@ -222,7 +221,7 @@ pub struct TransitionFlow {
 pub struct NotCycle {
     /// The place and colour.
     pub cell: String,
-    /// By how much.
+    /// Change of the marking, in tokens.
     pub change: i128,
 }
 

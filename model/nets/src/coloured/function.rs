@@ -21,10 +21,12 @@ pub(super) enum FunctionStep {
     /// The components with these numbers, from 1.
     Project(Vec<u32>),
     /// So many tones on (or back) in a component.
-    Shift { component: u32, by: i64 },
+    Shift {
+        component: u32,
+        by: i64,
+    },
     /// The sum over all shifts of a component.
     Ring(u32),
-    /// <•>.
     Discolour,
 }
 

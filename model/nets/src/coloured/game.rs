@@ -28,7 +28,7 @@ pub enum ColouredFireError {
         mode: String,
         /// The place and colour.
         cell: String,
-        /// What it has.
+        /// Tokens on the place.
         has: u32,
         /// What it would need.
         needs: u32,

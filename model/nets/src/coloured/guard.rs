@@ -25,7 +25,6 @@ pub enum Operand {
         /// How many tones on; back if negative.
         by: i64,
     },
-    /// A number.
     Number(i64),
 }
 
@@ -50,7 +49,7 @@ impl Operand {
 
 /// How two operands are compared (seed 000, definition 36; ≠ is the negated colour of definition 13).
 #[derive(Clone, Copy, Debug, PartialEq, Eq, PartialOrd, Ord, Hash)]
-#[allow(missing_docs)] // The names say it.
+
 pub enum Comparison {
     Equal,
     NotEqual,
@@ -89,7 +88,6 @@ pub fn component(component: u32) -> Operand {
     Operand::Component { component, by: 0 }
 }
 
-/// A comparison.
 pub fn compare(left: Operand, comparison: Comparison, right: Operand) -> Atom {
     Atom { left, comparison, right }
 }

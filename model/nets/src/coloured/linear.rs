@@ -16,7 +16,6 @@ pub enum FunctionError {
     /// A step names a component that the tuple at hand does not have.
     #[error("`{step}` names component {component}, but what it is applied to is of {domain}")]
     NoComponent {
-        /// The step.
         step: String,
         /// The component it names, from 1.
         component: u32,

@@ -33,7 +33,6 @@ pub(super) fn count_in(entries: &[(u32, u32)], cell: u32) -> u32 {
 /// A token somewhere: what [`super::ColouredBuilder::tokens`] declares and messages name.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, PartialOrd, Ord, Hash)]
 pub struct TokenElement {
-    /// The place.
     pub place: PlaceId,
     /// The position of the colour among those of the place.
     pub colour: u32,

@@ -17,7 +17,6 @@ use crate::{NamedId, PlaceId, TransitionId};
 /// A transition with one colour of its domain: what fires.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, PartialOrd, Ord, Hash)]
 pub struct NetMode {
-    /// The transition.
     pub transition: TransitionId,
     /// The position of the colour among those of the transition, in lexical order.
     pub colour: u32,
@@ -74,7 +73,6 @@ impl ColouredTransition {
 }
 
 impl ColouredNet {
-    /// The name of the net.
     pub fn name(&self) -> &str {
         &self.name
     }
@@ -105,22 +103,18 @@ impl ColouredNet {
         (0..self.transitions.len() as u32).map(TransitionId)
     }
 
-    /// A place with its name.
     pub fn place(&self, place: PlaceId) -> NamedId<PlaceId> {
         NamedId { id: place, name: self.places[place.index()].name.clone() }
     }
 
-    /// A transition with its name.
     pub fn transition(&self, transition: TransitionId) -> NamedId<TransitionId> {
         NamedId { id: transition, name: self.transitions[transition.index()].name.clone() }
     }
 
-    /// The place of that name.
     pub fn place_named(&self, name: &str) -> Option<PlaceId> {
         self.place_by_name.get(name).copied()
     }
 
-    /// The transition of that name.
     pub fn transition_named(&self, name: &str) -> Option<TransitionId> {
         self.transition_by_name.get(name).copied()
     }
@@ -186,7 +180,6 @@ impl ColouredNet {
         format!("{}{}", transition.name, transition.shape.show(mode.colour, &self.basics))
     }
 
-    /// The mode of that name.
     pub fn mode_named(&self, name: &str) -> Option<NetMode> {
         let Some((transition, tones)) = name.strip_suffix('>').and_then(|name| name.rsplit_once('<')) else {
             return self.mode(self.transition_named(name)?, &[]);

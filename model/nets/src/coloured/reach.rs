@@ -39,7 +39,6 @@ impl ColouredReachLimits {
 pub struct ColouredUndecided {
     /// The states found until then.
     pub states: usize,
-    /// What stopped it.
     pub cause: ColouredReachLimit,
 }
 
@@ -155,7 +154,6 @@ impl ColouredReachability {
         (0..self.states.len() as u32).map(StateId)
     }
 
-    /// The marking of a state.
     pub fn marking(&self, state: StateId) -> ColouredMarking {
         ColouredMarking { entries: self.entries(state).to_vec() }
     }

@@ -46,7 +46,6 @@ impl Default for CoverabilityLimits {
 pub struct CoverabilityUndecided {
     /// The labels found until then.
     pub labels: usize,
-    /// What stopped it.
     pub cause: CoverabilityLimit,
 }
 

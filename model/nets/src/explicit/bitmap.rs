@@ -296,7 +296,6 @@ pub(super) struct Cursor<'k> {
 }
 
 impl Cursor<'_> {
-    /// Goes to a word.
     #[inline]
     pub(super) fn go(&mut self, word: usize) {
         let width = self.kernel.filter.width;

@@ -261,7 +261,6 @@ impl MarkingEncoding {
         is_small.then_some(form)
     }
 
-    /// The digits of a marking.
     pub(super) fn digits(&self, marking: &Marking) -> Vec<u32> {
         let mut digits = vec![0_u32; self.radices.len()];
         for (own, &tokens) in self.own.iter().zip(marking.as_slice()) {

@@ -5,7 +5,6 @@ use crate::{Marking, TransitionId};
 /// A marking together with a way to it.
 #[derive(Clone, Debug, PartialEq, Eq)]
 pub struct WitnessMarking {
-    /// The marking.
     pub marking: Marking,
     /// A shortest firing sequence from the initial marking to it.
     pub path: Vec<TransitionId>,

@@ -25,7 +25,6 @@ const WEIGHT_MAX: i64 = 1 << 20;
 pub(super) struct Invariant {
     /// y, by place.
     pub(super) weights: SparseEntries,
-    /// The sum.
     pub(super) sum: i64,
 }
 

@@ -29,7 +29,6 @@ impl Default for ExplorationLimits {
 pub struct ExplorationUndecided {
     /// The states found until then.
     pub states: u64,
-    /// What stopped it.
     pub cause: ExplorationLimit,
 }
 

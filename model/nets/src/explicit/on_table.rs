@@ -121,7 +121,6 @@ fn returning(table: &mut MarkingTable) -> Result<Vec<bool>, ExplorationUndecided
 struct SeenMaxima {
     /// By place.
     most: Vec<u32>,
-    /// By digit.
     digits: Vec<u32>,
     /// Places that are not a digit and have not held the most that they can.
     open: Vec<usize>,

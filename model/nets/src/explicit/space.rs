@@ -13,7 +13,7 @@ use crate::Marking;
 
 /// The markings, numbered from zero.
 pub(super) trait Space {
-    /// How many.
+    /// Number of markings.
     fn len(&self) -> usize;
     /// Of a number.
     fn marking(&self, state: u32) -> Marking;

@@ -3,7 +3,6 @@
 /// The non-zero entries by index, ascending.
 pub(super) type SparseEntries = Vec<(u32, i64)>;
 
-/// The entry at an index.
 pub(super) fn entry(row: &[(u32, i64)], index: u32) -> i64 {
     row.binary_search_by_key(&index, |&(at, _)| at).map_or(0, |at| row[at].1)
 }

@@ -232,7 +232,6 @@ impl<'a> MarkingTable<'a> {
         &scratch.digits
     }
 
-    /// A marking.
     pub(super) fn marking(&self, state: u32) -> Marking {
         let mut digits = vec![0; self.encoding.radices.len()];
         self.packing.unpack(self.key(state), &mut digits);

@@ -13,7 +13,6 @@ pub struct Exclusion<'flows> {
     pub places: Vec<PlaceId>,
     /// The semiflow whose sum does not allow two of them.
     pub by: &'flows Semiflow<PlaceId>,
-    /// That sum.
     pub sum: u128,
 }
 

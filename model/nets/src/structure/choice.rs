@@ -25,7 +25,6 @@ pub enum NotExtendedFreeChoice {
         /// What only the first one needs.
         waits_for: NamedId<PlaceId>,
     },
-    /// An arc has a weight.
     #[error(transparent)]
     Weight(HeavyArc),
 }
@@ -38,7 +37,6 @@ pub enum NotAsymmetricChoice {
         "{first} and {second} both feed {shared}, but {first} alone feeds {of_first}, and {second} alone {of_second}"
     )]
     Crossed {
-        /// One place.
         first: NamedId<PlaceId>,
         /// The other.
         second: NamedId<PlaceId>,
@@ -49,7 +47,6 @@ pub enum NotAsymmetricChoice {
         /// One that takes from the second alone.
         of_second: NamedId<TransitionId>,
     },
-    /// An arc has a weight.
     #[error(transparent)]
     Weight(HeavyArc),
 }
@@ -58,7 +55,6 @@ pub enum NotAsymmetricChoice {
 #[derive(Clone, Debug, PartialEq, Eq, Error)]
 #[error("{place} offers the choice between {first} and {second}")]
 pub struct ChoicePlace {
-    /// The place.
     pub place: NamedId<PlaceId>,
     /// One transition that takes from it.
     pub first: NamedId<TransitionId>,

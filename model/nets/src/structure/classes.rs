@@ -12,7 +12,6 @@ use crate::{ArcDirection, ArcName, NamedId, Net, PlaceId, TransitionId};
 #[derive(Clone, Debug, PartialEq, Eq, Error)]
 #[error("the arc {arc} has weight {weight}")]
 pub struct HeavyArc {
-    /// The arc.
     pub arc: ArcName,
     /// Its weight, at least 2.
     pub weight: u32,
@@ -24,7 +23,6 @@ pub enum NotStateMachine {
     /// |•t| ≠ 1: the transition synchronises, or needs nothing.
     #[error("{transition} has {count} input places, not 1")]
     Inputs {
-        /// The transition.
         transition: NamedId<TransitionId>,
         /// |•t|.
         count: usize,
@@ -32,12 +30,10 @@ pub enum NotStateMachine {
     /// |t•| ≠ 1: the transition forks, or leads nowhere.
     #[error("{transition} has {count} output places, not 1")]
     Outputs {
-        /// The transition.
         transition: NamedId<TransitionId>,
         /// |t•|.
         count: usize,
     },
-    /// An arc has a weight.
     #[error(transparent)]
     Weight(HeavyArc),
 }
@@ -48,7 +44,6 @@ pub enum NotMarkedGraph {
     /// |•p| ≠ 1.
     #[error("{place} has {count} input transitions, not 1")]
     Producers {
-        /// The place.
         place: NamedId<PlaceId>,
         /// |•p|.
         count: usize,
@@ -56,12 +51,10 @@ pub enum NotMarkedGraph {
     /// |p•| ≠ 1: there is a choice, or nothing leads on.
     #[error("{place} has {count} output transitions, not 1")]
     Consumers {
-        /// The place.
         place: NamedId<PlaceId>,
         /// |p•|.
         count: usize,
     },
-    /// An arc has a weight.
     #[error(transparent)]
     Weight(HeavyArc),
 }
@@ -72,7 +65,6 @@ pub enum NotFreeChoice {
     /// The place offers a choice, and one of the candidates also waits for another place.
     #[error("{place} offers the choice between {chosen} and {other}, but {chosen} also waits for {waits_for}")]
     Entangled {
-        /// The place with the choice.
         place: NamedId<PlaceId>,
         /// The candidate that is not free.
         chosen: NamedId<TransitionId>,
@@ -81,7 +73,6 @@ pub enum NotFreeChoice {
         /// The other place that `chosen` needs.
         waits_for: NamedId<PlaceId>,
     },
-    /// An arc has a weight.
     #[error(transparent)]
     Weight(HeavyArc),
 }

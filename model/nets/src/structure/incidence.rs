@@ -22,7 +22,6 @@ pub struct Incidence<'net> {
 #[derive(Clone, Debug, PartialEq, Eq, Error)]
 #[error("{transition} takes {takes} tokens and gives {gives}")]
 pub struct NotConservative {
-    /// The transition.
     pub transition: NamedId<TransitionId>,
     /// What firing takes, summed over all places.
     pub takes: u64,
@@ -34,9 +33,8 @@ pub struct NotConservative {
 #[derive(Clone, Debug, PartialEq, Eq, Error)]
 #[error("firing {transition} changes the weighted sum by {change}")]
 pub struct NotPlaceInvariant {
-    /// The transition.
     pub transition: NamedId<TransitionId>,
-    /// By how much.
+    /// Change of the weighted sum, in tokens.
     pub change: i128,
 }
 
@@ -44,9 +42,8 @@ pub struct NotPlaceInvariant {
 #[derive(Clone, Debug, PartialEq, Eq, Error)]
 #[error("the firings change the tokens of {place} by {change}")]
 pub struct NotTransitionInvariant {
-    /// The place.
     pub place: NamedId<PlaceId>,
-    /// By how much.
+    /// Change of the place, in tokens.
     pub change: i128,
 }
 

@@ -59,7 +59,6 @@ pub enum NotLive {
     /// The transition cannot be undone by others: once every token is behind it, it stays dead.
     #[error("{transition} leads from {from} to {to}, and no path leads back")]
     NoReturn {
-        /// The transition.
         transition: NamedId<TransitionId>,
         /// Its input place.
         from: NamedId<PlaceId>,
@@ -68,10 +67,7 @@ pub enum NotLive {
     },
     /// No token is in the part of the net that the transition belongs to.
     #[error("no token can ever reach {transition}")]
-    NoToken {
-        /// The transition.
-        transition: NamedId<TransitionId>,
-    },
+    NoToken { transition: NamedId<TransitionId> },
 }
 
 /// Why a state machine is not safe: two tokens can meet.

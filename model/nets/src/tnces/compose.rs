@@ -19,7 +19,6 @@ pub enum Element {
 }
 
 impl Element {
-    /// Its name.
     pub fn name(&self) -> &str {
         match self {
             Element::Module(module) => &module.name,
@@ -98,7 +97,6 @@ impl Composite {
         Composite { name: name.into(), parts: Vec::new(), inputs: Vec::new(), outputs: Vec::new(), links: Vec::new() }
     }
 
-    /// Its name.
     pub fn name(&self) -> &str {
         &self.name
     }

@@ -13,7 +13,6 @@ pub enum TncesError {
     UnknownPlace {
         /// Which entry of which table.
         what: String,
-        /// The place.
         place: PlaceId,
         /// How many there are.
         places: usize,
@@ -23,27 +22,19 @@ pub enum TncesError {
     UnknownTransition {
         /// Which entry of which table.
         what: String,
-        /// The transition.
         transition: TransitionId,
         /// How many there are.
         transitions: usize,
     },
     /// A condition arc that always holds.
     #[error("the condition arc {place} → {transition} has weight 0")]
-    ZeroWeight {
-        /// The place.
-        place: NamedId<PlaceId>,
-        /// The transition.
-        transition: NamedId<TransitionId>,
-    },
+    ZeroWeight { place: NamedId<PlaceId>, transition: NamedId<TransitionId> },
     /// The same condition arc twice.
     #[error("the condition arc {place} → {transition} is declared {times} times")]
     DuplicateCondition {
-        /// The place.
         place: NamedId<PlaceId>,
-        /// The transition.
         transition: NamedId<TransitionId>,
-        /// How often.
+        /// Number of declarations.
         times: usize,
     },
     /// The same event arc twice.
@@ -53,15 +44,12 @@ pub enum TncesError {
         from: NamedId<TransitionId>,
         /// The transition it forces.
         to: NamedId<TransitionId>,
-        /// How often.
+        /// Number of declarations.
         times: usize,
     },
     /// A set of alternative sources with nothing in it: the transition could never fire.
     #[error("{transition} waits for one event of none; name its sources")]
-    NoSource {
-        /// The transition.
-        transition: NamedId<TransitionId>,
-    },
+    NoSource { transition: NamedId<TransitionId> },
     /// Event arcs that lead back to where they start: each would wait for the others.
     #[error("the event arcs form a cycle: {}", names(cycle))]
     EventCycle {
@@ -70,52 +58,24 @@ pub enum TncesError {
     },
     /// An interval where the net has no input arc.
     #[error("the interval {interval} is on {place} → {transition}, which is no arc of the net")]
-    NoSuchArc {
-        /// The place.
-        place: NamedId<PlaceId>,
-        /// The transition.
-        transition: NamedId<TransitionId>,
-        /// The interval.
-        interval: Interval,
-    },
+    NoSuchArc { place: NamedId<PlaceId>, transition: NamedId<TransitionId>, interval: Interval },
     /// DR > DL.
     #[error("the interval {interval} on {place} → {transition} ends before it begins")]
-    Reversed {
-        /// The place.
-        place: NamedId<PlaceId>,
-        /// The transition.
-        transition: NamedId<TransitionId>,
-        /// The interval.
-        interval: Interval,
-    },
+    Reversed { place: NamedId<PlaceId>, transition: NamedId<TransitionId>, interval: Interval },
     /// A bound beyond [`super::TIME_MAX`].
     #[error("the interval {interval} on {place} → {transition} goes beyond {limit}; choose a coarser unit of time")]
-    TooLong {
-        /// The place.
-        place: NamedId<PlaceId>,
-        /// The transition.
-        transition: NamedId<TransitionId>,
-        /// The interval.
-        interval: Interval,
-        /// The limit.
-        limit: u32,
-    },
+    TooLong { place: NamedId<PlaceId>, transition: NamedId<TransitionId>, interval: Interval, limit: u32 },
     /// Two intervals on one arc.
     #[error("{place} → {transition} has {times} intervals")]
     DuplicateInterval {
-        /// The place.
         place: NamedId<PlaceId>,
-        /// The transition.
         transition: NamedId<TransitionId>,
-        /// How many.
+        /// Number of intervals on the arc.
         times: usize,
     },
     /// A transition that is both forced and left to the environment.
     #[error("{transition} is external, but event arcs force it; leave one of the two out")]
-    ExternalForced {
-        /// The transition.
-        transition: NamedId<TransitionId>,
-    },
+    ExternalForced { transition: NamedId<TransitionId> },
     /// So many forced transitions compete for tokens that the maximal steps cannot be listed.
     #[error("{trigger} forces {contested} transitions that compete for tokens; at most {limit} are possible")]
     TooManyChoices {
@@ -123,15 +83,11 @@ pub enum TncesError {
         trigger: NamedId<TransitionId>,
         /// How many of those it forces share an input place with another.
         contested: usize,
-        /// The limit.
         limit: usize,
     },
     /// The event arcs, followed from each spontaneous transition, make more entries than fit.
     #[error("the spontaneous transitions force more than {limit} transitions, added up")]
-    TooManyForced {
-        /// The limit.
-        limit: usize,
-    },
+    TooManyForced { limit: usize },
 }
 
 fn names(cycle: &[NamedId<TransitionId>]) -> String {
@@ -143,12 +99,7 @@ fn names(cycle: &[NamedId<TransitionId>]) -> String {
 pub enum ComposeError {
     /// Two parts of one composite have the same name.
     #[error("two parts of `{composite}` are named `{name}`")]
-    DuplicatePart {
-        /// The composite.
-        composite: String,
-        /// The name.
-        name: String,
-    },
+    DuplicatePart { composite: String, name: String },
     /// Two ports of one direction and kind have the same name.
     #[error("`{owner}` has two {port}")]
     DuplicatePort {
@@ -160,7 +111,6 @@ pub enum ComposeError {
     /// A connection to a part that was never added.
     #[error("a connection in `{composite}` names part #{part}, but it has {parts} parts")]
     UnknownPart {
-        /// The composite.
         composite: String,
         /// The number of the part.
         part: usize,
@@ -187,20 +137,13 @@ pub enum ComposeError {
     },
     /// A port that nothing drives.
     #[error("{port} is not connected")]
-    NotConnected {
-        /// The port.
-        port: String,
-    },
+    NotConnected { port: String },
     /// An input that reaches no transition.
     #[error("{port} is an input, but no arc starts at it")]
-    Idle {
-        /// The port.
-        port: String,
-    },
+    Idle { port: String },
     /// A composite input joined to a composite output: no part is between.
     #[error("`{composite}` joins its input `{from}` to its output `{to}`, through no part")]
     PassThrough {
-        /// The composite.
         composite: String,
         /// The input.
         from: String,
@@ -210,7 +153,6 @@ pub enum ComposeError {
     /// A module that uses the id of another.
     #[error("module `{module}` has {count} {nodes}, but one of its arcs or ports names #{id}")]
     ForeignId {
-        /// The module.
         module: String,
         /// "places" or "transitions".
         nodes: &'static str,
@@ -224,7 +166,6 @@ pub enum ComposeError {
     TooDeep {
         /// The innermost composite that was looked at.
         composite: String,
-        /// The limit.
         limit: usize,
     },
     /// The flat net is not sound.

@@ -93,7 +93,6 @@ impl<S> StateGraph<S> {
         &self.states
     }
 
-    /// One state.
     pub fn state(&self, state: StateId) -> &S {
         &self.states[state.index()]
     }

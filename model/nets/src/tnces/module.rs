@@ -52,7 +52,6 @@ impl TncesModule {
         }
     }
 
-    /// Its name.
     pub fn name(&self) -> &str {
         &self.name
     }

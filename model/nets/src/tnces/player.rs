@@ -25,7 +25,7 @@ pub enum Policy {
 /// A step that has been fired.
 #[derive(Clone, Debug, PartialEq, Eq)]
 pub struct FiredStep {
-    /// When.
+    /// Time of firing, in units of the net.
     pub time: u64,
     /// The spontaneous transition, then what it forced.
     pub step: Box<[TransitionId]>,
@@ -36,29 +36,22 @@ pub struct FiredStep {
 pub enum Refusal {
     /// Only other transitions make it fire.
     #[error("{transition} fires only when it is forced")]
-    Forced {
-        /// The transition.
-        transition: NamedId<TransitionId>,
-    },
+    Forced { transition: NamedId<TransitionId> },
     /// Too few tokens, or too many to count.
     #[error(transparent)]
     Tokens(#[from] FireError),
     /// A condition does not hold.
     #[error("{transition} waits for {place}: it has {has} of the {needs} tokens needed")]
     Condition {
-        /// The transition.
         transition: NamedId<TransitionId>,
-        /// The place.
         place: NamedId<PlaceId>,
-        /// What it has.
+        /// Tokens on the place.
         has: u32,
-        /// What is needed.
         needs: u32,
     },
     /// Its time has not come.
     #[error("{transition} can fire from time {from} on; it is {now}")]
     Early {
-        /// The transition.
         transition: NamedId<TransitionId>,
         /// The first instant at which it can, if nothing else happens.
         from: u64,
@@ -68,7 +61,6 @@ pub enum Refusal {
     /// Its time has passed.
     #[error("{transition} could have fired before time {now}; its tokens are too old now")]
     Late {
-        /// The transition.
         transition: NamedId<TransitionId>,
         /// The time.
         now: u64,
@@ -91,7 +83,7 @@ pub enum Restless {
     Overflow {
         /// Where the run stands.
         time: u64,
-        /// What stopped it.
+        /// Cause.
         error: FireError,
         /// What has been fired.
         fired: Vec<FiredStep>,

@@ -2,7 +2,6 @@
 
 use linewright_nets::coloured::{ColouredMarking, ColouredNet, NetMode};
 
-/// The mode of that name.
 pub fn mode(net: &ColouredNet, name: &str) -> NetMode {
     net.mode_named(name).unwrap_or_else(|| panic!("{net}has no mode {name}"))
 }
@@ -14,7 +13,6 @@ pub fn play(net: &ColouredNet, marking: &mut ColouredMarking, names: &[&str]) {
     }
 }
 
-/// The names of modes.
 pub fn names(net: &ColouredNet, modes: impl IntoIterator<Item = NetMode>) -> Vec<String> {
     modes.into_iter().map(|mode| net.mode_name(mode)).collect()
 }

@@ -39,9 +39,7 @@ use super::{CellPath, CellProperty, Verdict};
 /// What is explored, and how far.
 #[derive(Clone, Debug)]
 pub struct ProtocolSetting<'c> {
-    /// The cell.
     pub cell: &'c Cell,
-    /// Its line.
     pub line: &'c Line,
     /// The player's rules.
     pub rules: ProtocolRules,
@@ -76,9 +74,7 @@ impl<'c> ProtocolSetting<'c> {
 /// One activity, explored.
 #[derive(Clone, Debug)]
 pub struct ActivityExplored {
-    /// Its name.
     pub name: String,
-    /// Its stations.
     pub stations: Vec<String>,
     /// States seen.
     pub states: usize,
@@ -93,7 +89,6 @@ pub struct ActivityExplored {
 /// A rule that is broken, and the way there.
 #[derive(Clone, Debug, PartialEq, Eq)]
 pub struct BrokenRule {
-    /// Which rule is broken.
     pub rule: &'static str,
     /// What happened, in order.
     pub steps: Vec<String>,
@@ -115,7 +110,7 @@ pub const TWICE: &str = "nothing is done twice";
 pub const STOPPED: &str = "an alarm given by hand stops the stations, and they stand before anybody is asked";
 /// From every state the activity can be closed.
 pub const CLOSED: &str = "every activity can be closed";
-/// All of them.
+/// All rules, as named in verdicts.
 pub const ALL: [&str; 7] = [GIVEN, RESTORED, ANSWERED, ENDED, TWICE, STOPPED, CLOSED];
 
 /// Explores every activity of a cell that orders something from stations; those that order the same from the same stations

@@ -27,7 +27,7 @@ pub struct Rejected {
 
 /// What a certificate has to satisfy.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Error)]
-#[allow(missing_docs)] // The messages are the documentation.
+
 pub enum CertificateRule {
     #[error("evidence of this kind has to be able to prove the claim")]
     Kind,

@@ -21,7 +21,6 @@ impl ReplayTokens {
         net.preset(transition).iter().all(|&(place, weight)| self.on(place) >= u64::from(weight))
     }
 
-    /// The weighted sum of the tokens.
     pub fn sum(&self, weights: &[(PlaceId, i128)]) -> Result<i128, Rejected> {
         weights.iter().try_fold(0_i128, |sum, &(place, weight)| {
             weight
