@@ -51,7 +51,7 @@ pub fn run(args: &Args) -> miette::Result<ExitCode> {
         None => nothing_of(args.options.of_cells(), "a cell")?,
     }
     if args.json {
-        crate::out::say!("{}", serde_json::to_string_pretty(&report).into_diagnostic()?);
+        crate::out::json(&report)?;
     } else {
         crate::out::say!("{}", show::text(&report).trim_end().trim_start_matches('\n'));
     }

@@ -8,10 +8,10 @@
 mod analyse;
 mod can;
 mod cell;
+mod chart;
 mod check;
 mod client;
 mod devices;
-mod drawing;
 mod frames;
 mod interrupts;
 mod load;

@@ -9,7 +9,6 @@ mod cell;
 mod chart;
 mod json;
 mod report;
-mod svg;
 
 pub use cell::parts;
 use std::path::{Path, PathBuf};
@@ -21,7 +20,7 @@ use linewright_simulation::{LineSim, Network, RunEnd, RunGoal, Scenario, SimOpti
 use miette::{IntoDiagnostic, WrapErr, miette};
 
 use crate::load;
-use crate::out::say;
+use crate::out::{self, say};
 use report::SimulationReport;
 
 /// A scenario may be this large.
@@ -119,11 +118,10 @@ pub fn run(args: &Args) -> miette::Result<ExitCode> {
         write(path, &sim.log().text(&line))?;
     }
     if let Some(path) = &args.svg {
-        write(path, &svg::draw(&line, &report))?;
+        write(path, &chart::svg(&line, &report))?;
     }
     if args.json {
-        let text = serde_json::to_string_pretty(&json::SimulationJson::new(&line, &sim, &report)).into_diagnostic()?;
-        say!("{text}");
+        out::json(&json::SimulationJson::new(&line, &sim, &report))?;
     } else {
         say!("{}", report.text(&line).trim_end());
         print_end(&sim, &end, scenario.as_ref());

@@ -2,5 +2,5 @@
 
 mod golden;
 mod hostile;
-mod msg_files;
+mod interfaces;
 mod samples;

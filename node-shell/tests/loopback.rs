@@ -3,7 +3,7 @@
 //!
 //! Each test takes a domain of its own, away from the ones people use.
 
-use linewright_msgs::{Constant, Field, Invalid, ProcessImage, RosMessage, StationState, Text};
+use linewright_msgs::{Invalid, ProcessImage, RosField, RosMessage, StationState, Text};
 use linewright_node_shell::{Participant, Range, RosArgs, RosNode, Subscription, forward, fresh_boot_id, qos, stamp};
 use serde::{Deserialize, Serialize};
 use std::time::Duration;
@@ -78,18 +78,15 @@ async fn a_command_is_not_repeated_to_a_late_reader() {
 #[derive(Serialize, Deserialize)]
 struct Impostor(u8);
 
+impl RosField for Impostor {
+    fn check_bounds(&self, _path: &str) -> Result<(), Invalid> {
+        Ok(())
+    }
+}
+
 impl RosMessage for Impostor {
     const PACKAGE: &'static str = ProcessImage::PACKAGE;
     const NAME: &'static str = ProcessImage::NAME;
-    fn fields() -> Vec<Field> {
-        Vec::new()
-    }
-    fn constants() -> Vec<Constant> {
-        Vec::new()
-    }
-    fn bounds(&self, _path: &str) -> Result<(), Invalid> {
-        Ok(())
-    }
     fn validate(&self) -> Result<(), Invalid> {
         Ok(())
     }

@@ -269,23 +269,23 @@ impl World {
 
     fn deliver(&mut self, message: &OrderMessage) {
         let station = &mut self.stations[message.station.index()];
-        let order = orders::order(message);
+        let order = &message.order;
         let known = station.controller.report().order.is_some_and(|report| {
             report.slot.is_some_and(|slot| slot.key == order.key)
                 || report.results.iter().any(|(key, _)| *key == order.key)
         });
         self.doubled += usize::from(known);
-        station.controller.handle(self.now, StationInput::Task(TaskCommand::Run(&order)));
+        station.controller.handle(self.now, StationInput::Task(TaskCommand::Run(order)));
         station.step(&self.line, self.now);
         let replies = std::mem::take(&mut station.out.replies);
         assert_eq!(replies.len(), 1);
-        self.fly(|| Flying::Answer(message.station, message.key, orders::reply(replies[0].1)));
+        self.fly(|| Flying::Answer(message.station, order.key, replies[0].1));
     }
 
     /// What it answers the coordinator hears by its state as well.
     fn secure(&mut self, to: StationId, key: Key, stop: bool) {
         let station = &mut self.stations[to.index()];
-        station.controller.handle(self.now, StationInput::Task(orders::leave(key, stop)));
+        station.controller.handle(self.now, StationInput::Task(TaskCommand::leave(key, stop)));
         station.step(&self.line, self.now);
         station.out.replies.clear();
     }

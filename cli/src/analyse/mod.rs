@@ -17,9 +17,9 @@ use std::process::ExitCode;
 use std::time::Instant;
 
 use linewright_nets::explicit::ExplorationLimits;
-use miette::{IntoDiagnostic, miette};
+use miette::miette;
 
-use crate::out::say;
+use crate::out::{self, say};
 
 /// States that are looked at unless told otherwise.
 const STATES: u64 = 64_000_000;
@@ -86,7 +86,7 @@ pub fn run(args: &Args) -> miette::Result<ExitCode> {
     let net = match open::net(&args.file, args.net.as_deref()) {
         Ok(net) => net,
         Err(error) if args.json => {
-            say!("{}", serde_json::to_string_pretty(&open::problems(&error)).into_diagnostic()?);
+            out::json(&open::problems(&error))?;
             return Ok(ExitCode::FAILURE);
         }
         Err(error) => return Err(error),
@@ -104,7 +104,7 @@ pub fn run(args: &Args) -> miette::Result<ExitCode> {
     let seconds = start.elapsed().as_secs_f64();
     let report = report::report(&net, &findings, seconds);
     if args.json {
-        say!("{}", serde_json::to_string_pretty(&report).into_diagnostic()?);
+        out::json(&report)?;
     } else {
         say!("{}", show::text(&report).trim_end());
     }

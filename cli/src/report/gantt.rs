@@ -1,4 +1,4 @@
-//! Plan and actual as a Gantt chart: who did what when, as data, and as text for a terminal.
+//! Plan and actual as a Gantt chart: resources down, time across.
 //!
 //! A row for each resource that works or carries; stores are left out, since they do nothing. Where anything was planned,
 //! the plan is a line of its own above what was really done.
@@ -9,117 +9,109 @@ use linewright_coordinator_cell::tracking::FinishedActivity;
 use linewright_line::Tick;
 
 use super::story::ReportSource;
+use crate::chart::svg::{PLANNED, SvgChart, SvgStyle, TimeLabels, escaped};
+use crate::chart::{ActivityBar, BarChart, BarRow};
 
 /// Characters for the time.
 const WIDTH: usize = 100;
+/// The margin for names, at least.
+const LABELS_MIN: f64 = 80.0;
+/// What a letter takes on average, in bold type.
+const LETTER: f64 = 8.0;
+/// By product, again from the first where there are more.
+const COLOURS: [&str; 8] = ["#2f6fb0", "#3a923a", "#b8860b", "#7a4fa3", "#1f8a8a", "#a0522d", "#5b6b7b", "#9c3d6b"];
+const FAILED: &str = "url(#down)";
 
-/// An activity, in seconds from the beginning of the span.
-pub struct GanttBar {
-    /// What, for people.
-    pub name: String,
-    pub part: Option<u64>,
-    /// What that is to become.
-    pub product: Option<usize>,
-    /// When it was planned.
-    pub planned: Option<(f64, f64)>,
-    /// When it was done; until the end of the span if it goes on.
-    pub actual: (f64, f64),
-    /// From when on it had failed, and why.
-    pub failed: Option<(f64, String)>,
-}
+const STYLE: SvgStyle = SvgStyle {
+    defs: "<pattern id=\"down\" width=\"6\" height=\"6\" patternUnits=\"userSpaceOnUse\" \
+           patternTransform=\"rotate(45)\"><rect width=\"6\" height=\"6\" fill=\"#f4d3cf\"/>\
+           <rect width=\"2.5\" height=\"6\" fill=\"#c0392b\"/></pattern>",
+    width: 1000.0,
+    row: 34.0,
+    top: 70.0,
+    bottom: 24.0,
+    grid: 18.0,
+    times: TimeLabels::Below,
+    baseline: 21.0,
+    plan: (4.0, 9.0),
+    done: (14.0, 15.0),
+    failed: FAILED,
+    outline: " stroke=\"white\" stroke-width=\"0.5\"",
+    planned: "planned ",
+};
 
-/// What one resource did.
-pub struct GanttRow {
-    /// Name, as in the description.
-    pub name: String,
-    /// In the order in which they started.
-    pub bars: Vec<GanttBar>,
-}
-
-/// The chart.
-pub struct GanttChart {
-    /// A row for each resource that did anything.
-    pub rows: Vec<GanttRow>,
-    /// How long it is, in seconds.
-    pub span: f64,
-    /// Something of it was planned.
-    pub has_plan: bool,
-}
-
-impl GanttChart {
-    /// Of what was read.
-    pub fn new(story: &ReportSource) -> Self {
-        let sheet = &story.about.sheet;
-        let seconds = |tick: Tick| tick.since(story.from).as_secs_f64();
-        let bar = |done: &FinishedActivity| GanttBar {
-            name: sheet.entry(done.mode).map(|entry| entry.name.clone()).unwrap_or_default(),
-            part: done.part.map(|part| part.0),
-            product: sheet.entry(done.mode).and_then(|entry| entry.product),
+fn chart(story: &ReportSource) -> BarChart {
+    let sheet = &story.about.sheet;
+    let seconds = |tick: Tick| tick.since(story.from).as_secs_f64();
+    let bar = |done: &FinishedActivity| {
+        let entry = sheet.entry(done.mode);
+        let name = entry.map(|entry| entry.name.as_str()).unwrap_or_default();
+        let part = done.part.map(|part| format!(", {part}")).unwrap_or_default();
+        let product = entry.and_then(|entry| entry.product);
+        ActivityBar {
+            about: format!("{name}{part}: "),
+            number: done.part.map(|part| part.0),
             planned: story.planned.get(&done.firing).map(|&(from, to)| (seconds(from), seconds(to))),
-            actual: (seconds(done.began), seconds(done.ended.unwrap_or(story.to).min(story.to))),
+            actual: Some((seconds(done.began), seconds(done.ended.unwrap_or(story.to).min(story.to)))),
             failed: done.failed.as_ref().map(|failed| (seconds(failed.at), failed.cause.clone())),
-        };
-        let does = |done: &&FinishedActivity, resource: usize| {
-            let entry = sheet.entry(done.mode);
-            entry.is_some_and(|entry| [entry.worker, entry.carrier].contains(&Some(resource)))
-        };
-        let rows = sheet.resources.iter().enumerate().map(|(resource, of)| GanttRow {
-            name: of.name.clone(),
-            // What takes no time is no bar.
-            bars: story
-                .activities
-                .iter()
-                .filter(|done| does(done, resource) && done.ended != Some(done.began))
-                .map(bar)
-                .collect(),
-        });
-        let rows: Vec<GanttRow> = rows.filter(|row| !row.bars.is_empty()).collect();
-        let bars = || rows.iter().flat_map(|row| &row.bars);
-        let planned = bars().filter_map(|bar| bar.planned).map(|(_, to)| to);
-        let span = planned.fold(seconds(story.to), f64::max).max(1e-6);
-        GanttChart { has_plan: bars().any(|bar| bar.planned.is_some()), rows, span }
-    }
-
-    /// As text: the number of its part where a bar begins, `▒` what was planned, `█` what was done, `░` what had failed.
-    pub fn text(&self, from: &str, to: &str) -> String {
-        let label = self.rows.iter().map(|row| row.name.chars().count()).max().unwrap_or(0);
-        let mut text = format!("{:label$} {from}{:>width$}\n", "", to, width = WIDTH - from.chars().count() + 1);
-        for row in &self.rows {
-            if self.has_plan {
-                let planned = row.bars.iter().filter_map(|bar| Some((bar.planned?, bar.part, None)));
-                self.line(&mut text, (&row.name, label), '▒', planned);
-            }
-            let name = if self.has_plan { "" } else { &row.name };
-            let actual = row.bars.iter().map(|bar| (bar.actual, bar.part, bar.failed.as_ref().map(|(at, _)| *at)));
-            self.line(&mut text, (name, label), '█', actual);
+            colour: product.map_or(COLOURS[6], |product| COLOURS[product % COLOURS.len()]),
         }
-        text
-    }
+    };
+    let does = |done: &&FinishedActivity, resource: usize| {
+        let entry = sheet.entry(done.mode);
+        entry.is_some_and(|entry| [entry.worker, entry.carrier].contains(&Some(resource)))
+    };
+    let rows = sheet.resources.iter().enumerate().map(|(resource, of)| {
+        let done = story.activities.iter().filter(|done| does(done, resource));
+        // What takes no time is no bar.
+        let bars = done.filter(|done| done.ended != Some(done.began)).map(bar).collect();
+        BarRow { group: Some(of.name.clone()), name: String::new(), bars }
+    });
+    BarChart::new(rows.filter(|row| !row.bars.is_empty()).collect(), seconds(story.to))
+}
 
-    fn line(
-        &self,
-        text: &mut String,
-        (name, label): (&str, usize),
-        glyph: char,
-        bars: impl Iterator<Item = ((f64, f64), Option<u64>, Option<f64>)>,
-    ) {
-        // To the nearest boundary of a character, so that bars which follow each other do not overlap; at least one wide.
-        let column = |at: f64| ((at / self.span * WIDTH as f64).round().max(0.0) as usize).min(WIDTH);
-        let mut cells = vec![' '; WIDTH];
-        for ((from, to), part, failed) in bars {
-            let from = column(from).min(WIDTH - 1);
-            let bar = from..column(to).max(from + 1);
-            let failed = failed.map_or(usize::MAX, column);
-            cells[bar.clone()].iter_mut().enumerate().for_each(|(at, cell)| {
-                *cell = if from + at >= failed { '░' } else { glyph };
-            });
-            let number = part.map(|part| part.to_string()).unwrap_or_default();
-            if number.len() < bar.len() {
-                cells[bar].iter_mut().zip(number.chars()).for_each(|(cell, digit)| *cell = digit);
-            }
-        }
-        let cells: String = cells.into_iter().collect();
+/// As text: the number of its part where a bar begins, `▒` what was planned, `█` what was done, `░` what had failed.
+pub fn text(story: &ReportSource) -> String {
+    let (chart, from, to) = (chart(story), story.show(story.from), story.show(story.to));
+    let name = |row: &'_ BarRow| row.group.clone().unwrap_or_default();
+    let label = chart.rows.iter().map(|row| name(row).chars().count()).max().unwrap_or(0);
+    let mut text = format!("{:label$} {from}{:>width$}\n", "", to, width = WIDTH - from.chars().count() + 1);
+    let has_plan = chart.has_plan();
+    for (number, row) in chart.rows.iter().enumerate() {
+        let (mut name, done) = (name(row), chart.done(number, WIDTH));
         // Writing to a string does not fail.
-        let _ = writeln!(text, "{name:label$} │{cells}│");
+        if has_plan {
+            let _ = writeln!(text, "{name:label$} │{}│", chart.plan(number, WIDTH));
+            name.clear();
+        }
+        let _ = writeln!(text, "{name:label$} │{done}│");
+    }
+    text
+}
+
+/// As SVG: the plan above what was done, what had failed hatched.
+pub fn svg(story: &ReportSource) -> String {
+    let chart = chart(story);
+    let letters = chart.rows.iter().flat_map(|row| &row.group).map(|name| name.chars().count() as f64 * LETTER + 24.0);
+    let labels = letters.fold(LABELS_MIN, f64::max);
+    let (from, to) = (story.show(story.from), story.show(story.to));
+    let mut svg = SvgChart::new(&chart, &STYLE, labels, &format!("{}, {from} to {to}", story.about.title));
+    legend(&mut svg, story);
+    svg.rows();
+    svg.end()
+}
+
+fn legend(svg: &mut SvgChart<'_>, story: &ReportSource) {
+    let products = story.about.sheet.products.iter().zip(COLOURS.iter().cycle());
+    let marks = [("planned", PLANNED), ("failed, down", FAILED)].into_iter();
+    let mut left = 8.0;
+    for (name, colour) in marks.chain(products.map(|(name, colour)| (name.as_str(), *colour))) {
+        svg.line(format_args!(
+            "<rect x=\"{left:.1}\" y=\"32\" width=\"18\" height=\"9\" fill=\"{colour}\"/>\
+             <text x=\"{:.1}\" y=\"41\">{}</text>",
+            left + 24.0,
+            escaped(name)
+        ));
+        left += 40.0 + name.chars().count() as f64 * LETTER;
     }
 }

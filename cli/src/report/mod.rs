@@ -11,7 +11,6 @@ mod json;
 mod mcap;
 mod rows;
 mod story;
-mod svg;
 mod when;
 
 use std::path::PathBuf;
@@ -19,8 +18,7 @@ use std::process::ExitCode;
 
 use miette::{IntoDiagnostic, WrapErr};
 
-use crate::out::say;
-use gantt::GanttChart;
+use crate::out::{self, say};
 use story::ReportSource;
 use when::Zone;
 
@@ -68,16 +66,15 @@ pub fn run(args: &Args) -> miette::Result<ExitCode> {
         mcap::write(&story, path)?;
     }
     if let Some(path) = &args.gantt {
-        let written = std::fs::write(path, svg::draw(&story, &GanttChart::new(&story)));
+        let written = std::fs::write(path, gantt::svg(&story));
         written.into_diagnostic().wrap_err_with(|| format!("cannot write {}", path.display()))?;
     }
     if args.json {
-        say!("{}", serde_json::to_string_pretty(&json::ReportJson::new(&story)).into_diagnostic()?);
+        out::json(&json::ReportJson::new(&story))?;
     } else {
         say!("{}", story.text().trim_end());
         if args.chart {
-            let (from, to) = (story.show(story.from), story.show(story.to));
-            say!("\n{}", GanttChart::new(&story).text(&from, &to).trim_end());
+            say!("\n{}", gantt::text(&story).trim_end());
         }
     }
     Ok(ExitCode::SUCCESS)

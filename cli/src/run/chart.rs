@@ -4,6 +4,8 @@
 
 use linewright_line::{Line, OpId, StationId};
 
+use crate::chart::text::TextStrip;
+
 /// One stretch of an operation.
 #[derive(Clone, Copy, Debug)]
 struct ChartStretch {
@@ -78,25 +80,18 @@ impl RollingChart {
     pub fn draw(&self, now: f64, seconds: f64, width: usize) -> Vec<String> {
         let label_width = self.labels.iter().map(|label| label.chars().count()).max().unwrap_or(0);
         let begin = now - seconds;
-        let column = |at: f64| (((at - begin) / seconds) * width as f64).floor();
-        let mut cells = vec![vec![' '; width]; self.labels.len()];
+        let column = |at: f64| (((at - begin) / seconds) * width as f64).floor().max(0.0) as usize;
+        let mut strips: Vec<TextStrip> = self.labels.iter().map(|_| TextStrip::new(width)).collect();
         for bar in self.bars.iter().filter(|bar| bar.end.unwrap_or(now) >= begin) {
-            let from = column(bar.start).max(0.0) as usize;
-            let to = (column(bar.end.unwrap_or(now)).max(0.0) as usize).min(width.saturating_sub(1));
+            let (from, to) = (column(bar.start), column(bar.end.unwrap_or(now)).min(width.saturating_sub(1)));
             let fill = if bar.undoing { '░' } else { '█' };
-            for cell in cells[bar.row].iter_mut().take(to + 1).skip(from) {
-                *cell = fill;
-            }
-            if bar.failed && to < width {
-                cells[bar.row][to] = '✗';
+            strips[bar.row].fill(from..to + 1, |_| fill);
+            if bar.failed {
+                strips[bar.row].write(to, "✗");
             }
         }
-        let rows = self.labels.iter().zip(cells);
-        rows.map(|(label, cells)| {
-            let pad = " ".repeat(label_width - label.chars().count());
-            format!("{label}{pad} │{}", cells.into_iter().collect::<String>())
-        })
-        .collect()
+        let rows = self.labels.iter().zip(strips);
+        rows.map(|(label, strip)| format!("{label:label_width$} │{strip}")).collect()
     }
 }
 

@@ -101,7 +101,7 @@ impl SimulationReport {
         }
         if self.rows.iter().any(|row| row.simulated.is_some()) {
             let _ = writeln!(text, "\ncycle {}:  ▀ planned  ▄ simulated  █ both  ! critical", self.drawn);
-            text.push_str(&chart::draw(line, &self.rows));
+            text.push_str(&chart::text(line, &self.rows));
         }
         if let Some(path) = &self.critical {
             text.push_str(&critical_text(line, path));

@@ -4,7 +4,7 @@
 
 use std::marker::PhantomData;
 
-use linewright_msgs::{Constant, Field, Invalid, RosMessage};
+use linewright_msgs::{Invalid, RosField, RosMessage};
 use linewright_node_shell::{Publisher, RosNode, qos};
 use ros2_client::QosProfile;
 use serde::de::Error as _;
@@ -35,18 +35,15 @@ impl<'de, M> Deserialize<'de> for Raw<M> {
     }
 }
 
+impl<M> RosField for Raw<M> {
+    fn check_bounds(&self, _path: &str) -> Result<(), Invalid> {
+        Ok(())
+    }
+}
+
 impl<M: RosMessage> RosMessage for Raw<M> {
     const PACKAGE: &'static str = M::PACKAGE;
     const NAME: &'static str = M::NAME;
-    fn fields() -> Vec<Field> {
-        Vec::new()
-    }
-    fn constants() -> Vec<Constant> {
-        Vec::new()
-    }
-    fn bounds(&self, _path: &str) -> Result<(), Invalid> {
-        Ok(())
-    }
     fn validate(&self) -> Result<(), Invalid> {
         Ok(())
     }

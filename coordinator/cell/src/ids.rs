@@ -5,6 +5,7 @@
 
 use std::fmt;
 
+pub use linewright_orders::OrderKey;
 use serde::{Deserialize, Serialize};
 
 macro_rules! number {
@@ -70,23 +71,6 @@ impl ResourceId {
     /// The id as an index.
     pub const fn index(self) -> usize {
         self.0 as usize
-    }
-}
-
-/// What a station knows an order by. The id alone is never used twice; the epoch is the coordinator's life in which it
-/// was given, so that a station can refuse what somebody of an earlier life asks for anew.
-#[derive(Clone, Copy, Debug, PartialEq, Eq, PartialOrd, Ord, Hash, Serialize, Deserialize)]
-#[serde(deny_unknown_fields)]
-pub struct OrderKey {
-    /// The coordinator's life, from 1.
-    pub epoch: u64,
-    /// The order, from 1, rising over all epochs.
-    pub id: u64,
-}
-
-impl fmt::Display for OrderKey {
-    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
-        write!(f, "order {}.{}", self.epoch, self.id)
     }
 }
 

@@ -66,7 +66,7 @@ pub use question::{
     BadAnswer, Candidate, ConflictGroup, DispatchDecision, Dispatcher, HeldCandidate, Question, Start, check,
 };
 pub use reason::{DecidingRule, Gain, HoldReason, LostDecision, ProgressComparison};
-pub use record::{ActivityFailure, Failure, Record, RecordKind, Refusal};
+pub use record::{ActivityFailure, ActivityStep, Failure, Record, RecordKind, Refusal};
 pub use snapshot::CellSnapshot;
 pub use state::{Part, PartPlace, PlayerState, ReplayError};
 pub use table::{CellTable, PlanError};

@@ -4,10 +4,9 @@
 //! own restarts, and answers an order it knows with what it has instead of doing it again; [`super::player`] builds on
 //! that. Nothing here has to arrive: a lost message costs one period.
 
-use std::sync::Arc;
-use std::time::Duration;
-
 use linewright_line::{StationId, Tick};
+use linewright_orders::TaskOrder;
+pub use linewright_orders::{Outcome, Reply};
 use thiserror::Error;
 
 use super::exception::{AlarmAnswerRefusal, Presence, ResourceRequest, StationUnavailable};
@@ -94,24 +93,17 @@ pub struct TaskReport {
     pub presence: Presence,
 }
 
-/// How an order has ended.
-#[derive(Clone, Copy, Debug, PartialEq, Eq)]
-pub enum Outcome {
-    /// As it should: the activity-end of seed 001 (L131-185).
-    Done,
-    /// With an error code.
-    Failed(u16),
-}
-
-/// What a station says to one order.
-#[derive(Clone, Copy, Debug, PartialEq, Eq)]
-pub enum Reply {
-    /// It is doing it.
-    Running,
-    /// It has had it.
-    Ended(Outcome),
-    /// It does not take it on.
-    Refused(Refusal),
+impl TaskReport {
+    /// What the station says of an order that it was told to leave: whether it is still at it.
+    pub fn secured(&self, key: OrderKey) -> Reply {
+        match self.results.iter().find(|(of, _)| *of == key) {
+            // What had ended before it was told may be gone back from.
+            _ if self.slot == Some(key) => Reply::Running,
+            Some(&(_, outcome)) => Reply::Ended(outcome),
+            // It was too old for it, and is left all the same.
+            None => Reply::Refused(Refusal::Old),
+        }
+    }
 }
 
 /// What a step leaves for the caller: first write the records down, then send, then tell.
@@ -146,19 +138,12 @@ pub enum CellMessage {
 /// An order as its station gets it.
 #[derive(Clone, Debug, PartialEq, Eq)]
 pub struct OrderMessage {
-    /// What it is known by, the same each time it is sent.
-    pub key: OrderKey,
     /// Station that gets the order.
     pub station: StationId,
-    /// The memory it is meant for ([`TaskReport::memory`]). A station with another one refuses it.
-    pub memory: u64,
-    pub task: Arc<str>,
-    pub parameters: Vec<(Arc<str>, i32)>,
     /// The part it is about.
     pub part: Option<PartId>,
-    /// How long there is left until it must have ended, counted from now: clocks are not compared across machines. A
-    /// station that hears it when this is over does not begin.
-    pub limit: Duration,
+    /// Its limit is counted from now.
+    pub order: TaskOrder,
 }
 
 /// How far an order has got towards its station in this life.

@@ -28,6 +28,7 @@
 use std::collections::{BTreeMap, BTreeSet};
 
 use linewright_line::{StationId, Tick};
+use linewright_orders::{TaskFailure, TaskOrder};
 use thiserror::Error;
 
 use super::exception::StationMonitor;
@@ -245,7 +246,6 @@ impl Coordination {
         let known = self.state.order(key).filter(|(_, order)| order.station == station);
         let Some((firing, order)) = known else { return };
         let has_failed = firing.phase != ActivityPhase::Running;
-        let is_expiry = |code| Failure::of_code(code).is_expiry() && Failure::of_code(code) != Failure::TimedOut;
         let fact = match (reply, order.state) {
             (Reply::Running, OrderProgress::Written) => RecordKind::Acknowledged { key },
             (Reply::Ended(Outcome::Done), OrderProgress::Written | OrderProgress::Running) => {
@@ -253,14 +253,15 @@ impl Coordination {
             }
             // Known to whoever has to find out what is true.
             (Reply::Ended(Outcome::Done), OrderProgress::Failed(_)) if has_failed => RecordKind::OrderEnded { key },
-            (Reply::Ended(Outcome::Failed(code)), OrderProgress::Written | OrderProgress::Running) => {
-                RecordKind::OrderFailed { key, failure: Failure::of_code(code) }
+            (Reply::Ended(Outcome::Failed(ended)), OrderProgress::Written | OrderProgress::Running) => {
+                RecordKind::OrderFailed { key, failure: Failure::of(ended) }
             }
             // Its time was over here first. What it waited for, the station says when it stands.
-            (Reply::Ended(Outcome::Failed(code)), OrderProgress::Failed(Failure::TimedOut))
-                if is_expiry(code) && self.state.exceptions().is_securing(firing.id) =>
-            {
-                RecordKind::OrderFailed { key, failure: Failure::of_code(code) }
+            (
+                Reply::Ended(Outcome::Failed(ended @ TaskFailure::Waiting(_))),
+                OrderProgress::Failed(Failure::TimedOut),
+            ) if self.state.exceptions().is_securing(firing.id) => {
+                RecordKind::OrderFailed { key, failure: Failure::of(ended) }
             }
             (Reply::Refused(refusal), OrderProgress::Written) if !refusal.is_passing() => {
                 RecordKind::OrderFailed { key, failure: Failure::Refused(refusal) }
@@ -472,14 +473,13 @@ impl Coordination {
         // The table has values that can be known alone. Should one not be, then nothing is sent rather than a wrong place,
         // and the order runs out of time.
         let parameters = template.parameters.iter().map(|(name, of)| Some((name.clone(), value(of)?)));
-        Some(OrderMessage {
+        let task = TaskOrder {
             key,
-            station: order.station,
             memory: *self.state.memory.get(&order.station)?,
             task: template.task.clone(),
             parameters: parameters.collect::<Option<_>>()?,
-            part: firing.part,
             limit: order.limit.max(firing.spared_until).since(now),
-        })
+        };
+        Some(OrderMessage { station: order.station, part: firing.part, order: task })
     }
 }

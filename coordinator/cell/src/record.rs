@@ -8,9 +8,11 @@
 use std::fmt;
 
 use linewright_line::{StationId, Tick};
+pub use linewright_orders::Refusal;
+use linewright_orders::TaskFailure;
 use serde::{Deserialize, Serialize};
 
-use super::exception::ExceptionStep;
+use super::exception::{ExceptionStep, RecoveryDecision};
 use super::ids::{FiringId, ModeId, OrderKey, PartId, ResourceId};
 use super::production::ProductionChange;
 use super::reason::HoldReason;
@@ -107,6 +109,73 @@ pub enum RecordKind {
     Exception(ExceptionStep),
 }
 
+/// What has happened to an activity, or to what takes no time.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub enum ActivityStep<'a> {
+    /// It has started.
+    Started {
+        /// Which.
+        firing: FiringId,
+        /// What.
+        mode: ModeId,
+        /// With which part.
+        part: Option<PartId>,
+        /// The keys of its orders.
+        orders: &'a [OrderKey],
+    },
+    /// It will not end by itself.
+    Raised {
+        /// Which.
+        firing: FiringId,
+        /// Why.
+        cause: &'a ActivityFailure,
+    },
+    /// It has ended.
+    Ended {
+        /// Which.
+        firing: FiringId,
+    },
+    /// It had failed, and is put right.
+    Closed {
+        /// Which.
+        firing: FiringId,
+        /// What was said.
+        ruling: &'a RecoveryDecision,
+    },
+    /// What takes no time has happened.
+    Fired {
+        /// What.
+        mode: ModeId,
+        /// With which part.
+        part: Option<PartId>,
+    },
+}
+
+impl RecordKind {
+    /// What it says of an activity; none if it is about something else.
+    pub fn activity_step(&self) -> Option<ActivityStep<'_>> {
+        match self {
+            &RecordKind::Started { firing, mode, part, ref orders } => {
+                Some(ActivityStep::Started { firing, mode, part, orders })
+            }
+            RecordKind::Raised { firing, cause } => Some(ActivityStep::Raised { firing: *firing, cause }),
+            &RecordKind::Ended { firing } => Some(ActivityStep::Ended { firing }),
+            &RecordKind::Fired { mode, part } => Some(ActivityStep::Fired { mode, part }),
+            RecordKind::Exception(ExceptionStep::Closed { firing, ruling, .. }) => {
+                Some(ActivityStep::Closed { firing: *firing, ruling })
+            }
+            RecordKind::Exception(_)
+            | RecordKind::Epoch { .. }
+            | RecordKind::Memory { .. }
+            | RecordKind::Decided { .. }
+            | RecordKind::Acknowledged { .. }
+            | RecordKind::OrderEnded { .. }
+            | RecordKind::OrderFailed { .. }
+            | RecordKind::Production { .. } => None,
+        }
+    }
+}
+
 /// Why an order was not done.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Serialize, Deserialize)]
 #[serde(rename_all = "kebab-case", deny_unknown_fields)]
@@ -123,51 +192,6 @@ pub enum Failure {
     Lost,
     /// The station says that its devices are not there.
     DevicesLost,
-}
-
-/// Why a station does not take an order on.
-#[derive(Clone, Copy, Debug, PartialEq, Eq, Serialize, Deserialize)]
-#[serde(rename_all = "kebab-case", deny_unknown_fields)]
-pub enum Refusal {
-    /// It has another one.
-    Busy,
-    /// It is not in auto, or not enabled.
-    Mode,
-    /// Its memory is not the one the order was meant for. Its whole state will say so, and be believed.
-    OtherMemory,
-    /// It knows a later life of the coordinator.
-    OldEpoch,
-    /// It has had it, and no longer knows how it ended.
-    Old,
-    /// The time in which it was to start is over.
-    Late,
-    /// It does not stand where the task begins.
-    NotThere,
-    /// Its devices are not there.
-    Devices,
-    /// It has no such task, or not such a parameter.
-    Unknown,
-    /// An operation was stopped before its end.
-    Incomplete,
-    /// It is left out until somebody has looked after it.
-    Isolated,
-}
-
-impl Refusal {
-    /// Whether to ask again: what is in the way ends by itself, or by a decision about the whole line.
-    pub fn is_passing(self) -> bool {
-        match self {
-            Refusal::Busy | Refusal::Mode | Refusal::OtherMemory => true,
-            Refusal::OldEpoch
-            | Refusal::Old
-            | Refusal::Late
-            | Refusal::NotThere
-            | Refusal::Devices
-            | Refusal::Unknown
-            | Refusal::Incomplete
-            | Refusal::Isolated => false,
-        }
-    }
 }
 
 /// Why an activity does not end by itself.
@@ -187,22 +211,27 @@ pub enum ActivityFailure {
     ByHand { resource: ResourceId },
 }
 
-/// Up to here codes say what a station waited for until its time was over; above, they are the station's own.
-const WAITED_MAX: u16 = 999;
-/// The station's own for an order whose time was over while it waited for nothing.
-const OUT_OF_TIME: u16 = 1000;
-
 impl Failure {
-    /// What a code of a station says. Its clock means the same as the coordinator's.
-    pub fn of_code(code: u16) -> Self {
-        if code == OUT_OF_TIME { Failure::TimedOut } else { Failure::Code(code) }
+    /// How an order has ended, by its station. The station's clock means the same as the coordinator's.
+    pub fn of(ended: TaskFailure) -> Self {
+        match ended {
+            TaskFailure::TimedOut => Failure::TimedOut,
+            TaskFailure::Waiting(_)
+            | TaskFailure::Fault
+            | TaskFailure::Interrupted
+            | TaskFailure::Restarted
+            | TaskFailure::Cancelled
+            | TaskFailure::Held
+            | TaskFailure::Stopped
+            | TaskFailure::Other(_) => Failure::Code(ended.code()),
+        }
     }
 
     /// Its time was over, whether the station's clock or the coordinator's was first.
     pub fn is_expiry(self) -> bool {
         match self {
             Failure::TimedOut => true,
-            Failure::Code(code) => (1..=WAITED_MAX).contains(&code),
+            Failure::Code(code) => matches!(TaskFailure::from_code(code), TaskFailure::Waiting(_)),
             Failure::Refused(_) | Failure::Forgotten | Failure::Lost | Failure::DevicesLost => false,
         }
     }

@@ -14,6 +14,7 @@ use linewright_coordinator_cell::{
 };
 use linewright_line::{StationId, Tick};
 use linewright_nets::TransitionId;
+use linewright_orders::TaskFailure;
 
 const C1: &str = include_str!("../../../launch-config/lines/workcell-c1/cell.toml");
 const ASSEMBLY: &str = include_str!("../../../launch-config/lines/assembly-cell/cell.toml");
@@ -129,7 +130,11 @@ impl Check<'_> {
             let mut life = life.clone();
             let firing = life.firing(mode).expect("it is in progress");
             if let (Some(code), Some(order)) = (cause, firing.orders.first()) {
-                let reply = PlayerInput::Reply(order.station, order.key, Reply::Ended(Outcome::Failed(code)));
+                let reply = PlayerInput::Reply(
+                    order.station,
+                    order.key,
+                    Reply::Ended(Outcome::Failed(TaskFailure::from_code(code))),
+                );
                 life.step(&[reply], &mut Wanted::default());
             } else if firing.orders.is_empty() {
                 let handling = life.player.state().table().handling().clone();

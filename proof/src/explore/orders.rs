@@ -26,8 +26,12 @@ pub(super) fn order(line: &Line, station: StationId, task: linewright_line::Task
         key: key(id),
         // Its first life is its first memory.
         memory: 1,
-        task: task.name.clone(),
-        parameters: task.parameters.iter().map(|parameter| (parameter.name.clone(), parameter.most())).collect(),
+        task: task.name.as_str().into(),
+        parameters: task
+            .parameters
+            .iter()
+            .map(|parameter| (parameter.name.as_str().into(), parameter.most()))
+            .collect(),
         limit: LIMIT,
     }
 }

@@ -9,7 +9,7 @@ use std::collections::{BTreeMap, BTreeSet};
 use std::time::Duration;
 
 use linewright_coordinator_cell::{
-    CellTable, FiringId, ModeId, OrderKey, OrderMessage, PartId, PartPlace, PlayerState, Record, RecordKind, Reply,
+    ActivityStep, CellTable, FiringId, ModeId, OrderKey, OrderMessage, PartId, PartPlace, PlayerState, Record, Reply,
     TaskReport,
 };
 use linewright_coordinator_shell::orders;
@@ -18,7 +18,7 @@ use linewright_line::{HolderId, Line, OpId, Owner, StationId, Tick};
 use linewright_plant::{PartNo, Plant, PlantOptions, Spot};
 use linewright_station_logic::{
     self as station, CompileError, Controller, ModeOrder, NO_DELAY, PanelCommand, Restore, StationInput,
-    StationSnapshot, TaskCommand, TaskOrderReport,
+    StationSnapshot, TaskCommand, TaskOrder, TaskOrderReport,
 };
 
 /// Stations answer each other's motions so often at one moment at most.
@@ -310,14 +310,14 @@ impl ShopFloor {
 
     /// What a station answers to an order.
     pub(super) fn told(&mut self, now: Tick, message: &OrderMessage) -> Option<Reply> {
-        let mut order = orders::order(message);
-        order.limit = order.limit.saturating_sub(self.fast);
+        let limit = message.order.limit.saturating_sub(self.fast);
+        let order = TaskOrder { limit, ..message.order.clone() };
         self.command(now, message.station, TaskCommand::Run(&order))
     }
 
     /// What a station answers when it is told to leave an order.
     pub(super) fn told_to_leave(&mut self, now: Tick, to: StationId, key: OrderKey, stop: bool) -> Option<Reply> {
-        self.command(now, to, orders::leave(key, stop))
+        self.command(now, to, TaskCommand::leave(key, stop))
     }
 
     fn command(&mut self, now: Tick, to: StationId, command: TaskCommand<'_>) -> Option<Reply> {
@@ -325,7 +325,7 @@ impl ShopFloor {
         let process = self.processes.get_mut(to.index()).filter(|process| process.down.is_none())?;
         process.controller.handle(now, StationInput::Task(command));
         let outputs = process.step(now, self.plant.inputs(Owner::Station(to)));
-        let reply = process.out.replies.pop().map(|(_, reply)| orders::reply(reply));
+        let reply = process.out.replies.pop().map(|(_, reply)| reply);
         process.out.replies.clear();
         self.plant.set_outputs(now, Owner::Station(to), outputs);
         self.settle();
@@ -334,23 +334,17 @@ impl ShopFloor {
 
     /// People do what a record says that is theirs to do: parts come in and go out.
     pub(super) fn note(&mut self, record: &Record, state: &PlayerState) {
-        match &record.fact {
-            RecordKind::Started { firing, mode, part, orders: _ } => _ = self.firings.insert(*firing, (*mode, *part)),
-            RecordKind::Ended { firing } => {
-                if let Some((mode, part)) = self.firings.remove(firing) {
+        match record.fact.activity_step() {
+            Some(ActivityStep::Started { firing, mode, part, orders: _ }) => {
+                self.firings.insert(firing, (mode, part));
+            }
+            Some(ActivityStep::Ended { firing }) => {
+                if let Some((mode, part)) = self.firings.remove(&firing) {
                     self.carry(mode, part, state);
                 }
             }
-            RecordKind::Fired { mode, part } => self.carry(*mode, *part, state),
-            RecordKind::Epoch { .. }
-            | RecordKind::Memory { .. }
-            | RecordKind::Decided { .. }
-            | RecordKind::Acknowledged { .. }
-            | RecordKind::OrderEnded { .. }
-            | RecordKind::OrderFailed { .. }
-            | RecordKind::Raised { .. }
-            | RecordKind::Exception(_)
-            | RecordKind::Production { .. } => {}
+            Some(ActivityStep::Fired { mode, part }) => self.carry(mode, part, state),
+            Some(ActivityStep::Raised { .. } | ActivityStep::Closed { .. }) | None => {}
         }
     }
 

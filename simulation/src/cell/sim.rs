@@ -351,7 +351,7 @@ impl CellSim {
                         None => self.stations.get_mut(index).and_then(|station| station.told(self.now, &order, takes)),
                     };
                     if let Some(reply) = reply {
-                        self.fly(|| MessageInTransit::Reply(index, order.key, reply));
+                        self.fly(|| MessageInTransit::Reply(index, order.order.key, reply));
                     }
                 }
                 MessageInTransit::Secure(index, key, stop) => {
@@ -428,7 +428,7 @@ impl CellSim {
         match self.options.pace {
             StationSpeed::Between(least, most) => between(&mut self.rng, least, most),
             StationSpeed::Nominal { spread } => {
-                let mode = self.state().order(order.key).map(|(firing, _)| firing.mode);
+                let mode = self.state().order(order.order.key).map(|(firing, _)| firing.mode);
                 let nominal = match mode.map(|mode| self.table.activity(mode).kind) {
                     Some(ActivityTiming::Decided { time, limit: _ }) => time,
                     Some(ActivityTiming::Immediate) | None => Duration::ZERO,

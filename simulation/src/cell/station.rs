@@ -7,25 +7,14 @@
 use std::sync::Arc;
 use std::time::Duration;
 
-use linewright_coordinator_cell::{
-    OrderKey, OrderMessage, Outcome, PartId, Presence, Refusal, Reply, StationUnavailable, TaskReport,
-};
+use linewright_coordinator_cell::{OrderMessage, PartId, Presence, StationUnavailable, TaskReport};
 use linewright_line::Tick;
+use linewright_orders::{OrderKey, Outcome, RESULTS_MAX, Refusal, Reply, TaskFailure};
 
 use crate::rng::Rng;
 
-/// How many results it remembers.
-const RESULTS_MAX: usize = 16;
 /// The code of those orders that fail by chance.
 const CODE: u16 = 7;
-/// The codes that real stations have for what was not done in time, what was stopped by a person, what was left, and what
-/// was left half-way.
-const OUT_OF_TIME: u16 = 1000;
-const INTERRUPTED: u16 = 1002;
-const CANCELLED: u16 = 1004;
-const HELD: u16 = 1005;
-/// What a station says that was told to stop.
-const STOPPED: u16 = 1006;
 /// How long it takes to go back.
 const WAY_BACK: Duration = Duration::from_millis(400);
 
@@ -48,7 +37,7 @@ pub struct SimulatedStation {
     heard: TaskReport,
     doing: Option<(OrderKey, Tick)>,
     /// It is on its way back from what it is doing, and this is why.
-    is_securing: Option<u16>,
+    is_securing: Option<TaskFailure>,
     /// When the time of what it is doing is over.
     limit: Tick,
     last: u64,
@@ -98,7 +87,7 @@ impl SimulatedStation {
     pub fn bring_to_rest(&mut self, now: Tick) {
         self.is_held = false;
         if let Some((key, _)) = self.doing.take() {
-            self.end(now, key, Outcome::Failed(INTERRUPTED));
+            self.end(now, key, Outcome::Failed(TaskFailure::Interrupted));
         }
     }
 
@@ -106,7 +95,7 @@ impl SimulatedStation {
     pub(super) fn emergency_stop(&mut self, now: Tick) {
         if let Some((key, _)) = self.doing.take() {
             self.is_held = true;
-            self.end(now, key, Outcome::Failed(INTERRUPTED));
+            self.end(now, key, Outcome::Failed(TaskFailure::Interrupted));
         }
     }
 
@@ -128,6 +117,7 @@ impl SimulatedStation {
         if self.is_away {
             return None;
         }
+        let OrderMessage { part, order, .. } = order;
         let key = order.key;
         if self.doing.is_some_and(|(doing, _)| doing == key) {
             self.doubled += 1;
@@ -160,7 +150,7 @@ impl SimulatedStation {
             self.doing = Some((key, now + takes));
             self.limit = now + order.limit.saturating_sub(self.fast);
             let (task, parameters) = (order.task.clone(), order.parameters.clone());
-            self.done.push(BegunTask { key, task, parameters, part: order.part, began: now });
+            self.done.push(BegunTask { key, task, parameters, part: *part, began: now });
             return Some(Reply::Running);
         };
         self.refused.push(refusal);
@@ -171,18 +161,20 @@ impl SimulatedStation {
     pub(super) fn tick(&mut self, now: Tick, rng: &mut Rng) -> Option<(OrderKey, Reply)> {
         self.ends().filter(|&until| until <= now)?;
         let (key, until) = self.doing.take()?;
-        if let Some(code) = self.is_securing.take() {
-            return Some((key, self.end(now, key, Outcome::Failed(code))));
+        if let Some(failure) = self.is_securing.take() {
+            return Some((key, self.end(now, key, Outcome::Failed(failure))));
         }
         if self.is_stuck || until > now {
             // Its time is over.
-            (self.doing, self.is_securing) =
-                (Some((key, now + WAY_BACK)), Some(self.waits_code.unwrap_or(OUT_OF_TIME)));
+            (self.doing, self.is_securing) = (
+                Some((key, now + WAY_BACK)),
+                Some(self.waits_code.map_or(TaskFailure::TimedOut, TaskFailure::from_code)),
+            );
             return None;
         }
         let by_chance = self.failing > 0 && rng.below(self.failing) == 0;
         let code = self.fails_with.take().or(by_chance.then_some(CODE));
-        let outcome = code.map_or(Outcome::Done, Outcome::Failed);
+        let outcome = code.map_or(Outcome::Done, |code| Outcome::Failed(TaskFailure::from_code(code)));
         Some((key, self.end(now, key, outcome)))
     }
 
@@ -208,11 +200,16 @@ impl SimulatedStation {
         if self.doing() == Some(key) {
             if self.holds || stop {
                 (self.doing, self.is_held) = (None, true);
-                return Some(self.end(now, key, Outcome::Failed(if stop { STOPPED } else { HELD })));
+                return Some(self.end(
+                    now,
+                    key,
+                    Outcome::Failed(if stop { TaskFailure::Stopped } else { TaskFailure::Held }),
+                ));
             }
             if self.is_securing.is_none() {
-                let code = self.waits_code.filter(|_| self.is_stuck).unwrap_or(CANCELLED);
-                (self.doing, self.is_securing) = (Some((key, now + WAY_BACK)), Some(code));
+                let failure =
+                    self.waits_code.filter(|_| self.is_stuck).map_or(TaskFailure::Cancelled, TaskFailure::from_code);
+                (self.doing, self.is_securing) = (Some((key, now + WAY_BACK)), Some(failure));
             }
             return Some(Reply::Running);
         }
@@ -227,6 +224,6 @@ impl SimulatedStation {
         }
         // Not heard of yet, and not to be done when it is.
         (self.heard.epoch, self.last) = (key.epoch, key.id);
-        Some(self.remember(key, Outcome::Failed(CANCELLED)))
+        Some(self.remember(key, Outcome::Failed(TaskFailure::Cancelled)))
     }
 }

@@ -8,7 +8,7 @@ use std::collections::{BTreeMap, BTreeSet};
 
 use linewright_coordinator_cell::exception::Whereabouts;
 use linewright_coordinator_cell::{
-    CellTable, FiringId, ModeId, OrderKey, Outcome, PartId, Record, RecordKind, Reply, ResourceId,
+    ActivityStep, CellTable, FiringId, ModeId, OrderKey, Outcome, PartId, Record, Reply, ResourceId,
 };
 
 /// Where the parts really are.
@@ -104,24 +104,16 @@ impl PartTruth {
 
     /// A record was written.
     pub(super) fn note(&mut self, table: &CellTable, record: &Record) {
-        match &record.fact {
-            RecordKind::Started { firing, mode, part, orders } => {
-                orders.iter().for_each(|&key| _ = self.firing_of.insert(key, *firing));
+        match record.fact.activity_step() {
+            Some(ActivityStep::Started { firing, mode, part, orders }) => {
+                orders.iter().for_each(|&key| _ = self.firing_of.insert(key, firing));
                 let open = orders.iter().copied().collect();
-                self.moves.insert(*firing, PartMove { mode: *mode, part: *part, open, is_done: false });
+                self.moves.insert(firing, PartMove { mode, part, open, is_done: false });
             }
             // By the clock alone.
-            RecordKind::Ended { firing } => self.go_on(table, *firing),
-            RecordKind::Fired { mode, part } => self.go(table, *mode, *part),
-            RecordKind::Epoch { .. }
-            | RecordKind::Memory { .. }
-            | RecordKind::Decided { .. }
-            | RecordKind::Acknowledged { .. }
-            | RecordKind::OrderEnded { .. }
-            | RecordKind::OrderFailed { .. }
-            | RecordKind::Raised { .. }
-            | RecordKind::Production { .. }
-            | RecordKind::Exception(_) => (),
+            Some(ActivityStep::Ended { firing }) => self.go_on(table, firing),
+            Some(ActivityStep::Fired { mode, part }) => self.go(table, mode, part),
+            Some(ActivityStep::Raised { .. } | ActivityStep::Closed { .. }) | None => (),
         }
     }
 

@@ -3,7 +3,7 @@
 use linewright_line::net::{Block, ControlMode};
 use linewright_line::{InputId, OpId, StationId, TaskId};
 
-use crate::order::{Failure, Refusal};
+use crate::order::{Refusal, TaskFailure};
 
 /// Why a motion stopped before its end.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Hash)]
@@ -112,7 +112,7 @@ pub enum HappeningKind {
     /// It has done the task it was ordered to do.
     OrderDone(TaskId),
     /// It has not.
-    OrderFailed(TaskId, Failure),
+    OrderFailed(TaskId, TaskFailure),
     /// It goes back to where the task began, as far as it can by itself.
     Securing(TaskId),
 }

@@ -82,7 +82,7 @@ pub use event::{HappeningKind, StationHappening, StopCause};
 pub use explain::DEVICES_INVALID;
 pub use ignored::{Handled, Ignored};
 pub use order::{
-    Failure, OrderKey, OrderMemory, Outcome, RESULTS_MAX, Refusal, Reply, SlotReport, TaskCommand, TaskOrder,
+    OrderKey, OrderMemory, Outcome, RESULTS_MAX, Refusal, Reply, SlotReport, TaskCommand, TaskFailure, TaskOrder,
     TaskOrderReport,
 };
 pub use panel::{Founding, ModeOrder, PanelCommand, RivalCoordinators};

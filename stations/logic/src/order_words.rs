@@ -1,47 +1,12 @@
-//! Orders in words: what a station on order waits for, and why it has not done what it was told.
+//! Orders in words: what a station on order waits for.
 
 use linewright_line::net::{Block, ControlMode, Place};
 use linewright_line::{InputId, Line, Owner, StationId, TaskId};
 
 use crate::controller::Controller;
-use crate::order::{Failure, Refusal};
 
 pub(crate) fn task_name(line: &Line, station: StationId, task: TaskId) -> &str {
     &line.station(station).task(task).name
-}
-
-impl Failure {
-    /// In words, for the operator.
-    pub fn text(self) -> String {
-        match self {
-            Failure::Waiting(code) => format!("what it waited for did not come (code {code})"),
-            Failure::TimedOut => "its time was over".to_owned(),
-            Failure::Fault => "a fault".to_owned(),
-            Failure::Interrupted => "the mode was changed".to_owned(),
-            Failure::Restarted => "the controller was restarted".to_owned(),
-            Failure::Cancelled => "it was taken back".to_owned(),
-            Failure::Held => "it was taken back, as far as it could be".to_owned(),
-            Failure::Stopped => "it was stopped where it was".to_owned(),
-        }
-    }
-}
-
-impl Refusal {
-    /// In words, for the operator.
-    pub const fn text(self) -> &'static str {
-        match self {
-            Refusal::Busy => "it has another one",
-            Refusal::Mode => "it is not in auto, or is to stop",
-            Refusal::OtherMemory => "it was meant for a memory that is gone",
-            Refusal::OldEpoch => "it knows a later life of the coordinator",
-            Refusal::Old => "it has had it before",
-            Refusal::Late => "its time was over before it began",
-            Refusal::NotThere => "it does not stand where the task begins",
-            Refusal::Devices => "its devices are not there",
-            Refusal::Unknown => "it has no such task, or not with these parameters",
-            Refusal::Incomplete => "an operation was stopped before its end",
-        }
-    }
 }
 
 impl Controller {

@@ -36,7 +36,7 @@ use crate::controller::Controller;
 use crate::event::HappeningKind;
 use crate::ignored::Ignored;
 use crate::order::{
-    EPOCH_AHEAD_MAX, Failure, OrderKey, OrderMemory, Outcome, RESULTS_MAX, Refusal, Reply, TaskCommand, TaskOrder,
+    EPOCH_AHEAD_MAX, OrderKey, OrderMemory, Outcome, RESULTS_MAX, Refusal, Reply, TaskCommand, TaskFailure, TaskOrder,
 };
 use crate::program::{bit, task_bit};
 use crate::rules::OrderRules;
@@ -74,7 +74,7 @@ enum SlotPhase {
     /// On its way back; the order ends where that ends.
     Securing {
         /// Why it was given up; none if it was told to leave it and waited for nothing.
-        failure: Option<Failure>,
+        failure: Option<TaskFailure>,
     },
     /// On its way back from an order that had ended before.
     Returning,
@@ -165,7 +165,7 @@ impl OrderSlot {
         let surplus = orders.results.len().saturating_sub(RESULTS_MAX);
         orders.results.drain(..surplus);
         if let Some(key) = kept.slot {
-            orders.remember(key, Reply::Ended(Outcome::Failed(Failure::Restarted)));
+            orders.remember(key, Reply::Ended(Outcome::Failed(TaskFailure::Restarted)));
         }
         orders
     }
@@ -240,7 +240,7 @@ impl Controller {
         if order.limit.is_zero() {
             return Err(Refusal::Late);
         }
-        let index = tasks.tasks.iter().position(|task| task.name == order.task).ok_or(Refusal::Unknown)?;
+        let index = tasks.tasks.iter().position(|task| *task.name == *order.task).ok_or(Refusal::Unknown)?;
         let task = &tasks.tasks[index];
         if order.parameters.len() != task.parameters.len() {
             return Err(Refusal::Unknown);
@@ -248,7 +248,7 @@ impl Controller {
         let mut image = 0;
         for parameter in &task.parameters {
             // A number that is missing is not guessed.
-            let given = order.parameters.iter().find(|(name, _)| *name == parameter.name);
+            let given = order.parameters.iter().find(|(name, _)| **name == *parameter.name);
             image |= given.and_then(|(_, value)| parameter.image(*value)).ok_or(Refusal::Unknown)?;
         }
         if !self.image.valid {
@@ -280,7 +280,7 @@ impl Controller {
         let place = self.marking().next().filter(|_| by_itself && self.rest().is_none());
         let leads_back = place.filter(|&place| place.is_operating() || self.goes_back_from(place));
         let task = leads_back.and_then(|place| self.task_of(place.op));
-        let failure = self.waited_for().map(Failure::Waiting);
+        let failure = self.waited_for().map(TaskFailure::Waiting);
         let Some(orders) = &mut self.orders else { return Reply::Refused(Refusal::Unknown) };
         if let Some(slot) = orders.slot.as_mut().filter(|slot| slot.key == key) {
             if slot.phase == SlotPhase::Running {
@@ -304,7 +304,7 @@ impl Controller {
             if orders.epoch == key.epoch {
                 orders.last = key.id;
             }
-            orders.remember(key, Reply::Ended(Outcome::Failed(Failure::Cancelled)));
+            orders.remember(key, Reply::Ended(Outcome::Failed(TaskFailure::Cancelled)));
             orders.secured = Some(key);
             self.due.report = true;
         }
@@ -381,7 +381,7 @@ impl Controller {
                 let failure = match self.slot().map(|slot| slot.phase) {
                     Some(SlotPhase::Securing { failure: Some(failure) }) => failure,
                     Some(SlotPhase::Running | SlotPhase::Securing { failure: None } | SlotPhase::Returning) => {
-                        Failure::Interrupted
+                        TaskFailure::Interrupted
                     }
                     None => return,
                 };
@@ -395,15 +395,15 @@ impl Controller {
         if self.now < self.order_limit() {
             return;
         }
-        self.give_up(Some(self.waited_for().map_or(Failure::TimedOut, Failure::Waiting)));
+        self.give_up(Some(self.waited_for().map_or(TaskFailure::TimedOut, TaskFailure::Waiting)));
     }
 
     /// The order is not done any more: the station goes back if it has begun.
-    fn give_up(&mut self, failure: Option<Failure>) {
+    fn give_up(&mut self, failure: Option<TaskFailure>) {
         let Some(orders) = &mut self.orders else { return };
         let Some(slot) = &mut orders.slot else { return };
         if !slot.begun {
-            return self.conclude(Outcome::Failed(failure.unwrap_or(Failure::Cancelled)));
+            return self.conclude(Outcome::Failed(failure.unwrap_or(TaskFailure::Cancelled)));
         }
         slot.phase = SlotPhase::Securing { failure };
         let (key, task) = (slot.key, slot.task);
@@ -445,7 +445,7 @@ impl Controller {
             return;
         }
         // At the first operation's beginning the token goes on to the rest; that is no way.
-        let left = if self.rest().is_some() { Failure::Cancelled } else { Failure::Held };
+        let left = if self.rest().is_some() { TaskFailure::Cancelled } else { TaskFailure::Held };
         self.conclude(Outcome::Failed(given_up.unwrap_or(left)));
     }
 

@@ -7,7 +7,7 @@
 use linewright_line::net::Place;
 use linewright_line::{Line, OpId, StationId};
 use linewright_station_logic::{
-    CompileError, Controller, Failure, OrderKey, OrderMemory, Outcome, Refusal, Reply, Restore, StationSnapshot,
+    CompileError, Controller, OrderKey, OrderMemory, Outcome, Refusal, Reply, Restore, StationSnapshot, TaskFailure,
 };
 use serde::{Deserialize, Serialize};
 use thiserror::Error;
@@ -132,7 +132,11 @@ fn reply(word: &str) -> Option<Reply> {
     if let Some((_, refusal)) = REFUSALS.iter().find(|(known, _)| *known == word) {
         return Some(Reply::Refused(*refusal));
     }
-    word.parse().ok().and_then(Failure::from_code).map(|failure| Reply::Ended(Outcome::Failed(failure)))
+    match TaskFailure::from_code(word.parse().ok()?) {
+        // It never wrote that.
+        TaskFailure::Other(_) => None,
+        failure => Some(Reply::Ended(Outcome::Failed(failure))),
+    }
 }
 
 /// The record of a snapshot, written in this start of the host.
@@ -239,7 +243,7 @@ mod tests {
         let order = TaskOrder {
             key: OrderKey { epoch: 2, id: 5 },
             memory: 7,
-            task: "clamp".to_owned(),
+            task: "clamp".into(),
             parameters: Vec::new(),
             limit: std::time::Duration::from_secs(1),
         };
@@ -257,8 +261,7 @@ mod tests {
         assert_eq!((orders.memory, orders.epoch, orders.last, orders.results.len()), (7, 2, 5, 1));
         orders.slot = Some(OrderKey { epoch: 2, id: 6 });
         orders.secured = Some(OrderKey { epoch: 2, id: 4 });
-        let failures =
-            [1, 999, 1000, 1001, 1002, 1003, 1004, 1005, 1006].map(|code| Failure::from_code(code).expect("known"));
+        let failures = [1, 999, 1000, 1001, 1002, 1003, 1004, 1005, 1006].map(TaskFailure::from_code);
         let ends = failures.map(|failure| Reply::Ended(Outcome::Failed(failure)));
         let replies = [Reply::Ended(Outcome::Done)].into_iter().chain(ends);
         let replies = replies.chain(REFUSALS.map(|(_, refusal)| Reply::Refused(refusal)));

@@ -16,7 +16,7 @@ use linewright_node_shell::{
     stamp,
 };
 use linewright_station_logic::{
-    Controller, Failure, OrderKey, Outcome, Refusal, Reply, SlotReport, StationReport, TaskCommand, TaskOrder,
+    Controller, OrderKey, Outcome, Refusal, Reply, SlotReport, StationReport, TaskCommand, TaskFailure, TaskOrder,
     TaskOrderReport,
 };
 use tokio::sync::mpsc;
@@ -159,7 +159,7 @@ impl Orders {
         // A station remembers no more than the message has room for.
         message.ended = Bounded::new(ended.collect()).unwrap_or_default();
         let refused = orders.refused.iter().map(|&(key, refusal)| {
-            let code = code_of(refusal);
+            let code = refusal.code();
             OrderEnd { epoch: key.epoch, id: key.id, end: RunTaskResult::END_REFUSED, code }
         });
         message.refused = Bounded::new(refused.collect()).unwrap_or_default();
@@ -179,7 +179,7 @@ impl Orders {
     }
 
     fn refuse(&mut self, key: OrderKey, refusal: Refusal) {
-        let (end, code) = (RunTaskResult::END_REFUSED, code_of(refusal));
+        let (end, code) = (RunTaskResult::END_REFUSED, refusal.code());
         let text = refusal.text().to_owned();
         self.conclude(key, RunTaskResult { epoch: key.epoch, id: key.id, end, code, text });
     }
@@ -219,8 +219,8 @@ fn order(wanted: RunTaskGoal) -> TaskOrder {
     TaskOrder {
         key: OrderKey { epoch: wanted.epoch, id: wanted.id },
         memory: wanted.memory,
-        task: wanted.task,
-        parameters: wanted.parameter_names.into_iter().zip(wanted.parameters).collect(),
+        task: wanted.task.into(),
+        parameters: wanted.parameter_names.into_iter().map(Into::into).zip(wanted.parameters).collect(),
         limit: Duration::from_millis(wanted.limit_ms.into()),
     }
 }
@@ -249,23 +249,43 @@ fn feedback(line: &Line, controller: &Controller, slot: &SlotReport) -> RunTaskF
 const fn end_of(outcome: Outcome) -> (u8, u16) {
     match outcome {
         Outcome::Done => (RunTaskResult::END_DONE, 0),
-        Outcome::Failed(Failure::Cancelled) => (RunTaskResult::END_SECURED, Failure::Cancelled.code()),
+        Outcome::Failed(TaskFailure::Cancelled) => (RunTaskResult::END_SECURED, TaskFailure::Cancelled.code()),
         Outcome::Failed(failure) => (RunTaskResult::END_FAILED, failure.code()),
     }
 }
 
-/// Why an order was not taken on, as messages say it.
-const fn code_of(refusal: Refusal) -> u16 {
-    match refusal {
-        Refusal::Busy => RunTaskResult::REFUSED_BUSY,
-        Refusal::Mode => RunTaskResult::REFUSED_MODE,
-        Refusal::OtherMemory => RunTaskResult::REFUSED_OTHER_MEMORY,
-        Refusal::OldEpoch => RunTaskResult::REFUSED_OLD_EPOCH,
-        Refusal::Old => RunTaskResult::REFUSED_OLD,
-        Refusal::Late => RunTaskResult::REFUSED_LATE,
-        Refusal::NotThere => RunTaskResult::REFUSED_NOT_THERE,
-        Refusal::Devices => RunTaskResult::REFUSED_DEVICES,
-        Refusal::Unknown => RunTaskResult::REFUSED_UNKNOWN,
-        Refusal::Incomplete => RunTaskResult::REFUSED_INCOMPLETE,
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn refusals_have_the_codes_that_messages_give_them() {
+        let codes = [
+            RunTaskResult::REFUSED_BUSY,
+            RunTaskResult::REFUSED_MODE,
+            RunTaskResult::REFUSED_OTHER_MEMORY,
+            RunTaskResult::REFUSED_OLD_EPOCH,
+            RunTaskResult::REFUSED_OLD,
+            RunTaskResult::REFUSED_LATE,
+            RunTaskResult::REFUSED_NOT_THERE,
+            RunTaskResult::REFUSED_DEVICES,
+            RunTaskResult::REFUSED_UNKNOWN,
+            RunTaskResult::REFUSED_INCOMPLETE,
+            RunTaskResult::REFUSED_ISOLATED,
+        ];
+        let refusals = [
+            Refusal::Busy,
+            Refusal::Mode,
+            Refusal::OtherMemory,
+            Refusal::OldEpoch,
+            Refusal::Old,
+            Refusal::Late,
+            Refusal::NotThere,
+            Refusal::Devices,
+            Refusal::Unknown,
+            Refusal::Incomplete,
+            Refusal::Isolated,
+        ];
+        assert_eq!(refusals.map(Refusal::code), codes);
     }
 }

@@ -6,7 +6,7 @@ use super::Member;
 use crate::part::{Stream, cargo, lines};
 
 /// Crates that decide and never act: called with the time and their inputs, they return outputs.
-pub const PURE: [&str; 15] = [
+pub const PURE: [&str; 16] = [
     "linewright-nets",
     "linewright-problems",
     "linewright-text",
@@ -15,6 +15,7 @@ pub const PURE: [&str; 15] = [
     "linewright-line",
     "linewright-cell",
     "linewright-dbc",
+    "linewright-orders",
     "linewright-station-logic",
     "linewright-station-shell",
     "linewright-coordinator-logic",
@@ -42,7 +43,7 @@ const FORBIDDEN: [&str; 9] = [
 ];
 
 /// For each crate, those of the workspace it may build on. Dependencies point one way; a new crate gets a row here.
-const MAY_USE: [(&str, &[&str]); 26] = [
+const MAY_USE: [(&str, &[&str]); 27] = [
     ("linewright-nets", &[]),
     ("linewright-problems", &[]),
     ("linewright-text", &[]),
@@ -51,10 +52,11 @@ const MAY_USE: [(&str, &[&str]); 26] = [
     ("linewright-line", &["linewright-nets", "linewright-text"]),
     ("linewright-cell", &["linewright-nets", "linewright-text", "linewright-line"]),
     ("linewright-dbc", &["linewright-line"]),
-    ("linewright-station-logic", &["linewright-nets", "linewright-line"]),
+    ("linewright-orders", &["linewright-line"]),
+    ("linewright-station-logic", &["linewright-nets", "linewright-line", "linewright-orders"]),
     ("linewright-station-shell", &["linewright-line", "linewright-station-logic"]),
     ("linewright-coordinator-logic", &["linewright-nets", "linewright-line"]),
-    ("linewright-coordinator-cell", &["linewright-nets", "linewright-line", "linewright-cell"]),
+    ("linewright-coordinator-cell", &["linewright-nets", "linewright-line", "linewright-orders", "linewright-cell"]),
     (
         "linewright-coordinator-shell",
         &[
@@ -76,11 +78,12 @@ const MAY_USE: [(&str, &[&str]); 26] = [
         &[
             "linewright-nets",
             "linewright-line",
+            "linewright-orders",
             "linewright-cell",
             "linewright-station-logic",
             "linewright-coordinator-logic",
             "linewright-coordinator-cell",
-            // Orders between controllers and the token player are translated once, there.
+            // What the token player takes from a station's report is written once, there.
             "linewright-coordinator-shell",
         ],
     ),
@@ -89,6 +92,7 @@ const MAY_USE: [(&str, &[&str]); 26] = [
         &[
             "linewright-text",
             "linewright-line",
+            "linewright-orders",
             "linewright-station-logic",
             "linewright-station-shell",
             "linewright-coordinator-logic",
@@ -114,6 +118,7 @@ const MAY_USE: [(&str, &[&str]); 26] = [
         "linewright-coordinator-node",
         &[
             "linewright-line",
+            "linewright-orders",
             "linewright-cell",
             "linewright-coordinator-logic",
             "linewright-coordinator-cell",
@@ -144,6 +149,7 @@ const EVERYTHING: &[&str] = &[
     "linewright-line",
     "linewright-cell",
     "linewright-dbc",
+    "linewright-orders",
     "linewright-station-logic",
     "linewright-station-shell",
     "linewright-coordinator-logic",

@@ -22,11 +22,11 @@ use linewright_coordinator_cell::dispatch::words::Reasons;
 use linewright_coordinator_cell::{ActivityPhase, PlayerState};
 use linewright_line::{Line, Tick};
 use linewright_simulation::cell::{CellSim, CellSimOptions};
-use miette::{IntoDiagnostic, miette};
+use miette::miette;
 
 use super::Args;
 use crate::load;
-use crate::out::say;
+use crate::out::{self, say};
 use made::ProductionResult;
 
 /// More parts are no more informative.
@@ -103,8 +103,7 @@ pub fn run(args: &Args, file: &Path) -> miette::Result<ExitCode> {
     let asked: u32 = batch.iter().sum();
     let error = error(&sim, &played, asked, made.end);
     if args.json {
-        let object = json::CellSimulationJson::new(&cell, &played, &sim, &made, error.as_deref(), args.why);
-        say!("{}", serde_json::to_string_pretty(&object).into_diagnostic()?);
+        out::json(&json::CellSimulationJson::new(&cell, &played, &sim, &made, error.as_deref(), args.why))?;
     } else {
         if args.why {
             say!("{}", show::decisions(&sim));

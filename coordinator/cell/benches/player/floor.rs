@@ -111,9 +111,9 @@ impl Floor {
         }
         for send in self.out.sends.drain(..) {
             let CellMessage::Order(order) = send else { panic!("nobody has to be secured here") };
-            let (firing, _) = player.state().order(order.key).expect("what is sent is in progress");
-            self.working.push(Reverse((self.now + time(table, firing.mode), order.station, order.key)));
-            self.replies.push((order.station, order.key, Reply::Running));
+            let (firing, _) = player.state().order(order.order.key).expect("what is sent is in progress");
+            self.working.push(Reverse((self.now + time(table, firing.mode), order.station, order.order.key)));
+            self.replies.push((order.station, order.order.key, Reply::Running));
         }
         assert!(self.out.events.is_empty(), "{:?}", self.out.events);
     }

@@ -15,7 +15,7 @@ use super::super::dispatch::time;
 use super::super::firing::ActivityPhase;
 use super::super::ids::{FiringId, ModeId, PartId};
 use super::super::question::{Candidate, ConflictGroup, DispatchDecision, Question, check, pose};
-use super::super::record::{Record, RecordKind};
+use super::super::record::{ActivityStep, Record, RecordKind};
 use super::super::state::PlayerState;
 use super::super::table::CellTable;
 use super::rollout_policy::RolloutPolicy;
@@ -129,20 +129,13 @@ impl ForwardSimulation {
 
     fn write(&mut self, fact: RecordKind, lead: &mut (impl RolloutPolicy + ?Sized)) {
         let record = Record { at: self.now, fact };
-        let moved = match record.fact {
-            RecordKind::Ended { firing } => self.state.firing(firing).map(|firing| (firing.mode, firing.part)),
-            RecordKind::Fired { mode, part } => Some((mode, part)),
+        let moved = match record.fact.activity_step() {
+            Some(ActivityStep::Ended { firing }) => self.state.firing(firing).map(|firing| (firing.mode, firing.part)),
+            Some(ActivityStep::Fired { mode, part }) => Some((mode, part)),
             // Nothing else is imagined, or it takes no part out.
-            RecordKind::Started { .. }
-            | RecordKind::Epoch { .. }
-            | RecordKind::Memory { .. }
-            | RecordKind::Decided { .. }
-            | RecordKind::Acknowledged { .. }
-            | RecordKind::OrderEnded { .. }
-            | RecordKind::OrderFailed { .. }
-            | RecordKind::Raised { .. }
-            | RecordKind::Production { .. }
-            | RecordKind::Exception(_) => None,
+            Some(ActivityStep::Started { .. } | ActivityStep::Raised { .. } | ActivityStep::Closed { .. }) | None => {
+                None
+            }
         };
         let leaving = moved.and_then(|(mode, part)| part.filter(|_| self.state.table.part_out(mode).is_none()));
         self.left.extend(leaving.map(|part| (lead.desk().job(part), self.now)));

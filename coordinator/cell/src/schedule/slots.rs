@@ -12,9 +12,9 @@ use linewright_line::Tick;
 
 use super::super::ahead::{PlannedStart, Score, SimulatedActivity};
 use super::super::dispatch::Window;
-use super::super::exception::{ExceptionStep, Whereabouts};
+use super::super::exception::Whereabouts;
 use super::super::ids::{CellId, FiringId, ModeId, PartId};
-use super::super::record::{Record, RecordKind};
+use super::super::record::{ActivityStep, Record};
 use super::super::state::PlayerState;
 use super::super::table::CellTable;
 
@@ -180,33 +180,25 @@ impl Schedule {
 
     /// Takes a record: what was planned has started, or ended.
     pub fn note(&mut self, table: &CellTable, record: &Record) {
-        match &record.fact {
-            RecordKind::Started { firing, mode, part, orders: _ } => {
-                self.started(table, record.at, *firing, *mode, *part)
+        match record.fact.activity_step() {
+            Some(ActivityStep::Started { firing, mode, part, orders: _ }) => {
+                self.started(table, record.at, firing, mode, part)
             }
-            RecordKind::Ended { firing } => {
-                if let Some(at) = self.running.remove(firing) {
+            Some(ActivityStep::Ended { firing }) => {
+                if let Some(at) = self.running.remove(&firing) {
                     self.slots[at].ended = Some(record.at);
                 }
             }
-            RecordKind::Raised { firing, cause: _ } => {
-                if let Some(at) = self.running.remove(firing) {
+            Some(ActivityStep::Raised { firing, cause: _ }) => {
+                if let Some(at) = self.running.remove(&firing) {
                     self.slots[at].failed = true;
                 }
             }
-            RecordKind::Exception(ExceptionStep::Closed { firing, ruling, .. }) if ruling.part == Whereabouts::To => {
-                let slot = self.slots.iter_mut().find(|slot| slot.firing == Some(*firing));
+            Some(ActivityStep::Closed { firing, ruling }) if ruling.part == Whereabouts::To => {
+                let slot = self.slots.iter_mut().find(|slot| slot.firing == Some(firing));
                 slot.into_iter().for_each(|slot| slot.ended = Some(record.at));
             }
-            RecordKind::Exception(_)
-            | RecordKind::Fired { .. }
-            | RecordKind::Epoch { .. }
-            | RecordKind::Memory { .. }
-            | RecordKind::Decided { .. }
-            | RecordKind::Acknowledged { .. }
-            | RecordKind::OrderEnded { .. }
-            | RecordKind::OrderFailed { .. }
-            | RecordKind::Production { .. } => (),
+            Some(ActivityStep::Closed { .. } | ActivityStep::Fired { .. }) | None => (),
         }
     }
 

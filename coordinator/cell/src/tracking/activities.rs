@@ -4,9 +4,8 @@ use std::collections::BTreeMap;
 
 use linewright_line::Tick;
 
-use super::super::exception::ExceptionStep;
 use super::super::ids::{FiringId, ModeId, PartId};
-use super::super::record::{Record, RecordKind};
+use super::super::record::{ActivityStep, Record};
 use super::cause_in_words;
 
 /// An activity.
@@ -45,30 +44,22 @@ pub struct Activities {
 impl Activities {
     /// The next record, in the order in which they were written. One of an activity whose start is unknown changes nothing.
     pub fn take(&mut self, record: &Record) {
-        match &record.fact {
-            &RecordKind::Started { firing, mode, part, orders: _ } => {
+        match record.fact.activity_step() {
+            Some(ActivityStep::Started { firing, mode, part, orders: _ }) => {
                 self.open.insert(firing, self.done.len());
                 self.done.push(FinishedActivity { firing, mode, part, began: record.at, failed: None, ended: None });
             }
-            RecordKind::Raised { firing, cause } => {
-                if let Some(done) = self.open.get(firing).map(|&at| &mut self.done[at]) {
+            Some(ActivityStep::Raised { firing, cause }) => {
+                if let Some(done) = self.open.get(&firing).map(|&at| &mut self.done[at]) {
                     done.failed = Some(ActivityFailed { at: record.at, cause: cause_in_words(cause) });
                 }
             }
-            RecordKind::Ended { firing } | RecordKind::Exception(ExceptionStep::Closed { firing, .. }) => {
-                if let Some(done) = self.open.remove(firing).map(|at| &mut self.done[at]) {
+            Some(ActivityStep::Ended { firing } | ActivityStep::Closed { firing, .. }) => {
+                if let Some(done) = self.open.remove(&firing).map(|at| &mut self.done[at]) {
                     done.ended = Some(record.at);
                 }
             }
-            RecordKind::Exception(_)
-            | RecordKind::Fired { .. }
-            | RecordKind::Epoch { .. }
-            | RecordKind::Memory { .. }
-            | RecordKind::Decided { .. }
-            | RecordKind::Acknowledged { .. }
-            | RecordKind::OrderEnded { .. }
-            | RecordKind::OrderFailed { .. }
-            | RecordKind::Production { .. } => (),
+            Some(ActivityStep::Fired { .. }) | None => (),
         }
     }
 

@@ -2,6 +2,7 @@
 
 use linewright_coordinator_cell::exception::{AlarmAnswerRefusal, OutOfServiceReason, ResourceRequest};
 use linewright_coordinator_cell::{ActivityFailure, ActivityPhase, OngoingActivity, Outcome, PlayerInput};
+use linewright_orders::TaskFailure;
 
 use super::bench::Bench;
 
@@ -51,7 +52,7 @@ fn an_alarm_stops_what_goes_back_from_another_failure() {
         assert_eq!(bench.sim.lives, 1 + usize::from(crash));
         bench.until_that(|bench| bench.state().exceptions().alarms().len() > 0);
         let (_, outcome, _) = bench.at("m1").ended.last().copied().expect("it has ended");
-        assert_eq!((outcome, bench.at("m1").is_held), (Outcome::Failed(1006), true), "crash: {crash}");
+        assert_eq!((outcome, bench.at("m1").is_held), (Outcome::Failed(TaskFailure::Stopped), true), "crash: {crash}");
         assert_eq!(bench.down(), [("M1".to_owned(), OutOfServiceReason::Alarm { text: String::new() })]);
     }
 }

@@ -77,7 +77,7 @@ fn play(seed: u64) -> usize {
         }
         for send in out.sends.drain(..) {
             if let CellMessage::Order(order) = send {
-                told.entry(order.key).or_insert((order.station, false));
+                told.entry(order.order.key).or_insert((order.station, false));
             }
         }
         let first = waited_for(player.state(), &last).min();

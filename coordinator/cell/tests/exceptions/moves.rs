@@ -6,6 +6,7 @@ use linewright_coordinator_cell::exception::{AlarmAnswerRefusal, ResourceRequest
 use linewright_coordinator_cell::{
     ActivityFailure, ActivityPhase, Failure, OrderProgress, Outcome, PlayerInput, TaskReport,
 };
+use linewright_orders::TaskFailure;
 
 use super::bench::{Bench, workcell};
 
@@ -20,7 +21,11 @@ fn while_a_station_goes_back_nobody_is_asked_and_no_answer_is_taken() {
     });
     let (robot, key) = (bench.station("robot"), bench.firing(LOAD).unwrap().orders[0].key);
     bench.at("robot").is_away = true;
-    let stands = TaskReport { slot: None, results: vec![(key, Outcome::Failed(1001))], ..bench.at("robot").heard() };
+    let stands = TaskReport {
+        slot: None,
+        results: vec![(key, Outcome::Failed(TaskFailure::Fault))],
+        ..bench.at("robot").heard()
+    };
     let moves = TaskReport { slot: Some(key), ..stands.clone() };
     for _ in 0..20 {
         bench.say(PlayerInput::Station(robot, &moves));

@@ -15,6 +15,7 @@ use linewright_coordinator_cell::{
     PlayerState, ProductionCommand, ProductionCommandError, ProductionId, Record, RecordKind, Reply, TaskReport,
 };
 use linewright_line::{StationId, Tick};
+use linewright_orders::TaskFailure;
 
 pub const C1: &str = include_str!("../../../../launch-config/lines/workcell-c1/cell.toml");
 pub const ASSEMBLY: &str = include_str!("../../../../launch-config/lines/assembly-cell/cell.toml");
@@ -156,22 +157,26 @@ impl Shop {
                 let order = match send {
                     CellMessage::Order(order) => order,
                     CellMessage::Secure { station, key, stop: _ } => {
-                        inputs.push(PlayerInput::Secured(station, key, Reply::Ended(Outcome::Failed(7))));
+                        inputs.push(PlayerInput::Secured(
+                            station,
+                            key,
+                            Reply::Ended(Outcome::Failed(TaskFailure::Waiting(7))),
+                        ));
                         continue;
                     }
                 };
-                let (firing, _) = self.player.state().order(order.key).unwrap();
+                let (firing, _) = self.player.state().order(order.order.key).unwrap();
                 let kind = self.table.activity(firing.mode).kind;
                 let linewright_coordinator_cell::ActivityTiming::Decided { time, .. } = kind else { unreachable!() };
                 let takes = self.really.get(&firing.mode).copied().unwrap_or(time);
                 let fails = self.fails.get_mut(&firing.mode).filter(|left| **left > 0);
                 let outcome = fails.map_or(Outcome::Done, |left| {
                     *left -= 1;
-                    Outcome::Failed(7)
+                    Outcome::Failed(TaskFailure::Waiting(7))
                 });
-                let key = (firing.began + takes, order.key);
+                let key = (firing.began + takes, order.order.key);
                 self.doing.insert(key, (order.station, outcome));
-                inputs.push(PlayerInput::Reply(order.station, order.key, Reply::Running));
+                inputs.push(PlayerInput::Reply(order.station, order.order.key, Reply::Running));
             }
             if !inputs.is_empty() {
                 continue;

@@ -6,6 +6,7 @@ use linewright_coordinator_cell::{
     TaskReport,
 };
 use linewright_line::{StationId, Tick};
+use linewright_orders::TaskFailure;
 
 use super::crash::merged;
 use super::plans::Compiled;
@@ -57,7 +58,7 @@ impl Bench {
     }
 
     fn keys_sent(&self) -> Vec<OrderKey> {
-        self.sent().iter().map(|order| order.key).collect()
+        self.sent().iter().map(|message| message.order.key).collect()
     }
 
     fn restart(&mut self) {
@@ -122,7 +123,7 @@ fn an_unanswered_order_is_repeated_with_its_key_and_what_is_left_of_its_time() {
     assert_eq!(bench.player.next_deadline(), Some(Tick::from_millis(200)));
     bench.at(200, &[running(ROBOT, 1)]);
     assert_eq!(bench.keys_sent(), [key(2)]);
-    assert_eq!(bench.sent()[0].limit.as_millis(), 59_800);
+    assert_eq!(bench.sent()[0].order.limit.as_millis(), 59_800);
     assert_eq!(bench.player.sending(key(1)), None);
     // Who is busy is asked again; who says no twice is not believed less.
     for at in [250, 300] {
@@ -138,7 +139,7 @@ fn an_unanswered_order_is_repeated_with_its_key_and_what_is_left_of_its_time() {
 fn a_code_fails_it_and_what_other_stations_do_meanwhile_is_kept() {
     let mut bench = Bench::new();
     bench.at(10, &[running(ROBOT, 1), running(MACHINE, 2)]);
-    bench.at(20, &[PlayerInput::Reply(MACHINE, key(2), Reply::Ended(Outcome::Failed(12)))]);
+    bench.at(20, &[PlayerInput::Reply(MACHINE, key(2), Reply::Ended(Outcome::Failed(TaskFailure::Waiting(12))))]);
     bench.at(30, &[done(ROBOT, 1)]);
     let states: Vec<_> =
         bench.player.state().firings().next().unwrap().orders.iter().map(|order| order.state).collect();
@@ -246,7 +247,7 @@ fn a_restarted_coordinator_sends_what_nobody_has_answered_once_it_hears_the_stat
     let ended = |id| TaskReport { results: vec![(key(id), Outcome::Done)], ..same.clone() };
     bench.at(40, &[PlayerInput::Station(MACHINE, &ended(2)), PlayerInput::Station(ROBOT, &ended(1))]);
     let work = &bench.sent()[0];
-    assert_eq!((work.key, &*work.task), (OrderKey { epoch: 2, id: 3 }, "work"));
+    assert_eq!((work.order.key, &*work.order.task), (OrderKey { epoch: 2, id: 3 }, "work"));
 }
 
 /// Somebody else coordinates already.

@@ -3,8 +3,8 @@
 use std::collections::BTreeMap;
 
 use linewright_coordinator_cell::{
-    ActivityFailure, ActivityPhase, CellKind, Fifo, FiringId, ModeId, OngoingActivity, PartId, PartPlace, Record,
-    RecordKind,
+    ActivityFailure, ActivityPhase, ActivityStep, CellKind, Fifo, FiringId, ModeId, OngoingActivity, PartId, PartPlace,
+    Record,
 };
 use linewright_line::Tick;
 
@@ -81,28 +81,20 @@ impl<'a> Ledger<'a> {
     }
 
     fn enter(&mut self, record: &Record) {
-        match &record.fact {
-            &RecordKind::Started { firing, mode, part, .. } => {
+        match record.fact.activity_step() {
+            Some(ActivityStep::Started { firing, mode, part, orders: _ }) => {
                 self.take(mode, part, Is::In(firing));
                 assert_eq!(self.firings.insert(firing, (mode, part)), None, "{firing} starts twice");
             }
-            RecordKind::Ended { firing } => {
-                let (mode, part) = self.firings.remove(firing).expect("what ends has started");
+            Some(ActivityStep::Ended { firing }) => {
+                let (mode, part) = self.firings.remove(&firing).expect("what ends has started");
                 self.give(mode, part);
             }
-            &RecordKind::Fired { mode, part } => {
+            Some(ActivityStep::Fired { mode, part }) => {
                 self.take(mode, part, Is::Gone);
                 self.give(mode, part);
             }
-            RecordKind::Epoch { .. }
-            | RecordKind::Memory { .. }
-            | RecordKind::Decided { .. }
-            | RecordKind::Acknowledged { .. }
-            | RecordKind::OrderEnded { .. }
-            | RecordKind::OrderFailed { .. }
-            | RecordKind::Raised { .. }
-            | RecordKind::Production { .. }
-            | RecordKind::Exception(_) => (),
+            Some(ActivityStep::Raised { .. } | ActivityStep::Closed { .. }) | None => (),
         }
     }
 }

@@ -317,7 +317,7 @@ impl Player {
                 if newest && message.station == self.line.station(station).name {
                     let (unable, sensor) = (self.unable[station.index()], self.sensors[station.index()]);
                     let (heard, refused) = wire::heard(&message, unable, sensor);
-                    let secured = wire::secured(&message);
+                    let secured = wire::secured(&message, &heard);
                     self.told.push(Told::State(station, heard));
                     self.told.extend(secured.map(|(key, reply)| Told::Secured(station, key, reply)));
                     self.told.extend(refused.into_iter().map(|(key, reply)| Told::Reply(station, key, reply)));

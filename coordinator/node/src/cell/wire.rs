@@ -5,11 +5,12 @@
 use linewright_cell::Cell;
 use linewright_coordinator_cell::exception::{Presence, ResourceRequest, StationUnavailable};
 use linewright_coordinator_cell::production::ProductionOrderRequest;
-use linewright_coordinator_cell::{OrderKey, OrderMessage, Outcome, PlayerState, Refusal, Reply, TaskReport};
+use linewright_coordinator_cell::{OrderMessage, PlayerState, TaskReport};
 use linewright_line::{InputId, Line, Tick, suggestion};
 use linewright_msgs::{
     OrderEnd, OrderState, ProductionRequest, RunTaskGoal, RunTaskResult, SetResourceRequest, StationState, Time,
 };
+use linewright_orders::{OrderKey, Outcome, Refusal, Reply, TaskFailure};
 
 /// Why a station could do nothing now, as its state says.
 pub fn unable(state: &StationState) -> Option<StationUnavailable> {
@@ -65,24 +66,18 @@ pub fn heard(
         unable,
         presence: presence(message, sensor),
     };
-    let refused =
-        message.refused.as_slice().iter().filter_map(|end| Some((key(end), Reply::Refused(refusal(end.code)?))));
+    let refused = message
+        .refused
+        .as_slice()
+        .iter()
+        .filter_map(|end| Some((key(end), Reply::Refused(Refusal::from_code(end.code)?))));
     (heard, refused.collect())
 }
 
 /// What a station says to having been told to leave an order: whether it is still at it.
-pub fn secured(message: &OrderState) -> Option<(OrderKey, Reply)> {
+pub fn secured(message: &OrderState, heard: &TaskReport) -> Option<(OrderKey, Reply)> {
     let key = OrderKey { epoch: message.secured_epoch, id: message.secured_id };
-    let doing = OrderKey { epoch: message.doing_epoch, id: message.doing_id };
-    let end = message.ended.as_slice().iter().find(|end| self::key(end) == key);
-    let reply = match end {
-        // What had ended before it was told may be gone back from.
-        _ if key == doing => Reply::Running,
-        Some(end) => Reply::Ended(outcome(end)),
-        // It was too old for it, and is left all the same.
-        None => Reply::Refused(Refusal::Old),
-    };
-    (key.id != 0).then_some((key, reply))
+    (key.id != 0).then(|| (key, heard.secured(key)))
 }
 
 fn key(end: &OrderEnd) -> OrderKey {
@@ -90,29 +85,12 @@ fn key(end: &OrderEnd) -> OrderKey {
 }
 
 fn outcome(end: &OrderEnd) -> Outcome {
-    if end.end == RunTaskResult::END_DONE { Outcome::Done } else { Outcome::Failed(end.code) }
-}
-
-/// None for a reason that a later version knows: the order then runs out of time.
-fn refusal(code: u16) -> Option<Refusal> {
-    Some(match code {
-        RunTaskResult::REFUSED_BUSY => Refusal::Busy,
-        RunTaskResult::REFUSED_MODE => Refusal::Mode,
-        RunTaskResult::REFUSED_OTHER_MEMORY => Refusal::OtherMemory,
-        RunTaskResult::REFUSED_OLD_EPOCH => Refusal::OldEpoch,
-        RunTaskResult::REFUSED_OLD => Refusal::Old,
-        RunTaskResult::REFUSED_LATE => Refusal::Late,
-        RunTaskResult::REFUSED_NOT_THERE => Refusal::NotThere,
-        RunTaskResult::REFUSED_DEVICES => Refusal::Devices,
-        RunTaskResult::REFUSED_UNKNOWN => Refusal::Unknown,
-        RunTaskResult::REFUSED_INCOMPLETE => Refusal::Incomplete,
-        RunTaskResult::REFUSED_ISOLATED => Refusal::Isolated,
-        _ => return None,
-    })
+    if end.end == RunTaskResult::END_DONE { Outcome::Done } else { Outcome::Failed(TaskFailure::from_code(end.code)) }
 }
 
 /// An order, as its station's action takes it.
-pub fn goal(order: &OrderMessage) -> RunTaskGoal {
+pub fn goal(message: &OrderMessage) -> RunTaskGoal {
+    let OrderMessage { part, order, .. } = message;
     RunTaskGoal {
         memory: order.memory,
         epoch: order.key.epoch,
@@ -120,7 +98,7 @@ pub fn goal(order: &OrderMessage) -> RunTaskGoal {
         task: order.task.to_string(),
         parameter_names: order.parameters.iter().map(|(name, _)| name.to_string()).collect(),
         parameters: order.parameters.iter().map(|(_, value)| *value).collect(),
-        part: order.part.map(|part| part.to_string()).unwrap_or_default(),
+        part: part.map(|part| part.to_string()).unwrap_or_default(),
         limit_ms: u32::try_from(order.limit.as_millis()).unwrap_or(u32::MAX),
     }
 }
@@ -216,7 +194,7 @@ mod tests {
         let key = |id| OrderKey { epoch: 2, id };
         let (state, refused) = heard(&message, None, None);
         assert_eq!((state.memory, state.epoch, state.slot), (9, 2, Some(key(5))));
-        assert_eq!(state.results, [(key(3), Outcome::Done), (key(4), Outcome::Failed(1004))]);
+        assert_eq!(state.results, [(key(3), Outcome::Done), (key(4), Outcome::Failed(TaskFailure::Cancelled))]);
         assert_eq!(refused, [(key(1), Reply::Refused(Refusal::Late))], "what is not known is not believed");
         (message.doing_epoch, message.doing_id, message.phase) = (0, 0, 0);
         assert_eq!(heard(&message, None, None).0.slot, None);
@@ -226,21 +204,24 @@ mod tests {
     fn who_was_told_to_leave_an_order_says_so() {
         let key = |id| OrderKey { epoch: 2, id };
         let mut message = OrderState { doing_epoch: 2, doing_id: 5, phase: 2, ..OrderState::default() };
-        assert_eq!(secured(&message), None, "it was told nothing");
+        assert_eq!(secured(&message, &heard(&message, None, None).0), None, "it was told nothing");
         (message.secured_epoch, message.secured_id) = (2, 5);
-        assert_eq!(secured(&message), Some((key(5), Reply::Running)));
+        assert_eq!(secured(&message, &heard(&message, None, None).0), Some((key(5), Reply::Running)));
         (message.doing_epoch, message.doing_id, message.phase) = (0, 0, 0);
         let end = OrderEnd { epoch: 2, id: 5, end: RunTaskResult::END_FAILED, code: 1005 };
         message.ended = Bounded::new(vec![end]).expect("one");
-        assert_eq!(secured(&message), Some((key(5), Reply::Ended(Outcome::Failed(1005)))));
+        assert_eq!(
+            secured(&message, &heard(&message, None, None).0),
+            Some((key(5), Reply::Ended(Outcome::Failed(TaskFailure::Held))))
+        );
         (message.doing_epoch, message.doing_id, message.phase) = (2, 5, 2);
         assert_eq!(
-            secured(&message),
+            secured(&message, &heard(&message, None, None).0),
             Some((key(5), Reply::Running)),
             "in the slot it has not ended, whatever its results are"
         );
         (message.ended, message.doing_epoch, message.doing_id, message.phase) = (Bounded::default(), 0, 0, 0);
-        assert_eq!(secured(&message), Some((key(5), Reply::Refused(Refusal::Old))));
+        assert_eq!(secured(&message, &heard(&message, None, None).0), Some((key(5), Reply::Refused(Refusal::Old))));
     }
 
     #[test]

@@ -279,7 +279,10 @@ impl Players {
             out.records.iter().filter(|record| matches!(record.fact, RecordKind::Started { .. })).count() as u8;
         for send in out.sends {
             let message = match send {
-                CellMessage::Order(order) => StationMessage::Order(OrderMessage { limit: Duration::ZERO, ..order }),
+                CellMessage::Order(mut message) => {
+                    message.order.limit = Duration::ZERO;
+                    StationMessage::Order(message)
+                }
                 CellMessage::Secure { station, key, stop } => {
                     StationMessage::Secure { station, key, stop, alarmed: next.alarmed.contains(&key) }
                 }

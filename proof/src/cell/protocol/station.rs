@@ -7,13 +7,14 @@ use std::collections::BTreeSet;
 use std::fmt::Write;
 use std::time::Duration;
 
-use linewright_coordinator_cell::{self as player, OrderMessage, StationUnavailable, TaskReport};
-use linewright_coordinator_shell::orders::{heard, key, known, leave, order, refusal};
+use linewright_coordinator_cell::{OrderMessage, StationUnavailable, TaskReport};
+use linewright_coordinator_shell::orders::heard;
 use linewright_line::net::{Block, ControlMode, Place};
 use linewright_line::{Line, Module, OpId, StationId, Tick};
+use linewright_orders::{OrderKey, Refusal, Reply, TaskCommand, TaskOrder};
 use linewright_station_logic::{
-    CompileError, Controller, ModeOrder, NO_DELAY, OrderKey, OrderRules, PanelCommand, Restore, StationInput,
-    StationOutbox, TaskCommand, TaskOrder, Writer,
+    CompileError, Controller, ModeOrder, NO_DELAY, OrderRules, PanelCommand, Restore, StationInput, StationOutbox,
+    Writer,
 };
 use rustc_hash::FxHashMap;
 
@@ -49,8 +50,8 @@ pub(super) enum TaskStationAct {
 #[derive(Clone, Debug, PartialEq, Eq)]
 pub(super) struct StationAnswer {
     pub heard: TaskReport,
-    pub secured: Option<(player::OrderKey, player::Reply)>,
-    pub refused: Vec<(player::OrderKey, player::Refusal)>,
+    pub secured: Option<(OrderKey, Reply)>,
+    pub refused: Vec<(OrderKey, Refusal)>,
 }
 
 /// A controller and what is around it.
@@ -159,8 +160,8 @@ impl TaskStationModel {
 
     /// Hears an order.
     pub fn order(&mut self, message: &OrderMessage) {
-        let key = key(message.key);
-        let order = TaskOrder { limit: LIMIT, ..order(message) };
+        let key = message.order.key;
+        let order = TaskOrder { limit: LIMIT, ..message.order.clone() };
         let before = self.slot();
         self.controller.handle(self.now, StationInput::Task(TaskCommand::Run(&order)));
         self.step();
@@ -170,12 +171,12 @@ impl TaskStationModel {
     }
 
     /// Hears that it is to leave an order, or to stop; `alarmed` if nothing may move for it any more.
-    pub fn secure(&mut self, of: player::OrderKey, stop: bool, alarmed: bool) {
-        self.secured = Some(key(of));
+    pub fn secure(&mut self, key: OrderKey, stop: bool, alarmed: bool) {
+        self.secured = Some(key);
         if alarmed {
-            self.stopped.insert(key(of));
+            self.stopped.insert(key);
         }
-        self.controller.handle(self.now, StationInput::Task(leave(of, stop)));
+        self.controller.handle(self.now, StationInput::Task(TaskCommand::leave(key, stop)));
         self.step();
     }
 
@@ -204,8 +205,8 @@ impl TaskStationModel {
     }
 
     /// The order it has or goes back from, if it does, and whether anything moves.
-    pub fn is_at(&self, line: &Line) -> (Option<player::OrderKey>, bool) {
-        (self.slot().map(known), self.moving(line).is_some())
+    pub fn is_at(&self, line: &Line) -> (Option<OrderKey>, bool) {
+        (self.slot(), self.moving(line).is_some())
     }
 
     pub fn acts(&self, line: &Line, acts: &mut Vec<TaskStationAct>) {
@@ -295,17 +296,8 @@ impl TaskStationModel {
             self.controller.marking().any(Place::is_incomplete).then_some(StationUnavailable::Incomplete)
         };
         let heard = TaskReport { unable, ..heard(&order) };
-        let secured = self.secured.map(known).map(|key| {
-            let end = heard.results.iter().find(|(of, _)| *of == key);
-            let reply = match end {
-                _ if heard.slot == Some(key) => player::Reply::Running,
-                Some(&(_, outcome)) => player::Reply::Ended(outcome),
-                None => player::Reply::Refused(player::Refusal::Old),
-            };
-            (key, reply)
-        });
-        let refused = order.refused.iter().map(|&(of, why)| (known(of), refusal(why))).collect();
-        StationAnswer { heard, secured, refused }
+        let secured = self.secured.map(|key| (key, heard.secured(key)));
+        StationAnswer { heard, secured, refused: order.refused }
     }
 
     /// Everything that decides what it will do and say.
@@ -339,7 +331,7 @@ pub(super) struct TaskStationModels<'l> {
     pub says: Vec<u32>,
     pub said: Vec<StationAnswer>,
     /// By situation: see [`TaskStationModel::is_at`].
-    pub at: Vec<(Option<player::OrderKey>, bool)>,
+    pub at: Vec<(Option<OrderKey>, bool)>,
     acted: FxHashMap<(u32, TaskStationAct), u32>,
     heard: FxHashMap<(u32, u32), u32>,
     scratch: String,

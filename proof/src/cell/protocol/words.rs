@@ -1,7 +1,8 @@
 //! The steps of a counterexample, as text.
 
-use linewright_coordinator_cell::OrderKey;
+use linewright_coordinator_cell::OrderMessage;
 use linewright_line::{Line, StationId};
+use linewright_orders::OrderKey;
 
 use super::players::{PlayerMove, ProtocolPlayer, StationMessage};
 use super::station::{StationAnswer, TaskStationAct, TaskStationModel};
@@ -9,8 +10,8 @@ use super::station::{StationAnswer, TaskStationAct, TaskStationModel};
 pub(super) fn message(line: &Line, message: &StationMessage) -> String {
     let name = |station: StationId| &line.station(station).name;
     match message {
-        StationMessage::Order(order) => {
-            format!("{} hears order {}: {}", name(order.station), number(order.key), order.task)
+        StationMessage::Order(OrderMessage { station, order, .. }) => {
+            format!("{} hears order {}: {}", name(*station), number(order.key), order.task)
         }
         StationMessage::Secure { station, key, stop, alarmed: _ } => {
             let what = if *stop { "stop" } else { "leave" };

@@ -9,7 +9,7 @@
 
 use crate::controller::Controller;
 use crate::event::StopCause;
-use crate::order::{Failure, OrderKey, Outcome, Refusal, Reply};
+use crate::order::{OrderKey, Outcome, Refusal, Reply, TaskFailure};
 
 use super::SlotPhase;
 
@@ -21,12 +21,12 @@ impl Controller {
             return self.secure(key);
         }
         if let Some(slot) = orders.slot.filter(|slot| slot.key == key) {
-            let waited = self.waited_for().map_or(Failure::Cancelled, Failure::Waiting);
+            let waited = self.waited_for().map_or(TaskFailure::Cancelled, TaskFailure::Waiting);
             while let Some(moving) = self.tokens().iter().position(|token| self.place(token).is_operating()) {
                 self.stop(moving, StopCause::Ordered);
             }
             // Where nothing moves nothing was stopped, and the order is over all the same.
-            let failure = if slot.begun { Failure::Stopped } else { waited };
+            let failure = if slot.begun { TaskFailure::Stopped } else { waited };
             self.conclude(Outcome::Failed(slot.phase.failed_with(failure)));
             self.stays_where_it_is(key);
         } else if orders.last_has_failed() == Some(key) {
@@ -47,9 +47,9 @@ impl Controller {
     pub(crate) fn order_stops(&mut self, cause: StopCause) {
         let Some(slot) = self.slot() else { return };
         let failure = match cause {
-            StopCause::EStop | StopCause::Released => Failure::Interrupted,
-            StopCause::Restart => Failure::Restarted,
-            StopCause::Ordered => Failure::Stopped,
+            StopCause::EStop | StopCause::Released => TaskFailure::Interrupted,
+            StopCause::Restart => TaskFailure::Restarted,
+            StopCause::Ordered => TaskFailure::Stopped,
             StopCause::Signal
             | StopCause::Watchdog
             | StopCause::SwitchStuck
@@ -57,7 +57,7 @@ impl Controller {
             | StopCause::NotAtHome
             | StopCause::Interlock { .. }
             | StopCause::PositionLost { .. }
-            | StopCause::Ambiguous => Failure::Fault,
+            | StopCause::Ambiguous => TaskFailure::Fault,
         };
         self.conclude(Outcome::Failed(slot.phase.failed_with(failure)));
     }
@@ -65,12 +65,14 @@ impl Controller {
 
 impl SlotPhase {
     /// How an order ends that something has stopped: as that says, unless it was given up before.
-    fn failed_with(self, stopped: Failure) -> Failure {
+    fn failed_with(self, stopped: TaskFailure) -> TaskFailure {
         match (self, stopped) {
             (SlotPhase::Securing { failure: Some(failure) }, _) => failure,
             (SlotPhase::Running, stopped) => stopped,
-            (SlotPhase::Securing { failure: None } | SlotPhase::Returning, Failure::Stopped) => Failure::Stopped,
-            (SlotPhase::Securing { failure: None } | SlotPhase::Returning, _) => Failure::Held,
+            (SlotPhase::Securing { failure: None } | SlotPhase::Returning, TaskFailure::Stopped) => {
+                TaskFailure::Stopped
+            }
+            (SlotPhase::Securing { failure: None } | SlotPhase::Returning, _) => TaskFailure::Held,
         }
     }
 }

@@ -3,7 +3,7 @@
 use std::time::Duration;
 
 use linewright_line::net::ControlMode;
-use linewright_station_logic::{Failure, Handled, Ignored, Outcome, Refusal, Reply, TaskOrder};
+use linewright_station_logic::{Handled, Ignored, Outcome, Refusal, Reply, TaskFailure, TaskOrder};
 
 use super::bench::{Bench, key, order};
 
@@ -103,7 +103,7 @@ fn a_task_or_a_number_that_is_not_there_is_refused_and_none_is_guessed() {
     let mut m1 = Bench::new();
     m1.done(&order(1, "clamp"));
     let with = |id, parameters: &[(&str, i32)]| TaskOrder {
-        parameters: parameters.iter().map(|(name, value)| ((*name).to_owned(), *value)).collect(),
+        parameters: parameters.iter().map(|(name, value)| ((*name).into(), *value)).collect(),
         ..order(id, "machine")
     };
     let wrong = [
@@ -137,7 +137,7 @@ fn after_a_fault_it_takes_nothing_on_until_somebody_has_been_there() {
     m1.run(&order(2, "machine"));
     m1.arrive();
     m1.set("F_mill", true);
-    assert_eq!(m1.result(key(1, 2)), Some(Outcome::Failed(Failure::Fault)));
+    assert_eq!(m1.result(key(1, 2)), Some(Outcome::Failed(TaskFailure::Fault)));
     m1.set("F_mill", false);
     assert_eq!(refused(&mut m1, &order(3, "machine")), Refusal::Incomplete);
 }

@@ -5,8 +5,8 @@ use std::time::Duration;
 use linewright_line::net::{ControlMode, Place};
 use linewright_line::{Line, StationId, Tick, parse};
 use linewright_station_logic::{
-    Controller, Failure, ModeOrder, NO_DELAY, Outcome, Program, Restore, StationInput, StationOutbox, StationReport,
-    TaskCommand,
+    Controller, ModeOrder, NO_DELAY, Outcome, Program, Restore, StationInput, StationOutbox, StationReport,
+    TaskCommand, TaskFailure,
 };
 
 use super::bench::order;
@@ -64,7 +64,7 @@ impl Arm {
 
     fn ordered(&mut self, id: u64, task: &str) {
         let mut order = order(id, task);
-        order.parameters = vec![("slot".to_owned(), 1)];
+        order.parameters = vec![("slot".into(), 1)];
         self.robot.handle(self.now, StationInput::Task(TaskCommand::Run(&order)));
         self.step();
     }
@@ -104,7 +104,7 @@ fn a_motion_of_it_stops_when_the_other_one_is_measured_in_the_way() {
     arm.hears(&["C_60"]);
     assert_eq!(arm.drives(), [] as [&str; 0]);
     let results = arm.robot.report().order.expect("it works on order").results;
-    assert_eq!(results.last().map(|(_, end)| *end), Some(Outcome::Failed(Failure::Fault)));
+    assert_eq!(results.last().map(|(_, end)| *end), Some(Outcome::Failed(TaskFailure::Fault)));
 }
 
 #[test]

@@ -5,13 +5,13 @@ use std::time::Duration;
 use linewright_line::net::ControlMode;
 use linewright_line::{StationId, Tick};
 use linewright_station_logic::{
-    Controller, Failure, ModeOrder, NO_DELAY, Outcome, Refusal, Reply, Restore, Rules, StationInput, StationOutbox,
-    TaskCommand, TaskOrder,
+    Controller, ModeOrder, NO_DELAY, Outcome, Refusal, Reply, Restore, Rules, StationInput, StationOutbox, TaskCommand,
+    TaskFailure, TaskOrder,
 };
 
 use super::bench::{Bench, key, order};
 
-fn ended(failure: Failure) -> Reply {
+fn ended(failure: TaskFailure) -> Reply {
     Reply::Ended(Outcome::Failed(failure))
 }
 
@@ -28,8 +28,8 @@ fn told_to_go_back_it_ends_the_motion_and_takes_the_task_back() {
     assert_eq!(m1.run(&order(3, "release")), Reply::Refused(Refusal::Busy));
     m1.arrive();
     assert_eq!((m1.on(), m1.rest().as_deref(), m1.slot()), (vec![], Some("clamped"), None));
-    assert_eq!(m1.secure(key(1, 2)), ended(Failure::Cancelled));
-    assert_eq!(m1.run(&order(2, "machine")), ended(Failure::Cancelled), "a copy of the order that comes late");
+    assert_eq!(m1.secure(key(1, 2)), ended(TaskFailure::Cancelled));
+    assert_eq!(m1.run(&order(2, "machine")), ended(TaskFailure::Cancelled), "a copy of the order that comes late");
     assert_eq!(m1.controller.report().done[1], 0);
     m1.done(&order(3, "release"));
 }
@@ -43,7 +43,7 @@ fn what_cannot_be_taken_back_it_stays_with() {
     assert_eq!(m1.secure(key(1, 2)), Reply::Running);
     m1.arrive();
     assert_eq!((m1.doing().as_str(), m1.on()), ("mill (done)", vec![]));
-    assert_eq!(m1.result(key(1, 2)), Some(Outcome::Failed(Failure::Held)));
+    assert_eq!(m1.result(key(1, 2)), Some(Outcome::Failed(TaskFailure::Held)));
     assert_eq!(m1.blocked_by(), ["somebody to lead it to a rest: no order goes on from here"]);
     assert_eq!(m1.run(&order(3, "machine")), Reply::Refused(Refusal::NotThere));
 }
@@ -64,7 +64,7 @@ fn told_before_it_has_begun_it_does_not_begin() {
     let mut m1 = Bench::new();
     m1.set("part_present", false);
     m1.run(&order(1, "clamp"));
-    assert_eq!(m1.secure(key(1, 1)), ended(Failure::Waiting(12)));
+    assert_eq!(m1.secure(key(1, 1)), ended(TaskFailure::Waiting(12)));
     m1.set("part_present", true);
     assert_eq!(m1.outputs, 0);
 }
@@ -72,11 +72,11 @@ fn told_before_it_has_begun_it_does_not_begin() {
 #[test]
 fn told_before_the_order_itself_it_does_not_take_it_on_when_it_comes() {
     let mut m1 = Bench::new();
-    assert_eq!(m1.secure(key(1, 1)), ended(Failure::Cancelled));
-    assert_eq!(m1.run(&order(1, "clamp")), ended(Failure::Cancelled));
+    assert_eq!(m1.secure(key(1, 1)), ended(TaskFailure::Cancelled));
+    assert_eq!(m1.run(&order(1, "clamp")), ended(TaskFailure::Cancelled));
     assert_eq!(m1.outputs, 0);
     m1.done(&order(2, "clamp"));
-    assert_eq!(m1.secure(key(1, 1)), ended(Failure::Cancelled));
+    assert_eq!(m1.secure(key(1, 1)), ended(TaskFailure::Cancelled));
     let mut next = order(3, "release");
     next.key.epoch = 2;
     m1.run(&next);
@@ -98,7 +98,11 @@ fn when_its_time_is_over_it_goes_back_and_the_order_ends_when_it_stands() {
         m1.arrive();
     }
     assert_eq!((m1.rest().as_deref(), m1.slot()), (Some("clamped"), None));
-    assert_eq!(m1.orders().results.last(), Some(&(key(1, 2), Outcome::Failed(Failure::TimedOut))), "for what it was");
+    assert_eq!(
+        m1.orders().results.last(),
+        Some(&(key(1, 2), Outcome::Failed(TaskFailure::TimedOut))),
+        "for what it was"
+    );
 }
 
 /// It waits for a part that does not come: what it fails with does not depend on whose time is over first.
@@ -110,7 +114,7 @@ fn given_up_by_its_own_clock_or_by_another_it_fails_with_what_it_waited_for() {
         let short = TaskOrder { limit: Duration::from_millis(500), ..order(1, "clamp") };
         m1.run(&short);
         m1.wait(Duration::from_millis(if told { 490 } else { 500 }));
-        assert_eq!(m1.secure(key(1, 1)), ended(Failure::Waiting(12)), "told: {told}");
+        assert_eq!(m1.secure(key(1, 1)), ended(TaskFailure::Waiting(12)), "told: {told}");
     }
 }
 
@@ -139,8 +143,8 @@ fn a_fault_on_the_way_back_ends_it() {
     m1.arrive();
     m1.wait(Duration::from_secs(3));
     assert_eq!(m1.doing(), "undoing slide in (stopped)");
-    assert_eq!((m1.result(key(1, 2)), m1.slot()), (Some(Outcome::Failed(Failure::Held)), None));
-    assert_eq!(m1.secure(key(1, 2)), ended(Failure::Held), "what a fault has stopped waits for a person");
+    assert_eq!((m1.result(key(1, 2)), m1.slot()), (Some(Outcome::Failed(TaskFailure::Held)), None));
+    assert_eq!(m1.secure(key(1, 2)), ended(TaskFailure::Held), "what a fault has stopped waits for a person");
     assert_eq!(m1.outputs, 0);
 }
 
@@ -164,8 +168,8 @@ fn a_long_task_is_taken_back_operation_by_operation_to_where_any_task_can_begin(
     let load = |id| TaskOrder {
         key: key(1, id),
         memory: 1,
-        task: "load m1".to_owned(),
-        parameters: vec![("slot".to_owned(), 3)],
+        task: "load m1".into(),
+        parameters: vec![("slot".into(), 3)],
         limit: Duration::from_secs(60),
     };
     robot.handle(now, StationInput::Task(TaskCommand::Run(&load(1))));
@@ -191,7 +195,7 @@ fn a_long_task_is_taken_back_operation_by_operation_to_where_any_task_can_begin(
     assert_eq!(robot.operation_text(&line), "home from m1 (done)", "the place that stands for home");
     let report = robot.report();
     let orders = report.order.expect("it works on order");
-    assert_eq!(orders.results, [(key(1, 1), Outcome::Failed(Failure::Waiting(21)))], "what it waited for");
+    assert_eq!(orders.results, [(key(1, 1), Outcome::Failed(TaskFailure::Waiting(21)))], "what it waited for");
     assert_eq!((report.done, report.started, report.cycle), (vec![0; 10], vec![0; 10], 1));
     robot.handle(now, StationInput::Task(TaskCommand::Run(&load(2))));
     robot.step(now, &mut out);

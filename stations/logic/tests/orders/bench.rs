@@ -37,8 +37,8 @@ pub fn key(epoch: u64, id: u64) -> OrderKey {
 
 /// An order of epoch 1.
 pub fn order(id: u64, task: &str) -> TaskOrder {
-    let parameters = if task == "machine" { vec![("program".to_owned(), 5)] } else { Vec::new() };
-    TaskOrder { key: key(1, id), memory: MEMORY, task: task.to_owned(), parameters, limit: Duration::from_secs(20) }
+    let parameters = if task == "machine" { vec![("program".into(), 5)] } else { Vec::new() };
+    TaskOrder { key: key(1, id), memory: MEMORY, task: task.into(), parameters, limit: Duration::from_secs(20) }
 }
 
 impl Bench {

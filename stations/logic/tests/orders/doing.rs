@@ -3,7 +3,7 @@
 use std::time::Duration;
 
 use linewright_line::net::ControlMode;
-use linewright_station_logic::{Failure, Outcome, Reply};
+use linewright_station_logic::{Outcome, Reply, TaskFailure};
 
 use super::bench::{Bench, key, order};
 
@@ -67,7 +67,7 @@ fn nothing_starts_before_what_it_waits_for_is_there_and_the_code_says_so_if_it_n
     m1.set("part_present", false);
     m1.run(&order(3, "clamp"));
     m1.wait(Duration::from_secs(20));
-    assert_eq!(m1.result(key(1, 3)), Some(Outcome::Failed(Failure::Waiting(12))));
+    assert_eq!(m1.result(key(1, 3)), Some(Outcome::Failed(TaskFailure::Waiting(12))));
     assert_eq!((m1.slot(), m1.rest().as_deref()), (None, Some("open")));
     m1.set("part_present", true);
     assert_eq!(m1.outputs, 0, "an order that is over starts nothing");
@@ -83,7 +83,7 @@ fn the_time_of_the_description_counts_where_the_order_leaves_more() {
     m1.wait(Duration::from_millis(25_950));
     assert_eq!(m1.slot(), Some(key(1, 1)));
     m1.wait(Duration::from_millis(50));
-    assert_eq!(m1.result(key(1, 1)), Some(Outcome::Failed(Failure::Waiting(12))), "limit_s = 26");
+    assert_eq!(m1.result(key(1, 1)), Some(Outcome::Failed(TaskFailure::Waiting(12))), "limit_s = 26");
 }
 
 #[test]

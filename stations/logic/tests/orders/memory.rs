@@ -1,7 +1,7 @@
 //! What a station still knows after its controller was killed.
 
 use linewright_line::net::ControlMode;
-use linewright_station_logic::{Controller, Failure, Outcome, PanelCommand, Refusal, Reply, Restore};
+use linewright_station_logic::{Controller, Outcome, PanelCommand, Refusal, Reply, Restore, TaskFailure};
 
 use super::bench::{Bench, MEMORY, key, order};
 
@@ -13,7 +13,7 @@ fn killed_in_a_motion_it_has_ended_the_order_and_says_so() {
     assert_eq!((again.doing().as_str(), again.outputs), ("clamp close (stopped)", 0));
     again.mode(ControlMode::Auto);
     assert_eq!(again.orders().memory, MEMORY, "another life, the same memory");
-    assert_eq!(again.run(&order(1, "clamp")), Reply::Ended(Outcome::Failed(Failure::Restarted)));
+    assert_eq!(again.run(&order(1, "clamp")), Reply::Ended(Outcome::Failed(TaskFailure::Restarted)));
     assert_eq!(again.run(&order(2, "clamp")), Reply::Refused(Refusal::Incomplete));
 }
 
@@ -26,7 +26,7 @@ fn killed_before_it_has_begun_it_does_not_begin() {
     again.mode(ControlMode::Auto);
     again.set("part_present", true);
     assert_eq!(again.outputs, 0);
-    assert_eq!(again.run(&order(1, "clamp")), Reply::Ended(Outcome::Failed(Failure::Restarted)));
+    assert_eq!(again.run(&order(1, "clamp")), Reply::Ended(Outcome::Failed(TaskFailure::Restarted)));
     again.done(&order(2, "clamp"));
 }
 
@@ -83,7 +83,7 @@ fn a_snapshot_of_any_length_is_taken_and_no_longer_than_it_may_be_afterwards() {
     let again = Controller::new(&m1.line, m1.station, 8, Restore::From(snapshot)).expect("it fits");
     let kept = again.snapshot().order.expect("it works on order");
     assert_eq!((kept.results.len(), kept.slot), (16, None));
-    assert_eq!(kept.results.last(), Some(&(key(1, 100), Reply::Ended(Outcome::Failed(Failure::Restarted)))));
+    assert_eq!(kept.results.last(), Some(&(key(1, 100), Reply::Ended(Outcome::Failed(TaskFailure::Restarted)))));
 }
 
 /// A coordinator that has lost its records begins a later life, and counts from 1.
@@ -116,7 +116,7 @@ fn a_message_to_leave_an_order_of_any_epoch_keeps_no_other_order_out() {
         m1.done(&order(2, "release"));
         // The order that it names is left all the same.
         let named = linewright_station_logic::TaskOrder { key: key(epoch, 7), ..order(7, "clamp") };
-        assert_eq!(m1.run(&named), Reply::Ended(Outcome::Failed(Failure::Cancelled)));
+        assert_eq!(m1.run(&named), Reply::Ended(Outcome::Failed(TaskFailure::Cancelled)));
     }
 }
 
@@ -141,6 +141,6 @@ fn killed_after_it_was_told_to_leave_an_order_it_does_not_go_back_on_a_late_copy
     let mut again = m1.killed(8);
     again.mode(ControlMode::Auto);
     assert_eq!((again.doing().as_str(), again.rest()), ("slide in (done)", None));
-    assert_eq!(again.secure(key(1, 2)), Reply::Ended(Outcome::Failed(Failure::Interrupted)));
+    assert_eq!(again.secure(key(1, 2)), Reply::Ended(Outcome::Failed(TaskFailure::Interrupted)));
     assert_eq!((again.outputs, again.slot()), (0, None));
 }

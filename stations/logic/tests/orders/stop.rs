@@ -3,11 +3,11 @@
 use std::time::Duration;
 
 use linewright_line::net::ControlMode;
-use linewright_station_logic::{Failure, OrderRules, Outcome, PanelCommand, Refusal, Reply, TaskOrder};
+use linewright_station_logic::{OrderRules, Outcome, PanelCommand, Refusal, Reply, TaskFailure, TaskOrder};
 
 use super::bench::{Bench, key, order};
 
-fn ended(failure: Failure) -> Reply {
+fn ended(failure: TaskFailure) -> Reply {
     Reply::Ended(Outcome::Failed(failure))
 }
 
@@ -25,13 +25,13 @@ fn sliding() -> Bench {
 #[test]
 fn told_to_stop_it_stands_at_once_and_a_person_leads_on() {
     let mut m1 = sliding();
-    assert_eq!(m1.stop(key(1, 2)), ended(Failure::Stopped));
+    assert_eq!(m1.stop(key(1, 2)), ended(TaskFailure::Stopped));
     assert_eq!((m1.on(), m1.doing().as_str()), (vec![], "slide in (stopped)"));
     assert_eq!((m1.slot(), m1.rest()), (None, None));
     assert_eq!(m1.events()[0], "stops slide in: told to stop");
     m1.wait(Duration::from_secs(30));
-    assert_eq!(m1.run(&order(2, "machine")), ended(Failure::Stopped), "a copy of the order that comes late");
-    assert_eq!(m1.secure(key(1, 2)), ended(Failure::Stopped), "and one of a message to leave it");
+    assert_eq!(m1.run(&order(2, "machine")), ended(TaskFailure::Stopped), "a copy of the order that comes late");
+    assert_eq!(m1.secure(key(1, 2)), ended(TaskFailure::Stopped), "and one of a message to leave it");
     assert_eq!(m1.run(&order(3, "machine")), Reply::Refused(Refusal::Incomplete));
     assert_eq!((m1.on(), m1.doing().as_str()), (vec![], "slide in (stopped)"));
 
@@ -50,12 +50,12 @@ fn stopped_between_two_motions_it_does_not_go_back_either() {
     m1.mode(ControlMode::StandBy);
     m1.arrive();
     assert_eq!(m1.doing(), "slide in (done)");
-    assert_eq!(m1.stop(key(1, 2)), ended(Failure::Stopped));
+    assert_eq!(m1.stop(key(1, 2)), ended(TaskFailure::Stopped));
     m1.mode(ControlMode::Auto);
     let mut again = m1.killed(8);
     again.mode(ControlMode::Auto);
     for m1 in [&mut m1, &mut again] {
-        assert_eq!(m1.secure(key(1, 2)), ended(Failure::Stopped));
+        assert_eq!(m1.secure(key(1, 2)), ended(TaskFailure::Stopped));
         assert_eq!((m1.outputs, m1.slot(), m1.doing().as_str()), (0, None, "slide in (done)"));
         assert_eq!(m1.run(&order(3, "machine")), Reply::Refused(Refusal::NotThere));
     }
@@ -67,7 +67,7 @@ fn told_to_stop_on_its_way_back_it_stands_there() {
     m1.secure(key(1, 2));
     m1.arrive();
     assert_eq!(m1.doing(), "undoing slide in");
-    assert_eq!(m1.stop(key(1, 2)), ended(Failure::Stopped));
+    assert_eq!(m1.stop(key(1, 2)), ended(TaskFailure::Stopped));
     assert_eq!((m1.outputs, m1.doing().as_str()), (0, "undoing slide in (stopped)"));
 
     // Its own time was over before: that is still why.
@@ -75,7 +75,7 @@ fn told_to_stop_on_its_way_back_it_stands_there() {
     m1.done(&order(1, "clamp"));
     m1.run(&TaskOrder { limit: Duration::from_millis(500), ..order(2, "machine") });
     m1.wait(Duration::from_millis(500));
-    assert_eq!(m1.stop(key(1, 2)), ended(Failure::TimedOut));
+    assert_eq!(m1.stop(key(1, 2)), ended(TaskFailure::TimedOut));
     assert_eq!(m1.outputs, 0);
 }
 
@@ -83,8 +83,8 @@ fn told_to_stop_on_its_way_back_it_stands_there() {
 fn killed_before_it_hears_of_the_stop_it_stays_where_that_has_left_it() {
     let mut m1 = sliding().killed(8);
     m1.mode(ControlMode::Auto);
-    assert_eq!(m1.stop(key(1, 2)), ended(Failure::Restarted));
-    assert_eq!(m1.secure(key(1, 2)), ended(Failure::Restarted));
+    assert_eq!(m1.stop(key(1, 2)), ended(TaskFailure::Restarted));
+    assert_eq!(m1.secure(key(1, 2)), ended(TaskFailure::Restarted));
     assert_eq!((m1.outputs, m1.doing().as_str()), (0, "slide in (stopped)"));
 }
 
@@ -93,9 +93,9 @@ fn a_stop_is_about_one_order_alone() {
     let mut m1 = sliding();
     assert_eq!(m1.stop(key(1, 1)), Reply::Ended(Outcome::Done), "what is done is not stopped");
     assert_eq!(m1.on(), ["Y_in", "prog_1", "prog_4"], "nor is what came after it");
-    assert_eq!(m1.stop(key(1, 3)), ended(Failure::Cancelled));
+    assert_eq!(m1.stop(key(1, 3)), ended(TaskFailure::Cancelled));
     assert_eq!(m1.slot(), Some(key(1, 2)), "nor what came before");
-    assert_eq!(m1.run(&order(3, "machine")), ended(Failure::Cancelled), "and that one is not begun");
+    assert_eq!(m1.run(&order(3, "machine")), ended(TaskFailure::Cancelled), "and that one is not begun");
 }
 
 #[test]
@@ -103,7 +103,7 @@ fn told_before_it_has_begun_it_does_not_begin() {
     let mut m1 = Bench::new();
     m1.set("part_present", false);
     m1.run(&order(1, "clamp"));
-    assert_eq!(m1.stop(key(1, 1)), ended(Failure::Waiting(12)));
+    assert_eq!(m1.stop(key(1, 1)), ended(TaskFailure::Waiting(12)));
     m1.set("part_present", true);
     assert_eq!((m1.outputs, m1.rest().is_some()), (0, true));
     m1.done(&order(2, "clamp"));

@@ -1,0 +1,194 @@
+//! Bars as SVG. The names of rows decide how wide the left margin is, by the width of an average letter: who draws the text
+//! is not known here.
+
+use std::fmt::Write as _;
+
+use super::{ActivityBar, BarChart, TimeSpan};
+
+/// What was planned.
+pub const PLANNED: &str = "#b8c4d0";
+
+/// What a chart looks like.
+pub struct SvgStyle {
+    /// What is defined before it is drawn: patterns and tips.
+    pub defs: &'static str,
+    /// The width of all time.
+    pub width: f64,
+    /// The height of a row.
+    pub row: f64,
+    /// Where rows begin.
+    pub top: f64,
+    /// What is below them.
+    pub bottom: f64,
+    /// How far above the lower edge the lines of times end.
+    pub grid: f64,
+    /// Where times are written.
+    pub times: TimeLabels,
+    /// Where names stand, from the top of their row.
+    pub baseline: f64,
+    /// From the top of a row: where the bar of the plan begins, and how high it is.
+    pub plan: (f64, f64),
+    /// The same of what was done.
+    pub done: (f64, f64),
+    /// What is filled where something had failed.
+    pub failed: &'static str,
+    /// Attributes of all bars.
+    pub outline: &'static str,
+    /// What is written before the times of a plan.
+    pub planned: &'static str,
+}
+
+/// Where times are written.
+pub enum TimeLabels {
+    /// Above the rows.
+    Above,
+    /// Below them.
+    Below,
+}
+
+/// A chart that is being drawn.
+pub struct SvgChart<'a> {
+    text: String,
+    chart: &'a BarChart,
+    style: &'a SvgStyle,
+    labels: f64,
+    height: f64,
+}
+
+impl<'a> SvgChart<'a> {
+    /// An empty sheet with a title, and with so much space for names.
+    pub fn new(chart: &'a BarChart, style: &'a SvgStyle, labels: f64, title: &str) -> Self {
+        let width = labels + style.width + 28.0;
+        let height = style.top + style.row * chart.rows.len() as f64 + style.bottom;
+        let text = format!(
+            "<svg xmlns=\"http://www.w3.org/2000/svg\" viewBox=\"0 0 {width} {height}\" font-family=\"sans-serif\" \
+             font-size=\"12\">\n\
+             <defs>{}</defs>\n\
+             <rect width=\"{width}\" height=\"{height}\" fill=\"white\"/>\n\
+             <text x=\"8\" y=\"20\" font-size=\"15\">{}</text>\n",
+            style.defs,
+            escaped(title)
+        );
+        SvgChart { text, chart, style, labels, height }
+    }
+
+    /// Where a time is.
+    pub fn x(&self, at: f64) -> f64 {
+        self.labels + at / self.chart.span * self.style.width
+    }
+
+    /// Where a row begins.
+    pub fn y(&self, row: usize) -> f64 {
+        self.style.top + self.style.row * row as f64
+    }
+
+    /// The sheet as text.
+    pub fn end(mut self) -> String {
+        self.text.push_str("</svg>\n");
+        self.text
+    }
+
+    /// A line of SVG as it is.
+    pub fn line(&mut self, line: std::fmt::Arguments<'_>) {
+        // Writing to a string does not fail.
+        let _ = writeln!(self.text, "{line}");
+    }
+
+    /// Lines at round times, at most a dozen of them, and the rows.
+    pub fn rows(&mut self) {
+        let bottom = self.height - self.style.grid;
+        let written = match self.style.times {
+            TimeLabels::Above => self.style.top - 8.0,
+            TimeLabels::Below => self.height - 6.0,
+        };
+        for at in steps(self.chart.span) {
+            let (x, top) = (self.x(at), self.style.top - 4.0);
+            self.line(format_args!(
+                "<line x1=\"{x:.1}\" y1=\"{top:.1}\" x2=\"{x:.1}\" y2=\"{bottom:.1}\" stroke=\"#ddd\"/>\
+                 <text x=\"{x:.1}\" y=\"{written:.1}\" text-anchor=\"middle\" fill=\"#777\">{at} s</text>"
+            ));
+        }
+        let chart = self.chart;
+        for (number, row) in chart.rows.iter().enumerate() {
+            let y = self.y(number);
+            let baseline = y + self.style.baseline;
+            if let Some(group) = &row.group {
+                let (right, group) = (self.labels + self.style.width, escaped(group));
+                self.line(format_args!(
+                    "<line x1=\"0\" y1=\"{y:.1}\" x2=\"{right:.1}\" y2=\"{y:.1}\" stroke=\"#999\"/>\
+                     <text x=\"8\" y=\"{baseline:.1}\" font-weight=\"bold\">{group}</text>"
+                ));
+            }
+            if !row.name.is_empty() {
+                let (right, name) = (self.labels - 8.0, escaped(&row.name));
+                self.line(format_args!("<text x=\"{right:.1}\" y=\"{baseline:.1}\" text-anchor=\"end\">{name}</text>"));
+            }
+            row.bars.iter().for_each(|bar| self.bar(bar, y));
+        }
+    }
+
+    fn bar(&mut self, bar: &ActivityBar, y: f64) {
+        let &SvgStyle { plan, done, failed, planned, .. } = self.style;
+        if let Some(span) = bar.planned {
+            self.rectangle(bar, span, (y, plan), PLANNED, planned);
+        }
+        let Some((from, to)) = bar.actual else { return };
+        let sound_until = bar.failed.as_ref().map_or(to, |(at, _)| at.max(from));
+        self.rectangle(bar, (from, sound_until), (y, done), bar.colour, "");
+        if let Some((at, cause)) = &bar.failed {
+            self.rectangle(bar, (*at, to), (y, done), failed, &format!("{cause} "));
+        }
+        let left = self.x(from.max(0.0));
+        // Where there is room for it.
+        if let Some(number) = bar.number.filter(|_| self.x(sound_until) - left > 18.0) {
+            let (x, y) = (left + 3.0, y + done.0 + 11.0);
+            self.line(format_args!("<text x=\"{x:.1}\" y=\"{y:.1}\" font-size=\"10\" fill=\"white\">{number}</text>"));
+        }
+    }
+
+    fn rectangle(
+        &mut self,
+        bar: &ActivityBar,
+        (from, to): TimeSpan,
+        (y, (top, height)): (f64, TimeSpan),
+        fill: &str,
+        what: &str,
+    ) {
+        let (x, y) = (self.x(from.max(0.0)), y + top);
+        let (width, outline) = ((self.x(to) - x).max(1.0), self.style.outline);
+        let (about, what) = (escaped(&bar.about), escaped(what));
+        self.line(format_args!(
+            "<rect x=\"{x:.1}\" y=\"{y:.1}\" width=\"{width:.1}\" height=\"{height}\" fill=\"{fill}\"{outline}>\
+             <title>{about}{what}{from:.3} – {to:.3} s</title></rect>"
+        ));
+    }
+}
+
+/// Round times, at most a dozen of them, from zero to the end of a span.
+pub fn steps(span: f64) -> Vec<f64> {
+    let magnitude = 10f64.powf((span / 10.0).log10().floor());
+    let step = [1.0, 2.0, 5.0, 10.0].map(|n| n * magnitude).into_iter().find(|step| span / step <= 12.0);
+    let step = step.unwrap_or(span);
+    let count = (span / step).floor() as u32;
+    (0..=count).map(|n| (f64::from(n) * step * 1e6).round() / 1e6).collect()
+}
+
+/// Text between tags and in attributes.
+pub fn escaped(text: &str) -> String {
+    text.replace('&', "&amp;").replace('<', "&lt;").replace('>', "&gt;").replace('"', "&quot;")
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn steps_are_round_and_few() {
+        assert_eq!(steps(3.5), [0.0, 0.5, 1.0, 1.5, 2.0, 2.5, 3.0, 3.5]);
+        assert_eq!(steps(1.0).len(), 11);
+        for span in [1e-6, 0.3, 7.118, 59.0, 1e5, 1e9] {
+            let steps = steps(span);
+            assert!((2..=13).contains(&steps.len()) && steps.iter().all(|&at| at <= span + 1e-6), "{span}: {steps:?}");
+        }
+    }
+}

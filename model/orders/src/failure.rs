@@ -1,0 +1,70 @@
+//! Why an order has not ended as it should, and the code of it.
+
+/// Why an order has not ended as it should. Each has a code (seed 001, L131-185: the error code of an abnormal end).
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub enum TaskFailure {
+    /// Its time was over while an operation waited for its inputs, and the description gives this code for that.
+    Waiting(u16),
+    /// Its time was over.
+    TimedOut,
+    /// An operation was stopped by a fault.
+    Fault,
+    /// The mode was changed to one in which people or nobody move the station.
+    Interrupted,
+    /// The station's controller was restarted.
+    Restarted,
+    /// It was told to leave it, and is back where the task began.
+    Cancelled,
+    /// It was told to leave it, and stands where it could not go on by itself.
+    Held,
+    /// It was told to stop, and stands where it was then.
+    Stopped,
+    /// A code that this version does not know.
+    Other(u16),
+}
+
+impl TaskFailure {
+    /// Its code: up to 999 those of the description, from 1000 these.
+    pub const fn code(self) -> u16 {
+        match self {
+            TaskFailure::Waiting(code) | TaskFailure::Other(code) => code,
+            TaskFailure::TimedOut => 1000,
+            TaskFailure::Fault => 1001,
+            TaskFailure::Interrupted => 1002,
+            TaskFailure::Restarted => 1003,
+            TaskFailure::Cancelled => 1004,
+            TaskFailure::Held => 1005,
+            TaskFailure::Stopped => 1006,
+        }
+    }
+
+    /// The failure with this code.
+    pub const fn from_code(code: u16) -> Self {
+        match code {
+            1..=linewright_line::CODE_MAX => TaskFailure::Waiting(code),
+            1000 => TaskFailure::TimedOut,
+            1001 => TaskFailure::Fault,
+            1002 => TaskFailure::Interrupted,
+            1003 => TaskFailure::Restarted,
+            1004 => TaskFailure::Cancelled,
+            1005 => TaskFailure::Held,
+            1006 => TaskFailure::Stopped,
+            _ => TaskFailure::Other(code),
+        }
+    }
+
+    /// In words, for the operator.
+    pub fn text(self) -> String {
+        match self {
+            TaskFailure::Waiting(code) => format!("what it waited for did not come (code {code})"),
+            TaskFailure::TimedOut => "its time was over".to_owned(),
+            TaskFailure::Fault => "a fault".to_owned(),
+            TaskFailure::Interrupted => "the mode was changed".to_owned(),
+            TaskFailure::Restarted => "the controller was restarted".to_owned(),
+            TaskFailure::Cancelled => "it was taken back".to_owned(),
+            TaskFailure::Held => "it was taken back, as far as it could be".to_owned(),
+            TaskFailure::Stopped => "it was stopped where it was".to_owned(),
+            TaskFailure::Other(code) => format!("code {code}"),
+        }
+    }
+}

@@ -1,0 +1,98 @@
+//! Orders between a coordinator and its stations: what is ordered, and every reply to it. Shapes only.
+//!
+//! A key is never used twice by the coordinator, and a station does no key twice: given again one that it knows, it replies
+//! with what it has. It remembers the last [`RESULTS_MAX`] and the newest key it took on; so of an older one it knows at
+//! least that it has had it.
+//!
+//! What a station makes of an order stands in `stations/logic`, what becomes of the part in `coordinator/cell`.
+
+mod failure;
+mod refusal;
+
+pub use failure::TaskFailure;
+pub use refusal::Refusal;
+
+use std::fmt;
+use std::sync::Arc;
+use std::time::Duration;
+
+use serde::{Deserialize, Serialize};
+
+/// A coordinator's life is numbered by the time of day at its start, in seconds, or by one more than the life before. An
+/// order from further ahead of the one that was followed, 34 years, is nobody's.
+pub const EPOCH_AHEAD_MAX: u64 = 1 << 30;
+
+/// A station remembers so many orders.
+pub const RESULTS_MAX: usize = 16;
+
+/// What an order is known by. The id alone is never used twice; the epoch is the coordinator's life in which it was given,
+/// so that a station can refuse what somebody of an earlier life asks for anew.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq, PartialOrd, Ord, Hash, Serialize, Deserialize)]
+#[serde(deny_unknown_fields)]
+pub struct OrderKey {
+    /// The coordinator's life, from 1.
+    pub epoch: u64,
+    /// The order, from 1, rising over all epochs.
+    pub id: u64,
+}
+
+impl fmt::Display for OrderKey {
+    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
+        write!(f, "order {}.{}", self.epoch, self.id)
+    }
+}
+
+/// An order.
+#[derive(Clone, Debug, PartialEq, Eq)]
+pub struct TaskOrder {
+    /// The same each time it is sent.
+    pub key: OrderKey,
+    /// The memory it is meant for: a number that the station drew when its memory began. A station with another one
+    /// refuses it.
+    pub memory: u64,
+    /// Which task, by name.
+    pub task: Arc<str>,
+    /// Its parameters, by name: all of them.
+    pub parameters: Vec<(Arc<str>, i32)>,
+    /// How long there is left until it must have ended, from when it is heard: clocks are not compared across machines.
+    /// Heard when this is over, it is not begun.
+    pub limit: Duration,
+}
+
+/// What a station is told to do.
+#[derive(Clone, Copy, Debug)]
+pub enum TaskCommand<'a> {
+    /// A task.
+    Run(&'a TaskOrder),
+    /// To leave an order be, and to go back to the rest where the task began, as far as it can by itself.
+    Secure(OrderKey),
+    /// To leave an order be, and to stand still at once, wherever that is.
+    Stop(OrderKey),
+}
+
+impl TaskCommand<'_> {
+    /// To leave an order be: to go back, or to stand still at once.
+    pub const fn leave(key: OrderKey, stop: bool) -> Self {
+        if stop { TaskCommand::Stop(key) } else { TaskCommand::Secure(key) }
+    }
+}
+
+/// What a station says to one order.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub enum Reply {
+    /// It is doing it, or on its way back from it.
+    Running,
+    /// It has had it.
+    Ended(Outcome),
+    /// It does not take it on.
+    Refused(Refusal),
+}
+
+/// How an order has ended.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub enum Outcome {
+    /// As it should: the activity-end of seed 001 (L131-185).
+    Done,
+    /// Otherwise.
+    Failed(TaskFailure),
+}

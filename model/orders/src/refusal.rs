@@ -1,0 +1,91 @@
+//! Why a station does not take an order on.
+
+use serde::{Deserialize, Serialize};
+
+/// Why a station does not take an order on. The number of each is its code in messages.
+#[derive(Clone, Copy, Debug, PartialEq, Eq, Serialize, Deserialize)]
+#[serde(rename_all = "kebab-case", deny_unknown_fields)]
+#[repr(u16)]
+pub enum Refusal {
+    /// It has another one.
+    Busy = 1,
+    /// It is not in auto, or not enabled, or master stop has been given.
+    Mode = 2,
+    /// Its memory is not the one the order was meant for. Its whole state will say so, and be believed.
+    OtherMemory = 3,
+    /// It knows a later life of the coordinator.
+    OldEpoch = 4,
+    /// It has had it, or a later one, and no longer knows how it ended.
+    Old = 5,
+    /// The time in which it was to end is over.
+    Late = 6,
+    /// It does not stand where the task begins.
+    NotThere = 7,
+    /// Its devices are not there.
+    Devices = 8,
+    /// It has no such task, or not these parameters.
+    Unknown = 9,
+    /// An operation was stopped before its end.
+    Incomplete = 10,
+    /// It is left out until somebody has looked after it.
+    Isolated = 11,
+}
+
+impl Refusal {
+    /// All of them, by their codes.
+    pub const ALL: [Refusal; 11] = [
+        Refusal::Busy,
+        Refusal::Mode,
+        Refusal::OtherMemory,
+        Refusal::OldEpoch,
+        Refusal::Old,
+        Refusal::Late,
+        Refusal::NotThere,
+        Refusal::Devices,
+        Refusal::Unknown,
+        Refusal::Incomplete,
+        Refusal::Isolated,
+    ];
+
+    /// Its code.
+    pub const fn code(self) -> u16 {
+        self as u16
+    }
+
+    /// The refusal with this code; none for a reason that a later version knows.
+    pub fn from_code(code: u16) -> Option<Self> {
+        Self::ALL.into_iter().find(|refusal| refusal.code() == code)
+    }
+
+    /// Whether to ask again: what is in the way ends by itself, or by a decision about the whole line.
+    pub const fn is_passing(self) -> bool {
+        match self {
+            Refusal::Busy | Refusal::Mode | Refusal::OtherMemory => true,
+            Refusal::OldEpoch
+            | Refusal::Old
+            | Refusal::Late
+            | Refusal::NotThere
+            | Refusal::Devices
+            | Refusal::Unknown
+            | Refusal::Incomplete
+            | Refusal::Isolated => false,
+        }
+    }
+
+    /// In words, for the operator.
+    pub const fn text(self) -> &'static str {
+        match self {
+            Refusal::Busy => "it has another one",
+            Refusal::Mode => "it is not in auto, or is to stop",
+            Refusal::OtherMemory => "it was meant for a memory that is gone",
+            Refusal::OldEpoch => "it knows a later life of the coordinator",
+            Refusal::Old => "it has had it before",
+            Refusal::Late => "its time was over before it began",
+            Refusal::NotThere => "it does not stand where the task begins",
+            Refusal::Devices => "its devices are not there",
+            Refusal::Unknown => "it has no such task, or not with these parameters",
+            Refusal::Incomplete => "an operation was stopped before its end",
+            Refusal::Isolated => "it is left out until somebody has looked after it",
+        }
+    }
+}

@@ -1,0 +1,70 @@
+//! What the messages, services and actions of a line have in common.
+
+use crate::invalid::{ITEMS_MAX, Invalid, TEXT_BYTES_MAX, at_most};
+use serde::{Deserialize, Serialize};
+
+/// What can be a field of a message.
+pub trait RosField {
+    /// Checks the lengths inside this value; `path` names it in the error.
+    fn check_bounds(&self, path: &str) -> Result<(), Invalid>;
+}
+
+/// A message.
+pub trait RosMessage: RosField + Serialize + for<'de> Deserialize<'de> + Send + Sync + 'static {
+    /// ROS 2 package.
+    const PACKAGE: &'static str;
+    /// Name within the package.
+    const NAME: &'static str;
+
+    /// Checks lengths and meaning. Nothing received is used before this said yes.
+    fn validate(&self) -> Result<(), Invalid>;
+}
+
+/// A service: what is asked, and what is answered.
+pub trait RosService: Send + Sync + 'static {
+    /// ROS 2 package.
+    const PACKAGE: &'static str;
+    /// Name within the package.
+    const NAME: &'static str;
+    /// What is asked.
+    type Request: RosMessage + Clone;
+    /// What is answered.
+    type Response: RosMessage;
+}
+
+/// A ROS 2 action: what is wanted, how it ended, and how far it is.
+pub trait RosAction: Send + Sync + 'static {
+    /// ROS 2 package.
+    const PACKAGE: &'static str;
+    /// Name within the package.
+    const NAME: &'static str;
+    /// What is wanted.
+    type Goal: RosMessage + Clone;
+    /// How it ended.
+    type Result: RosMessage + Clone + Default;
+    /// How far it is.
+    type Feedback: RosMessage + Clone;
+}
+
+macro_rules! without_length {
+    ($($rust:ty),*) => {$(
+        impl RosField for $rust {
+            fn check_bounds(&self, _path: &str) -> Result<(), Invalid> { Ok(()) }
+        }
+    )*};
+}
+
+without_length!(bool, i8, u8, i16, u16, i32, u32, i64, u64, crate::Byte);
+
+impl RosField for String {
+    fn check_bounds(&self, path: &str) -> Result<(), Invalid> {
+        at_most(path, self.len(), TEXT_BYTES_MAX)
+    }
+}
+
+impl<T: RosField> RosField for Vec<T> {
+    fn check_bounds(&self, path: &str) -> Result<(), Invalid> {
+        at_most(path, self.len(), ITEMS_MAX)?;
+        self.iter().try_for_each(|item| item.check_bounds(path))
+    }
+}
