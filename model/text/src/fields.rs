@@ -13,17 +13,19 @@ use crate::place::{At, Name, Where};
 use crate::{Problem, Report, suggestion};
 
 /// No duration of a mechanism or message is sensibly longer.
-const DURATION_MAX_S: f64 = 24.0 * 3600.0;
+pub(crate) const DURATION_MAX_S: f64 = 24.0 * 3600.0;
 /// Nothing a controller can watch is shorter.
-const DURATION_MIN_S: f64 = 1e-6;
+pub(crate) const DURATION_MIN_S: f64 = 1e-6;
+/// The longest period, in milliseconds.
+pub(crate) const MILLIS_MAX: i64 = 60_000;
 /// Longest text of a title or a reason, in bytes.
 const TEXT_MAX: usize = 500;
 /// Largest coordinate: a kilometre in millimetres.
-const COORDINATE_MAX: f64 = 1e6;
+pub(crate) const COORDINATE_MAX: f64 = 1e6;
 
 /// The smallest and largest number that measures something.
-const POSITIVE_MIN: f64 = 1e-6;
-const POSITIVE_MAX: f64 = 1e9;
+pub(crate) const POSITIVE_MIN: f64 = 1e-6;
+pub(crate) const POSITIVE_MAX: f64 = 1e9;
 
 /// A value that may be a text or a whole number.
 #[derive(Clone, Debug, PartialEq, Eq)]
@@ -91,7 +93,7 @@ impl<'a> Fields<'a> {
     }
 
     /// Reports that a required key is missing.
-    fn require<T>(&self, report: &mut Report, key: &'static str, found: Option<T>) -> Option<T> {
+    pub(crate) fn require<T>(&self, report: &mut Report, key: &'static str, found: Option<T>) -> Option<T> {
         if found.is_none() && self.table.get(key).is_none_or(Item::is_none) {
             report.add(
                 Problem::error(self.at.clone(), format!("{} needs `{key}`", self.what))
@@ -114,12 +116,6 @@ impl<'a> Fields<'a> {
         Some(text)
     }
 
-    /// Any text, which may not be missing.
-    pub fn required_text(&mut self, report: &mut Report, key: &'static str) -> Option<Name> {
-        let found = self.text(report, key);
-        self.require(report, key, found)
-    }
-
     /// True or false.
     pub fn flag(&mut self, report: &mut Report, key: &'static str) -> Option<At<bool>> {
         self.read(report, key, "true or false", Item::as_bool)
@@ -130,21 +126,8 @@ impl<'a> Fields<'a> {
         self.read(report, key, "a whole number", Item::as_integer)
     }
 
-    /// A whole number, which may not be missing.
-    pub fn required_integer(&mut self, report: &mut Report, key: &'static str) -> Option<At<i64>> {
-        let found = self.integer(report, key);
-        self.require(report, key, found)
-    }
-
-    /// A required coordinate in millimetres.
+    /// A coordinate in millimetres.
     pub fn coordinate(&mut self, report: &mut Report, key: &'static str) -> Option<At<f64>> {
-        let found = self.read(report, key, "a number", number);
-        let number = self.require(report, key, found)?;
-        checked_coordinate(report, number, key)
-    }
-
-    /// A coordinate in millimetres that may be left out.
-    pub fn maybe_coordinate(&mut self, report: &mut Report, key: &'static str) -> Option<At<f64>> {
         let number = self.read(report, key, "a number", number)?;
         checked_coordinate(report, number, key)
     }
@@ -156,23 +139,11 @@ impl<'a> Fields<'a> {
         checked(report, key, number, fits, "a number above zero, at least 0.000001 and at most 1000000000")
     }
 
-    /// A number above zero, which may not be missing.
-    pub fn required_positive(&mut self, report: &mut Report, key: &'static str) -> Option<At<f64>> {
-        let found = self.positive(report, key);
-        self.require(report, key, found)
-    }
-
     /// Any number.
     pub fn number(&mut self, report: &mut Report, key: &'static str) -> Option<At<f64>> {
         let number = self.read(report, key, "a number", number)?;
         let fits = number.value.is_finite();
         checked(report, key, number, fits, "a finite number")
-    }
-
-    /// Any number, which may not be missing.
-    pub fn required_number(&mut self, report: &mut Report, key: &'static str) -> Option<At<f64>> {
-        let found = self.number(report, key);
-        self.require(report, key, found)
     }
 
     /// A number within bounds.
@@ -213,17 +184,6 @@ impl<'a> Fields<'a> {
         None
     }
 
-    /// One of a few words, which may not be missing.
-    pub fn required_word<T: Copy>(
-        &mut self,
-        report: &mut Report,
-        key: &'static str,
-        known: &[(&'static str, T)],
-    ) -> Option<At<T>> {
-        let found = self.maybe_word(report, key, known);
-        self.require(report, key, found)
-    }
-
     /// A positive duration in seconds.
     pub fn seconds(&mut self, report: &mut Report, key: &'static str) -> Option<At<Duration>> {
         let seconds = self.read(report, key, "a number of seconds", number)?;
@@ -238,17 +198,13 @@ impl<'a> Fields<'a> {
         Some(At::new(Duration::from_secs_f64(seconds.value), seconds.at))
     }
 
-    /// A positive duration in seconds, which may not be missing.
-    pub fn required_seconds(&mut self, report: &mut Report, key: &'static str) -> Option<At<Duration>> {
-        let found = self.seconds(report, key);
-        self.require(report, key, found)
-    }
-
     /// A period in whole milliseconds.
     pub fn millis(&mut self, report: &mut Report, key: &'static str) -> Option<At<Duration>> {
         let millis = self.read(report, key, "a whole number of milliseconds", Item::as_integer)?;
         match u64::try_from(millis.value) {
-            Ok(value @ 1..=60_000) => Some(At::new(Duration::from_millis(value), millis.at)),
+            Ok(value) if (1..=MILLIS_MAX).contains(&millis.value) => {
+                Some(At::new(Duration::from_millis(value), millis.at))
+            }
             _ => {
                 report.add(
                     Problem::error(millis.at, format!("`{key}` is {} ms", millis.value))
@@ -259,34 +215,16 @@ impl<'a> Fields<'a> {
         }
     }
 
-    /// A period in whole milliseconds, which may not be missing.
-    pub fn required_millis(&mut self, report: &mut Report, key: &'static str) -> Option<At<Duration>> {
-        let found = self.millis(report, key);
-        self.require(report, key, found)
-    }
-
     /// A list of texts, at most `max` long.
     pub fn texts(&mut self, report: &mut Report, key: &'static str, max: usize) -> Option<At<Vec<Name>>> {
         let array = self.read(report, key, "a list of texts", Item::as_array)?;
         list(report, key, array, max)
     }
 
-    /// A list of texts, which may not be missing.
-    pub fn required_texts(&mut self, report: &mut Report, key: &'static str, max: usize) -> Option<At<Vec<Name>>> {
-        let found = self.texts(report, key, max);
-        self.require(report, key, found)
-    }
-
     /// A table inside this one.
     pub fn table(&mut self, report: &mut Report, key: &'static str, what: &'static str) -> Option<Fields<'a>> {
         let table = self.read(report, key, "a table, `{ … }`", Item::as_table_like)?;
         Some(Fields::new(table.value, table.at, what))
-    }
-
-    /// A table inside this one, which may not be missing.
-    pub fn required_table(&mut self, report: &mut Report, key: &'static str, what: &'static str) -> Option<Fields<'a>> {
-        let found = self.table(report, key, what);
-        self.require(report, key, found)
     }
 
     /// A list of tables, `[[key]]` blocks or `[{ … }, …]`, at most `max` long.
@@ -328,69 +266,70 @@ impl<'a> Fields<'a> {
         tables
     }
 
-    /// Every key of this table with a text or a whole number: names are the user's own.
-    pub fn scalars(self, report: &mut Report, max: usize) -> Vec<(Name, At<Scalar>)> {
-        if self.table.len() > max {
-            let problem = Problem::error(self.at.clone(), format!("{} has {} entries", self.what, self.table.len()));
-            report.add(problem.hint(format!("at most {max}")));
-            return Vec::new();
-        }
-        let mut entries = Vec::new();
-        for (key, item) in self.table.iter() {
-            let key_at = self.table.key(key).and_then(|k| k.span()).unwrap_or_else(|| self.at.clone());
-            let at = item.span().unwrap_or_else(|| key_at.clone());
+    /// A table of at most `max` texts or whole numbers, under names that are the user's own.
+    pub fn scalars(&mut self, report: &mut Report, key: &'static str, max: usize) -> Option<Vec<(Name, At<Scalar>)>> {
+        self.named(report, key, max, |report, name, item, at| {
             let text = item.as_str().filter(|text| text.len() <= TEXT_MAX).map(|text| Scalar::Text(text.to_owned()));
             match text.or_else(|| item.as_integer().map(Scalar::Integer)) {
-                Some(value) => entries.push((At::new(key.to_owned(), key_at), At::new(value, at))),
-                None => report.add(wrong_type(at, key, "text in quotes or a whole number", item)),
+                Some(value) => Some(At::new(value, at)),
+                None => {
+                    report.add(wrong_type(at, name, "text in quotes or a whole number", item));
+                    None
+                }
             }
-        }
-        entries
+        })
     }
 
-    /// Every key of this table with a list of texts, each at most `longest` long: names are the user's own.
-    pub fn lists(self, report: &mut Report, max: usize, longest: usize) -> Vec<(Name, At<Vec<Name>>)> {
-        if self.table.len() > max {
-            let problem = Problem::error(self.at.clone(), format!("{} has {} entries", self.what, self.table.len()));
-            report.add(problem.hint(format!("at most {max}")));
-            return Vec::new();
-        }
-        let mut entries = Vec::new();
-        for (key, item) in self.table.iter() {
-            let key_at = self.table.key(key).and_then(|k| k.span()).unwrap_or_else(|| self.at.clone());
-            let at = item.span().unwrap_or_else(|| key_at.clone());
-            match item.as_array() {
-                Some(array) => {
-                    let list = list(report, key, At::new(array, at), longest);
-                    entries.extend(list.map(|list| (At::new(key.to_owned(), key_at), list)));
-                }
-                None => report.add(wrong_type(at, key, "a list of texts", item)),
+    /// A table of at most `max` lists of texts, each at most `longest` long, under names that are the user's own.
+    pub fn lists(
+        &mut self,
+        report: &mut Report,
+        key: &'static str,
+        max: usize,
+        longest: usize,
+    ) -> Option<Vec<(Name, At<Vec<Name>>)>> {
+        self.named(report, key, max, |report, name, item, at| match item.as_array() {
+            Some(array) => list(report, name, At::new(array, at), longest),
+            None => {
+                report.add(wrong_type(at, name, "a list of texts", item));
+                None
             }
-        }
-        entries
+        })
     }
 
-    /// Every key of this table with a coordinate: names are the user's own.
-    pub fn coordinates(self, report: &mut Report, max: usize) -> Vec<(Name, f64)> {
-        if self.table.len() > max {
-            let problem = Problem::error(self.at.clone(), format!("{} has {} entries", self.what, self.table.len()));
+    /// A table of at most `max` coordinates, under names that are the user's own.
+    pub fn coordinates(&mut self, report: &mut Report, key: &'static str, max: usize) -> Option<Vec<(Name, f64)>> {
+        self.named(report, key, max, |report, name, item, at| match number(item) {
+            Some(value) => checked_coordinate(report, At::new(value, at), name).map(|value| value.value),
+            None => {
+                report.add(wrong_type(at, name, "a number", item));
+                None
+            }
+        })
+    }
+
+    /// A table whose keys are the user's own names.
+    fn named<T>(
+        &mut self,
+        report: &mut Report,
+        key: &'static str,
+        max: usize,
+        read: impl Fn(&mut Report, &str, &Item, Where) -> Option<T>,
+    ) -> Option<Vec<(Name, T)>> {
+        let At { value: table, at } = self.read(report, key, "a table, `{ … }`", Item::as_table_like)?;
+        if table.len() > max {
+            let problem = Problem::error(at, format!("`{key}` has {} entries", table.len()));
             report.add(problem.hint(format!("at most {max}")));
-            return Vec::new();
+            return Some(Vec::new());
         }
         let mut entries = Vec::new();
-        for (key, item) in self.table.iter() {
-            let key_at = self.table.key(key).and_then(|k| k.span()).unwrap_or_else(|| self.at.clone());
-            let at = item.span().unwrap_or_else(|| key_at.clone());
-            match number(item) {
-                Some(value) => {
-                    if let Some(value) = checked_coordinate(report, At::new(value, at), key) {
-                        entries.push((At::new(key.to_owned(), key_at), value.value));
-                    }
-                }
-                None => report.add(wrong_type(at, key, "a number", item)),
-            }
+        for (name, item) in table.iter() {
+            let name_at = table.key(name).and_then(|key| key.span()).unwrap_or_else(|| at.clone());
+            let item_at = item.span().unwrap_or_else(|| name_at.clone());
+            let value = read(report, name, item, item_at);
+            entries.extend(value.map(|value| (At::new(name.to_owned(), name_at), value)));
         }
-        entries
+        Some(entries)
     }
 
     /// Reports every key that nobody asked for.

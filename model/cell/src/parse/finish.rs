@@ -6,7 +6,7 @@
 use std::time::Duration;
 
 use super::draft::{Draft, DraftActivity, DraftException, DraftOrder, DraftPart, DraftResource};
-use super::raw::RawDispatch;
+use super::raw::{RawBounds, RawDispatch};
 use super::rules::{Offsets, offsets, transport};
 use crate::routes::Routes;
 use crate::{
@@ -25,11 +25,7 @@ pub(super) fn finish(draft: &Draft<'_>, routes: &Routes) -> Option<Cell> {
     Some(Cell {
         title: raw.title.as_ref().map_or_else(|| name.clone(), |title| title.value.clone()),
         name,
-        limits: Limits {
-            wip_max: u32::try_from(raw.wip_max.as_ref()?.value).ok()?,
-            reserve: raw.reserve,
-            safety: raw.safety,
-        },
+        limits: limits(raw.cell.as_ref()?)?,
         dispatch: dispatch(&raw.dispatch),
         controllers: draft.controllers.names().map(str::to_owned).collect(),
         resources: draft.resources.iter().map(resource).collect::<Option<_>>()?,
@@ -38,6 +34,11 @@ pub(super) fn finish(draft: &Draft<'_>, routes: &Routes) -> Option<Cell> {
         stages: draft.parts.iter().enumerate().flat_map(|(at, part)| stages(at, part)).collect(),
         exceptions: draft.exceptions.iter().map(|exception| self::exception(exception)).collect::<Option<_>>()?,
     })
+}
+
+fn limits(raw: &RawBounds) -> Option<Limits> {
+    let wip_max = u32::try_from(raw.wip_max.as_ref()?.value).ok()?;
+    Some(Limits { wip_max, reserve: raw.reserve, safety: raw.safety })
 }
 
 fn dispatch(raw: &RawDispatch) -> Dispatch {

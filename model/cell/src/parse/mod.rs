@@ -2,7 +2,7 @@
 //!
 //! The text goes through five passes, each of which knows only its own question:
 //!
-//! 1. `read`: is it TOML, and has each key the right type? → `raw`, values with their places
+//! 1. `raw`: is it TOML, and has each key the right type? → values with their places
 //! 2. `names`: are the names well formed and unique?
 //! 3. `resolve`: what does each name stand for? → `draft`, the cell as far as it can be understood
 //! 4. `rules`: does it hold together? One function per rule
@@ -16,7 +16,6 @@ mod finish;
 mod names;
 mod plan;
 mod raw;
-mod read;
 mod resolve;
 mod rules;
 
@@ -50,7 +49,7 @@ fn understand(text: &str, line: Option<&Line>, report: &mut Report) -> Option<Ce
     if !linewright_text::is_bounded(text, "the description", report) {
         return None;
     }
-    let raw = read::read(text, report)?;
+    let raw = raw::read(text, report)?;
     let names = names::names(&raw, report);
     let draft = resolve::resolve(&raw, &names, line, report);
     let routes = rules::check(&draft, report);

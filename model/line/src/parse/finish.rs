@@ -145,7 +145,7 @@ fn console(draft: &DraftConsole, raw: Option<&RawConsole>) -> Console {
         stop,
         auto,
         hand,
-        estop: estop.map(|input| StopContact { input, pressed: raw.is_none_or(|raw| raw.estop_pressed) }),
+        estop: estop.map(|input| StopContact { input, pressed: raw.is_none_or(|raw| raw.estop.pressed) }),
         reset,
         buttons: draft.buttons.clone(),
         lamps: draft.lamps.each_ref().map(|lamp| lamp.as_ref().map(|l| l.value)),

@@ -43,7 +43,7 @@ fn holders<'a>(raw: &'a RawLine, names: &Names<'a>, report: &mut Report) -> Vec<
         let prefix = station.name.as_ref().map_or("?", |name| name.value.as_str());
         for holder in &station.holders {
             let closes = holder.closes.as_ref().and_then(|closes| {
-                let RawStand { axis, position } = closes;
+                let RawStand { axis, position, .. } = closes;
                 let axis = axis.as_ref()?;
                 let found = names.inside[id].axes.find(axis, "axis", report)?;
                 let place = position.as_ref()?.at.clone();

@@ -192,8 +192,8 @@ fn arrow(raw: &RawArrow, names: &Names<'_>, report: &mut Report) -> DraftArrow {
         from: raw.from.as_ref().and_then(|end| self::end(end, names, report)),
         to: raw.to.as_ref().and_then(|end| self::end(end, names, report)),
         lag: raw.lag,
-        auto: raw.auto,
-        manual: raw.manual,
+        auto: raw.modes.auto,
+        manual: raw.modes.manual,
     }
 }
 
@@ -276,12 +276,13 @@ fn console(raw: &RawLine, wires: Wires<'_>, report: &mut Report) -> DraftConsole
         ..DraftConsole::default()
     };
     if let Some(raw) = &raw.console {
-        console.inputs = [&raw.start, &raw.stop, &raw.auto, &raw.hand, &raw.estop, &raw.reset].map(|name| {
+        console.inputs = [&raw.start, &raw.stop, &raw.auto, &raw.hand, &raw.estop.input, &raw.reset].map(|name| {
             let name = name.as_ref()?;
             let id = wires.inputs.find(name, "input of the console's devices:", report)?;
             Some(At::new(InputId::at(id), name.at.clone()))
         });
-        console.lamps = raw.lamps.each_ref().map(|name| {
+        let lamps = &raw.lamps;
+        console.lamps = [&lamps.auto, &lamps.hand, &lamps.manual, &lamps.fault].map(|name| {
             let name = name.as_ref()?;
             let id = wires.outputs.find(name, "output of the console's devices:", report)?;
             Some(At::new(OutputId::at(id), name.at.clone()))

@@ -40,7 +40,7 @@ pub(super) fn part(value: i64) -> Option<u32> {
 pub(super) fn finish(raw: &RawDevice) -> Option<Setup> {
     let identity = raw.identity.as_ref().map_or(Some(Identity::default()), identity)?;
     let settings = raw.settings.iter().map(setting).collect::<Option<_>>()?;
-    let transmission = raw.transmission.as_ref().map_or(Some(Transmission::default()), |(raw, _)| types(raw))?;
+    let transmission = raw.transmission.as_ref().map_or(Some(Transmission::default()), types)?;
     Some(Setup {
         file: raw.file.as_ref().map(|file| file.value.clone()),
         identity,
@@ -66,9 +66,9 @@ fn types(raw: &RawTransmission) -> Option<Transmission> {
     Some(Transmission { inputs: kind(&raw.inputs)?, outputs: kind(&raw.outputs)? })
 }
 
-fn identity(RawIdentity(parts): &RawIdentity) -> Option<Identity> {
+fn identity(raw: &RawIdentity) -> Option<Identity> {
     let mut numbers = [None; 5];
-    for (number, raw) in numbers.iter_mut().zip(parts) {
+    for (number, raw) in numbers.iter_mut().zip(raw.parts()) {
         *number = match raw {
             Some(raw) => Some(part(raw.value)?),
             None => None,

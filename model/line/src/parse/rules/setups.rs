@@ -6,7 +6,7 @@ use linewright_text::{Problem, Report, Where};
 
 use crate::parse::analogue;
 use crate::parse::draft::{Draft, DraftDevice, DraftStation};
-use crate::parse::raw::{RawDevice, RawIdentity, RawSetting};
+use crate::parse::raw::{RawDevice, RawSetting};
 use crate::parse::setup::{object, part, setting};
 use crate::{InputId, OutputId, Owner, Reaction, is_the_managers, keeps_an_output};
 
@@ -99,8 +99,8 @@ fn depended_on(station: &DraftStation<'_>) -> (Vec<InputId>, Vec<OutputId>) {
 }
 
 fn identity_has_numbers(device: &RawDevice, report: &mut Report) {
-    let Some(RawIdentity(parts)) = &device.identity else { return };
-    for number in parts.iter().flatten().filter(|number| part(number.value).is_none()) {
+    let Some(identity) = &device.identity else { return };
+    for number in identity.parts().into_iter().flatten().filter(|number| part(number.value).is_none()) {
         report.add(
             Problem::error(number.at.clone(), format!("{} is no part of an identity", number.value))
                 .hint("objects 1000h and 1018h hold numbers from 0 to 0xFFFFFFFF"),
