@@ -22,6 +22,7 @@ mod operate;
 mod out;
 mod report;
 mod run;
+mod schema;
 mod simulate;
 mod watch;
 
@@ -87,6 +88,8 @@ enum Command {
     Watch(watch::Args),
     /// Look at a CAN bus and its CANopen nodes, and talk to them: scan, status, nmt, sdo, monitor, record, replay.
     Can(can::CanArgs),
+    /// Print the JSON schema of a description, for editors: line or cell.
+    Schema(schema::Args),
     /// Show the frames of a CAN bus, virtual or not, as candump -L does.
     Candump(can::DumpArgs),
 }
@@ -138,6 +141,7 @@ fn dispatch(command: Command, ros: RosArgs) -> miette::Result<ExitCode> {
         Command::Resource(args) => asynchronous(async move { cell::resource(args, &ros).await }),
         Command::Watch(args) => asynchronous(async move { watch::run(args, &ros).await }),
         Command::Can(args) => asynchronous(async move { can::run(args).await }),
+        Command::Schema(args) => schema::run(&args),
         Command::Candump(args) => asynchronous(async move { can::dump(args).await }),
     }
 }

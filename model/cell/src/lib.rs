@@ -11,5 +11,5 @@ mod prototype;
 mod routes;
 
 pub use cell::*;
-pub use parse::{Parsed, parse};
+pub use parse::{Parsed, parse, schema};
 pub use prototype::{Action, Prototype, Role};

@@ -19,7 +19,7 @@ pub(crate) const DURATION_MIN_S: f64 = 1e-6;
 /// The longest period, in milliseconds.
 pub(crate) const MILLIS_MAX: i64 = 60_000;
 /// Longest text of a title or a reason, in bytes.
-const TEXT_MAX: usize = 500;
+pub const TEXT_MAX: usize = 500;
 /// Largest coordinate: a kilometre in millimetres.
 pub(crate) const COORDINATE_MAX: f64 = 1e6;
 

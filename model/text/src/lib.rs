@@ -18,7 +18,7 @@ mod shape;
 mod suggest;
 
 pub use document::{BYTES_MAX, document, is_bounded};
-pub use fields::{Fields, Scalar};
+pub use fields::{Fields, Scalar, TEXT_MAX};
 pub use keys::Keys;
 pub use kind::{
     Kind, coordinate, coordinates, flag, integer, lists, millis, nothing, number, one_of, part, positive, scalars,

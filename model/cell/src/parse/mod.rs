@@ -20,7 +20,7 @@ mod resolve;
 mod rules;
 
 use linewright_line::Line;
-use linewright_text::{Problem, Problems, Report};
+use linewright_text::{Keys, Problem, Problems, Report, Shape};
 
 use crate::Cell;
 
@@ -43,6 +43,11 @@ pub fn parse(file_name: &str, text: &str, line: Option<&Line>) -> Result<Parsed,
     let cell = understand(text, line, &mut report);
     let (cell, warnings) = report.close(cell, file_name, text)?;
     Ok(Parsed { cell, warnings })
+}
+
+/// What a description of a cell may contain: its keys, with types and bounds. What holds between them, [`parse`] knows.
+pub fn schema() -> Shape {
+    raw::RawCell::shape()
 }
 
 fn understand(text: &str, line: Option<&Line>, report: &mut Report) -> Option<Cell> {

@@ -28,7 +28,7 @@ mod wiring;
 
 pub use linewright_text::{Problem, Problems, suggestion};
 
-use linewright_text::Report;
+use linewright_text::{Keys, Report, Shape};
 
 use crate::Line;
 
@@ -50,6 +50,11 @@ pub fn parse(file_name: &str, text: &str) -> Result<Parsed, Problems> {
     let line = understand(text, &mut report);
     let (line, warnings) = report.close(line, file_name, text)?;
     Ok(Parsed { line, warnings })
+}
+
+/// What a description of a line may contain: its keys, with types and bounds. What holds between them, [`parse`] knows.
+pub fn schema() -> Shape {
+    raw::RawLine::shape()
 }
 
 fn understand(text: &str, report: &mut Report) -> Option<Line> {
