@@ -4,7 +4,7 @@
 //! UTF-8. What is valid UTF-8 is taken as that, everything else byte for byte as ISO-8859-1: names may show a wrong
 //! letter then, but no byte is lost, and nothing that a device is sent depends on it.
 
-use linewright_problems::{At, Finding};
+use linewright_diagnostics::{At, Problem};
 
 use crate::limits::FILE_BYTES_MAX;
 
@@ -20,19 +20,22 @@ pub(crate) enum Encoding {
 const MARK: &[u8] = b"\xEF\xBB\xBF";
 
 /// The text, or why there is none together with what could be read.
-pub(crate) fn decode(bytes: &[u8]) -> Result<(String, Encoding), (Finding, String)> {
+pub(crate) fn decode(bytes: &[u8]) -> Result<(String, Encoding), (Problem, String)> {
     let start = At::default();
     if bytes.len() > FILE_BYTES_MAX {
         let hint = format!("at most {FILE_BYTES_MAX} are read; is this the right file?");
-        return Err((Finding::new(start, format!("the file has {} bytes", bytes.len())).hint(hint), String::new()));
+        return Err((Problem::error(start, format!("the file has {} bytes", bytes.len())).hint(hint), String::new()));
     }
     if matches!(bytes, [0xFE, 0xFF, ..] | [0xFF, 0xFE, ..]) {
-        return Err((Finding::new(start, "the file is UTF-16").hint("save it as UTF-8 or ISO-8859-1"), String::new()));
+        return Err((
+            Problem::error(start, "the file is UTF-16").hint("save it as UTF-8 or ISO-8859-1"),
+            String::new(),
+        ));
     }
     if let Some(at) = bytes.iter().position(|&byte| byte == 0) {
         let readable = latin1(&bytes[..at]);
         let at = At::new(readable.len()..readable.len());
-        return Err((Finding::new(at, "a zero byte: this is no text").hint("is this the right file?"), readable));
+        return Err((Problem::error(at, "a zero byte: this is no text").hint("is this the right file?"), readable));
     }
     let (marked, rest) = match bytes.strip_prefix(MARK) {
         Some(rest) => (true, rest),
@@ -48,7 +51,7 @@ pub(crate) fn decode(bytes: &[u8]) -> Result<(String, Encoding), (Finding, Strin
             let byte = rest.get(error.valid_up_to()).copied().unwrap_or_default();
             let message =
                 format!("the byte 0x{byte:02X} here is not UTF-8, and the file begins with the mark of UTF-8");
-            Err((Finding::new(at, message).hint("save the whole file as UTF-8, or without the mark"), readable))
+            Err((Problem::error(at, message).hint("save the whole file as UTF-8, or without the mark"), readable))
         }
     }
 }

@@ -13,9 +13,10 @@ mod keys;
 mod kind;
 mod names;
 mod place;
-mod problem;
 mod shape;
 mod suggest;
+
+pub use linewright_diagnostics::{Problem, Problems, Report};
 
 pub use document::{BYTES_MAX, document, is_bounded};
 pub use fields::{Fields, Scalar, TEXT_MAX};
@@ -26,6 +27,5 @@ pub use kind::{
 };
 pub use names::{NAME_MAX, Table, phrase, ros_name, tag, unique};
 pub use place::{At, Name, Where, or};
-pub use problem::{Problem, Problems, Report};
 pub use shape::{Presence, Property, Shape, Usual, sentences};
 pub use suggest::{nearest, suggestion};
