@@ -23,6 +23,7 @@ mod out;
 mod report;
 mod run;
 mod schema;
+mod shell;
 mod simulate;
 mod watch;
 
@@ -35,7 +36,7 @@ use linewright_node_shell::{RosArgs, init_logging};
 #[derive(Debug, Parser)]
 #[command(
     name = "linewright",
-    version,
+    version = env!("LINEWRIGHT_VERSION"),
     about,
     after_help = "ROS 2 arguments go behind --ros-args, e.g. --ros-args -r __ns:=/hall_2 --log-level debug."
 )]
@@ -90,6 +91,10 @@ enum Command {
     Can(can::CanArgs),
     /// Print the JSON schema of a description, for editors: line or cell.
     Schema(schema::Args),
+    /// Print what a shell needs to complete this command: bash, elvish, fish, powershell or zsh.
+    Completions(shell::CompletionsArgs),
+    /// Write the manual pages of this command into a directory.
+    Man(shell::ManArgs),
     /// Show the frames of a CAN bus, virtual or not, as candump -L does.
     Candump(can::DumpArgs),
 }
@@ -142,6 +147,8 @@ fn dispatch(command: Command, ros: RosArgs) -> miette::Result<ExitCode> {
         Command::Watch(args) => asynchronous(async move { watch::run(args, &ros).await }),
         Command::Can(args) => asynchronous(async move { can::run(args).await }),
         Command::Schema(args) => schema::run(&args),
+        Command::Completions(args) => shell::completions(&args),
+        Command::Man(args) => shell::man(&args),
         Command::Candump(args) => asynchronous(async move { can::dump(args).await }),
     }
 }
