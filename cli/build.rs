@@ -1,6 +1,6 @@
-//! What `linewright --version` says: the version, and of a release build the commit it was built from.
+//! What `linewright --version` prints: the version, and of a release build the commit it was built from.
 //!
-//! A development build does not say which commit it is: it would have to be linked anew after each one.
+//! A development build does not name its commit: it would have to be linked anew after each one.
 
 use std::env;
 use std::path::Path;

@@ -1,8 +1,8 @@
 //! `linewright schema`: what a description may contain, as a JSON schema, so that editors complete and check it.
 //!
 //! It follows from the tables of keys that the reader uses ([`linewright_text::Shape`]); this module only writes it down,
-//! in draft 7, which editors of TOML understand. A schema knows keys, types and bounds. What holds between them, `check`
-//! says.
+//! in draft 7, which editors of TOML understand. A schema holds keys, types and bounds. What holds between them is for
+//! `check`.
 
 use std::process::ExitCode;
 

@@ -52,22 +52,22 @@ impl<T: 'static> Kind<T> {
         }
     }
 
-    /// The same, with a shape that says more: what a later rule asks of it.
+    /// The same, with a narrower shape: what a later rule checks.
     pub fn like(self, shape: impl Fn() -> Shape + 'static) -> Self {
         Kind { shape: Box::new(shape), ..self }
     }
 
-    /// The same, of which a later rule takes whole numbers from `low` to `high`.
+    /// The same; a later rule checks that it is from `low` to `high`.
     pub fn from_to(self, low: i64, high: i64) -> Self {
         self.like(move || Shape::Whole(low, high))
     }
 
-    /// The same, of which a later rule says when it is missing.
+    /// The same; a later rule, not the reader, reports that it is missing.
     pub fn missed(self, presence: Presence) -> Self {
         Kind { presence, ..self }
     }
 
-    /// The same; this is what a later rule takes where nothing is written.
+    /// The same; a later rule takes `usual` where nothing is written.
     pub fn usually(self, usual: impl Into<Usual>) -> Self {
         Kind { usual: Some(usual.into()), ..self }
     }

@@ -2,7 +2,7 @@
 //!
 //! What every reader of such a file needs: problems that point into the text and give advice, tables read key by key
 //! without losing a problem, names that are looked up, and "did you mean". The keys of a table are written down once, as
-//! [`keys!`]: its reader follows from that, and what an editor is told of it. It knows TOML and no key: what a description
+//! [`keys!`]: its reader follows from that, and the schema that editors use. It knows TOML and no key: what a description
 //! means is known to the crates that read one. A reader never stops at a mistake; what could not be read is absent
 //! afterwards, so that one run reports all that can be known, and none of it twice.
 

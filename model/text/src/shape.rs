@@ -1,6 +1,6 @@
-//! What may stand in a description, as data: for editors, and whoever else wants to know without reading one.
+//! What a description may contain, as data, for editors and other tools.
 //!
-//! A shape says less than the rules of a description do: it knows keys, types and bounds, and no name.
+//! A shape holds keys, types and bounds. Names, and what holds between keys, are left to the rules of a description.
 
 /// What may stand at one place.
 #[derive(Clone, Debug, PartialEq)]

@@ -102,7 +102,7 @@ keys! {
         rules: Option<At<Vec<Name>>> = texts(Rule::ALL.len()).like(rules),
         /// How far decisions are tried out beforehand, in seconds of nominal times, up to a day; 0: not at all.
         look_ahead as "look_ahead_s": Option<At<f64>> = within(0.0, DAY_S).usually(0.0),
-        /// A part that could move and has waited for so many seconds goes first, whatever the schedule says; up to a day.
+        /// A part that could move and has waited for so many seconds goes first, regardless of the schedule; up to a day.
         patience as "patience_s": Option<At<Duration>> = seconds().usually(600.0),
         /// How far from its window in the schedule something may start, in seconds, up to a day; what is later makes the
         /// schedule be revised.
@@ -134,7 +134,7 @@ keys! {
         actions: Option<At<Vec<Name>>> = texts(ACTIONS_MAX).required(),
         /// How many seconds it takes, up to a day; without it, and without orders, it takes no time.
         time as "time_s": Option<At<Duration>> = seconds(),
-        /// What stations are ordered to do for it, at most 16. It has ended when each has done what it was told.
+        /// What stations are ordered to do for it, at most 16. It has ended when all are done.
         orders: Vec<RawOrder> = tables(ORDERS_MAX),
     }
 
@@ -198,13 +198,13 @@ keys! {
         within as "in": Option<Name> = text().required(),
         /// `"time-out"`, `"refused"`, `"station-lost"`, `"device-lost"`, `"alarm"`, a code of the task, or `"*"`.
         code: Option<Name> = text().required(),
-        /// What the operator is told, with `{part}`, `{type}`, `{activity}`, `{carrier}`, `{from}`, `{to}`, `{slot}`.
+        /// The message to the operator, with `{part}`, `{type}`, `{activity}`, `{carrier}`, `{from}`, `{to}`, `{slot}`.
         tell: Option<Name> = text().required(),
         /// How often `redo` may be answered, 0 to 100.
         retries: i64 = whole(0, 100).or(0),
         /// What is left out after any answer, at most 16: resources, or `"from"`, `"to"`, `"carrier"` of the activity.
         down: Option<At<Vec<Name>>> = texts(DOWN_MAX),
-        /// Nobody is asked as long as all stations are at rest: it is as the first answer says.
+        /// The first answer is taken without asking, as long as all stations are at rest.
         automatic: bool = flag().or(false),
         /// Stations that go into emergency stop at once, at most 16; `"*"` for all that have an order in the activity. Not
         /// with `automatic`.

@@ -293,11 +293,11 @@ mod tests {
     use crate::Timing;
 
     #[test]
-    fn what_is_said_of_the_usual_times_is_so() {
+    fn the_usual_times_are_those_of_a_timing() {
         let usual = Timing::default();
         let times = [usual.refresh, usual.stale, usual.lease, usual.heartbeat, usual.heartbeat_timeout];
         let times = times.map(|time| Some(Usual::Whole(time.as_millis() as i64)));
-        let said: Vec<_> = RawTiming::keys().iter().map(|key| key.usual).collect();
-        assert_eq!(said, [&times[..], &[None]].concat());
+        let described: Vec<_> = RawTiming::keys().iter().map(|key| key.usual).collect();
+        assert_eq!(described, [&times[..], &[None]].concat());
     }
 }
