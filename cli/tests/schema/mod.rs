@@ -58,9 +58,11 @@ fn shipped_descriptions_name_their_schema() {
 #[test]
 fn every_subcommand_is_completed_and_has_its_page() {
     let help = linewright(&["--help"]);
-    let commands = text(&help.stdout).lines().skip_while(|line| *line != "Commands:").skip(1);
+    // What a command does may go on in further lines, which are indented more.
+    let lines = text(&help.stdout).lines().skip_while(|line| *line != "Commands:").skip(1);
+    let commands = lines.take_while(|line| !line.is_empty()).filter_map(|line| line.strip_prefix("  "));
     let commands: Vec<&str> =
-        commands.take_while(|line| !line.is_empty()).filter_map(|l| l.split_whitespace().next()).collect();
+        commands.filter_map(|line| line.split(' ').next().filter(|word| !word.is_empty())).collect();
     assert!(commands.contains(&"check") && commands.contains(&"completions"), "{commands:?}");
     for shell in ["bash", "elvish", "fish", "powershell", "zsh"] {
         let output = linewright(&["completions", shell]);
