@@ -145,6 +145,11 @@ fn what_the_readers_take_the_schemas_take() {
     assert!(found.iter().all(Option::is_none), "{found:?}");
 }
 
+/// Whether an error is about a key that is always needed. Which buttons a type of hand mode needs is for a later rule.
+fn is_missed_by_the_reader(message: &str, label: &str) -> bool {
+    label.starts_with("no `") && label.ends_with("` here") && !message.starts_with("hand type")
+}
+
 #[test]
 fn what_is_misspelt_of_the_wrong_type_or_missing_the_schemas_refuse() {
     let samples = samples();
@@ -158,7 +163,7 @@ fn what_is_misspelt_of_the_wrong_type_or_missing_the_schemas_refuse() {
         let errors = read(of, &mutants::text(&mutant.description));
         let must = match mutant.change {
             Change::Misspelt | Change::WrongType => true,
-            Change::LeftOut => errors.iter().any(|(_, label)| label.starts_with("no `") && label.ends_with("` here")),
+            Change::LeftOut => errors.iter().any(|(message, label)| is_missed_by_the_reader(message, label)),
             Change::Number => false,
         };
         if errors.is_empty() && refused.is_some() || must && refused.is_none() {
