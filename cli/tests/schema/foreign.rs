@@ -1,6 +1,7 @@
 //! The schemas as others understand them: the Python package `jsonschema` takes what the reader takes, and refuses what is
 //! misspelt, of the wrong type or out of range. Wants `pip install jsonschema`; without it nothing is tested.
 
+use std::collections::BTreeSet;
 use std::io::Write;
 use std::process::{Command, Stdio};
 
@@ -153,8 +154,14 @@ fn is_missed_by_the_reader(message: &str, label: &str) -> bool {
 #[test]
 fn what_is_misspelt_of_the_wrong_type_or_missing_the_schemas_refuse() {
     let samples = samples();
-    let mutants: Vec<(&str, Mutant)> =
-        samples.iter().flat_map(|(of, sample)| mutants::of(sample).into_iter().map(|mutant| (*of, mutant))).collect();
+    let mut mutants: Vec<(&str, Mutant)> = Vec::new();
+    for of in ["line", "cell"] {
+        let mut seen = BTreeSet::new();
+        for (_, sample) in samples.iter().filter(|(it, _)| *it == of) {
+            mutants.extend(mutants::of(sample, &mut seen).into_iter().map(|mutant| (of, mutant)));
+        }
+    }
+    println!("{} descriptions", mutants.len());
     assert!(mutants.len() > 1500, "{}", mutants.len());
     let descriptions: Vec<(&str, &Value)> = mutants.iter().map(|(of, mutant)| (*of, &mutant.description)).collect();
     let Some(found) = judged(&descriptions) else { return };

@@ -1,5 +1,7 @@
 //! Descriptions that are wrong in one place: for each key a misspelt one, another type, numbers out of range, or nothing.
 
+use std::collections::BTreeSet;
+
 use serde_json::{Map, Value, json};
 
 /// A description with one change, and what was done to it.
@@ -28,18 +30,20 @@ enum Step {
     Index(usize),
 }
 
-/// Every key of the description, changed in every way, where it is met first.
-pub fn of(description: &Value) -> Vec<Mutant> {
+/// Every key of the description, changed in every way, where it is met first. `seen` are the keys of earlier ones: of those
+/// only what is left out is of interest, since what is needed depends on the rest.
+pub fn of(description: &Value, seen: &mut BTreeSet<String>) -> Vec<Mutant> {
     let mut places = Vec::new();
     walk(description, &mut Vec::new(), &mut places);
-    let mut seen = std::collections::BTreeSet::new();
+    let mut here = BTreeSet::new();
     let mut mutants = Vec::new();
     for place in places {
         let name: Vec<&str> = place.iter().map(|step| if let Step::Key(key) = step { key } else { "*" }).collect();
         let name = name.join(".");
-        if !seen.insert(name.clone()) {
+        if !here.insert(name.clone()) {
             continue;
         }
+        let is_new = seen.insert(name.clone());
         let (Some(Step::Key(key)), before) = (place.last(), &place[..place.len() - 1]) else { continue };
         let mut add = |change, edit: &dyn Fn(&mut Map<String, Value>)| {
             let mut description = description.clone();
@@ -47,6 +51,9 @@ pub fn of(description: &Value) -> Vec<Mutant> {
             mutants.push(Mutant { what: format!("{name}: {change:?}"), description, change });
         };
         add(Change::LeftOut, &|table| _ = table.remove(key));
+        if !is_new {
+            continue;
+        }
         if !names_are_free(before) {
             add(Change::Misspelt, &|table| {
                 let value = table.remove(key).expect("it was there");

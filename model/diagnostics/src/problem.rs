@@ -27,7 +27,7 @@ pub struct Problem {
     /// Whether the file is usable all the same.
     pub is_warning: bool,
     /// The lines around it, where the whole text is not kept.
-    pub(crate) excerpt: Option<Excerpt>,
+    pub(crate) excerpt: Option<Box<Excerpt>>,
 }
 
 impl Problem {
@@ -106,6 +106,6 @@ impl Diagnostic for Problem {
     }
 
     fn source_code(&self) -> Option<&dyn SourceCode> {
-        self.excerpt.as_ref().map(|excerpt| excerpt as &dyn SourceCode)
+        self.excerpt.as_ref().map(|excerpt| &**excerpt as &dyn SourceCode)
     }
 }

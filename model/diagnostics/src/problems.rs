@@ -18,7 +18,7 @@ use crate::place::{Lines, within};
 pub struct Problems {
     file_name: String,
     /// The whole text, unless each problem has its excerpt.
-    source: Option<NamedSource<String>>,
+    source: Option<Box<NamedSource<String>>>,
     problems: Vec<Problem>,
     pub(crate) cut: Cut,
 }
@@ -45,7 +45,7 @@ impl Problems {
             (problem.line, start) = lines.line(problem.span.start);
             problem.column = text[start..problem.span.start].chars().count() + 1;
         }
-        let source = NamedSource::new(file_name, text.to_owned());
+        let source = Box::new(NamedSource::new(file_name, text.to_owned()));
         Problems::sorted(file_name, Some(source), problems)
     }
 
@@ -61,7 +61,7 @@ impl Problems {
             let (line, start) = lines.line(problem.span.start);
             let excerpt = Excerpt::of(file_name, text, &problem.span, start, line);
             (problem.line, problem.column) = (line, excerpt.column());
-            problem.excerpt = Some(excerpt);
+            problem.excerpt = Some(Box::new(excerpt));
             for (span, label) in std::mem::take(&mut problem.also) {
                 let place = format!("{label} is in line {}", lines.line(within(text, &span).start).0);
                 problem.hint = Some(problem.hint.take().map_or(place.clone(), |hint| format!("{hint}; {place}")));
@@ -70,7 +70,7 @@ impl Problems {
         Problems::sorted(file_name, None, problems)
     }
 
-    fn sorted(file_name: &str, source: Option<NamedSource<String>>, mut problems: Vec<Problem>) -> Self {
+    fn sorted(file_name: &str, source: Option<Box<NamedSource<String>>>, mut problems: Vec<Problem>) -> Self {
         problems.sort_by_key(|problem| (problem.span.start, problem.is_warning));
         Problems { file_name: file_name.to_owned(), source, problems, cut: Cut::default() }
     }
@@ -137,7 +137,7 @@ impl Diagnostic for Problems {
     }
 
     fn source_code(&self) -> Option<&dyn SourceCode> {
-        self.source.as_ref().map(|source| source as &dyn SourceCode)
+        self.source.as_ref().map(|source| &**source as &dyn SourceCode)
     }
 
     fn related<'a>(&'a self) -> Option<Box<dyn Iterator<Item = &'a dyn Diagnostic> + 'a>> {

@@ -106,12 +106,9 @@ pub struct Eds {
 /// All problems of the file, each with its line and key; warnings among them. At most [`limits::PROBLEMS_MAX`] of each.
 pub fn read(file_name: &str, bytes: &[u8]) -> Result<Eds, Problems> {
     let mut report = Report::of_excerpts();
-    match decode::decode(bytes) {
+    match decode::decode(bytes, &mut report) {
         Ok((text, encoding)) => understand(file_name, text, encoding, report),
-        Err((finding, readable)) => {
-            report.add(finding);
-            Err(report.into_problems(file_name, &readable))
-        }
+        Err(readable) => Err(report.into_problems(file_name, &readable)),
     }
 }
 

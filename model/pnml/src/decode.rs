@@ -7,19 +7,17 @@
 use std::borrow::Cow;
 
 use crate::limits::FILE_BYTES_MAX;
-use linewright_diagnostics::{At, Problem, shown};
+use linewright_diagnostics::{At, Problem, Report, shown};
 
 /// How far into the file the XML declaration may reach.
 const DECLARATION_MAX: usize = 256;
 
-/// Why bytes are no text, and as much of the text as could be read.
-pub(crate) struct Undecodable<'a> {
-    pub problem: Problem,
-    pub readable: &'a str,
-}
-
-pub(crate) fn decode(bytes: &[u8]) -> Result<Cow<'_, str>, Undecodable<'_>> {
-    let refuse = |problem, readable| Err(Undecodable { problem, readable });
+/// The text; or, with a problem, as much of it as could be read.
+pub(crate) fn decode<'a>(bytes: &'a [u8], report: &mut Report) -> Result<Cow<'a, str>, &'a str> {
+    let mut refuse = |problem, readable| {
+        report.add(problem);
+        Err(readable)
+    };
     let start = At::default();
     if bytes.len() > FILE_BYTES_MAX {
         let hint = format!("at most {FILE_BYTES_MAX} are read; is this the right file?");

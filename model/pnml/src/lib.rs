@@ -60,12 +60,9 @@ use linewright_nets::Net;
 /// All problems of the file, up to [`limits::PROBLEMS_MAX`], each with its place.
 pub fn read(file_name: &str, bytes: &[u8], net: Option<&str>) -> Result<Net, Problems> {
     let mut report = Report::of_excerpts();
-    let text = match decode::decode(bytes) {
+    let text = match decode::decode(bytes, &mut report) {
         Ok(text) => text,
-        Err(undecodable) => {
-            report.add(undecodable.problem);
-            return Err(report.into_problems(file_name, undecodable.readable));
-        }
+        Err(readable) => return Err(report.into_problems(file_name, readable)),
     };
     match understand(&text, net, &mut report) {
         Some(net) if !report.has_errors() => Ok(net),

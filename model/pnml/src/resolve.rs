@@ -77,12 +77,9 @@ fn follow_references(draft: &Draft<'_>, owners: &[Option<u32>], report: &mut Rep
                 (Seen::Not, Being::Another { id, at: place }) => {
                     seen[at as usize] = Seen::OnThisWay;
                     way.push(at);
-                    match referred(draft, owners, node, *id, *place) {
-                        Ok(next) => at = next,
-                        Err(finding) => {
-                            report.add(finding);
-                            break None;
-                        }
+                    match referred(draft, owners, node, *id, *place, report) {
+                        Some(next) => at = next,
+                        None => break None,
                     }
                 }
             }
@@ -95,20 +92,25 @@ fn follow_references(draft: &Draft<'_>, owners: &[Option<u32>], report: &mut Rep
 }
 
 /// The node that a reference names.
-fn referred(draft: &Draft<'_>, owners: &[Option<u32>], from: &Node, to: Id, at: At) -> Result<u32, Problem> {
+fn referred(
+    draft: &Draft<'_>,
+    owners: &[Option<u32>],
+    from: &Node,
+    to: Id,
+    at: At,
+    report: &mut Report,
+) -> Option<u32> {
     let (kind, name) = (from.kind.word(), text(draft, to));
-    match owners[to.0 as usize] {
-        None => Err(Problem::error(
-            at,
-            format!("`{}` refers to `{name}`, which is no node of the net", text(draft, from.id)),
-        )
-        .hint(format!("write the id of a {kind}"))),
-        Some(node) if draft.nodes[node as usize].kind != from.kind => {
-            Err(Problem::error(at, format!("`{}` refers to `{name}`, which is no {kind}", text(draft, from.id)))
-                .hint(format!("write the id of a {kind}")))
-        }
-        Some(node) => Ok(node),
-    }
+    let what = match owners[to.0 as usize] {
+        Some(node) if draft.nodes[node as usize].kind == from.kind => return Some(node),
+        Some(_) => kind,
+        None => "node of the net",
+    };
+    report.add(
+        Problem::error(at, format!("`{}` refers to `{name}`, which is no {what}", text(draft, from.id)))
+            .hint(format!("write the id of a {kind}")),
+    );
+    None
 }
 
 /// A node of the net.

@@ -92,9 +92,15 @@ impl<'a> Xml<'a> {
             match event {
                 Event::Text(part) => text.content.literal(&part.xml10_content()),
                 Event::CData(part) => text.content.literal(&part.xml10_content()),
-                Event::GeneralRef(reference) => match character(&reference, at) {
-                    Ok(c) => text.content.meant(c),
-                    Err(finding) => report.add(finding),
+                Event::GeneralRef(reference) => match character(&reference) {
+                    Some(c) => text.content.meant(c),
+                    None => report.add(
+                        Problem::error(
+                            at,
+                            format!("`&{};` stands for no character that is known here", shown(&reference)),
+                        )
+                        .hint(ONLY_PREDEFINED),
+                    ),
                 },
                 Event::Start(start) => return self.opened(start, at, report).map(Some),
                 Event::End(_) | Event::Eof => return Ok(None),
@@ -241,19 +247,12 @@ fn words(error: &quick_xml::Error) -> String {
 }
 
 /// The character that a reference in a text stands for.
-fn character(reference: &quick_xml::events::BytesRef<'_>, at: At) -> Result<char, Problem> {
-    let unknown = || {
-        Problem::error(at, format!("`&{};` stands for no character that is known here", shown(reference)))
-            .hint(ONLY_PREDEFINED)
+fn character(reference: &quick_xml::events::BytesRef<'_>) -> Option<char> {
+    let c = match reference.resolve_char_ref().ok()? {
+        Some(c) => c,
+        None => quick_xml::escape::resolve_predefined_entity(reference)?.chars().next()?,
     };
-    let c = match reference.resolve_char_ref() {
-        Ok(Some(c)) => c,
-        Ok(None) => quick_xml::escape::resolve_predefined_entity(reference)
-            .and_then(|text| text.chars().next())
-            .ok_or_else(unknown)?,
-        Err(_) => return Err(unknown()),
-    };
-    if is_legal(c) { Ok(c) } else { Err(unknown()) }
+    is_legal(c).then_some(c)
 }
 
 /// Whether XML allows this character.

@@ -9,7 +9,7 @@ use std::time::Duration;
 
 use toml_edit::{Array, Item, TableLike, Value};
 
-use crate::place::{At, Name, Where};
+use crate::place::{At, Name, Named, Where};
 use crate::{Problem, Report, suggestion};
 
 /// No duration of a mechanism or message is sensibly longer.
@@ -267,7 +267,7 @@ impl<'a> Fields<'a> {
     }
 
     /// A table of at most `max` texts or whole numbers, under names that are the user's own.
-    pub fn scalars(&mut self, report: &mut Report, key: &'static str, max: usize) -> Option<Vec<(Name, At<Scalar>)>> {
+    pub fn scalars(&mut self, report: &mut Report, key: &'static str, max: usize) -> Option<Named<At<Scalar>>> {
         self.named(report, key, max, |report, name, item, at| {
             let text = item.as_str().filter(|text| text.len() <= TEXT_MAX).map(|text| Scalar::Text(text.to_owned()));
             match text.or_else(|| item.as_integer().map(Scalar::Integer)) {
@@ -287,7 +287,7 @@ impl<'a> Fields<'a> {
         key: &'static str,
         max: usize,
         longest: usize,
-    ) -> Option<Vec<(Name, At<Vec<Name>>)>> {
+    ) -> Option<Named<At<Vec<Name>>>> {
         self.named(report, key, max, |report, name, item, at| match item.as_array() {
             Some(array) => list(report, name, At::new(array, at), longest),
             None => {
@@ -298,7 +298,7 @@ impl<'a> Fields<'a> {
     }
 
     /// A table of at most `max` coordinates, under names that are the user's own.
-    pub fn coordinates(&mut self, report: &mut Report, key: &'static str, max: usize) -> Option<Vec<(Name, f64)>> {
+    pub fn coordinates(&mut self, report: &mut Report, key: &'static str, max: usize) -> Option<Named<f64>> {
         self.named(report, key, max, |report, name, item, at| match number(item) {
             Some(value) => checked_coordinate(report, At::new(value, at), name).map(|value| value.value),
             None => {
@@ -315,7 +315,7 @@ impl<'a> Fields<'a> {
         key: &'static str,
         max: usize,
         read: impl Fn(&mut Report, &str, &Item, Where) -> Option<T>,
-    ) -> Option<Vec<(Name, T)>> {
+    ) -> Option<Named<T>> {
         let At { value: table, at } = self.read(report, key, "a table, `{ … }`", Item::as_table_like)?;
         if table.len() > max {
             let problem = Problem::error(at, format!("`{key}` has {} entries", table.len()));

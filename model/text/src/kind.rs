@@ -4,7 +4,7 @@ use std::time::Duration;
 
 use crate::fields::{COORDINATE_MAX, DURATION_MAX_S, DURATION_MIN_S, MILLIS_MAX, POSITIVE_MAX, POSITIVE_MIN};
 use crate::shape::{ANY_NUMBER, ANY_WHOLE};
-use crate::{At, Fields, Keys, Name, Presence, Property, Report, Scalar, Shape, Usual};
+use crate::{At, Fields, Keys, Name, Named, Presence, Property, Report, Scalar, Shape, Usual};
 
 type Reader<T> = dyn Fn(&mut Fields<'_>, &mut Report, &'static str) -> T;
 
@@ -204,12 +204,12 @@ pub fn texts(max: usize) -> Kind<Option<At<Vec<Name>>>> {
 }
 
 /// A table of at most `max` coordinates, under names that are the user's own.
-pub fn coordinates(max: usize) -> Kind<Option<Vec<(Name, f64)>>> {
+pub fn coordinates(max: usize) -> Kind<Option<Named<f64>>> {
     Kind::new(move |f, report, key| f.coordinates(report, key, max), move || Shape::Names(Box::new(on_an_axis()), max))
 }
 
 /// A table of at most `max` texts or whole numbers, under names that are the user's own.
-pub fn scalars(max: usize) -> Kind<Option<Vec<(Name, At<Scalar>)>>> {
+pub fn scalars(max: usize) -> Kind<Option<Named<At<Scalar>>>> {
     Kind::new(
         move |f, report, key| f.scalars(report, key, max),
         move || Shape::Names(Box::new(Shape::Either(vec![Shape::Text, ANY_WHOLE])), max),
@@ -217,7 +217,7 @@ pub fn scalars(max: usize) -> Kind<Option<Vec<(Name, At<Scalar>)>>> {
 }
 
 /// A table of at most `max` lists of texts, each at most `longest` long, under names that are the user's own.
-pub fn lists(max: usize, longest: usize) -> Kind<Option<Vec<(Name, At<Vec<Name>>)>>> {
+pub fn lists(max: usize, longest: usize) -> Kind<Option<Named<At<Vec<Name>>>>> {
     Kind::new(
         move |f, report, key| f.lists(report, key, max, longest),
         move || Shape::Names(Box::new(Shape::List(Box::new(Shape::Text), longest)), max),

@@ -26,6 +26,6 @@ pub use kind::{
     seconds, table, tables, text, texts, whole, within, word, written,
 };
 pub use names::{NAME_MAX, Table, phrase, ros_name, tag, unique};
-pub use place::{At, Name, Where, or};
+pub use place::{At, Name, Named, Where, or};
 pub use shape::{Presence, Property, Shape, Usual, sentences};
 pub use suggest::{nearest, suggestion};

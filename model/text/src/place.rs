@@ -17,6 +17,9 @@ pub struct At<T> {
 /// A text and its place.
 pub type Name = At<String>;
 
+/// Values under names that are the user's own.
+pub type Named<T> = Vec<(Name, T)>;
+
 impl<T> At<T> {
     /// A value written there.
     pub fn new(value: T, at: Where) -> Self {
