@@ -60,7 +60,6 @@ pub struct ForwardSimulation {
 }
 
 impl ForwardSimulation {
-    /// The cell as it is now.
     pub fn new(state: &PlayerState, table: &Arc<CellTable>, now: Tick) -> Self {
         let quiet = table;
         let mut state = state.clone();
