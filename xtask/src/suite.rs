@@ -1,13 +1,15 @@
-//! `cargo xtask test`: everything a change has to pass, cheapest first.
+//! `cargo xtask test`: everything a change has to pass.
 //!
 //! No part stops at another's failure, so that one run tells all. Format, house rules, lints and documentation count
-//! as one test each in the sum.
+//! as one test each in the sum. What runs beside something else is printed whole when it has ended.
 
 use std::path::Path;
 use std::process::Command;
+use std::thread;
 use std::time::Instant;
 
 use crate::part::{Stream, cargo, lines};
+use crate::setup::{self, Setup};
 use crate::tally::Tally;
 use crate::tidy;
 
@@ -26,27 +28,9 @@ const SKIPPED: i32 = 77;
 /// Runs the parts and prints the sum; true if nothing failed.
 pub fn run(root: &Path, extent: Extent) -> bool {
     let mut tally = Tally::default();
-    one(&mut tally, "format", cargo(root, &["fmt", "--all", "--check"]));
-    house_rules(&mut tally, root);
-    let clippy = ["clippy", "--workspace", "--all-targets", "--keep-going", "--quiet", "--", "-D", "warnings"];
-    one(&mut tally, "lints", cargo(root, &clippy));
     match extent {
-        Extent::Everything => {
-            let args = ["test", "--workspace", "--no-fail-fast", "--", "--show-output"];
-            let programs = tests(&mut tally, cargo(root, &args));
-            vcan(&mut tally, root, &programs);
-            let mut doc = cargo(root, &["doc", "--workspace", "--no-deps", "--quiet"]);
-            doc.env("RUSTDOCFLAGS", "-D warnings");
-            one(&mut tally, "documentation", doc);
-        }
-        Extent::Quick => {
-            let mut args = vec!["test", "--no-fail-fast"];
-            let names = tidy::PURE.iter().chain(&["linewright-msgs", "xtask"]);
-            args.extend(names.flat_map(|name| ["--package", name]));
-            args.extend(["--", "--show-output"]);
-            tests(&mut tally, cargo(root, &args));
-            tally.skip("SKIPPED tests of the crates with sockets and processes, and documentation: --quick");
-        }
+        Extent::Everything => everything(root, &mut tally),
+        Extent::Quick => quick(root, &mut tally),
     }
     println!();
     tally.skipped.iter().for_each(|skipped| println!("{skipped}"));
@@ -54,9 +38,71 @@ pub fn run(root: &Path, extent: Extent) -> bool {
     tally.failed == 0
 }
 
-fn house_rules(tally: &mut Tally, root: &Path) {
+fn everything(root: &Path, tally: &mut Tally) {
+    // While packages are fetched, the rest is built.
+    let setup = thread::scope(|scope| {
+        let setup = scope.spawn(|| setup::run(root));
+        format_and_rules(root, tally);
+        build(root);
+        setup.join()
+    });
+    heading("set-up");
+    let setup = setup.unwrap_or_default();
+    setup.missing.iter().for_each(|missing| tally.skip(&format!("SKIPPED what needs it: {missing}")));
+    println!("set-up: {}", if setup.missing.is_empty() { "all there" } else { "not all is to be had, see the end" });
+    let mut command = cargo(root, &["test", "--workspace", "--no-fail-fast", "--", "--show-output"]);
+    setup.apply(&mut command);
+    let programs = tests(tally, command);
+    // A guest with CAN sockets is one process that mostly waits; the other processor has the lints and documentation.
+    let guests = thread::scope(|scope| {
+        let guests = scope.spawn(|| vcan(root, &programs, &setup));
+        lints(root, tally);
+        let mut doc = cargo(root, &["doc", "--workspace", "--no-deps", "--quiet"]);
+        doc.env("RUSTDOCFLAGS", "-D warnings");
+        one(tally, "documentation", doc);
+        guests.join()
+    });
+    match guests {
+        Ok((lines, found)) => {
+            lines.iter().for_each(|line| println!("{line}"));
+            tally.add(found);
+        }
+        Err(_) => tally.failed += 1,
+    }
+}
+
+fn quick(root: &Path, tally: &mut Tally) {
+    format_and_rules(root, tally);
+    lints(root, tally);
+    let mut args = vec!["test", "--no-fail-fast"];
+    let names = tidy::PURE.iter().chain(&["linewright-msgs", "xtask"]);
+    args.extend(names.flat_map(|name| ["--package", name]));
+    args.extend(["--", "--show-output"]);
+    let mut command = cargo(root, &args);
+    setup::find(root).apply(&mut command);
+    tests(tally, command);
+    tally.skip("SKIPPED tests of the crates with sockets and processes, and documentation: --quick");
+}
+
+fn format_and_rules(root: &Path, tally: &mut Tally) {
+    one(tally, "format", cargo(root, &["fmt", "--all", "--check"]));
     heading("house rules");
     if tidy::run(root) { tally.passed += 1 } else { tally.failed += 1 }
+}
+
+fn lints(root: &Path, tally: &mut Tally) {
+    let clippy = ["clippy", "--workspace", "--all-targets", "--keep-going", "--quiet", "--", "-D", "warnings"];
+    one(tally, "lints", cargo(root, &clippy));
+}
+
+/// Builds all tests. What does not build is counted when they are run.
+fn build(root: &Path) {
+    heading("build");
+    let start = Instant::now();
+    match lines(cargo(root, &["test", "--workspace", "--no-run", "--quiet"]), |_, line| println!("{line}")) {
+        Ok(Some(0)) => println!("build: ok, {:.0?}", start.elapsed()),
+        ended => println!("build: FAILED ({})", how(&ended)),
+    }
 }
 
 /// A program that passes or fails as a whole.
@@ -101,30 +147,36 @@ fn tests(tally: &mut Tally, command: Command) -> Vec<String> {
 /// The tests that want real CAN sockets: the bus itself, SDO against Python's `canopen`, and whole programs.
 const ON_VCAN: [&str; 3] = ["tests/vcan.rs", "tests/sdo_python.rs", "tests/real_bus/main.rs"];
 
-/// The CAN tests on real sockets, in a kernel of their own where this one has no CAN.
-fn vcan(tally: &mut Tally, root: &Path, programs: &[String]) {
+/// The CAN tests on real sockets, in a kernel of their own where this one has no CAN: what there is to be read of them, and
+/// their sum.
+fn vcan(root: &Path, programs: &[String], setup: &Setup) -> (Vec<String>, Tally) {
+    let (mut shown, mut tally) = (Vec::new(), Tally::default());
     if Path::new("/sys/class/net/vcan0").exists() {
-        return;
+        return (shown, tally);
     }
     for test in ON_VCAN {
-        heading(&format!("CAN sockets in a user-mode Linux: {test}"));
+        let start = Instant::now();
+        shown.push(format!("\n== CAN sockets in a user-mode Linux: {test}"));
         match programs.iter().find_map(|line| program_of(line, test)) {
-            Some(program) => in_user_mode_linux(tally, root, program),
+            Some(program) => in_user_mode_linux(&mut tally, root, program, setup, &mut shown),
             None => tally.skip(&format!("SKIPPED {test} in a user-mode Linux: it was not built")),
         }
+        shown.push(format!("{test}: {:.0?}", start.elapsed()));
     }
+    (shown, tally)
 }
 
 /// It is given the program that has just been built: built by itself, the crate would have other features, and with them
 /// most of its dependencies once more.
-fn in_user_mode_linux(tally: &mut Tally, root: &Path, program: &str) {
+fn in_user_mode_linux(tally: &mut Tally, root: &Path, program: &str, setup: &Setup, shown: &mut Vec<String>) {
     const SCRIPT: &str = "fieldbus/tests/vcan_uml.sh";
     let mut command = Command::new("sh");
     command.current_dir(root).args([SCRIPT, program]);
+    setup.apply(&mut command);
     let failed_before = tally.failed;
     let ended = lines(command, |stream, line| {
         if tally.read(stream, line) {
-            println!("{line}");
+            shown.push(line.to_owned());
         }
     });
     match ended {
@@ -132,7 +184,7 @@ fn in_user_mode_linux(tally: &mut Tally, root: &Path, program: &str) {
         Ok(Some(SKIPPED)) => tally.skip(&format!("SKIPPED {SCRIPT}: see above")),
         ended if tally.failed == failed_before => {
             tally.failed += 1;
-            println!("{SCRIPT}: FAILED ({})", how(&ended));
+            shown.push(format!("{SCRIPT}: FAILED ({})", how(&ended)));
         }
         _ => {}
     }
