@@ -61,7 +61,7 @@ pub use operator::{Action, Process, Way};
 pub use options::{Network, NetworkChange, Options};
 pub use plan::{Circuit, Plan, Planned, Schedule};
 pub use record::{By, Ended, FaultSeen, Motion, Record, Wait};
-pub use rng::{Rng, mix};
+pub use rng::Rng;
 pub use run::{End, Goal, run};
 pub use scenario::Scenario;
 pub use script::{Deed, Failure, Script, Step};

@@ -7,7 +7,8 @@ use super::Member;
 use crate::part::{Stream, cargo, lines};
 
 /// Crates that decide and never act: called with the time and their inputs, they return outputs.
-pub const PURE: [&str; 14] = [
+pub const PURE: [&str; 15] = [
+    "linewright-random",
     "linewright-nets",
     "linewright-problems",
     "linewright-text",
@@ -42,7 +43,8 @@ const FORBIDDEN: [&str; 9] = [
 ];
 
 /// For each crate, those of the workspace it may build on. Dependencies point one way; a new crate gets a row here.
-const MAY_USE: [(&str, &[&str]); 24] = [
+const MAY_USE: [(&str, &[&str]); 25] = [
+    ("linewright-random", &[]),
     ("linewright-nets", &[]),
     ("linewright-problems", &[]),
     ("linewright-text", &[]),
@@ -53,7 +55,7 @@ const MAY_USE: [(&str, &[&str]); 24] = [
     ("linewright-dbc", &["linewright-line"]),
     ("linewright-station-logic", &["linewright-line"]),
     ("linewright-station-shell", &["linewright-line", "linewright-station-logic"]),
-    ("linewright-coordinator-logic", &["linewright-nets", "linewright-line", "linewright-cell"]),
+    ("linewright-coordinator-logic", &["linewright-random", "linewright-nets", "linewright-line", "linewright-cell"]),
     (
         "linewright-coordinator-shell",
         &[
@@ -68,10 +70,11 @@ const MAY_USE: [(&str, &[&str]); 24] = [
     ("linewright-msgs", &[]),
     ("linewright-node-shell", &["linewright-msgs"]),
     ("linewright-fieldbus", &["linewright-line"]),
-    ("linewright-plant", &["linewright-line", "linewright-fieldbus"]),
+    ("linewright-plant", &["linewright-random", "linewright-line", "linewright-fieldbus"]),
     (
         "linewright-proof",
         &[
+            "linewright-random",
             "linewright-nets",
             "linewright-line",
             "linewright-cell",
@@ -84,6 +87,7 @@ const MAY_USE: [(&str, &[&str]); 24] = [
     (
         "linewright-simulation",
         &[
+            "linewright-random",
             "linewright-text",
             "linewright-line",
             "linewright-station-logic",
@@ -130,6 +134,7 @@ const MAY_USE: [(&str, &[&str]); 24] = [
 
 /// Whatever is not a top itself.
 const EVERYTHING: &[&str] = &[
+    "linewright-random",
     "linewright-nets",
     "linewright-problems",
     "linewright-text",

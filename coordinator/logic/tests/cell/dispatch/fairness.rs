@@ -8,8 +8,8 @@ use linewright_coordinator_logic::cell::{Fact, PartId, Place, Reason};
 use linewright_line::Tick;
 
 use super::solo::{ByName, compiled, lines, play, seconds, starts};
-use crate::cell::dice::Dice;
 use crate::cell::plans::{Compiled, alone};
+use linewright_random::Random as Dice;
 
 /// Ten minutes.
 const LONG: Tick = Tick::from_millis(600_000);

@@ -12,12 +12,12 @@ use linewright_line::Tick;
 use linewright_nets::Marking;
 use linewright_nets::coloured::ColouredNet;
 
-use crate::cell::dice::Dice;
 use crate::cell::enabled::moves;
 use crate::cell::plans::Compiled;
 use crate::cell::printed::{Variant, compiled};
 use crate::cell::workcell::{self, Workcell};
 use crate::cell::world::World;
+use linewright_random::Random as Dice;
 
 /// Asks a dispatcher and judges what it says.
 struct Judge {
