@@ -8,7 +8,7 @@ use std::process::Command;
 use std::thread;
 use std::time::Instant;
 
-use crate::part::{Stream, cargo, lines};
+use crate::part::{cargo, lines};
 use crate::setup::{self, Setup};
 use crate::tally::Tally;
 use crate::tidy;
@@ -40,35 +40,71 @@ pub fn run(root: &Path, extent: Extent) -> bool {
 
 fn everything(root: &Path, tally: &mut Tally) {
     // While packages are fetched, the rest is built.
-    let setup = thread::scope(|scope| {
+    let (setup, programs) = thread::scope(|scope| {
         let setup = scope.spawn(|| setup::run(root));
         format_and_rules(root, tally);
-        build(root);
-        setup.join()
+        let programs = build(root);
+        (setup.join().unwrap_or_default(), programs)
     });
     heading("set-up");
-    let setup = setup.unwrap_or_default();
     setup.missing.iter().for_each(|missing| tally.skip(&format!("SKIPPED what needs it: {missing}")));
     println!("set-up: {}", if setup.missing.is_empty() { "all there" } else { "not all is to be had, see the end" });
-    let mut command = cargo(root, &["test", "--workspace", "--no-fail-fast", "--", "--show-output"]);
-    setup.apply(&mut command);
-    let programs = tests(tally, command);
-    // A guest with CAN sockets is one process that mostly waits; the other processor has the lints and documentation.
-    let guests = thread::scope(|scope| {
-        let guests = scope.spawn(|| vcan(root, &programs, &setup));
+
+    // Lines of processes and guests with CAN sockets mostly wait, and are patient; what computes runs beside them.
+    let beside = thread::scope(|scope| {
+        let beside = scope.spawn(|| {
+            let mut stage = Stage::default();
+            processes(root, &setup, &mut stage);
+            vcan(root, &programs, &setup, &mut stage);
+            stage
+        });
+        let mut command = cargo(root, &["test", "--workspace", "--no-fail-fast", "--", "--show-output"]);
+        setup.apply(command.args(["--skip", PROCESSES]));
+        tests(tally, command);
         lints(root, tally);
         let mut doc = cargo(root, &["doc", "--workspace", "--no-deps", "--quiet"]);
         doc.env("RUSTDOCFLAGS", "-D warnings");
         one(tally, "documentation", doc);
-        guests.join()
+        beside.join()
     });
-    match guests {
-        Ok((lines, found)) => {
-            lines.iter().for_each(|line| println!("{line}"));
-            tally.add(found);
+    match beside {
+        Ok(stage) => {
+            stage.shown.iter().for_each(|line| println!("{line}"));
+            tally.add(stage.tally);
         }
         Err(_) => tally.failed += 1,
     }
+}
+
+/// What ran beside something else, to be printed when it has ended.
+#[derive(Default)]
+struct Stage {
+    shown: Vec<String>,
+    tally: Tally,
+}
+
+/// The module with the tests that start lines of processes.
+const PROCESSES: &str = "processes::";
+
+/// The same programs hold other tests too, so the module is named; in a program without that module there is nothing to run.
+fn processes(root: &Path, setup: &Setup, stage: &mut Stage) {
+    stage.shown.push("\n== tests of lines of processes".to_owned());
+    let start = Instant::now();
+    let args = ["test", "--workspace", "--no-fail-fast", "--test", "all", "--", "--show-output", PROCESSES];
+    let mut command = cargo(root, &args);
+    setup.apply(&mut command);
+    let Stage { shown, tally } = stage;
+    let ended = lines(command, |stream, line| {
+        let is_empty = line.contains("test result: ok. 0 passed") || line.trim_start().starts_with("Running ");
+        if tally.read(stream, line) && !is_empty {
+            shown.push(line.to_owned());
+        }
+    });
+    if !matches!(ended, Ok(Some(0))) && tally.failed == 0 {
+        tally.failed += 1;
+        shown.push(format!("tests of lines of processes: FAILED ({})", how(&ended)));
+    }
+    shown.push(format!("tests of lines of processes: {:.0?}", start.elapsed()));
 }
 
 fn quick(root: &Path, tally: &mut Tally) {
@@ -95,14 +131,23 @@ fn lints(root: &Path, tally: &mut Tally) {
     one(tally, "lints", cargo(root, &clippy));
 }
 
-/// Builds all tests. What does not build is counted when they are run.
-fn build(root: &Path) {
+/// Builds all tests; what does not build is counted when they are run. Gives cargo's lines that name the programs.
+fn build(root: &Path) -> Vec<String> {
     heading("build");
     let start = Instant::now();
-    match lines(cargo(root, &["test", "--workspace", "--no-run", "--quiet"]), |_, line| println!("{line}")) {
+    let mut programs = Vec::new();
+    let ended = lines(cargo(root, &["test", "--workspace", "--no-run"]), |_, line| {
+        if line.trim_start().starts_with("Executable ") {
+            programs.push(line.to_owned());
+        } else if !line.trim_start().starts_with("Compiling ") {
+            println!("{line}");
+        }
+    });
+    match ended {
         Ok(Some(0)) => println!("build: ok, {:.0?}", start.elapsed()),
         ended => println!("build: FAILED ({})", how(&ended)),
     }
+    programs
 }
 
 /// A program that passes or fails as a whole.
@@ -121,18 +166,14 @@ fn one(tally: &mut Tally, name: &str, command: Command) {
     }
 }
 
-/// Cargo's tests, which are counted one by one. Gives cargo's lines that say which program it starts.
-fn tests(tally: &mut Tally, command: Command) -> Vec<String> {
+/// Cargo's tests, which are counted one by one.
+fn tests(tally: &mut Tally, command: Command) {
     heading("tests");
     let start = Instant::now();
     let failed_before = tally.failed;
-    let mut programs = Vec::new();
     let ended = lines(command, |stream, line| {
         if tally.read(stream, line) {
             println!("{line}");
-        }
-        if stream == Stream::Err && line.trim_start().starts_with("Running ") {
-            programs.push(line.to_owned());
         }
     });
     if !matches!(ended, Ok(Some(0))) && tally.failed == failed_before {
@@ -141,34 +182,30 @@ fn tests(tally: &mut Tally, command: Command) -> Vec<String> {
         println!("tests: FAILED ({})", how(&ended));
     }
     println!("tests: {:.0?}", start.elapsed());
-    programs
 }
 
 /// The tests that want real CAN sockets: the bus itself, SDO against Python's `canopen`, and whole programs.
 const ON_VCAN: [&str; 3] = ["tests/vcan.rs", "tests/sdo_python.rs", "tests/real_bus/main.rs"];
 
-/// The CAN tests on real sockets, in a kernel of their own where this one has no CAN: what there is to be read of them, and
-/// their sum.
-fn vcan(root: &Path, programs: &[String], setup: &Setup) -> (Vec<String>, Tally) {
-    let (mut shown, mut tally) = (Vec::new(), Tally::default());
+/// The CAN tests on real sockets, in a kernel of their own where this one has no CAN.
+fn vcan(root: &Path, programs: &[String], setup: &Setup, stage: &mut Stage) {
     if Path::new("/sys/class/net/vcan0").exists() {
-        return (shown, tally);
+        return;
     }
     for test in ON_VCAN {
         let start = Instant::now();
-        shown.push(format!("\n== CAN sockets in a user-mode Linux: {test}"));
+        stage.shown.push(format!("\n== CAN sockets in a user-mode Linux: {test}"));
         match programs.iter().find_map(|line| program_of(line, test)) {
-            Some(program) => in_user_mode_linux(&mut tally, root, program, setup, &mut shown),
-            None => tally.skip(&format!("SKIPPED {test} in a user-mode Linux: it was not built")),
+            Some(program) => in_user_mode_linux(root, program, setup, stage),
+            None => stage.tally.skip(&format!("SKIPPED {test} in a user-mode Linux: it was not built")),
         }
-        shown.push(format!("{test}: {:.0?}", start.elapsed()));
+        stage.shown.push(format!("{test}: {:.0?}", start.elapsed()));
     }
-    (shown, tally)
 }
 
 /// It is given the program that has just been built: built by itself, the crate would have other features, and with them
 /// most of its dependencies once more.
-fn in_user_mode_linux(tally: &mut Tally, root: &Path, program: &str, setup: &Setup, shown: &mut Vec<String>) {
+fn in_user_mode_linux(root: &Path, program: &str, setup: &Setup, Stage { shown, tally }: &mut Stage) {
     const SCRIPT: &str = "fieldbus/tests/vcan_uml.sh";
     let mut command = Command::new("sh");
     command.current_dir(root).args([SCRIPT, program]);
@@ -190,9 +227,9 @@ fn in_user_mode_linux(tally: &mut Tally, root: &Path, program: &str, setup: &Set
     }
 }
 
-/// The program in a line like `     Running tests/vcan.rs (target/debug/deps/vcan-0123)`.
+/// The program in a line like `  Executable tests/vcan.rs (target/debug/deps/vcan-0123)`.
 fn program_of<'a>(line: &'a str, test: &str) -> Option<&'a str> {
-    line.trim_start().strip_prefix("Running ")?.strip_prefix(test)?.strip_prefix(" (")?.strip_suffix(')')
+    line.trim_start().strip_prefix("Executable ")?.strip_prefix(test)?.strip_prefix(" (")?.strip_suffix(')')
 }
 
 fn heading(name: &str) {
@@ -211,7 +248,7 @@ fn how(ended: &std::io::Result<Option<i32>>) -> String {
 mod tests {
     #[test]
     fn the_program_of_a_test_is_found_in_what_cargo_says() {
-        let line = "     Running tests/vcan.rs (target/debug/deps/vcan-0123)";
+        let line = "  Executable tests/vcan.rs (target/debug/deps/vcan-0123)";
         assert_eq!(super::program_of(line, "tests/vcan.rs"), Some("target/debug/deps/vcan-0123"));
         assert_eq!(super::program_of(line, "tests/other.rs"), None);
     }
