@@ -5,6 +5,7 @@
 //! gives the same plant.
 
 use linewright_line::{AxisId, HolderId, InputId, Line, OpId, OutputId, Owner, Stand, StationId, Tick};
+use linewright_random::mix;
 
 use crate::fault::Fault;
 use crate::mechanism::{Mechanism, Stroke};
@@ -323,12 +324,4 @@ impl Plant {
 /// A number in 0..1 that follows from `seed` alone.
 fn unit(seed: u64) -> f64 {
     (mix(seed) >> 11) as f64 / (1u64 << 53) as f64
-}
-
-/// The finaliser of SplitMix64: every bit of the input stirs every bit of the output.
-pub(crate) fn mix(seed: u64) -> u64 {
-    let mut z = seed.wrapping_add(0x9E37_79B9_7F4A_7C15);
-    z = (z ^ (z >> 30)).wrapping_mul(0xBF58_476D_1CE4_E5B9);
-    z = (z ^ (z >> 27)).wrapping_mul(0x94D0_49BB_1331_11EB);
-    z ^ (z >> 31)
 }

@@ -5,6 +5,8 @@
 //! acknowledgement (CiA 301 builds on no frame coming once). Both are drawn from a seed, so what happened once happens
 //! again.
 
+use linewright_random::mix;
+
 use crate::fault::{Orders, TROUBLE_INDEX};
 
 /// How bad the line of one device is.
@@ -56,7 +58,7 @@ impl Wire {
             return 1;
         }
         self.drawn += 1;
-        let chance = crate::plant::mix(self.faults.seed ^ crate::plant::mix(self.drawn)) % 1000;
+        let chance = mix(self.faults.seed ^ mix(self.drawn)) % 1000;
         let (lost, doubled) = (u64::from(lost), u64::from(self.faults.doubled));
         match chance {
             chance if chance < lost => 0,

@@ -121,18 +121,3 @@ async fn a_finger_on_the_console_reaches_the_manager() {
     until(&mut driver, Owner::Console, valid(1)).await;
     bench.plant.abort();
 }
-
-/// Not a limit but a figure, printed with `--nocapture`: from setting an output to seeing a switch let go of. The
-/// switch itself takes 0.2 ms, and the plant's timer up to 1 ms.
-#[tokio::test]
-async fn reaction() {
-    let bench = Bench::new();
-    let owner = Owner::Station(PRESS);
-    let mut driver = bench.driver(BusName::Line, LINE_BUS);
-    until(&mut driver, owner, valid(BACK)).await;
-    let start = bench.clock.now();
-    driver.set_outputs(owner, FORWARD);
-    until(&mut driver, owner, valid(0)).await;
-    println!("output to switch: {:?}", bench.clock.now().since(start));
-    bench.plant.abort();
-}

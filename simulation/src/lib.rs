@@ -61,7 +61,7 @@ pub use operator::{MotionSelection, NodeProcess, OperatorAction};
 pub use options::{Network, NetworkChange, SimOptions};
 pub use plan::{Circuit, EarliestSchedule, LinePlan, PlannedTimes};
 pub use record::{ArrowWait, FaultSeen, LastWait, MotionEnd, RecordedMotion, RunRecord};
-pub use rng::{Rng, mix};
+pub use rng::Rng;
 pub use run::{RunEnd, RunGoal, run};
 pub use scenario::Scenario;
 pub use script::{Failure, Script, ScriptAction, ScriptStep};

@@ -15,11 +15,11 @@ use std::time::Duration;
 
 use linewright_coordinator_logic::{ModeCommand, OutputImage, StationView};
 use linewright_line::{OpId, StationId, Tick};
+use linewright_random::stir;
 use linewright_station_logic::{ModeOrder, PanelCommand, StationReport};
 use linewright_station_shell::InputsMessage;
 
 use crate::options::Network;
-use crate::rng::mix;
 
 /// What a message carries.
 #[derive(Clone, Debug)]
@@ -130,7 +130,7 @@ impl Link {
         term: Duration,
         seed: u64,
     ) -> Self {
-        let key = mix(seed ^ mix((from as u64) << 32 | to as u64));
+        let key = stir(seed ^ stir((from as u64) << 32 | to as u64));
         Link {
             from,
             to,
@@ -204,7 +204,7 @@ impl Link {
     pub(crate) fn say_numbered(&mut self, now: Tick, network: &Network, number: u64, said: WholeMessage) {
         // An order that overtook the end of an emergency stop would cost another reset.
         let overtakes = network.best_effort && !matches!(said, WholeMessage::Order(_));
-        let key = mix(!self.key ^ mix(self.sent));
+        let key = stir(!self.key ^ stir(self.sent));
         let is_doubled = network.double_per_mille > 0 && key % 1000 < u64::from(network.double_per_mille);
         let mut way = || if overtakes { self.draw(now, network) } else { self.way(now, network) };
         let Some(arrives) = way() else { return };
@@ -255,12 +255,12 @@ impl Link {
         self.sent += 1;
         let mut arrives = now + network.delay;
         let loss = u64::from(network.loss_per_mille);
-        if self.is_cut || loss > 0 && mix(self.key ^ mix(self.sent)) % 1000 < loss {
+        if self.is_cut || loss > 0 && stir(self.key ^ stir(self.sent)) % 1000 < loss {
             return None;
         }
         let jitter = network.jitter.as_micros() as u64;
         if jitter > 0 {
-            let drawn = mix(self.key.rotate_left(32) ^ mix(self.sent)) % (jitter + 1);
+            let drawn = stir(self.key.rotate_left(32) ^ stir(self.sent)) % (jitter + 1);
             arrives = Tick::from_micros(arrives.as_micros() + drawn);
         }
         Some(arrives)

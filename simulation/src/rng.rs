@@ -1,12 +1,6 @@
-//! Random numbers that follow from a seed, the same on every machine.
+//! Delays and fingers that follow from a seed, the same on every machine.
 
-/// A number that follows from `seed` alone: the finaliser of SplitMix64, in which every bit of the input stirs every bit
-/// of the output.
-pub fn mix(seed: u64) -> u64 {
-    let z = (seed ^ (seed >> 30)).wrapping_mul(0xBF58_476D_1CE4_E5B9);
-    let z = (z ^ (z >> 27)).wrapping_mul(0x94D0_49BB_1331_11EB);
-    z ^ (z >> 31)
-}
+use linewright_random::mix;
 
 /// SplitMix64: small, fast, and good enough to choose delays and fingers.
 #[derive(Clone, Debug)]
@@ -24,8 +18,9 @@ impl Rng {
     /// The next number.
     #[allow(clippy::should_implement_trait)]
     pub fn next(&mut self) -> u64 {
+        let drawn = mix(self.0);
         self.0 = self.0.wrapping_add(0x9E37_79B9_7F4A_7C15);
-        mix(self.0)
+        drawn
     }
 
     /// A number below `bound`, which is above zero.

@@ -10,7 +10,7 @@
 //! The chart above and the table below are worked out by hand from the description's durations and arrows: they are
 //! what the line is measured against, so they use nothing of the code under test.
 
-use std::time::{Duration, Instant};
+use std::time::Duration;
 
 use linewright_coordinator_logic::ModeCommand;
 use linewright_line::Tick;
@@ -162,7 +162,7 @@ fn master_stop_halts_every_station_at_home_and_start_and_auto_go_on() {
 /// heard of that.
 #[test]
 fn master_stop_just_as_the_next_round_begins() {
-    for seed in 0..6 {
+    for seed in 0..3 {
         for micros in (0..2400).step_by(60) {
             let mut sim = Sim::new(&transfer_line(1.0), seed);
             sim.start_auto();
@@ -190,20 +190,4 @@ fn a_stop_taken_back_by_start_costs_nothing() {
     sim.order(ModeCommand::Start);
     sim.run_until_done("mill_1", "reset main slide", 5);
     assert_eq!(sim.mode(), Some(ControlMode::Auto));
-}
-
-/// Not asserted: a number for the log. Run with `--nocapture` to see it, with `--release` for what a soak gets.
-#[test]
-fn how_fast_virtual_time_runs() {
-    for (machines, scale) in [(1, 1.0), (1, 0.05), (4, 0.05)] {
-        let mut sim = Sim::new(&transfer_line_with(machines, scale), 1);
-        sim.start_auto();
-        let began = Instant::now();
-        for cycle in (10..=200).step_by(10) {
-            sim.run_until_done("mill_1", "reset main slide", cycle);
-        }
-        let cycles = 200.0 / began.elapsed().as_secs_f64();
-        let events = sim.events() / 200;
-        println!("{machines} machines, times x {scale}: {cycles:.0} cycles a second, {events} events a cycle");
-    }
 }

@@ -1,4 +1,4 @@
-//! The project's own commands: `cargo xtask test`, `tidy`, `bench`, `fuzz`.
+//! The project's own commands: `cargo xtask test`, `set-up`, `tidy`, `bench`, `fuzz`.
 //!
 //! They only start what anybody could start by hand, in the right order, and add up what it says. Nothing here is
 //! needed to build or to run a line, and there is nothing outside the standard library to download for it.
@@ -6,6 +6,7 @@
 mod bench;
 mod fuzz;
 mod part;
+mod setup;
 mod suite;
 mod tally;
 mod tidy;
@@ -18,6 +19,8 @@ usage: cargo xtask COMMAND
 
   test [--quick]     format, house rules, lints, all tests, documentation; ends with `N passed, N failed`
                      --quick: of the tests only those that need no socket, process or clock; no documentation
+                     fetches first what tests need of the machine: CAN sockets, foreign stacks (see set-up)
+  set-up             that alone: Debian packages, as root; Python packages, below the target directory
   tidy               the house rules alone
   bench [FILTER]...  every benchmark; what follows goes to the benchmarks
   fuzz TARGET SECS   description or pnml: inputs that nobody would write (nightly toolchain, cargo install cargo-fuzz)";
@@ -29,6 +32,11 @@ fn main() -> ExitCode {
     let good = match words[..] {
         ["test"] => suite::run(&root, suite::Extent::Everything),
         ["test", "--quick"] => suite::run(&root, suite::Extent::Quick),
+        ["set-up"] => {
+            let setup = setup::run(&root);
+            setup.missing.iter().for_each(|missing| println!("set-up: {missing}"));
+            setup.missing.is_empty()
+        }
         ["tidy"] => tidy::run(&root),
         ["bench", ref rest @ ..] => bench::run(&root, rest),
         ["fuzz", target, seconds] => fuzz::run(&root, target, seconds),

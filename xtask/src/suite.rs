@@ -1,13 +1,15 @@
-//! `cargo xtask test`: everything a change has to pass, cheapest first.
+//! `cargo xtask test`: everything a change has to pass.
 //!
 //! No part stops at another's failure, so that one run tells all. Format, house rules, lints and documentation count
-//! as one test each in the sum.
+//! as one test each in the sum. What runs beside something else is printed whole when it has ended.
 
 use std::path::Path;
 use std::process::Command;
+use std::thread;
 use std::time::Instant;
 
-use crate::part::{Stream, cargo, lines};
+use crate::part::{cargo, lines};
+use crate::setup::{self, Setup};
 use crate::tally::Tally;
 use crate::tidy;
 
@@ -26,27 +28,9 @@ const SKIPPED: i32 = 77;
 /// Runs the parts and prints the sum; true if nothing failed.
 pub fn run(root: &Path, extent: Extent) -> bool {
     let mut tally = Tally::default();
-    one(&mut tally, "format", cargo(root, &["fmt", "--all", "--check"]));
-    house_rules(&mut tally, root);
-    let clippy = ["clippy", "--workspace", "--all-targets", "--keep-going", "--quiet", "--", "-D", "warnings"];
-    one(&mut tally, "lints", cargo(root, &clippy));
     match extent {
-        Extent::Everything => {
-            let args = ["test", "--workspace", "--no-fail-fast", "--", "--show-output"];
-            let programs = tests(&mut tally, cargo(root, &args));
-            vcan(&mut tally, root, &programs);
-            let mut doc = cargo(root, &["doc", "--workspace", "--no-deps", "--quiet"]);
-            doc.env("RUSTDOCFLAGS", "-D warnings");
-            one(&mut tally, "documentation", doc);
-        }
-        Extent::Quick => {
-            let mut args = vec!["test", "--no-fail-fast"];
-            let names = tidy::PURE.iter().chain(&["linewright-msgs", "xtask"]);
-            args.extend(names.flat_map(|name| ["--package", name]));
-            args.extend(["--", "--show-output"]);
-            tests(&mut tally, cargo(root, &args));
-            tally.skip("SKIPPED tests of the crates with sockets and processes, and documentation: --quick");
-        }
+        Extent::Everything => everything(root, &mut tally),
+        Extent::Quick => quick(root, &mut tally),
     }
     println!();
     tally.skipped.iter().for_each(|skipped| println!("{skipped}"));
@@ -54,9 +38,116 @@ pub fn run(root: &Path, extent: Extent) -> bool {
     tally.failed == 0
 }
 
-fn house_rules(tally: &mut Tally, root: &Path) {
+fn everything(root: &Path, tally: &mut Tally) {
+    // While packages are fetched, the rest is built.
+    let (setup, programs) = thread::scope(|scope| {
+        let setup = scope.spawn(|| setup::run(root));
+        format_and_rules(root, tally);
+        let programs = build(root);
+        (setup.join().unwrap_or_default(), programs)
+    });
+    heading("set-up");
+    setup.missing.iter().for_each(|missing| tally.skip(&format!("SKIPPED what needs it: {missing}")));
+    println!("set-up: {}", if setup.missing.is_empty() { "all there" } else { "not all is to be had, see the end" });
+
+    // Lines of processes and guests with CAN sockets mostly wait, and are patient; what computes runs beside them.
+    let beside = thread::scope(|scope| {
+        let beside = scope.spawn(|| {
+            let mut stage = Stage::default();
+            processes(root, &setup, &mut stage);
+            vcan(root, &programs, &setup, &mut stage);
+            stage
+        });
+        let mut command = cargo(root, &["test", "--workspace", "--no-fail-fast", "--", "--show-output"]);
+        setup.apply(command.args(["--skip", PROCESSES]));
+        tests(tally, command);
+        lints(root, tally);
+        let mut doc = cargo(root, &["doc", "--workspace", "--no-deps", "--quiet"]);
+        doc.env("RUSTDOCFLAGS", "-D warnings");
+        one(tally, "documentation", doc);
+        beside.join()
+    });
+    match beside {
+        Ok(stage) => {
+            stage.shown.iter().for_each(|line| println!("{line}"));
+            tally.add(stage.tally);
+        }
+        Err(_) => tally.failed += 1,
+    }
+}
+
+/// What ran beside something else, to be printed when it has ended.
+#[derive(Default)]
+struct Stage {
+    shown: Vec<String>,
+    tally: Tally,
+}
+
+/// The module with the tests that start lines of processes.
+const PROCESSES: &str = "processes::";
+
+/// The same programs hold other tests too, so the module is named; in a program without that module there is nothing to run.
+fn processes(root: &Path, setup: &Setup, stage: &mut Stage) {
+    stage.shown.push("\n== tests of lines of processes".to_owned());
+    let start = Instant::now();
+    let args = ["test", "--workspace", "--no-fail-fast", "--test", "all", "--", "--show-output", PROCESSES];
+    let mut command = cargo(root, &args);
+    setup.apply(&mut command);
+    let Stage { shown, tally } = stage;
+    let ended = lines(command, |stream, line| {
+        let is_empty = line.contains("test result: ok. 0 passed") || line.trim_start().starts_with("Running ");
+        if tally.read(stream, line) && !is_empty {
+            shown.push(line.to_owned());
+        }
+    });
+    if !matches!(ended, Ok(Some(0))) && tally.failed == 0 {
+        tally.failed += 1;
+        shown.push(format!("tests of lines of processes: FAILED ({})", how(&ended)));
+    }
+    shown.push(format!("tests of lines of processes: {:.0?}", start.elapsed()));
+}
+
+fn quick(root: &Path, tally: &mut Tally) {
+    format_and_rules(root, tally);
+    lints(root, tally);
+    let mut args = vec!["test", "--no-fail-fast"];
+    let names = tidy::PURE.iter().chain(&["linewright-msgs", "xtask"]);
+    args.extend(names.flat_map(|name| ["--package", name]));
+    args.extend(["--", "--show-output"]);
+    let mut command = cargo(root, &args);
+    setup::find(root).apply(&mut command);
+    tests(tally, command);
+    tally.skip("SKIPPED tests of the crates with sockets and processes, and documentation: --quick");
+}
+
+fn format_and_rules(root: &Path, tally: &mut Tally) {
+    one(tally, "format", cargo(root, &["fmt", "--all", "--check"]));
     heading("house rules");
     if tidy::run(root) { tally.passed += 1 } else { tally.failed += 1 }
+}
+
+fn lints(root: &Path, tally: &mut Tally) {
+    let clippy = ["clippy", "--workspace", "--all-targets", "--keep-going", "--quiet", "--", "-D", "warnings"];
+    one(tally, "lints", cargo(root, &clippy));
+}
+
+/// Builds all tests; what does not build is counted when they are run. Gives cargo's lines that name the programs.
+fn build(root: &Path) -> Vec<String> {
+    heading("build");
+    let start = Instant::now();
+    let mut programs = Vec::new();
+    let ended = lines(cargo(root, &["test", "--workspace", "--no-run"]), |_, line| {
+        if line.trim_start().starts_with("Executable ") {
+            programs.push(line.to_owned());
+        } else if !line.trim_start().starts_with("Compiling ") {
+            println!("{line}");
+        }
+    });
+    match ended {
+        Ok(Some(0)) => println!("build: ok, {:.0?}", start.elapsed()),
+        ended => println!("build: FAILED ({})", how(&ended)),
+    }
+    programs
 }
 
 /// A program that passes or fails as a whole.
@@ -75,18 +166,14 @@ fn one(tally: &mut Tally, name: &str, command: Command) {
     }
 }
 
-/// Cargo's tests, which are counted one by one. Gives cargo's lines that say which program it starts.
-fn tests(tally: &mut Tally, command: Command) -> Vec<String> {
+/// Cargo's tests, which are counted one by one.
+fn tests(tally: &mut Tally, command: Command) {
     heading("tests");
     let start = Instant::now();
     let failed_before = tally.failed;
-    let mut programs = Vec::new();
     let ended = lines(command, |stream, line| {
         if tally.read(stream, line) {
             println!("{line}");
-        }
-        if stream == Stream::Err && line.trim_start().starts_with("Running ") {
-            programs.push(line.to_owned());
         }
     });
     if !matches!(ended, Ok(Some(0))) && tally.failed == failed_before {
@@ -95,36 +182,38 @@ fn tests(tally: &mut Tally, command: Command) -> Vec<String> {
         println!("tests: FAILED ({})", how(&ended));
     }
     println!("tests: {:.0?}", start.elapsed());
-    programs
 }
 
 /// The tests that want real CAN sockets: the bus itself, SDO against Python's `canopen`, and whole programs.
 const ON_VCAN: [&str; 3] = ["tests/vcan.rs", "tests/sdo_python.rs", "tests/real_bus/main.rs"];
 
 /// The CAN tests on real sockets, in a kernel of their own where this one has no CAN.
-fn vcan(tally: &mut Tally, root: &Path, programs: &[String]) {
+fn vcan(root: &Path, programs: &[String], setup: &Setup, stage: &mut Stage) {
     if Path::new("/sys/class/net/vcan0").exists() {
         return;
     }
     for test in ON_VCAN {
-        heading(&format!("CAN sockets in a user-mode Linux: {test}"));
+        let start = Instant::now();
+        stage.shown.push(format!("\n== CAN sockets in a user-mode Linux: {test}"));
         match programs.iter().find_map(|line| program_of(line, test)) {
-            Some(program) => in_user_mode_linux(tally, root, program),
-            None => tally.skip(&format!("SKIPPED {test} in a user-mode Linux: it was not built")),
+            Some(program) => in_user_mode_linux(root, program, setup, stage),
+            None => stage.tally.skip(&format!("SKIPPED {test} in a user-mode Linux: it was not built")),
         }
+        stage.shown.push(format!("{test}: {:.0?}", start.elapsed()));
     }
 }
 
 /// It is given the program that has just been built: built by itself, the crate would have other features, and with them
 /// most of its dependencies once more.
-fn in_user_mode_linux(tally: &mut Tally, root: &Path, program: &str) {
+fn in_user_mode_linux(root: &Path, program: &str, setup: &Setup, Stage { shown, tally }: &mut Stage) {
     const SCRIPT: &str = "fieldbus/tests/vcan_uml.sh";
     let mut command = Command::new("sh");
     command.current_dir(root).args([SCRIPT, program]);
+    setup.apply(&mut command);
     let failed_before = tally.failed;
     let ended = lines(command, |stream, line| {
         if tally.read(stream, line) {
-            println!("{line}");
+            shown.push(line.to_owned());
         }
     });
     match ended {
@@ -132,15 +221,15 @@ fn in_user_mode_linux(tally: &mut Tally, root: &Path, program: &str) {
         Ok(Some(SKIPPED)) => tally.skip(&format!("SKIPPED {SCRIPT}: see above")),
         ended if tally.failed == failed_before => {
             tally.failed += 1;
-            println!("{SCRIPT}: FAILED ({})", how(&ended));
+            shown.push(format!("{SCRIPT}: FAILED ({})", how(&ended)));
         }
         _ => {}
     }
 }
 
-/// The program in a line like `     Running tests/vcan.rs (target/debug/deps/vcan-0123)`.
+/// The program in a line like `  Executable tests/vcan.rs (target/debug/deps/vcan-0123)`.
 fn program_of<'a>(line: &'a str, test: &str) -> Option<&'a str> {
-    line.trim_start().strip_prefix("Running ")?.strip_prefix(test)?.strip_prefix(" (")?.strip_suffix(')')
+    line.trim_start().strip_prefix("Executable ")?.strip_prefix(test)?.strip_prefix(" (")?.strip_suffix(')')
 }
 
 fn heading(name: &str) {
@@ -159,7 +248,7 @@ fn how(ended: &std::io::Result<Option<i32>>) -> String {
 mod tests {
     #[test]
     fn the_program_of_a_test_is_found_in_what_cargo_says() {
-        let line = "     Running tests/vcan.rs (target/debug/deps/vcan-0123)";
+        let line = "  Executable tests/vcan.rs (target/debug/deps/vcan-0123)";
         assert_eq!(super::program_of(line, "tests/vcan.rs"), Some("target/debug/deps/vcan-0123"));
         assert_eq!(super::program_of(line, "tests/other.rs"), None);
     }

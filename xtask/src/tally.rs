@@ -48,6 +48,13 @@ impl Tally {
         !self.in_successes && !is_noise
     }
 
+    /// Adds what was counted elsewhere.
+    pub fn add(&mut self, other: Self) {
+        self.passed += other.passed;
+        self.failed += other.failed;
+        other.skipped.iter().for_each(|what| self.skip(what));
+    }
+
     /// Notes something that was not tested; once, however often it is said.
     pub fn skip(&mut self, what: &str) {
         if !self.skipped.iter().any(|known| known == what) {

@@ -1,4 +1,4 @@
-//! A mechanism of each station fails in auto, one after the other, and is recovered at its panel.
+//! A mechanism fails in auto and is recovered at its panel.
 //!
 //! ```text
 //!   auto ── fault ──▶ its actuator off ── others finish ──▶ stand-by ── manual, advance ──▶ auto
@@ -10,54 +10,34 @@ use crate::support::operator::{Operator, STATIONS};
 use crate::support::pause;
 use crate::support::rig::{Rig, line};
 
-/// Whose operation, which output drives it, and how it fails: by an SDO frame in the middle of its motion (3 breaks), or
-/// by the command beforehand.
-const FAULTS: [(&str, &str, &str, Option<u8>); 3] = [
-    ("transfer", "advance transfer", "advance", Some(3)),
-    ("clamp_1", "advance clamp", "close", None),
-    ("mill_1", "feed main slide", "feed", Some(3)),
-];
-
 #[test]
-fn a_fault_in_each_station_stops_it_and_the_line_is_recovered_by_topics() {
+fn a_fault_stops_its_station_and_the_line_is_recovered_by_topics() {
+    let (station, operation, output) = ("mill_1", "feed main slide", "feed");
     let mut rig = Rig::new(&line(0.3));
     let operator = rig.in_stand_by();
     let counted_before = operator.counts();
     operator.order("auto", StationState::MODE_AUTO);
-    for (station, operation, output, code) in FAULTS {
-        operator.cycles(1);
-        fails(&rig, &operator, station, operation, output, code);
-        the_others_finish_and_nothing_starts(&rig, &operator, station, operation);
-        let refusal = operator.refused("auto");
-        assert!(refusal.contains(&format!("{station} has an incomplete operation")), "{refusal}");
-        rig.fail(station, operation, "clear");
-        if station == "mill_1" { by_its_selector(&operator, station) } else { operator.recover() }
-    }
-    operator.cycles(2);
-    operator.go_home();
-    counts_are_what_was_seen(&rig, &operator, &counted_before);
-    rig.signal("INT");
-    let (code, report) = rig.ended();
-    assert_eq!(code, 0, "{report}");
-    for station in STATIONS {
-        assert_eq!(report["stations"][station]["faults"], 1, "{report}");
-    }
-    assert_eq!(rig.eye.seen().conflicts(), [""; 0]);
-}
-
-fn fails(rig: &Rig, operator: &Operator, station: &str, operation: &str, output: &str, code: Option<u8>) {
-    match code {
-        Some(code) => {
-            rig.eye.wait("off", |seen| !seen.output(station, output));
-            rig.eye.wait(operation, |seen| seen.output(station, output));
-            rig.fault(station, operation, code);
-        }
-        None => rig.fail(station, operation, "stick"),
-    }
+    operator.cycles(1);
+    // It breaks in the middle of its motion.
+    rig.eye.wait("off", |seen| !seen.output(station, output));
+    rig.eye.wait(operation, |seen| seen.output(station, output));
+    rig.fault(station, operation, 3);
     let is_it = |event: &StationEvent| event.kind == StationEvent::KIND_FAULT && event.operation == operation;
     operator.wait(&format!("{operation} fails"), |heard| heard.events.iter().any(is_it));
     rig.eye.wait("its actuator is off", |seen| !seen.output(station, output));
     operator.wait("the station says what is wrong", |heard| !heard.station(station).fault.is_empty());
+    the_others_finish_and_nothing_starts(&rig, &operator, station, operation);
+    let refusal = operator.refused("auto");
+    assert!(refusal.contains(&format!("{station} has an incomplete operation")), "{refusal}");
+    rig.fail(station, operation, "clear");
+    by_its_selector(&operator, station);
+    operator.cycles(1);
+    operator.go_home();
+    counts_are_what_was_seen(&rig, &operator, &counted_before);
+    rig.signal("INT");
+    let (code, report) = rig.ended();
+    assert_eq!((code, &report["stations"][station]["faults"]), (0, &1.into()), "{report}");
+    assert_eq!(rig.eye.seen().conflicts(), [""; 0]);
 }
 
 fn the_others_finish_and_nothing_starts(rig: &Rig, operator: &Operator, station: &str, operation: &str) {

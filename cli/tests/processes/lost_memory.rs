@@ -1,8 +1,6 @@
 //! A station is killed, and its journal is gone when it comes back.
 //!
 //! ```text
-//!   transfer ── lifted, advances ──────────────────────────────▶ stands lifted      led home ──▶
-//!   clamp_1  ── open ── ✝ no journal ── comes back ── open, auto refused ── manual ── led home ──▶ auto
 //!   clamp_1  ── closed ── ✝ no journal ── comes back ── rejoin: it is closed ── manual ── led home ──▶ auto
 //! ```
 
@@ -13,17 +11,10 @@ use crate::support::pause;
 use crate::support::rig::{Rig, line};
 
 #[test]
-fn a_clamp_without_its_memory_does_not_close_under_the_bar_and_is_led_back() {
+fn a_clamp_without_its_memory_does_not_move_and_is_led_back() {
     let mut rig = Rig::new(&line(1.0));
     let operator = rig.in_auto();
-    // Two cycles are over: counts that began at home again look as if all were done.
-    operator.cycles(2);
-    rig.eye.wait("the bar is lifted and advances", |seen| seen.output("transfer", "advance"));
-    let started = loses_its_memory(&rig, &operator);
-    assert!(rig.eye.seen().input("clamp_1", "LS_open"));
-    refused(&rig, &operator, started);
-    lead_home(&operator);
-
+    operator.cycles(1);
     rig.eye.wait("the clamp is closed and the mill works", |seen| seen.output("mill_1", "feed"));
     let started = loses_its_memory(&rig, &operator);
     assert!(rig.eye.seen().input("clamp_1", "LS_closed"));
@@ -38,45 +29,6 @@ fn a_clamp_without_its_memory_does_not_close_under_the_bar_and_is_led_back() {
     operator.cycles(1);
     operator.go_home();
     assert_eq!(rig.eye.seen().conflicts(), [""; 0]);
-}
-
-#[test]
-fn in_hand_and_manual_it_does_not_close_under_the_bar_either() {
-    let mut rig = Rig::new(&line(1.0));
-    let operator = rig.in_stand_by();
-    operator.order("hand", StationState::MODE_HAND);
-    let up = operator.hold_buttons("PB_2");
-    rig.eye.wait("the bar is up", |seen| seen.input("transfer", "LS_vertical_200"));
-    drop(up);
-    let started = loses_its_memory(&rig, &operator);
-    let close = operator.hold_buttons("PB_5");
-    pause(1000);
-    drop(close);
-    operator.order("manual", StationState::MODE_MANUAL);
-    does_not_close(&rig, &operator, started);
-    operator.lead_home();
-
-    for _ in 0..4 {
-        assert!(operator.jog("transfer", "advance"), "{}", operator.picture());
-    }
-    rig.eye.wait("the bar is up", |seen| seen.input("transfer", "LS_vertical_200"));
-    let started = loses_its_memory(&rig, &operator);
-    operator.order("manual", StationState::MODE_MANUAL);
-    does_not_close(&rig, &operator, started);
-    lead_home(&operator);
-    operator.cycles(1);
-    assert_eq!(rig.eye.seen().conflicts(), [""; 0]);
-}
-
-/// The clamp's panel closes nothing under the bar, and the reason is the bar's switch.
-fn does_not_close(rig: &Rig, operator: &Operator, started: usize) {
-    for _ in 0..2 {
-        assert!(!operator.jog("clamp_1", "advance"), "{}", operator.picture());
-    }
-    let why = operator.station("clamp_1").blocked_by;
-    assert!(why.iter().any(|why| why.contains("LS_vertical_0")), "{why:?}");
-    let seen = rig.eye.seen();
-    assert!(!seen.starts()[started..].iter().any(|start| start.what.starts_with("clamp_1")), "{:?}", seen.starts());
 }
 
 /// The clamp is killed without its journal and comes back; gives what had started before.

@@ -2,7 +2,7 @@
 //!
 //! The inner rings prove the decisions, in virtual time and by the million. Here a few scenarios are played once each,
 //! with everything real that can be: the command as a user starts it, one process per node, signals, sockets, files.
-//! What they look for is what only the joints can get wrong. Every assertion is made from outside, from the frames on
+//! What they look for is what only the joints can get wrong: each behaviour is met once, however much there is to it further in. Every assertion is made from outside, from the frames on
 //! the bus and the topics of ROS 2.
 //!
 //! No test asserts a speed: the machine may be busy with other things.
@@ -20,7 +20,6 @@ mod kills;
 mod lost_memory;
 mod other_devices;
 mod outputs;
-mod panels;
 mod remaps;
 mod rubbish;
 mod rubbish_senders;

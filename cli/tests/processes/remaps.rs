@@ -23,7 +23,7 @@ fn a_line_in_another_namespace_is_operated_there() {
     assert!(!nobody.status.success(), "nobody is in the line's own namespace: {nobody:?}");
 
     operator.order("auto", StationState::MODE_AUTO);
-    operator.cycles(2);
+    operator.cycles(1);
     operator.go_home();
     rig.signal("INT");
     let (code, report) = rig.ended();

@@ -339,31 +339,22 @@ fn take(notes: &Mutex<Heard>, newest: &mut Newest, sizes: &[(&str, usize)], said
 
 /// A finger on a button; lifted when dropped.
 pub struct Finger {
-    /// Says nothing while set: the network of this finger is interrupted.
-    mute: Arc<AtomicBool>,
     lift: Arc<AtomicBool>,
     thread: Option<JoinHandle<()>>,
 }
 
 impl Finger {
     fn on(say: impl Fn(bool) + Send + 'static) -> Self {
-        let (mute, lift) = (Arc::new(AtomicBool::new(false)), Arc::new(AtomicBool::new(false)));
-        let (muted, lifted) = (mute.clone(), lift.clone());
+        let lift = Arc::new(AtomicBool::new(false));
+        let lifted = lift.clone();
         let thread = std::thread::spawn(move || {
             while !lifted.load(Ordering::Relaxed) {
-                if !muted.load(Ordering::Relaxed) {
-                    say(true);
-                }
+                say(true);
                 std::thread::sleep(REFRESH);
             }
             say(false);
         });
-        Finger { mute, lift, thread: Some(thread) }
-    }
-
-    /// Interrupts what the button says, or lets it through again. The finger stays where it is.
-    pub fn mute(&self, mute: bool) {
-        self.mute.store(mute, Ordering::Relaxed);
+        Finger { lift, thread: Some(thread) }
     }
 }
 

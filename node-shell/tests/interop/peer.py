@@ -51,7 +51,9 @@ class StationState_(IdlStruct, typename="linewright_msgs::msg::dds_::StationStat
     sequence: uint64
     station: str
     mode_epoch: uint64
+    coordinator_boot_id: uint64
     mode: uint8
+    generation: uint64
     cycle: int32
     done: sequence[int32]
     started: sequence[int32]
@@ -62,6 +64,9 @@ class StationState_(IdlStruct, typename="linewright_msgs::msg::dds_::StationStat
     stopped: bool
     selector_manual: bool
     devices_valid: bool
+    measured: sequence[uint8, 16]
+    measured_age_ms: uint32
+    position_lost: bool
     incomplete: sequence[uint16]
     operation: str
     fault: str

@@ -14,6 +14,7 @@ use linewright_fieldbus::manager::Outbox;
 use linewright_fieldbus::{Event, Frame, Manager, Message};
 use linewright_line::{Bus, Console, Device, Handling, InputId, Line, OutputId, Owner, Setup, Tick, Timing};
 use linewright_plant::{PlantOptions, Rack};
+use linewright_random::Random;
 
 pub use latency::Report;
 
@@ -35,14 +36,6 @@ fn time(frame: &Frame) -> Duration {
     BIT * (stuffed + (stuffed - 1) / 4 + rest)
 }
 
-/// A number that follows from the last one (SplitMix64).
-fn random(state: &mut u64) -> u64 {
-    *state = state.wrapping_add(0x9E37_79B9_7F4A_7C15);
-    let mut z = (*state ^ (*state >> 30)).wrapping_mul(0xBF58_476D_1CE4_E5B9);
-    z = (z ^ (z >> 27)).wrapping_mul(0x94D0_49BB_1331_11EB);
-    z ^ (z >> 31)
-}
-
 /// What others send: so much that the bus is busy with it for nine tenths of the time.
 pub struct Foreign {
     ids: Vec<u16>,
@@ -50,7 +43,7 @@ pub struct Foreign {
     at_once: usize,
     next: Tick,
     turn: usize,
-    seed: u64,
+    random: Random,
     queues: Vec<VecDeque<Frame>>,
 }
 
@@ -62,7 +55,14 @@ impl Foreign {
 
     /// One after the other.
     pub fn steady(ids: Vec<u16>) -> Self {
-        Foreign { at_once: 1, next: Tick::ZERO, turn: 0, seed: 7, queues: vec![VecDeque::new(); ids.len()], ids }
+        Foreign {
+            at_once: 1,
+            next: Tick::ZERO,
+            turn: 0,
+            random: Random::new(7),
+            queues: vec![VecDeque::new(); ids.len()],
+            ids,
+        }
     }
 
     /// Ten at once, then a pause.
@@ -75,15 +75,15 @@ impl Foreign {
         while !self.ids.is_empty() && self.next <= now {
             let mut takes = Duration::ZERO;
             for _ in 0..self.at_once {
-                let len = if random(&mut self.seed).is_multiple_of(4) { 4 } else { 8 };
-                let data = random(&mut self.seed).to_le_bytes();
+                let len = if self.random.next().is_multiple_of(4) { 4 } else { 8 };
+                let data = self.random.next().to_le_bytes();
                 let frame = Frame::data_frame(self.ids[self.turn], &data[..len]).expect("11 bits, 8 bytes");
                 takes += time(&frame);
                 self.queues[self.turn].push_back(frame);
                 self.turn = (self.turn + 1) % self.ids.len();
             }
             // A tenth around the mean, so that it is in step with nobody.
-            let permille = 1110 * (900 + random(&mut self.seed) % 201) / 1000;
+            let permille = 1110 * (900 + self.random.next() % 201) / 1000;
             self.next = self.next + takes * permille as u32 / 1000;
         }
     }
@@ -119,7 +119,7 @@ pub struct Wire {
     outputs: Vec<Counter>,
     up: usize,
     swallow: u64,
-    seed: u64,
+    random: Random,
     report: Report,
 }
 
@@ -141,7 +141,7 @@ impl Wire {
             outputs: counters(),
             up: 0,
             swallow: u64::MAX,
-            seed: 1,
+            random: Random::new(1),
             report: Report::default(),
         }
     }
@@ -163,9 +163,9 @@ impl Wire {
         }
         self.report = Report { up_after: self.report.up_after, ..Report::default() };
         for at in 0..usize::from(DEVICES) {
-            let later = |seed: &mut u64| self.now + Duration::from_micros(random(seed) % 20_000);
-            self.inputs[at].next = later(&mut self.seed);
-            self.outputs[at].next = later(&mut self.seed);
+            let later = |random: &mut Random| self.now + Duration::from_micros(random.next() % 20_000);
+            self.inputs[at].next = later(&mut self.random);
+            self.outputs[at].next = later(&mut self.random);
         }
     }
 
@@ -214,7 +214,7 @@ impl Wire {
         counter.value = counter.value.wrapping_add(1);
         // Its own moment, in the middle of somebody's frame: that it takes part only when that has ended is the bus.
         counter.changed = counter.next;
-        counter.next = counter.next + Duration::from_micros(40_000 + random(&mut self.seed) % 100_000);
+        counter.next = counter.next + Duration::from_micros(40_000 + self.random.next() % 100_000);
         counter.value
     }
 
@@ -257,7 +257,7 @@ impl Wire {
         } else {
             self.report.own += takes;
             let process_data = frame.cob_id().is_some_and(|id| (0x180..0x280).contains(&id));
-            if process_data && random(&mut self.seed).is_multiple_of(self.swallow) {
+            if process_data && self.random.next().is_multiple_of(self.swallow) {
                 return;
             }
         }

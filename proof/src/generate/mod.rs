@@ -11,7 +11,6 @@ mod arrows;
 mod breakage;
 mod cell;
 mod on_order;
-mod random;
 mod station;
 mod text;
 
@@ -21,8 +20,8 @@ use linewright_line::{Bus, Console, Device, Handling, Line, Owner, Station, Stat
 
 pub use breakage::{Breakage, break_it, breakages, without_literal};
 pub use cell::{CellShape, cell};
+pub use linewright_random::Random;
 pub use on_order::on_order;
-pub use random::Random;
 pub use text::text;
 
 /// The kind of lines to generate. Chances are in percent.

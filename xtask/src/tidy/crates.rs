@@ -1,12 +1,14 @@
 //! Rules about crates: which way they depend on each other, what the pure ones do without, and that all share lints.
 
+use std::collections::BTreeMap;
 use std::path::Path;
 
 use super::Member;
 use crate::part::{Stream, cargo, lines};
 
 /// Crates that decide and never act: called with the time and their inputs, they return outputs.
-pub const PURE: [&str; 16] = [
+pub const PURE: [&str; 17] = [
+    "linewright-random",
     "linewright-nets",
     "linewright-diagnostics",
     "linewright-text",
@@ -43,7 +45,8 @@ const FORBIDDEN: [&str; 9] = [
 ];
 
 /// For each crate, those of the workspace it may build on. Dependencies point one way; a new crate gets a row here.
-const MAY_USE: [(&str, &[&str]); 27] = [
+const MAY_USE: [(&str, &[&str]); 28] = [
+    ("linewright-random", &[]),
     ("linewright-nets", &[]),
     ("linewright-diagnostics", &[]),
     ("linewright-text", &["linewright-diagnostics"]),
@@ -53,10 +56,13 @@ const MAY_USE: [(&str, &[&str]); 27] = [
     ("linewright-cell", &["linewright-nets", "linewright-text", "linewright-line"]),
     ("linewright-dbc", &["linewright-line"]),
     ("linewright-orders", &["linewright-line"]),
-    ("linewright-station-logic", &["linewright-nets", "linewright-line", "linewright-orders"]),
+    ("linewright-station-logic", &["linewright-line", "linewright-orders"]),
     ("linewright-station-shell", &["linewright-line", "linewright-station-logic"]),
-    ("linewright-coordinator-logic", &["linewright-nets", "linewright-line"]),
-    ("linewright-coordinator-cell", &["linewright-nets", "linewright-line", "linewright-orders", "linewright-cell"]),
+    ("linewright-coordinator-logic", &["linewright-random", "linewright-nets", "linewright-line"]),
+    (
+        "linewright-coordinator-cell",
+        &["linewright-nets", "linewright-line", "linewright-orders", "linewright-cell", "linewright-random"],
+    ),
     (
         "linewright-coordinator-shell",
         &[
@@ -71,11 +77,12 @@ const MAY_USE: [(&str, &[&str]); 27] = [
     ("linewright-history", &["linewright-line", "linewright-coordinator-cell"]),
     ("linewright-msgs", &[]),
     ("linewright-node-shell", &["linewright-msgs"]),
-    ("linewright-fieldbus", &["linewright-line", "linewright-eds", "linewright-dbc"]),
-    ("linewright-plant", &["linewright-line", "linewright-eds", "linewright-dbc", "linewright-fieldbus"]),
+    ("linewright-fieldbus", &["linewright-line"]),
+    ("linewright-plant", &["linewright-random", "linewright-line", "linewright-fieldbus"]),
     (
         "linewright-proof",
         &[
+            "linewright-random",
             "linewright-nets",
             "linewright-line",
             "linewright-orders",
@@ -90,6 +97,7 @@ const MAY_USE: [(&str, &[&str]); 27] = [
     (
         "linewright-simulation",
         &[
+            "linewright-random",
             "linewright-text",
             "linewright-line",
             "linewright-orders",
@@ -141,6 +149,7 @@ const MAY_USE: [(&str, &[&str]); 27] = [
 
 /// Whatever is not a top itself.
 const EVERYTHING: &[&str] = &[
+    "linewright-random",
     "linewright-nets",
     "linewright-diagnostics",
     "linewright-text",
@@ -172,23 +181,24 @@ const TOPS: [&str; 3] = ["linewright", "linewright-tests", "xtask"];
 /// Checks every crate.
 pub fn check(root: &Path, members: &[Member]) -> Vec<String> {
     let mut findings = Vec::new();
+    let names: Vec<&str> = members.iter().map(|m| m.name.as_str()).collect();
+    let builds_on = direct(root, "normal").unwrap_or_else(|error| noted(error, &mut findings));
+    let has_in_tests = direct(root, "normal,dev,build").unwrap_or_else(|error| noted(error, &mut findings));
     for member in members {
         if !inherits_lints(&member.manifest) {
             findings.push(format!("{}: does not inherit the lints; add `[lints] workspace = true`", member.name));
         }
-        let names: Vec<&str> = members.iter().map(|m| m.name.as_str()).collect();
-        match tree(root, &member.name, &["--edges", "normal", "--depth", "1"]) {
-            Ok(direct) => findings.extend(direction(&member.name, &direct, &names)),
-            Err(error) => findings.push(error),
+        if let Some(direct) = builds_on.get(&member.name) {
+            findings.extend(direction(&member.name, direct, &names));
         }
-        match tree(root, &member.name, &["--edges", "normal,dev,build", "--depth", "1"]) {
-            Ok(direct) => findings.extend(tops(&member.name, &direct)),
-            Err(error) => findings.push(error),
+        if let Some(direct) = has_in_tests.get(&member.name) {
+            findings.extend(tops(&member.name, direct));
         }
         let is_pure = PURE.contains(&member.name.as_str());
         if is_pure || member.name == "linewright-msgs" {
-            match tree(root, &member.name, &["--edges", "normal"]) {
-                Ok(all) => findings.extend(purity(&member.name, &all)),
+            // By itself: beside others it might have features that it does not ask for.
+            match tree(root, &["--package", &member.name, "--edges", "normal", "--prefix", "none"]) {
+                Ok(all) => findings.extend(purity(&member.name, &all[1..])),
                 Err(error) => findings.push(error),
             }
         }
@@ -199,9 +209,32 @@ pub fn check(root: &Path, members: &[Member]) -> Vec<String> {
     findings
 }
 
-/// The names of the crates that `name` depends on, itself excluded.
-fn tree(root: &Path, name: &str, args: &[&str]) -> Result<Vec<String>, String> {
-    let mut all = vec!["tree", "--quiet", "--package", name, "--prefix", "none", "--format", "{p}"];
+fn noted(error: String, findings: &mut Vec<String>) -> BTreeMap<String, Vec<String>> {
+    findings.push(error);
+    BTreeMap::new()
+}
+
+/// What each crate of the workspace depends on itself, by edges of these kinds.
+fn direct(root: &Path, edges: &str) -> Result<BTreeMap<String, Vec<String>>, String> {
+    let lines = tree(root, &["--workspace", "--edges", edges, "--prefix", "depth", "--depth", "1", "--no-dedupe"])?;
+    let mut all: BTreeMap<String, Vec<String>> = BTreeMap::new();
+    let mut of = String::new();
+    for line in lines {
+        match line.split_at_checked(1) {
+            Some(("0", name)) => {
+                all.insert(name.to_owned(), Vec::new());
+                of = name.to_owned();
+            }
+            Some((_, name)) => all.entry(of.clone()).or_default().push(name.to_owned()),
+            None => {}
+        }
+    }
+    Ok(all)
+}
+
+/// The names in a tree of dependencies, after what stands before each.
+fn tree(root: &Path, args: &[&str]) -> Result<Vec<String>, String> {
+    let mut all = vec!["tree", "--quiet", "--format", "{p}"];
     all.extend(args);
     let (mut found, mut said) = (Vec::new(), String::new());
     let ended = lines(cargo(root, &all), |stream, line| match stream {
@@ -209,13 +242,11 @@ fn tree(root: &Path, name: &str, args: &[&str]) -> Result<Vec<String>, String> {
         Stream::Err => said = line.to_owned(),
     });
     match ended {
-        Ok(Some(0)) => {
-            found.retain(|found| found != name && !found.starts_with('['));
-            found.sort();
-            found.dedup();
+        Ok(Some(0)) if !found.is_empty() => {
+            found.retain(|found| !found.starts_with('['));
             Ok(found)
         }
-        _ => Err(format!("{name}: cargo tree failed: {said}")),
+        _ => Err(format!("cargo tree {} failed: {said}", args.join(" "))),
     }
 }
 
@@ -224,7 +255,14 @@ fn direction(name: &str, direct: &[String], members: &[&str]) -> Vec<String> {
         return vec![format!("{name}: is new; say in xtask/src/tidy/crates.rs what it may build on")];
     };
     let ours = direct.iter().filter(|dep| members.contains(&dep.as_str()));
-    ours.filter(|dep| !may.contains(&dep.as_str())).map(|dep| format!("{name}: must not build on {dep}")).collect()
+    let mut findings: Vec<String> =
+        ours.filter(|dep| !may.contains(&dep.as_str())).map(|dep| format!("{name}: must not build on {dep}")).collect();
+    if *may != EVERYTHING {
+        let unused = may.iter().filter(|dep| !direct.iter().any(|used| used == *dep));
+        findings
+            .extend(unused.map(|dep| format!("{name}: may build on {dep} and does not; take that edge off the table")));
+    }
+    findings
 }
 
 fn tops(name: &str, direct: &[String]) -> Vec<String> {
@@ -275,7 +313,10 @@ mod tests {
     #[test]
     fn a_dependency_against_the_direction_is_found() {
         let members = ["linewright-nets", "linewright-line", "linewright-extra"];
-        assert!(direction("linewright-line", &list(&["linewright-nets", "miette"]), &members).is_empty());
+        let line = ["linewright-nets", "linewright-text", "miette"];
+        assert!(direction("linewright-line", &list(&line), &members).is_empty());
+        let unused = direction("linewright-line", &list(&line[1..]), &members);
+        assert!(unused.len() == 1 && unused[0].contains("does not"), "{unused:?}");
         assert_eq!(
             direction("linewright-nets", &list(&["linewright-line"]), &members),
             ["linewright-nets: must not build on linewright-line"]

@@ -6,6 +6,8 @@
 mod crates;
 mod documents;
 mod files;
+mod switched_off;
+mod unused;
 
 use std::path::{Path, PathBuf};
 
@@ -28,6 +30,8 @@ pub fn run(root: &Path) -> bool {
     let mut findings = files::check(root);
     findings.extend(crates::check(root, &members));
     findings.extend(documents::check(root, &members));
+    findings.extend(members.iter().flat_map(unused::check));
+    findings.extend(members.iter().flat_map(switched_off::check));
     if members.is_empty() {
         findings.push("Cargo.toml: no members found; is this the workspace?".to_owned());
     }

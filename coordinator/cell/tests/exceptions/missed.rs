@@ -9,17 +9,9 @@ use linewright_coordinator_cell::{
     PlayerInput, PlayerOutbox, PlayerState, RecordKind, Reply, TaskReport,
 };
 use linewright_line::{StationId, Tick};
+use linewright_random::Random;
 
 use super::bench::{STALE, table, workcell};
-
-struct Dice(u64);
-
-impl Dice {
-    fn below(&mut self, bound: u64) -> u64 {
-        self.0 = self.0.wrapping_mul(6_364_136_223_846_793_005).wrapping_add(1_442_695_040_888_963_407);
-        (self.0 >> 33) % bound
-    }
-}
 
 fn is_open(order: &OngoingOrder) -> bool {
     match order.state {
@@ -37,11 +29,11 @@ fn waited_for<'a>(state: &'a PlayerState, last: &'a [Tick]) -> impl Iterator<Ite
 
 /// How many orders were lost.
 fn play(seed: u64) -> usize {
-    let mut dice = Dice(seed.wrapping_mul(0x9E37_79B9_7F4A_7C15) | 1);
+    let mut dice = Random::new(seed);
     let (cell, table) = table(&workcell(), &[4, 4]);
     let mut last = vec![Tick::ZERO; cell.controllers.len()];
     // How often each is heard: some hardly ever.
-    let seldom: Vec<u64> = last.iter().map(|_| 2 + dice.below(40)).collect();
+    let seldom: Vec<usize> = last.iter().map(|_| 2 + dice.below(40)).collect();
     let mut out = PlayerOutbox::default();
     let mut player = Coordination::begin(PlayerState::new(table), Tick::ZERO, 1, &mut out).expect("a first life");
     let heard = TaskReport { memory: 1, ..TaskReport::default() };
@@ -50,14 +42,14 @@ fn play(seed: u64) -> usize {
     for step in 0..300 {
         let mut inputs = vec![PlayerInput::Starts(true)];
         for (at, last) in last.iter_mut().enumerate() {
-            if step == 0 || dice.below(seldom[at]) == 0 {
+            if step == 0 || dice.one_in(seldom[at]) {
                 *last = now;
                 inputs.push(PlayerInput::Station(StationId::at(at), &heard));
             }
         }
         let mut left = BTreeMap::new();
         for (key, (station, has_begun)) in std::mem::take(&mut told) {
-            let (runs, ends) = (!has_begun && dice.below(2) == 0, has_begun && dice.below(30) == 0);
+            let (runs, ends) = (!has_begun && dice.one_in(2), has_begun && dice.one_in(30));
             let reply = if ends { Reply::Ended(Outcome::Done) } else { Reply::Running };
             if runs || ends {
                 inputs.push(PlayerInput::Reply(station, key, reply));
@@ -86,8 +78,8 @@ fn play(seed: u64) -> usize {
         assert!(first.is_none_or(|first| wakes.is_some_and(|wakes| wakes <= first)), "{seed}: nobody wakes it");
         now = match wakes {
             // Exactly then, now and then.
-            Some(wakes) if wakes > now && dice.below(3) == 0 => wakes,
-            Some(_) | None => now + Duration::from_millis(1 + dice.below(300)),
+            Some(wakes) if wakes > now && dice.one_in(3) => wakes,
+            Some(_) | None => now + Duration::from_millis(1 + dice.below(300) as u64),
         };
     }
     lost

@@ -15,6 +15,7 @@ use linewright_coordinator_cell::schedule::{
 };
 use linewright_coordinator_cell::{HoldReason, ModeId, PartId, PlayerState, RecordKind};
 use linewright_line::Tick;
+use linewright_random::Random;
 
 use super::oracle::{least_tardiness, shortest};
 use super::shop::{ASSEMBLY, C1, Made, Shop};
@@ -168,11 +169,8 @@ fn schedules_are_as_little_late_as_can_be() {
 /// Workcells with times by chance: what is proved to be the shortest is.
 #[test]
 fn what_is_proved_is_the_optimum_of_random_cells() {
-    let mut seed = 12_345_u64;
-    let mut draw = move || {
-        seed = seed.wrapping_mul(6_364_136_223_846_793_005).wrapping_add(1_442_695_040_888_963_407);
-        1 + (seed >> 33) % 60
-    };
+    let mut random = Random::new(12_345);
+    let mut draw = || 1 + random.below(60);
     let (mut by_rules, mut proved) = (0, 0);
     for round in 0..24 {
         let mut text = String::new();

@@ -10,10 +10,10 @@ use linewright_line::Tick;
 use linewright_nets::NetBuilder;
 use linewright_nets::coloured::{Clause, ColouredBuilder, Guard, colour, id, proj};
 
-use super::dice::Dice;
 use super::plans::{Compiled, PARTS, TOKENS, ordered};
 use super::workcell::{self, Workcell};
 use super::world::{World, options};
+use linewright_random::Random as Dice;
 
 /// The cell of seed 000 in activities: loading is t1 to t3, unloading is t5 to t7.
 pub fn merged(waiting: [u32; 3]) -> Compiled {

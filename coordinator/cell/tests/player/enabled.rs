@@ -14,9 +14,9 @@ use linewright_nets::coloured::{
 };
 use linewright_nets::{Marking, NetBuilder};
 
-use super::dice::Dice;
 use super::plans::{Compiled, TOKENS, alone, immediate};
 use super::printed::{Variant, cell};
+use linewright_random::Random as Dice;
 
 /// A net of two basic domains whose arcs move one colour, the next one, or all of them; some of its modes are guarded.
 fn random_net(dice: &mut Dice) -> ColouredNet {

@@ -8,11 +8,11 @@ use linewright_coordinator_cell::{
 };
 use linewright_line::Tick;
 
-use super::dice::Dice;
 use super::plans::Compiled;
 use super::printed::{Variant, compiled, kind};
 use super::workcell::{self, Workcell};
 use super::world::{World, options};
+use linewright_random::Random as Dice;
 
 /// Where the ledger thinks a part is.
 #[derive(Clone, Debug, PartialEq)]

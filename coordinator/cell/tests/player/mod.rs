@@ -2,7 +2,6 @@
 //! whole runs with pretended stations, some of them killed at every step. Under `dispatch` the dispatcher with rules.
 
 mod crash;
-mod dice;
 mod dispatch;
 mod enabled;
 mod exceptions;

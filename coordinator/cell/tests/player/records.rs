@@ -8,10 +8,10 @@ use linewright_line::Tick;
 use linewright_simulation::cell::CellSimOptions;
 
 use super::crash::merged;
-use super::dice::Dice;
 use super::printed::{Variant, compiled};
 use super::workcell::{self, Workcell};
 use super::world::{World, options};
+use linewright_random::Random as Dice;
 
 const LONG: Tick = Tick::from_millis(3_600_000);
 

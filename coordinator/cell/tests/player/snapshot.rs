@@ -14,11 +14,11 @@ use linewright_nets::NetBuilder;
 use linewright_nets::coloured::ColouredBuilder;
 
 use super::crash::merged;
-use super::dice::Dice;
 use super::plans::{Compiled, PARTS, TOKENS, ordered};
 use super::printed::{Variant, compiled};
 use super::workcell::{self, Workcell};
 use super::world::{World, options};
+use linewright_random::Random as Dice;
 
 const LONG: Tick = Tick::from_millis(3_600_000);
 

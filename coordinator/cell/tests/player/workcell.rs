@@ -10,9 +10,9 @@ use linewright_coordinator_cell::{OrderKey, PartId};
 use linewright_nets::NetBuilder;
 use linewright_nets::coloured::ColouredBuilder;
 
-use super::dice::Dice;
 use super::plans::{Compiled, PARTS, TOKENS, alone, ordered};
 use super::world::World;
+use linewright_random::Random as Dice;
 
 pub struct Workcell {
     machines: usize,

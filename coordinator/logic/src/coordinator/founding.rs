@@ -8,6 +8,7 @@
 //! founding; the next such command begins another.
 
 use linewright_line::StationId;
+use linewright_random::mix;
 
 use super::{Coordinator, StationView};
 use crate::refusal::ModeRefusal;
@@ -102,12 +103,4 @@ impl Coordinator {
             self.changed = true;
         }
     }
-}
-
-/// Spreads the bits of a number (the finaliser of splitmix64): numbers drawn in other lives and epochs differ.
-const fn mix(number: u64) -> u64 {
-    let number = number.wrapping_add(0x9E37_79B9_7F4A_7C15);
-    let number = (number ^ (number >> 30)).wrapping_mul(0xBF58_476D_1CE4_E5B9);
-    let number = (number ^ (number >> 27)).wrapping_mul(0x94D0_49BB_1331_11EB);
-    number ^ (number >> 31)
 }

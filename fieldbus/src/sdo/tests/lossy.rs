@@ -1,5 +1,6 @@
 //! Frames that are lost, come twice, or come late: a transfer ends, and never with wrong bytes.
 
+use linewright_random::Random;
 use proptest::prelude::*;
 use proptest::test_runner::RngSeed;
 
@@ -24,30 +25,22 @@ impl Weather {
     }
 }
 
-/// SplitMix64.
-fn random(state: &mut u64) -> u64 {
-    *state = state.wrapping_add(0x9E37_79B9_7F4A_7C15);
-    let mixed = (*state ^ *state >> 30).wrapping_mul(0xBF58_476D_1CE4_E5B9);
-    let mixed = (mixed ^ mixed >> 27).wrapping_mul(0x94D0_49BB_1331_11EB);
-    mixed ^ mixed >> 31
-}
-
 fn mode() -> impl Strategy<Value = Mode> {
     prop::sample::select(vec![Mode::Auto, Mode::Segmented, Mode::Block])
 }
 
 /// Carries out one transfer and checks it; whether it succeeded.
 fn transfer(len: usize, write: bool, mode: Mode, weather: Weather, seed: u64) -> bool {
-    let mut seed = seed;
+    let mut random = Random::new(seed);
     let old = vec![0xEE; 9];
-    let data: Vec<u8> = (0..len).map(|_| random(&mut seed) as u8).collect();
+    let data: Vec<u8> = (0..len).map(|_| random.next() as u8).collect();
     let (client, store) = if write {
         (Client::download(OTHER, &*data, options(mode)), Store::with(OTHER, &old))
     } else {
         (Client::upload(OTHER, options(mode)), Store::with(OTHER, &data))
     };
     let mut pair = Pair::new(client, store);
-    let result = pair.run_with(|_| weather.fate(random(&mut seed)));
+    let result = pair.run_with(|_| weather.fate(random.next()));
     let held = &pair.store.objects[&OTHER];
     match &result {
         Ok(read) if !write => assert_eq!(read, &data, "{:?}", pair.log),

@@ -1,9 +1,11 @@
 //! Against the slow and obvious exploration, on thousands of nets and every way to store them.
 
+use linewright_random::Random;
+
 use super::bitmap::BitmapLayout;
 use super::encoding::MarkingEncoding;
 use super::table::MarkingTable;
-use super::testnets::{Dice, any};
+use super::testnets::any;
 use super::*;
 use crate::reach::{self, Reachability, StateId, explore};
 use crate::{FireError, Marking, TransitionId};
@@ -130,8 +132,8 @@ impl ReferenceResult {
 }
 
 fn nets(seed: u64, count: usize) -> impl Iterator<Item = Net> {
-    let mut dice = Dice(seed);
-    (0..count).map(move |_| any(&mut dice))
+    let mut random = Random::new(seed);
+    (0..count).map(move |_| any(&mut random))
 }
 
 #[test]
@@ -207,16 +209,16 @@ fn too_few_bytes_are_said_not_exceeded() {
 
 #[test]
 fn what_is_found_is_found_by_a_shortest_way() {
-    let mut dice = Dice(4);
+    let mut random = Random::new(4);
     for net in nets(5, 1500) {
         let Ok(explored) = explore(&net, ENOUGH) else { continue };
         let truth = ReferenceResult::of(explored);
-        let wanted = &truth.explored.states()[dice.below(truth.futures.len() as u64) as usize];
+        let wanted = &truth.explored.states()[random.below(truth.futures.len())];
         let found = find_marking(&net, &limits(1000), wanted).unwrap().expect("it is reachable");
         assert_eq!(found.marking, *wanted);
         truth.compare_path(&net, &found);
         // A marking that may not be reachable.
-        let other = Marking::from_tokens(net.places().map(|_| dice.below(4) as u32));
+        let other = Marking::from_tokens(net.places().map(|_| random.below(4) as u32));
         let reachable = truth.explored.states().contains(&other);
         assert_eq!(find_marking(&net, &limits(1000), &other).unwrap().is_some(), reachable, "{net}");
         // The first state with a property.

@@ -6,15 +6,16 @@ use linewright_nets::coloured::{
     BasicId, ColouredBuilder, ColouredNet, ColouredReachLimits, Colours, Comparison, Domain, Guard, NetMode, compare,
     component, explore, id, proj, unfold,
 };
+use linewright_random::Random;
 
-use super::slow::{Dice, Fun, Raw, function, tuples};
+use super::slow::{Fun, Raw, function, tuples};
 
 /// The weights of a random place-flow: for some places a function into a common domain, some of them negative.
-fn weights(dice: &mut Dice, raw: &Raw, target: &[usize]) -> Vec<(usize, Fun)> {
+fn weights(random: &mut Random, raw: &Raw, target: &[usize]) -> Vec<(usize, Fun)> {
     let mut found = Vec::new();
     for (place, domain) in raw.places.iter().enumerate() {
-        if let Some(fun) = function(dice, domain, target, &raw.sizes).filter(|_| !dice.one_in(4)) {
-            found.push((place, if dice.one_in(4) { Fun::Times(-1, Box::new(fun)) } else { fun }));
+        if let Some(fun) = function(random, domain, target, &raw.sizes).filter(|_| !random.one_in(4)) {
+            found.push((place, if random.one_in(4) { Fun::Times(-1, Box::new(fun)) } else { fun }));
         }
     }
     found
@@ -24,13 +25,13 @@ fn weights(dice: &mut Dice, raw: &Raw, target: &[usize]) -> Vec<(usize, Fun)> {
 /// unfolding; and its value is then the same in every reachable marking.
 #[test]
 fn a_place_flow_is_one_of_the_unfolding() {
-    let mut dice = Dice(1590);
+    let mut random = Random::new(1590);
     let (mut holds, mut broken, mut by_modes) = (0, 0, 0);
     for _ in 0..4000 {
-        let raw = Raw::random(&mut dice);
+        let raw = Raw::random(&mut random);
         let net = raw.build();
-        let target: Vec<usize> = (0..dice.below(2)).map(|_| dice.below(raw.sizes.len())).collect();
-        let weights = weights(&mut dice, &raw, &target);
+        let target: Vec<usize> = (0..random.below(2)).map(|_| random.below(raw.sizes.len())).collect();
+        let weights = weights(&mut random, &raw, &target);
         let sizes: Vec<u32> = target.iter().map(|&basic| raw.sizes[basic]).collect();
         let domain = Domain::Product(target.iter().map(|&b| BasicId(b as u32)).collect());
         let real = weights.iter().map(|(place, fun)| (linewright_nets::PlaceId(*place as u32), fun.real()));
@@ -113,17 +114,17 @@ fn a_weighting_that_makes_no_sense_is_refused() {
 /// closed walks, so that many are.
 #[test]
 fn a_transition_flow_is_one_of_the_unfolding() {
-    let mut dice = Dice(1609);
+    let mut random = Random::new(1609);
     let (mut closed, mut open) = (0, 0);
     for _ in 0..2000 {
-        let net = Raw::random(&mut dice).build();
+        let net = Raw::random(&mut random).build();
         let Ok(reached) = explore(&net, ColouredReachLimits::states(100)) else { continue };
         let unfolded = unfold(&net, Colours::All, 10_000).unwrap();
         let mut marking = net.initial_marking();
         let mut modes: Vec<NetMode> = Vec::new();
         for _ in 0..8 {
             let here = reached.find(&marking).unwrap();
-            let Some(step) = Some(reached.steps_from(here)).filter(|s| !s.is_empty()).map(|s| *dice.pick(s)) else {
+            let Some(step) = Some(reached.steps_from(here)).filter(|s| !s.is_empty()).map(|s| *random.pick(s)) else {
                 break;
             };
             marking = reached.marking(step.to);
@@ -144,10 +145,10 @@ fn a_transition_flow_is_one_of_the_unfolding() {
 /// Conflicts are what their definition says (L2777-2782), and modes that can fire together can fire in any order.
 #[test]
 fn conflicts_and_joint_firing_follow_their_definitions() {
-    let mut dice = Dice(2777);
+    let mut random = Random::new(2777);
     let (mut torn, mut together) = (0, 0);
     for _ in 0..2000 {
-        let net = Raw::random(&mut dice).build();
+        let net = Raw::random(&mut random).build();
         let marking = net.initial_marking();
         let enabled = net.enabled(&marking);
         let conflicts = net.conflicts(&marking);

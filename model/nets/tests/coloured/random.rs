@@ -7,8 +7,9 @@ use linewright_nets::coloured::{
     Colours, NetMode, UnfoldError, Unfolding, explore, unfold,
 };
 use linewright_nets::{NetBuilder, PlaceId, ReachLimit, Reachability, StateId};
+use linewright_random::Random;
 
-use super::slow::{Dice, Fun, Raw, Tuple, function, tuples};
+use super::slow::{Fun, Raw, Tuple, function, tuples};
 
 /// Most random nets have fewer states; those with more must be undecided in both.
 const LIMIT: usize = 300;
@@ -33,10 +34,10 @@ fn effect(net: &ColouredNet, mode: NetMode) -> [BTreeMap<(usize, Tuple), i64>; 2
 /// The enabled modes of every visited marking, and what firing them does, are what walking over all colours finds.
 #[test]
 fn enabled_modes_and_firing_are_what_walking_over_all_colours_finds() {
-    let mut dice = Dice(14);
+    let mut random = Random::new(14);
     let (mut checked, mut fired) = (0, 0);
     for _ in 0..3000 {
-        let raw = Raw::random(&mut dice);
+        let raw = Raw::random(&mut random);
         let net = raw.build();
         assert_eq!(slow(&net, &net.initial_marking()), raw.start());
         let mut marking = net.initial_marking();
@@ -70,7 +71,7 @@ fn enabled_modes_and_firing_are_what_walking_over_all_colours_finds() {
             if all.is_empty() {
                 break;
             }
-            let mode = *dice.pick(&all);
+            let mode = *random.pick(&all);
             net.fire(&mut marking, mode).unwrap();
             fired += 1;
         }
@@ -127,10 +128,10 @@ fn tones(net: &ColouredNet, place: PlaceId, colour: u32) -> Tuple {
 /// can occur; and what is undecided for the one is undecided for the other, after as many states.
 #[test]
 fn exploring_directly_and_exploring_the_unfolding_agree() {
-    let mut dice = Dice(788);
+    let mut random = Random::new(788);
     let (mut decided, mut undecided, mut dropped) = (0, 0, 0);
     for _ in 0..4000 {
-        let net = Raw::random(&mut dice).build();
+        let net = Raw::random(&mut random).build();
         let direct = explore(&net, ColouredReachLimits::states(LIMIT));
         let all = unfold(&net, Colours::All, 10_000).unwrap();
         let used = match unfold(&net, Colours::Reachable, 10_000) {
@@ -169,14 +170,14 @@ fn exploring_directly_and_exploring_the_unfolding_agree() {
 /// Random functions, with compositions and sums, against the step-by-step evaluation on tuples.
 #[test]
 fn functions_are_what_step_by_step_evaluation_gives() {
-    let mut dice = Dice(823);
+    let mut random = Random::new(823);
     let mut moved = 0;
     for _ in 0..4000 {
-        let sizes: Vec<u32> = (0..3).map(|_| 1 + dice.below(4) as u32).collect();
+        let sizes: Vec<u32> = (0..3).map(|_| 1 + random.below(4) as u32).collect();
         let [from, middle, to] =
-            [3, 3, 3].map(|most| (0..dice.below(most + 1)).map(|_| dice.below(3)).collect::<Vec<_>>());
-        let Some(first) = function(&mut dice, &from, &middle, &sizes) else { continue };
-        let Some(last) = function(&mut dice, &middle, &to, &sizes) else { continue };
+            [3, 3, 3].map(|most| (0..random.below(most + 1)).map(|_| random.below(3)).collect::<Vec<_>>());
+        let Some(first) = function(&mut random, &from, &middle, &sizes) else { continue };
+        let Some(last) = function(&mut random, &middle, &to, &sizes) else { continue };
         let fun = Fun::After(Box::new(last), Box::new(first));
 
         let mut b = ColouredBuilder::new("function");
@@ -199,11 +200,11 @@ fn functions_are_what_step_by_step_evaluation_gives() {
 /// succ and pred by the same number undo each other, for every colour, in either order; x turns of a ring of x are none.
 #[test]
 fn successor_and_predecessor_are_inverse() {
-    let mut dice = Dice(809);
+    let mut random = Random::new(809);
     for _ in 0..1000 {
-        let sizes: Vec<u32> = (0..1 + dice.below(3)).map(|_| 1 + dice.below(5) as u32).collect();
-        let k = 1 + dice.below(sizes.len()) as u32;
-        let by = dice.below(12) as u32;
+        let sizes: Vec<u32> = (0..1 + random.below(3)).map(|_| 1 + random.below(5) as u32).collect();
+        let k = 1 + random.below(sizes.len()) as u32;
+        let by = random.below(12) as u32;
         let turn = sizes[k as usize - 1];
         let mut b = ColouredBuilder::new("inverse");
         let basics: Vec<_> = (0..).zip(&sizes).map(|(i, &size)| b.basic(format!("B{i}"), size)).collect();
@@ -229,18 +230,18 @@ fn successor_and_predecessor_are_inverse() {
 /// A net with nothing but <•> unfolds to the net it was made from: names, arcs, weights and marking.
 #[test]
 fn an_uncoloured_net_unfolds_to_itself() {
-    let mut dice = Dice(815);
+    let mut random = Random::new(815);
     for _ in 0..1000 {
         let mut b = NetBuilder::new("ordinary");
-        let p: Vec<_> = (0..1 + dice.below(5)).map(|i| b.place(format!("p{i}"), dice.below(4) as u32)).collect();
-        for i in 0..dice.below(6) {
+        let p: Vec<_> = (0..1 + random.below(5)).map(|i| b.place(format!("p{i}"), random.below(4) as u32)).collect();
+        for i in 0..random.below(6) {
             let t = b.transition(format!("t{i}"));
             for &p in &p {
-                if dice.one_in(3) {
-                    b.input(t, p, 1 + dice.below(3) as u32);
+                if random.one_in(3) {
+                    b.input(t, p, 1 + random.below(3) as u32);
                 }
-                if dice.one_in(3) {
-                    b.output(t, p, 1 + dice.below(3) as u32);
+                if random.one_in(3) {
+                    b.output(t, p, 1 + random.below(3) as u32);
                 }
             }
         }

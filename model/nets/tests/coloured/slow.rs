@@ -9,27 +9,7 @@ use linewright_nets::coloured::{
     BasicId, Clause, ColouredBuilder, ColouredNet, Comparison, Domain, Function, Guard, abs, compare, component, id,
     pred, proj, ring, succ,
 };
-
-/// Numbers that look random and are the same on every run (Steele and others, SplitMix64, 2014).
-pub struct Dice(pub u64);
-
-impl Dice {
-    pub fn below(&mut self, n: usize) -> usize {
-        self.0 = self.0.wrapping_add(0x9e37_79b9_7f4a_7c15);
-        let mut z = self.0;
-        z = (z ^ (z >> 30)).wrapping_mul(0xbf58_476d_1ce4_e5b9);
-        z = (z ^ (z >> 27)).wrapping_mul(0x94d0_49bb_1331_11eb);
-        ((z ^ (z >> 31)) % n as u64) as usize
-    }
-
-    pub fn one_in(&mut self, n: usize) -> bool {
-        self.below(n) == 0
-    }
-
-    pub fn pick<'a, T>(&mut self, all: &'a [T]) -> &'a T {
-        &all[self.below(all.len())]
-    }
-}
+use linewright_random::Random;
 
 pub type Tuple = Vec<u32>;
 pub type Bag = BTreeMap<Tuple, i64>;
@@ -144,16 +124,16 @@ pub struct RawTransition {
 }
 
 impl Raw {
-    pub fn random(dice: &mut Dice) -> Raw {
-        let sizes: Vec<u32> = (0..1 + dice.below(3)).map(|_| 1 + dice.below(3) as u32).collect();
-        let places: Vec<Vec<usize>> = (0..1 + dice.below(4)).map(|_| domain(dice, sizes.len())).collect();
-        let transitions = (0..1 + dice.below(4)).map(|_| transition(dice, &sizes, &places)).collect();
-        let token = |dice: &mut Dice| {
-            let place = dice.below(places.len());
-            let tones = places[place].iter().map(|&basic| 1 + dice.below(sizes[basic] as usize) as u32).collect();
-            (place, tones, 1 + dice.below(2) as u32)
+    pub fn random(random: &mut Random) -> Raw {
+        let sizes: Vec<u32> = (0..1 + random.below(3)).map(|_| 1 + random.below(3) as u32).collect();
+        let places: Vec<Vec<usize>> = (0..1 + random.below(4)).map(|_| domain(random, sizes.len())).collect();
+        let transitions = (0..1 + random.below(4)).map(|_| transition(random, &sizes, &places)).collect();
+        let token = |random: &mut Random| {
+            let place = random.below(places.len());
+            let tones = places[place].iter().map(|&basic| 1 + random.below(sizes[basic] as usize) as u32).collect();
+            (place, tones, 1 + random.below(2) as u32)
         };
-        let tokens = (0..dice.below(5)).map(|_| token(dice)).collect();
+        let tokens = (0..random.below(5)).map(|_| token(random)).collect();
         Raw { sizes, places, transitions, tokens }
     }
 
@@ -268,65 +248,65 @@ pub fn tuples(sizes: &[u32]) -> Vec<Tuple> {
     all
 }
 
-fn domain(dice: &mut Dice, basics: usize) -> Vec<usize> {
-    (0..dice.below(3)).map(|_| dice.below(basics)).collect()
+fn domain(random: &mut Random, basics: usize) -> Vec<usize> {
+    (0..random.below(3)).map(|_| random.below(basics)).collect()
 }
 
-fn transition(dice: &mut Dice, sizes: &[u32], places: &[Vec<usize>]) -> RawTransition {
-    let declared = (!dice.one_in(3)).then(|| domain(dice, sizes.len()));
+fn transition(random: &mut Random, sizes: &[u32], places: &[Vec<usize>]) -> RawTransition {
+    let declared = (!random.one_in(3)).then(|| domain(random, sizes.len()));
     let domain = declared.clone().unwrap_or_else(|| (0..sizes.len()).collect());
-    let arcs = |dice: &mut Dice, most: usize| {
+    let arcs = |random: &mut Random, most: usize| {
         let mut arcs = BTreeMap::new();
-        for _ in 0..dice.below(most + 1) {
-            let place = dice.below(places.len());
-            if let Some(fun) = function(dice, &domain, &places[place], sizes) {
+        for _ in 0..random.below(most + 1) {
+            let place = random.below(places.len());
+            if let Some(fun) = function(random, &domain, &places[place], sizes) {
                 arcs.insert(place, fun);
             }
         }
         arcs
     };
     // Some input nearly always, or the net has no end.
-    let mut inputs = arcs(dice, 2);
-    if inputs.is_empty() && !dice.one_in(20) {
-        inputs = arcs(dice, 3);
+    let mut inputs = arcs(random, 2);
+    if inputs.is_empty() && !random.one_in(20) {
+        inputs = arcs(random, 3);
     }
-    let outputs = arcs(dice, 2);
-    let guard = (!domain.is_empty() && dice.one_in(2)).then(|| clauses(dice, &domain, sizes));
+    let outputs = arcs(random, 2);
+    let guard = (!domain.is_empty() && random.one_in(2)).then(|| clauses(random, &domain, sizes));
     RawTransition { domain: declared, inputs, outputs, guard }
 }
 
 /// A function from one domain to another, if they have the components for it.
-pub fn function(dice: &mut Dice, from: &[usize], to: &[usize], sizes: &[u32]) -> Option<Fun> {
+pub fn function(random: &mut Random, from: &[usize], to: &[usize], sizes: &[u32]) -> Option<Fun> {
     let mut terms = Vec::new();
-    for _ in 0..if dice.one_in(4) { 2 } else { 1 } {
+    for _ in 0..if random.one_in(4) { 2 } else { 1 } {
         let mut ks = Vec::new();
         for basic in to {
             let same: Vec<u32> = (1..).zip(from).filter(|(_, of)| *of == basic).map(|(k, _)| k).collect();
-            ks.push(*same.get(dice.below(same.len().max(1)))?);
+            ks.push(*same.get(random.below(same.len().max(1)))?);
         }
-        let identity = from == to && dice.one_in(2);
+        let identity = from == to && random.one_in(2);
         let base = if identity {
             Fun::Id
-        } else if to.is_empty() && dice.one_in(2) {
+        } else if to.is_empty() && random.one_in(2) {
             Fun::Abs
         } else {
             Fun::Proj(ks)
         };
-        let base = turned(dice, from, base, true, sizes);
-        let base = turned(dice, to, base, false, sizes);
-        terms.push(if dice.one_in(4) { Fun::Times(2, Box::new(base)) } else { base });
+        let base = turned(random, from, base, true, sizes);
+        let base = turned(random, to, base, false, sizes);
+        terms.push(if random.one_in(4) { Fun::Times(2, Box::new(base)) } else { base });
     }
     Some(if terms.len() == 1 { terms.remove(0) } else { Fun::Sum(terms) })
 }
 
 /// Sometimes with a successor, predecessor or ring before it (on `domain`, its argument) or after it (its result).
-fn turned(dice: &mut Dice, domain: &[usize], fun: Fun, before: bool, sizes: &[u32]) -> Fun {
-    if domain.is_empty() || !dice.one_in(3) {
+fn turned(random: &mut Random, domain: &[usize], fun: Fun, before: bool, sizes: &[u32]) -> Fun {
+    if domain.is_empty() || !random.one_in(3) {
         return fun;
     }
-    let k = 1 + dice.below(domain.len()) as u32;
-    let by = dice.below(2 * sizes[domain[k as usize - 1]] as usize + 1) as u32;
-    let turn = match dice.below(8) {
+    let k = 1 + random.below(domain.len()) as u32;
+    let by = random.below(2 * sizes[domain[k as usize - 1]] as usize + 1) as u32;
+    let turn = match random.below(8) {
         0 => Fun::Ring(k),
         1..=4 => Fun::Succ(k, by),
         _ => Fun::Pred(k, by),
@@ -334,7 +314,7 @@ fn turned(dice: &mut Dice, domain: &[usize], fun: Fun, before: bool, sizes: &[u3
     if before { Fun::After(Box::new(fun), Box::new(turn)) } else { Fun::After(Box::new(turn), Box::new(fun)) }
 }
 
-fn clauses(dice: &mut Dice, domain: &[usize], sizes: &[u32]) -> Vec<Comparisons> {
+fn clauses(random: &mut Random, domain: &[usize], sizes: &[u32]) -> Vec<Comparisons> {
     let comparisons = [
         Comparison::Equal,
         Comparison::NotEqual,
@@ -343,15 +323,15 @@ fn clauses(dice: &mut Dice, domain: &[usize], sizes: &[u32]) -> Vec<Comparisons>
         Comparison::Greater,
         Comparison::GreaterOrEqual,
     ];
-    let atom = |dice: &mut Dice| {
-        let k = dice.below(domain.len());
-        let left = Side::Component(k as u32 + 1, dice.below(5) as i64 - 2);
-        let right = if dice.one_in(2) {
-            Side::Component(1 + dice.below(domain.len()) as u32, dice.below(3) as i64 - 1)
+    let atom = |random: &mut Random| {
+        let k = random.below(domain.len());
+        let left = Side::Component(k as u32 + 1, random.below(5) as i64 - 2);
+        let right = if random.one_in(2) {
+            Side::Component(1 + random.below(domain.len()) as u32, random.below(3) as i64 - 1)
         } else {
-            Side::Number(1 + dice.below(sizes[domain[k]] as usize) as i64)
+            Side::Number(1 + random.below(sizes[domain[k]] as usize) as i64)
         };
-        (left, *dice.pick(&comparisons), right)
+        (left, *random.pick(&comparisons), right)
     };
-    (0..1 + dice.below(2)).map(|_| (0..1 + dice.below(2)).map(|_| atom(dice)).collect()).collect()
+    (0..1 + random.below(2)).map(|_| (0..1 + random.below(2)).map(|_| atom(random)).collect()).collect()
 }

@@ -5,10 +5,10 @@
 //! outside the stretches' inside, some operations run side by side, and some are irreversible.
 
 use linewright_line::{Conflict, Line, OpId, Span, Station, StationId};
+use linewright_random::Random;
 
 use super::build::{Op, arrow, beside, i, line, r, station};
 use super::lines::without_haste;
-use super::search::Random;
 
 /// A line of two or three stations; the same for the same seed. `None` where the home positions contradict an arrow:
 /// an operation that counts as done at home although its cause does not. Taking such an operation back leads behind
@@ -48,12 +48,12 @@ fn arranged(seed: u64) -> Line {
 
 fn random_station(n: u16, random: &mut Random, spans: &mut Vec<(u16, u16)>) -> Station {
     let length = 2 + random.below(4) as u16;
-    let from = random.below(u64::from(length)) as u16;
-    let until = from + random.below(u64::from(length - from)) as u16;
+    let from = random.below(length.into()) as u16;
+    let until = from + random.below((length - from).into()) as u16;
     spans.push((from, until));
     // Home is where the station is outside its stretch: `until` complete, or anything beyond it either way.
     let outside: Vec<u16> = (0..length).filter(|&h| h < from || h >= until).collect();
-    let home = outside[random.below(outside.len() as u64) as usize];
+    let home = *random.pick(&outside);
     let ops: Vec<Op> = (0..length).map(|op| random_op(op, home, length, (from, until), random)).collect();
     station(&format!("s{n}"), usize::from(home), &ops, n * 10, false)
 }

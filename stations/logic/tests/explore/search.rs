@@ -2,6 +2,8 @@
 
 use std::collections::{HashSet, VecDeque};
 
+use linewright_random::Random;
+
 use super::actions::{Action, apply, possible, text};
 use super::oracle::violation;
 use super::world::{Setting, World};
@@ -126,30 +128,13 @@ fn pick(actions: &[Action], random: &mut Random) -> Option<Action> {
         Action::Mode(..) | Action::Step(_) => 2,
         Action::Fail(..) | Action::Restart(_) | Action::Forget(_) => 1,
     };
-    let mut left = random.below(actions.iter().map(weight).sum::<u64>().max(1));
+    let mut left = random.below(actions.iter().map(weight).sum());
     actions.iter().copied().find(|action| {
         let weight = weight(action);
         let here = left < weight;
         left = left.saturating_sub(weight);
         here
     })
-}
-
-/// xorshift64*: repeatable, and good enough to stroll.
-pub struct Random(u64);
-
-impl Random {
-    pub fn new(seed: u64) -> Self {
-        // Spread, so that neighbouring seeds do not begin alike.
-        Random(seed.wrapping_add(1).wrapping_mul(0x9E37_79B9_7F4A_7C15) | 1)
-    }
-
-    pub fn below(&mut self, bound: u64) -> u64 {
-        self.0 ^= self.0 >> 12;
-        self.0 ^= self.0 << 25;
-        self.0 ^= self.0 >> 27;
-        (self.0.wrapping_mul(0x2545_F491_4F6C_DD1D) >> 33) % bound
-    }
 }
 
 /// The way as numbered steps in words, each with what the station says about it.

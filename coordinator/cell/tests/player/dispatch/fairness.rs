@@ -10,8 +10,8 @@ use linewright_coordinator_cell::{HoldReason, PartId, PartPlace, RecordKind};
 use linewright_line::Tick;
 
 use super::solo::{ByName, compiled, lines, play, seconds, starts};
-use crate::player::dice::Dice;
 use crate::player::plans::{Compiled, alone};
+use linewright_random::Random as Dice;
 
 /// Ten minutes.
 const LONG: Tick = Tick::from_millis(600_000);

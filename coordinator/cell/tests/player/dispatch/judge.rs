@@ -14,12 +14,12 @@ use linewright_line::Tick;
 use linewright_nets::Marking;
 use linewright_nets::coloured::ColouredNet;
 
-use crate::player::dice::Dice;
 use crate::player::enabled::moves;
 use crate::player::plans::Compiled;
 use crate::player::printed::{Variant, compiled};
 use crate::player::workcell::{self, Workcell};
 use crate::player::world::World;
+use linewright_random::Random as Dice;
 
 /// Asks a dispatcher and judges what it says.
 struct Judge {
